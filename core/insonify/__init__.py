@@ -1,0 +1,1 @@
+"""Side-scan sonar simulation: scene in, record out."""

@@ -1,0 +1,1 @@
+"""All Numba and nothing else; sees arrays and NamedTuples, never a Scene."""

@@ -1,0 +1,28 @@
+"""What there is: frozen, validated declarations, and TOML in and out."""
+
+from insonify.scene.base import SceneError
+from insonify.scene.edit import build, edit, plain, read_setting
+from insonify.scene.files import (
+    DEFAULT_SCENE,
+    bundled_scenes,
+    load_scene,
+    resources,
+    scene_from_toml,
+    scene_to_toml,
+)
+from insonify.scene.scene import Scene
+
+__all__ = [
+    "DEFAULT_SCENE",
+    "Scene",
+    "SceneError",
+    "build",
+    "bundled_scenes",
+    "edit",
+    "load_scene",
+    "plain",
+    "read_setting",
+    "resources",
+    "scene_from_toml",
+    "scene_to_toml",
+]

@@ -1,0 +1,67 @@
+"""What every declaration shares: frozen, validated, one place for a parameter's bounds, unit and description."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+
+class SceneError(ValueError):
+    """A mistake in a scene, said in one sentence that names the field, the value and the remedy."""
+
+
+class Declaration(BaseModel):
+    """A frozen part of a scene; unknown keys, NaN and values out of bounds are refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
+
+
+class Choice(Declaration):
+    """A declaration picked by its ``kind``; a bare name stands for ``{ kind = name }``."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_alone(cls, value: Any) -> Any:
+        return {"kind": value} if isinstance(value, str) else value
+
+
+def parameter(
+    default: Any = ...,
+    *,
+    unit: str = "",
+    description: str,
+    slider: tuple[float, float] | None = None,
+    log: bool = False,
+    **bounds: Any,
+) -> Any:
+    """Declare one scene parameter.
+
+    Parameters
+    ----------
+    default : object, optional
+        Value when the scene does not say; required when left out.
+    unit : str
+        Unit as printed beside the number, empty for a pure number.
+    description : str
+        One line for tooltips, documentation and messages.
+    slider : (float, float), optional
+        Useful range of a slider; the bounds may be wider.
+    log : bool
+        Whether a slider moves in equal ratios.
+    **bounds
+        Pydantic constraints (``gt``, ``ge``, ``lt``, ``le``, ``min_length`` ...).
+    """
+    extra: dict[str, Any] = {"unit": unit, "log": log}
+    if slider is not None:
+        extra["slider"] = list(slider)
+    return Field(default, description=description, json_schema_extra=extra, **bounds)
+
+
+def kind_of(value: Any, default: str) -> str:
+    """Read the ``kind`` of a raw or validated choice, for pydantic's discriminators."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, dict):
+        return str(value.get("kind", default))
+    return str(getattr(value, "kind", default))

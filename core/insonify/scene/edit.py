@@ -1,0 +1,228 @@
+"""Make scenes: from plain values, from edits of another scene; say what is wrong in one sentence."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from insonify.scene.base import SceneError
+from insonify.scene.scene import Scene
+
+
+def build(values: Mapping[str, Any]) -> Scene:
+    """Validate plain values into a scene.
+
+    Raises
+    ------
+    SceneError
+        One sentence with the field, the value and the remedy.
+    """
+    try:
+        return Scene.model_validate(dict(values))
+    except ValidationError as error:
+        raise SceneError(_sentence(error)) from None
+
+
+def plain(scene: Scene) -> dict[str, Any]:
+    """Spell a scene out as TOML-ready values; fields that are None are left out, for TOML has no null."""
+    return scene.model_dump(mode="json", exclude_none=True)
+
+
+def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+    """Apply all changes, then validate the whole.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene to start from; it is left as it was.
+    changes : mapping of str to object
+        New values by dotted path, list positions as numbers: ``{"seabed.relief.peaks.0.1": 4.0}``.
+        Changing a ``kind`` keeps the fields both kinds share. None returns an optional field to its default.
+
+    Raises
+    ------
+    SceneError
+        One sentence with the field, the value and the remedy.
+    """
+    values = plain(scene)
+    # A kind decides which fields exist, so kinds go first whatever the order given.
+    for path in sorted(changes, key=lambda path: not path.endswith("kind")):
+        _put(values, path, changes[path])
+    return build(_drop_foreign_fields(values))
+
+
+def read_setting(text: str) -> tuple[str, Any]:
+    """Split ``path.to.field=value``; the value is TOML, and anything that is not stands for its own text."""
+    path, equals, literal = text.partition("=")
+    path = path.strip()
+    if not equals or not path:
+        raise SceneError(f"--set {text!r} is not of the form path.to.field=value; write for example sonar.range=75")
+    try:
+        value = tomllib.loads(f"value = {literal}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = literal.strip()
+    return path, value
+
+
+def _put(values: dict[str, Any], path: str, value: Any) -> None:
+    """Set one dotted path in nested plain values."""
+    *parents, last = path.split(".")
+    place: Any = values
+    walked: list[str] = []
+    for key in parents:
+        walked.append(key)
+        child = _child(place, key, path)
+        if child is None or not isinstance(child, (dict, list)):
+            child = _expanded(walked, child)
+            place[key if isinstance(place, dict) else int(key)] = child
+        place = child
+    if isinstance(place, list):
+        _child(place, last, path)
+        place[int(last)] = value
+    elif value is None:
+        place.pop(last, None)
+    elif last == "kind" and place.get("kind") not in (None, value):
+        place["kind"] = _Switched(value)
+    else:
+        place[last] = value
+
+
+class _Switched(str):
+    """A kind just changed: fields of the old kind that the new one lacks may be dropped."""
+
+
+def _child(place: Any, key: str, path: str) -> Any:
+    if isinstance(place, dict):
+        return place.get(key)
+    if not key.lstrip("-").isdigit() or not 0 <= int(key) < len(place):
+        raise SceneError(f"{path}: there is no item {key!r}; the list has {len(place)}, numbered from 0")
+    return place[int(key)]
+
+
+def _expanded(walked: list[str], value: Any) -> dict[str, Any]:
+    """Turn a bare name on the way down a path into the table it stands for."""
+    if isinstance(value, str):
+        return {"name" if walked[-1] == "material" else "kind": value}
+    return {}
+
+
+def _drop_foreign_fields(values: dict[str, Any]) -> dict[str, Any]:
+    """Drop what the new kind of a switched choice does not know."""
+    return {key: _shared_fields(child, Scene, key) for key, child in values.items()}
+
+
+def _shared_fields(value: Any, parent: type[BaseModel], key: str) -> Any:
+    models = models_of(parent, key)
+    if isinstance(value, list):
+        return [_shared_fields(item, parent, key) for item in value]
+    if not isinstance(value, dict):
+        return value
+    kind = value.get("kind")
+    model = next((model for model in models if kind_name(model) == kind), models[0] if models else None)
+    if model is None:
+        return value
+    kept = {
+        name: _shared_fields(child, model, name)
+        for name, child in value.items()
+        if not isinstance(kind, _Switched) or name in model.model_fields
+    }
+    return kept | {"kind": str(kind)} if isinstance(kind, _Switched) else kept
+
+
+def kind_name(model: type[BaseModel]) -> str | None:
+    """Return the ``kind`` by which a declaration is picked, None for one that is not a choice."""
+    field = model.model_fields.get("kind")
+    return None if field is None else str(field.default)
+
+
+def models_of(parent: type[BaseModel], field: str) -> list[type[BaseModel]]:
+    """List the declarations a field can hold, in the order declared; empty for plain numbers and names."""
+    if field not in parent.model_fields:
+        return []
+    found: list[type[BaseModel]] = []
+    pending: list[Any] = [parent.model_fields[field].annotation]
+    while pending:
+        annotation = pending.pop(0)
+        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+            found.append(annotation)
+        else:
+            pending.extend(getattr(annotation, "__args__", ()))
+    return found
+
+
+def _sentence(error: ValidationError) -> str:
+    """Say the first fault in one sentence: field, value, remedy."""
+    fault = error.errors()[0]
+    path = _path(fault["loc"])
+    where = path or "scene"
+    kind, value = fault["type"], fault["input"]
+    context = fault.get("ctx", {})
+    if kind == "extra_forbidden":
+        return f"{where}: unknown key; {_nearest(fault['loc'])}"
+    if kind == "missing":
+        return f"{where}: is missing; add it"
+    if kind.startswith("union_tag"):
+        expected = str(context.get("expected_tags", "")).replace("'", "")
+        given = value.get("kind", "nothing") if isinstance(value, dict) else value
+        return f"{where}.kind: {given!r} is not a kind known here; choose one of {expected}"
+    if kind == "value_error":
+        text = str(context["error"])
+        return f"{where}: {_shown(value)} {text}" if text.startswith(("is ", "must ")) else f"{where}: {text}"
+    if kind == "literal_error":
+        return f"{where}: {_shown(value)} is not known; choose {context['expected']}"
+    if kind in _BOUNDS:
+        bound = context[_BOUNDS[kind][0]]
+        return f"{where}: {_shown(value)} is out of bounds; give a value {_BOUNDS[kind][1]} {bound:g}"
+    if kind == "finite_number":
+        return f"{where}: {_shown(value)} is not a finite number; give a plain number"
+    return f"{where}: {_shown(value)} does not fit ({fault['msg'][0].lower()}{fault['msg'][1:]}); correct it"
+
+
+_BOUNDS = {
+    "greater_than": ("gt", "above"),
+    "greater_than_equal": ("ge", "of at least"),
+    "less_than": ("lt", "below"),
+    "less_than_equal": ("le", "of at most"),
+}
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _path(location: tuple[int | str, ...]) -> str:
+    """Dotted path of a fault, without the kinds that pydantic puts between the fields."""
+    model: list[type[BaseModel]] = [Scene]
+    parts: list[str] = []
+    for step in location:
+        if isinstance(step, str) and parts and not any(step in m.model_fields for m in model):
+            tagged = [m for m in model if kind_name(m) == step]
+            if tagged:
+                model = tagged
+                continue
+            if "[" in step or step in ("float", "int", "str"):
+                continue
+        parts.append(str(step))
+        if isinstance(step, str):
+            model = [child for m in model for child in models_of(m, step)]
+    return ".".join(parts)
+
+
+def _nearest(location: tuple[int | str, ...]) -> str:
+    """Suggest the field a mistyped key was probably meant to be."""
+    models: list[type[BaseModel]] = [Scene]
+    for step in location[:-1]:
+        if isinstance(step, int):
+            continue
+        tagged = [m for m in models if kind_name(m) == step]
+        models = tagged or [child for m in models for child in models_of(m, step)]
+    names = [name for model in models for name in model.model_fields]
+    close = difflib.get_close_matches(str(location[-1]), names, n=1)
+    if close:
+        return f"did you mean {close[0]!r}?"
+    return f"remove it, or use one of {', '.join(names)}" if names else "remove it"

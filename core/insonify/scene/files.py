@@ -1,0 +1,89 @@
+"""Scenes on disk: TOML in and out, and the scenes that come with the package."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+import tomli_w
+
+from insonify.scene.base import SceneError
+from insonify.scene.edit import build, plain
+from insonify.scene.scene import Scene
+
+DEFAULT_SCENE = "default"
+
+
+@cache
+def resources() -> Path:
+    """Return the folder of scenes, lessons and palettes, in a wheel as in a checkout."""
+    spec = find_spec("insonify")
+    if spec is None or spec.origin is None:
+        raise FileNotFoundError("the insonify package is not installed")
+    package = Path(spec.origin).parent
+    installed = package / "resources"
+    return installed if installed.is_dir() else package.parent.parent / "resources"
+
+
+def bundled_scenes() -> dict[str, Path]:
+    """Return the scenes that come with the package, by name."""
+    return {path.stem: path for path in sorted((resources() / "scenes").glob("*.toml"))}
+
+
+def load_scene(name_or_path: str | Path) -> Scene:
+    """Read a scene.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        Name of a bundled scene, or a TOML file.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    SceneError
+        One sentence with what is wrong and the remedy.
+    """
+    named = bundled_scenes().get(str(name_or_path))
+    path = named or Path(name_or_path)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        names = ", ".join(bundled_scenes())
+        raise SceneError(f"scene {str(name_or_path)!r}: no such file; give a TOML file or one of {names}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise SceneError(f"scene {str(name_or_path)!r}: cannot be read ({error}); give a readable TOML file") from None
+    return scene_from_toml(text, source=path)
+
+
+def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
+    """Build a scene from TOML text; relative file paths in it are taken from the folder of ``source``."""
+    try:
+        values = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        name = "scene" if source is None else str(source)
+        raise SceneError(f"{name}: is not valid TOML ({error}); mend that line") from None
+    relief = values.get("seabed", {}).get("relief") if isinstance(values.get("seabed"), dict) else None
+    if source is not None and isinstance(relief, dict) and isinstance(relief.get("path"), str):
+        relief["path"] = _beside(source, relief["path"])
+    try:
+        return build(values)
+    except SceneError as error:
+        raise SceneError(str(error) if source is None else f"{source.name}: {error}") from None
+
+
+def scene_to_toml(scene: Scene) -> str:
+    """Write a scene as TOML; reading it back gives an equal scene."""
+    return tomli_w.dumps(plain(scene))
+
+
+def _beside(source: Path, path: str) -> str:
+    """Resolve a path against the scene's folder; names of sample grids (``sample:...``) stay."""
+    if path.startswith("sample:") or Path(path).is_absolute():
+        return path
+    return str((source.parent / path).resolve())

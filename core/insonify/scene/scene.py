@@ -1,0 +1,78 @@
+"""The whole scene."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import model_validator
+
+from insonify.scene.base import Declaration, parameter
+from insonify.scene.receiver import Receiver
+from insonify.scene.seabed import Dem, Seabed
+from insonify.scene.sonar import Sonar
+from insonify.scene.targets import AnyTarget
+from insonify.scene.track import Track
+from insonify.scene.water import Water
+
+DEFAULT_ALTITUDE = 10.0
+SCHEMA = 1
+
+
+class World(Declaration):
+    """Where the scene's own coordinates lie on Earth."""
+
+    origin: tuple[float, float] | None = parameter(
+        None, unit="m", description="map coordinates of the scene's (0, 0); a DEM's centre when left out"
+    )
+    crs: str = parameter("", description="coordinate reference system of the origin, as written to files")
+
+
+class Scene(Declaration):
+    """Everything a record depends on; immutable, so an edit makes a new one."""
+
+    schema_version: Literal[1] = parameter(SCHEMA, description="version of the scene format")
+    title: str = parameter("Untitled", description="what the scene shows", max_length=200)
+    description: str = parameter("", description="a paragraph: what it shows, what to move", max_length=5000)
+    seed: int = parameter(1, description="number from which everything random derives", ge=0, le=2**63 - 1)
+    world: World = parameter(World(), description="place on Earth")
+    seabed: Seabed = parameter(Seabed(), description="the bed")
+    targets: tuple[AnyTarget, ...] = parameter((), description="things on the bed")
+    water: Water = parameter(Water(), description="the water")
+    sonar: Sonar = parameter(Sonar(), description="the sonar")
+    track: Track = parameter(Track(), description="the tow")
+    receiver: Receiver = parameter(Receiver(), description="the receiver")
+
+    @model_validator(mode="after")
+    def _ping_rate_fits_the_range(self) -> Scene:
+        fastest = self.water.sound_speed / (2.0 * self.sonar.range)
+        if self.sonar.ping_rate > fastest:
+            raise ValueError(
+                f"sonar.ping_rate {self.sonar.ping_rate:g} Hz leaves no time for echoes from {self.sonar.range:g} m; "
+                f"lower it to {fastest:.4g} Hz or shorten sonar.range"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _sonar_is_in_the_water(self) -> Scene:
+        if self.track.depth is None and self.altitude > self.seabed.depth and not isinstance(self.seabed.relief, Dem):
+            raise ValueError(
+                f"track.altitude {self.altitude:g} m puts the sonar above the surface of water {self.seabed.depth:g} m "
+                "deep; lower it or deepen seabed.depth"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _sonar_is_above_the_bed(self) -> Scene:
+        if self.altitude <= 0.0 and not isinstance(self.seabed.relief, Dem):
+            raise ValueError(
+                f"track.depth {self.track.depth:g} m puts the sonar into the bed at {self.seabed.depth:g} m; "
+                "lessen it or deepen seabed.depth"
+            )
+        return self
+
+    @property
+    def altitude(self) -> float:
+        """Height of the sonar above the declared mean bed, in metres; a DEM's own mean is known to the terrain."""
+        if self.track.depth is not None:
+            return self.seabed.depth - self.track.depth
+        return DEFAULT_ALTITUDE if self.track.altitude is None else self.track.altitude

@@ -1,0 +1,75 @@
+"""The sonar: beam, pulse, range and how the record is made from them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Discriminator, Tag
+
+from insonify.scene.base import Choice, Declaration, kind_of, parameter
+
+
+class Knife(Choice):
+    """A beam without width: one line across the track, 1 m wide by definition."""
+
+    kind: Literal["knife"] = "knife"
+
+
+class Fan(Choice):
+    """A top-hat beam, one-way full width; the cell widens with range."""
+
+    kind: Literal["fan"] = "fan"
+    width: float = parameter(
+        1.0, unit="°", description="one-way full beamwidth", gt=0.0, le=60.0, slider=(0.1, 10.0), log=True
+    )
+
+
+class Uniform(Choice):
+    """Equal sensitivity at every grazing angle."""
+
+    kind: Literal["uniform"] = "uniform"
+
+
+class Ideal(Choice):
+    """A pulse shorter than any bin."""
+
+    kind: Literal["ideal"] = "ideal"
+
+
+class Tone(Choice):
+    """A gated tone: every echo lasts as long as the pulse."""
+
+    kind: Literal["tone"] = "tone"
+    duration: float = parameter(
+        1e-4, unit="s", description="length of the pulse", gt=0.0, le=0.1, slider=(1e-5, 1e-3), log=True
+    )
+
+
+Beam = Annotated[
+    Annotated[Knife, Tag("knife")] | Annotated[Fan, Tag("fan")], Discriminator(lambda value: kind_of(value, "fan"))
+]
+Pulse = Annotated[
+    Annotated[Ideal, Tag("ideal")] | Annotated[Tone, Tag("tone")], Discriminator(lambda value: kind_of(value, "tone"))
+]
+
+
+class Sonar(Declaration):
+    """A side-scan sonar with a port and a starboard channel."""
+
+    frequency: float = parameter(
+        400e3, unit="Hz", description="carrier frequency", ge=1e3, le=2e6, slider=(5e4, 1.2e6), log=True
+    )
+    beam: Beam = parameter(Fan(), description="horizontal beam")
+    vertical: Uniform = parameter(Uniform(), description="vertical beam")
+    pulse: Pulse = parameter(Tone(), description="transmitted pulse")
+    range: float = parameter(
+        50.0, unit="m", description="slant range of the last bin", gt=0.0, le=1e4, slider=(10.0, 200.0), log=True
+    )
+    bins: int = parameter(1000, description="range bins per side", ge=1, le=100_000, slider=(100, 4000), log=True)
+    ping_rate: float = parameter(
+        10.0, unit="Hz", description="pings per second, at most c / (2 range)", gt=0.0, le=1e4, slider=(0.5, 50.0),
+        log=True,
+    )
+    law: Literal["sonar", "light"] = parameter(
+        "sonar", description="energy of the insonified area, or the paper's radiance per ray"
+    )

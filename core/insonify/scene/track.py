@@ -1,0 +1,45 @@
+"""Where the sonar is towed."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import model_validator
+
+from insonify.scene.base import Choice, Declaration, parameter
+
+
+class Straight(Choice):
+    """Level, at constant speed, without motion."""
+
+    kind: Literal["straight"] = "straight"
+
+
+class Track(Declaration):
+    """A straight line at constant speed."""
+
+    start: tuple[float, float] = parameter((0.0, 0.0), unit="m", description="position of the first ping")
+    heading: float = parameter(
+        0.0, unit="°", description="direction of travel, counter-clockwise from +x", ge=-360.0, le=360.0,
+        slider=(-180.0, 180.0),
+    )
+    altitude: float | None = parameter(
+        None,
+        unit="m",
+        description="height above the mean bed (10 m when neither altitude nor depth is given)",
+        gt=0.0,
+        le=11000.0,
+        slider=(2.0, 50.0),
+    )
+    depth: float | None = parameter(
+        None, unit="m", description="depth of the sonar, instead of its altitude", ge=0.0, le=11000.0, slider=(0.0, 200.0)
+    )
+    speed: float = parameter(2.0, unit="m/s", description="speed over ground", gt=0.0, le=50.0, slider=(0.1, 5.0))
+    pings: int = parameter(512, description="number of pings", ge=1, le=100_000_000, slider=(64, 2048), log=True)
+    motion: Straight = parameter(Straight(), description="how the fish strays from its line")
+
+    @model_validator(mode="after")
+    def _one_height(self) -> Track:
+        if self.altitude is not None and self.depth is not None:
+            raise ValueError("altitude and depth both fix the sonar's height; give one of the two")
+        return self

@@ -1,0 +1,1 @@
+"""Thin, documented formulas of underwater sound."""

@@ -1,0 +1,1 @@
+"""Declarations become heights and materials."""

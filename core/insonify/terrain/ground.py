@@ -1,0 +1,77 @@
+"""The ground of a scene: heights and materials on one grid, whatever they were declared as."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene.materials import Reflectivity
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """Heights and materials of a bed.
+
+    Attributes
+    ----------
+    heights : (ny, nx) float32
+        Metres above the datum, NaN where there is no bed; axis 0 is y, axis 1 is x, both increasing.
+    materials : (ny, nx) uint8
+        Row of ``reflectivities`` for the cell whose low corner is that node.
+    names : tuple of str
+        Names of the materials.
+    reflectivities : tuple of Reflectivity
+        Their numbers.
+    x0, y0 : float
+        Local coordinates of node (0, 0), in metres.
+    spacing : float
+        Metres between nodes.
+    periodic : bool
+        Whether the bed repeats after nx by ny cells; if not, there is no bed outside.
+    datum : float
+        World height of the mean bed, in metres (negative under water).
+    """
+
+    heights: NDArray[np.float32]
+    materials: NDArray[np.uint8]
+    names: tuple[str, ...]
+    reflectivities: tuple[Reflectivity, ...]
+    x0: float
+    y0: float
+    spacing: float
+    periodic: bool
+    datum: float
+
+    def height_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Bilinear height above the datum, NaN where there is no bed.
+
+        Parameters
+        ----------
+        x, y : (n,) float64
+            Local coordinates in metres.
+
+        Returns
+        -------
+        (n,) float64
+            Metres above the datum.
+        """
+        ny, nx = self.heights.shape
+        u = (np.asarray(x, dtype=np.float64) - self.x0) / self.spacing
+        v = (np.asarray(y, dtype=np.float64) - self.y0) / self.spacing
+        i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
+        fu, fv = u - i, v - j
+        if self.periodic:
+            inside = np.ones(u.shape, dtype=bool)
+            rows, columns = (j % ny, (j + 1) % ny), (i % nx, (i + 1) % nx)
+        else:
+            inside = (u >= 0) & (u <= nx - 1) & (v >= 0) & (v <= ny - 1)
+            # The last node closes the last cell.
+            i, j = np.clip(i, 0, max(nx - 2, 0)), np.clip(j, 0, max(ny - 2, 0))
+            fu, fv = np.where(inside, u - i, 0.0), np.where(inside, v - j, 0.0)
+            rows, columns = (j, np.minimum(j + 1, ny - 1)), (i, np.minimum(i + 1, nx - 1))
+        z = self.heights
+        low = z[rows[0], columns[0]] * (1 - fu) + z[rows[0], columns[1]] * fu
+        high = z[rows[1], columns[0]] * (1 - fu) + z[rows[1], columns[1]] * fu
+        return np.where(inside, low * (1 - fv) + high * fv, np.nan)
