@@ -1,0 +1,58 @@
+"""The record of a level bed, in closed form: what every error is measured against and every picture divided by."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.types import LIGHT, Problem
+from insonify.scene.materials import Reflectivity
+
+LAMBERT = Reflectivity(1.0, 0.0, 1.0)
+
+
+def flat_bed_curve(problem: Problem, altitude: float, reflectivity: Reflectivity | None = None) -> NDArray[np.float64]:
+    """Record of a level bed.
+
+    Parameters
+    ----------
+    problem : Problem
+        Law, beam, bins and range factors.
+    altitude : float
+        Height of the sonar above the bed, in metres.
+    reflectivity : Reflectivity, optional
+        Of the bed; a perfect Lambert bed when left out.
+
+    Returns
+    -------
+    (bins,) float64
+        Energy (law `sonar`) or radiance (law `light`) per bin; 0 before the first return.
+    """
+    diffuse, specular, shininess = reflectivity or LAMBERT
+    edges = np.arange(problem.bins + 1) * problem.bin_length
+    near, far = np.maximum(edges[:-1], altitude), np.maximum(edges[1:], altitude)
+    x_near, x_far = np.sqrt(near**2 - altitude**2), np.sqrt(far**2 - altitude**2)
+    heard = far > near
+    r = np.where(heard, 0.5 * (near + far), 1.0)
+    cos_incidence = altitude / r
+    mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
+    if problem.law == LIGHT:
+        shade = diffuse * cos_incidence + specular * mirrored
+        return np.where(heard, shade * (far - near) / problem.bin_length, 0.0) * problem.range_factor
+    sigma = cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored)
+    x = 0.5 * (x_near + x_far)
+    return np.where(heard, sigma * (x_far - x_near) * along_track_width(problem.half_width, x, r), 0.0) * (
+        problem.range_factor
+    )
+
+
+def along_track_width(half_width: float, x: NDArray[np.float64], r: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Arc of the bed inside the beam at ground range ``x`` and slant range ``r``, in metres.
+
+    The beam is a cone about the track: |sin φ_b| = cos θ |sin φ| stays within sin(half width), so that near nadir
+    it takes in all azimuths. A knife is 1 m wide by definition.
+    """
+    if half_width <= 0.0:
+        return np.ones_like(x)
+    reach = np.sin(half_width) * r / np.maximum(x, 1e-300)
+    return 2.0 * x * np.arcsin(np.minimum(reach, 1.0))
