@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from insonify.kernels.scatter import FAST
+from insonify.kernels.jit import kernel
 
 # Constants of splitmix64 (Steele, Lea and Flood 2014; Vigna's public-domain implementation).
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
@@ -16,7 +15,7 @@ LOW_BITS = np.uint64(12)
 UNIT = 2.0**-52
 
 
-@njit(cache=True, nogil=True, fastmath=FAST, inline="always")
+@kernel
 def splitmix64(value):
     """Return the splitmix64 output that follows the given state, as uint64."""
     mixed = np.uint64(value) + GOLDEN
@@ -25,7 +24,7 @@ def splitmix64(value):
     return mixed ^ (mixed >> SHIFTS[2])
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@kernel
 def hash_integers(seed, stream, a, b, c):
     """Hash five integers of any sign to a uint64; a stream is one purpose, so that purposes never share numbers."""
     key = splitmix64(np.uint64(seed))
@@ -35,14 +34,14 @@ def hash_integers(seed, stream, a, b, c):
     return splitmix64(key ^ np.uint64(c))
 
 
-@njit(cache=True, nogil=True, fastmath=FAST, inline="always")
+@kernel
 def unit_interval(bits):
     """Turn 64 random bits into a float64 inside (0, 1), both ends excluded."""
     # 52 bits: with 53 the half would round the largest up to 1.
     return (np.float64(bits >> LOW_BITS) + 0.5) * UNIT
 
 
-@njit(cache=True, nogil=True, fastmath=FAST)
+@kernel
 def hash_uniform(seed, stream, a, b, c):
     """Uniform float64 inside (0, 1), a function of five integers alone."""
     return unit_interval(hash_integers(seed, stream, a, b, c))

@@ -7,17 +7,16 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from insonify.kernels.jit import kernel
+from insonify.kernels.types import LIGHT, SONAR
 
-# Every licence that keeps NaN and infinity meaningful: guards against them must survive.
-FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
 INVERSE_PI = 1.0 / math.pi
 
 
-@njit(cache=True, nogil=True, fastmath=FAST, inline="always")
-def lobe(cos_incidence, shininess):
+@kernel
+def lobe(cos_squared, shininess):
     """Phong's max(0, R·V)ⁿ; monostatic, R·V = cos 2α = 2 cos²α − 1."""
-    mirrored = 2.0 * cos_incidence * cos_incidence - 1.0
+    mirrored = 2.0 * cos_squared - 1.0
     if mirrored <= 0.0:
         return 0.0
     whole = int(shininess)
@@ -33,23 +32,33 @@ def lobe(cos_incidence, shininess):
     return result
 
 
-@njit(cache=True, nogil=True, fastmath=FAST, inline="always")
+@kernel
+def gloss(cos_squared, specular, shininess, law):
+    """Phong's part of either law, from cos²α."""
+    value = specular * lobe(cos_squared, shininess)
+    return value if law == LIGHT else value * cos_squared * (shininess + 2.0) * (0.5 * INVERSE_PI)
+
+
+@kernel
 def radiance(cos_incidence, diffuse, specular, shininess):
     """Radiance of law `light`: I = k_d cos α + k_s max(0, R·V)ⁿ (paper, Lambert and Phong)."""
     if cos_incidence <= 0.0:
         return 0.0
-    value = diffuse * cos_incidence
-    if specular > 0.0:
-        value += specular * lobe(cos_incidence, shininess)
-    return value
+    return diffuse * cos_incidence + gloss(cos_incidence * cos_incidence, specular, shininess, LIGHT)
 
 
-@njit(cache=True, nogil=True, fastmath=FAST, inline="always")
+@kernel
 def backscatter(cos_incidence, diffuse, specular, shininess):
     """Backscattering cross-section of unit area, law `sonar`: cos²α (k_d/π + k_s (n+2)/(2π) cosⁿ 2α)."""
     if cos_incidence <= 0.0:
         return 0.0
-    value = diffuse * INVERSE_PI
-    if specular > 0.0:
-        value += specular * (shininess + 2.0) * (0.5 * INVERSE_PI) * lobe(cos_incidence, shininess)
-    return value * cos_incidence * cos_incidence
+    cos_squared = cos_incidence * cos_incidence
+    return cos_squared * diffuse * INVERSE_PI + gloss(cos_squared, specular, shininess, SONAR)
+
+
+@kernel
+def strength(cos_incidence, diffuse, specular, shininess, law):
+    """Radiance or backscattering cross-section, as the law has it."""
+    if law == LIGHT:
+        return radiance(cos_incidence, diffuse, specular, shininess)
+    return backscatter(cos_incidence, diffuse, specular, shininess)

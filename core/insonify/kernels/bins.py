@@ -1,0 +1,47 @@
+"""Time bins as a difference array of integers: densities step up and down, a prefix sum turns steps into bins.
+
+Integers cancel exactly: what no piece touches is exactly zero, none is negative, and the sum is the same in any order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from insonify.kernels.jit import kernel
+
+FIXED_POINT = float(2**38)  # integers per unit of energy per bin
+
+
+@kernel
+def step(bins, position, change, last):
+    """Let the density change by ``change`` at ``position`` (in bins); what lies past the last bin is dropped."""
+    if position < last:
+        k = int(position)
+        late = np.int64((position - k) * change)
+        bins[k] += change - late
+        bins[k + 1] += late
+
+
+@kernel
+def spread(bins, near, far, energy, last):
+    """Spread an energy (in fixed-point units) evenly over [near, far), in bins."""
+    if far < near:
+        near, far = far, near
+    if far - near > 1e-6:
+        density = np.int64(energy / (far - near))
+        step(bins, near, density, last)
+        step(bins, far, -density, last)
+    elif near < last:
+        k = int(near)
+        bins[k] += np.int64(energy)
+        bins[k + 1] -= np.int64(energy)
+
+
+@kernel
+def accumulate(bins, factor, out):
+    """Prefix-sum a difference array into bins and apply what depends on range alone; clear the array."""
+    total = np.int64(0)
+    for k in range(out.size):
+        total += bins[k]
+        out[k] = total * (factor[k] / FIXED_POINT)
+    bins[:] = 0

@@ -1,0 +1,314 @@
+"""Convex bodies in one plane: where they hide what is behind them, and what they send back themselves.
+
+A vertical plane cuts a ball or a cylinder in a convex figure, which fills one interval of launch angles.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.bins import FIXED_POINT, spread
+from insonify.kernels.jit import kernel
+from insonify.kernels.pieces import deposit_piece, next_open
+from insonify.kernels.scatter import strength
+from insonify.kernels.shapes import meet_solid
+from insonify.kernels.types import LIGHT, SPHERE
+from insonify.kernels.wedge import beam_share, strip_width
+
+FACETS = 32  # per body and plane, closer together towards its edges
+EDGE = 1e-9  # share of an interval by which its outermost rays move inwards, to be sure to meet the body
+DOWN, UP = -math.pi / 2.0, math.pi / 2.0
+NEVER = 1e30
+
+
+class Covers(NamedTuple):
+    """Bodies that one plane cuts; arrays are longer than their number."""
+
+    low: NDArray[np.float64]  # launch angle above the horizontal where each begins, rad
+    high: NDArray[np.float64]  # and where it ends
+    solid: NDArray[np.int64]  # row of the table of solids
+    in_front: NDArray[np.bool_]  # whether it hides the piece in hand
+
+
+class View(NamedTuple):
+    """One plane through the sonar."""
+
+    x: float
+    y: float
+    z: float
+    ex: float  # azimuth, unit vector
+    ey: float
+
+
+@kernel
+def find_covers(solids, view, reach, covers):
+    """Collect the bodies a plane cuts; return their number, -1 - k if the sonar is inside body k."""
+    count = 0
+    for k in range(solids.shape.size):
+        status, low, high = section(solids, k, view, reach)
+        if status < 0:
+            return -1 - k
+        if status > 0:
+            covers.low[count], covers.high[count], covers.solid[count] = low, high, k
+            count += 1
+    return count
+
+
+@kernel
+def hidden_slopes(covers, count):
+    """Slopes between which any body may hide the bed."""
+    low, high = NEVER, -NEVER
+    for k in range(count):
+        low = min(low, math.tan(covers.low[k]) if covers.low[k] > DOWN else -NEVER)
+        high = max(high, math.tan(covers.high[k]) if covers.high[k] < UP else NEVER)
+    return low, high
+
+
+@kernel
+def section(solids, k, view, reach):
+    """Interval of launch angles that body k fills in the half-plane: (1, low, high), (0, ...) if none, (-1, ...) if inside."""
+    radius = solids.radius[k]
+    start, axis, length = solids.start[k], solids.axis[k], solids.length[k]
+    cx, cy, cz = start[0] - view.x, start[1] - view.y, start[2] - view.z
+    mx, my = cx + 0.5 * length * axis[0], cy + 0.5 * length * axis[1]
+    bound = 0.5 * length + radius
+    along, across = mx * view.ex + my * view.ey, mx * view.ey - my * view.ex
+    if abs(across) >= bound or along <= -bound or along >= reach + bound:
+        return 0, 0.0, 0.0
+    if solids.shape[k] == SPHERE:
+        return _sphere_section(cx * view.ex + cy * view.ey, cz, radius * radius - across * across)
+    return _cylinder_section(cx, cy, cz, axis, length, radius, view)
+
+
+@kernel
+def _sphere_section(along, height, radius_squared):
+    """Interval of a circle, from its centre and squared radius in the plane."""
+    if radius_squared <= 0.0:
+        return 0, 0.0, 0.0
+    distance_squared = along * along + height * height
+    if distance_squared <= radius_squared:
+        return -1, 0.0, 0.0
+    centre = math.atan2(height, along)
+    half = math.asin(math.sqrt(radius_squared / distance_squared))
+    return _forward(centre, centre - half, centre + half)
+
+
+@kernel
+def _cylinder_section(cx, cy, cz, axis, length, radius, view):
+    """Interval of an ellipse between two end planes: its extremes are tangents and corners."""
+    # Axial and perpendicular parts of the plane's directions e (azimuth) and k (up), and of the centre.
+    ae, ak = axis[0] * view.ex + axis[1] * view.ey, axis[2]
+    ac = cx * axis[0] + cy * axis[1] + cz * axis[2]
+    ec, ee, kk, ek = cx * view.ex + cy * view.ey - ac * ae, 1.0 - ae * ae, 1.0 - ak * ak, -ae * ak
+    kc = cz - ac * ak
+    cc = cx * cx + cy * cy + cz * cz - ac * ac - radius * radius
+    if cc <= 0.0 and 0.0 <= -ac <= length:
+        return -1, 0.0, 0.0
+    angles = np.empty(6)
+    count = 0
+    # Tangents: (d·c)² = (d·d)(c·c − R²) for d = (1, u), perpendicular parts: a quadratic in the slope u.
+    p, q, w = kc * kc - kk * cc, ec * kc - ek * cc, ec * ec - ee * cc
+    root = q * q - p * w
+    if root >= 0.0 and p != 0.0:
+        root = math.sqrt(root)
+        big = -(q + math.copysign(root, q))
+        for u in (big / p, w / big if big != 0.0 else -q / p):
+            dd = ee + 2.0 * u * ek + u * u * kk
+            if dd > 0.0:
+                t = (ec + u * kc) / dd
+                s = t * (ae + u * ak) - ac
+                if 0.0 <= s <= length:
+                    angles[count] = math.atan2(t * u, t)
+                    count += 1
+    # Corners: where the end planes' lines leave the ellipse.
+    for end in (0.0, length):
+        count = _corners(ae, ak, ac + end, ec, kc, ee, ek, kk, cc, angles, count)
+    if count < 2:
+        return 0, 0.0, 0.0
+    # Angles count from a direction into the figure, so that none wraps.
+    sx, sy = 0.0, 0.0
+    for k in range(count):
+        sx += math.cos(angles[k])
+        sy += math.sin(angles[k])
+    centre = math.atan2(sy, sx)
+    low, high = NEVER, -NEVER
+    for k in range(count):
+        turned = angles[k] - centre
+        turned -= 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5)
+        low, high = min(low, turned), max(high, turned)
+    return _forward(centre, centre + low, centre + high)
+
+
+@kernel
+def _corners(ae, ak, axial, ec, kc, ee, ek, kk, cc, angles, count):
+    """Ends of the chord that one end plane cuts from the ellipse, as angles."""
+    norm = ae * ae + ak * ak
+    if norm < 1e-18:
+        return count
+    # Points axial·(ae, ak)/norm + t·(−ak, ae) of the end plane's line; inside where |P⊥ − c⊥|² <= R².
+    fx, fz, gx, gz = axial * ae / norm, axial * ak / norm, -ak, ae
+    a = gx * gx * ee + 2.0 * gx * gz * ek + gz * gz * kk
+    b = fx * gx * ee + (fx * gz + fz * gx) * ek + fz * gz * kk - gx * ec - gz * kc
+    c = fx * fx * ee + 2.0 * fx * fz * ek + fz * fz * kk - 2.0 * (fx * ec + fz * kc) + cc
+    root = b * b - a * c
+    if a <= 0.0 or root < 0.0:
+        return count
+    root = math.sqrt(root)
+    for t in ((-b - root) / a, (-b + root) / a):
+        angles[count] = math.atan2(fz + t * gz, fx + t * gx)
+        count += 1
+    return count
+
+
+@kernel
+def _forward(centre, low, high):
+    """Part of an interval within the half-plane ahead; angles in (−π, π] about ``centre``."""
+    low, high = max(low, DOWN), min(high, UP)
+    if high <= low:
+        return 0, 0.0, 0.0
+    return 1, low, high
+
+
+@kernel
+def distance_along(solids, k, view, angle):
+    """Distance to body k along a launch angle, and the cosine of the incidence there; infinite if missed."""
+    dx, dy, dz = math.cos(angle) * view.ex, math.cos(angle) * view.ey, math.sin(angle)
+    distance, nx, ny, nz = meet_solid(solids, k, view.x, view.y, view.z, dx, dy, dz)
+    return distance, -(nx * dx + ny * dy + nz * dz)
+
+
+@kernel
+def deposit_cut(profile, i, horizon, reflectivity, wedge, law, bin_length, solids, view, covers, count, bins):
+    """Deposit the heard parts of one bed segment: above the horizon, not behind a target."""
+    x0, x1 = profile.x[i], profile.x[i + 1]
+    slope = (profile.z[i + 1] - profile.z[i]) / (x1 - x0)
+    offset = profile.z[i] - slope * x0
+    from_nadir = x0 <= 0.0
+    slope0 = -NEVER if from_nadir else profile.z[i] / x0
+    # Where the line rises above the horizon: offset / x + slope = horizon.
+    start = x0 if horizon <= slope0 else min(max(offset / (horizon - slope), x0), x1)
+    material = reflectivity[profile.material[i]]
+    squared = profile.gradient_squared[i]
+    if count == 0:
+        deposit_piece(offset, slope, start, x1, squared, material, wedge, law, bin_length, bins)
+        return
+    low = math.atan2(offset + slope * start, start)
+    high = math.atan2(offset + slope * x1, x1)
+    for k in range(count):
+        angle = 0.5 * (max(low, covers.low[k]) + min(high, covers.high[k]))
+        covers.in_front[k] = False
+        if covers.low[k] < high and covers.high[k] > low:
+            x = offset / (math.tan(angle) - slope)
+            distance, _ = distance_along(solids, covers.solid[k], view, angle)
+            covers.in_front[k] = distance < x / math.cos(angle)
+    while low < high:
+        opened, closed = next_open(covers.low, covers.high, covers.in_front, count, low, high)
+        if opened >= high:
+            break
+        x_from = start if opened <= low else offset / (math.tan(opened) - slope)
+        x_to = x1 if closed >= high else offset / (math.tan(closed) - slope)
+        deposit_piece(offset, slope, max(x_from, start), min(x_to, x1), squared, material, wedge, law, bin_length, bins)
+        low = closed
+        start = x_to
+
+
+@kernel
+def deposit_solids(profile, knots, horizon, reflectivity, wedge, law, bin_length, solids, view, covers, count, bins):
+    """Deposit what every body in the plane sends back, less what the bed and other bodies hide."""
+    for own in range(count):
+        low, high = covers.low[own], covers.high[own]
+        middle, half = 0.5 * (low + high), 0.5 * (high - low) * (1.0 - EDGE)
+        start = middle - half
+        for facet in range(FACETS):
+            stop = middle - half * math.cos(math.pi * (facet + 1) / FACETS)
+            _facet(
+                profile,
+                knots,
+                horizon,
+                reflectivity,
+                wedge,
+                law,
+                bin_length,
+                solids,
+                view,
+                covers,
+                count,
+                own,
+                start,
+                stop,
+                bins,
+            )
+            start = stop
+
+
+@kernel
+def _facet(
+    profile, knots, horizon, reflectivity, wedge, law, bin_length, solids, view, covers, count, own, start, stop, bins
+):
+    """Deposit the open parts of one facet of a body."""
+    centre = 0.5 * (start + stop)
+    distance, _ = distance_along(solids, covers.solid[own], view, centre)
+    if not distance < NEVER:
+        return
+    ridge = horizon_at(profile, knots, horizon, distance * math.cos(centre))
+    start = max(start, math.atan(ridge))
+    if start >= stop:
+        return
+    for k in range(count):
+        covers.in_front[k] = False
+        if k != own and covers.low[k] < stop and covers.high[k] > start:
+            angle = 0.5 * (max(start, covers.low[k]) + min(stop, covers.high[k]))
+            here, _ = distance_along(solids, covers.solid[own], view, angle)
+            other, _ = distance_along(solids, covers.solid[k], view, angle)
+            # Where two bodies touch the first of the table is heard.
+            covers.in_front[k] = other < here or (other == here and k < own)
+    while start < stop:
+        opened, closed = next_open(covers.low, covers.high, covers.in_front, count, start, stop)
+        if opened >= stop:
+            break
+        _deposit_facet(solids, covers.solid[own], view, opened, closed, reflectivity, wedge, law, bin_length, bins)
+        start = closed
+
+
+@kernel
+def _deposit_facet(solids, k, view, start, stop, reflectivity, wedge, law, bin_length, bins):
+    """Deposit one open facet: its ends give the slant ranges, its middle the strength."""
+    middle = 0.5 * (start + stop)
+    distance, cos_incidence = distance_along(solids, k, view, middle)
+    near, _ = distance_along(solids, k, view, start)
+    far, _ = distance_along(solids, k, view, stop)
+    if not (near < NEVER and far < NEVER and distance < NEVER):
+        return
+    last = bins.size - 2
+    x = distance * math.cos(middle)
+    material = reflectivity[solids.material[k]]
+    value = strength(cos_incidence, material[0], material[1], material[2], law)
+    if law == LIGHT:
+        energy = value * beam_share(x, distance, wedge) / bin_length
+        for a, b in ((near, distance), (distance, far)):
+            spread(bins, a / bin_length, b / bin_length, energy * abs(b - a) * FIXED_POINT, last)
+        return
+    # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
+    seen = strip_width(x, distance, wedge) * distance * (stop - start)
+    energy = 0.5 * value * seen / max(cos_incidence, 1e-6) * FIXED_POINT
+    spread(bins, near / bin_length, distance / bin_length, energy, last)
+    spread(bins, distance / bin_length, far / bin_length, energy, last)
+
+
+@kernel
+def horizon_at(profile, knots, horizon, x):
+    """Greatest slope of the bed up to ground range x."""
+    if knots == 0 or x < profile.x[0]:
+        return -NEVER
+    i = np.searchsorted(profile.x[:knots], x, side="right") - 1
+    ridge = horizon[i]
+    if i + 1 < knots and x > 0.0:
+        share = (x - profile.x[i]) / (profile.x[i + 1] - profile.x[i])
+        slope = (profile.z[i] + share * (profile.z[i + 1] - profile.z[i])) / x
+        if slope > ridge:
+            ridge = slope
+    return ridge

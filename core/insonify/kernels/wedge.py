@@ -1,0 +1,46 @@
+"""What a plane of the beam stands for: a beam is a cone, a plane is not."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.jit import kernel
+
+
+class Wedge(NamedTuple):
+    """One plane of a beam: a wedge of azimuths on either hand of it."""
+
+    s_low: float  # |sin φ| where the wedge begins
+    s_high: float  # and where it ends
+    angle: float  # azimuth it stands for, rad; 0 marks a knife
+    stretched_beyond: float  # ground range beyond which the wedge widens with the cone, m; infinite for outer planes
+    s_beam: float  # sin of half the beamwidth
+    span: float  # azimuth of the whole beam in the far field, rad
+
+
+@kernel
+def strip_width(x, r, wedge):
+    """Along-track width that a plane stands for at ground range x, slant range r; 1 m for a knife.
+
+    A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner wedges stretch with it, nearer
+    by each counts by the share of its azimuths that the cone takes in.
+    """
+    if wedge.angle == 0.0:
+        return 1.0
+    if x > wedge.stretched_beyond:
+        return r * wedge.angle
+    share = (wedge.s_beam * r / x - wedge.s_low) / (wedge.s_high - wedge.s_low)
+    return x * wedge.angle * min(max(share, 0.0), 1.0)
+
+
+@kernel
+def beam_share(x, r, wedge):
+    """Share of the beam's azimuths at that place which the plane stands for; law `light` averages with it."""
+    if wedge.angle == 0.0:
+        return 1.0
+    if x > wedge.stretched_beyond:
+        return wedge.angle / wedge.span
+    reach = min(wedge.s_beam * r / x, 1.0)
+    share = (reach - wedge.s_low) / (wedge.s_high - wedge.s_low)
+    return wedge.angle * min(max(share, 0.0), 1.0) / (2.0 * math.asin(reach))

@@ -1,0 +1,107 @@
+"""The sweep: a few planes cut the scene, one running horizon a plane tells what is heard."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.slice import profile_capacity
+from insonify.kernels.sweep import Planes, sweep_pings
+from insonify.kernels.types import Poses, Problem
+from insonify.scene import SceneError
+from insonify.tracers.parallel import in_parallel
+
+# Up to this multiple of the altitude the beam's cone is followed azimuth by azimuth; beyond it, where cos θ > 0.9,
+# the inner planes stretch with it.
+NEAR_FIELD = 2.0647
+OUTER_RATIO = 1.25  # of one outer wedge's end to its beginning
+
+
+def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | None = None) -> NDArray[np.float32]:
+    """Trace pings by the sweep.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    poses : Poses
+        Where the sonar is, n pings.
+    planes : int
+        Planes across a fan beam; a knife has one.
+    threads : int, optional
+        Threads to use, all cores when left out. The result does not depend on it.
+
+    Returns
+    -------
+    (n, 2, bins) float32
+        Intensity of the two channels, port first.
+
+    Raises
+    ------
+    SceneError
+        If the sonar runs into a target.
+    """
+    reach = problem.bins * problem.bin_length
+    beam = beam_planes(problem.half_width, planes, float(poses.z.max(initial=0.0)) - problem.bed.low, reach)
+    capacity = profile_capacity(reach, problem.bed.spacing)
+    out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
+
+    def block(first: int, last: int) -> tuple[int, int]:
+        part = Poses(*(column[first:last] for column in poses))
+        return sweep_pings(problem, part, beam, capacity, out[first:last])
+
+    for status, _ in in_parallel(block, poses.x.size, threads):
+        if status < 0:
+            target = int(problem.solids.target[-1 - status])
+            raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
+    return out
+
+
+def beam_planes(half_width: float, planes: int, height: float, reach: float) -> Planes:
+    """Place the planes of a beam.
+
+    Parameters
+    ----------
+    half_width : float
+        Of the fan, in radians; 0 for a knife.
+    planes : int
+        Planes across the fan's far field, made even, so that they come in pairs about athwart.
+    height : float
+        Of the sonar above the lowest bed, in metres.
+    reach : float
+        Greatest slant range, in metres.
+
+    Returns
+    -------
+    Planes
+        Inner planes at equal steps across the beam, then outer ones in growing steps towards the bow and the stern:
+        near nadir a beam is a cone that takes in all azimuths. Each reaches only as far as the beam hears it.
+    """
+    if half_width <= 0.0:
+        return Planes(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, math.inf, reach)))
+    s_beam = math.sin(half_width)
+    near_field = NEAR_FIELD * height
+    pairs = max(1, (planes + 1) // 2)
+    inner = np.linspace(0.0, half_width, pairs + 1)
+    edges = [s_beam]
+    while edges[-1] < 1.0:
+        edges.append(min(1.0, edges[-1] * OUTER_RATIO))
+    azimuths = np.concatenate([inner, np.arcsin(edges[1:])])
+    low, high = np.sin(azimuths[:-1]), np.sin(azimuths[1:])
+    is_inner = np.arange(low.size) < pairs
+    # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer wedge by the height.
+    beyond = np.maximum(low**2 - s_beam**2, 1e-30)
+    outer_reach = np.minimum(height * s_beam / np.sqrt(beyond), near_field)
+    columns = (
+        0.5 * (azimuths[:-1] + azimuths[1:]),
+        low,
+        high,
+        np.diff(azimuths),
+        np.where(is_inner, near_field, math.inf),
+        np.where(is_inner, reach, np.minimum(outer_reach, reach)),
+    )
+    mirrored = [np.concatenate([column, column]) for column in columns]
+    mirrored[0][low.size :] *= -1.0
+    return Planes(*mirrored)
