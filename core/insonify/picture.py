@@ -1,0 +1,285 @@
+"""Display of records: gain, palette, slant and ground range; arrays in, arrays out, no axes (those are page's).
+
+A record falls by tens of decibels with range. A picture shows it divided by what a perfect Lambert bed of the same
+altitude would return, as amplitude, so that an even bed is even and what differs from it stands out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage import exposure
+
+from insonify.scene import SceneError, resources
+from insonify.sound.flat_bed import flat_bed_curve
+
+if TYPE_CHECKING:
+    from insonify.simulate import Simulation
+
+PALETTES = ("copper", "pen", "grey", "viridis")
+SIDES = ("both", "port", "starboard")
+
+_rescale: Callable[..., Any] = exposure.rescale_intensity
+_ENOUGH = 200_000  # amplitudes that settle a percentile
+
+
+@cache
+def palette(name: str) -> NDArray[np.uint8]:
+    """Return a colour table.
+
+    Parameters
+    ----------
+    name : str
+        One of ``PALETTES``; entry 0 stands for silence.
+
+    Returns
+    -------
+    (256, 3) uint8
+        Red, green, blue.
+
+    Raises
+    ------
+    SceneError
+        If there is no such palette.
+    """
+    if name not in PALETTES:
+        raise SceneError(f"palette {name!r} is not known; choose one of {', '.join(PALETTES)}")
+    lines = (resources() / "palettes" / f"{name}.txt").read_text(encoding="utf-8").splitlines()
+    anchors = np.array([list(bytes.fromhex(line[1:])) for line in lines if not line.startswith("# ")], dtype=np.float64)
+    at, given = np.linspace(0.0, 1.0, 256), np.linspace(0.0, 1.0, len(anchors))
+    table = np.stack([np.interp(at, given, channel) for channel in anchors.T], axis=1)
+    colours = np.rint(table).astype(np.uint8)
+    colours.flags.writeable = False
+    return colours
+
+
+def display_curve(simulation: Simulation) -> NDArray[np.float64]:
+    """Return what a picture of a simulation is divided by.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Prepared scene.
+
+    Returns
+    -------
+    (bins,) float64
+        Record of a level, perfect Lambert bed at the altitude of the first ping; positive in every bin.
+    """
+    altitude = float(simulation.poses(np.zeros(1, dtype=np.int64)).z[0])
+    return held_curve(flat_bed_curve(simulation.problem, altitude))
+
+
+def held_curve(curve: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Fill the bins before the first return, where things above the bed may echo, with that return's value.
+
+    The bed's first bin is filled only in part, so the value held is the larger of the first two.
+
+    Parameters
+    ----------
+    curve : (bins,) float64
+        Record of a level bed.
+
+    Returns
+    -------
+    (bins,) float64
+        Positive everywhere; 1 where there is no return at all.
+    """
+    heard = np.flatnonzero(curve > 0.0)
+    if heard.size == 0:
+        return np.ones_like(curve)
+    first = int(heard[0])
+    filled = curve.copy()
+    filled[: first + 1] = curve[first : first + 2].max()
+    return filled
+
+
+def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Amplitude relative to a perfect Lambert bed.
+
+    Parameters
+    ----------
+    intensity : (..., bins) float32
+        Energy of a record.
+    curve : (bins,) float64
+        From ``display_curve``.
+
+    Returns
+    -------
+    (..., bins) float32
+        Square root of the ratio; 0 where nothing is heard.
+    """
+    # The ratio is formed in float64: far bins hold 1e-9 and less.
+    return np.sqrt(intensity * (1.0 / curve)).astype(np.float32)
+
+
+def contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
+    """Choose the amplitudes that become the darkest and the brightest colour.
+
+    Shadows (zeros) do not count. The span covers all but the strongest echoes, and is kept wide enough that a bed
+    without texture stays in the middle of the palette and apart from a shadow.
+
+    Parameters
+    ----------
+    amplitude : float32 array
+        From ``normalise``.
+
+    Returns
+    -------
+    (float, float)
+        Low and high; (0, 1) for a picture without echoes.
+    """
+    sample = amplitude.ravel()[:: amplitude.size // _ENOUGH + 1]
+    heard = sample[np.isfinite(sample) & (sample > 0.0)]
+    if heard.size == 0:
+        return 0.0, 1.0
+    weak, middle, strong = (float(p) for p in np.percentile(heard, [2.0, 50.0, 99.7]))
+    low = min(weak, 0.6 * middle) - 0.2 * middle
+    return max(low, 0.0), max(strong, 1.5 * middle)
+
+
+def tones(amplitude: NDArray[np.float32], levels: tuple[float, float], gain: float = 0.0) -> NDArray[np.uint8]:
+    """Turn amplitudes into entries of a palette.
+
+    Parameters
+    ----------
+    amplitude : float32 array
+        From ``normalise``.
+    levels : (float, float)
+        From ``contrast``.
+    gain : float
+        Display gain in dB.
+
+    Returns
+    -------
+    uint8 array
+        Same shape; 0 at and below the low level, 255 at and above the high one.
+    """
+    low, high = levels
+    amplified = np.nan_to_num(amplitude) * np.float32(10.0 ** (gain / 20.0))
+    scaled = _rescale(amplified, in_range=(low, high), out_range=(0.0, 255.0))
+    return np.rint(scaled).astype(np.uint8)
+
+
+def mirrored(
+    sides: NDArray[np.float32],
+    edges: NDArray[np.float64],
+    side: str = "both",
+) -> NDArray[np.float32]:
+    """Lay the channels out as a record is read: port to the left of nadir, newest ping on top.
+
+    Parameters
+    ----------
+    sides : (pings, 2, bins) float32
+        Amplitudes, oldest ping first.
+    edges : (pings, columns + 1) float64
+        Edges of a side's columns, in bins, from nadir outwards; from ``column_edges``.
+    side : str
+        ``both``, or ``port`` or ``starboard`` alone, then with nadir at the left.
+
+    Returns
+    -------
+    (pings, columns or 2 columns) float32
+    """
+    newest_first = slice(None, None, -1)
+    port, starboard = (binned(sides[newest_first, channel], edges[newest_first]) for channel in (0, 1))
+    if side == "both":
+        return np.concatenate([port[:, ::-1], starboard], axis=1)
+    return port if side == "port" else starboard
+
+
+def column_edges(
+    altitude: NDArray[np.float64],
+    bins: int,
+    bin_length: float,
+    columns: int,
+    *,
+    ground_range: bool = False,
+) -> NDArray[np.float64]:
+    """Edges of equally wide columns, as positions within the bins of one side.
+
+    Parameters
+    ----------
+    altitude : (pings,) float64
+        Height of the sonar above the bed, in metres.
+    bins : int
+        Range bins of a side.
+    bin_length : float
+        Slant range of a bin, in metres.
+    columns : int
+        Columns of a side.
+    ground_range : bool
+        Whether columns are steps of ground range x = sqrt(r² − altitude²) rather than of slant range.
+
+    Returns
+    -------
+    (pings, columns + 1) float64
+    """
+    reach = bins * bin_length
+    if not ground_range:
+        return np.broadcast_to(np.linspace(0.0, bins, columns + 1), (len(altitude), columns + 1))
+    x = np.linspace(0.0, ground_reach(reach, altitude), columns + 1)
+    return np.minimum(np.hypot(x[None, :], altitude[:, None]) / bin_length, bins)
+
+
+def ground_reach(reach: float, altitude: NDArray[np.float64]) -> float:
+    """Ground range of the last bin of the lowest ping, in metres; 0 where no ping reaches the bed."""
+    return float(np.sqrt(max(reach**2 - float(np.min(altitude)) ** 2, 0.0)))
+
+
+def binned(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Mean of every row between successive edges, parts of bins counted as such.
+
+    Columns wider than a bin average, so that no narrow echo is dropped; columns narrower than a bin repeat it.
+
+    Parameters
+    ----------
+    rows : (n, bins) float32
+        Amplitudes.
+    edges : (n, columns + 1) float64
+        Increasing positions in bins; equal edges give 0.
+
+    Returns
+    -------
+    (n, columns) float32
+    """
+    n, bins = rows.shape
+    sums = np.zeros((n, bins + 1))
+    np.cumsum(rows, axis=1, dtype=np.float64, out=sums[:, 1:])
+    whole = np.minimum(edges.astype(np.int64), bins - 1)
+    below = np.take_along_axis(sums, whole, axis=1)
+    part = np.take_along_axis(rows, whole, axis=1) * (edges - whole)
+    totals = np.diff(below + part, axis=1)
+    widths = np.diff(edges, axis=1)
+    means = np.divide(totals, widths, out=np.zeros_like(totals), where=widths > 0.0)
+    return np.maximum(means, 0.0).astype(np.float32)
+
+
+def colours(
+    amplitude: NDArray[np.float32],
+    name: str = "copper",
+    gain: float = 0.0,
+    levels: tuple[float, float] | None = None,
+) -> NDArray[np.uint8]:
+    """Colour amplitudes.
+
+    Parameters
+    ----------
+    amplitude : (rows, columns) float32
+        From ``mirrored``.
+    name : str
+        Palette.
+    gain : float
+        Display gain in dB.
+    levels : (float, float), optional
+        Darkest and brightest amplitude; chosen by ``contrast`` when left out.
+
+    Returns
+    -------
+    (rows, columns, 3) uint8
+    """
+    return palette(name)[tones(amplitude, contrast(amplitude) if levels is None else levels, gain)]
