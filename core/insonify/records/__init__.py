@@ -1,0 +1,7 @@
+"""Records on disk."""
+
+from insonify.records.atomic import replacing
+from insonify.records.netcdf import append_to, write_netcdf
+from insonify.records.npz import write_npz
+
+__all__ = ["append_to", "replacing", "write_netcdf", "write_npz"]

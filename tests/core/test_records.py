@@ -1,0 +1,103 @@
+"""Records on disk: what is read back is what was simulated, and no file is ever half there."""
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from insonify.records import replacing, write_netcdf, write_npz
+
+
+def block(first: int, pings: int, bins: int = 16) -> xr.Dataset:
+    numbers = np.arange(first, first + pings)
+    shape = (2, pings, bins)
+    return xr.Dataset(
+        {
+            "intensity": (
+                ("channel", "ping_time", "range_sample"),
+                (numbers[None, :, None] + np.zeros(shape) + np.arange(bins) / 100).astype(np.float32),
+                {"long_name": "echo energy", "units": "1"},
+            ),
+            "platform_x": ("ping_time", numbers * 0.2, {"units": "m"}),
+            "shadow": (("channel", "ping_time", "range_sample"), np.zeros(shape, dtype=bool)),
+        },
+        coords={
+            "channel": ["port", "starboard"],
+            "ping_time": np.datetime64("2000-01-01", "ns") + (numbers * 10**8).astype("timedelta64[ns]"),
+            "range_sample": np.arange(bins),
+            "slant_range": ("range_sample", (np.arange(bins) + 0.5) * 0.05, {"units": "m"}),
+        },
+        attrs={"scene": 'title = "ä"\n', "version": "0.1.0", "number": 3},
+    )
+
+
+def test_netcdf_reads_back_what_was_written(tmp_path):
+    path = tmp_path / "record.nc"
+    write_netcdf(path, [block(0, 5), block(5, 5), block(10, 2)])
+    whole = block(0, 12)
+    with xr.open_dataset(path) as read:
+        read = read.load()
+        read["channel"] = read["channel"].astype(str)
+        xr.testing.assert_equal(read, whole)
+        assert set(read.coords) == set(whole.coords)
+        assert read.intensity.dims == ("channel", "ping_time", "range_sample")
+        assert read.intensity.dtype == np.float32
+        assert read.shadow.dtype == bool
+        assert read.slant_range.attrs == whole.slant_range.attrs
+        assert read.attrs == {"Conventions": "CF-1.10"} | whole.attrs
+
+
+def test_only_the_pings_are_without_limit(tmp_path):
+    write_netcdf(tmp_path / "record.nc", [block(0, 3)])
+    with netCDF4.Dataset(tmp_path / "record.nc") as file:
+        assert [d.name for d in file.dimensions.values() if d.isunlimited()] == ["ping_time"]
+
+
+def test_a_tow_is_written_without_being_held(tmp_path):
+    """Blocks are asked for one at a time, each after the last was written."""
+    alive: list[int] = []
+
+    def blocks():
+        for first in range(0, 40, 4):
+            alive.append(first)
+            assert len(alive) == first // 4 + 1
+            yield block(first, 4)
+
+    write_netcdf(tmp_path / "record.nc", blocks())
+    with xr.open_dataset(tmp_path / "record.nc") as read:
+        assert read.sizes["ping_time"] == 40
+
+
+def test_npz_reads_back_without_pickles(tmp_path):
+    record = block(0, 4)
+    write_npz(tmp_path / "record.npz", record)
+    with np.load(tmp_path / "record.npz", allow_pickle=False) as read:
+        np.testing.assert_array_equal(read["intensity"], record.intensity)
+        np.testing.assert_array_equal(read["slant_range"], record.slant_range)
+        assert list(read["channel"]) == ["port", "starboard"]
+        assert str(read["attrs.scene"]) == record.attrs["scene"]
+
+
+@pytest.mark.parametrize("trouble", [OSError("disk full"), KeyboardInterrupt()])
+def test_a_failed_write_leaves_the_old_file(tmp_path, trouble):
+    path = tmp_path / "record.nc"
+    path.write_bytes(b"old")
+
+    def blocks():
+        yield block(0, 4)
+        raise trouble
+
+    with pytest.raises(type(trouble)):
+        write_netcdf(path, blocks())
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_link_keeps_pointing_where_it_did(tmp_path):
+    target, link = tmp_path / "target.txt", tmp_path / "link.txt"
+    target.write_text("old")
+    link.symlink_to(target)
+    with replacing(link) as beside:
+        beside.write_text("new")
+    assert link.is_symlink()
+    assert target.read_text() == "new"
