@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from insonify.kernels.jit import kernel
@@ -45,3 +47,25 @@ def unit_interval(bits):
 def hash_uniform(seed, stream, a, b, c):
     """Uniform float64 inside (0, 1), a function of five integers alone."""
     return unit_interval(hash_integers(seed, stream, a, b, c))
+
+
+@kernel
+def wave_noise(seed, stream, ny, nx, gaussian):
+    """Random coefficients of a real field's waves, one per frequency of ``irfft2``.
+
+    Returns (ny, nx // 2 + 1) complex128 of modulus 1, or complex Gaussian with E|c|² = 1. A coefficient depends on its
+    frequency alone, so any two grids share their common band. The mean and the Nyquist row and column are 0.
+    """
+    noise = np.zeros((ny, nx // 2 + 1), dtype=np.complex128)
+    for fx in range((nx + 1) // 2):
+        for row in range(ny):
+            fy = row if 2 * row < ny else row - ny
+            if 2 * row == ny or (fx == 0 and fy == 0):
+                continue
+            # A real field has conjugate coefficients at ±f: on the axis fx = 0 both signs are stored.
+            mirrored = fx == 0 and fy < 0
+            wave = abs(fy) if mirrored else fy
+            phase = 2.0 * math.pi * hash_uniform(seed, stream, fx, wave, 0)
+            modulus = math.sqrt(-math.log(hash_uniform(seed, stream, fx, wave, 1))) if gaussian else 1.0
+            noise[row, fx] = modulus * complex(math.cos(phase), -math.sin(phase) if mirrored else math.sin(phase))
+    return noise

@@ -1,0 +1,164 @@
+"""Fractal relief: noise filtered to a power law with peaks, after Models 1 to 3 of the paper.
+
+Frequencies are whole cycles per period. A wave's coefficient is a hash of the seed and its frequency, so the same seed
+makes the same landscape on every grid; the heights of one wave never depend on how finely the grid samples it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from functools import lru_cache
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from insonify.kernels.hashing import wave_noise
+from insonify.scene.seabed import Fractal
+
+Shape = tuple[int, int]
+Field = NDArray[np.float64]
+Waves = NDArray[np.complex128]
+
+# Two purposes never share random numbers.
+RELIEF, MATERIAL_BANDS, MATERIAL_PATCHES = 1, 2, 3
+
+# Noise larger than this is made anew rather than kept: 2048 squared takes 34 MB.
+KEPT_CELLS = 2048**2
+WORKERS = 2
+
+
+def synthesise(fractal: Fractal, shape: Shape, reference: Shape, seed: int, stream: int = RELIEF) -> Field:
+    """Heights of one period of fractal relief.
+
+    Parameters
+    ----------
+    fractal : Fractal
+        Spectrum, and the rms that heights have on the reference grid.
+    shape : (ny, nx)
+        Samples per period along y and x.
+    reference : (ny, nx)
+        Grid on which the rms holds exactly. Every grid is scaled by its one factor, so that grids of different
+        shape agree in the waves they share; one finer than the reference has a little more rms, a coarser one less.
+    seed, stream : int
+        What the random coefficients derive from.
+
+    Returns
+    -------
+    (ny, nx) float64
+        Metres above the mean, exactly periodic.
+    """
+    waves = coefficients(fractal, shape, seed, stream)
+    scaled = waves if shape == reference else coefficients(fractal, reference, seed, stream)
+    power = variance(scaled, reference)
+    if power == 0.0:
+        return np.zeros(shape)
+    waves *= fractal.rms / math.sqrt(power)
+    return np.asarray(scipy.fft.irfft2(waves, s=shape, norm="forward", workers=WORKERS, overwrite_x=True))
+
+
+def coefficients(fractal: Fractal, shape: Shape, seed: int, stream: int = RELIEF) -> Waves:
+    """Coefficients of the waves, (ny, nx // 2 + 1), before they are scaled to the rms."""
+    amplitude = np.sqrt(power_spectrum(fractal, *frequencies(shape)))
+    return _noise(seed, stream, shape, fractal.coefficients == "gaussian") * amplitude
+
+
+def variance(waves: Waves, shape: Shape) -> float:
+    """Variance of the field that waves make, by Parseval: all but the first column stand for ±f."""
+    power = waves.real**2 + waves.imag**2
+    return float(2.0 * power.sum() - power[:, 0].sum())
+
+
+def frequencies(shape: Shape) -> tuple[Field, Field]:
+    """Cycles per period of ``irfft2``'s coefficients: fx (1, nx // 2 + 1) and fy (ny, 1)."""
+    ny, nx = shape
+    return np.arange(nx // 2 + 1, dtype=np.float64)[np.newaxis, :], (np.fft.fftfreq(ny) * ny)[:, np.newaxis]
+
+
+def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
+    """Squared amplitude A² of the relief's waves, up to one factor.
+
+    Parameters
+    ----------
+    fractal : Fractal
+        Exponents, peaks and options.
+    fx, fy : float64
+        Cycles per period, of shapes that broadcast.
+
+    Returns
+    -------
+    float64
+        Of the broadcast shape.
+    """
+    # A real field has as much power at −f as at f, so that every peak stands at −(fx, fy) too. Places that fall
+    # together, as those of a peak at zero frequency do, count as often as they are named.
+    places = Counter(place for peak in fractal.peaks for place in _places(peak, fractal.quadrants))
+    power: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
+    for place, times in places.items():
+        decay = _decay(fractal, fx, fy, place)
+        if fractal.combine == "max":
+            np.maximum(power, decay, out=power)
+        else:
+            power += decay if times == 1 else times * decay
+    return power
+
+
+def _places(peak: tuple[float, float], quadrants: int) -> list[tuple[float, float]]:
+    """Where one declared peak stands in the whole plane."""
+    x, y = peak
+    half_plane = [(x, y)] if quadrants == 1 else [(x, y), (x, -y)]
+    return [(sign * x + 0.0, sign * y + 0.0) for x, y in half_plane for sign in (1.0, -1.0)]
+
+
+def _decay(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float]) -> Field:
+    """Power left at a distance from one peak."""
+    dx, dy = fx - peak[0], fy - peak[1]
+    beta_x, beta_y = fractal.exponents
+    hard = fractal.clamp == "hard"
+    if fractal.decay == "isotropic":  # Models 1 and 2: F^−β
+        return _level(dx**2 + dy**2, hard) ** -beta_x
+    if fractal.decay != "separable":
+        dx, dy = _turned(dx, dy, peak)
+    if fractal.decay == "elliptic":
+        return _elliptic(dx, dy, beta_x, beta_y, hard)
+    # Model 3: |Δfx|^−βx |Δfy|^−βy, along the axes or, rotated, along the peak's own direction
+    return _level(dx**2, hard) ** -beta_x * _level(dy**2, hard) ** -beta_y
+
+
+def _level(squared: Field, hard: bool) -> Field:
+    """Keep a squared distance from reaching zero, in cycles per period."""
+    return np.maximum(squared, 1.0) if hard else 1.0 + squared
+
+
+def _turned(dx: Field, dy: Field, peak: tuple[float, float]) -> tuple[Field, Field]:
+    """Distances along the line from a peak to zero frequency, and at right angles to it."""
+    length = math.hypot(*peak)
+    cosine, sine = (peak[0] / length, peak[1] / length) if length > 0.0 else (1.0, 0.0)
+    return cosine * dx + sine * dy, cosine * dy - sine * dx
+
+
+def _elliptic(along: Field, across: Field, beta_x: float, beta_y: float, hard: bool) -> Field:
+    """Power (|Δ∥|^(2βx/β) + |Δ⊥|^(2βy/β))^−β with β the mean exponent.
+
+    It falls with exponent βx along the one axis and βy along the other, is isotropic when they are equal, and has no
+    cross of slowly falling power through the peak.
+    """
+    beta = 0.5 * (beta_x + beta_y)
+    if beta == 0.0:
+        return np.ones(np.broadcast_shapes(along.shape, across.shape))
+    if hard:
+        along, across = np.maximum(np.abs(along), 1.0), np.maximum(np.abs(across), 1.0)
+    reach = (along**2) ** (beta_x / beta) + (across**2) ** (beta_y / beta)
+    return np.asarray(0.5 * reach if hard else 1.0 + reach) ** -beta
+
+
+def _noise(seed: int, stream: int, shape: Shape, gaussian: bool) -> Waves:
+    """Coefficients before the filter, kept so that a change of the spectrum costs the filter alone."""
+    make = _kept_noise if shape[0] * shape[1] <= KEPT_CELLS else _kept_noise.__wrapped__
+    return make(seed, stream, shape, gaussian)
+
+
+@lru_cache(maxsize=4)
+def _kept_noise(seed: int, stream: int, shape: Shape, gaussian: bool) -> Waves:
+    return wave_noise(seed, stream, *shape, gaussian)
