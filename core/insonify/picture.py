@@ -197,8 +197,7 @@ def column_edges(
     bins: int,
     bin_length: float,
     columns: int,
-    *,
-    ground_range: bool = False,
+    ground_reach: float | None = None,
 ) -> NDArray[np.float64]:
     """Edges of equally wide columns, as positions within the bins of one side.
 
@@ -212,23 +211,18 @@ def column_edges(
         Slant range of a bin, in metres.
     columns : int
         Columns of a side.
-    ground_range : bool
-        Whether columns are steps of ground range x = sqrt(r² − altitude²) rather than of slant range.
+    ground_reach : float, optional
+        Ground range of the outermost edge, in metres: columns are then steps of x = sqrt(r² − altitude²). Steps of
+        slant range when left out.
 
     Returns
     -------
     (pings, columns + 1) float64
     """
-    reach = bins * bin_length
-    if not ground_range:
+    if ground_reach is None:
         return np.broadcast_to(np.linspace(0.0, bins, columns + 1), (len(altitude), columns + 1))
-    x = np.linspace(0.0, ground_reach(reach, altitude), columns + 1)
+    x = np.linspace(0.0, ground_reach, columns + 1)
     return np.minimum(np.hypot(x[None, :], altitude[:, None]) / bin_length, bins)
-
-
-def ground_reach(reach: float, altitude: NDArray[np.float64]) -> float:
-    """Ground range of the last bin of the lowest ping, in metres; 0 where no ping reaches the bed."""
-    return float(np.sqrt(max(reach**2 - float(np.min(altitude)) ** 2, 0.0)))
 
 
 def binned(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> NDArray[np.float32]:

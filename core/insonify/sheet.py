@@ -1,0 +1,141 @@
+"""From blocks of a record to one sheet of amplitudes in display columns; memory is that of the sheet, not the tow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from insonify.picture import binned, column_edges, mirrored, normalise
+
+MOST_ROWS = 4096
+WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of the whole sheet
+HEIGHTS = (420, 1800)  # rows of a sheet stay between
+
+
+class Look(NamedTuple):
+    """What of a record is shown, and how."""
+
+    side: str = "both"
+    ground_range: bool = False
+    palette: str = "copper"
+    gain: float = 0.0  # dB
+
+
+class Sheet(NamedTuple):
+    """A record ready to be coloured.
+
+    Attributes
+    ----------
+    amplitude : (rows, columns) float32
+        Relative to a perfect Lambert bed; newest ping on top, port mirrored about nadir.
+    reach : float
+        Range of a side's outer edge, in metres.
+    along : float
+        Along-track length, in metres.
+    pings : int
+        Pings in it.
+    """
+
+    amplitude: NDArray[np.float32]
+    reach: float
+    along: float
+    pings: int
+
+
+def gather(blocks: Iterable[xr.Dataset], curve: NDArray[np.float64], pings: int, look: Look) -> Sheet:
+    """Collect a record into a sheet.
+
+    Parameters
+    ----------
+    blocks : iterable of Dataset
+        Successive pings, as from ``simulate_blocks``.
+    curve : (bins,) float64
+        From ``picture.display_curve``.
+    pings : int
+        Pings of the whole record.
+    look : Look
+        Side and kind of range.
+
+    Returns
+    -------
+    Sheet
+    """
+    columns = WIDTH[look.side]
+    together = math.ceil(pings / MOST_ROWS)  # pings that share a row
+    rows = np.zeros((math.ceil(pings / together), columns), dtype=np.float32)
+    counts = np.zeros((len(rows), 1), dtype=np.float32)
+    done, reach, ground_reach, track = 0, 0.0, None, _Length()
+    for block in blocks:
+        if done == 0:
+            reach, ground_reach = _reaches(block, look)
+        row = len(rows) - 1 - np.arange(done, done + block.sizes["ping_time"])[::-1] // together
+        np.add.at(rows, row, _columns(block, curve, columns, ground_reach, look.side))
+        np.add.at(counts, row, 1.0)
+        track.add(block)
+        done += block.sizes["ping_time"]
+    rows /= np.maximum(counts, 1.0)
+    along = track.metres * (done / max(done - 1, 1))
+    shown = reach if ground_reach is None else ground_reach
+    across = 2.0 * shown if look.side == "both" else shown
+    height = int(np.clip(columns * along / across if across > 0.0 else 0, *HEIGHTS))
+    return Sheet(stretched(rows, height), shown, along, done)
+
+
+def stretched(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]:
+    """Resample rows to a height, by mean where they are too many.
+
+    Parameters
+    ----------
+    rows : (n, columns) float32
+    height : int
+
+    Returns
+    -------
+    (height, columns) float32
+    """
+    edges = np.broadcast_to(np.linspace(0.0, len(rows), height + 1), (rows.shape[1], height + 1))
+    return binned(np.ascontiguousarray(rows.T), edges).T
+
+
+class _Length:
+    """Along-track length of successive blocks."""
+
+    def __init__(self) -> None:
+        self.metres = 0.0
+        self._last: tuple[float, float] | None = None
+
+    def add(self, block: xr.Dataset) -> None:
+        x, y = block["platform_x"].values, block["platform_y"].values
+        if self._last is not None:
+            x, y = np.append(self._last[0], x), np.append(self._last[1], y)
+        self.metres += float(np.hypot(np.diff(x), np.diff(y)).sum())
+        self._last = float(x[-1]), float(y[-1])
+
+
+def _reaches(block: xr.Dataset, look: Look) -> tuple[float, float | None]:
+    """Slant range of the outer edge, and its ground range if that is what is shown."""
+    reach = block.sizes["range_sample"] * _bin_length(block)
+    if not look.ground_range:
+        return reach, None
+    lowest = float(block["platform_altitude"].values.min())
+    return reach, math.sqrt(max(reach**2 - lowest**2, 0.0))
+
+
+def _bin_length(block: xr.Dataset) -> float:
+    """Return the recorded slant range of a bin; its first centre lies at half of it."""
+    return 2.0 * float(block["slant_range"].values[0])
+
+
+def _columns(
+    block: xr.Dataset, curve: NDArray[np.float64], columns: int, ground_reach: float | None, side: str
+) -> NDArray[np.float32]:
+    intensity = block["intensity"].transpose("ping_time", "channel", "range_sample").values
+    altitude = block["platform_altitude"].values.astype(np.float64)
+    per_side = columns // 2 if side == "both" else columns
+    edges = column_edges(altitude, intensity.shape[-1], _bin_length(block), per_side, ground_reach)
+    return mirrored(normalise(intensity, curve), edges, side)
