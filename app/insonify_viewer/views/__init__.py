@@ -1,0 +1,1 @@
+"""The widgets; they show and announce, and never edit a scene themselves."""

@@ -1,0 +1,74 @@
+"""A measured bed under a scene: a track that crosses it, at a height and range that suit it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.scene import Scene, edit
+from insonify.terrain.ground import Ground
+
+SHARE = 0.3  # slant range over the grid's shorter side
+GRAZING = 0.15  # clearance over slant range
+LONGEST_RANGE = 1000.0
+
+
+def scene_over_dem(scene: Scene, path: str) -> Scene:
+    """Lay a scene's bed after a grid of heights, and its track across the middle of it.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene whose sonar, water and material stay; its targets go.
+    path : str
+        File of heights.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read as a grid of heights.
+    """
+    from insonify.terrain.build import build_ground
+
+    bare = edit(scene, {"seabed.relief": {"kind": "dem", "path": path}, "targets": []})
+    ground = build_ground(bare)
+    x, y, length = _crossing(ground)
+    reach = _two_digits(min(SHARE * min(ground.heights.shape) * ground.spacing, LONGEST_RANGE))
+    rate = min(scene.sonar.ping_rate, _two_digits(0.95 * scene.water.sound_speed / (2.0 * reach)))
+    clearance = float(np.nanmax(ground.heights)) + GRAZING * reach
+    return edit(
+        bare,
+        {
+            "title": path.rsplit("/", 1)[-1],
+            "sonar.range": reach,
+            "sonar.ping_rate": rate,
+            "track.start": [x, y],
+            "track.heading": 0.0,
+            "track.depth": None,
+            "track.altitude": round(clearance, 2),
+            "track.speed": min(max(_two_digits(length * rate / scene.track.pings), 0.01), 50.0),
+        },
+    )
+
+
+def _crossing(ground: Ground) -> tuple[float, float, float]:
+    """Start and length of the line along +x that has most bed under it, of the middle rows."""
+    ny = len(ground.heights)
+    rows = np.arange(ny // 4, max(3 * ny // 4, ny // 4 + 1))
+    finite = np.isfinite(ground.heights[rows])
+    row = int(rows[np.argmax(finite.sum(axis=1) - 1e-3 * abs(rows - ny / 2))])
+    columns = np.flatnonzero(np.isfinite(ground.heights[row]))
+    first, last = (int(columns[0]), int(columns[-1])) if columns.size else (0, ground.heights.shape[1] - 1)
+    start = ground.x0 + first * ground.spacing
+    return start, ground.y0 + row * ground.spacing, max((last - first) * ground.spacing, ground.spacing)
+
+
+def _two_digits(value: float) -> float:
+    """Round down to two digits."""
+    step = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return round(math.floor(value / step + 1e-9) * step, 12)

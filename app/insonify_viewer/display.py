@@ -1,0 +1,42 @@
+"""Whether there is a screen, asked before Qt, which would end the process without one."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+from ctypes.util import find_library
+
+LIBRARIES = (
+    "libegl1 libgl1 libglib2.0-0 libxkbcommon0 libdbus-1-3 libfontconfig1 "
+    "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 libxkbcommon-x11-0"
+)
+APT = f"apt-get install {LIBRARIES}"
+WINDOW_LIBRARIES = ("xcb-cursor", "xcb-icccm", "xcb-keysyms", "xcb-shape", "xkbcommon-x11")
+
+
+def why_no_window() -> str:
+    """Say why no window can be opened, in half a sentence; empty if one can."""
+    if os.environ.get("QT_QPA_PLATFORM", "").startswith(("offscreen", "minimal")):
+        return "QT_QPA_PLATFORM asks for no window"
+    if not sys.platform.startswith("linux") or os.environ.get("WAYLAND_DISPLAY"):
+        return ""
+    if not os.environ.get("DISPLAY"):
+        return "there is no display"
+    missing = [name for name in WINDOW_LIBRARIES if find_library(name) is None]
+    if missing:
+        return f"the system lacks lib{missing[0]} (mend with: {APT})"
+    return "" if _answers() else f"display {os.environ['DISPLAY']} does not answer"
+
+
+def _answers() -> bool:
+    """Whether the X server of this environment accepts a connection."""
+    name = find_library("xcb")
+    if name is None:
+        return False
+    xcb = ctypes.CDLL(name)
+    xcb.xcb_connect.restype = ctypes.c_void_p
+    connection = ctypes.c_void_p(xcb.xcb_connect(None, None))
+    failed = xcb.xcb_connection_has_error(connection)
+    xcb.xcb_disconnect(connection)
+    return not failed

@@ -1,0 +1,102 @@
+"""Changes that a change entails, so that one slider moves what has to move with it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from insonify.scene import Scene
+from insonify.scene.materials import MATERIALS, Material
+from insonify.scene.seabed import Fractal
+
+Changes = dict[str, Any]
+NUMBERS = ("diffuse", "specular", "shininess")
+
+
+def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Add what the changes entail.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene that the changes are meant for.
+    changes : mapping of str to object
+        New values by dotted path.
+
+    Returns
+    -------
+    changes : dict
+        The changes and what they entail; a change asked for is never overruled.
+    remark : str
+        One sentence on what else moved, empty if there is nothing to say.
+    """
+    complete: Changes = {}
+    remarks = []
+    for rule in (_ping_rate, _sonar_height, _spectrum, _named_numbers, _material_map):
+        extra, remark = rule(scene, changes)
+        complete |= extra
+        if remark:
+            remarks.append(remark)
+    return complete | dict(changes), "; ".join(remarks)
+
+
+def _ping_rate(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Leave echoes from the full range the time to return."""
+    reach = changes.get("sonar.range", scene.sonar.range)
+    speed = changes.get("water.sound_speed", scene.water.sound_speed)
+    if not {"sonar.range", "water.sound_speed"} & set(changes) or not _positive(reach) or not _positive(speed):
+        return {}, ""
+    fastest = speed / (2.0 * reach)
+    if scene.sonar.ping_rate <= fastest:
+        return {}, ""
+    # Three digits, never rounded up.
+    step = 10.0 ** (math.floor(math.log10(fastest)) - 2)
+    rate = round(math.floor(fastest / step) * step, 12)
+    return {"sonar.ping_rate": rate}, f"ping rate lowered to {rate:g} Hz: echoes from {reach:.4g} m need the time"
+
+
+def _positive(value: Any) -> bool:
+    return isinstance(value, (int, float)) and math.isfinite(value) and value > 0
+
+
+def _sonar_height(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Altitude and depth are two ways to say one thing; the one moved last holds."""
+    if "track.altitude" in changes and scene.track.depth is not None:
+        return {"track.depth": None}, ""
+    if "track.depth" in changes and scene.track.altitude is not None:
+        return {"track.altitude": None}, ""
+    return {}, ""
+
+
+def _spectrum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """One exponent for an isotropic decay, two for the others."""
+    decay = changes.get("seabed.relief.decay")
+    relief = scene.seabed.relief
+    if decay is None or not isinstance(relief, Fractal):
+        return {}, ""
+    along, across = relief.exponents
+    if decay == "isotropic":
+        return {"seabed.relief.beta": along, "seabed.relief.beta_x": None, "seabed.relief.beta_y": None}, ""
+    return {"seabed.relief.beta": None, "seabed.relief.beta_x": along, "seabed.relief.beta_y": across}, ""
+
+
+def _named_numbers(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Let a material just named show its own numbers."""
+    owners = [path.removesuffix(".name") for path in changes if path.endswith(".name") and "material" in path]
+    return {f"{owner}.{number}": None for owner in owners for number in NUMBERS}, ""
+
+
+def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Give a map the two materials it needs, and a single material the map's first."""
+    kind = changes.get("seabed.material.kind")
+    material = scene.seabed.material
+    if kind is None or kind == material.kind:
+        return {}, ""
+    if kind == "uniform":
+        first: Material = material if isinstance(material, Material) else material.of[0]
+        return {"seabed.material.name": first.name}, ""
+    if not isinstance(material, Material):
+        return {}, ""
+    other = "rock" if material.name != "rock" else next(iter(MATERIALS))
+    return {"seabed.material.of": [material.name, other]}, ""

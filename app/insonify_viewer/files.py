@@ -1,0 +1,98 @@
+"""What is opened and saved: scenes, measured beds, pictures."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtWidgets import QFileDialog, QWidget
+
+from insonify.scene import Scene, SceneError, bundled_scenes, load_scene
+from insonify_viewer.dem import scene_over_dem
+from insonify_viewer.simulation import Simulator
+
+GRIDS = "Grids of heights (*.tif *.tiff *.bag *.npy *.npz);;All files (*)"
+
+
+class Files:
+    """Asks for files and hands over what is in them; a mistake is said in one sentence.
+
+    Parameters
+    ----------
+    window : QWidget
+        Owner of the dialogs.
+    simulator : Simulator
+        Whose worker reads measured beds.
+    opened : callable
+        Takes a scene that was opened.
+    say : callable
+        Takes a sentence.
+    """
+
+    def __init__(
+        self, window: QWidget, simulator: Simulator, opened: Callable[[Scene], None], say: Callable[[str], None]
+    ) -> None:
+        self._window, self._simulator, self._opened, self._say = window, simulator, opened, say
+        self._folder = str(next(iter(bundled_scenes().values())).parent)
+
+    def ask_for_scene(self) -> None:
+        """Let the person pick a scene."""
+        path, _ = QFileDialog.getOpenFileName(self._window, "Open a scene", self._folder, "Scenes (*.toml)")
+        if path:
+            self.open_scene(path)
+
+    def ask_for_dem(self, scene: Scene) -> bool:
+        """Let the person pick a measured bed for a scene; return whether one was picked."""
+        path, _ = QFileDialog.getOpenFileName(self._window, "Open a measured bed", "", GRIDS)
+        if path:
+            self.open_dem(scene, path)
+        return bool(path)
+
+    def ask_to_save(self) -> None:
+        """Let the person name a picture of the window."""
+        path, _ = QFileDialog.getSaveFileName(self._window, "Save the window", "insonify.png", "Pictures (*.png)")
+        if path:
+            try:
+                save_picture(self._window, Path(path).with_suffix(".png"))
+                self._say(f"saved {Path(path).with_suffix('.png')}")
+            except OSError as error:
+                self._say(str(error))
+
+    def open_scene(self, path: str) -> None:
+        """Open a scene file."""
+        try:
+            scene = load_scene(path)
+        except SceneError as error:
+            self._say(str(error))
+            return
+        self._folder = str(Path(path).parent)
+        self._opened(scene)
+
+    def open_dem(self, scene: Scene, path: str) -> None:
+        """Lay a scene over a measured bed, read on the worker."""
+        self._say(f"reading {Path(path).name} …")
+        self._simulator.send("dem", lambda: scene_over_dem(scene, path), self._read)
+
+    def _read(self, result: Scene | SceneError) -> None:
+        if isinstance(result, SceneError):
+            self._say(str(result))
+        else:
+            self._opened(result)
+
+
+def save_picture(window: QWidget, path: Path) -> None:
+    """Write a picture of the window beside the name, then put it in place.
+
+    Raises
+    ------
+    OSError
+        One sentence with the path and the remedy; an older picture stays as it was.
+    """
+    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        if not window.grab().save(str(beside), "PNG"):
+            raise OSError(f"{path}: the picture cannot be written; check that the folder exists and has room")
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)

@@ -1,0 +1,219 @@
+"""Sliders and combo boxes described from the scene's own field metadata; no widgets here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from insonify.scene import Scene
+from insonify.scene.edit import kind_name, models_of
+from insonify.scene.materials import MATERIALS, Material
+from insonify.scene.seabed import Fractal
+
+SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
+PAIR_NAMES = {"peaks": ("fx", "fy"), "gap": ("along", "height"), "position": ("x", "y", "z"), "start": ("x", "y")}
+PLACE_REACH = 100.0
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number with a slider, or without one where the field declares no useful range.
+
+    Attributes
+    ----------
+    path : str
+        Dotted path of the field, as ``insonify.scene.edit`` takes it.
+    label, tooltip, unit : str
+        What is printed.
+    indent : int
+        Depth below the section.
+    value : float
+        Value that applies, also where the scene leaves it open.
+    slider : (float, float) or None
+        Ends of the slider.
+    log : bool
+        Whether the slider moves in equal ratios.
+    integer : bool
+        Whether only whole numbers fit.
+    """
+
+    path: str
+    label: str
+    tooltip: str
+    unit: str
+    indent: int
+    value: float
+    slider: tuple[float, float] | None
+    log: bool
+    integer: bool
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of several names; see `Number` for what the fields mean."""
+
+    path: str
+    label: str
+    tooltip: str
+    indent: int
+    value: str | int
+    options: tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Section:
+    """Parameters shown under one heading."""
+
+    key: str
+    title: str
+    parameters: tuple[Number | Choice, ...]
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        """What the widgets depend on apart from the values."""
+        return tuple(
+            (type(p), p.path, p.label, p.options if isinstance(p, Choice) else p.slider) for p in self.parameters
+        )
+
+
+def sections_of(scene: Scene) -> tuple[Section, ...]:
+    """Describe every parameter of a scene that a person may turn.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene whose values are shown.
+
+    Returns
+    -------
+    tuple of Section
+        In the order they are shown; sections without parameters are left out.
+    """
+    found = []
+    for name in SECTIONS:
+        part = getattr(scene, name)
+        if name == "targets":
+            for index, target in enumerate(part):
+                path = f"targets.{index}"
+                found.append(Section(path, f"{target.kind.capitalize()} {index + 1}", _inside(scene, target, path, 0)))
+        else:
+            parameters = _inside(scene, part, name, 0)
+            if name == "seabed":
+                parameters += tuple(_of_field(scene, scene, "seed", "", 0))
+            found.append(Section(name, name.capitalize(), parameters))
+    return tuple(section for section in found if section.parameters)
+
+
+def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Number | Choice, ...]:
+    """All parameters of one declaration."""
+    return tuple(
+        parameter
+        for name in type(part).model_fields
+        if name != "kind" and not _stands_aside(part, name)
+        for parameter in _of_field(scene, part, name, path, indent)
+    )
+
+
+def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Number | Choice]:
+    """Parameters of one field: of itself, or of what it holds."""
+    field = type(part).model_fields[name]
+    value = getattr(part, name)
+    path = f"{path}.{name}" if path else name
+    label = name.replace("_", " ")
+    tooltip = field.description or ""
+    if isinstance(value, BaseModel):
+        yield from _of_declaration(scene, part, name, path, indent)
+    elif isinstance(part, Material) and name == "name":
+        yield Choice(path, label if indent else "material", tooltip, indent, value, tuple(MATERIALS))
+    elif get_origin(field.annotation) is Literal:
+        options = get_args(field.annotation)
+        if len(options) > 1:
+            yield Choice(path, label, tooltip, indent, value, options)
+    elif isinstance(value, tuple):
+        yield from _of_tuple(scene, field, value, name, path, indent)
+    elif not isinstance(value, str):
+        applies = _value_that_applies(scene, part, name) if value is None else value
+        if applies is not None:
+            yield _number(field, path, label, indent, applies)
+
+
+def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Number | Choice]:
+    """Parameters of a nested declaration, led by its kind where there are several."""
+    value: BaseModel = getattr(part, name)
+    kinds = tuple(kind for kind in map(kind_name, models_of(type(part), name)) if kind)
+    label = name.replace("_", " ")
+    if len(kinds) > 1:
+        tooltip = type(part).model_fields[name].description or ""
+        yield Choice(f"{path}.kind", label, tooltip, indent, kind_name(type(value)) or "", kinds)
+    yield from _inside(scene, value, path, indent + 1 if len(kinds) > 1 else indent)
+
+
+def _of_tuple(
+    scene: Scene, field: FieldInfo, value: tuple[Any, ...], name: str, path: str, indent: int
+) -> Iterator[Number | Choice]:
+    """Parameters of a list of declarations, of pairs, or of coordinates."""
+    single = name.removesuffix("s")
+    axes = PAIR_NAMES.get(name, tuple(str(i + 1) for i in range(len(value))))
+    for index, item in enumerate(value):
+        place = f"{path}.{index}"
+        if isinstance(item, BaseModel):
+            for parameter in _inside(scene, item, place, indent + 1):
+                is_name = isinstance(parameter, Choice) and parameter.path.endswith(".name")
+                yield _renamed(parameter, f"material {index + 1}", indent) if is_name else parameter
+        elif isinstance(item, tuple):
+            for k, number in enumerate(item):
+                is_place = name == "gap" and k == 0
+                yield _number(field, f"{place}.{k}", f"{single} {index + 1} {axes[k]}", indent, number, place=is_place)
+        else:
+            yield _number(field, place, f"{name} {axes[index]}", indent, item, place=True)
+
+
+def _renamed(parameter: Number | Choice, label: str, indent: int) -> Choice:
+    assert isinstance(parameter, Choice)
+    return Choice(parameter.path, label, parameter.tooltip, indent, parameter.value, parameter.options)
+
+
+def _number(field: FieldInfo, path: str, label: str, indent: int, value: float, *, place: bool = False) -> Number:
+    """Describe one number by its field's metadata; a place has a slider about the origin."""
+    extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+    ends: Any = extra.get("slider")
+    slider = None if ends is None else (float(ends[0]), float(ends[1]))
+    if place:
+        slider = (min(-PLACE_REACH, value), max(PLACE_REACH, value))
+    return Number(
+        path=path,
+        label=label,
+        tooltip=field.description or "",
+        unit=str(extra.get("unit", "")),
+        indent=indent,
+        value=float(value),
+        slider=slider,
+        log=bool(extra.get("log")) and not place,
+        integer=field.annotation is int,
+    )
+
+
+def _stands_aside(part: BaseModel, name: str) -> bool:
+    """Whether a field has no say with the others as they are."""
+    if isinstance(part, Fractal):
+        isotropic = part.decay == "isotropic"
+        return (name == "beta" and not isotropic) or (name in ("beta_x", "beta_y") and isotropic)
+    return False
+
+
+def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None:
+    """Value of a field that the scene leaves open."""
+    if isinstance(part, Material):
+        return float(getattr(part.reflectivity, name))
+    if isinstance(part, Fractal):
+        return part.exponents[1 if name == "beta_y" else 0]
+    values = {
+        "altitude": scene.altitude,
+        "depth": scene.seabed.depth - scene.altitude,
+        "reference_speed": scene.water.sound_speed,
+    }
+    return values.get(name)

@@ -1,0 +1,198 @@
+"""A scene as PyVista data: bed, targets, fish and fan. No window, no plotter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyvista as pv
+from numpy.typing import NDArray
+
+from insonify_viewer.shading import bed_image
+
+if TYPE_CHECKING:
+    from insonify.kernels.types import Poses, Problem, Solids
+    from insonify.terrain.ground import Ground
+
+MESH_NODES = 256
+TEXTURE_SIZE = 768
+LINE_POINTS = 96  # per side, of the current scan line
+MAX_SOLIDS = 400
+WINDOW = 3.6  # side of the bed shown, in slant ranges
+BEHIND = 0.55  # its middle lies so far behind the fish, for what was heard is what one wants to see
+STEPS = 16  # of the window, per slant range
+
+
+@dataclass(frozen=True, eq=False)
+class BedPatch:
+    """The bed around the fish, baked.
+
+    Attributes
+    ----------
+    centre : (float, float)
+        Its middle, in local metres.
+    points : (MESH_NODES², 3) float32
+        Nodes of the mesh.
+    image : (TEXTURE_SIZE, TEXTURE_SIZE, 3) uint8
+        Shaded colours, row 0 at the far y.
+    """
+
+    centre: tuple[float, float]
+    points: NDArray[np.float32]
+    image: NDArray[np.uint8]
+
+
+def window_centre(pose: Poses, reach: float) -> tuple[float, float]:
+    """Place the window of a pose, in the steps in which it follows the fish."""
+    step, behind = reach / STEPS, BEHIND * reach
+    x = float(pose.x[0]) - behind * math.cos(float(pose.heading[0]))
+    y = float(pose.y[0]) - behind * math.sin(float(pose.heading[0]))
+    return round(x / step) * step, round(y / step) * step
+
+
+def bed_patch(ground: Ground, centre: tuple[float, float], reach: float) -> BedPatch:
+    """Bake the bed within a window.
+
+    Parameters
+    ----------
+    ground : Ground
+        Heights and materials.
+    centre : (float, float)
+        Middle of the window, in local metres.
+    reach : float
+        Slant range of the sonar, in metres.
+
+    Returns
+    -------
+    BedPatch
+        A place without a bed lies at the lowest height, in the colour of the water.
+    """
+    half = WINDOW * reach / 2.0
+    x, y = np.meshgrid(
+        np.linspace(centre[0] - half, centre[0] + half, MESH_NODES),
+        np.linspace(centre[1] - half, centre[1] + half, MESH_NODES),
+    )
+    z = ground.height_at(x.ravel(), y.ravel())
+    z = np.where(np.isnan(z), np.nanmin(ground.heights), z)
+    points = np.column_stack([x.ravel(), y.ravel(), z]).astype(np.float32)
+    return BedPatch(centre, points, bed_image(ground, centre, half, TEXTURE_SIZE))
+
+
+def bed_mesh() -> Any:
+    """Return a textured grid of `MESH_NODES`² nodes, to be filled from a `BedPatch`."""
+    mesh: Any = pv.StructuredGrid()
+    side = np.linspace(0.0, 1.0, MESH_NODES, dtype=np.float32)
+    u, v = np.meshgrid(side, side)
+    mesh.points = np.column_stack([u.ravel(), v.ravel(), np.zeros(u.size, np.float32)])
+    mesh.dimensions = (MESH_NODES, MESH_NODES, 1)
+    mesh.active_texture_coordinates = np.column_stack([u.ravel(), v.ravel()])
+    return mesh
+
+
+def targets_mesh(solids: Solids) -> Any:
+    """Return the targets as one surface; far more of them than one can see are left out."""
+    parts = []
+    for row in range(min(len(solids.shape), MAX_SOLIDS)):
+        start, axis = solids.start[row], solids.axis[row]
+        length, radius = float(solids.length[row]), float(solids.radius[row])
+        if length > 0.0:
+            centre = start + axis * length / 2.0
+            parts.append(pv.Cylinder(center=centre, direction=axis, radius=radius, height=length, resolution=28))
+        else:
+            parts.append(pv.Sphere(center=start, radius=radius, theta_resolution=28, phi_resolution=20))
+    return pv.merge(parts).extract_surface(algorithm=None) if parts else pv.PolyData()
+
+
+def fish_mesh(length: float) -> Any:
+    """Return a tow fish that heads for +x, of this length in metres."""
+    radius = 0.085 * length
+    body = pv.Cylinder(center=(-0.02 * length, 0, 0), direction=(1, 0, 0), radius=radius, height=0.76 * length)
+    nose = pv.Sphere(center=(0.36 * length, 0, 0), radius=radius)
+    tail = pv.Cone(
+        center=(-0.45 * length, 0, 0), direction=(-1, 0, 0), radius=radius, height=0.14 * length, resolution=24
+    )
+    wide = pv.Box((-0.52 * length, -0.36 * length, -0.2 * length, 0.2 * length, -0.012 * length, 0.012 * length))
+    tall = pv.Box((-0.52 * length, -0.36 * length, -0.012 * length, 0.012 * length, -0.2 * length, 0.2 * length))
+    return pv.merge([body, nose, tail, wide, tall]).extract_surface(algorithm=None)
+
+
+def cable_mesh(length: float) -> Any:
+    """Return the tow cable of a fish at the origin, running up and ahead."""
+    s = np.linspace(0.0, 1.0, 24)
+    return pv.MultipleLines(np.column_stack([length * (0.03 + 9.0 * s), np.zeros(24), length * (0.08 + 5.0 * s**1.4)]))
+
+
+class Fan:
+    """What the sonar hears just now: a sheet from the fish to the bed, and its footprint.
+
+    Attributes
+    ----------
+    sheet, footprint : PolyData
+        Updated in place by `move`.
+    """
+
+    def __init__(self) -> None:
+        n = 2 * LINE_POINTS
+        i = np.arange(n - 1)
+        triangles = np.column_stack([np.full(n - 1, 3), np.zeros(n - 1, np.int64), i + 1, i + 2])
+        quads = np.column_stack([np.full(n - 1, 4), 2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2])
+        self.sheet = pv.PolyData(np.zeros((n + 1, 3), np.float32), faces=triangles.ravel())
+        self.footprint = pv.PolyData(np.zeros((2 * n, 3), np.float32), faces=quads.ravel())
+        self.footprint.point_data["colour"] = np.full((2 * n, 3), 255, np.uint8)
+
+    def move(self, ground: Ground, problem: Problem, pose: Poses, colours: NDArray[np.uint8]) -> None:
+        """Follow the sonar.
+
+        Parameters
+        ----------
+        ground : Ground
+            Where the fan meets the bed.
+        problem : Problem
+            For range and beam width.
+        pose : Poses
+            One pose.
+        colours : (2 bins, 3) uint8
+            Of the record's newest row, far port to far starboard.
+        """
+        line, slant = scan_line(ground, problem, pose)
+        ahead = np.array([math.cos(pose.heading[0]), math.sin(pose.heading[0]), 0.0])
+        reach = problem.bins * problem.bin_length
+        half = np.maximum(slant * math.sin(problem.half_width), 0.004 * reach)[:, None]
+        lifted = line + np.array([0.0, 0.0, 0.0015 * reach])
+        self.sheet.points = np.vstack([[[pose.x[0], pose.y[0], pose.z[0]]], line]).astype(np.float32)
+        self.footprint.points = (
+            np.stack([lifted - half * ahead, lifted + half * ahead], 1).reshape(-1, 3).astype(np.float32)
+        )
+        bins = problem.bins
+        heard = np.clip((slant / problem.bin_length).astype(np.int64), 0, bins - 1)
+        columns = np.concatenate([bins - 1 - heard[:LINE_POINTS], bins + heard[LINE_POINTS:]])
+        self.footprint.point_data["colour"] = np.repeat(colours[columns], 2, axis=0)
+
+
+def scan_line(ground: Ground, problem: Problem, pose: Poses) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Points of the bed across the track, far port to far starboard, and their slant ranges.
+
+    Returns
+    -------
+    line : (2 LINE_POINTS, 3) float64
+        Local metres.
+    slant : (2 LINE_POINTS,) float64
+        Metres from the sonar.
+    """
+    reach = problem.bins * problem.bin_length
+    below = bed_below(ground, pose)
+    far = math.sqrt(max(reach**2 - (float(pose.z[0]) - below) ** 2, 0.0))
+    across = np.concatenate([np.linspace(far, 0.0, LINE_POINTS), np.linspace(0.0, -far, LINE_POINTS)])
+    x = pose.x[0] - across * math.sin(pose.heading[0])
+    y = pose.y[0] + across * math.cos(pose.heading[0])
+    z = ground.height_at(x, y)
+    z = np.where(np.isnan(z), below, z)
+    return np.column_stack([x, y, z]), np.hypot(across, pose.z[0] - z)
+
+
+def bed_below(ground: Ground, pose: Poses) -> float:
+    """Height of the bed under the sonar; the mean where there is none."""
+    height = float(ground.height_at(pose.x[:1], pose.y[:1])[0])
+    return 0.0 if math.isnan(height) else height

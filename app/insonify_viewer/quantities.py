@@ -1,0 +1,53 @@
+"""Numbers as people read and write them, and as sliders hold them."""
+
+from __future__ import annotations
+
+import math
+
+PREFIXES = {"µ": 1e-6, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6}
+PREFIXED = ("s", "Hz")
+LONGEST_UNIT = 5
+
+
+def shown(value: float, unit: str) -> str:
+    """Print a value with its unit, four digits at most: ``400 kHz``, ``0.1 ms``, ``12.5 m``."""
+    if unit in PREFIXED and value != 0.0:
+        for prefix, scale in (("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("µ", 1e-6)):
+            if abs(value) >= 0.1 * scale and (abs(value) >= scale or prefix in ("", "m", "µ")):
+                return f"{value / scale:.4g} {prefix}{unit}"
+    number = f"{value:.0f}" if abs(value) >= 1000.0 and value == round(value) else f"{value:.4g}"
+    if unit == "°":
+        return f"{number}°"
+    return f"{number} {unit}" if unit and len(unit) <= LONGEST_UNIT else number
+
+
+def read(text: str, unit: str) -> float | None:
+    """Read a number with or without its unit and prefix; None for anything else."""
+    number = text.strip().replace(",", ".").removesuffix(unit).strip() if unit else text.strip().replace(",", ".")
+    scale = 1.0
+    if unit in PREFIXED and number[-1:] in PREFIXES:
+        scale, number = PREFIXES[number[-1]], number[:-1].strip()
+    try:
+        value = float(number) * scale
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def fraction(value: float, ends: tuple[float, float], *, log: bool) -> float:
+    """Place of a value between the ends of a slider, 0 to 1."""
+    low, high = ends
+    inside = min(max(value, low), high)
+    return math.log(inside / low) / math.log(high / low) if log else (inside - low) / (high - low)
+
+
+def at_fraction(part: float, ends: tuple[float, float], *, log: bool, integer: bool) -> float:
+    """Value at a place of a slider, rounded to what a person would have typed."""
+    low, high = ends
+    value = low * (high / low) ** part if log else low + part * (high - low)
+    if integer:
+        return float(round(value))
+    # A thousandth of the slider, in round decimals.
+    step = abs(value) / 200.0 if log else (high - low) / 1000.0
+    digits = -math.floor(math.log10(step)) if step > 0.0 else 3
+    return min(max(round(value, digits), low), high)

@@ -1,0 +1,112 @@
+"""Feeds the three-dimensional view: what is slow is baked on the worker."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify_viewer.simulation import Simulation, Simulator
+
+if TYPE_CHECKING:
+    from PySide6.QtWidgets import QWidget
+
+    from insonify_viewer.pv_meshes import BedPatch
+    from insonify_viewer.views.seabed_view import SeabedView
+
+
+class Seabed:
+    """Holds the view once its libraries are there, and tells it only what has changed.
+
+    Parameters
+    ----------
+    simulator : Simulator
+        Whose worker bakes the bed.
+    accelerated : bool
+        Whether OpenGL widgets work here.
+    """
+
+    def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
+        self._simulator, self._accelerated = simulator, accelerated
+        self._view: SeabedView | None = None
+        self._latest: tuple[Simulation, int, NDArray[np.uint8]] | None = None
+        self._asked: tuple[Any, ...] = ()
+        self._laid: tuple[Any, ...] = ()
+        self._solids: Any = None
+
+    @property
+    def view(self) -> SeabedView | None:
+        """The view, None until it is loaded."""
+        return self._view
+
+    @property
+    def complete(self) -> bool:
+        """Whether the view shows what it was last told."""
+        return self._view is not None and bool(self._laid) and self._laid == self._asked
+
+    def load(self, put: Callable[[QWidget], None]) -> None:
+        """Import the libraries on the worker, then build the view here and hand it over."""
+        self._simulator.send("libraries", self._import, lambda _: self._build(put))
+
+    def show_sonar(self, simulation: Simulation, ping: int, colours: NDArray[np.uint8]) -> None:
+        """Follow the sonar to a ping; bed and targets follow if they are no longer the same."""
+        self._latest = (simulation, ping, colours)
+        if self._view is None:
+            return
+        from insonify_viewer.pv_meshes import window_centre
+
+        pose = simulation.poses(np.array([ping], dtype=np.int64))
+        reach = simulation.problem.bins * simulation.problem.bin_length
+        centre = window_centre(pose, reach)
+        ground = simulation.ground
+        if self._asked != (ground, centre, reach):
+            self._asked = (ground, centre, reach)
+            self._bake(*self._asked)
+        if simulation.problem.solids is not self._solids:
+            self._solids = simulation.problem.solids
+            self._view.show_targets(self._solids)
+        self._view.show_sonar(ground, simulation.problem, pose, colours)
+
+    def show_mark(self, place: tuple[float, float, float] | None) -> None:
+        """Mark a point of the bed, or none."""
+        if self._view is not None:
+            self._view.show_mark(place)
+
+    def reset_camera(self) -> None:
+        """Look from behind and above again."""
+        if self._view is not None:
+            self._view.reset_camera()
+
+    def close(self) -> None:
+        """Give the drawing resources back."""
+        if self._view is not None:
+            self._view.close_view()
+            self._view = None
+
+    def _import(self) -> None:
+        import pyvista  # noqa: F401 - a second of imports, off the main thread
+
+        if self._accelerated:
+            import pyvistaqt  # noqa: F401
+
+    def _build(self, put: Callable[[QWidget], None]) -> None:
+        from insonify_viewer.views.seabed_view import SeabedView
+
+        self._view = SeabedView(accelerated=self._accelerated)
+        put(self._view)
+        if self._latest is not None:
+            self.show_sonar(*self._latest)
+
+    def _bake(self, ground: Any, centre: tuple[float, float], reach: float) -> None:
+        from insonify_viewer.pv_meshes import bed_patch
+
+        self._simulator.send(
+            "bed", lambda: bed_patch(ground, centre, reach), lambda patch: self._lay(patch, (ground, centre, reach))
+        )
+
+    def _lay(self, patch: BedPatch, asked: tuple[Any, ...]) -> None:
+        self._laid = asked
+        if self._view is not None:
+            self._view.show_bed(patch)

@@ -1,0 +1,162 @@
+"""What the person looks at: the current scene, the way back, the marked point. No widgets, plain callbacks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from insonify.scene import Scene, SceneError, edit
+from insonify_viewer.entailed import completed
+
+UNDO_DEPTH = 200
+
+
+class Event:
+    """Callbacks to call when something happened."""
+
+    def __init__(self) -> None:
+        self._listeners: list[Callable[..., None]] = []
+
+    def connect(self, listener: Callable[..., None]) -> None:
+        """Add a callback; callbacks run in the order they were added."""
+        self._listeners.append(listener)
+
+    def emit(self, *values: Any) -> None:
+        """Call every callback with these values."""
+        for listener in self._listeners:
+            listener(*values)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A point of the record.
+
+    Attributes
+    ----------
+    ping : int
+        Number of the ping.
+    side : int
+        0 for port, 1 for starboard.
+    bin : int
+        Range bin, counted from the sonar.
+    """
+
+    ping: int
+    side: int
+    bin: int
+
+
+class Session:
+    """The scene being looked at and the scenes before it.
+
+    An edit under way (a slider being dragged) is provisional: every move starts from the last settled scene, so that
+    what a move entails is taken back when the slider returns; settling makes one step of undo of the whole drag.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene to start with.
+
+    Attributes
+    ----------
+    changed : Event
+        Called with (scene, settled) after every change.
+    said : Event
+        Called with one sentence for the person.
+    marked : Event
+        Called with the marked point of the record, or None.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.changed, self.said, self.marked = Event(), Event(), Event()
+        self._scene = self._settled = scene
+        self._past: list[Scene] = []
+        self._future: list[Scene] = []
+        self._mark: Mark | None = None
+
+    @property
+    def scene(self) -> Scene:
+        """The current scene, provisional edits included."""
+        return self._scene
+
+    @property
+    def mark(self) -> Mark | None:
+        """The marked point of the record."""
+        return self._mark
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a scene to go back to."""
+        return bool(self._past)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a scene to go forward to."""
+        return bool(self._future)
+
+    def drag(self, changes: Mapping[str, Any]) -> bool:
+        """Try changes provisionally, from the last settled scene; return whether they were accepted."""
+        scene = self._edited(changes)
+        if scene is None:
+            return False
+        if scene != self._scene:
+            self._scene = scene
+            self.changed.emit(scene, False)
+        return True
+
+    def settle(self, changes: Mapping[str, Any] | None = None) -> bool:
+        """Make changes final, or those of the drag under way; return whether they were accepted."""
+        scene = self._scene if changes is None else self._edited(changes)
+        if scene is None:
+            # The widget that asked has to fall back to what holds.
+            self.changed.emit(self._scene, True)
+            return False
+        self.open(scene)
+        return True
+
+    def open(self, scene: Scene) -> None:
+        """Turn to another scene, as one step of undo."""
+        if scene != self._settled:
+            self._past = [*self._past, self._settled][-UNDO_DEPTH:]
+            self._future = []
+        self._show(scene)
+
+    def undo(self) -> None:
+        """Go back one scene."""
+        if self._past:
+            self._future.append(self._settled)
+            self._show(self._past.pop())
+
+    def take_back(self) -> None:
+        """Return from a scene that turned out not to work; there is no way forward to it."""
+        if self._scene == self._settled and self._past:
+            self._settled = self._past.pop()
+        self._show(self._settled)
+
+    def redo(self) -> None:
+        """Go forward one scene."""
+        if self._future:
+            self._past.append(self._settled)
+            self._show(self._future.pop())
+
+    def point_at(self, mark: Mark | None) -> None:
+        """Mark a point of the record."""
+        if mark != self._mark:
+            self._mark = mark
+            self.marked.emit(mark)
+
+    def _show(self, scene: Scene) -> None:
+        self._scene = self._settled = scene
+        self.changed.emit(scene, True)
+
+    def _edited(self, changes: Mapping[str, Any]) -> Scene | None:
+        """Edit the settled scene; a refusal is said, and None returned."""
+        try:
+            complete, remark = completed(self._settled, changes)
+            scene = edit(self._settled, complete)
+        except SceneError as error:
+            self.said.emit(str(error))
+            return None
+        self.said.emit(remark)
+        return scene

@@ -1,0 +1,219 @@
+"""One worker thread between the window and the core: numbered requests, the latest wins."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QObject, Qt, Signal
+
+from insonify.scene import Scene, SceneError
+
+if TYPE_CHECKING:
+    from insonify.kernels.types import Poses, Problem
+    from insonify.terrain.ground import Ground
+
+BLOCK = 64
+COARSE_STRIDE = 4
+TOLERANCE = {True: 0.03, False: 0.2}
+
+
+class Simulation(Protocol):
+    """What the viewer needs of a prepared scene (``insonify.simulate.Simulation``)."""
+
+    @property
+    def scene(self) -> Scene:
+        """Scene as declared."""
+
+    @property
+    def ground(self) -> Ground:
+        """Heights and materials."""
+
+    @property
+    def problem(self) -> Problem:
+        """Scene as the kernels see it."""
+
+    @property
+    def plan(self) -> Any:
+        """What is modelled, and why."""
+
+    def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Linear intensity, (n, 2, bins)."""
+
+    def poses(self, pings: NDArray[np.int64]) -> Poses:
+        """Where the sonar is."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """Pings wanted of a scene.
+
+    Attributes
+    ----------
+    number : int
+        Number of the scene's change that asks.
+    scene : Scene
+        Scene to trace.
+    pings : (n,) int64
+        Pings wanted, the most urgent first.
+    fine : bool
+        Whether to trace at full accuracy, or every few pings with few planes at once.
+    """
+
+    number: int
+    scene: Scene
+    pings: NDArray[np.int64]
+    fine: bool
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Traced pings.
+
+    Attributes
+    ----------
+    number, fine
+        As asked for.
+    pings : (n,) int64
+        Their numbers.
+    amplitude : (n, 2, bins) float32
+        Amplitude relative to the level bed's.
+    curve : (bins,) float64
+        Intensity that stands for amplitude 1.
+    simulation : Simulation
+        What traced them.
+    """
+
+    number: int
+    fine: bool
+    pings: NDArray[np.int64]
+    amplitude: NDArray[np.float32]
+    curve: NDArray[np.float64]
+    simulation: Simulation
+
+
+class Simulator(QObject):
+    """Traces what it was last asked for, off the main thread.
+
+    A new request takes the place of one that waits. One under way goes on to the end of its block, so that a slider
+    moved without rest still shows a picture for every block; what is left of it is for the asker to ask for again.
+
+    Parameters
+    ----------
+    prepare : callable
+        Makes a `Simulation` of (scene, tolerance); the core's, unless a test stands in for it.
+    parent : QObject, optional
+        Owner.
+    """
+
+    answered = Signal(object)
+    refused = Signal(int, str)
+    idle = Signal()
+    _called_back = Signal(object, object)
+
+    def __init__(
+        self, prepare: Callable[[Scene, float], Simulation] | None = None, parent: QObject | None = None
+    ) -> None:
+        super().__init__(parent)
+        self._prepare = prepare or _prepare
+        self._waiting: Request | None = None
+        self._errands: dict[str, tuple[Callable[[], Any], Callable[[Any], None]]] = {}
+        self._closing = False
+        self._changed = threading.Condition()
+        self._last: dict[bool, tuple[Scene, Simulation, NDArray[np.float64]]] = {}
+        self._called_back.connect(self._call_back, Qt.ConnectionType.QueuedConnection)
+        self._thread = threading.Thread(target=self._work, name="insonify simulator", daemon=True)
+        self._thread.start()
+
+    def ask(self, request: Request) -> None:
+        """Trace these pings next, instead of any that still wait."""
+        with self._changed:
+            self._waiting = request
+            self._changed.notify()
+
+    def send(self, name: str, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
+        """Run something on the worker and hand its result to the main thread; the latest of a name wins.
+
+        A `SceneError` raised by the errand is handed over as the result.
+        """
+        with self._changed:
+            self._errands[name] = (errand, receive)
+            self._changed.notify()
+
+    def close(self) -> None:
+        """Stop the worker and wait for it."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify()
+        self._thread.join()
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                if not (self._waiting or self._errands or self._closing):
+                    self.idle.emit()
+                self._changed.wait_for(lambda: self._waiting or self._errands or self._closing)
+                if self._closing:
+                    return
+                errands, self._errands = self._errands, {}
+                request, self._waiting = self._waiting, None
+            for errand, receive in errands.values():
+                self._called_back.emit(receive, _result(errand))
+            if request is not None:
+                self._serve(request)
+
+    def _serve(self, request: Request) -> None:
+        try:
+            for answer in self._trace(request):
+                self.answered.emit(answer)
+                if self._waiting is not None or self._closing:
+                    return
+        except SceneError as error:
+            self.refused.emit(request.number, str(error))
+        except Exception as error:  # a worker that dies would freeze the picture without a word
+            self.refused.emit(request.number, f"this scene cannot be simulated ({type(error).__name__}: {error})")
+
+    def _trace(self, request: Request) -> Iterator[Answer]:
+        from insonify.picture import normalise
+
+        simulation, curve = self._prepared(request)
+        pings = request.pings
+        # Few new pings are traced in full even while a slider moves; the whole screen is thinned.
+        stride = 1 if request.fine or len(pings) <= BLOCK else COARSE_STRIDE
+        size = BLOCK if request.fine else len(pings)
+        for start in range(0, len(pings), max(size, 1)):
+            block = pings[start : start + size]
+            traced = np.asarray(normalise(simulation.intensity(block[::stride]), curve), dtype=np.float32)
+            amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
+            yield Answer(request.number, request.fine, block, amplitude, curve, simulation)
+
+    def _prepared(self, request: Request) -> tuple[Simulation, NDArray[np.float64]]:
+        """Prepare the request's scene, or take the last one of the same scene."""
+        from insonify.picture import display_curve
+
+        last = self._last.get(request.fine)
+        if last is None or last[0] != request.scene:
+            simulation = self._prepare(request.scene, TOLERANCE[request.fine])
+            last = self._last[request.fine] = (request.scene, simulation, display_curve(simulation))
+        return last[1], last[2]
+
+    def _call_back(self, receive: Callable[[Any], None], result: Any) -> None:
+        receive(result)
+
+
+def _prepare(scene: Scene, tolerance: float) -> Simulation:
+    # Imported here, on the worker: the window is there before Numba is.
+    from insonify.simulate import prepare
+
+    return prepare(scene, tolerance=tolerance)
+
+
+def _result(errand: Callable[[], Any]) -> Any:
+    try:
+        return errand()
+    except SceneError as error:
+        return error

@@ -1,0 +1,61 @@
+"""The clock of the tow: which ping is the newest, and which one the person looks at."""
+
+from __future__ import annotations
+
+SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+
+
+class Tow:
+    """Counts pings at the sonar's rate times a speed, and can be paused and looked back along.
+
+    Parameters
+    ----------
+    newest : int
+        Ping to start from.
+
+    Attributes
+    ----------
+    running : bool
+        Whether pings are counted.
+    speed : float
+        How much faster than life.
+    """
+
+    def __init__(self, newest: int) -> None:
+        self.running = True
+        self.speed = 1.0
+        self._position = float(newest)
+        self._back = 0
+
+    @property
+    def newest(self) -> int:
+        """Newest ping sent."""
+        return int(self._position)
+
+    @property
+    def top(self) -> int:
+        """Ping on top of the screen: the newest, or one before it when looking back."""
+        return self.newest - self._back
+
+    def advance(self, seconds: float, ping_rate: float) -> bool:
+        """Let time pass; return whether a new ping was sent."""
+        if not self.running:
+            return False
+        before = self.newest
+        self._position += seconds * ping_rate * self.speed
+        return self.newest > before
+
+    def run(self, running: bool) -> None:
+        """Go on, from the newest ping, or pause."""
+        self.running = running
+        if running:
+            self._back = 0
+
+    def look_back(self, pings: int, held: int) -> None:
+        """Move the paused screen of ``held`` pings back by so many pings, within what was sent."""
+        if not self.running:
+            self._back = min(max(self._back + pings, 0), max(self.newest - held + 1, 0))
+
+    def restart(self, newest: int) -> None:
+        """Begin anew at a ping."""
+        self._position, self._back = float(newest), 0

@@ -1,0 +1,176 @@
+"""The window: scene on the left, record on the right, parameters at the side, tools above."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDockWidget,
+    QLabel,
+    QMainWindow,
+    QProgressBar,
+    QSlider,
+    QSplitter,
+    QToolBar,
+    QWidget,
+)
+
+from insonify_viewer.tow import SPEEDS
+from insonify_viewer.views.parameter_panel import ParameterPanel
+from insonify_viewer.views.waterfall_view import WaterfallView
+
+GAIN_REACH = 30  # dB either way
+
+
+class MainWindow(QMainWindow):
+    """Holds the views and announces what the person asks for.
+
+    Parameters
+    ----------
+    native : bool
+        Whether the record needs a native window of its own.
+    palettes : tuple of str
+        Names of the palettes on offer.
+    """
+
+    gain_changed = Signal(float)
+    palette_changed = Signal(str)
+    speed_changed = Signal(float)
+    running_changed = Signal(bool)
+    closing = Signal()
+
+    def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
+        super().__init__()
+        self.setWindowTitle("insonify")
+        self.resize(1480, 900)
+        self.setMinimumSize(760, 480)
+        self.waterfall = WaterfallView(native=native)
+        self.panel = ParameterPanel()
+        self._placeholder = QLabel("setting up the seabed …")
+        self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self._splitter = QSplitter(Qt.Orientation.Horizontal)
+        self._splitter.addWidget(self._placeholder)
+        self._splitter.addWidget(self.waterfall)
+        self._splitter.setSizes([500, 500])
+        self._splitter.setChildrenCollapsible(False)
+        self.setCentralWidget(self._splitter)
+        self._add_dock()
+        self._add_tools(palettes)
+        self._add_status()
+
+    def put_seabed(self, view: QWidget) -> None:
+        """Put the view of the seabed into its place."""
+        sizes = self._splitter.sizes()
+        self._splitter.replaceWidget(0, view)
+        self._splitter.setSizes(sizes)
+        view.show()
+        self._placeholder.deleteLater()
+
+    def say(self, sentence: str) -> None:
+        """Show a sentence in the status bar until the next one."""
+        self._sentence.setText(sentence)
+        self._sentence.setToolTip(sentence)
+
+    def show_point(self, text: str) -> None:
+        """Describe the point under the mouse."""
+        self._point.setText(text)
+
+    def show_busy(self, what: str) -> None:
+        """Say what is being waited for, empty for nothing."""
+        self._progress.setVisible(bool(what))
+        if what:
+            self.say(what)
+
+    def show_running(self, running: bool) -> None:
+        """Let the pause button agree with the tow."""
+        self.pause.setChecked(not running)
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Announce the end, while everything is still there."""
+        self.closing.emit()
+        super().closeEvent(event)
+
+    def _add_dock(self) -> None:
+        dock = QDockWidget("Parameters", self)
+        dock.setObjectName("parameters")
+        dock.setFeatures(QDockWidget.DockWidgetFeature.NoDockWidgetFeatures)
+        dock.setTitleBarWidget(QWidget())
+        dock.setWidget(self.panel)
+        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, dock)
+
+    def _add_tools(self, palettes: tuple[str, ...]) -> None:
+        bar = QToolBar("Tools", self)
+        bar.setObjectName("tools")
+        bar.setMovable(False)
+        bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
+        self.addToolBar(bar)
+        key = QKeySequence.StandardKey
+        self.open_scene = self._tool(bar, "Open…", "Open a scene", QKeySequence(key.Open))
+        self.open_dem = self._tool(bar, "DEM…", "Take the bed from a grid of measured heights", QKeySequence("Ctrl+D"))
+        self.save = self._tool(bar, "Save…", "Save the window as a picture", QKeySequence(key.Save))
+        bar.addSeparator()
+        self.undo = self._tool(bar, "Undo", "Take the last edit back", QKeySequence(key.Undo))
+        self.redo = self._tool(bar, "Redo", "Make it again", QKeySequence(key.Redo))
+        bar.addSeparator()
+        self.pause = self._tool(bar, "Pause", "Pause the tow; the wheel then looks back", QKeySequence("Space"))
+        self.pause.setCheckable(True)
+        self.pause.toggled.connect(lambda paused: self.running_changed.emit(not paused))
+        self.speed = _combo([(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS])
+        self.speed.setToolTip("Speed of the tow")
+        self.speed.setCurrentIndex(SPEEDS.index(1.0))
+        self.speed.activated.connect(lambda: self.speed_changed.emit(self.speed.currentData()))
+        bar.addWidget(self.speed)
+        bar.addSeparator()
+        self.palettes = _combo([(name, name) for name in palettes])
+        self.palettes.setToolTip("Palette of the record")
+        self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
+        bar.addWidget(self.palettes)
+        self._add_gain(bar)
+
+    def _add_gain(self, bar: QToolBar) -> None:
+        self.gain = QSlider(Qt.Orientation.Horizontal)
+        self.gain.setRange(-10 * GAIN_REACH, 10 * GAIN_REACH)
+        self.gain.setMinimumWidth(60)
+        self.gain.setMaximumWidth(130)
+        self.gain.setToolTip("Display gain")
+        self._gain_text = QLabel("0 dB")
+        self._gain_text.setMinimumWidth(self.fontMetrics().horizontalAdvance("-30.0 dB") + 12)
+        self.gain.valueChanged.connect(self._gain_moved)
+        bar.addWidget(QLabel("gain"))
+        bar.addWidget(self.gain)
+        bar.addWidget(self._gain_text)
+        self.levels = self._tool(bar, "Auto", "Set gain and contrast by what is on screen", QKeySequence("A"))
+
+    def _gain_moved(self, tenths: int) -> None:
+        self._gain_text.setText(f"{tenths / 10:g} dB")
+        self.gain_changed.emit(tenths / 10.0)
+
+    def _add_status(self) -> None:
+        status = self.statusBar()
+        status.setSizeGripEnabled(False)
+        self._sentence, self._point = QLabel(), QLabel()
+        self._sentence.setMinimumWidth(1)  # a long sentence must not widen the window
+        self._progress = QProgressBar()
+        self._progress.setRange(0, 0)
+        self._progress.setTextVisible(False)
+        self._progress.setVisible(False)
+        status.addWidget(self._progress)
+        status.addWidget(self._sentence, 1)
+        status.addPermanentWidget(self._point)
+
+    def _tool(self, bar: QToolBar, text: str, tip: str, shortcut: QKeySequence) -> QAction:
+        action = QAction(text, self)
+        action.setShortcut(shortcut)
+        action.setToolTip(f"{tip} ({shortcut.toString(QKeySequence.SequenceFormat.NativeText)})")
+        bar.addAction(action)
+        return action
+
+
+def _combo(entries: list[tuple[str, object]]) -> QComboBox:
+    combo = QComboBox()
+    # The keyboard stays with the window: Space pauses.
+    combo.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    for text, data in entries:
+        combo.addItem(text, data)
+    return combo

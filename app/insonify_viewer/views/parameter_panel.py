@@ -1,0 +1,123 @@
+"""The panel of sliders: one foldable section for each part of the scene."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+
+from insonify_viewer.parameters import Number, Section
+from insonify_viewer.views.parameter_rows import ChoiceRow, NumberRow
+
+OPEN_AT_FIRST = ("sonar", "seabed", "track")
+
+
+class ParameterPanel(QScrollArea):
+    """Shows parameters and announces what the person does to them."""
+
+    dragged = Signal(str, object)
+    settled = Signal(str, object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setMinimumWidth(292)
+        body = QWidget()
+        body.setObjectName("panel")
+        self._column = QVBoxLayout(body)
+        self._column.setContentsMargins(8, 8, 8, 8)
+        self._column.setSpacing(6)
+        self._column.addStretch(1)
+        self.setWidget(body)
+        self._sections: dict[str, SectionBox] = {}
+
+    def show_sections(self, sections: tuple[Section, ...]) -> None:
+        """Show these parameters; only what is built otherwise than before is built anew."""
+        keys = [section.key for section in sections]
+        for key in [key for key in self._sections if key not in keys]:
+            self._drop(key)
+        for place, section in enumerate(sections):
+            box = self._sections.get(section.key)
+            if box is not None and box.structure == section.structure:
+                box.show_values(section)
+                continue
+            unfolded = section.key in OPEN_AT_FIRST if box is None else box.unfolded
+            if box is not None:
+                self._drop(section.key)
+            box = SectionBox(section, self, unfolded=unfolded)
+            self._sections[section.key] = box
+            self._column.insertWidget(place, box)
+
+    def row(self, path: str) -> NumberRow | ChoiceRow:
+        """Find the row of a parameter by its dotted path."""
+        return next(box.rows[path] for box in self._sections.values() if path in box.rows)
+
+    def _drop(self, key: str) -> None:
+        box = self._sections.pop(key)
+        self._column.removeWidget(box)
+        box.hide()
+        box.deleteLater()
+
+
+class SectionBox(QWidget):
+    """A heading that folds the rows under it.
+
+    Attributes
+    ----------
+    rows : dict of str to row
+        By dotted path.
+    structure : tuple
+        Of the section it was built from.
+    """
+
+    def __init__(self, section: Section, panel: ParameterPanel, *, unfolded: bool) -> None:
+        super().__init__()
+        self.structure = section.structure
+        self.rows: dict[str, NumberRow | ChoiceRow] = {}
+        self._heading = QToolButton()
+        self._heading.setObjectName("heading")
+        self._heading.setText(section.title)
+        self._heading.setCheckable(True)
+        self._heading.setChecked(unfolded)
+        self._heading.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._heading.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self._heading.toggled.connect(self._fold)
+        self._body = QWidget()
+        grid = QGridLayout(self._body)
+        grid.setContentsMargins(6, 4, 2, 4)
+        grid.setHorizontalSpacing(8)
+        grid.setVerticalSpacing(4)
+        grid.setColumnStretch(1, 1)
+        for line, parameter in enumerate(section.parameters):
+            row = (
+                NumberRow(parameter, panel.dragged.emit, panel.settled.emit)
+                if isinstance(parameter, Number)
+                else ChoiceRow(parameter, panel.settled.emit)
+            )
+            row.place(grid, line)
+            self.rows[parameter.path] = row
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self._heading)
+        column.addWidget(self._body)
+        self._fold(unfolded)
+
+    @property
+    def unfolded(self) -> bool:
+        """Whether the rows are to be seen."""
+        return self._heading.isChecked()
+
+    def show_values(self, section: Section) -> None:
+        """Show other values in the same rows."""
+        self._heading.setText(section.title)
+        for parameter in section.parameters:
+            row: Any = self.rows[parameter.path]
+            row.show_value(parameter)
+
+    def _fold(self, unfolded: bool) -> None:
+        self._body.setVisible(unfolded)
+        self._heading.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)

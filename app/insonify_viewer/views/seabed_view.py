@@ -1,0 +1,237 @@
+"""The scene in three dimensions: bed, targets, fish and what it hears just now."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyvista
+from numpy.typing import NDArray
+from PySide6.QtCore import QTimer
+from PySide6.QtGui import QImage, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from insonify_viewer import pv_meshes
+from insonify_viewer.pv_meshes import BedPatch, Fan
+
+if TYPE_CHECKING:
+    from insonify.kernels.types import Poses, Problem, Solids
+    from insonify.terrain.ground import Ground
+
+# Untyped calls everywhere: PyVista is taken as it comes.
+pv: Any = pyvista
+
+WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the latter
+CAMERA = (-1.95, -0.22, 1.20)  # ahead, to port, up; in slant ranges
+FOCUS = (-0.22, 0.0, -0.20)
+VIEW_ANGLE = 54.0
+FISH = 0.075  # length in slant ranges: larger than life, to be seen
+REST = 2.0  # between two drawings, in drawing times: the window has other things to do
+
+
+class SeabedView(QWidget):
+    """Shows what it is told to; drawing is put off and merged, for it may be slow.
+
+    Parameters
+    ----------
+    accelerated : bool
+        Whether there is OpenGL for an interactive view; else pictures are drawn off-screen.
+    parent : QWidget, optional
+        Owner.
+    """
+
+    def __init__(self, *, accelerated: bool, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setMinimumSize(220, 160)
+        self._canvas = _interactive(self) if accelerated else _OffScreen(self)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self._canvas.widget)
+        self._reach = 0.0
+        self._fish_at: NDArray[np.float64] | None = None
+        self._fan = Fan()
+        self._bed = pv_meshes.bed_mesh()
+        self._furnish()
+        self._drawn, self._took = 0.0, 0.05
+        self._due = QTimer(self)
+        self._due.setSingleShot(True)
+        self._due.timeout.connect(self._draw)
+
+    def show_bed(self, patch: BedPatch) -> None:
+        """Lay the bed."""
+        self._bed.points = patch.points
+        self._bed_actor.texture = pv.Texture(patch.image)
+        self._bed_actor.visibility = True
+        self._later()
+
+    def show_targets(self, solids: Solids) -> None:
+        """Put the targets in place."""
+        mesh = pv_meshes.targets_mesh(solids)
+        self._targets_actor.visibility = mesh.n_points > 0
+        if mesh.n_points:
+            self._targets_actor.mapper.SetInputData(mesh)
+        self._later()
+
+    def show_sonar(self, ground: Ground, problem: Problem, pose: Poses, colours: NDArray[np.uint8]) -> None:
+        """Move fish and fan; the camera goes along."""
+        reach = problem.bins * problem.bin_length
+        place = np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64)
+        heading = math.degrees(float(pose.heading[0]))
+        for actor in (self._fish_actor, self._cable_actor):
+            actor.position, actor.orientation, actor.scale = place, (0.0, 0.0, heading), FISH * reach
+            actor.visibility = True
+        self._fan.move(ground, problem, pose, colours)
+        self._sheet_actor.visibility = self._footprint_actor.visibility = True
+        self._follow(place, math.radians(heading), reach)
+        self._later()
+
+    def show_mark(self, place: tuple[float, float, float] | None) -> None:
+        """Mark a point of the bed, or none."""
+        self._mark_actor.visibility = place is not None
+        if place is not None:
+            self._mark_actor.position = place
+            self._mark_actor.scale = self._reach
+        self._later()
+
+    def reset_camera(self) -> None:
+        """Look from behind and above again."""
+        self._reach = 0.0
+
+    def close_view(self) -> None:
+        """Give the drawing resources back."""
+        self._due.stop()
+        self._canvas.close()
+
+    def _furnish(self) -> None:
+        plotter = self._canvas.plotter
+        plotter.set_background(WATER[0], top=WATER[1])
+        add: dict[str, Any] = {"render": False, "reset_camera": False, "show_scalar_bar": False}
+        blank = np.zeros((2, 2, 3), np.uint8)
+        self._bed_actor = plotter.add_mesh(self._bed, texture=pv.Texture(blank), lighting=False, **add)
+        shiny: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.7, "specular": 0.25}
+        self._targets_actor = plotter.add_mesh(pv.Sphere(), color="#a9b4be", **shiny, **add)
+        self._fish_actor = plotter.add_mesh(pv_meshes.fish_mesh(1.0), color="#ffc83d", **shiny, **add)
+        self._cable_actor = plotter.add_mesh(pv_meshes.cable_mesh(1.0), color="#23333f", line_width=1.5, **add)
+        self._sheet_actor = plotter.add_mesh(self._fan.sheet, color="#bfeaff", opacity=0.17, lighting=False, **add)
+        self._footprint_actor = plotter.add_mesh(self._fan.footprint, scalars="colour", rgb=True, lighting=False, **add)
+        self._mark_actor = plotter.add_mesh(_pin(), color="#ff5a3c", lighting=False, **add)
+        for actor in plotter.actors.values():
+            actor.visibility = False
+
+    def _follow(self, place: NDArray[np.float64], heading: float, reach: float) -> None:
+        """Keep the camera's view of the fish, however it was turned; start anew for another range."""
+        camera = self._canvas.plotter.camera
+        if self._fish_at is None or reach != self._reach:
+            turn = np.array(
+                [[math.cos(heading), -math.sin(heading), 0], [math.sin(heading), math.cos(heading), 0], [0, 0, 1]]
+            )
+            camera.up = (0.0, 0.0, 1.0)
+            camera.view_angle = VIEW_ANGLE
+            position, focus = place + turn @ CAMERA * reach, place + turn @ FOCUS * reach
+            self._reach = reach
+        else:
+            position = np.array(camera.position) + place - self._fish_at
+            focus = np.array(camera.focal_point) + place - self._fish_at
+        camera.position, camera.focal_point = tuple(position), tuple(focus)
+        self._fish_at = place
+        distance = float(np.linalg.norm(position - focus))
+        camera.clipping_range = (0.02 * distance, distance + 6.0 * reach)
+
+    def _later(self) -> None:
+        """Ask for a drawing, with a rest after the last one."""
+        if not self._due.isActive():
+            rest = self._drawn + REST * self._took - time.perf_counter()
+            self._due.start(max(int(1000 * rest), 15))
+
+    def _draw(self) -> None:
+        self._canvas.draw()
+        self._took = max(self._canvas.draw_time(), 0.01)
+        self._drawn = time.perf_counter()
+
+    @property
+    def draw_time(self) -> float:
+        """Seconds that the last drawing took."""
+        return float(self._took)
+
+
+def _pin() -> Any:
+    """Return a marker for a slant range of 1: a ball on a needle."""
+    return pv.merge(
+        [
+            pv.Sphere(center=(0, 0, 0.07), radius=0.011),
+            pv.Cylinder(center=(0, 0, 0.035), direction=(0, 0, 1), radius=0.002, height=0.07),
+        ]
+    ).extract_surface(algorithm=None)
+
+
+class _Interactive:
+    """An OpenGL widget to turn with the mouse."""
+
+    def __init__(self, parent: QWidget) -> None:
+        from pyvistaqt import QtInteractor
+
+        self.plotter: Any = QtInteractor(parent, auto_update=False, multi_samples=0)
+        self.plotter.enable_terrain_style(mouse_wheel_zooms=True)
+        self.widget: QWidget = self.plotter
+
+    def draw(self) -> None:
+        self.widget.update()
+
+    def draw_time(self) -> float:
+        return float(self.plotter.renderer.GetLastRenderTimeInSeconds())
+
+    def close(self) -> None:
+        self.plotter.close()
+
+
+def _interactive(parent: QWidget) -> _Interactive:
+    return _Interactive(parent)
+
+
+class _OffScreen:
+    """Pictures drawn in memory, where there is no OpenGL for a widget."""
+
+    def __init__(self, parent: QWidget) -> None:
+        self.plotter: Any = pv.Plotter(off_screen=True, window_size=[640, 480])
+        self.widget = _Picture(self._resize, parent)
+        self._took = 0.0
+
+    def _resize(self, width: int, height: int) -> None:
+        self.plotter.window_size = [max(width, 2), max(height, 2)]
+        self.draw()
+
+    def draw(self) -> None:
+        start = time.perf_counter()
+        self.plotter.render()
+        self.widget.show_pixels(np.ascontiguousarray(self.plotter.screenshot(return_img=True)))
+        self._took = time.perf_counter() - start
+
+    def draw_time(self) -> float:
+        return self._took
+
+    def close(self) -> None:
+        self.plotter.close()
+
+
+class _Picture(QWidget):
+    """A widget that shows an array of pixels."""
+
+    def __init__(self, resized: Any, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._resized = resized
+        self._image = QImage()
+
+    def show_pixels(self, pixels: NDArray[np.uint8]) -> None:
+        height, width, _ = pixels.shape
+        self._image = QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
+        self.update()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        self._resized(self.width(), self.height())
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.drawImage(self.rect(), self._image)
+        painter.end()

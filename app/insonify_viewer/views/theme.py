@@ -1,0 +1,67 @@
+"""Colours and style of the window: the dark of a sonar room, one copper accent."""
+
+from __future__ import annotations
+
+from PySide6.QtGui import QColor, QPalette
+from PySide6.QtWidgets import QApplication
+
+GROUND, RAISED, EDGE = "#121a22", "#1b2631", "#2d3c4a"
+TEXT, QUIET, ACCENT = "#dbe3ea", "#8ea0b1", "#e2a458"
+
+STYLE = f"""
+QMainWindow, QDockWidget, QScrollArea, QWidget#panel {{ background: {GROUND}; }}
+QToolBar {{ background: {RAISED}; border: 0; border-bottom: 1px solid {EDGE}; padding: 3px 4px; spacing: 3px; }}
+QToolBar QToolButton {{ padding: 4px 7px; border-radius: 4px; color: {TEXT}; }}
+QToolBar QToolButton:hover {{ background: {EDGE}; }}
+QToolBar QToolButton:checked {{ background: {ACCENT}; color: {GROUND}; }}
+QToolBar QToolButton:disabled {{ color: #566573; }}
+QToolBar QLabel {{ color: {QUIET}; padding: 0 2px 0 6px; }}
+QToolBar::separator {{ background: {EDGE}; width: 1px; margin: 4px 3px; }}
+QStatusBar {{ background: {RAISED}; color: {QUIET}; border-top: 1px solid {EDGE}; }}
+QStatusBar::item {{ border: 0; }}
+QStatusBar QLabel {{ color: {TEXT}; padding: 0 6px; }}
+QSplitter::handle {{ background: {EDGE}; }}
+QSplitter::handle:hover {{ background: {ACCENT}; }}
+QToolButton#heading {{ background: {RAISED}; border: 0; border-radius: 4px; color: {TEXT}; font-weight: 600;
+    padding: 5px 6px; text-align: left; }}
+QToolButton#heading:hover {{ background: {EDGE}; }}
+QLabel#name {{ color: {QUIET}; }}
+QLineEdit#value {{ background: transparent; border: 1px solid transparent; border-radius: 3px; padding: 1px 2px; }}
+QLineEdit#value:hover, QLineEdit#value:focus {{ border-color: {EDGE}; background: {RAISED}; }}
+QComboBox {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px; min-height: 18px; }}
+QComboBox:hover {{ border-color: {ACCENT}; }}
+QComboBox QAbstractItemView {{ background: {RAISED}; selection-background-color: {EDGE}; }}
+QSlider::groove:horizontal {{ height: 3px; background: {EDGE}; border-radius: 1px; }}
+QSlider::sub-page:horizontal {{ background: #9a7445; border-radius: 1px; }}
+QSlider::handle:horizontal {{ background: {TEXT}; width: 11px; height: 11px; margin: -4px 0; border-radius: 5px; }}
+QSlider::handle:horizontal:hover, QSlider::handle:horizontal:focus {{ background: {ACCENT}; }}
+QSlider::handle:horizontal:disabled {{ background: #566573; }}
+QProgressBar {{ background: {GROUND}; border: 1px solid {EDGE}; border-radius: 3px; max-height: 9px;
+    max-width: 120px; }}
+QProgressBar::chunk {{ background: {ACCENT}; }}
+QScrollBar:vertical {{ background: {GROUND}; width: 9px; margin: 0; }}
+QScrollBar::handle:vertical {{ background: {EDGE}; border-radius: 4px; min-height: 24px; }}
+QScrollBar::add-line:vertical, QScrollBar::sub-line:vertical {{ height: 0; }}
+QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {EDGE}; padding: 3px; }}
+"""
+
+
+def dress(application: QApplication) -> None:
+    """Give the application its style."""
+    application.setStyle("Fusion")
+    palette = QPalette()
+    role = QPalette.ColorRole
+    for roles, colour in (
+        ((role.Window, role.Base, role.ToolTipBase), GROUND),
+        ((role.Button, role.AlternateBase), RAISED),
+        ((role.WindowText, role.Text, role.ButtonText, role.ToolTipText), TEXT),
+        ((role.Highlight, role.Link), ACCENT),
+        ((role.HighlightedText,), GROUND),
+        ((role.PlaceholderText,), QUIET),
+    ):
+        for one in roles:
+            palette.setColor(one, QColor(colour))
+    for one in (role.WindowText, role.Text, role.ButtonText):
+        palette.setColor(QPalette.ColorGroup.Disabled, one, QColor("#566573"))
+    application.setPalette(palette)
+    application.setStyleSheet(STYLE)

@@ -1,0 +1,233 @@
+"""The scrolling record: port left, starboard right, newest ping on top, with its rulers."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal
+from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QResizeEvent, QWheelEvent
+from PySide6.QtWidgets import QWidget
+
+from insonify_viewer.record import Record, Rows
+from insonify_viewer.session import Mark
+from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
+from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, QUIET, TEXT
+
+LEFT, BOTTOM, TOP, RIGHT = 58, 40, 24, 12
+PINGS_A_NOTCH = 16
+EMPTY = 0xFF0B1118
+
+
+class WaterfallView(QWidget):
+    """Draws a `Record`; the colours of a row are worked out once, when it arrives.
+
+    Parameters
+    ----------
+    native : bool
+        Whether to own a native window: beside an OpenGL widget every other one is drawn several times slower.
+    parent : QWidget, optional
+        Owner.
+    """
+
+    hovered = Signal(object)  # Mark or None
+    scrolled = Signal(int)  # pings further back
+
+    def __init__(self, *, native: bool = False, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        if native:
+            self.setAttribute(Qt.WidgetAttribute.WA_DontCreateNativeAncestors)
+            self.setAttribute(Qt.WidgetAttribute.WA_NativeWindow)
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self.setMouseTracking(True)
+        self.setCursor(Qt.CursorShape.CrossCursor)
+        self.setMinimumSize(220, 160)
+        self._record = Record(1, 1)
+        self._top = 0
+        self._range, self._step = 1.0, 1.0
+        self._levels, self._gain = (0.0, 1.0), 1.0
+        self._table = colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1))
+        self._mark: Mark | None = None
+        self._notches = 0
+        self._fit()
+
+    @property
+    def record(self) -> Record:
+        """The pings on screen."""
+        return self._record
+
+    @property
+    def top(self) -> int:
+        """Ping on top."""
+        return self._top
+
+    def show_record(self, record: Record, slant_range: float, ping_step: float) -> None:
+        """Turn to another record: its last slant range and the distance between pings, in metres."""
+        self._record, self._range, self._step = record, slant_range, ping_step
+        self._fit()
+
+    def show_rows(self, rows: Rows) -> None:
+        """Take over rows that the record has just received."""
+        means = column_means(self._record.amplitude[rows], self._columns.shape[1])
+        self._columns[rows] = means
+        self._paint_rows(rows)
+
+    def show_top(self, ping: int) -> None:
+        """Put a ping on top; rows that hold another ping than the one to be seen there are blanked."""
+        if ping == self._top:
+            return
+        self._top = ping
+        pings = self._record.shown(ping)
+        rows = self._record.rows(pings)
+        self._pixels[rows[self._record.ping[rows] != pings]] = EMPTY
+        self.update()
+
+    def show_palette(self, colours: NDArray[np.uint8]) -> None:
+        """Colour by another palette, (256, 3)."""
+        self._table = colour_table(colours)
+        self._paint_rows(np.arange(self._record.pings))
+
+    def show_levels(self, levels: tuple[float, float], gain: float) -> None:
+        """Set the amplitudes that stand for the ends of the palette, and a factor on all amplitudes."""
+        if (levels, gain) != (self._levels, self._gain):
+            self._levels, self._gain = levels, gain
+            self._paint_rows(np.arange(self._record.pings))
+
+    def show_mark(self, mark: Mark | None) -> None:
+        """Draw a cross through a point of the record."""
+        self._mark = mark
+        self.update()
+
+    def picture(self) -> NDArray[np.uint32]:
+        """Colours of the rows on screen, newest first, as 0xffRRGGBB."""
+        return np.asarray(self._pixels[self._record.rows(self._record.shown(self._top))])
+
+    def mark_at(self, place: QPoint) -> Mark | None:
+        """Tell which ping, side and bin lies under a place of the widget."""
+        plot = self._plot()
+        if not plot.contains(place):
+            return None
+        record = self._record
+        ping = self._top - int((place.y() - plot.top()) / plot.height() * record.pings)
+        column = int((place.x() - plot.left() + 0.5) / plot.width() * 2 * record.bins)
+        side = int(column >= record.bins)
+        return Mark(ping, side, column - record.bins if side else record.bins - 1 - column) if ping >= 0 else None
+
+    def place_of(self, mark: Mark) -> QPoint:
+        """Tell where a point of the record is drawn."""
+        plot, record = self._plot(), self._record
+        column = record.bins + mark.bin if mark.side else record.bins - 1 - mark.bin
+        return QPoint(
+            plot.left() + int((column + 0.5) / (2 * record.bins) * plot.width()),
+            plot.top() + int((self._top - mark.ping + 0.5) / record.pings * plot.height()),
+        )
+
+    def _plot(self) -> QRect:
+        return self.rect().adjusted(LEFT, TOP, -RIGHT, -BOTTOM)
+
+    def _fit(self) -> None:
+        """Work every row out for the present width."""
+        width = max(int(self._plot().width() * self.devicePixelRatioF()), 2)
+        rows = np.arange(self._record.pings)
+        self._columns = column_means(self._record.amplitude, width)
+        self._pixels = np.full((self._record.pings, width), EMPTY, dtype=np.uint32)
+        # The image looks into the array; both live as long as the widget does.
+        self._image = QImage(self._pixels.data, width, len(rows), 4 * width, QImage.Format.Format_RGB32)
+        self._paint_rows(rows)
+
+    def _paint_rows(self, rows: Rows) -> None:
+        low, high = self._levels
+        painted = colours(self._columns[rows], low / self._gain, high / self._gain, self._table)
+        painted[self._record.ping[rows] < 0] = EMPTY
+        self._pixels[rows] = painted
+        self.update()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Bin the columns anew."""
+        self._fit()
+        super().resizeEvent(event)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the ring in two pieces, then rulers and cross."""
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(GROUND))
+        plot = self._plot()
+        self._draw_ring(painter, plot)
+        self._draw_slant_ruler(painter, plot)
+        self._draw_ping_ruler(painter, plot)
+        if self._mark is not None:
+            self._draw_cross(painter, plot, self._mark)
+        painter.end()
+
+    def _draw_ring(self, painter: QPainter, plot: QRect) -> None:
+        pings, width = self._pixels.shape
+        first = self._record.pings - 1 - self._top % self._record.pings
+        seam = plot.top() + round((pings - first) / pings * plot.height())
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, pings > plot.height())
+        upper = QRect(plot.left(), plot.top(), plot.width(), seam - plot.top())
+        painter.drawImage(upper, self._image, QRect(0, first, width, pings - first))
+        if first > 0:
+            lower = QRect(plot.left(), seam, plot.width(), plot.bottom() + 1 - seam)
+            painter.drawImage(lower, self._image, QRect(0, 0, width, first))
+
+    def _draw_slant_ruler(self, painter: QPainter, plot: QRect) -> None:
+        """Metres of slant range from nadir to both sides."""
+        middle, base = plot.left() + plot.width() / 2.0, plot.bottom() + 1
+        for value in ticks(self._range, max(plot.width() // 130, 1)):
+            for x in {
+                middle - value / self._range * plot.width() / 2.0,
+                middle + value / self._range * plot.width() / 2.0,
+            }:
+                painter.setPen(QColor(EDGE))
+                painter.drawLine(int(x), base, int(x), base + 5)
+                painter.setPen(QColor(QUIET))
+                painter.drawText(QRect(int(x) - 40, base + 6, 80, 14), Qt.AlignmentFlag.AlignHCenter, f"{value:g}")
+        painter.setPen(QColor(QUIET))
+        line = QRect(plot.left(), base + 20, plot.width(), 16)
+        painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, "slant range (m)")
+        painter.setPen(QColor(TEXT))
+        line = QRect(plot.left(), plot.top() - 20, plot.width(), 16)
+        painter.drawText(line, Qt.AlignmentFlag.AlignLeft, "port")
+        painter.drawText(line, Qt.AlignmentFlag.AlignRight, "starboard")
+
+    def _draw_ping_ruler(self, painter: QPainter, plot: QRect) -> None:
+        """Ping numbers, and under each the metres towed."""
+        pings = self._record.pings
+        steps = ticks(pings, max(plot.height() // 70, 1))
+        step = max(int(steps[1]), 1) if len(steps) > 1 else pings
+        for ping in range(max(self._top - pings + 1, 0) // step * step, self._top + 1, step):
+            y = plot.top() + int((self._top - ping + 0.5) / pings * plot.height())
+            if not plot.top() <= y <= plot.bottom():
+                continue
+            painter.setPen(QColor(EDGE))
+            painter.drawLine(plot.left() - 5, y, plot.left() - 1, y)
+            painter.setPen(QColor(TEXT))
+            painter.drawText(QRect(0, y - 13, LEFT - 9, 14), Qt.AlignmentFlag.AlignRight, f"{ping}")
+            painter.setPen(QColor(QUIET))
+            painter.drawText(QRect(0, y, LEFT - 9, 14), Qt.AlignmentFlag.AlignRight, f"{ping * self._step:.4g} m")
+        painter.setPen(QColor(QUIET))
+        painter.drawText(QRect(0, plot.top() - 20, LEFT - 9, 16), Qt.AlignmentFlag.AlignRight, "ping")
+
+    def _draw_cross(self, painter: QPainter, plot: QRect, mark: Mark) -> None:
+        place = self.place_of(mark)
+        if plot.contains(place):
+            painter.setPen(QColor(ACCENT))
+            for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+                painter.drawLine(place + QPoint(4 * dx, 4 * dy), place + QPoint(13 * dx, 13 * dy))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Announce the point under the mouse."""
+        self.hovered.emit(self.mark_at(event.position().toPoint()))
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Announce that the mouse is elsewhere."""
+        self.hovered.emit(None)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Announce how far to look back; touchpads send fractions of a notch."""
+        self._notches += event.angleDelta().y()
+        pings = int(self._notches * PINGS_A_NOTCH / 120)
+        if pings:
+            self._notches = 0
+            # Wheel down pulls the older pings up.
+            self.scrolled.emit(-pings)
+        event.accept()
