@@ -1,0 +1,45 @@
+"""A grid of heights as a file holds it, and how its mistakes are told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene import SceneError
+
+# A bed of 16384² float32 nodes is 1 GB; a larger file was surely meant to be cropped.
+LARGEST_SIDE = 16384
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Heights on a grid.
+
+    Attributes
+    ----------
+    heights : (ny, nx) float64
+        Metres, positive up, NaN where there are none; axis 0 is y, axis 1 is x, both increasing.
+    spacing : (float, float), optional
+        Metres between nodes along x and y; None if the file does not say.
+    corner : (float, float), optional
+        Map coordinates of node (0, 0); None if the file does not say.
+    """
+
+    heights: NDArray[np.float64]
+    spacing: tuple[float, float] | None = None
+    corner: tuple[float, float] | None = None
+
+
+def refusal(path: str, fault: str, remedy: str) -> SceneError:
+    """Say in one sentence what is wrong with a grid's file."""
+    return SceneError(f"seabed.relief.path: {path!r} {fault}; {remedy}")
+
+
+def check_size(path: str, shape: tuple[int, ...]) -> None:
+    """Refuse a grid too small to span a cell or too large to hold."""
+    if min(shape) < 2:
+        raise refusal(path, f"is only {shape[1]} by {shape[0]} heights", "give at least 2 by 2")
+    if max(shape) > LARGEST_SIDE:
+        raise refusal(path, f"is {shape[1]} by {shape[0]} heights", f"crop or thin it to {LARGEST_SIDE} a side")
