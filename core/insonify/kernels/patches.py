@@ -15,19 +15,30 @@ ACROSS, ALONG, KIND = 0, 1, 2
 
 
 @kernel
+def outside(place, square):
+    """Distance along one axis from a place to a unit square, 0 inside."""
+    return max(square - place, place - square - 1.0, 0.0)
+
+
+@kernel
 def nearest_patch(seed, stream, u, v, repeat):
     """Hash of the seed point nearest to (u, v), in lattice squares; the lattice repeats after ``repeat`` (0: never)."""
     column, row = math.floor(u), math.floor(v)
-    nearest, owner = np.inf, np.uint64(0)
-    for j in range(row - REACH, row + REACH + 1):
-        for i in range(column - REACH, column + REACH + 1):
+    nearest, owner_a, owner_b = np.inf, column, row
+    for step_v in range(2 * REACH + 1):
+        # From the place's own square outwards, 0, 1, −1, 2, −2, so that most squares need no look at all.
+        j = row + (step_v + 1) // 2 * (1 - 2 * (step_v % 2))
+        for step_u in range(2 * REACH + 1):
+            i = column + (step_u + 1) // 2 * (1 - 2 * (step_u % 2))
+            if outside(u, i) ** 2 + outside(v, j) ** 2 >= nearest:
+                continue
             a, b = (i % repeat, j % repeat) if repeat > 0 else (i, j)
             du = i + hash_uniform(seed, stream, a, b, ACROSS) - u
             dv = j + hash_uniform(seed, stream, a, b, ALONG) - v
             distance = du * du + dv * dv
             if distance < nearest:
-                nearest, owner = distance, hash_integers(seed, stream, a, b, KIND)
-    return owner
+                nearest, owner_a, owner_b = distance, a, b
+    return hash_integers(seed, stream, owner_a, owner_b, KIND)
 
 
 @kernel

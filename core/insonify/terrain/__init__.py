@@ -1,1 +1,7 @@
 """Declarations become heights and materials."""
+
+from insonify.terrain.build import build_ground
+from insonify.terrain.ground import Ground
+from insonify.terrain.heights import relief, relief_picture
+
+__all__ = ["Ground", "build_ground", "relief", "relief_picture"]

@@ -73,7 +73,8 @@ def variance(waves: Waves, shape: Shape) -> float:
 def frequencies(shape: Shape) -> tuple[Field, Field]:
     """Cycles per period of ``irfft2``'s coefficients: fx (1, nx // 2 + 1) and fy (ny, 1)."""
     ny, nx = shape
-    return np.arange(nx // 2 + 1, dtype=np.float64)[np.newaxis, :], (np.fft.fftfreq(ny) * ny)[:, np.newaxis]
+    fy = (np.arange(ny) + ny // 2) % ny - ny // 2
+    return np.arange(nx // 2 + 1, dtype=np.float64)[np.newaxis, :], fy.astype(np.float64)[:, np.newaxis]
 
 
 def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:

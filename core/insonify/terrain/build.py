@@ -1,0 +1,118 @@
+"""Build the ground that a scene declares."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene import Scene, SceneError
+from insonify.scene.materials import Material, MaterialMap
+from insonify.scene.seabed import Dem, Fractal, Seabed
+from insonify.terrain.ground import Ground
+from insonify.terrain.materials import Lattice, Map, material_indices, material_table
+from insonify.terrain.measured import file_version, measured_bed
+from insonify.terrain.spectra import synthesise
+
+# A level bed has no period of its own: a few cells will do unless a map of materials needs room.
+FLAT_CELLS = 4
+FLAT_PERIOD = 102.4
+FLAT_CELLS_AT_MOST = 4096
+FEWEST_CELLS = 3  # that hold a wave short of the Nyquist frequency
+
+# Heights above the datum, their lattice, and the datum.
+Heights = tuple[NDArray[np.float32], Lattice, float]
+
+
+def build_ground(scene: Scene) -> Ground:
+    """Heights and materials of a scene's bed.
+
+    Node (0, 0) of a made bed lies at the local (0, 0), so that the landscape does not depend on the track. Grounds
+    share arrays that are kept for the next call: read them, never write to them.
+
+    Raises
+    ------
+    SceneError
+        If a measured bed cannot be read or a period cannot hold a wave.
+    """
+    seabed = scene.seabed
+    heights, lattice, datum = _heights(scene)
+    names, reflectivities = material_table(seabed.material)
+    return Ground(
+        heights=heights,
+        materials=_kept_materials(_layout(seabed.material), lattice, scene.seed),
+        names=names,
+        reflectivities=reflectivities,
+        x0=lattice.x0,
+        y0=lattice.y0,
+        spacing=lattice.spacing,
+        periodic=lattice.periodic,
+        datum=datum,
+    )
+
+
+def fractal_cells(fractal: Fractal, spacing: float) -> int:
+    """Cells a side of one period of fractal relief.
+
+    Raises
+    ------
+    SceneError
+        If they are too few to hold a wave.
+    """
+    cells = round(fractal.period / spacing)
+    if cells < FEWEST_CELLS:
+        raise SceneError(
+            f"seabed.relief.period: {fractal.period:g} m spans {cells} cells of seabed.spacing {spacing:g} m and "
+            f"holds no wave; lengthen it to at least {FEWEST_CELLS} cells"
+        )
+    return cells
+
+
+def _heights(scene: Scene) -> Heights:
+    seabed = scene.seabed
+    relief = seabed.relief
+    if isinstance(relief, Dem):
+        return _kept_dem(relief, file_version(relief.path), seabed.spacing, scene.world.origin)
+    if isinstance(relief, Fractal):
+        return *_kept_fractal(relief, seabed.spacing, scene.seed), -seabed.depth
+    return *_flat(seabed), -seabed.depth
+
+
+def _flat(seabed: Seabed) -> tuple[NDArray[np.float32], Lattice]:
+    cells = FLAT_CELLS
+    if not isinstance(seabed.material, Material):
+        cells = int(np.clip(round(FLAT_PERIOD / seabed.spacing), FLAT_CELLS, FLAT_CELLS_AT_MOST))
+    lattice = Lattice((cells, cells), seabed.spacing)
+    return np.zeros(lattice.shape, dtype=np.float32), lattice
+
+
+@lru_cache(maxsize=2)
+def _kept_fractal(fractal: Fractal, spacing: float, seed: int) -> tuple[NDArray[np.float32], Lattice]:
+    cells = fractal_cells(fractal, spacing)
+    shape = (cells, cells)
+    # The period is kept to the letter; where it is no whole number of cells, the spacing gives way.
+    return synthesise(fractal, shape, shape, seed).astype(np.float32), Lattice(shape, fractal.period / cells)
+
+
+@lru_cache(maxsize=2)
+def _kept_dem(dem: Dem, version: tuple[int, int], spacing: float, origin: tuple[float, float] | None) -> Heights:
+    del version  # part of the key alone: a file written anew is read anew
+    bed = measured_bed(dem, spacing, origin)
+    datum = float(np.nanmean(bed.heights))
+    lattice = Lattice(bed.heights.shape, bed.spacing, bed.x0, bed.y0, periodic=False)
+    return (bed.heights - datum).astype(np.float32), lattice, datum
+
+
+@lru_cache(maxsize=2)
+def _kept_materials(layout: MaterialMap, lattice: Lattice, seed: int) -> Map:
+    return material_indices(layout, lattice, seed)
+
+
+def _layout(material: MaterialMap) -> MaterialMap:
+    """Return a map without its materials' own numbers, which move no border."""
+    return (
+        Material()
+        if isinstance(material, Material)
+        else material.model_copy(update={"of": (Material(),) * len(material.of)})
+    )

@@ -1,0 +1,67 @@
+"""Heights of a seabed as arrays and as a picture."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene import Scene, SceneError
+from insonify.scene.seabed import Dem, Fractal, Seabed
+from insonify.terrain.build import FLAT_CELLS, build_ground, fractal_cells
+from insonify.terrain.measured import measured_bed
+from insonify.terrain.spectra import Field, synthesise
+
+
+def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 1) -> Field:
+    """Heights of a seabed about its mean.
+
+    Parameters
+    ----------
+    seabed : Seabed
+        Depth, spacing and relief.
+    shape : (ny, nx), optional
+        Samples of one period along y and x; the seabed's own grid when left out. The same seed makes the same
+        landscape on every shape; its rms is exact on the seabed's own grid.
+    seed : int
+        What the landscape derives from.
+
+    Returns
+    -------
+    (ny, nx) float64
+        Metres above the mean bed, NaN where there is none; axis 0 is y, axis 1 is x, both increasing.
+
+    Raises
+    ------
+    SceneError
+        If a shape is asked of a measured bed, which has its own, or if the bed cannot be made.
+    """
+    if isinstance(seabed.relief, Fractal):
+        cells = fractal_cells(seabed.relief, seabed.spacing)
+        return synthesise(seabed.relief, shape or (cells, cells), (cells, cells), seed)
+    if isinstance(seabed.relief, Dem):
+        if shape is not None:
+            raise SceneError(f"shape: {shape} cannot be given to a measured bed, which has its own grid; leave it out")
+        heights = measured_bed(seabed.relief, seabed.spacing, None).heights
+        return np.asarray(heights - np.nanmean(heights))
+    return np.zeros(shape or (FLAT_CELLS, FLAT_CELLS))
+
+
+def relief_picture(scene: Scene) -> NDArray[np.uint8]:
+    """Heights of a scene's bed scaled to 0..255.
+
+    Parameters
+    ----------
+    scene : Scene
+        What to picture.
+
+    Returns
+    -------
+    (ny, nx) uint8
+        The lowest height is 0, the highest 255; the first row is the northernmost. 0 also where there is no bed or
+        no relief.
+    """
+    heights = build_ground(scene).heights[::-1]
+    low, high = np.nanmin(heights), np.nanmax(heights)
+    if high == low:
+        return np.zeros(heights.shape, dtype=np.uint8)
+    return np.rint(np.nan_to_num((heights - low) / (high - low)) * 255.0).astype(np.uint8)
