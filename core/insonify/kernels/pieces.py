@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from insonify.kernels.bins import FIXED_POINT, spread
 from insonify.kernels.jit import kernel
@@ -14,44 +15,54 @@ FINE = 0.02  # longest piece, as a share of its range, whose energy spreads even
 MOST_PARTS = 4096
 
 
+class Surface(NamedTuple):
+    """One segment of the bed: the line z = offset + slope·x in the plane, its tilt and its material."""
+
+    offset: float
+    slope: float
+    area: float  # 1 + |∇z|²
+    diffuse: float
+    specular: float
+    shininess: float
+
+
 @kernel
-def deposit_piece(offset, slope, x_from, x_to, gradient_squared, material, wedge, law, bin_length, bins):
-    """Put the part of a segment z = offset + slope·x between two ground ranges into the bins."""
+def deposit_piece(surface, x_from, x_to, wedge, law, bin_length, bins):
+    """Put the part of a segment between two ground ranges into the bins."""
     # Slant range falls towards the foot of the perpendicular and grows beyond it.
-    foot = -slope * offset / (1.0 + slope * slope)
-    if x_from < foot < x_to:
-        _monotone(offset, slope, x_from, foot, gradient_squared, material, wedge, law, bin_length, bins)
-        _monotone(offset, slope, foot, x_to, gradient_squared, material, wedge, law, bin_length, bins)
-    elif x_to > x_from:
-        _monotone(offset, slope, x_from, x_to, gradient_squared, material, wedge, law, bin_length, bins)
+    foot = min(max(-surface.slope * surface.offset / (1.0 + surface.slope * surface.slope), x_from), x_to)
+    _monotone(surface, x_from, foot, wedge, law, bin_length, bins)
+    _monotone(surface, foot, x_to, wedge, law, bin_length, bins)
 
 
 @kernel
-def _monotone(offset, slope, x_from, x_to, gradient_squared, material, wedge, law, bin_length, bins):
+def _monotone(surface, x_from, x_to, wedge, law, bin_length, bins):
     """Deposit a piece along which slant range grows or falls, in parts short against their range."""
-    last = bins.size - 2
-    area = math.sqrt(1.0 + gradient_squared)
-    length = (x_to - x_from) * math.sqrt(1.0 + slope * slope)
-    nearest = min(_slant(offset, slope, x_from), _slant(offset, slope, x_to))
-    parts = 1 + int(min(length / (FINE * max(nearest, bin_length)), MOST_PARTS - 1.0))
+    if x_to <= x_from:
+        return
+    last, per_bin = bins.size - 2, 1.0 / bin_length
+    stretch = math.sqrt(surface.area)
+    near, end = slant(surface, x_from), slant(surface, x_to)
+    length = (x_to - x_from) * math.sqrt(1.0 + surface.slope * surface.slope)
+    parts = 1 + int(min(length / (FINE * max(min(near, end), bin_length)), MOST_PARTS - 1.0))
     dx = (x_to - x_from) / parts
-    near = _slant(offset, slope, x_from)
     for k in range(parts):
         x = x_from + (k + 0.5) * dx
-        middle = _slant(offset, slope, x)
-        far = _slant(offset, slope, x_from + (k + 1) * dx)
-        value = strength(-offset / (middle * area), material[0], material[1], material[2], law)
+        middle, far = slant(surface, x), slant(surface, x_from + (k + 1) * dx)
+        cos_incidence = -surface.offset / (middle * stretch)
+        value = strength(cos_incidence, surface.diffuse, surface.specular, surface.shininess, law)
         if law == LIGHT:
-            energy = value * beam_share(x, middle, wedge) * abs(far - near) / bin_length
+            energy = value * beam_share(x, middle, wedge) * abs(far - near) * per_bin
         else:
-            energy = value * area * strip_width(x, middle, wedge) * dx
-        spread(bins, near / bin_length, far / bin_length, energy * FIXED_POINT, last)
+            energy = value * stretch * strip_width(x, middle, wedge) * dx
+        spread(bins, near * per_bin, far * per_bin, energy * FIXED_POINT, last)
         near = far
 
 
 @kernel
-def _slant(offset, slope, x):
-    z = offset + slope * x
+def slant(surface, x):
+    """Slant range of a segment at ground range x."""
+    z = surface.offset + surface.slope * x
     return math.sqrt(x * x + z * z)
 
 

@@ -24,8 +24,19 @@ class Profile(NamedTuple):
 
     x: NDArray[np.float64]  # ground range of the knots from the sonar, m
     z: NDArray[np.float64]  # height of the knots above the sonar, m
-    gradient_squared: NDArray[np.float64]  # |∇z|² at the middle of each segment
+    slope: NDArray[np.float64]  # dz/dx of each segment
+    area: NDArray[np.float64]  # 1 + |∇z|² at the middle of each segment: squared area over its level projection
     material: NDArray[np.int64]  # row of the reflectivity table, each segment
+    across: NDArray[np.float64]  # work space: gradient across the strip, at its knots
+    low: NDArray[np.float64]  # work space: heights on the strip's lower border
+    high: NDArray[np.float64]  # work space: heights on its upper border
+
+
+def empty_profile(capacity: int) -> Profile:
+    """Make room for profiles of up to ``capacity`` knots."""
+    columns = [np.zeros(capacity) for _ in range(4)]
+    work = [np.zeros(capacity) for _ in range(3)]
+    return Profile(*columns, np.zeros(capacity, np.int64), *work)
 
 
 def profile_capacity(reach: float, spacing: float) -> int:
@@ -34,16 +45,22 @@ def profile_capacity(reach: float, spacing: float) -> int:
 
 
 @kernel
-def slice_bed(bed, x, y, z, ex, ey, reach, profile, scratch):
+def slice_bed(bed, x, y, z, ex, ey, reach, profile):
     """Fill ``profile`` along azimuth (ex, ey) from (x, y, z) out to ``reach``; return its number of knots."""
     u0, v0 = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
     if abs(ey) >= abs(ex):
-        return _walk(bed, bed.transposed, True, u0, v0, z, ex, ey, reach, profile, scratch)
-    return _walk(bed, bed.heights, False, v0, u0, z, ey, ex, reach, profile, scratch)
+        count = _walk(bed, bed.transposed, True, u0, v0, ex, ey, reach, profile)
+    else:
+        count = _walk(bed, bed.heights, False, v0, u0, ey, ex, reach, profile)
+    if not bed.mapped:
+        profile.material[:count] = bed.materials[0, 0]
+    for k in range(count):
+        profile.z[k] -= z
+    return count
 
 
 @kernel
-def _walk(bed, nodes, v_is_y, u0, v0, z_sonar, eu, ev, reach, profile, scratch):
+def _walk(bed, nodes, v_is_y, u0, v0, eu, ev, reach, profile):
     """Walk strip by strip; v is the axis crossed most often, ``nodes[u, v]`` its heights."""
     nu, nv = nodes.shape
     spacing = bed.spacing
@@ -64,7 +81,7 @@ def _walk(bed, nodes, v_is_y, u0, v0, z_sonar, eu, ev, reach, profile, scratch):
             if count == 0:
                 count = 1
                 profile.x[0] = start
-            count = _strip(bed, nodes, v_is_y, column, u0, v0, z_sonar, eu, ev, start, end, count, profile, scratch)
+            count = _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profile)
             start = end
         elif end >= far:
             break
@@ -73,7 +90,7 @@ def _walk(bed, nodes, v_is_y, u0, v0, z_sonar, eu, ev, reach, profile, scratch):
 
 
 @kernel
-def _strip(bed, nodes, v_is_y, column, u0, v0, z_sonar, eu, ev, start, end, count, profile, scratch):
+def _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profile):
     """Add the knots of one strip: its first (already counted), the nodes within, its last."""
     nu, nv = nodes.shape
     spacing = bed.spacing
@@ -90,55 +107,75 @@ def _strip(bed, nodes, v_is_y, column, u0, v0, z_sonar, eu, ev, start, end, coun
         inner = first - last + 1
     inner = max(inner, 0)
     head = count - 1
-    profile.z[head], scratch[0] = _edge(low, high, bed.periodic, u0 + start * eu / spacing - column, v_start, spacing)
-    profile.z[head] -= z_sonar
-    _nodes(low, high, first, step, inner, column, u0, v0, z_sonar, eu, ev, spacing, count, profile, scratch)
     tail = count + inner
+    fu, du = u0 - column, eu / spacing
+    profile.z[head], profile.across[0] = _edge(low, high, bed.periodic, fu + start * du, v_start, spacing)
+    profile.z[tail], profile.across[inner + 1] = _edge(low, high, bed.periodic, fu + end * du, v_end, spacing)
     profile.x[tail] = end
-    profile.z[tail], scratch[inner + 1] = _edge(
-        low, high, bed.periodic, u0 + end * eu / spacing - column, v_end, spacing
-    )
-    profile.z[tail] -= z_sonar
-    # Gradient: across the strip it is linear in v, along the plane it is the segment's own slope.
-    for k in range(inner + 1):
-        i = head + k
-        across = 0.5 * (scratch[k] + scratch[k + 1])
-        slope = (profile.z[i + 1] - profile.z[i]) / (profile.x[i + 1] - profile.x[i])
-        along = (slope - eu * across) / ev
-        profile.gradient_squared[i] = across * across + along * along
-    _materials(
-        bed.materials,
-        v_is_y,
-        column,
-        nu,
-        nv,
-        math.floor(0.5 * (v_start + v_end)),
-        first,
-        step,
-        inner,
-        head,
-        profile.material,
-    )
+    per_node = step * spacing / ev
+    _even((first - v0) * spacing / ev, per_node, profile.x[count:tail])
+    _row(low, first, step, profile.low[:inner])
+    _row(high, first, step, profile.high[:inner])
+    _blend(profile.low, profile.high, fu + profile.x[count] * du, per_node * du, profile.z[count:tail])
+    _rise(profile.low, profile.high, 1.0 / spacing, profile.across[1 : inner + 1])
+    _slopes(profile.x[head : tail + 1], profile.z[head : tail + 1], profile.slope[head:tail])
+    _areas(profile.across, profile.slope[head:tail], eu, 1.0 / ev, profile.area[head:tail])
+    if bed.mapped:
+        cell = math.floor(0.5 * (v_start + v_end))
+        _materials(bed.materials, v_is_y, column, nu, nv, cell, first, step, profile.material[head:tail])
     return tail + 1
 
 
 @kernel
-def _nodes(low, high, first, step, inner, column, u0, v0, z_sonar, eu, ev, spacing, count, profile, scratch):
-    """Knots on consecutive nodes; runs that do not wrap let the compiler use its vector units."""
-    nv = low.size
+def _even(start, step, x):
+    for k in range(x.size):
+        x[k] = start + k * step
+
+
+@kernel
+def _row(row, first, step, out):
+    """Read consecutive nodes of a row, upward or downward, round its end; runs suit the vector units."""
     done = 0
-    per_node = spacing / ev
-    while done < inner:
-        place = (first + step * done) % nv
-        run = min(inner - done, nv - place if step > 0 else place + 1)
-        for k in range(run):
-            x = (first + step * (done + k) - v0) * per_node
-            near_height = np.float64(low[place + step * k])
-            rise = np.float64(high[place + step * k]) - near_height
-            profile.x[count + done + k] = x
-            profile.z[count + done + k] = near_height + rise * (u0 + x * eu / spacing - column) - z_sonar
-            scratch[1 + done + k] = rise / spacing
+    while done < out.size:
+        place = (first + step * done) % row.size
+        if step > 0:
+            run = min(out.size - done, row.size - place)
+            source = row[place : place + run]
+            for k in range(run):
+                out[done + k] = source[k]
+        else:
+            run = min(out.size - done, place + 1)
+            source = row[place + 1 - run : place + 1]
+            for k in range(run):
+                out[done + k] = source[run - 1 - k]
         done += run
+
+
+@kernel
+def _blend(low, high, fu, dfu, z):
+    for k in range(z.size):
+        z[k] = low[k] + (high[k] - low[k]) * (fu + k * dfu)
+
+
+@kernel
+def _rise(low, high, per_spacing, across):
+    for k in range(across.size):
+        across[k] = (high[k] - low[k]) * per_spacing
+
+
+@kernel
+def _slopes(x, z, slope):
+    for i in range(slope.size):
+        slope[i] = (z[i + 1] - z[i]) / (x[i + 1] - x[i])
+
+
+@kernel
+def _areas(across, slope, eu, per_ev, area):
+    """Across the strip the gradient is linear in v; along the plane it is the segment's own slope."""
+    for i in range(area.size):
+        middle = 0.5 * (across[i] + across[i + 1])
+        along = (slope[i] - eu * middle) * per_ev
+        area[i] = 1.0 + middle * middle + along * along
 
 
 @kernel
@@ -159,13 +196,13 @@ def _edge(low, high, periodic, fu, v, spacing):
 
 
 @kernel
-def _materials(materials, v_is_y, column, nu, nv, cell, first, step, inner, head, out):
+def _materials(materials, v_is_y, column, nu, nv, cell, first, step, out):
     """Material of each segment's cell."""
-    for k in range(inner + 1):
+    for k in range(out.size):
         # The segment before node `first` lies in the cell that the plane leaves there.
-        v = cell if inner == 0 else (first + step * k - (1 if step > 0 else 0))
+        v = cell if out.size == 1 else first + step * k - (1 if step > 0 else 0)
         row, line = column % nu, v % nv
-        out[head + k] = materials[line, row] if v_is_y else materials[row, line]
+        out[k] = materials[line, row] if v_is_y else materials[row, line]
 
 
 @kernel

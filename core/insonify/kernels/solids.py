@@ -34,6 +34,11 @@ class Covers(NamedTuple):
     in_front: NDArray[np.bool_]  # whether it hides the piece in hand
 
 
+def empty_covers(solids: int) -> Covers:
+    """Make room for as many bodies as a scene has."""
+    return Covers(np.zeros(solids), np.zeros(solids), np.zeros(solids, np.int64), np.zeros(solids, np.bool_))
+
+
 class View(NamedTuple):
     """One plane through the sonar."""
 
@@ -70,7 +75,7 @@ def hidden_slopes(covers, count):
 
 @kernel
 def section(solids, k, view, reach):
-    """Interval of launch angles that body k fills in the half-plane: (1, low, high), (0, ...) if none, (-1, ...) if inside."""
+    """Interval of launch angles that body k fills ahead: status 1; 0 if none, -1 if the sonar is inside."""
     radius = solids.radius[k]
     start, axis, length = solids.start[k], solids.axis[k], solids.length[k]
     cx, cy, cz = start[0] - view.x, start[1] - view.y, start[2] - view.z
@@ -145,7 +150,7 @@ def _cylinder_section(cx, cy, cz, axis, length, radius, view):
 
 @kernel
 def _corners(ae, ak, axial, ec, kc, ee, ek, kk, cc, angles, count):
-    """Ends of the chord that one end plane cuts from the ellipse, as angles."""
+    """Add the ends of the chord that one end plane cuts from the ellipse, as angles."""
     norm = ae * ae + ak * ak
     if norm < 1e-18:
         return count
@@ -182,42 +187,34 @@ def distance_along(solids, k, view, angle):
 
 
 @kernel
-def deposit_cut(profile, i, horizon, reflectivity, wedge, law, bin_length, solids, view, covers, count, bins):
-    """Deposit the heard parts of one bed segment: above the horizon, not behind a target."""
-    x0, x1 = profile.x[i], profile.x[i + 1]
-    slope = (profile.z[i + 1] - profile.z[i]) / (x1 - x0)
-    offset = profile.z[i] - slope * x0
-    from_nadir = x0 <= 0.0
-    slope0 = -NEVER if from_nadir else profile.z[i] / x0
-    # Where the line rises above the horizon: offset / x + slope = horizon.
-    start = x0 if horizon <= slope0 else min(max(offset / (horizon - slope), x0), x1)
-    material = reflectivity[profile.material[i]]
-    squared = profile.gradient_squared[i]
-    if count == 0:
-        deposit_piece(offset, slope, start, x1, squared, material, wedge, law, bin_length, bins)
-        return
-    low = math.atan2(offset + slope * start, start)
-    high = math.atan2(offset + slope * x1, x1)
+def deposit_open(surface, x_from, x_to, wedge, view, solids, covers, count, law, bin_length, bins):
+    """Deposit what no body hides of a segment of the bed, between two ground ranges."""
+    low = math.atan2(surface.offset + surface.slope * x_from, x_from)
+    high = math.atan2(surface.offset + surface.slope * x_to, x_to)
     for k in range(count):
-        angle = 0.5 * (max(low, covers.low[k]) + min(high, covers.high[k]))
         covers.in_front[k] = False
         if covers.low[k] < high and covers.high[k] > low:
-            x = offset / (math.tan(angle) - slope)
+            angle = 0.5 * (max(low, covers.low[k]) + min(high, covers.high[k]))
             distance, _ = distance_along(solids, covers.solid[k], view, angle)
-            covers.in_front[k] = distance < x / math.cos(angle)
+            covers.in_front[k] = distance < _range_at(surface, angle) / math.cos(angle)
     while low < high:
         opened, closed = next_open(covers.low, covers.high, covers.in_front, count, low, high)
         if opened >= high:
-            break
-        x_from = start if opened <= low else offset / (math.tan(opened) - slope)
-        x_to = x1 if closed >= high else offset / (math.tan(closed) - slope)
-        deposit_piece(offset, slope, max(x_from, start), min(x_to, x1), squared, material, wedge, law, bin_length, bins)
-        low = closed
-        start = x_to
+            return
+        start = x_from if opened <= low else _range_at(surface, opened)
+        stop = x_to if closed >= high else _range_at(surface, closed)
+        deposit_piece(surface, max(start, x_from), min(stop, x_to), wedge, law, bin_length, bins)
+        low, x_from = closed, stop
 
 
 @kernel
-def deposit_solids(profile, knots, horizon, reflectivity, wedge, law, bin_length, solids, view, covers, count, bins):
+def _range_at(surface, angle):
+    """Ground range at which a launch angle meets a segment's line."""
+    return surface.offset / (math.tan(angle) - surface.slope)
+
+
+@kernel
+def deposit_solids(profile, knots, horizon, problem, wedge, view, covers, count, bins):
     """Deposit what every body in the plane sends back, less what the bed and other bodies hide."""
     for own in range(count):
         low, high = covers.low[own], covers.high[own]
@@ -229,11 +226,8 @@ def deposit_solids(profile, knots, horizon, reflectivity, wedge, law, bin_length
                 profile,
                 knots,
                 horizon,
-                reflectivity,
+                problem,
                 wedge,
-                law,
-                bin_length,
-                solids,
                 view,
                 covers,
                 count,
@@ -246,12 +240,10 @@ def deposit_solids(profile, knots, horizon, reflectivity, wedge, law, bin_length
 
 
 @kernel
-def _facet(
-    profile, knots, horizon, reflectivity, wedge, law, bin_length, solids, view, covers, count, own, start, stop, bins
-):
+def _facet(profile, knots, horizon, problem, wedge, view, covers, count, own, start, stop, bins):
     """Deposit the open parts of one facet of a body."""
     centre = 0.5 * (start + stop)
-    distance, _ = distance_along(solids, covers.solid[own], view, centre)
+    distance, _ = distance_along(problem.solids, covers.solid[own], view, centre)
     if not distance < NEVER:
         return
     ridge = horizon_at(profile, knots, horizon, distance * math.cos(centre))
@@ -262,41 +254,41 @@ def _facet(
         covers.in_front[k] = False
         if k != own and covers.low[k] < stop and covers.high[k] > start:
             angle = 0.5 * (max(start, covers.low[k]) + min(stop, covers.high[k]))
-            here, _ = distance_along(solids, covers.solid[own], view, angle)
-            other, _ = distance_along(solids, covers.solid[k], view, angle)
+            here, _ = distance_along(problem.solids, covers.solid[own], view, angle)
+            other, _ = distance_along(problem.solids, covers.solid[k], view, angle)
             # Where two bodies touch the first of the table is heard.
             covers.in_front[k] = other < here or (other == here and k < own)
     while start < stop:
         opened, closed = next_open(covers.low, covers.high, covers.in_front, count, start, stop)
         if opened >= stop:
             break
-        _deposit_facet(solids, covers.solid[own], view, opened, closed, reflectivity, wedge, law, bin_length, bins)
+        _deposit_facet(covers.solid[own], opened, closed, problem, wedge, view, bins)
         start = closed
 
 
 @kernel
-def _deposit_facet(solids, k, view, start, stop, reflectivity, wedge, law, bin_length, bins):
+def _deposit_facet(k, start, stop, problem, wedge, view, bins):
     """Deposit one open facet: its ends give the slant ranges, its middle the strength."""
     middle = 0.5 * (start + stop)
-    distance, cos_incidence = distance_along(solids, k, view, middle)
-    near, _ = distance_along(solids, k, view, start)
-    far, _ = distance_along(solids, k, view, stop)
+    distance, cos_incidence = distance_along(problem.solids, k, view, middle)
+    near, _ = distance_along(problem.solids, k, view, start)
+    far, _ = distance_along(problem.solids, k, view, stop)
     if not (near < NEVER and far < NEVER and distance < NEVER):
         return
     last = bins.size - 2
     x = distance * math.cos(middle)
-    material = reflectivity[solids.material[k]]
-    value = strength(cos_incidence, material[0], material[1], material[2], law)
-    if law == LIGHT:
-        energy = value * beam_share(x, distance, wedge) / bin_length
+    material = problem.reflectivity[problem.solids.material[k]]
+    value = strength(cos_incidence, material[0], material[1], material[2], problem.law)
+    if problem.law == LIGHT:
+        energy = value * beam_share(x, distance, wedge) / problem.bin_length
         for a, b in ((near, distance), (distance, far)):
-            spread(bins, a / bin_length, b / bin_length, energy * abs(b - a) * FIXED_POINT, last)
+            spread(bins, a / problem.bin_length, b / problem.bin_length, energy * abs(b - a) * FIXED_POINT, last)
         return
     # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
     seen = strip_width(x, distance, wedge) * distance * (stop - start)
     energy = 0.5 * value * seen / max(cos_incidence, 1e-6) * FIXED_POINT
-    spread(bins, near / bin_length, distance / bin_length, energy, last)
-    spread(bins, distance / bin_length, far / bin_length, energy, last)
+    spread(bins, near / problem.bin_length, distance / problem.bin_length, energy, last)
+    spread(bins, distance / problem.bin_length, far / problem.bin_length, energy, last)
 
 
 @kernel

@@ -14,17 +14,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.bins import FIXED_POINT, accumulate, step
+from insonify.kernels.bins import FIXED_POINT, accumulate
 from insonify.kernels.jit import kernel
-from insonify.kernels.pieces import FINE
+from insonify.kernels.pieces import FINE, Surface, deposit_piece
 from insonify.kernels.scatter import INVERSE_PI, gloss
-from insonify.kernels.slice import Profile, slice_bed
-from insonify.kernels.solids import Covers, View, deposit_cut, deposit_solids, find_covers, hidden_slopes
+from insonify.kernels.slice import slice_bed
+from insonify.kernels.solids import View, deposit_open, deposit_solids, find_covers, hidden_slopes
 from insonify.kernels.types import LIGHT, PORT
 from insonify.kernels.wedge import Wedge, beam_share, strip_width
 
 NADIR = -1e30  # slope of a ray straight down
-SHORTEST = 1e-9  # m of slant range that a density may be spread over
 
 
 class Planes(NamedTuple):
@@ -42,174 +41,290 @@ class Heard(NamedTuple):
     """Work space of one profile; one entry a knot, or a segment."""
 
     r: NDArray[np.float64]  # slant range of the knots, m
-    slope: NDArray[np.float64]  # tan of the launch angle above the horizontal, knots
-    horizon: NDArray[np.float64]  # greatest slope so far, knots
-    energy: NDArray[np.float64]  # per bin, fixed-point units, of segments heard whole
+    launch: NDArray[np.float64]  # tan of the launch angle above the horizontal, knots
+    horizon: NDArray[np.float64]  # greatest launch slope so far, knots
     cos_squared: NDArray[np.float64]  # of the incidence, segments
-    scale: NDArray[np.float64]  # what turns a scattering strength into energy, segments heard whole
+    scale: NDArray[np.float64]  # what turns a scattering strength into energy per bin, segments
+    energy: NDArray[np.float64]  # per bin in fixed-point units, of segments heard whole
+    power: NDArray[np.float64]  # work space of the Phong lobe, segments
+    base: NDArray[np.float64]  # likewise
     cut: NDArray[np.bool_]  # segments heard in part, or too long for one density
+    early: NDArray[np.int64]  # step of the density at a knot: what its own bin takes
+    late: NDArray[np.int64]  # and what the next bin takes
+
+
+def empty_heard(capacity: int) -> Heard:
+    """Make room for profiles of up to ``capacity`` knots."""
+    columns = [np.zeros(capacity) for _ in range(8)]
+    return Heard(*columns, np.zeros(capacity, np.bool_), np.zeros(capacity, np.int64), np.zeros(capacity, np.int64))
 
 
 @kernel
-def hear(profile, count, reflectivity, wedge, law, bin_length, hidden_from, hidden_to, heard):
+def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
     """Tell which segments of a profile are heard whole, and how loud, and which must be cut first.
 
-    Targets may hide the bed between the slopes ``hidden_from`` and ``hidden_to``; segments that meet them are cut.
+    Targets may hide the bed between the launch slopes ``hidden_from`` and ``hidden_to``; segments that meet them are
+    cut. Every pass below touches few arrays, so that the compiler can use its vector units.
     """
-    x, z = profile.x, profile.z
-    _launch(x, z, count, heard)
-    unit = FIXED_POINT * (1.0 if law == LIGHT else bin_length)
-    for i in range(count - 1):
-        x0, x1, z0, z1, r0, r1 = x[i], x[i + 1], z[i], z[i + 1], heard.r[i], heard.r[i + 1]
-        dx = x1 - x0
-        offset = (z0 * x1 - z1 * x0) / dx  # height of the segment's line over nadir, negative if it faces the sonar
-        middle = 0.5 * (r0 + r1)
-        area = 1.0 + profile.gradient_squared[i]
-        cos_squared = offset * offset / (middle * middle * area)
-        if law == LIGHT:
-            scale = unit * beam_share(0.5 * (x0 + x1), middle, wedge)
-            scale = math.copysign(scale, r1 - r0)
-            energy = math.sqrt(cos_squared) * scale
-        else:
-            # Area over slant range; a segment that comes nearer outwards has both signs turned.
-            scale = unit * math.sqrt(area) * strip_width(0.5 * (x0 + x1), middle, wedge) * dx / (r1 - r0)
-            energy = cos_squared * INVERSE_PI * scale
-        slope0, slope1, horizon = heard.slope[i], heard.slope[i + 1], heard.horizon[i]
-        up = (offset < 0.0) & (slope1 > horizon)
-        foot_within = (x0 * dx + z0 * (z1 - z0)) * (x1 * dx + z1 * (z1 - z0)) <= 0.0
-        coarse = dx * dx + (z1 - z0) * (z1 - z0) > FINE * FINE * middle * middle
-        covered = (slope1 > hidden_from) & (slope0 < hidden_to)
-        cut = up & (foot_within | coarse | covered | (horizon > slope0) | (abs(r1 - r0) < SHORTEST))
-        whole = up & ~cut
-        heard.cut[i] = cut
-        heard.cos_squared[i] = cos_squared
-        heard.scale[i] = scale if whole else 0.0
-        heard.energy[i] = energy * reflectivity[profile.material[i], 0] if whole else 0.0
-    _add_gloss(profile, count, reflectivity, law, heard)
+    x, z, slope, area = profile.x[:count], profile.z[:count], profile.slope, profile.area
+    _slant_ranges(x, z, heard.r)
+    _launch_slopes(x, z, heard.launch)
+    _horizons(heard.launch[:count], heard.horizon)
+    _incidences(x, z, slope, area, heard.r, heard.cos_squared)
+    if problem.law == LIGHT:
+        _light_scales(heard.r[:count], heard.scale)
+        _light_energies(heard.cos_squared[: count - 1], heard.scale, heard.energy)
+    else:
+        _sonar_scales(x, area, heard.r, problem.bin_length, heard.scale)
+        _sonar_energies(heard.cos_squared[: count - 1], heard.scale, heard.energy)
+    if wedge.angle > 0.0:
+        _widen(x, heard.r, wedge, problem.law, heard.scale, heard.energy)
+    _colour(profile.material[: count - 1], problem.reflectivity, problem.bed.mapped, heard.energy)
+    _add_gloss(profile.material[: count - 1], problem.reflectivity, problem.bed.mapped, problem.law, heard)
+    _mark_cut(x, slope, heard.r, heard.launch, heard.horizon, hidden_from, hidden_to, heard.cut)
+    _silence(heard.launch[:count], heard.horizon, heard.cut, heard.energy)
 
 
 @kernel
-def _launch(x, z, count, heard):
-    """Slant range, launch slope and running horizon at the knots."""
-    for i in range(count):
-        heard.slope[i] = z[i] / x[i]
-        heard.r[i] = math.sqrt(x[i] * x[i] + z[i] * z[i])
+def _slant_ranges(x, z, r):
+    for i in range(x.size):
+        r[i] = math.sqrt(x[i] * x[i] + z[i] * z[i])
+
+
+@kernel
+def _launch_slopes(x, z, launch):
+    for i in range(x.size):
+        launch[i] = z[i] / x[i]
     if x[0] <= 0.0:
-        heard.slope[0] = NADIR  # straight down, whatever the knot's height
-    horizon = NADIR
-    for i in range(count):
+        launch[0] = NADIR  # straight down, whatever the knot's height
+
+
+@kernel
+def _horizons(launch, horizon):
+    highest = NADIR
+    for i in range(launch.size):
         # NaN, a hole in the bed, compares false and hides nothing.
-        if heard.slope[i] > horizon:
-            horizon = heard.slope[i]
-        heard.horizon[i] = horizon
+        highest = launch[i] if launch[i] > highest else highest
+        horizon[i] = highest
 
 
 @kernel
-def _add_gloss(profile, count, reflectivity, law, heard):
-    """Add the Phong lobe; it is gone past 45 degrees of incidence, so few segments need it."""
-    for i in range(count - 1):
-        if heard.cos_squared[i] > 0.5 and heard.scale[i] != 0.0:
-            material = reflectivity[profile.material[i]]
-            heard.energy[i] += heard.scale[i] * gloss(heard.cos_squared[i], material[1], material[2], law)
+def _incidences(x, z, slope, area, r, cos_squared):
+    """Cosine squared of the incidence at the middle, from the height of the segment's line over nadir."""
+    for i in range(x.size - 1):
+        offset = z[i] - slope[i] * x[i]
+        middle = 0.5 * (r[i] + r[i + 1])
+        cos_squared[i] = offset * offset / (middle * middle * area[i])
 
 
 @kernel
-def deposit(profile, count, reflectivity, wedge, law, bin_length, solids, view, covers, covering, heard, bins):
+def _light_scales(r, scale):
+    """Law `light`: a bin takes the radiance itself. The sign makes a segment that comes nearer step up at its far end."""
+    for i in range(r.size - 1):
+        scale[i] = FIXED_POINT if r[i + 1] >= r[i] else -FIXED_POINT
+
+
+@kernel
+def _light_energies(cos_squared, scale, energy):
+    for i in range(cos_squared.size):
+        energy[i] = math.sqrt(cos_squared[i]) * scale[i]
+
+
+@kernel
+def _sonar_scales(x, area, r, bin_length, scale):
+    """Law `sonar`: area over slant range, of a strip 1 m wide; negative where a segment comes nearer outwards."""
+    unit = FIXED_POINT * bin_length
+    for i in range(x.size - 1):
+        scale[i] = unit * math.sqrt(area[i]) * (x[i + 1] - x[i]) / (r[i + 1] - r[i])
+
+
+@kernel
+def _sonar_energies(cos_squared, scale, energy):
+    for i in range(cos_squared.size):
+        energy[i] = cos_squared[i] * (INVERSE_PI * scale[i])
+
+
+@kernel
+def _widen(x, r, wedge, law, scale, energy):
+    """Apply what the plane stands for in its beam."""
+    for i in range(x.size - 1):
+        middle, range_ = 0.5 * (x[i] + x[i + 1]), 0.5 * (r[i] + r[i + 1])
+        width = beam_share(middle, range_, wedge) if law == LIGHT else strip_width(middle, range_, wedge)
+        scale[i] *= width
+        energy[i] *= width
+
+
+@kernel
+def _colour(material, reflectivity, mapped, energy):
+    """Apply the diffuse share of each segment's material."""
+    if mapped:
+        for i in range(energy.size if energy.size < material.size else material.size):
+            energy[i] *= reflectivity[material[i], 0]
+    else:
+        diffuse = reflectivity[material[0], 0]
+        for i in range(material.size):
+            energy[i] *= diffuse
+
+
+@kernel
+def _add_gloss(material, reflectivity, mapped, law, heard):
+    """Add the Phong lobe, which is gone past 45 degrees of incidence."""
+    first = reflectivity[material[0]]
+    if not mapped and first[2] == math.floor(first[2]):
+        if first[1] > 0.0:
+            share = first[1] * (1.0 if law == LIGHT else (first[2] + 2.0) * (0.5 * INVERSE_PI))
+            _mirrored(heard.cos_squared[: material.size], law, heard.power, heard.base)
+            _raise(heard.base[: material.size], int(first[2]), heard.power)
+            _add_product(heard.power[: material.size], heard.scale, share, heard.energy)
+        return
+    for i in range(material.size):
+        if heard.cos_squared[i] > 0.5:
+            row = reflectivity[material[i]]
+            heard.energy[i] += heard.scale[i] * gloss(heard.cos_squared[i], row[1], row[2], law)
+
+
+@kernel
+def _mirrored(cos_squared, law, power, base):
+    """Base of the lobe, max(0, cos 2α), and the factor it multiplies."""
+    for i in range(cos_squared.size):
+        base[i] = max(2.0 * cos_squared[i] - 1.0, 0.0)
+        power[i] = 1.0 if law == LIGHT else cos_squared[i]
+
+
+@kernel
+def _raise(base, exponent, power):
+    """Multiply ``power`` by base to a whole exponent, by repeated squaring; overwrites the base."""
+    while exponent > 0:
+        if exponent & 1:
+            for i in range(base.size):
+                power[i] *= base[i]
+        for i in range(base.size):
+            base[i] *= base[i]
+        exponent >>= 1
+
+
+@kernel
+def _add_product(power, scale, share, energy):
+    for i in range(power.size):
+        energy[i] += power[i] * scale[i] * share
+
+
+@kernel
+def _mark_cut(x, slope, r, launch, horizon, hidden_from, hidden_to, cut):
+    """Segments in sight that are not heard as one piece of one density.
+
+    A segment whose slant range hardly changes is near the foot of its perpendicular, where the density is uneven.
+    """
+    for i in range(x.size - 1):
+        dx, dr = x[i + 1] - x[i], abs(r[i + 1] - r[i])
+        length_squared = dx * dx * (1.0 + slope[i] * slope[i])
+        uneven = (length_squared > dr * r[i]) | (length_squared > (FINE * FINE) * (r[i] * r[i]))
+        covered = (launch[i + 1] > hidden_from) & (launch[i] < hidden_to)
+        emerges = horizon[i] > launch[i]
+        cut[i] = (launch[i + 1] > horizon[i]) & (emerges | covered | uneven)
+
+
+@kernel
+def _silence(launch, horizon, cut, energy):
+    """Leave energy only to segments heard whole: those whose far end rises above the horizon.
+
+    A comparison with NaN, a hole in the bed, is false and silences too.
+    """
+    for i in range(launch.size - 1):
+        energy[i] = energy[i] if (launch[i + 1] > horizon[i]) & (not cut[i]) else 0.0
+
+
+@kernel
+def deposit(profile, count, problem, wedge, view, covers, covering, heard, bins):
     """Put the energy of all heard pieces of a profile into the difference array ``bins``.
 
     Neighbours heard whole share one event at their common knot.
     """
-    per_bin = 1.0 / bin_length
-    last = bins.size - 2
-    before = np.int64(0)
+    last, per_bin = bins.size - 2, 1.0 / problem.bin_length
+    # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
+    _steps(heard.energy[: count - 1], heard.early)
+    _split(heard.r[:count], per_bin, heard.early, heard.late)
+    for i in range(count):
+        k = min(max(int(heard.r[i] * per_bin), 0), last)
+        bins[k] += heard.early[i]
+        bins[k + 1] += heard.late[i]
     for i in range(count - 1):
-        now = np.int64(heard.energy[i])
-        if now != before:
-            step(bins, heard.r[i] * per_bin, now - before, last)
-            before = now
         if heard.cut[i]:
-            deposit_cut(
-                profile, i, heard.horizon[i], reflectivity, wedge, law, bin_length, solids, view, covers, covering, bins
-            )
-    if before != 0:
-        step(bins, heard.r[count - 1] * per_bin, -before, last)
+            # Where the segment's line rises above the horizon: offset / x + slope = horizon.
+            offset = profile.z[i] - profile.slope[i] * profile.x[i]
+            start = profile.x[i]
+            if heard.horizon[i] > heard.launch[i]:
+                start = min(max(offset / (heard.horizon[i] - profile.slope[i]), start), profile.x[i + 1])
+            row = problem.reflectivity[profile.material[i]]
+            surface = Surface(offset, profile.slope[i], profile.area[i], row[0], row[1], row[2])
+            if covering == 0:
+                deposit_piece(surface, start, profile.x[i + 1], wedge, problem.law, problem.bin_length, bins)
+            else:
+                deposit_open(
+                    surface,
+                    start,
+                    profile.x[i + 1],
+                    wedge,
+                    view,
+                    problem.solids,
+                    covers,
+                    covering,
+                    problem.law,
+                    problem.bin_length,
+                    bins,
+                )
 
 
 @kernel
-def sweep_plane(problem, view, wedge, reach, profile, scratch, covers, heard, bins):
+def _steps(energy, change):
+    """By how much the density changes at each knot."""
+    n = energy.size
+    change[0] = np.int64(energy[0])
+    for i in range(1, n):
+        change[i] = np.int64(energy[i]) - np.int64(energy[i - 1])
+    change[n] = -np.int64(energy[n - 1])
+
+
+@kernel
+def _split(r, per_bin, early, late):
+    """Share each step between the bin it falls in and the next."""
+    for i in range(r.size):
+        position = r[i] * per_bin
+        share = np.int64((position - math.floor(position)) * early[i])
+        late[i] = share if early[i] != 0 else 0
+    for i in range(r.size):
+        early[i] -= late[i]
+
+
+@kernel
+def sweep_plane(problem, view, wedge, reach, profile, covers, heard, bins):
     """Slice one plane, hear it, deposit it; return 0, or -1 - k if the sonar is inside body k."""
     covering = find_covers(problem.solids, view, reach, covers)
     if covering < 0:
         return covering
     hidden_from, hidden_to = hidden_slopes(covers, covering)
-    count = slice_bed(problem.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile, scratch)
+    count = slice_bed(problem.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
     if count > 1:
-        hear(
-            profile, count, problem.reflectivity, wedge, problem.law, problem.bin_length, hidden_from, hidden_to, heard
-        )
-        deposit(
-            profile,
-            count,
-            problem.reflectivity,
-            wedge,
-            problem.law,
-            problem.bin_length,
-            problem.solids,
-            view,
-            covers,
-            covering,
-            heard,
-            bins,
-        )
+        hear(profile, count, problem, wedge, hidden_from, hidden_to, heard)
+        deposit(profile, count, problem, wedge, view, covers, covering, heard, bins)
     if covering > 0:
-        deposit_solids(
-            profile,
-            count,
-            heard.horizon,
-            problem.reflectivity,
-            wedge,
-            problem.law,
-            problem.bin_length,
-            problem.solids,
-            view,
-            covers,
-            covering,
-            bins,
-        )
+        deposit_solids(profile, count, heard.horizon, problem, wedge, view, covers, covering, bins)
     return 0
 
 
 @kernel
-def sweep_pings(problem, poses, planes, capacity, out):
-    """Sweep every plane of every ping into ``out`` (pings, 2, bins); return a status and the ping it belongs to."""
-    profile = Profile(np.empty(capacity), np.empty(capacity), np.empty(capacity), np.empty(capacity, np.int64))
-    scratch = np.empty(capacity)
-    heard = Heard(
-        np.empty(capacity),
-        np.empty(capacity),
-        np.empty(capacity),
-        np.empty(capacity),
-        np.empty(capacity),
-        np.empty(capacity),
-        np.empty(capacity, np.bool_),
-    )
-    solids = problem.solids.shape.size
-    covers = Covers(np.empty(solids), np.empty(solids), np.empty(solids, np.int64), np.empty(solids, np.bool_))
+def sweep_pings(problem, poses, planes, profile, heard, covers, out):
+    """Sweep every plane of every ping into ``out`` (pings, 2, bins); return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(problem.bins + 2, np.int64)
     for ping in range(poses.x.size):
         ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
         for side in range(2):
             abeam = 1.0 if side == PORT else -1.0
             for plane in range(planes.azimuth.size):
-                c, s = math.cos(planes.azimuth[plane]), math.sin(planes.azimuth[plane])
                 # Abeam, turned towards the bow by the plane's azimuth.
-                view = View(
-                    poses.x[ping],
-                    poses.y[ping],
-                    poses.z[ping],
-                    ahead_x * s - abeam * ahead_y * c,
-                    ahead_y * s + abeam * ahead_x * c,
-                )
+                c, s = math.cos(planes.azimuth[plane]), math.sin(planes.azimuth[plane])
+                ex, ey = ahead_x * s - abeam * ahead_y * c, ahead_y * s + abeam * ahead_x * c
+                view = View(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
                 wedge = Wedge(
                     planes.s_low[plane],
                     planes.s_high[plane],
@@ -218,11 +333,11 @@ def sweep_pings(problem, poses, planes, capacity, out):
                     math.sin(problem.half_width),
                     2.0 * problem.half_width,
                 )
-                status = sweep_plane(problem, view, wedge, planes.reach[plane], profile, scratch, covers, heard, bins)
+                status = sweep_plane(problem, view, wedge, planes.reach[plane], profile, covers, heard, bins)
                 if status < 0:
-                    return status, ping
+                    return status
             accumulate(bins, problem.range_factor, out[ping, side])
-    return 0, -1
+    return 0
 
 
 @kernel

@@ -29,6 +29,7 @@ class Bed(NamedTuple):
     periodic: bool  # whether node nx is node 0 again, and likewise ny
     low: float  # lowest height, NaN apart
     high: float  # highest height, NaN apart
+    mapped: bool = True  # whether there is more than one material
 
 
 class Solids(NamedTuple):

@@ -57,6 +57,7 @@ def make_bed(ground: Ground) -> Bed:
         periodic=bool(ground.periodic),
         low=float(finite.min()),
         high=float(finite.max()),
+        mapped=len(ground.reflectivities) > 1,
     )
 
 

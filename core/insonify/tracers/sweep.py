@@ -7,8 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.slice import profile_capacity
-from insonify.kernels.sweep import Planes, sweep_pings
+from insonify.kernels.slice import empty_profile, profile_capacity
+from insonify.kernels.solids import empty_covers
+from insonify.kernels.sweep import Planes, empty_heard, sweep_pings
 from insonify.kernels.types import Poses, Problem
 from insonify.scene import SceneError
 from insonify.tracers.parallel import in_parallel
@@ -48,11 +49,12 @@ def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | No
     capacity = profile_capacity(reach, problem.bed.spacing)
     out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
 
-    def block(first: int, last: int) -> tuple[int, int]:
+    def block(first: int, last: int) -> int:
         part = Poses(*(column[first:last] for column in poses))
-        return sweep_pings(problem, part, beam, capacity, out[first:last])
+        room = empty_profile(capacity), empty_heard(capacity), empty_covers(problem.solids.shape.size)
+        return sweep_pings(problem, part, beam, *room, out[first:last])
 
-    for status, _ in in_parallel(block, poses.x.size, threads):
+    for status in in_parallel(block, poses.x.size, threads):
         if status < 0:
             target = int(problem.solids.target[-1 - status])
             raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")

@@ -1,0 +1,45 @@
+"""Rays in steps of fixed length, as in the paper's day: what the other methods are measured against."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.types import Poses, Problem
+from insonify.scene import SceneError
+from insonify.tracers.rays import trace_rays
+
+
+def trace(
+    problem: Problem, poses: Poses, *, step: float = 0.1, rays: int = 1000, threads: int | None = None
+) -> NDArray[np.float32]:
+    """Trace pings by marching along each ray until it is below the bed or inside a body.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    poses : Poses
+        Where the sonar is, n pings.
+    step : float
+        Length of a step in metres; what is thinner can be stepped over.
+    rays : int
+        Rays per side and ping.
+    threads : int, optional
+        Threads to use, all cores when left out. The result does not depend on it.
+
+    Returns
+    -------
+    (n, 2, bins) float32
+        Intensity of the two channels, port first.
+
+    Raises
+    ------
+    SceneError
+        If the step is not positive, there are no rays, or the sonar runs into a target.
+    """
+    if not (step > 0.0 and math.isfinite(step)):
+        raise SceneError(f"step: {step:g} is no length; give metres greater than 0")
+    return trace_rays(problem, poses, rays, step, threads)

@@ -1,0 +1,93 @@
+"""Rays, one by one and exact: the reference that other methods are judged by."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from insonify.kernels.rays import cast_rays, trace_pings
+from insonify.kernels.types import Poses, Problem
+from insonify.scene import SceneError
+from insonify.tracers.parallel import in_parallel
+
+WALK = 0.0  # in place of a step
+
+
+def trace(problem: Problem, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> NDArray[np.float32]:
+    """Trace pings ray by ray: an exact walk over the cells of the bilinear bed, exact hits of the bodies.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    poses : Poses
+        Where the sonar is, n pings.
+    rays : int
+        Rays per side and ping.
+    threads : int, optional
+        Threads to use, all cores when left out. The result does not depend on it.
+
+    Returns
+    -------
+    (n, 2, bins) float32
+        Intensity of the two channels, port first.
+
+    Raises
+    ------
+    SceneError
+        If there are no rays, or the sonar runs into a target.
+    """
+    return trace_rays(problem, poses, rays, WALK, threads)
+
+
+def cast(
+    problem: Problem, origins: ArrayLike, directions: ArrayLike, *, reach: float | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+    """Find the first thing that each ray meets.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    origins : (n, 3) array_like
+        Where the rays start: local x and y, height above the datum, in metres.
+    directions : (n, 3) array_like
+        Where they go; of any length but zero.
+    reach : float, optional
+        Metres after which a ray ends; the sonar's range when left out.
+
+    Returns
+    -------
+    distance : (n,) float64
+        Metres to the hit, infinite where there is none.
+    what : (n,) int64
+        Index of the target, ``BED`` (-1), or -2 for nothing.
+    normal : (n, 3) float64
+        Outward unit normal of the surface, zero where nothing is hit.
+    """
+    starts = np.ascontiguousarray(np.atleast_2d(np.asarray(origins, dtype=np.float64)))
+    ways = np.atleast_2d(np.asarray(directions, dtype=np.float64))
+    starts, ways = (np.ascontiguousarray(a) for a in np.broadcast_arrays(starts, ways))
+    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    distance, what = np.empty(len(starts)), np.empty(len(starts), dtype=np.int64)
+    normal = np.empty((len(starts), 3))
+    limit = problem.bins * problem.bin_length if reach is None else float(reach)
+    cast_rays(problem, starts, ways, limit, distance, what, normal)
+    return distance, what, normal
+
+
+def trace_rays(problem: Problem, poses: Poses, rays: int, step: float, threads: int | None) -> NDArray[np.float32]:
+    """Trace pings by the walk, or by a march if ``step`` is positive; pings are shared among threads."""
+    if rays < 1:
+        raise SceneError(f"rays: {rays} is too few; give at least 1 ray per side")
+    out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
+
+    def block(first: int, last: int) -> int:
+        part = Poses(*(column[first:last] for column in poses))
+        return int(trace_pings(problem, part, int(rays), float(step), out[first:last]))
+
+    for status in in_parallel(block, poses.x.size, threads):
+        if status < 0:
+            target = int(problem.solids.target[-1 - status])
+            raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
+    return out
