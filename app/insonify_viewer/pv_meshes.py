@@ -121,7 +121,8 @@ def fish_mesh(length: float) -> Any:
 def cable_mesh(length: float) -> Any:
     """Return the tow cable of a fish at the origin, running up and ahead."""
     s = np.linspace(0.0, 1.0, 24)
-    return pv.MultipleLines(np.column_stack([length * (0.03 + 9.0 * s), np.zeros(24), length * (0.08 + 5.0 * s**1.4)]))
+    ahead, up = 0.03 + 22.0 * s, 0.08 + 13.0 * s**1.2
+    return pv.MultipleLines(length * np.column_stack([ahead, np.zeros(24), up]))
 
 
 class Fan:
@@ -142,7 +143,7 @@ class Fan:
         self.footprint = pv.PolyData(np.zeros((2 * n, 3), np.float32), faces=quads.ravel())
         self.footprint.point_data["colour"] = np.full((2 * n, 3), 255, np.uint8)
 
-    def move(self, ground: Ground, problem: Problem, pose: Poses, colours: NDArray[np.uint8]) -> None:
+    def move(self, ground: Ground, problem: Problem, pose: Poses, tones: NDArray[np.float32]) -> None:
         """Follow the sonar.
 
         Parameters
@@ -153,22 +154,28 @@ class Fan:
             For range and beam width.
         pose : Poses
             One pose.
-        colours : (2 bins, 3) uint8
-            Of the record's newest row, far port to far starboard.
+        tones : (2 bins,) float32
+            Brightness of the record's newest row, 0 to 1, far port to far starboard.
         """
         line, slant = scan_line(ground, problem, pose)
         ahead = np.array([math.cos(pose.heading[0]), math.sin(pose.heading[0]), 0.0])
         reach = problem.bins * problem.bin_length
-        half = np.maximum(slant * math.sin(problem.half_width), 0.004 * reach)[:, None]
+        half = np.maximum(slant * math.sin(problem.half_width), 0.006 * reach)[:, None]
         lifted = line + np.array([0.0, 0.0, 0.0015 * reach])
         self.sheet.points = np.vstack([[[pose.x[0], pose.y[0], pose.z[0]]], line]).astype(np.float32)
         self.footprint.points = (
             np.stack([lifted - half * ahead, lifted + half * ahead], 1).reshape(-1, 3).astype(np.float32)
         )
         bins = problem.bins
-        heard = np.clip((slant / problem.bin_length).astype(np.int64), 0, bins - 1)
-        columns = np.concatenate([bins - 1 - heard[:LINE_POINTS], bins + heard[LINE_POINTS:]])
-        self.footprint.point_data["colour"] = np.repeat(colours[columns], 2, axis=0)
+        bin_heard = np.clip((slant / problem.bin_length).astype(np.int64), 0, bins - 1)
+        columns = np.concatenate([bins - 1 - bin_heard[:LINE_POINTS], bins + bin_heard[LINE_POINTS:]])
+        self.footprint.point_data["colour"] = np.repeat(heard_colours(tones[columns]), 2, axis=0)
+
+
+def heard_colours(tones: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Colour the scan line: from the dark of a shadow to a cold white, apart from any sand."""
+    dark, bright = np.array([8.0, 30.0, 48.0]), np.array([214.0, 250.0, 255.0])
+    return np.asarray((dark + tones[:, None] * (bright - dark)).astype(np.uint8))
 
 
 def scan_line(ground: Ground, problem: Problem, pose: Poses) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -31,7 +31,7 @@ class Seabed:
     def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
         self._simulator, self._accelerated = simulator, accelerated
         self._view: SeabedView | None = None
-        self._latest: tuple[Simulation, int, NDArray[np.uint8]] | None = None
+        self._latest: tuple[Simulation, int, NDArray[np.float32]] | None = None
         self._asked: tuple[Any, ...] = ()
         self._laid: tuple[Any, ...] = ()
         self._solids: Any = None
@@ -50,9 +50,9 @@ class Seabed:
         """Import the libraries on the worker, then build the view here and hand it over."""
         self._simulator.send("libraries", self._import, lambda _: self._build(put))
 
-    def show_sonar(self, simulation: Simulation, ping: int, colours: NDArray[np.uint8]) -> None:
+    def show_sonar(self, simulation: Simulation, ping: int, tones: NDArray[np.float32]) -> None:
         """Follow the sonar to a ping; bed and targets follow if they are no longer the same."""
-        self._latest = (simulation, ping, colours)
+        self._latest = (simulation, ping, tones)
         if self._view is None:
             return
         from insonify_viewer.pv_meshes import window_centre
@@ -67,7 +67,7 @@ class Seabed:
         if simulation.problem.solids is not self._solids:
             self._solids = simulation.problem.solids
             self._view.show_targets(self._solids)
-        self._view.show_sonar(ground, simulation.problem, pose, colours)
+        self._view.show_sonar(ground, simulation.problem, pose, tones)
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
         """Mark a point of the bed, or none."""

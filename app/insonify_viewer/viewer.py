@@ -21,7 +21,6 @@ from insonify_viewer.session import Mark, Session
 from insonify_viewer.simulation import Answer, Request, Simulator
 from insonify_viewer.tow import Tow
 from insonify_viewer.views.main_window import MainWindow
-from insonify_viewer.views.pixels import colour_table, colours
 
 MAX_PINGS = 2048  # on screen
 TICK = 25  # ms
@@ -64,7 +63,6 @@ class Viewer(QObject):
         self._answer: Answer | None = None
         self._levels_due = True
         self._levels, self._gain = (0.0, 1.0), 1.0
-        self._palette = palette(PALETTES[0])
         self._clock = QTimer(self)
         self._clock.setInterval(TICK)
         self._ticked = 0.0
@@ -94,9 +92,7 @@ class Viewer(QObject):
 
     def show_palette(self, name: str) -> None:
         """Colour the record by a palette."""
-        self._palette = palette(name)
-        self.window.waterfall.show_palette(self._palette)
-        self._show_sonar()
+        self.window.waterfall.show_palette(palette(name))
 
     def show_gain(self, decibels: float) -> None:
         """Brighten or darken the record."""
@@ -279,10 +275,9 @@ class Viewer(QObject):
         top = self.window.waterfall.top
         row = self.record.rows(np.array([top]))
         low, high = self._levels
-        line = colours(self.record.amplitude[row], low / self._gain, high / self._gain, colour_table(self._palette))[0]
-        self._seabed.show_sonar(
-            self._answer.simulation, top, np.stack([line >> 16, line >> 8, line], 1).astype(np.uint8)
-        )
+        amplitude = self.record.amplitude[row[0]] * np.float32(self._gain)
+        tones = np.clip((amplitude - np.float32(low)) / np.float32(max(high - low, 1e-30)), 0.0, 1.0)
+        self._seabed.show_sonar(self._answer.simulation, top, tones)
 
 
 def _pings_held(scene: Scene) -> int:

@@ -58,6 +58,7 @@ class MainWindow(QMainWindow):
         self._add_dock()
         self._add_tools(palettes)
         self._add_status()
+        self.waterfall.setFocus()
 
     def put_seabed(self, view: QWidget) -> None:
         """Put the view of the seabed into its place."""

@@ -65,7 +65,10 @@ class NumberRow:
         self.field.setToolTip(self.label.toolTip())
         self.slider.valueChanged.connect(self._moved)
         self.slider.sliderReleased.connect(self._released)
+        self.field.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.field.editingFinished.connect(self._typed)
+        # The keyboard goes back to the window, where Space pauses.
+        self.field.returnPressed.connect(self.field.clearFocus)
         self.show_value(number)
 
     def place(self, grid: QGridLayout, row: int) -> None:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 pv: Any = pyvista
 
 WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the latter
-CAMERA = (-1.95, -0.22, 1.20)  # ahead, to port, up; in slant ranges
+CAMERA = (-1.85, -0.12, 1.15)  # ahead, to port, up; in slant ranges, for a square view
 FOCUS = (-0.22, 0.0, -0.20)
 VIEW_ANGLE = 54.0
 FISH = 0.075  # length in slant ranges: larger than life, to be seen
@@ -74,7 +74,7 @@ class SeabedView(QWidget):
             self._targets_actor.mapper.SetInputData(mesh)
         self._later()
 
-    def show_sonar(self, ground: Ground, problem: Problem, pose: Poses, colours: NDArray[np.uint8]) -> None:
+    def show_sonar(self, ground: Ground, problem: Problem, pose: Poses, tones: NDArray[np.float32]) -> None:
         """Move fish and fan; the camera goes along."""
         reach = problem.bins * problem.bin_length
         place = np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64)
@@ -82,7 +82,7 @@ class SeabedView(QWidget):
         for actor in (self._fish_actor, self._cable_actor):
             actor.position, actor.orientation, actor.scale = place, (0.0, 0.0, heading), FISH * reach
             actor.visibility = True
-        self._fan.move(ground, problem, pose, colours)
+        self._fan.move(ground, problem, pose, tones)
         self._sheet_actor.visibility = self._footprint_actor.visibility = True
         self._follow(place, math.radians(heading), reach)
         self._later()
@@ -129,7 +129,10 @@ class SeabedView(QWidget):
             )
             camera.up = (0.0, 0.0, 1.0)
             camera.view_angle = VIEW_ANGLE
-            position, focus = place + turn @ CAMERA * reach, place + turn @ FOCUS * reach
+            focus = place + turn @ FOCUS * reach
+            # A narrow view steps back, so that both ends of the fan stay in sight.
+            back = min(max(0.85 * self.height() / max(self.width(), 1), 0.8), 1.25)
+            position = focus + turn @ (np.array(CAMERA) - FOCUS) * back * reach
             self._reach = reach
         else:
             position = np.array(camera.position) + place - self._fish_at
@@ -158,12 +161,9 @@ class SeabedView(QWidget):
 
 def _pin() -> Any:
     """Return a marker for a slant range of 1: a ball on a needle."""
-    return pv.merge(
-        [
-            pv.Sphere(center=(0, 0, 0.07), radius=0.011),
-            pv.Cylinder(center=(0, 0, 0.035), direction=(0, 0, 1), radius=0.002, height=0.07),
-        ]
-    ).extract_surface(algorithm=None)
+    ball = pv.Sphere(center=(0, 0, 0.07), radius=0.011)
+    needle = pv.Cylinder(center=(0, 0, 0.035), direction=(0, 0, 1), radius=0.002, height=0.07)
+    return pv.merge([ball, needle]).extract_surface(algorithm=None)
 
 
 class _Interactive:
@@ -172,7 +172,8 @@ class _Interactive:
     def __init__(self, parent: QWidget) -> None:
         from pyvistaqt import QtInteractor
 
-        self.plotter: Any = QtInteractor(parent, auto_update=False, multi_samples=0)
+        make: Any = QtInteractor
+        self.plotter: Any = make(parent, auto_update=False, multi_samples=0)
         self.plotter.enable_terrain_style(mouse_wheel_zooms=True)
         self.widget: QWidget = self.plotter
 

@@ -1,0 +1,53 @@
+"""One window a test, and nothing left behind."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+os.environ.setdefault("QT_API", "pyside6")
+
+from PySide6.QtCore import QTimer
+from PySide6.QtWidgets import QApplication
+from stand_in import StandIn
+
+from insonify.scene import Scene, edit, load_scene
+from insonify_viewer.application import dress, has_opengl
+from insonify_viewer.viewer import Viewer
+
+Opener = Callable[..., Viewer]
+
+
+@pytest.fixture
+def small() -> Scene:
+    return edit(load_scene("default"), {"sonar.bins": 100, "track.pings": 128})
+
+
+@pytest.fixture
+def open_viewer(qtbot: Any, qapp: QApplication) -> Iterator[Opener]:
+    """Open viewers on the stand-in simulation; close them and look for what they left."""
+    dress(qapp)
+    viewers: list[Viewer] = []
+    before = set(threading.enumerate())
+
+    def open_one(scene: Scene, *, prepare: Any = StandIn, running: bool = False, solid: bool = False) -> Viewer:
+        viewer = Viewer(scene, accelerated=has_opengl() and not solid, prepare=prepare)
+        viewers.append(viewer)
+        viewer.window.show()
+        viewer.tow.run(running)
+        viewer.window.show_running(running)
+        viewer.start()
+        qtbot.waitUntil(lambda: viewer.complete, timeout=30000)
+        return viewer
+
+    yield open_one
+    for viewer in viewers:
+        viewer.window.close()
+        viewer.window.deleteLater()
+    qapp.processEvents()
+    assert not [t for t in set(threading.enumerate()) - before if t.name.startswith("insonify")]
+    assert not [t for viewer in viewers for t in viewer.findChildren(QTimer) if t.isActive()]

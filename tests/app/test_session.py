@@ -1,0 +1,234 @@
+"""Session, parameters, record, tow and numbers: what needs no window."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from insonify.scene import Scene, bundled_scenes, edit, load_scene
+from insonify_viewer.parameters import Choice, Number, sections_of
+from insonify_viewer.quantities import at_fraction, fraction, read, shown
+from insonify_viewer.record import Record
+from insonify_viewer.session import Mark, Session
+from insonify_viewer.tow import Tow
+from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
+
+
+@pytest.fixture(scope="module")
+def default() -> Scene:
+    return load_scene("default")
+
+
+def parameters(scene: Scene) -> dict[str, Any]:
+    return {p.path: p for section in sections_of(scene) for p in section.parameters}
+
+
+def heard(session: Session) -> list[str]:
+    sentences: list[str] = []
+    session.said.connect(sentences.append)
+    return sentences
+
+
+def test_every_wanted_parameter_has_a_slider(default: Scene) -> None:
+    found = parameters(edit(default, {"seabed.relief.peaks": [[8.0, 4.0], [3.0, -2.0]]}))
+    for path in (
+        "sonar.beam.width",
+        "sonar.range",
+        "seabed.relief.beta",
+        "seabed.relief.peaks.0.0",
+        "seabed.relief.peaks.1.1",
+        "seabed.material.diffuse",
+        "seabed.material.specular",
+        "seabed.material.shininess",
+        "track.altitude",
+        "targets.0.gap.2.1",
+        "targets.1.position.1",
+    ):
+        assert isinstance(found[path], Number), path
+        assert found[path].slider is not None, path
+
+
+def test_open_fields_show_the_value_that_applies(default: Scene) -> None:
+    bare = edit(default, {"seabed.relief.beta": None, "track.altitude": None, "seabed.material": "rock"})
+    found = parameters(bare)
+    assert found["seabed.relief.beta"].value == 1.4
+    assert found["track.altitude"].value == 10.0
+    assert found["track.depth"].value == 20.0
+    assert found["water.reference_speed"].value == 1500.0
+    assert found["seabed.material.diffuse"].value == 0.5587
+
+
+@pytest.mark.parametrize("name", sorted(bundled_scenes()))
+def test_every_parameter_can_be_set_to_what_it_shows(name: str) -> None:
+    scene = load_scene(name)
+    for path, parameter in parameters(scene).items():
+        session = Session(scene)
+        value = int(parameter.value) if isinstance(parameter, Number) and parameter.integer else parameter.value
+        assert session.settle({path: value}), path
+
+
+def test_every_choice_can_be_made(default: Scene) -> None:
+    for path, parameter in parameters(default).items():
+        if isinstance(parameter, Choice) and path != "seabed.relief.kind":
+            for option in parameter.options:
+                session = Session(default)
+                sentences = heard(session)
+                assert session.settle({path: option}), sentences
+                assert parameters(session.scene)[path].value == option
+
+
+def test_material_map_and_back(default: Scene) -> None:
+    session = Session(default)
+    session.settle({"seabed.material.name": "cobble"})
+    session.settle({"seabed.material.kind": "patches"})
+    assert [m.name for m in session.scene.seabed.material.of] == ["cobble", "rock"]
+    assert "seabed.material.of.1.diffuse" in parameters(session.scene)
+    session.settle({"seabed.material.kind": "uniform"})
+    assert session.scene.seabed.material.name == "cobble"
+
+
+def test_altitude_and_depth_take_turns(default: Scene) -> None:
+    session = Session(default)
+    assert session.settle({"track.depth": 24.0})
+    assert session.scene.altitude == 6.0
+    assert session.settle({"track.altitude": 8.0})
+    assert session.scene.track.depth is None
+
+
+def test_drag_starts_from_what_is_settled(default: Scene) -> None:
+    session = Session(default)
+    changes: list[tuple[float, bool]] = []
+    session.changed.connect(lambda scene, settled: changes.append((scene.sonar.ping_rate, settled)))
+    for reach in (60.0, 100.0, 70.0):
+        session.drag({"sonar.range": reach})
+    session.settle()
+    assert changes == [(10.0, False), (7.5, False), (10.0, False), (10.0, True)]
+    session.undo()
+    assert session.scene == default
+    assert not session.can_undo
+
+
+def test_refused_scene_leaves_no_way_forward(default: Scene) -> None:
+    session = Session(default)
+    session.settle({"seed": 5})
+    session.take_back()
+    assert session.scene == default
+    assert not session.can_redo
+
+
+def test_refusal_is_one_sentence(default: Scene) -> None:
+    session = Session(default)
+    sentences = heard(session)
+    assert not session.settle({"seabed.material.diffuse": 0.95})
+    assert "more than arrives" in sentences[-1]
+    assert session.scene == default
+
+
+def test_record_keeps_rows_and_knows_what_is_missing() -> None:
+    record = Record(pings=8, bins=3)
+    pings = np.array([9, 8, 7])
+    amplitude = np.arange(18, dtype=np.float32).reshape(3, 2, 3)
+    record.put(pings, amplitude, stamp=4)
+    assert record.amplitude_at(8, 0, 2) == 8.0
+    assert record.amplitude_at(8, 1, 2) == 11.0
+    assert record.amplitude_at(0, 0, 0) is None
+    assert list(record.amplitude[record.rows(np.array([9]))][0]) == [2, 1, 0, 3, 4, 5]
+    assert list(record.missing(9, 4)) == [6, 5, 4, 3, 2]
+    assert list(record.missing(9, 5)) == [9, 8, 7, 6, 5, 4, 3, 2]
+    assert list(record.missing(2, 4)) == [2, 1, 0], "the tow starts at ping 0"
+
+
+def test_newer_pings_lie_above_older_ones() -> None:
+    record = Record(pings=8, bins=1)
+    rows = record.rows(record.shown(13))
+    assert list(np.diff(rows) % 8) == [1] * 7
+
+
+def test_tow_counts_pauses_and_looks_back() -> None:
+    tow = Tow(511)
+    tow.speed = 2.0
+    assert tow.advance(1.0, 10.0)
+    assert tow.newest == tow.top == 531
+    tow.look_back(5, 512)
+    assert tow.top == 531, "only a paused tow looks back"
+    tow.run(False)
+    assert not tow.advance(1.0, 10.0)
+    tow.look_back(10_000, 512)
+    assert tow.top == 511
+    tow.look_back(-3, 512)
+    assert tow.top == 514
+    tow.run(True)
+    assert tow.top == 531
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (4e5, "Hz", "400 kHz"),
+        (1e-4, "s", "0.1 ms"),
+        (1.2e6, "Hz", "1.2 MHz"),
+        (10.0, "Hz", "10 Hz"),
+        (1.0, "°", "1°"),
+        (0.0, "s", "0 s"),
+        (48.0, "cycles/period", "48"),
+        (100000.0, "", "100000"),
+        (-0.125, "m", "-0.125 m"),
+    ],
+)
+def test_numbers_are_printed_and_read_back(value: float, unit: str, text: str) -> None:
+    assert shown(value, unit) == text
+    assert read(text, unit) == pytest.approx(value)
+
+
+def test_nonsense_is_not_a_number() -> None:
+    assert [read(text, "m") for text in ("", "abc", "nan", "inf", "1 2")] == [None] * 5
+
+
+@pytest.mark.parametrize("log", [False, True])
+def test_slider_places_and_values_agree(log: bool) -> None:
+    ends = (0.01, 10.0)
+    for part in np.linspace(0.0, 1.0, 17):
+        value = at_fraction(float(part), ends, log=log, integer=False)
+        assert fraction(value, ends, log=log) == pytest.approx(part, abs=2e-3)
+    assert at_fraction(0.0, ends, log=log, integer=False) == 0.01
+    assert at_fraction(1.0, ends, log=log, integer=False) == 10.0
+    assert fraction(1e9, ends, log=log) == 1.0
+
+
+@pytest.mark.parametrize("width", [1, 7, 100, 101, 350])
+def test_display_columns_drop_no_echo(width: int) -> None:
+    amplitude = np.zeros((1, 100), np.float32)
+    for column in range(100):
+        amplitude[:] = 0.0
+        amplitude[0, column] = 1.0
+        assert column_means(amplitude, width).max() > 0.0
+    assert column_means(np.ones((2, 100), np.float32), width).tolist() == [[1.0] * width] * 2
+
+
+def test_colours_run_from_low_to_high() -> None:
+    table = colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1))
+    painted = colours(np.array([[-1.0, 1.0, 2.0, 3.0, 9.0]], np.float32), 1.0, 3.0, table)
+    assert [hex(int(word)) for word in painted[0]] == [
+        "0xff000000",
+        "0xff000000",
+        "0xff7f7f7f",
+        "0xffffffff",
+        "0xffffffff",
+    ]
+
+
+def test_ticks_are_round() -> None:
+    assert ticks(50.0, 3) == [0.0, 20.0, 40.0]
+    assert ticks(0.7, 3) == pytest.approx([0.0, 0.5])
+    assert ticks(1.0, 1) == [0.0, 1.0]
+
+
+def test_mark_is_announced_once(default: Scene) -> None:
+    session = Session(default)
+    marks: list[Mark | None] = []
+    session.marked.connect(marks.append)
+    for mark in (Mark(1, 0, 2), Mark(1, 0, 2), None):
+        session.point_at(mark)
+    assert marks == [Mark(1, 0, 2), None]

@@ -1,0 +1,276 @@
+"""The real window on a virtual screen, over a simulation of known numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QColor
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QToolButton
+
+from insonify.scene import Scene, edit
+from insonify.scene.materials import MATERIALS
+from insonify_viewer.session import Mark
+from insonify_viewer.views.parameter_rows import ChoiceRow, NumberRow
+
+
+def number_row(viewer: Any, path: str) -> NumberRow:
+    row = viewer.window.panel.row(path)
+    assert isinstance(row, NumberRow)
+    return row
+
+
+def pick(viewer: Any, path: str, option: str) -> None:
+    row = viewer.window.panel.row(path)
+    assert isinstance(row, ChoiceRow)
+    index = row.combo.findData(option)
+    row.combo.setCurrentIndex(index)
+    row.combo.activated.emit(index)
+
+
+def drag(viewer: Any, path: str, *positions: int) -> Any:
+    slider = number_row(viewer, path).slider
+    slider.setSliderDown(True)
+    for position in positions:
+        slider.setValue(position)
+    return slider
+
+
+def test_slider_gives_another_waterfall(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    before = viewer.window.waterfall.picture().copy()
+    drag(viewer, "seabed.material.diffuse", 600).setSliderDown(False)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert viewer.session.scene.seabed.material.diffuse == pytest.approx(0.6, abs=0.01)
+    assert (viewer.window.waterfall.picture() != before).any()
+
+
+def test_drag_is_coarse_and_release_is_fine(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    tolerances: list[float] = []
+    from stand_in import StandIn
+
+    def prepare(scene: Scene, tolerance: float) -> StandIn:
+        tolerances.append(tolerance)
+        return StandIn(scene, tolerance)
+
+    viewer = open_viewer(small, prepare=prepare)
+    before = viewer.session.scene
+    slider = drag(viewer, "track.altitude", 300, 400)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert tolerances[-1] == 0.2
+    coarse = viewer.record.amplitude.copy()
+    slider.setSliderDown(False)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert tolerances[-1] == 0.03
+    # Every fourth ping stood for four: only those agree.
+    assert (viewer.record.amplitude != coarse).any()
+    viewer.session.undo()
+    assert viewer.session.scene == before, "a drag is one step of undo"
+
+
+def test_rows_stand_where_the_simulation_says(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    record = viewer.record
+    for ping in (0, 5, 127):
+        expected = MATERIALS["medium_sand"].diffuse * (1.0 + (ping % 7) / 10.0)
+        assert record.amplitude_at(ping, 0, 50) == pytest.approx(expected, rel=1e-3)
+        assert record.amplitude_at(ping, 1, 3) == 0.0
+
+
+def test_pause_holds_the_rows_and_running_scrolls(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    held = viewer.window.waterfall.picture().copy()
+    qtbot.wait(150)
+    assert viewer.tow.newest == 127
+    assert (viewer.window.waterfall.picture() == held).all()
+    assert viewer.window.pause.shortcut().toString() == "Space"
+    viewer.window.pause.trigger()
+    qtbot.waitUntil(lambda: viewer.window.waterfall.top > 129, timeout=3000)
+    viewer.window.pause.trigger()
+    assert not viewer.tow.running
+
+
+def test_looking_back_traces_the_old_pings_again(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    first = viewer.window.waterfall.picture().copy()
+    viewer.tow.restart(1000)
+    viewer.run(False)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert set(viewer.record.ping) == set(range(873, 1001))
+    viewer.look_back(10_000)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert viewer.window.waterfall.top == 127
+    assert (viewer.window.waterfall.picture() == first).all()
+
+
+def test_wheel_looks_back_only_when_paused(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.tow.restart(500)
+    viewer.run(True)
+    viewer.window.waterfall.scrolled.emit(40)
+    assert viewer.tow.top == viewer.tow.newest
+    viewer.run(False)
+    viewer.window.waterfall.scrolled.emit(40)
+    assert viewer.tow.top == viewer.tow.newest - 40
+
+
+def test_hover_tells_the_point_and_marks_it(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    waterfall = viewer.window.waterfall
+    mark = Mark(ping=100, side=1, bin=60)
+    assert waterfall.mark_at(waterfall.place_of(mark)) == mark
+    QTest.mouseMove(waterfall, waterfall.place_of(mark))
+    waterfall.hovered.emit(mark)
+    text = viewer.window.statusBar().findChildren(type(viewer.window._point))[-1].text()
+    # Bin 60 of 100 over 50 m, sonar 10 m over the bed.
+    for part in ("ping 100", "starboard", "slant 30.25 m", "ground 28.5", "bed ", "dB)"):
+        assert part in text
+    waterfall.hovered.emit(Mark(ping=100, side=0, bin=4))
+    assert "water column" in viewer.window._point.text()
+    waterfall.hovered.emit(None)
+    assert viewer.window._point.text() == ""
+
+
+def test_kind_edits_the_scene_and_its_rows(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    pick(viewer, "sonar.beam.kind", "knife")
+    assert viewer.session.scene.sonar.beam.kind == "knife"
+    with pytest.raises(StopIteration):
+        viewer.window.panel.row("sonar.beam.width")
+    viewer.window.undo.trigger()
+    assert viewer.session.scene.sonar.beam.kind == "fan"
+    assert number_row(viewer, "sonar.beam.width").field.text() == "1°"
+
+
+def test_material_name_turns_into_its_numbers(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(edit(small, {"seabed.material.diffuse": 0.33}))
+    assert number_row(viewer, "seabed.material.diffuse").field.text() == "0.33"
+    pick(viewer, "seabed.material.name", "rock")
+    shown = [number_row(viewer, f"seabed.material.{n}").field.text() for n in ("diffuse", "specular", "shininess")]
+    assert shown == [f"{value:.4g}" for value in MATERIALS["rock"]]
+
+
+def test_refused_edit_is_said_and_the_slider_returns(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    row = number_row(viewer, "track.altitude")
+    home = row.slider.value()
+    drag(viewer, "track.altitude", 1000).setSliderDown(False)
+    assert "above the surface" in viewer.window._sentence.text()
+    assert viewer.session.scene == small
+    assert row.slider.value() == home
+    assert row.field.text() == "10 m"
+
+
+def test_core_refusal_goes_back(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.session.settle({"seed": 666})
+    qtbot.waitUntil(lambda: viewer.session.scene == small)
+    assert "666" in viewer.window._sentence.text()
+
+
+def test_range_takes_the_ping_rate_along(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    viewer.session.drag({"sonar.range": 150.0})
+    assert viewer.session.scene.sonar.ping_rate == 5.0
+    assert "ping rate lowered to 5 Hz" in viewer.window._sentence.text()
+    viewer.session.drag({"sonar.range": 60.0})
+    assert viewer.session.scene.sonar.ping_rate == 10.0
+    viewer.session.settle()
+
+
+def test_typing_a_value_and_nonsense(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    field = number_row(viewer, "sonar.frequency").field
+    for text, expected in (("600 kHz", 6e5), ("0.3MHz", 3e5), ("abc", 3e5), ("-5", 3e5)):
+        field.clear()
+        QTest.keyClicks(field, text)
+        QTest.keyClick(field, Qt.Key.Key_Return)
+        assert viewer.session.scene.sonar.frequency == pytest.approx(expected)
+    assert "frequency" in viewer.window._sentence.text()
+    assert field.text() == "300 kHz"
+
+
+def test_undo_and_redo(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    assert not viewer.window.undo.isEnabled()
+    viewer.session.settle({"track.altitude": 6.0})
+    viewer.session.settle({"track.altitude": 7.0})
+    viewer.window.undo.trigger()
+    assert viewer.session.scene.altitude == 6.0
+    viewer.window.redo.trigger()
+    assert viewer.session.scene.altitude == 7.0
+    assert not viewer.window.redo.isEnabled()
+
+
+def test_palette_and_gain_change_the_colours(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    waterfall = viewer.window.waterfall
+    copper = waterfall.picture().copy()
+    viewer.window.palettes.setCurrentText("pen")
+    viewer.window.palettes.activated.emit(viewer.window.palettes.currentIndex())
+    pen = waterfall.picture().copy()
+    assert (copper != pen).any()
+    viewer.window.gain.setValue(100)
+    assert viewer.window._gain_text.text() == "10 dB"
+    assert (waterfall.picture() != pen).any()
+    viewer.find_levels()
+    assert (waterfall.picture() == pen).all()
+
+
+def test_port_is_left_and_newest_on_top(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    amplitude = np.zeros((1, 2, 100), np.float32)
+    amplitude[0, 0, 99] = 50.0
+    viewer.window.waterfall.show_rows(viewer.record.put(np.array([127]), amplitude, 99))
+    picture = viewer.window.waterfall.picture()
+    brightest = np.unravel_index(np.argmax(picture & 0xFF), picture.shape)
+    assert brightest[0] == 0
+    assert brightest[1] < picture.shape[1] // 50
+
+
+def test_bins_and_pings_make_a_new_record(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.session.settle({"sonar.bins": 50, "track.pings": 40})
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert (viewer.record.pings, viewer.record.bins) == (40, 50)
+    assert viewer.window.waterfall.record is viewer.record
+
+
+def test_one_ping_one_bin(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(edit(small, {"sonar.bins": 1, "track.pings": 1}))
+    viewer.window.resize(760, 480)
+    viewer.run(True)
+    qtbot.wait(100)
+    assert viewer.window.waterfall.picture().shape[0] == 1
+
+
+def test_small_window_clips_no_tool(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.window.resize(900, 600)
+    qtbot.wait(50)
+    assert viewer.window.width() == 900
+    last = next(b for b in viewer.window.findChildren(QToolButton) if b.text() == "Auto")
+    assert last.isVisible()
+    assert last.mapTo(viewer.window, QPoint(last.width(), 0)).x() <= 900
+
+
+def test_nothing_black_in_the_water_above(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small, solid=True)
+    qtbot.wait(200)
+    image = viewer.seabed.view.grab().toImage()
+    colour = QColor(image.pixel(image.width() // 8, 8))
+    assert colour.blue() > colour.red() > 40
+
+
+def test_picture_is_saved_whole_or_not_at_all(open_viewer: Any, small: Scene, tmp_path: Any) -> None:
+    from insonify_viewer.files import save_picture
+
+    viewer = open_viewer(small)
+    save_picture(viewer.window, tmp_path / "w.png")
+    assert (tmp_path / "w.png").stat().st_size > 10_000
+    with pytest.raises(OSError, match="cannot be written"):
+        save_picture(viewer.window, tmp_path / "nowhere" / "w.png")
+    assert [p.name for p in tmp_path.iterdir()] == ["w.png"]
