@@ -47,7 +47,7 @@ def _read(path: str, raster: Any) -> Grid:
     if transform.b != 0.0 or transform.d != 0.0 or transform.a <= 0.0 or transform.e >= 0.0:
         raise refusal(path, "is not laid out north up", "warp it to a north-up grid, for example with gdalwarp")
     # A height belongs to the centre of its pixel; the last row is the southernmost.
-    x, y = transform * (0.5, raster.height - 0.5)
+    x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
     return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y))
 
 
