@@ -11,11 +11,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from insonify.look import Look
 from insonify.picture import colours, contrast, palette
 from insonify.records.atomic import replacing
 from insonify.scene import Scene
 from insonify.scene.sonar import Fan
-from insonify.sheet import Look, Sheet
+from insonify.sheet import Sheet
 
 DPI = 100
 LEFT, RIGHT, TOP, BOTTOM = 86, 196, 92, 62  # margins in pixels

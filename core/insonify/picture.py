@@ -14,14 +14,26 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage import exposure
 
+from insonify.look import PALETTES
 from insonify.scene import SceneError, resources
 from insonify.sound.flat_bed import flat_bed_curve
 
 if TYPE_CHECKING:
     from insonify.simulate import Simulation
 
-PALETTES = ("copper", "pen", "grey", "viridis")
-SIDES = ("both", "port", "starboard")
+__all__ = [
+    "PALETTES",
+    "binned",
+    "colours",
+    "column_edges",
+    "contrast",
+    "display_curve",
+    "held_curve",
+    "mirrored",
+    "normalise",
+    "palette",
+    "tones",
+]
 
 _rescale: Callable[..., Any] = exposure.rescale_intensity
 _ENOUGH = 200_000  # amplitudes that settle a percentile

@@ -10,20 +10,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from insonify.look import Look
 from insonify.picture import binned, column_edges, mirrored, normalise
 
 MOST_ROWS = 4096
 WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of the whole sheet
 HEIGHTS = (420, 1800)  # rows of a sheet stay between
-
-
-class Look(NamedTuple):
-    """What of a record is shown, and how."""
-
-    side: str = "both"
-    ground_range: bool = False
-    palette: str = "copper"
-    gain: float = 0.0  # dB
 
 
 class Sheet(NamedTuple):

@@ -31,5 +31,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     try:
         yield beside
         beside.replace(final)
+    except OSError as error:
+        # People know the file by its own name.
+        raise type(error)(error.errno, error.strerror or str(error), str(path)) from error
     finally:
         beside.unlink(missing_ok=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,15 @@ def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     """
     with replacing(path) as beside, netCDF4.Dataset(beside, "w", format="NETCDF4") as file:
         for block in blocks:
-            append_to(file, block)
+            _append_or_say_why(file, block)
+
+
+def _append_or_say_why(file: Any, block: xr.Dataset) -> None:
+    """Append a block; what the library calls a RuntimeError is a fault of the disk."""
+    try:
+        append_to(file, block)
+    except RuntimeError as error:
+        raise OSError(errno.EIO, str(error)) from error
 
 
 def append_to(file: Any, block: xr.Dataset) -> None:

@@ -1,0 +1,7 @@
+"""``python -m insonify``."""
+
+import sys
+
+from insonify.cli import main
+
+sys.exit(main())

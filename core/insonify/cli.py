@@ -1,0 +1,147 @@
+"""The ``insonify`` command: finds the sub-command, and turns every mistake into one sentence."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import importlib.metadata
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from insonify.commands import chart, relief, render, show
+from insonify.commands.options import add_scene, chosen_scene, output
+from insonify.look import Look
+from insonify.scene import SceneError, bundled_scenes
+
+GROUP = "insonify.commands"
+FALLBACK = "insonify.png"
+WRONG, INTERRUPTED = 2, 130
+APT = (
+    "sudo apt-get install -y libegl1 libgl1 libglib2.0-0 libxkbcommon0 libdbus-1-3 libfontconfig1 "
+    "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 libxkbcommon-x11-0"
+)
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Parameters
+    ----------
+    words : sequence of str, optional
+        Arguments; the process's own when left out.
+
+    Returns
+    -------
+    int
+        0, 2 after a mistake, 130 after an interrupt.
+    """
+    try:
+        code = _run(list(sys.argv[1:] if words is None else words))
+        sys.stdout.flush()
+        return code
+    except SceneError as error:
+        return _complain(str(error))
+    except BrokenPipeError:
+        # Nobody reads on; the interpreter's own flush at exit must not complain either.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except OSError as error:
+        return _complain(
+            f"{error.filename or 'file'}: {error.strerror or error}; check the path, its rights and the disk"
+        )
+    except MemoryError:
+        return _complain(
+            "the record does not fit in memory; write .nc, which streams, or lessen track.pings or sonar.bins"
+        )
+    except KeyboardInterrupt:
+        sys.stderr.write("insonify: interrupted; no file was touched\n")
+        return INTERRUPTED
+
+
+def _complain(sentence: str) -> int:
+    sys.stderr.write(f"insonify: {' '.join(sentence.split())}\n")
+    return WRONG
+
+
+def _run(words: list[str]) -> int:
+    parser, commands = build_parser()
+    arguments = parser.parse_args(_with_command(words, list(commands)))
+    try:
+        return int(arguments.run(arguments))
+    except ImportError as error:
+        if arguments.run.__module__.partition(".")[0] == "insonify":
+            raise
+        return _without_viewer(error, arguments)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line; the usage is a --help away."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(WRONG, f"{self.prog}: {message}; see '{self.prog} --help'\n")
+
+
+def build_parser() -> tuple[argparse.ArgumentParser, dict[str, Any]]:
+    """Build the parser with the core's sub-commands and those of installed packages.
+
+    Returns
+    -------
+    (ArgumentParser, dict)
+        The parser, and its sub-commands by name.
+    """
+    parser = _Parser(
+        prog="insonify",
+        description="Tow a side-scan sonar over a seabed of your own making and watch the record scroll.",
+        epilog="'insonify [SCENE]' without a command opens the viewer.",
+    )
+    parser.add_argument("--version", action="version", version=f"insonify {importlib.metadata.version('insonify')}")
+    subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True)
+    for module in (render, show, chart, relief):
+        module.register(subparsers)
+    for entry in importlib.metadata.entry_points(group=GROUP):
+        try:
+            entry.load()(subparsers)
+        except ImportError as error:
+            _stand_in(subparsers, error)
+    if "view" not in subparsers.choices:
+        _stand_in(subparsers, ModuleNotFoundError("No module named 'insonify_viewer'"))
+    return parser, subparsers.choices
+
+
+def _stand_in(subparsers: Any, error: ImportError) -> None:
+    """Add a ``view`` that says why there is no viewer."""
+
+    def run(arguments: argparse.Namespace) -> int:
+        return _without_viewer(error, arguments)
+
+    if "view" not in subparsers.choices:
+        parser = subparsers.add_parser("view", help="open the viewer (not installed)")
+        add_scene(parser, optional=True)
+        parser.set_defaults(run=run)
+
+
+def _with_command(words: list[str], commands: list[str]) -> list[str]:
+    """Put ``view`` before a scene that stands alone; refuse a mistyped command."""
+    first = words[0] if words else ""
+    if first in commands or first in ("-h", "--help", "--version"):
+        return words
+    is_scene = not first or first.startswith("-") or first in bundled_scenes() or Path(first).exists()
+    close = difflib.get_close_matches(first, commands, n=1)
+    if not is_scene and close:
+        raise SceneError(f"{first!r} is neither a command nor a scene; did you mean 'insonify {close[0]}'?")
+    return ["view", *words]
+
+
+def _without_viewer(error: ImportError, arguments: argparse.Namespace) -> int:
+    """Say what the viewer lacks; where only the system's libraries are missing, render the record instead."""
+    if ".so" not in str(error):
+        return _complain(f"the viewer is not installed ({error}); run: pip install 'insonify[viewer]'")
+    path = output(getattr(arguments, "snapshot", None) or FALLBACK, (".png",))
+    render.write(chosen_scene(arguments), path, Look())
+    sys.stderr.write(
+        f"insonify: the viewer lacks system libraries ({error}), so the record was written to {path}; run: {APT}\n"
+    )
+    return 0

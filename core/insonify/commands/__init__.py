@@ -1,0 +1,1 @@
+"""Sub-commands of ``insonify``, one file each; the viewer adds its own through an entry point."""

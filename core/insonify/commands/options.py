@@ -1,0 +1,120 @@
+"""What the sub-commands share: scene and method from the command line, checks of outputs, words to people."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+METHODS = ("auto", "sweep", "march", "rays")
+
+
+def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
+    """Add the scene and what changes it.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+    optional : bool
+        Whether the default scene stands in for one not given.
+    """
+    explained = "name of a bundled scene (see 'insonify scenes') or a TOML file"
+    if optional:
+        parser.add_argument("scene", nargs="?", default=DEFAULT_SCENE, metavar="SCENE", help=explained)
+    else:
+        parser.add_argument("scene", metavar="SCENE", help=explained)
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        help="change a field of the scene, e.g. sonar.beam.width=2.5; may be repeated",
+    )
+    parser.add_argument("--seed", type=int, metavar="N", help="short for --set seed=N")
+
+
+def add_method(parser: argparse.ArgumentParser) -> None:
+    """Add how the scene is simulated."""
+    parser.add_argument("--method", choices=METHODS, default="auto", help="how echoes are found (default: %(default)s)")
+    add_tolerance(parser)
+
+
+def add_tolerance(parser: argparse.ArgumentParser) -> None:
+    """Add the error that is acceptable."""
+    parser.add_argument(
+        "--tolerance", type=_share, default=0.03, metavar="E", help="acceptable relative error (default: %(default)s)"
+    )
+
+
+def chosen_scene(arguments: argparse.Namespace) -> Scene:
+    """Load the scene, apply all settings, validate the whole.
+
+    Raises
+    ------
+    SceneError
+        One sentence with the field, the value and the remedy.
+    """
+    scene = load_scene(arguments.scene)
+    changes = dict(read_setting(text) for text in arguments.set)
+    seed = getattr(arguments, "seed", None)  # the viewer's own commands may lack it
+    if seed is not None:
+        changes["seed"] = seed
+    return edit(scene, changes) if changes else scene
+
+
+def output(name: str, suffixes: tuple[str, ...]) -> Path:
+    """Check that a file of one of these kinds can be written there.
+
+    Raises
+    ------
+    SceneError
+        One sentence with the remedy.
+    """
+    path = Path(name)
+    if path.is_dir():
+        raise SceneError(f"-o {name}: is a folder; give the name of a file in it")
+    if path.suffix.lower() not in suffixes:
+        raise SceneError(
+            f"-o {name}: {path.suffix!r} is no format written here; end the name in {' or '.join(suffixes)}"
+        )
+    if not path.parent.is_dir():
+        raise SceneError(f"-o {name}: there is no folder {str(path.parent)!r}; create it or choose another")
+    return path
+
+
+def tracked(blocks: Iterator[xr.Dataset], pings: int) -> Iterator[xr.Dataset]:
+    """Pass blocks on; on long work a terminal shows how far they have come."""
+    from tqdm import tqdm
+
+    with tqdm(total=pings, unit="ping", disable=None, delay=1.0, leave=False) as bar:
+        for block in blocks:
+            yield block
+            bar.update(block.sizes["ping_time"])
+
+
+def decibels(text: str) -> float:
+    """Read a finite number of decibels."""
+    value = float(text)
+    if not math.isfinite(value) or abs(value) > 200.0:
+        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give decibels from -200 to 200")
+    return value
+
+
+def say(line: str) -> None:
+    """Write a line to standard output."""
+    sys.stdout.write(f"{line}\n")
+
+
+def _share(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value <= 1.0:
+        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give a number above 0 and at most 1, e.g. 0.03")
+    return value

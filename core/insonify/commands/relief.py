@@ -1,0 +1,42 @@
+"""``insonify relief``: the bed of a scene as a grey picture."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from insonify.commands.options import add_scene, chosen_scene, output, say
+
+
+def register(subparsers: Any) -> None:
+    """Add ``relief``."""
+    parser = subparsers.add_parser(
+        "relief",
+        help="write the heights of a scene's bed as a grey picture",
+        description="Write the heights of a scene's bed as a PNG: lowest black, highest white, north up.",
+    )
+    add_scene(parser)
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="picture to write: .png")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Draw and write.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    path = output(arguments.output, (".png",))
+    scene = chosen_scene(arguments)
+    from PIL import Image
+
+    from insonify.records import replacing
+    from insonify.terrain import relief_picture
+
+    picture = relief_picture(scene)
+    with replacing(path) as beside:
+        Image.fromarray(picture).save(beside)
+    say(f"{path}: {picture.shape[1]} x {picture.shape[0]} pixels")
+    return 0
