@@ -42,6 +42,7 @@ def draw_window(scene: Scene, path: Path) -> None:
     application = make_application()
     viewer = Viewer(scene, accelerated=False)
     viewer.window.resize(*SNAPSHOT_SIZE)
+    viewer.window.move(40, 40)  # from under the pointer, which would light a button up
     viewer.window.show()
     viewer.tow.run(False)
     viewer.start()
@@ -53,6 +54,7 @@ def draw_window(scene: Scene, path: Path) -> None:
     try:
         if failure:
             raise SceneError(failure)
+        viewer.seabed.draw_now()
         save_picture(viewer.window, path)
     finally:
         viewer.window.close()

@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
+from insonify.commands.options import add_scene, chosen_scene
+from insonify.scene import SceneError
 from insonify_viewer.display import why_no_window
 
 FALLBACK = "insonify.png"
@@ -17,17 +18,9 @@ FALLBACK = "insonify.png"
 def register(subparsers: Any) -> None:
     """Add ``view`` to the sub-commands of ``insonify``."""
     parser = subparsers.add_parser("view", help="open the viewer", description="Open the viewer on a scene.")
-    add_arguments(parser)
-    parser.set_defaults(run=run)
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add what the viewer can be told."""
-    parser.add_argument("scene", nargs="?", default=DEFAULT_SCENE, help="bundled scene or TOML file")
+    add_scene(parser, optional=True)
     parser.add_argument("--snapshot", metavar="PNG", help="draw the window into a picture instead of opening it")
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="PATH=VALUE", help="change the scene; may be repeated"
-    )
+    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -36,29 +29,29 @@ def run(arguments: argparse.Namespace) -> int:
     Parameters
     ----------
     arguments : Namespace
-        ``scene``, ``snapshot`` and ``set``, where given.
+        The scene with its settings, and ``snapshot``.
 
     Returns
     -------
     int
         Exit code.
     """
-    scene = _scene(arguments)
-    snapshot = getattr(arguments, "snapshot", None)
+    scene = chosen_scene(arguments)
     reason = why_no_window()
-    if snapshot is None and reason:
-        snapshot = FALLBACK
-    if snapshot is None:
+    if arguments.snapshot is None and not reason:
         from insonify_viewer.application import open_window
 
         return open_window(scene)
-    path = picture_path(snapshot)
+    path = picture_path(arguments.snapshot or FALLBACK)
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
+    if reason and sys.platform.startswith("linux"):
+        # Else VTK would look for the display first, and complain.
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
     from insonify_viewer.application import draw_window
 
     draw_window(scene, path)
-    if getattr(arguments, "snapshot", None) is None:
-        sys.stdout.write(f"No window can be opened ({reason}); the window was drawn into {path} instead.\n")
+    if arguments.snapshot is None:
+        sys.stdout.write(f"No window can be opened ({reason}), so it was drawn into {path}.\n")
     return 0
 
 
@@ -71,16 +64,10 @@ def picture_path(name: str) -> Path:
         One sentence with the remedy.
     """
     path = Path(name)
+    if path.is_dir():
+        raise SceneError(f"--snapshot {name!r}: this is a folder; give the name of a file in it")
     if path.suffix.lower() != ".png":
         raise SceneError(f"--snapshot {name!r}: the picture is a PNG; give a name that ends in .png")
     if not path.parent.is_dir():
         raise SceneError(f"--snapshot {name!r}: there is no folder {str(path.parent)!r}; create it first")
-    if path.is_dir():
-        raise SceneError(f"--snapshot {name!r}: this is a folder; give the name of a file in it")
     return path
-
-
-def _scene(arguments: argparse.Namespace) -> Scene:
-    scene = load_scene(getattr(arguments, "scene", None) or DEFAULT_SCENE)
-    settings = dict(read_setting(text) for text in getattr(arguments, "set", None) or [])
-    return edit(scene, settings) if settings else scene

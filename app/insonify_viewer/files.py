@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -53,11 +54,12 @@ class Files:
         """Let the person name a picture of the window."""
         path, _ = QFileDialog.getSaveFileName(self._window, "Save the window", "insonify.png", "Pictures (*.png)")
         if path:
+            picture = Path(path).with_suffix(".png")
             try:
-                save_picture(self._window, Path(path).with_suffix(".png"))
-                self._say(f"saved {Path(path).with_suffix('.png')}")
+                save_picture(self._window, picture)
+                self._say(f"saved {picture}")
             except OSError as error:
-                self._say(str(error))
+                self._say(f"{picture}: {error.strerror}; check that the folder can be written to")
 
     def open_scene(self, path: str) -> None:
         """Open a scene file."""
@@ -87,12 +89,12 @@ def save_picture(window: QWidget, path: Path) -> None:
     Raises
     ------
     OSError
-        One sentence with the path and the remedy; an older picture stays as it was.
+        If that fails; an older picture stays as it was.
     """
     beside = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         if not window.grab().save(str(beside), "PNG"):
-            raise OSError(f"{path}: the picture cannot be written; check that the folder exists and has room")
+            raise OSError(errno.EIO, "the picture cannot be written", str(path))
         os.replace(beside, path)
     finally:
         beside.unlink(missing_ok=True)

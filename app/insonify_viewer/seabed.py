@@ -79,6 +79,11 @@ class Seabed:
         if self._view is not None:
             self._view.reset_camera()
 
+    def draw_now(self) -> None:
+        """Draw at once, for a picture of the window."""
+        if self._view is not None:
+            self._view.draw_now()
+
     def close(self) -> None:
         """Give the drawing resources back."""
         if self._view is not None:

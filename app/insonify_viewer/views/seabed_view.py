@@ -57,7 +57,7 @@ class SeabedView(QWidget):
         self._drawn, self._took = 0.0, 0.05
         self._due = QTimer(self)
         self._due.setSingleShot(True)
-        self._due.timeout.connect(self._draw)
+        self._due.timeout.connect(self.draw_now)
 
     def show_bed(self, patch: BedPatch) -> None:
         """Lay the bed."""
@@ -148,7 +148,9 @@ class SeabedView(QWidget):
             rest = self._drawn + REST * self._took - time.perf_counter()
             self._due.start(max(int(1000 * rest), 15))
 
-    def _draw(self) -> None:
+    def draw_now(self) -> None:
+        """Draw without waiting for a rest."""
+        self._due.stop()
         self._canvas.draw()
         self._took = max(self._canvas.draw_time(), 0.01)
         self._drawn = time.perf_counter()
