@@ -1,0 +1,197 @@
+"""Fractal relief against the closed form of its spectrum."""
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from insonify.scene.seabed import Fractal, Seabed
+from insonify.terrain import relief
+from insonify.terrain.spectra import coefficients, frequencies, power_spectrum, synthesise, variance
+
+FIGURE_6 = Fractal(beta=1.4, peaks=((8.0, 4.0),), period=25.6)
+SMALL = (64, 64)
+
+
+def measured_power(heights):
+    """Power per wave of both signs, from the heights alone."""
+    power = np.abs(np.fft.rfft2(heights, norm="forward")) ** 2
+    power[:, 1:] *= 2.0  # the Nyquist column is empty
+    return power
+
+
+def whittle_exponent(heights, low=4):
+    """Fit 2β of F^−2β to a periodic field by Whittle's likelihood, the level profiled out."""
+    fx, fy = frequencies(heights.shape)
+    radius = np.hypot(fx, fy)
+    power = np.abs(np.fft.rfft2(heights)) ** 2
+    inside = (radius >= low) & (radius < heights.shape[0] / 2) & (fx > 0)
+    log_radius, power = np.log(radius[inside]), power[inside]
+
+    def misfit(exponent):
+        ratio = power * np.exp(exponent * log_radius)
+        return np.log(ratio.mean()) - exponent * log_radius.mean()
+
+    return minimize_scalar(misfit, bounds=(-0.5, 11.0), method="bounded").x
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.7, 1.4, 2.3, 4.9])
+def test_random_phases_give_the_exponent_exactly(beta):
+    fractal = Fractal(beta=beta)
+    assert whittle_exponent(synthesise(fractal, (256, 256), (256, 256), 3)) == pytest.approx(2 * beta, abs=2e-4)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_gaussian_coefficients_give_the_exponent_in_the_mean(seed):
+    fractal = Fractal(beta=1.4, coefficients="gaussian")
+    # Physics: ±0.014 on 2β at 512², one standard deviation; three of them here.
+    assert whittle_exponent(synthesise(fractal, (512, 512), (512, 512), seed)) == pytest.approx(2.8, abs=0.042)
+
+
+def test_figure_6_centroid_gives_the_peak_and_the_direction_of_its_crests():
+    power = measured_power(synthesise(FIGURE_6, (256, 256), (256, 256), 1))
+    fx, fy = frequencies((256, 256))
+    near = np.hypot(fx - 8, fy - 4) <= 2.0
+    weight = power[near] / power[near].sum()
+    radius, direction = np.hypot(fx, fy)[near], np.degrees(np.arctan2(fy, fx))[near]
+    assert weight @ radius == pytest.approx(8.99, abs=0.26)
+    assert weight @ direction == pytest.approx(26.4, abs=1.4)
+
+
+def test_five_clamped_waves_of_figure_6_hold_44_percent_of_the_variance():
+    power = measured_power(synthesise(FIGURE_6, (256, 256), (256, 256), 1))
+    fx, fy = frequencies((256, 256))
+    clamped = np.hypot(fx - 8, fy - 4) <= 1.0
+    assert clamped.sum() == 5
+    assert power[clamped].sum() / power.sum() == pytest.approx(0.44, abs=0.005)
+
+
+@pytest.mark.parametrize("decay", ["separable", "rotated", "elliptic"])
+def test_model_3_falls_with_its_own_exponent_along_each_axis(decay):
+    fractal = Fractal(beta_x=1.2, beta_y=1.6, decay=decay)
+    fx, fy = np.array([400.0]), np.array([800.0])
+    zero = np.zeros(1)
+    along_x = power_spectrum(fractal, 2 * fx, zero) / power_spectrum(fractal, fx, zero)
+    along_y = power_spectrum(fractal, zero, 2 * fy) / power_spectrum(fractal, zero, fy)
+    assert -np.log2(along_x[0]) == pytest.approx(2.4, abs=1e-3)
+    assert -np.log2(along_y[0]) == pytest.approx(3.2, abs=1e-3)
+
+
+def test_model_3_row_and_column_slopes_of_the_heights_are_2_4_and_3_2():
+    power = measured_power(synthesise(Fractal(beta_x=1.2, beta_y=1.6, decay="separable"), (256, 256), (256, 256), 1))
+    waves = np.log(np.arange(4, 127))
+    rows, columns = power[1:127, 4:127].sum(axis=0), power[4:127, 1:127].sum(axis=1)
+    assert np.polyfit(waves, np.log(rows), 1)[0] == pytest.approx(-2.4, abs=1e-6)
+    assert np.polyfit(waves, np.log(columns), 1)[0] == pytest.approx(-3.2, abs=1e-6)
+
+
+def test_rotated_decay_follows_the_line_from_the_peak_to_zero_frequency():
+    fractal = Fractal(beta_x=2.0, beta_y=1.0, decay="rotated", peaks=((30.0, 40.0),), combine="max")
+    step = 100.0
+    along = power_spectrum(fractal, np.array([30 + 0.6 * step]), np.array([40 + 0.8 * step]))[0]
+    across = power_spectrum(fractal, np.array([30 - 0.8 * step]), np.array([40 + 0.6 * step]))[0]
+    assert along == pytest.approx(step**-4.0)
+    assert across == pytest.approx(step**-2.0)
+
+
+def test_elliptic_decay_is_isotropic_when_its_exponents_are_equal():
+    even = Fractal(beta_x=1.4, beta_y=1.4, decay="elliptic", clamp="soft", peaks=((8.0, 4.0),))
+    round_one = Fractal(beta=1.4, clamp="soft", peaks=((8.0, 4.0),))
+    axes = frequencies(SMALL)
+    np.testing.assert_allclose(power_spectrum(even, *axes), power_spectrum(round_one, *axes), rtol=1e-12)
+
+
+def test_soft_clamp_is_the_closed_form():
+    fractal = Fractal(beta=1.4, clamp="soft", combine="max")
+    power = power_spectrum(fractal, np.array([0.0, 3.0]), np.array([0.0, 4.0]))
+    np.testing.assert_allclose(power, [1.0, 26.0**-1.4])
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (64, 63), (31, 64), (1, 64), (64, 1)])
+@pytest.mark.parametrize("coefficient", ["phase", "gaussian"])
+def test_rms_is_realised_on_the_reference_grid(shape, coefficient):
+    fractal = Fractal(beta=1.4, rms=0.3, coefficients=coefficient)
+    heights = synthesise(fractal, shape, shape, 5)
+    assert heights.shape == shape
+    assert np.sqrt(np.mean(heights**2)) == pytest.approx(0.3, rel=1e-12)
+    assert abs(heights.mean()) < 1e-15
+
+
+def test_coefficients_are_conjugate_symmetric_so_that_no_variance_is_lost():
+    waves = coefficients(Fractal(beta=1.0), SMALL, 7)
+    first = waves[1:, 0]
+    np.testing.assert_array_equal(first, first[::-1].conj())
+    heights = np.fft.irfft2(waves, s=SMALL, norm="forward")
+    assert heights.var() == pytest.approx(variance(waves, SMALL), rel=1e-12)
+
+
+def test_mean_and_nyquist_waves_are_zero():
+    waves = coefficients(Fractal(beta=0.0), (64, 32), 1)
+    assert waves[0, 0] == 0
+    assert not waves[32].any()
+    assert not waves[:, 16].any()
+    assert np.count_nonzero(waves) == 63 * 16 - 1
+
+
+@pytest.mark.parametrize("coefficient", ["phase", "gaussian"])
+def test_every_grid_holds_the_same_landscape(coefficient):
+    fractal = FIGURE_6.model_copy(update={"coefficients": coefficient})
+    reference = (256, 256)
+    coarse = measured_spectrum(fractal, (256, 256), reference)
+    for shape in [(512, 512), (1024, 256), (250, 300)]:
+        other = measured_spectrum(fractal, shape, reference)
+        for fx in range(100):
+            for_rows = np.r_[0:100, -100:0]
+            np.testing.assert_allclose(other[for_rows, fx], coarse[for_rows, fx], rtol=0, atol=3e-15)
+
+
+def measured_spectrum(fractal, shape, reference):
+    return np.fft.rfft2(synthesise(fractal, shape, reference, 1), norm="forward")
+
+
+def test_a_seabed_of_another_spacing_differs_by_one_factor():
+    relief_ = {"kind": "fractal", "beta": 1.4, "peaks": [[8, 4]], "period": 25.6, "rms": 0.05}
+    fine = relief(Seabed(spacing=0.05, relief=relief_))
+    coarse = relief(Seabed(spacing=0.1, relief=relief_))
+    assert fine.std() == pytest.approx(0.05, rel=1e-12)
+    assert coarse.std() == pytest.approx(0.05, rel=1e-12)
+    ratio = np.fft.rfft2(fine, norm="forward")[:100, 1:100] / np.fft.rfft2(coarse, norm="forward")[:100, 1:100]
+    np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-10)
+
+
+OPTIONS = [
+    {"beta": 1.5},
+    {"peaks": ((4.0, 8.0),)},
+    {"peaks": ((8.0, 4.0), (3.0, -5.0))},
+    {"quadrants": 4},
+    {"combine": "max"},
+    {"clamp": "soft"},
+    {"coefficients": "gaussian"},
+    {"beta": None, "beta_x": 1.2, "beta_y": 1.6, "decay": "separable"},
+    {"beta": None, "beta_x": 1.2, "beta_y": 1.6, "decay": "rotated"},
+    {"beta": None, "beta_x": 1.2, "beta_y": 1.6, "decay": "elliptic"},
+]
+
+
+def test_every_option_makes_another_field():
+    base = {"beta": 1.4, "peaks": ((8.0, 4.0),)}
+    fields = [synthesise(Fractal(**(base | option)), SMALL, SMALL, 1) for option in [{}, *OPTIONS]]
+    fields.append(synthesise(Fractal(**base), SMALL, SMALL, 2))
+    for i, one in enumerate(fields):
+        for other in fields[:i]:
+            assert np.abs(one - other).max() > 1e-3 * 0.05
+
+
+def test_four_quadrants_mirror_every_peak():
+    power = power_spectrum(Fractal(peaks=((8.0, 4.0),), quadrants=4), np.array([8.0, 8.0]), np.array([4.0, -4.0]))
+    assert power[0] == pytest.approx(power[1], rel=1e-12)
+    alone = power_spectrum(Fractal(peaks=((8.0, 4.0),)), np.array([8.0, 8.0]), np.array([4.0, -4.0]))
+    assert alone[1] < 0.01 * alone[0]
+
+
+def test_peaks_combine_by_mean_square_or_by_the_larger():
+    peaks = ((8.0, 4.0), (20.0, 10.0))
+    place = np.array([13.0]), np.array([-2.0])
+    each = [(13 - s * x) ** 2 + (-2 - s * y) ** 2 for x, y in peaks for s in (1, -1)]
+    squares = np.array(each, dtype=float) ** -1.4
+    assert power_spectrum(Fractal(peaks=peaks), *place)[0] == pytest.approx(squares.sum())
+    assert power_spectrum(Fractal(peaks=peaks, combine="max"), *place)[0] == pytest.approx(squares.max())
