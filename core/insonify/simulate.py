@@ -1,0 +1,198 @@
+"""The whole way in one page: scene -> plan -> trace -> receive -> Dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from insonify.kernels.types import Poses, Problem
+from insonify.plan import Plan, plan
+from insonify.receive import receive
+from insonify.scene import Scene, scene_to_toml
+from insonify.terrain import Ground, build_ground
+from insonify.tracers import march, rays, sweep
+from insonify.tracers.problem import make_poses, make_problem
+
+TRACERS: dict[str, Callable[..., NDArray[np.float32]]] = {
+    "sweep": sweep.trace,
+    "march": march.trace,
+    "rays": rays.trace,
+}
+CHANNELS = ("port", "starboard")
+BLOCK = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """A scene made ready to trace any of its pings.
+
+    Attributes
+    ----------
+    scene : Scene
+        What was declared.
+    plan : Plan
+        How it is traced.
+    ground : Ground
+        The bed.
+    problem : Problem
+        All of it as the tracers take it.
+    """
+
+    scene: Scene
+    plan: Plan
+    ground: Ground
+    problem: Problem
+
+    def poses(self, pings: NDArray[np.int64]) -> Poses:
+        """Return where the sonar is at the given pings; beyond the track's last the tow goes on."""
+        return make_poses(self.scene, self.ground, pings)
+
+    def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Trace and receive pings, any numbers in any order.
+
+        Parameters
+        ----------
+        pings : (n,) int64
+            Ping numbers, from 0.
+
+        Returns
+        -------
+        (n, 2, bins) float32
+            Linear intensity, port first; each ping is a function of the scene and its number alone.
+        """
+        pings = np.asarray(pings, dtype=np.int64)
+        traced = TRACERS[self.plan.method](self.problem, self.poses(pings), **self.plan.settings)
+        return receive(self.scene, self.problem, traced, pings)
+
+
+def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> Simulation:
+    """Plan a scene and build its ground.
+
+    Raises
+    ------
+    SceneError
+        One sentence with what is wrong and the remedy.
+    """
+    chosen = plan(scene, tolerance, method=method)
+    ground = build_ground(scene)
+    return Simulation(scene, chosen, ground, make_problem(scene, ground))
+
+
+def simulate(
+    scene: Scene,
+    *,
+    method: str = "auto",
+    tolerance: float = 0.03,
+    truth: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Simulate a scene's whole record.
+
+    Parameters
+    ----------
+    scene : Scene
+        What there is.
+    method : str
+        ``sweep``, ``march``, ``rays``, or ``auto``.
+    tolerance : float
+        Greatest error beyond 1.4 times the altitude, as a share of the record.
+    truth : bool
+        Whether to add what every bin shows.
+    progress : callable, optional
+        Called with the pings done and the pings in all.
+
+    Returns
+    -------
+    Dataset
+        Dimensions (channel, ping_time, range_sample).
+
+    Raises
+    ------
+    SceneError
+        One sentence with what is wrong and the remedy.
+    """
+    blocks = []
+    done = 0
+    for block in simulate_blocks(scene, method=method, tolerance=tolerance, truth=truth):
+        blocks.append(block)
+        done += block.sizes["ping_time"]
+        if progress is not None:
+            progress(done, scene.track.pings)
+    return xr.concat(
+        blocks, dim="ping_time", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
+    )
+
+
+def simulate_blocks(
+    scene: Scene, *, method: str = "auto", tolerance: float = 0.03, truth: bool = False, block: int = BLOCK
+) -> Iterator[xr.Dataset]:
+    """Simulate a scene's record block by block, so that memory does not grow with its length.
+
+    Yields
+    ------
+    Dataset
+        Successive pings; parameters as in `simulate`, ``block`` pings at a time.
+    """
+    simulation = prepare(scene, method=method, tolerance=tolerance)
+    attributes = {
+        "title": scene.title,
+        "scene": scene_to_toml(scene),
+        "plan": "\n".join(simulation.plan.lines()),
+        "version": version("insonify"),
+    }
+    for first in range(0, scene.track.pings, block):
+        pings = np.arange(first, min(first + block, scene.track.pings), dtype=np.int64)
+        yield _dataset(simulation, pings, attributes, truth)
+
+
+def _dataset(simulation: Simulation, pings: NDArray[np.int64], attributes: dict[str, Any], truth: bool) -> xr.Dataset:
+    """Trace one block and dress it."""
+    scene, sonar, poses = simulation.scene, simulation.scene.sonar, simulation.poses(pings)
+    record = {"intensity": (simulation.intensity(pings), "1", "echo intensity, linear, before display gain")}
+    slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
+    reference_speed = scene.water.reference_speed or scene.water.sound_speed
+    across = ("channel", "ping_time", "range_sample")
+    dataset = xr.Dataset(
+        {
+            name: (across, np.moveaxis(values, 1, 0), _labels(unit, text))
+            for name, (values, unit, text) in record.items()
+        },
+        {
+            "channel": list(CHANNELS),
+            "ping_time": ("ping_time", pings / sonar.ping_rate, _labels("s", "time since the first ping")),
+            "slant_range": ("range_sample", slant_range, _labels("m", "one-way slant range of the bin's centre")),
+            "travel_time": (
+                "range_sample",
+                2.0 * slant_range / reference_speed,
+                _labels("s", "two-way travel time"),
+            ),
+        },
+        attributes,
+    )
+    return dataset.assign(_platform(simulation, poses))
+
+
+def _platform(simulation: Simulation, poses: Poses) -> dict[str, Any]:
+    """Where the sonar was, one number a ping."""
+    ground = simulation.ground
+    level = np.zeros_like(poses.x)
+    columns = {
+        "platform_x": (poses.x, "m", "position along x"),
+        "platform_y": (poses.y, "m", "position along y"),
+        "platform_depth": (-(poses.z + ground.datum), "m", "depth below the surface"),
+        "platform_altitude": (poses.z - ground.height_at(poses.x, poses.y), "m", "height above the bed beneath"),
+        "platform_heading": (np.degrees(poses.heading), "degree", "heading, counter-clockwise from +x"),
+        "platform_pitch": (level, "degree", "pitch, bow up"),
+        "platform_roll": (level, "degree", "roll, port up"),
+    }
+    return {name: ("ping_time", values, _labels(unit, text)) for name, (values, unit, text) in columns.items()}
+
+
+def _labels(unit: str, text: str) -> dict[str, str]:
+    return {"units": unit, "long_name": text}
