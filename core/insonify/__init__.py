@@ -3,14 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from insonify.chart import chart
-    from insonify.plan import plan
-    from insonify.scene import Scene, SceneError, load_scene
-    from insonify.simulate import prepare, simulate, simulate_blocks
-    from insonify.terrain import relief
+from typing import Any
 
 _HOMES = {
     "Scene": "scene",

@@ -92,12 +92,10 @@ def _planes(scene: Scene, tolerance: float) -> tuple[int, str]:
     if not isinstance(beam, Fan):
         return 1, "a knife beam has no width"
     width = 2.0 * scene.sonar.range * math.sin(math.radians(beam.width) / 2.0)
+    broad = f"a beam of {beam.width:g}° is {width:.3g} m wide at {scene.sonar.range:g} m"
     detail, of_what = _detail(scene)
     if detail is None:
-        return (
-            2,
-            f"a beam of {beam.width:g}° is {width:.3g} m wide at {scene.sonar.range:g} m, over a bed without detail",
-        )
+        return 2, f"{broad}, over a bed without detail"
     widest = detail * (tolerance / ERROR_AT_ONE_CELL) ** (1.0 / ERROR_EXPONENT)
     planes = min(MOST_PLANES, 2 * max(1, math.ceil(width / widest / 2.0)))
     error = ERROR_AT_ONE_CELL * (width / planes / detail) ** ERROR_EXPONENT
