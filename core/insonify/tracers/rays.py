@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insonify.kernels.rays import cast_rays, trace_pings
-from insonify.kernels.types import Poses, Problem
+from insonify.kernels.rays import cast_rays, empty_hits, trace_pings
+from insonify.kernels.types import BED, Poses, Problem
+from insonify.kernels.walk import NOTHING, Bundle
 from insonify.scene import SceneError
 from insonify.tracers.parallel import in_parallel
 
@@ -65,15 +66,16 @@ def cast(
     normal : (n, 3) float64
         Outward unit normal of the surface, zero where nothing is hit.
     """
-    starts = np.ascontiguousarray(np.atleast_2d(np.asarray(origins, dtype=np.float64)))
-    ways = np.atleast_2d(np.asarray(directions, dtype=np.float64))
-    starts, ways = (np.ascontiguousarray(a) for a in np.broadcast_arrays(starts, ways))
+    starts, ways = np.broadcast_arrays(
+        np.atleast_2d(np.asarray(origins, dtype=np.float64)), np.atleast_2d(np.asarray(directions, dtype=np.float64))
+    )
     ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-    distance, what = np.empty(len(starts)), np.empty(len(starts), dtype=np.int64)
-    normal = np.empty((len(starts), 3))
-    limit = problem.bins * problem.bin_length if reach is None else float(reach)
-    cast_rays(problem, starts, ways, limit, distance, what, normal)
-    return distance, what, normal
+    bundle = Bundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
+    hits = empty_hits(len(starts))
+    cast_rays(problem, bundle, problem.bins * problem.bin_length if reach is None else float(reach), hits)
+    # The last element stands for the bed, the one before it for nothing.
+    targets = np.append(problem.solids.target, [NOTHING, BED])
+    return hits.distance, targets[hits.body], np.column_stack([hits.nx, hits.ny, hits.nz])
 
 
 def trace_rays(problem: Problem, poses: Poses, rays: int, step: float, threads: int | None) -> NDArray[np.float32]:

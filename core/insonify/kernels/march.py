@@ -1,0 +1,144 @@
+"""A ray in steps of one length, as in the paper's day: the first step below a surface is its hit.
+
+What is thinner than a step can be stepped over; that is the method.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.jit import kernel
+from insonify.kernels.types import BED, SPHERE
+from insonify.kernels.walk import NOTHING, Ray, fused, load_cell, normal_at
+
+
+@kernel
+def march_hits(bed, solids, near, count, bundle, reach, step, hits):
+    """March along every ray until a sample is below the bed or inside a body, then interpolate once."""
+    ceiling = _ceiling(bed, solids, near, count)
+    for k in range(bundle.x.size):
+        ray = Ray(bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k])
+        distance, body = _march(bed, solids, near, count, ray, ceiling, reach, step)
+        material, nx, ny, nz = 0, 0.0, 0.0, 0.0
+        if body == BED:
+            material, nx, ny, nz = _bed_surface(bed, ray, distance)
+        elif body != NOTHING:
+            material = solids.material[body]
+            nx, ny, nz = _body_normal(solids, body, ray, distance)
+        hits.distance[k], hits.body[k], hits.material[k] = distance, body, material
+        hits.nx[k], hits.ny[k], hits.nz[k] = nx, ny, nz
+
+
+@fused
+def _march(bed, solids, near, count, ray, ceiling, reach, step):
+    """Distance to the hit and the body hit, of one ray."""
+    first, last = _samples(ray, ceiling, reach, step)
+    best, body = math.inf, NOTHING
+    before = _clearance(bed, ray, (first - 1) * step)
+    for k in range(first, last + 1):
+        t = k * step
+        after = _clearance(bed, ray, t)
+        if after <= 0.0:
+            share = before / (before - after) if 0.0 < before < math.inf else 1.0
+            best, body = t - (1.0 - share) * step, BED
+        for m in range(count):
+            depth = _distance(solids, near[m], ray, t)
+            if depth <= 0.0:
+                outside = _distance(solids, near[m], ray, t - step)
+                share = outside / (outside - depth) if outside > 0.0 else 0.0
+                distance = t - (1.0 - share) * step
+                if distance < best:
+                    best, body = distance, near[m]
+        if body != NOTHING:
+            break
+        before = after
+    return best, body
+
+
+@kernel
+def _ceiling(bed, solids, near, count):
+    """Height above which there is nothing."""
+    ceiling = bed.high
+    for m in range(count):
+        k = near[m]
+        ceiling = max(ceiling, solids.start[k, 2] + max(solids.axis[k, 2], 0.0) * solids.length[k] + solids.radius[k])
+    return ceiling
+
+
+@kernel
+def _samples(ray, ceiling, reach, step):
+    """Numbers of the first and last samples that can be at or below the ceiling and within reach."""
+    last = int(reach / step)
+    if ray.z <= ceiling:
+        return 1, last
+    if ray.dz >= 0.0:
+        return 1, 0
+    return max(1, int(min((ceiling - ray.z) / ray.dz / step, last + 1.0))), last
+
+
+@fused
+def _bed_surface(bed, ray, distance):
+    """Material and normal of the bed below the point at a distance."""
+    row, column, u, v = _place(bed, ray, distance)
+    if row < 0:
+        return 0, 0.0, 0.0, 0.0
+    nx, ny, nz = normal_at(load_cell(bed.heights, row, column), u, v, bed.spacing)
+    return np.int64(bed.materials[row, column]), nx, ny, nz
+
+
+@fused
+def _place(bed, ray, t):
+    """Cell below the point at distance t and its place within the cell; row −1 outside the bed."""
+    ny, nx = bed.heights.shape
+    u, v = (ray.x + t * ray.dx - bed.x0) / bed.spacing, (ray.y + t * ray.dy - bed.y0) / bed.spacing
+    i, j = math.floor(u), math.floor(v)
+    if bed.periodic:
+        return j % ny, i % nx, u - i, v - j
+    if u < 0.0 or v < 0.0 or u > nx - 1.0 or v > ny - 1.0:
+        return -1, -1, 0.0, 0.0
+    i, j = min(i, max(nx - 2, 0)), min(j, max(ny - 2, 0))
+    return j, i, u - i, v - j
+
+
+@fused
+def _clearance(bed, ray, t):
+    """Height above the bed at distance t, infinite where there is none."""
+    row, column, u, v = _place(bed, ray, t)
+    if row < 0:
+        return math.inf
+    cell = load_cell(bed.heights, row, column)
+    height = ray.z + t * ray.dz - (cell.a + cell.b * u + (cell.c + cell.d * u) * v)
+    return height if height == height else math.inf
+
+
+@kernel
+def _axial(solids, k, ray, t):
+    """Point at distance t from a body's start: along its axis and across it."""
+    px, py = ray.x + t * ray.dx - solids.start[k, 0], ray.y + t * ray.dy - solids.start[k, 1]
+    pz = ray.z + t * ray.dz - solids.start[k, 2]
+    along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
+    return px - along * solids.axis[k, 0], py - along * solids.axis[k, 1], pz - along * solids.axis[k, 2], along
+
+
+@kernel
+def _distance(solids, k, ray, t):
+    """Distance from a body's surface, negative inside."""
+    px, py, pz, along = _axial(solids, k, ray, t)
+    outside = math.sqrt(px * px + py * py + pz * pz) - solids.radius[k]
+    if solids.shape[k] == SPHERE:
+        return outside
+    return max(outside, max(-along, along - solids.length[k]))
+
+
+@kernel
+def _body_normal(solids, k, ray, t):
+    """Outward normal of the surface nearest to the point at distance t."""
+    px, py, pz, along = _axial(solids, k, ray, t)
+    radial = math.sqrt(px * px + py * py + pz * pz)
+    cap = max(-along, along - solids.length[k])
+    if solids.shape[k] != SPHERE and cap > radial - solids.radius[k]:
+        side = -1.0 if -along > along - solids.length[k] else 1.0
+        return side * solids.axis[k, 0], side * solids.axis[k, 1], side * solids.axis[k, 2]
+    return px / radial, py / radial, pz / radial

@@ -1,0 +1,110 @@
+"""Rays one by one: send, find the first hit by a walk or a march, put what it returns into its time bin."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.jit import kernel
+from insonify.kernels.launch import Beam, Launch, aim, gather, highest_elevation, inside_body, turn
+from insonify.kernels.march import march_hits
+from insonify.kernels.scatter import strength
+from insonify.kernels.types import LIGHT, PORT
+from insonify.kernels.walk import NOTHING, Bundle, Hits, first_hits
+
+
+@kernel
+def trace_pings(problem, poses, rays, step, out):
+    """Trace all pings into ``out`` (pings, 2, bins) with ``rays`` a side: a cell walk, or a march if ``step`` > 0.
+
+    Return -1 - k if the sonar is inside body k, else 0.
+    """
+    launch = Launch(np.empty(rays), np.empty(rays), np.empty(rays), np.empty(rays))
+    bundle, hits = empty_bundle(rays), empty_hits(rays)
+    near = np.empty(problem.solids.shape.size, np.int64)
+    sums = np.empty(problem.bins)
+    reach, fan = problem.bins * problem.bin_length, problem.half_width > 0.0
+    aimed_z, aimed_top = math.nan, math.nan
+    for ping in range(poses.x.size):
+        x, y, z = poses.x[ping], poses.y[ping], poses.z[ping]
+        body = inside_body(problem.solids, x, y, z)
+        if body >= 0:
+            return -1 - body
+        ahead_x, ahead_y = _on_grid(math.cos(poses.heading[ping])), _on_grid(math.sin(poses.heading[ping]))
+        for side in range(2):
+            side_x, side_y = (-ahead_y, ahead_x) if side == PORT else (ahead_y, -ahead_x)
+            beam = Beam(x, y, z, ahead_x, ahead_y, side_x, side_y, problem.half_width, reach)
+            count, top = gather(problem.solids, beam, near)
+            top = max(top, highest_elevation(problem.bed.high - z, 0.0, reach))
+            if z != aimed_z or top != aimed_top:
+                aim(launch, z, top, reach, problem.half_width, problem.law)
+                aimed_z, aimed_top = z, top
+            turn(launch, beam, bundle)
+            if step > 0.0:
+                march_hits(problem.bed, problem.solids, near, count, bundle, reach, step, hits)
+            else:
+                first_hits(problem.bed, problem.solids, near, count, bundle, reach, hits)
+            deposit(bundle, hits, launch.weight, problem.reflectivity, problem.law, fan, problem.bin_length, sums)
+            # What depends on range alone comes after the sum.
+            for k in range(problem.bins):
+                out[ping, side, k] = sums[k] * problem.range_factor[k]
+    return 0
+
+
+@kernel
+def cast_rays(problem, bundle, reach, hits):
+    """Find the first hit of every ray."""
+    bodies = np.arange(problem.solids.shape.size)
+    first_hits(problem.bed, problem.solids, bodies, bodies.size, bundle, reach, hits)
+
+
+@kernel
+def empty_bundle(n):
+    """Room for n rays."""
+    return Bundle(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
+
+
+@kernel
+def empty_hits(n):
+    """Room for n hits."""
+    return Hits(np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), np.empty(n), np.empty(n))
+
+
+@kernel
+def deposit(bundle, hits, weight, reflectivity, law, fan, bin_length, sums):
+    """Sum what the hits return into time bins."""
+    sums[:] = 0.0
+    for k in range(weight.size):
+        if hits.body[k] == NOTHING:
+            continue
+        distance = hits.distance[k]
+        b = int(distance / bin_length)
+        dx, dy, dz, nx, ny, nz = bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.nx[k], hits.ny[k], hits.nz[k]
+        cos_incidence = -(nx * dx + ny * dy + nz * dz)
+        # A surface exactly edge-on returns nothing.
+        if b >= sums.size or cos_incidence <= 0.0:
+            continue
+        m = hits.material[k]
+        value = strength(cos_incidence, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
+        value *= weight[k] * distance / cos_incidence
+        if law == LIGHT:
+            value *= _tilt(dx, dy, dz, nx, ny, nz) / bin_length
+        elif fan:
+            value *= distance
+        sums[b] += value
+
+
+@kernel
+def _tilt(dx, dy, dz, nx, ny, nz):
+    """|n·e| with e the way a growing elevation moves a ray: on the surface dr/dθ = r |n·e| / cos α."""
+    level = math.sqrt(dx * dx + dy * dy)
+    if level == 0.0:
+        return 0.0
+    return abs(nz * level - dz * (nx * dx + ny * dy) / level)
+
+
+@kernel
+def _on_grid(component):
+    """Direction component with rounding dust removed, so that a track along the grid stays on it."""
+    return 0.0 if abs(component) < 1e-12 else component
