@@ -1,0 +1,207 @@
+"""Readers of measured beds, on files written here and on real ones where they are at hand."""
+
+import os
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rasterio
+from rasterio import Affine
+from rasterio.errors import NotGeoreferencedWarning
+
+from insonify.beds import read_grid
+from insonify.scene import SceneError, build
+from insonify.terrain import build_ground, relief
+
+REAL = Path(__file__).parents[3] / "shared" / "data" / "dem"
+UTM = {"crs": "EPSG:32633", "nodata": -9999.0}
+EAST, NORTH = 500_000.125, 6_200_000.5
+
+
+def scene(path, *, spacing=0.1, origin=None, **dem):
+    world = {} if origin is None else {"origin": list(origin)}
+    relief = {"kind": "dem", "path": str(path)} | dem
+    return build({"world": world, "seabed": {"spacing": spacing, "relief": relief}})
+
+
+def write_tiff(path, rows, *, pixel=(2.0, 2.0), corner=(EAST, NORTH), **profile):
+    """Write rows from north to south; the corner is that of the north-western pixel."""
+    rows = np.asarray(rows, dtype=np.float32)
+    if corner is not None:
+        profile["transform"] = Affine(pixel[0], 0.0, corner[0], 0.0, -pixel[1], corner[1])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NotGeoreferencedWarning)
+        with rasterio.open(
+            path, "w", driver="GTiff", height=rows.shape[0], width=rows.shape[1], count=1, dtype="float32", **profile
+        ) as raster:
+            raster.write(rows, 1)
+    return path
+
+
+def sloped(ny, nx):
+    """Heights that tell every row and column apart."""
+    return -20.0 - 0.5 * np.arange(ny)[:, np.newaxis] + 0.01 * np.arange(nx)
+
+
+def test_geotiff_is_flipped_to_run_north_and_keeps_its_own_spacing(tmp_path):
+    rows = sloped(5, 7)
+    ground = build_ground(scene(write_tiff(tmp_path / "bed.tif", rows, **UTM)))
+    assert (ground.spacing, ground.periodic) == (2.0, False)
+    assert ground.datum == pytest.approx(rows.mean(), rel=1e-6)
+    np.testing.assert_allclose(ground.heights + ground.datum, rows[::-1], atol=1e-5)
+    # The centre of the grid is the local (0, 0).
+    assert (ground.x0, ground.y0) == (-6.0, -4.0)
+
+
+def test_nodata_is_where_there_is_no_bed_and_the_datum_is_the_mean_of_the_rest(tmp_path):
+    rows = sloped(4, 4)
+    rows[0, 1] = -9999.0
+    rows[2, 2] = np.nan
+    ground = build_ground(scene(write_tiff(tmp_path / "bed.tif", rows, **UTM)))
+    missing = np.isnan(ground.heights)
+    assert missing[3, 1]
+    assert missing[1, 2]
+    assert missing.sum() == 2
+    assert ground.datum == pytest.approx(np.nanmean(np.where(rows == -9999.0, np.nan, rows)), rel=1e-6)
+
+
+def test_large_map_coordinates_are_subtracted_in_double_precision(tmp_path):
+    path = write_tiff(tmp_path / "bed.tif", sloped(5, 7), pixel=(0.25, 0.25), **UTM)
+    ground = build_ground(scene(path, origin=(EAST + 0.5, NORTH - 1.0)))
+    # Node (0, 0) is the centre of the south-western pixel.
+    assert (ground.x0, ground.y0) == (-0.375, 1.0 - 1.25 + 0.125)
+
+
+def test_scale_comes_before_datum(tmp_path):
+    path = write_tiff(tmp_path / "bed.tif", [[10.0, 10.0], [20.0, 20.0]], **UTM)
+    ground = build_ground(scene(path, scale=0.1, datum=-30.0))
+    assert ground.datum == pytest.approx(-28.5)
+    np.testing.assert_allclose(ground.heights[:, 0], [0.5, -0.5], atol=1e-6)
+
+
+def test_oblong_pixels_are_resampled_to_the_finer_spacing(tmp_path):
+    rows = np.arange(4.0)[:, np.newaxis] * 3.0 + np.arange(3.0) * 2.0
+    ground = build_ground(scene(write_tiff(tmp_path / "bed.tif", rows, pixel=(2.0, 1.0), **UTM)))
+    assert ground.spacing == 1.0
+    assert ground.heights.shape == (4, 5)
+    # A plane comes through a linear interpolation as it was.
+    plane = np.arange(4.0)[::-1, np.newaxis] * 3.0 + np.arange(5.0)
+    np.testing.assert_allclose(ground.heights + ground.datum, plane, atol=1e-5)
+
+
+def test_tiff_without_georeference_takes_the_spacing_of_the_scene(tmp_path):
+    ground = build_ground(scene(write_tiff(tmp_path / "bare.tif", sloped(4, 6), corner=None), spacing=0.5))
+    assert (ground.spacing, ground.x0, ground.y0) == (0.5, -1.25, -0.75)
+
+
+def test_arrays_run_towards_y_and_take_the_spacing_of_the_scene(tmp_path):
+    rows = sloped(4, 6)
+    np.save(tmp_path / "bed.npy", rows)
+    np.savez(tmp_path / "named.npz", x=np.zeros((3, 3)), z=rows)
+    np.savez(tmp_path / "first.npz", axis=np.arange(6.0), heights=rows)
+    for name in ("bed.npy", "named.npz", "first.npz"):
+        ground = build_ground(scene(tmp_path / name, spacing=0.5))
+        assert (ground.spacing, ground.x0, ground.y0) == (0.5, -1.25, -0.75)
+        np.testing.assert_allclose(ground.heights + ground.datum, rows, atol=1e-5)
+
+
+def test_whole_numbers_and_infinities_are_read(tmp_path):
+    np.save(tmp_path / "whole.npy", np.array([[1, 2], [3, 4]], dtype=np.int16))
+    assert build_ground(scene(tmp_path / "whole.npy")).datum == 2.5
+    np.save(tmp_path / "gap.npy", np.array([[1.0, np.inf], [3.0, 4.0]]))
+    assert np.isnan(build_ground(scene(tmp_path / "gap.npy")).heights[0, 1])
+
+
+def test_file_written_anew_is_read_anew(tmp_path):
+    path = tmp_path / "bed.npy"
+    np.save(path, np.full((2, 2), -10.0))
+    assert build_ground(scene(path)).datum == -10.0
+    np.save(path, np.full((2, 2), -12.0))
+    os.utime(path, ns=(1, 1))
+    assert build_ground(scene(path)).datum == -12.0
+
+
+@pytest.mark.parametrize(("name", "shape"), [("jacksboro", (344, 403)), ("topobathy", (91, 120))])
+def test_samples_have_north_at_the_end(name, shape):
+    grid = read_grid(f"sample:{name}")
+    assert grid.heights.shape == shape
+    assert grid.spacing is None
+    # In the south-west lie the mountains of the one and the ocean of the other.
+    low, high = np.nanpercentile(grid.heights, [20, 80])
+    corner = grid.heights[: shape[0] // 3, : shape[1] // 3].mean()
+    assert corner > np.median(grid.heights) if name == "jacksboro" else corner < high
+    assert low < high
+
+
+def test_measured_relief_is_about_its_mean_and_takes_no_shape(tmp_path):
+    np.save(tmp_path / "bed.npy", sloped(4, 6))
+    seabed = scene(tmp_path / "bed.npy").seabed
+    assert abs(relief(seabed).mean()) < 1e-12
+    with pytest.raises(SceneError, match="own grid; leave it out"):
+        relief(seabed, (8, 8))
+
+
+def bad_files(folder):
+    """Files with one mistake each, and what is to be said of it."""
+    (folder / "text.tif").write_text("not a raster")
+    (folder / "text.bag").write_text("not a raster")
+    (folder / "text.npy").write_text("not an array")
+    (folder / "text.npz").write_text("not an archive")
+    (folder / "empty.npy").write_bytes(b"")
+    (folder / "bed.xyz").write_text("1 2 3")
+    np.save(folder / "line.npy", np.zeros(5))
+    np.save(folder / "words.npy", np.array([["a", "b"], ["c", "d"]]))
+    np.save(folder / "object.npy", np.array([[None, 1], [2, 3]], dtype=object), allow_pickle=True)
+    np.save(folder / "thin.npy", np.zeros((1, 5)))
+    np.save(folder / "nothing.npy", np.full((3, 3), np.nan))
+    np.savez(folder / "lines.npz", a=np.zeros(3), b=np.zeros(4))
+    write_tiff(folder / "nodata.tif", np.full((3, 3), -9999.0), **UTM)
+    write_tiff(folder / "degrees.tif", sloped(3, 3), pixel=(1e-4, 1e-4), corner=(10.0, 50.0), crs="EPSG:4326")
+    write_tiff(folder / "feet.tif", sloped(3, 3), crs="EPSG:2263")
+    return {
+        "absent.tif": "does not exist; give",
+        "text.tif": "cannot be read .*; give a valid",
+        "text.bag": "cannot be read .*; give a valid",
+        "text.npy": "cannot be read .*; save it",
+        "text.npz": "cannot be read .*; save it",
+        "empty.npy": "cannot be read .*; save it",
+        "bed.xyz": "is not a format known here; give a file that ends in one of",
+        "line.npy": "has 1 dimensions; save",
+        "words.npy": "holds <U1 values; save",
+        "object.npy": "cannot be read .*; save",
+        "thin.npy": "is only 5 by 1 heights; give at least 2 by 2",
+        "nothing.npy": "holds no valid height; check",
+        "lines.npz": "holds no 2-D array; save",
+        "nodata.tif": "holds no valid height; check",
+        "degrees.tif": "is in degrees; project it",
+        "feet.tif": "is in .*foot; project it",
+    }
+
+
+def test_every_bad_file_is_told_in_one_sentence(tmp_path):
+    for name, expected in bad_files(tmp_path).items():
+        with pytest.raises(SceneError, match=rf"^seabed\.relief\.path: '.*{name}' {expected}") as caught:
+            build_ground(scene(tmp_path / name))
+        assert "\n" not in str(caught.value)
+
+
+def test_unknown_sample_is_told(tmp_path):
+    with pytest.raises(SceneError, match="choose sample:jacksboro or sample:topobathy"):
+        build_ground(scene("sample:matterhorn"))
+
+
+@pytest.mark.skipif(not REAL.is_dir(), reason="real grids are not at hand")
+def test_real_bag_has_negative_elevations_and_gaps():
+    ground = build_ground(scene(REAL / "bdb_01.bag"))
+    assert (ground.spacing, ground.heights.shape) == (4.0, (12, 16))
+    assert np.isnan(ground.heights).mean() == pytest.approx(0.526, abs=1e-3)
+    assert -4.52 < ground.datum < -2.80
+
+
+@pytest.mark.skipif(not REAL.is_dir(), reason="real grids are not at hand")
+def test_real_bag_of_varying_resolution_is_read_at_its_finest():
+    grid = read_grid(str(REAL / "hyo2qc_tiny_vr.bag"))
+    assert grid.spacing == (0.5, 0.5)
+    assert grid.heights.shape == (128, 128)
+    assert np.nanmin(grid.heights) == pytest.approx(-13.727, abs=1e-3)

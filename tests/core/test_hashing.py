@@ -1,0 +1,65 @@
+"""Hashed random numbers."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from insonify.kernels.hashing import hash_integers, hash_uniform, splitmix64, unit_interval, wave_noise
+from insonify.terrain.spectra import Shape
+
+
+def test_splitmix64_gives_the_published_sequence():
+    # First outputs of Vigna's reference implementation from state 1234567; the state moves by the golden gamma.
+    state, gamma, outputs = 1234567, 0x9E3779B97F4A7C15, []
+    for _ in range(5):
+        outputs.append(int(splitmix64(np.uint64(state))))
+        state = (state + gamma) % 2**64
+    assert outputs == [
+        6457827717110365317,
+        3203168211198807973,
+        9817491932198370423,
+        4593380528125082431,
+        16408922859458223821,
+    ]
+
+
+def test_uniform_numbers_stay_inside_the_open_interval():
+    assert unit_interval(np.uint64(0)) > 0.0
+    assert unit_interval(np.uint64(2**64 - 1)) < 1.0
+
+
+def test_uniform_numbers_are_uniform_and_independent_of_their_neighbours():
+    numbers = np.array([[hash_uniform(1, 2, a, b, 0) for a in range(-70, 70)] for b in range(-70, 70)])
+    assert stats.kstest(numbers.ravel(), "uniform").pvalue > 0.01
+    for shifted in (numbers[1:, :] * numbers[:-1, :], numbers[:, 1:] * numbers[:, :-1]):
+        assert shifted.mean() == pytest.approx(0.25, abs=0.01)
+
+
+def test_every_integer_counts_and_so_does_its_place():
+    keys = [
+        (1, 2, 3, 4, 5),
+        (2, 1, 3, 4, 5),
+        (1, 2, 4, 3, 5),
+        (1, 2, 3, 5, 4),
+        (-1, 2, 3, 4, 5),
+        (2**63 - 1, 2, 3, 4, 5),
+    ]
+    assert len({int(hash_integers(*key)) for key in keys}) == len(keys)
+
+
+@pytest.mark.parametrize("shape", [(16, 16), (15, 17), (1, 8), (8, 1)])
+def test_noise_of_unit_modulus_is_zero_only_at_the_mean_and_nyquist(shape: Shape):
+    noise = wave_noise(1, 1, *shape, False)
+    present = np.ones(noise.shape, dtype=bool)
+    present[0, 0] = False
+    if shape[0] % 2 == 0:
+        present[shape[0] // 2] = False
+    if shape[1] % 2 == 0:
+        present[:, shape[1] // 2] = False
+    np.testing.assert_allclose(np.abs(noise), present, atol=1e-15)
+
+
+def test_gaussian_noise_has_unit_power_and_exponential_intensity():
+    noise = wave_noise(1, 1, 128, 128, True)[1:64, 1:64].ravel()
+    assert stats.kstest(np.abs(noise) ** 2, "expon").pvalue > 0.01
+    assert stats.kstest(np.angle(noise) / np.pi, "uniform", (-1, 2)).pvalue > 0.01

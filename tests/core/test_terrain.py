@@ -1,0 +1,165 @@
+"""Grounds: where they lie, what they share, what they are made of."""
+
+import numpy as np
+import pytest
+
+from insonify.scene import SceneError, build, load_scene
+from insonify.scene.materials import MATERIALS, FractalMap, Material, Patches
+from insonify.scene.seabed import Seabed
+from insonify.terrain import build_ground, relief, relief_picture
+from insonify.terrain.materials import Lattice, material_indices
+
+FRACTAL = {"kind": "fractal", "beta": 1.4, "period": 12.8, "rms": 0.05}
+THREE = (Material(name="silt"), Material(name="medium_sand"), Material(name="rock"))
+
+
+def scene(**seabed):
+    return build({"seabed": {"depth": 30.0, "spacing": 0.1, "relief": FRACTAL} | seabed})
+
+
+def test_made_ground_is_periodic_from_the_local_origin():
+    ground = build_ground(scene())
+    assert ground.heights.shape == (128, 128)
+    assert ground.heights.dtype == np.float32
+    assert ground.materials.shape == (128, 128)
+    assert ground.materials.dtype == np.uint8
+    assert (ground.x0, ground.y0, ground.spacing, ground.periodic) == (0.0, 0.0, 0.1, True)
+    assert ground.datum == -30.0
+    assert ground.heights.std() == pytest.approx(0.05, rel=1e-6)
+
+
+def test_period_is_kept_when_it_is_no_whole_number_of_cells():
+    ground = build_ground(scene(relief=FRACTAL | {"period": 10.04}))
+    assert ground.heights.shape == (100, 100)
+    assert ground.spacing * 100 == pytest.approx(10.04, rel=1e-12)
+
+
+def test_ground_depends_on_the_seed_and_not_on_the_track():
+    base = scene()
+    other = build({"seabed": base.seabed.model_dump(), "track": {"start": [500.0, -40.0], "heading": 30.0}})
+    np.testing.assert_array_equal(build_ground(base).heights, build_ground(other).heights)
+    reseeded = build({"seed": 2, "seabed": base.seabed.model_dump()})
+    assert np.abs(build_ground(base).heights - build_ground(reseeded).heights).max() > 0.05
+
+
+def test_heights_are_kept_while_depth_and_material_change():
+    first, second = build_ground(scene()), build_ground(scene(depth=40.0, material="rock"))
+    assert second.heights is first.heights
+    assert second.datum == -40.0
+    assert second.names == ("rock",)
+    assert second.reflectivities == (MATERIALS["rock"],)
+
+
+def test_map_is_kept_while_the_numbers_of_its_materials_change():
+    patches = {"kind": "patches", "of": ["silt", "rock"], "size": 3.0}
+    brighter = patches | {"of": ["silt", {"name": "rock", "diffuse": 0.3}]}
+    first, second = build_ground(scene(material=patches)), build_ground(scene(material=brighter))
+    assert second.materials is first.materials
+    assert second.reflectivities[1].diffuse == 0.3
+
+
+def test_level_bed_is_small_unless_a_map_needs_room():
+    level = build_ground(scene(relief="flat"))
+    assert level.periodic
+    assert level.heights.size <= 64
+    assert not level.heights.any()
+    mapped = build_ground(scene(relief="flat", material={"kind": "patches", "of": ["silt", "rock"]}))
+    assert mapped.heights.shape == (1024, 1024)
+    assert mapped.spacing * 1024 == pytest.approx(102.4)
+
+
+def test_period_that_holds_no_wave_is_refused():
+    with pytest.raises(SceneError, match=r"^seabed\.relief\.period: 0\.2 m spans 2 cells .*; lengthen it"):
+        build_ground(scene(relief=FRACTAL | {"period": 0.2}))
+
+
+def test_relief_is_the_ground_in_double_precision():
+    base = scene()
+    heights = relief(base.seabed, seed=base.seed)
+    assert heights.dtype == np.float64
+    np.testing.assert_array_equal(heights.astype(np.float32), build_ground(base).heights)
+
+
+def test_relief_samples_one_period_on_any_shape():
+    seabed = scene().seabed
+    full = relief(seabed, (128, 128))
+    assert relief(seabed, (32, 200)).shape == (32, 200)
+    spectrum = np.fft.rfft2(relief(seabed, (64, 256)), norm="forward")
+    np.testing.assert_allclose(spectrum[:31, :60], np.fft.rfft2(full, norm="forward")[:31, :60], atol=1e-15)
+    assert not relief(Seabed(), (3, 5)).any()
+    assert relief(Seabed(), (3, 5)).shape == (3, 5)
+
+
+def test_picture_has_north_at_the_top_and_the_whole_range_of_grey():
+    base = scene()
+    picture = relief_picture(base)
+    heights = build_ground(base).heights
+    assert picture.dtype == np.uint8
+    assert (picture.min(), picture.max()) == (0, 255)
+    row, column = np.unravel_index(np.argmax(heights), heights.shape)
+    assert picture[127 - row, column] == 255
+    assert not relief_picture(scene(relief="flat")).any()
+
+
+@pytest.mark.parametrize("material", [Patches(of=THREE, size=3.0), FractalMap(of=THREE)])
+def test_map_repeats_with_its_bed_and_shares_the_area(material):
+    lattice = Lattice((512, 512), 0.1)
+    indices = material_indices(material, lattice, 1)
+    assert indices.dtype == np.uint8
+    share = np.bincount(indices.ravel(), minlength=3) / indices.size
+    np.testing.assert_allclose(share, 1 / 3, atol=1e-3 if material.kind == "fractal" else 0.12)
+    # No seam: borders cross the edge of the period no more often than any other line.
+    changes = (indices != np.roll(indices, 1, axis=1)).mean(axis=0)
+    assert changes[0] <= changes[1:].max()
+    assert changes[0] < 0.5
+
+
+def test_patches_do_not_depend_on_the_grid():
+    patches = Patches(of=THREE, size=3.0)
+    coarse = material_indices(patches, Lattice((100, 100), 0.3), 1)
+    fine = material_indices(patches, Lattice((300, 300), 0.1), 1)
+    # The centre of a coarse cell is that of the middle one of nine fine cells.
+    np.testing.assert_array_equal(fine[1::3, 1::3], coarse)
+
+
+def test_patches_of_a_measured_bed_belong_to_places():
+    patches = Patches(of=THREE, size=3.0)
+    whole = material_indices(patches, Lattice((80, 80), 0.5, -20.0, -20.0, periodic=False), 1)
+    part = material_indices(patches, Lattice((20, 30), 0.5, -10.0, 5.0, periodic=False), 1)
+    np.testing.assert_array_equal(whole[50:70, 20:50], part)
+
+
+def test_patches_agree_with_the_slow_search():
+    from insonify.kernels.hashing import hash_integers, hash_uniform
+    from insonify.kernels.patches import ACROSS, ALONG, KIND, nearest_patch
+
+    rng = np.random.default_rng(0)
+    squares = [(i % 5, j % 5, i, j) for i in range(-4, 10) for j in range(-4, 10)]
+    points = np.array(
+        [(i + hash_uniform(9, 3, a, b, ACROSS), j + hash_uniform(9, 3, a, b, ALONG)) for a, b, i, j in squares]
+    )
+    for u, v in rng.uniform(0.0, 5.0, (300, 2)):
+        a, b, _, _ = squares[np.argmin(np.hypot(points[:, 0] - u, points[:, 1] - v))]
+        assert nearest_patch(9, 3, u, v, 5) == hash_integers(9, 3, a, b, KIND)
+
+
+def test_fractal_map_keeps_its_places_on_a_finer_grid():
+    bands = FractalMap(of=THREE, beta=2.5)
+    coarse = material_indices(bands, Lattice((128, 128), 0.4), 1)
+    fine = material_indices(bands, Lattice((256, 256), 0.2), 1)
+    assert (fine[::2, ::2] == coarse).mean() > 0.97
+
+
+@pytest.mark.parametrize("name", ["default", "figure-6", "real-bed"])
+def test_bundled_scene_has_a_bed_under_its_whole_track(name):
+    bundled = load_scene(name)
+    ground = build_ground(bundled)
+    track = bundled.track
+    along = np.linspace(0.0, track.speed * (track.pings - 1) / bundled.sonar.ping_rate, 200)
+    heading = np.radians(track.heading)
+    across = bundled.sonar.range * np.array([-1.0, 0.0, 1.0])[:, np.newaxis]
+    x = track.start[0] + along * np.cos(heading) - across * np.sin(heading)
+    y = track.start[1] + along * np.sin(heading) + across * np.cos(heading)
+    heights = ground.height_at(x.ravel(), y.ravel()).reshape(x.shape)
+    assert np.isfinite(heights).all()
+    assert bundled.altitude > heights[1].max() + 1.0
