@@ -1,0 +1,265 @@
+"""Slow, obvious twins of the kernels: plain Python and NumPy, dense sampling instead of geometry."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from insonify.kernels.types import BED, LIGHT, PORT, SPHERE, Bed, Problem, Solids
+
+NOTHING = -2
+
+
+def height(bed: Bed, x: float, y: float) -> float:
+    """Bilinear height above the datum, NaN where there is no bed."""
+    ny, nx = bed.heights.shape
+    u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
+    i, j = math.floor(u), math.floor(v)
+    if bed.periodic:
+        i1, j1, i, j, fu, fv = (i + 1) % nx, (j + 1) % ny, i % nx, j % ny, u - i, v - j
+    else:
+        if not (0 <= u <= nx - 1 and 0 <= v <= ny - 1):
+            return math.nan
+        i, j = min(i, nx - 2), min(j, ny - 2)
+        i1, j1, fu, fv = i + 1, j + 1, u - i, v - j
+    z = bed.heights.astype(np.float64)
+    near = z[j, i] * (1 - fu) + z[j, i1] * fu
+    far = z[j1, i] * (1 - fu) + z[j1, i1] * fu
+    return float(near * (1 - fv) + far * fv)
+
+
+def heights(bed: Bed, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Bilinear heights at many places."""
+    ny, nx = bed.heights.shape
+    u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
+    i, j = np.floor(u).astype(int), np.floor(v).astype(int)
+    inside = np.ones(u.shape, dtype=bool)
+    if not bed.periodic:
+        inside = (u >= 0) & (u <= nx - 1) & (v >= 0) & (v <= ny - 1)
+        i, j = np.clip(i, 0, nx - 2), np.clip(j, 0, ny - 2)
+    fu, fv = u - i, v - j
+    z = bed.heights.astype(np.float64)
+    near = z[j % ny, i % nx] * (1 - fu) + z[j % ny, (i + 1) % nx] * fu
+    far = z[(j + 1) % ny, i % nx] * (1 - fu) + z[(j + 1) % ny, (i + 1) % nx] * fu
+    return np.where(inside, near * (1 - fv) + far * fv, np.nan)
+
+
+def gradients(bed: Bed, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gradient of the bed, by differences well inside a cell."""
+    h = 1e-5 * bed.spacing
+    return (
+        (heights(bed, x + h, y) - heights(bed, x - h, y)) / (2 * h),
+        (heights(bed, x, y + h) - heights(bed, x, y - h)) / (2 * h),
+    )
+
+
+def body_depth(solids: Solids, k: int, point: np.ndarray) -> np.ndarray:
+    """Distance from a body's surface, negative inside; points are (..., 3)."""
+    offset = point - solids.start[k]
+    if solids.shape[k] == SPHERE:
+        return np.linalg.norm(offset, axis=-1) - solids.radius[k]
+    along = offset @ solids.axis[k]
+    across = np.linalg.norm(offset - along[..., None] * solids.axis[k], axis=-1) - solids.radius[k]
+    return np.maximum(across, np.maximum(-along, along - solids.length[k]))
+
+
+def cast(problem: Problem, origin: Sequence[float], direction: Sequence[float], step: float) -> tuple[float, int]:
+    """Find the first hit of one ray by tiny steps and bisection: (distance, target, BED or NOTHING)."""
+    o, d = np.asarray(origin, dtype=float), np.asarray(direction, dtype=float)
+    d = d / np.linalg.norm(d)
+    reach = problem.bins * problem.bin_length
+
+    def below(t: float) -> int:
+        x, y, z = o + t * d
+        if z <= height(problem.bed, x, y):
+            return BED
+        for k in range(problem.solids.shape.size):
+            if body_depth(problem.solids, k, o + t * d) <= 0:
+                return int(problem.solids.target[k])
+        return NOTHING
+
+    t = np.arange(0.0, reach + step, step)
+    points = o + t[:, None] * d
+    inside = points[:, 2] <= heights(problem.bed, points[:, 0], points[:, 1])
+    for k in range(problem.solids.shape.size):
+        inside |= body_depth(problem.solids, k, points) <= 0
+    if not inside.any():
+        return math.inf, NOTHING
+    first = int(np.argmax(inside))
+    if first == 0:
+        return math.inf, NOTHING
+    near, far = t[first - 1], t[first]
+    while far - near > 1e-13 * max(1.0, far):
+        middle = 0.5 * (near + far)
+        if middle in (near, far):
+            break
+        near, far = (near, middle) if below(middle) != NOTHING else (middle, far)
+    return (float(far), below(far)) if far <= reach else (math.inf, NOTHING)
+
+
+def strength(law: int, cos_incidence: np.ndarray, diffuse: float, specular: float, shininess: float) -> np.ndarray:
+    """Radiance or backscattering cross-section, written out."""
+    c = np.maximum(cos_incidence, 0.0)
+    lobe = np.where(c > 0, np.maximum(2 * c**2 - 1, 0.0) ** shininess, 0.0)
+    if law == LIGHT:
+        return diffuse * c + specular * lobe
+    return c**2 * (diffuse / np.pi + specular * (shininess + 2) / (2 * np.pi) * lobe)
+
+
+def plane_samples(
+    problem: Problem, pose: tuple[float, float, float], ex: float, ey: float, samples_per_cell: int
+) -> dict[str, np.ndarray]:
+    """Everything heard in one vertical half-plane: short pieces of bed and bodies.
+
+    Returns columns: ground range x, slant range r, length on the plane seen along the ray (r dθ), cosine of the
+    incidence, change of slant range over the piece, material.
+    """
+    px, py, pz = pose
+    reach = problem.bins * problem.bin_length
+    n = math.ceil(reach / problem.bed.spacing * samples_per_cell)
+    edges = np.arange(n + 1) * (reach / n)
+    # Heights above the sonar of the pieces' ends and middles.
+    z = heights(problem.bed, px + edges * ex, py + edges * ey) - pz
+    x = 0.5 * (edges[1:] + edges[:-1])
+    gx, gy = gradients(problem.bed, px + x * ex, py + x * ey)
+    area = np.sqrt(1 + gx**2 + gy**2)
+    dx, dz = np.diff(edges), np.diff(z)
+    zm = 0.5 * (z[1:] + z[:-1])
+    r = np.hypot(x, zm)
+    cos_incidence = ((gx * ex + gy * ey) * x - zm) / (r * area)
+    slope = np.where(np.isnan(zm), -np.inf, zm / x)
+    horizon = np.maximum.accumulate(np.concatenate([[-np.inf], slope[:-1]]))
+    heard = np.isfinite(zm) & (slope > horizon)
+    hits = _bodies_in_plane(problem, pose, ex, ey)
+    angle = np.arctan2(zm, x)
+    if hits is not None:
+        blocked = np.interp(angle, hits["angle"], hits["r"], left=np.inf, right=np.inf)
+        heard &= ~(blocked < r)
+    columns = {
+        "x": x, "r": r, "seen": np.abs(x * dz - zm * dx) / r, "cos": cos_incidence,
+        "dr": np.abs(np.hypot(edges[1:], z[1:]) - np.hypot(edges[:-1], z[:-1])),
+        "material": _materials(problem.bed, px + x * ex, py + x * ey),
+    }  # fmt: skip
+    out = {name: column[heard] for name, column in columns.items()}
+    if hits is None:
+        return out
+    # A body is heard where the bed's horizon up to there is lower.
+    before = np.clip(np.searchsorted(x, hits["x"]) - 1, -1, None)
+    running = np.maximum.accumulate(slope)
+    ridge = np.where(before < 0, -np.inf, running[before])
+    clear = np.isfinite(hits["r"]) & (np.tan(hits["angle"]) > ridge)
+    return {name: np.concatenate([out[name], hits[name][clear]]) for name in out}
+
+
+def _materials(bed: Bed, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    ny, nx = bed.heights.shape
+    i, j = np.floor((x - bed.x0) / bed.spacing).astype(int), np.floor((y - bed.y0) / bed.spacing).astype(int)
+    return bed.materials[j % ny, i % nx].astype(int)
+
+
+def _bodies_in_plane(
+    problem: Problem, pose: tuple[float, float, float], ex: float, ey: float, angles: int = 20001
+) -> dict[str, np.ndarray] | None:
+    """Nearest body along a fine fan of launch angles, from the equations of sphere and cylinder."""
+    solids = problem.solids
+    if solids.shape.size == 0:
+        return None
+    angle = np.linspace(-np.pi / 2, np.pi / 2, angles)
+    direction = np.column_stack([np.cos(angle) * ex, np.cos(angle) * ey, np.sin(angle)])
+    # Concentrate the fan on what there is to see.
+    coarse = np.min([_meet(solids, k, pose, direction)[0] for k in range(solids.shape.size)], axis=0)
+    seen = np.flatnonzero(np.isfinite(coarse))
+    if seen.size == 0:
+        return None
+    angle = np.linspace(angle[max(seen[0] - 1, 0)], angle[min(seen[-1] + 1, angles - 1)], angles)
+    direction = np.column_stack([np.cos(angle) * ex, np.cos(angle) * ey, np.sin(angle)])
+    every = [_meet(solids, k, pose, direction) for k in range(solids.shape.size)]
+    nearest = np.argmin([hit[0] for hit in every], axis=0)
+    pick = np.arange(angles)
+    r = np.array([hit[0] for hit in every])[nearest, pick]
+    cos_incidence = np.array([hit[1] for hit in every])[nearest, pick]
+    step = angle[1] - angle[0]
+    with np.errstate(invalid="ignore"):
+        seen_length, dr = r * step, np.abs(np.gradient(np.where(np.isfinite(r), r, np.nan)))
+    dr = np.where(np.isnan(dr), 0.0, dr)
+    return {
+        "angle": angle, "x": np.where(np.isfinite(r), r, 0.0) * np.cos(angle), "r": r, "seen": seen_length,
+        "cos": cos_incidence, "dr": dr, "material": solids.material[nearest],
+    }  # fmt: skip
+
+
+def _meet(solids: Solids, k: int, origin: tuple[float, float, float], d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distances and cosines of incidence of rays d (n, 3) from one origin to body k, infinite where missed."""
+    o = np.asarray(origin) - solids.start[k]
+    axis, radius = solids.axis[k], solids.radius[k]
+    op, dp = o - (o @ axis) * axis, d - (d @ axis)[:, None] * axis
+    with np.errstate(invalid="ignore", divide="ignore"):
+        a, b, c = (dp**2).sum(1), dp @ op, op @ op - radius**2
+        t = (-b - np.sqrt(b * b - a * c)) / a
+        point = o + t[:, None] * d
+        normal = (point - (point @ axis)[:, None] * axis) / radius
+        on_side = (t > 0) & ((solids.shape[k] == SPHERE) | ((point @ axis >= 0) & (point @ axis <= solids.length[k])))
+        best, cosine = np.where(on_side, t, np.inf), np.where(on_side, -(normal * d).sum(1), 0.0)
+        if solids.shape[k] != SPHERE:
+            for end, side in ((0.0, -1.0), (solids.length[k], 1.0)):
+                t = (end - o @ axis) / (d @ axis)
+                across = np.linalg.norm(op + t[:, None] * dp, axis=1)
+                hit = (t > 0) & (across <= radius) & (t < best)
+                best, cosine = np.where(hit, t, best), np.where(hit, -side * (d @ axis), cosine)
+    return best, cosine
+
+
+def naive_ping(
+    problem: Problem,
+    pose_x: float,
+    pose_y: float,
+    pose_z: float,
+    heading: float,
+    *,
+    samples_per_cell: int = 200,
+    azimuths: Sequence[float] = (0.0,),
+) -> np.ndarray:
+    """One ping by brute force, (2, bins).
+
+    ``azimuths`` are the middles of equal wedges about athwart (radians, positive towards the bow). A knife is the one
+    at 0; for a fan give many, spread evenly over (-π/2, π/2): what is outside the cone |cos θ sin φ| <= sin(w/2)
+    counts nothing, so that they need to be fine against the beam.
+    """
+    out = np.zeros((2, problem.bins))
+    fan = problem.half_width > 0.0
+    wedge = math.pi / len(azimuths) if len(azimuths) < 2 else azimuths[1] - azimuths[0]
+    for side in (0, 1):
+        for azimuth in azimuths:
+            turned = heading + (math.pi / 2 - azimuth if side == PORT else azimuth - math.pi / 2)
+            ex, ey = (0.0 if abs(c) < 1e-12 else c for c in (math.cos(turned), math.sin(turned)))
+            s = plane_samples(problem, (pose_x, pose_y, pose_z), ex, ey, samples_per_cell)
+            share = _share_of_beam(problem, s, azimuth, wedge) if fan else np.ones_like(s["x"])
+            out[side] += _deposit(problem, s, share, wedge if fan else 0.0)
+    return out * problem.range_factor
+
+
+def _share_of_beam(problem: Problem, s: dict[str, np.ndarray], azimuth: float, wedge: float) -> np.ndarray:
+    """How much of a wedge of azimuths is inside the cone, sample by sample."""
+    widest = np.arcsin(np.minimum(math.sin(problem.half_width) * s["r"] / np.maximum(s["x"], 1e-300), 1.0))
+    low, high = abs(azimuth) - wedge / 2, abs(azimuth) + wedge / 2
+    return np.clip((widest - low) / (high - low), 0.0, 1.0)
+
+
+def _deposit(problem: Problem, s: dict[str, np.ndarray], share: np.ndarray, wedge: float) -> np.ndarray:
+    """Sum samples into bins."""
+    value = np.zeros_like(s["x"])
+    for m, numbers in enumerate(problem.reflectivity):
+        value = np.where(s["material"] == m, strength(problem.law, s["cos"], *numbers), value)
+    if problem.law == LIGHT:
+        energy = value * s["dr"] / problem.bin_length
+        if wedge:
+            s_beam = math.sin(problem.half_width)
+            energy *= wedge / (2 * np.arcsin(np.minimum(s_beam * s["r"] / np.maximum(s["x"], 1e-300), 1.0)))
+    else:
+        width = s["x"] * wedge if wedge else 1.0
+        energy = value * s["seen"] * width / np.maximum(s["cos"], 1e-9)
+    k = np.floor(s["r"] / problem.bin_length).astype(int)
+    ok = (k < problem.bins) & (s["cos"] > 0)
+    return np.bincount(k[ok], weights=(energy * share)[ok], minlength=problem.bins)
