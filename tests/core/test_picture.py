@@ -1,0 +1,215 @@
+"""What a picture must be: mirrored about nadir, newest on top, dark where silent, straight in ground range."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+from insonify.look import Look
+from insonify.page import decibel_ticks, summary, write_page
+from insonify.picture import (
+    PALETTES,
+    binned,
+    colours,
+    column_edges,
+    contrast,
+    held_curve,
+    mirrored,
+    normalise,
+    palette,
+    tones,
+)
+from insonify.scene import SceneError, edit, load_scene
+from insonify.sheet import gather, stretched
+
+BINS = 200
+REACH = 50.0
+ALTITUDE = 10.0
+
+
+def record(intensity: np.ndarray, altitude: float = ALTITUDE) -> xr.Dataset:
+    pings, bins = intensity.shape[1:]
+    return xr.Dataset(
+        {
+            "intensity": (("channel", "ping_time", "range_sample"), intensity.astype(np.float32)),
+            "platform_x": ("ping_time", 0.2 * np.arange(pings)),
+            "platform_y": ("ping_time", np.zeros(pings)),
+            "platform_altitude": ("ping_time", np.full(pings, altitude)),
+        },
+        coords={"slant_range": ("range_sample", (np.arange(bins) + 0.5) * REACH / bins)},
+    )
+
+
+def luminance(table: np.ndarray) -> np.ndarray:
+    return table.astype(float) @ np.array([0.2126, 0.7152, 0.0722])
+
+
+@pytest.mark.parametrize("name", PALETTES)
+def test_palettes_run_one_way_in_lightness(name):
+    steps = np.diff(luminance(palette(name)))
+    assert palette(name).shape == (256, 3)
+    assert (steps < 0.5).all() if name == "pen" else (steps > -0.5).all()
+
+
+def test_pen_marks_strong_echoes_dark():
+    ends = luminance(palette("pen"))[[0, -1]]
+    assert ends[0] > 220
+    assert ends[1] < 40
+
+
+def test_unknown_palette_names_the_known():
+    with pytest.raises(SceneError, match="'jet' is not known; choose one of copper, pen"):
+        palette("jet")
+
+
+def test_a_flat_bed_is_even_at_the_square_root_of_its_albedo():
+    curve = np.geomspace(1e-2, 1e-9, BINS)
+    np.testing.assert_allclose(normalise((0.25 * curve).astype(np.float32), curve), 0.5, rtol=1e-6)
+
+
+def test_the_curve_is_held_before_the_first_return():
+    assert held_curve(np.array([0.0, 0.0, 1.0, 3.0, 2.0])).tolist() == [3.0, 3.0, 3.0, 3.0, 2.0]
+    assert held_curve(np.zeros(3)).tolist() == [1.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize("shape", [(0,), (0, 5), (3, 4)])
+def test_a_picture_without_echoes_is_dark(shape):
+    silent = np.zeros(shape, dtype=np.float32)
+    assert contrast(silent) == (0.0, 1.0)
+    assert (tones(silent, contrast(silent)) == 0).all()
+
+
+def test_a_constant_bed_lies_in_the_middle_and_apart_from_its_shadow():
+    bed = np.full((10, 10), 0.3, dtype=np.float32)
+    bed[5, 5] = 0.0
+    shown = tones(bed, contrast(bed))
+    assert shown[5, 5] == 0
+    assert 80 < shown[0, 0] < 200
+
+
+def test_gain_brightens_by_decibels():
+    amplitude = np.array([0.25], dtype=np.float32)
+    assert tones(amplitude, (0.0, 1.0), gain=20 * np.log10(2)) == tones(2 * amplitude, (0.0, 1.0))
+    assert tones(amplitude, (0.0, 1.0), gain=60.0) == 255
+
+
+def test_not_a_number_is_silence():
+    assert tones(np.array([np.nan], dtype=np.float32), (0.0, 1.0)) == 0
+
+
+def test_port_lies_left_starboard_right_newest_on_top():
+    sides = np.zeros((2, 2, 4), dtype=np.float32)
+    sides[0, 0, 1] = 1.0  # oldest ping, port, second bin
+    sides[1, 1, 3] = 2.0  # newest ping, starboard, last bin
+    edges = column_edges(np.full(2, ALTITUDE), 4, 0.1, 4)
+    assert mirrored(sides, edges).tolist() == [[0, 0, 0, 0, 0, 0, 0, 2], [0, 0, 1, 0, 0, 0, 0, 0]]
+    assert mirrored(sides, edges, "port").tolist() == [[0, 0, 0, 0], [0, 1, 0, 0]]
+    assert mirrored(sides, edges, "starboard").tolist() == [[0, 0, 0, 2], [0, 0, 0, 0]]
+
+
+def test_swapped_channels_mirror_the_picture():
+    sides = np.random.default_rng(1).random((5, 2, BINS), dtype=np.float32)
+    edges = column_edges(np.full(5, ALTITUDE), BINS, REACH / BINS, 60)
+    np.testing.assert_array_equal(mirrored(sides[:, ::-1], edges), mirrored(sides, edges)[:, ::-1])
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(1, 40), st.integers(1, 90))
+def test_columns_keep_the_mean(bins, columns):
+    rows = np.random.default_rng(bins).random((2, bins), dtype=np.float32)
+    shown = binned(rows, np.broadcast_to(np.linspace(0, bins, columns + 1), (2, columns + 1)))
+    np.testing.assert_allclose(shown.mean(axis=1), rows.mean(axis=1), rtol=1e-5)
+    assert shown.max() <= rows.max() * (1 + 1e-6)
+
+
+def test_no_narrow_echo_is_dropped():
+    rows = np.zeros((1, 1000), dtype=np.float32)
+    rows[0, 517] = 10.0
+    assert binned(rows, np.linspace(0, 1000, 101)[None]).max() == pytest.approx(1.0)
+
+
+def test_ground_range_puts_an_echo_where_the_bed_is():
+    sides = np.zeros((3, 2, 5000), dtype=np.float32)
+    altitudes = np.array([8.0, 10.0, 12.0])
+    for ping, altitude in enumerate(altitudes):
+        sides[ping, 1, int(np.hypot(30.05, altitude) / 0.01)] = 1.0
+    edges = column_edges(altitudes, 5000, 0.01, 480, ground_reach=48.0)
+    assert mirrored(sides, edges, "starboard").argmax(axis=1).tolist() == [300, 300, 300]
+
+
+def test_rows_stretch_and_average():
+    rows = np.array([[1.0], [3.0]], dtype=np.float32)
+    assert stretched(rows, 4).ravel().tolist() == [1, 1, 3, 3]
+    assert stretched(rows, 1).ravel().tolist() == [2]
+
+
+def test_a_sheet_does_not_depend_on_the_blocks():
+    whole = record(np.random.default_rng(2).random((2, 50, BINS)))
+    curve = np.linspace(2.0, 1.0, BINS)
+    at_once = gather([whole], curve, 50, Look())
+    parts = [whole.isel(ping_time=slice(a, b)) for a, b in ((0, 7), (7, 8), (8, 50))]
+    in_parts = gather(parts, curve, 50, Look())
+    np.testing.assert_array_equal(at_once.amplitude, in_parts.amplitude)
+    assert at_once.along == pytest.approx(10.0)
+    assert in_parts.along == pytest.approx(10.0)
+    assert at_once.reach == pytest.approx(REACH)
+
+
+def test_a_long_tow_keeps_a_bounded_sheet():
+    block = record(np.ones((2, 1000, 8)))
+    sheet = gather((block for _ in range(9)), np.ones(8), 9000, Look(side="port"))
+    assert sheet.pings == 9000
+    assert sheet.amplitude.shape == (1800, 900)
+    np.testing.assert_allclose(sheet.amplitude, 1.0, rtol=1e-5)
+
+
+def test_ground_range_shows_no_water_column():
+    bins = np.arange(BINS) * REACH / BINS
+    record_ = record(np.broadcast_to((bins >= ALTITUDE).astype(float), (2, 4, BINS)))
+    slant = gather([record_], np.ones(BINS), 4, Look(side="port"))
+    ground = gather([record_], np.ones(BINS), 4, Look(side="port", ground_range=True))
+    assert slant.amplitude[0, 0] == 0.0
+    assert ground.amplitude.min() > 0.9
+    assert ground.reach == pytest.approx(np.sqrt(REACH**2 - ALTITUDE**2))
+
+
+@pytest.mark.parametrize(
+    "look",
+    [Look(), Look(side="starboard", palette="pen", gain=3.0), Look(ground_range=True, palette="viridis")],
+)
+def test_a_page_shows_the_sheet_pixel_for_pixel(tmp_path, look):
+    sheet = gather([record(np.random.default_rng(3).random((2, 30, BINS)))], np.ones(BINS), 30, look)
+    write_page(tmp_path / "page.png", sheet, look, load_scene("default"))
+    with Image.open(tmp_path / "page.png") as picture:
+        pixels = np.asarray(picture.convert("RGB"))
+    rows, columns = sheet.amplitude.shape
+    shown = colours(sheet.amplitude, look.palette, look.gain)
+    at = (92 + 20, 86 + 20)
+    np.testing.assert_array_equal(pixels[at[0] : at[0] + 40, at[1] : at[1] + 300], shown[20:60, 20:320])
+    assert pixels.shape[0] > rows
+    assert pixels.shape[1] > columns
+
+
+@pytest.mark.parametrize("title", ["a $b_c and $ more", "深海 ∑", "x" * 200, ""])
+def test_any_title_can_be_drawn(tmp_path, title):
+    scene = edit(load_scene("default"), {"title": title})
+    sheet = gather([record(np.zeros((2, 1, 3)))], np.ones(3), 1, Look())
+    write_page(tmp_path / "page.png", sheet, Look(), scene)
+    assert (tmp_path / "page.png").stat().st_size > 1000
+
+
+def test_the_summary_names_what_was_set():
+    scene = edit(load_scene("default"), {"sonar.beam": "knife", "sonar.law": "light", "track.altitude": 12})
+    line = summary(scene, Look(gain=6.0))
+    assert "altitude 12 m" in line
+    assert "knife-edge beam" in line
+    assert "law light" in line
+    assert "gain +6 dB" in line
+
+
+def test_decibel_ticks_lie_where_the_bar_has_that_amplitude():
+    for place, text in decibel_ticks((0.1, 2.0), gain=6.0):
+        amplitude = 0.1 + place * 1.9
+        assert 20 * np.log10(amplitude) - 6.0 == pytest.approx(float(text.replace("−", "-")))

@@ -1,0 +1,82 @@
+"""Every mistake gives one sentence with the field, the value and the remedy."""
+
+import pytest
+
+from insonify.scene import SceneError, edit, load_scene, read_setting, scene_from_toml
+
+WRONG = [
+    ({"sonar.range": -5}, ["sonar.range", "-5", "above 0"]),
+    ({"sonar.range": float("nan")}, ["sonar.range", "nan", "finite number"]),
+    ({"sonar.range": "far"}, ["sonar.range", "'far'"]),
+    ({"sonar.bins": 0}, ["sonar.bins", "0", "at least 1"]),
+    ({"sonar.bins": 2.5}, ["sonar.bins", "2.5"]),
+    ({"sonar.ping_rate": 16}, ["sonar.ping_rate", "16", "lower it to 15 Hz", "sonar.range"]),
+    ({"sonar.beam.width": 0}, ["sonar.beam.width", "0", "above 0"]),
+    ({"sonar.beam.kind": "laser"}, ["sonar.beam.kind", "'laser'", "knife, fan"]),
+    ({"sonar.beam": "laser"}, ["sonar.beam.kind", "laser", "knife, fan"]),
+    ({"sonar.law": "radar"}, ["sonar.law", "'radar'", "'sonar' or 'light'"]),
+    ({"sonar.rnage": 50}, ["sonar.rnage", "unknown key", "'range'"]),
+    ({"seabed.depth": -30}, ["seabed.depth", "-30", "above 0"]),
+    ({"seabed.relief.beta": 5}, ["seabed.relief.beta", "5", "below 5"]),
+    ({"seabed.relief.beta": -1}, ["seabed.relief.beta", "-1", "at least 0"]),
+    ({"seabed.relief.beta_x": 1.0}, ["seabed.relief", "beta_x and beta_y"]),
+    ({"seabed.relief.peaks": [[512.0, 0.0]]}, ["relief.peaks", "512", "Nyquist", "spacing"]),
+    ({"seabed.relief.kind": "mountains"}, ["seabed.relief.kind", "'mountains'", "flat, fractal"]),
+    ({"seabed.material": "custard"}, ["seabed.material", "'custard'", "medium_sand"]),
+    ({"seabed.material.diffuse": 0.9, "seabed.material.specular": 0.9}, ["seabed.material", "0.9", "lower one"]),
+    ({"seabed.spacing": 0.001}, ["relief.period", "spacing", "shorten the period"]),
+    ({"targets.0.radius": 0}, ["targets.0.radius", "0", "above 0"]),
+    ({"targets.0.kind": "whale"}, ["targets.0.kind", "'whale'", "pipe, sphere"]),
+    ({"targets.7.radius": 1.0}, ["targets.7.radius", "'7'", "numbered from 0"]),
+    ({"targets.0.gap": [[5.0, 0.0], [1.0, 0.0]]}, ["targets.0.gap", "sort"]),
+    ({"track.altitude": 31}, ["track.altitude", "31", "above the surface"]),
+    ({"track.depth": 5}, ["track", "altitude and depth", "one of the two"]),
+    ({"track.depth": 40, "track.altitude": None}, ["track.depth", "40", "into the bed"]),
+    ({"track.pings": 0}, ["track.pings", "0", "at least 1"]),
+    ({"water.sound_speed": 15}, ["water.sound_speed", "15", "at least 1300"]),
+    ({"water.absorption": "lots"}, ["water.absorption", "lots"]),
+    ({"receiver.speckle": "glitter"}, ["receiver.speckle", "glitter", "rayleigh"]),
+    ({"seed": -1}, ["seed", "-1", "at least 0"]),
+    ({"wind": 3}, ["wind", "unknown key"]),
+]
+
+
+def is_one_sentence(text: str) -> bool:
+    return "\n" not in text and 10 < len(text) < 400
+
+
+@pytest.mark.parametrize(("changes", "words"), WRONG, ids=[str(next(iter(changes))) for changes, _ in WRONG])
+def test_a_wrong_value_is_named(changes, words):
+    with pytest.raises(SceneError) as caught:
+        edit(load_scene("default"), changes)
+    sentence = str(caught.value)
+    assert is_one_sentence(sentence)
+    for word in words:
+        assert word in sentence
+
+
+@pytest.mark.parametrize("text", ["sonar.range", "=5", "", "  = 3"])
+def test_a_setting_without_path_or_value_is_shown_how(text):
+    with pytest.raises(SceneError, match=r"path\.to\.field=value; write for example sonar\.range=75"):
+        read_setting(text)
+
+
+def test_broken_toml_names_the_line():
+    with pytest.raises(SceneError, match=r"is not valid TOML .*line 2"):
+        scene_from_toml("seed = 1\ntitle = \n")
+
+
+def test_a_file_that_is_no_text_is_refused(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(SceneError, match="cannot be read"):
+        load_scene(path)
+    with pytest.raises(SceneError, match="cannot be read"):
+        load_scene(tmp_path)
+
+
+def test_the_file_is_named(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("[sonar]\nrange = -1\n")
+    with pytest.raises(SceneError, match=r"^mine\.toml: sonar\.range: -1"):
+        load_scene(path)
