@@ -66,7 +66,7 @@ def draw(sheet: Sheet, look: Look, scene: Scene) -> Figure:
     near = -sheet.reach if look.side == "both" else 0.0
     axes.imshow(
         colours(sheet.amplitude, look.palette, look.gain, levels),
-        extent=(near, sheet.reach, 0.0, sheet.along),
+        extent=(near, sheet.reach, 0.0, sheet.along or 1.0),  # one ping has no length
         aspect="auto",
         interpolation="nearest",
     )
@@ -115,7 +115,7 @@ def _colour_bar(axes: Any, look: Look, levels: tuple[float, float]) -> None:
     axes.yaxis.set_label_position("right")
     places = decibel_ticks(levels, look.gain)
     axes.set_yticks([place for place, _ in places], [text for _, text in places])
-    axes.set_ylabel("echo relative to a Lambert bed (dB)", fontsize=10, color=INK, labelpad=6)
+    axes.set_ylabel("echo relative to a perfect Lambert bed (dB)", fontsize=10, color=INK, labelpad=6)
 
 
 def decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[float, str]]:

@@ -132,8 +132,8 @@ def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDA
 def contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
     """Choose the amplitudes that become the darkest and the brightest colour.
 
-    Shadows (zeros) do not count. The span covers all but the strongest echoes, and is kept wide enough that a bed
-    without texture stays in the middle of the palette and apart from a shadow.
+    Shadows (zeros) do not count. The span follows the texture of the bed, within limits: a bed without texture stays
+    in the middle of the palette and apart from a shadow, and one strong target does not darken all the rest.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
         return 0.0, 1.0
     weak, middle, strong = (float(p) for p in np.percentile(heard, [2.0, 50.0, 99.7]))
     low = min(weak, 0.6 * middle) - 0.2 * middle
-    return max(low, 0.0), max(strong, 1.5 * middle)
+    return max(low, 0.0), min(max(strong, 1.5 * middle), 2.4 * middle)
 
 
 def tones(amplitude: NDArray[np.float32], levels: tuple[float, float], gain: float = 0.0) -> NDArray[np.uint8]:

@@ -114,8 +114,15 @@ def _reaches(block: xr.Dataset, look: Look) -> tuple[float, float | None]:
     reach = block.sizes["range_sample"] * _bin_length(block)
     if not look.ground_range:
         return reach, None
-    lowest = float(block["platform_altitude"].values.min())
+    lowest = float(_altitude(block).min())
     return reach, math.sqrt(max(reach**2 - lowest**2, 0.0))
+
+
+def _altitude(block: xr.Dataset) -> NDArray[np.float64]:
+    """Height above the bed beneath, in metres; where there is no bed, that of the lowest other ping."""
+    altitude = block["platform_altitude"].values.astype(np.float64)
+    known = altitude[np.isfinite(altitude)]
+    return np.where(np.isfinite(altitude), altitude, known.min() if known.size else 0.0)
 
 
 def _bin_length(block: xr.Dataset) -> float:
@@ -127,7 +134,7 @@ def _columns(
     block: xr.Dataset, curve: NDArray[np.float64], columns: int, ground_reach: float | None, side: str
 ) -> NDArray[np.float32]:
     intensity = block["intensity"].transpose("ping_time", "channel", "range_sample").values
-    altitude = block["platform_altitude"].values.astype(np.float64)
+    altitude = _altitude(block)
     per_side = columns // 2 if side == "both" else columns
     edges = column_edges(altitude, intensity.shape[-1], _bin_length(block), per_side, ground_reach)
     return mirrored(normalise(intensity, curve), edges, side)

@@ -42,13 +42,8 @@ def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
 
 
 def add_method(parser: argparse.ArgumentParser) -> None:
-    """Add how the scene is simulated."""
+    """Add how the scene is simulated, and how well."""
     parser.add_argument("--method", choices=METHODS, default="auto", help="how echoes are found (default: %(default)s)")
-    add_tolerance(parser)
-
-
-def add_tolerance(parser: argparse.ArgumentParser) -> None:
-    """Add the error that is acceptable."""
     parser.add_argument(
         "--tolerance", type=_share, default=0.03, metavar="E", help="acceptable relative error (default: %(default)s)"
     )

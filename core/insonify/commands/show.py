@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from insonify.commands.options import add_scene, add_tolerance, chosen_scene, say
+from insonify.commands.options import add_method, add_scene, chosen_scene, say
 from insonify.scene import bundled_scenes, load_scene
 
 
@@ -17,7 +17,7 @@ def register(subparsers: Any) -> None:
         description="Say what is modelled, what is left out, why, and at what cost.",
     )
     add_scene(plan)
-    add_tolerance(plan)
+    add_method(plan)
     plan.set_defaults(run=run_plan)
     scenes = subparsers.add_parser(
         "scenes", help="list the bundled scenes", description="List the scenes that come with insonify."
@@ -35,7 +35,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
     """
     from insonify.plan import plan
 
-    for line in plan(chosen_scene(arguments), tolerance=arguments.tolerance).lines():
+    for line in plan(chosen_scene(arguments), arguments.tolerance, method=arguments.method).lines():
         say(line)
     return 0
 
