@@ -74,7 +74,7 @@ class Files:
     def open_dem(self, scene: Scene, path: str) -> None:
         """Lay a scene over a measured bed, read on the worker."""
         self._say(f"reading {Path(path).name} …")
-        self._simulator.send("dem", lambda: scene_over_dem(scene, path), self._read)
+        self._simulator.send(lambda: scene_over_dem(scene, path), self._read)
 
     def _read(self, result: Scene | SceneError) -> None:
         if isinstance(result, SceneError):

@@ -10,7 +10,7 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from insonify_viewer.shading import bed_image
+from insonify_viewer.shading import bed_image, sampled
 
 if TYPE_CHECKING:
     from insonify.kernels.types import Poses, Problem, Solids
@@ -70,13 +70,11 @@ def bed_patch(ground: Ground, centre: tuple[float, float], reach: float) -> BedP
         A place without a bed lies at the lowest height, in the colour of the water.
     """
     half = WINDOW * reach / 2.0
-    x, y = np.meshgrid(
-        np.linspace(centre[0] - half, centre[0] + half, MESH_NODES),
-        np.linspace(centre[1] - half, centre[1] + half, MESH_NODES),
-    )
-    z = ground.height_at(x.ravel(), y.ravel())
+    x = np.linspace(centre[0] - half, centre[0] + half, MESH_NODES)
+    y = np.linspace(centre[1] - half, centre[1] + half, MESH_NODES)
+    z = sampled(ground, x, y)
     z = np.where(np.isnan(z), np.nanmin(ground.heights), z)
-    points = np.column_stack([x.ravel(), y.ravel(), z]).astype(np.float32)
+    points = np.stack([*np.meshgrid(x, y), z], axis=-1).reshape(-1, 3).astype(np.float32)
     return BedPatch(centre, points, bed_image(ground, centre, half, TEXTURE_SIZE))
 
 

@@ -12,7 +12,7 @@ from insonify_viewer.record import Record
 from insonify_viewer.session import Mark
 
 if TYPE_CHECKING:
-    from insonify_viewer.simulation import Simulation
+    from insonify.simulate import Simulation
 
 Place = tuple[float, float, float]
 SIDES = ("port", "starboard")

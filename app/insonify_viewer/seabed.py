@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify_viewer.simulation import Simulation, Simulator
+from insonify_viewer.simulation import Simulator
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
 
+    from insonify.simulate import Simulation
     from insonify_viewer.pv_meshes import BedPatch
     from insonify_viewer.views.seabed_view import SeabedView
 
@@ -48,7 +49,7 @@ class Seabed:
 
     def load(self, put: Callable[[QWidget], None]) -> None:
         """Import the libraries on the worker, then build the view here and hand it over."""
-        self._simulator.send("libraries", self._import, lambda _: self._build(put))
+        self._simulator.send(self._import, lambda _: self._build(put))
 
     def show_sonar(self, simulation: Simulation, ping: int, tones: NDArray[np.float32]) -> None:
         """Follow the sonar to a ping; bed and targets follow if they are no longer the same."""
@@ -107,8 +108,8 @@ class Seabed:
     def _bake(self, ground: Any, centre: tuple[float, float], reach: float) -> None:
         from insonify_viewer.pv_meshes import bed_patch
 
-        self._simulator.send(
-            "bed", lambda: bed_patch(ground, centre, reach), lambda patch: self._lay(patch, (ground, centre, reach))
+        self._simulator.send_patiently(
+            lambda: bed_patch(ground, centre, reach), lambda patch: self._lay(patch, (ground, centre, reach))
         )
 
     def _lay(self, patch: BedPatch, asked: tuple[Any, ...]) -> None:

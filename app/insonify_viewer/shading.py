@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,35 +47,74 @@ def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: in
     (size, size, 3) uint8
         Row 0 at the far y. Slopes are exaggerated so that faint ripples show.
     """
-    offset = (np.arange(size) + 0.5) / size * 2.0 - 1.0
-    u, v = np.meshgrid(offset, offset)
-    x, y = centre[0] + half * u.ravel(), centre[1] + half * v.ravel()
-    z = ground.height_at(x, y).reshape(size, size)
+    offset = ((np.arange(size) + 0.5) / size * 2.0 - 1.0).astype(np.float32)
+    x, y = centre[0] + half * offset, centre[1] + half * offset
+    z = sampled(ground, x, y)
     light = _shade(z, 2.0 * half / size)
-    colour = _material_colours(ground, x, y).reshape(size, size, 3) * light[..., None]
-    r = np.clip((np.hypot(u, v) - FADE[0]) / (FADE[1] - FADE[0]), 0.0, 1.0)
-    fog = (r * r * (3.0 - 2.0 * r))[..., None]
-    fog = np.where(np.isnan(z)[..., None], 1.0, fog)
-    colour = np.nan_to_num(colour) * (1.0 - fog) + np.array(FOG) * fog
-    return np.asarray((np.clip(colour[::-1], 0.0, 1.0) * 255.0).astype(np.uint8))
+    r = np.clip((np.hypot(offset, offset[:, None]) - FADE[0]) / (FADE[1] - FADE[0]), 0.0, 1.0)
+    clear = np.where(np.isnan(z), np.float32(0.0), 1.0 - r * r * (3.0 - 2.0 * r))
+    light = np.nan_to_num(light) * clear
+    materials = _materials(ground, x, y)
+    table = np.array([COLOURS.get(name, COLOURS["medium_sand"]) for name in ground.names], dtype=np.float32)
+    image = np.empty((size, size, 3), dtype=np.uint8)
+    for channel in range(3):
+        tone = table[:, channel][materials] * light + np.float32(FOG[channel]) * (1.0 - clear)
+        image[..., channel] = (np.clip(tone[::-1], 0.0, 1.0) * 255.0).astype(np.uint8)
+    return image
 
 
-def _shade(z: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+def sampled(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float32]:
+    """Bilinear heights on a grid along the axes, one axis after the other.
+
+    Parameters
+    ----------
+    ground : Ground
+        Heights.
+    x : (nx,) float array
+        Local coordinates, in metres.
+    y : (ny,) float array
+        Likewise.
+
+    Returns
+    -------
+    (ny, nx) float32
+        Metres above the datum, NaN where there is no bed.
+    """
+    ny, nx = ground.heights.shape
+    j, part_y = _nodes(y, ground.y0, ground.spacing, ny, periodic=ground.periodic)
+    i, part_x = _nodes(x, ground.x0, ground.spacing, nx, periodic=ground.periodic)
+    z = ground.heights
+    along = z[:, i] * (1 - part_x) + z[:, (i + 1) % nx] * part_x
+    return np.asarray(along[j] * (1 - part_y[:, None]) + along[(j + 1) % ny] * part_y[:, None])
+
+
+def _nodes(
+    place: NDArray[Any], first: float, spacing: float, nodes: int, *, periodic: bool
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Node before each place, and the part of the cell beyond it; NaN for a place outside."""
+    u = (np.asarray(place, dtype=np.float64) - first) / spacing
+    low = np.floor(u).astype(np.int64)
+    part = (u - low).astype(np.float32)
+    if periodic:
+        return low % nodes, part
+    part[(u < 0) | (u >= nodes - 1)] = np.nan
+    return np.clip(low, 0, max(nodes - 2, 0)), part
+
+
+def _shade(z: NDArray[np.float32], spacing: float) -> NDArray[np.float32]:
     """Light on every pixel, about 1 on the level, with slopes scaled to a visible size."""
-    slope_y, slope_x = np.gradient(z, spacing)
-    spread = float(np.sqrt(np.nanmean(slope_x**2 + slope_y**2))) if np.isfinite(slope_x).any() else 0.0
-    scale = float(np.clip(SLOPE_SHOWN / max(spread, 1e-9), *EXAGGERATION))
-    gx, gy = slope_x * scale, slope_y * scale
-    toward = (LAMP[2] - LAMP[0] * gx - LAMP[1] * gy) / np.sqrt(1.0 + gx**2 + gy**2)
-    return np.asarray(0.30 + 0.70 * np.clip(toward, 0.0, None) / LAMP[2])
+    slope_y, slope_x = np.gradient(z, np.float32(spacing))
+    square = slope_x**2 + slope_y**2
+    spread = float(np.sqrt(np.nanmean(square))) if np.isfinite(square).any() else 0.0
+    scale = np.float32(np.clip(SLOPE_SHOWN / max(spread, 1e-9), *EXAGGERATION))
+    lamp = LAMP.astype(np.float32)
+    toward = (lamp[2] - scale * (lamp[0] * slope_x + lamp[1] * slope_y)) / np.sqrt(1.0 + scale**2 * square)
+    return np.asarray(0.30 + 0.70 / lamp[2] * np.maximum(toward, 0.0), dtype=np.float32)
 
 
-def _material_colours(ground: Ground, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Colour of the material at each place, (n, 3)."""
+def _materials(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.uint8]:
+    """Material of the cell at each place of a grid along the axes, (ny, nx)."""
     ny, nx = ground.materials.shape
-    i = np.floor((x - ground.x0) / ground.spacing).astype(np.int64)
-    j = np.floor((y - ground.y0) / ground.spacing).astype(np.int64)
-    if ground.periodic:
-        i, j = i % nx, j % ny
-    table = np.array([COLOURS.get(name, COLOURS["medium_sand"]) for name in ground.names])
-    return np.asarray(table[ground.materials[np.clip(j, 0, ny - 1), np.clip(i, 0, nx - 1)]])
+    j, _ = _nodes(y, ground.y0, ground.spacing, ny, periodic=ground.periodic)
+    i, _ = _nodes(x, ground.x0, ground.spacing, nx, periodic=ground.periodic)
+    return np.asarray(ground.materials[np.ix_(j, i)])

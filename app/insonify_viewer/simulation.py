@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,38 +14,11 @@ from PySide6.QtCore import QObject, Qt, Signal
 from insonify.scene import Scene, SceneError
 
 if TYPE_CHECKING:
-    from insonify.kernels.types import Poses, Problem
-    from insonify.terrain.ground import Ground
+    from insonify.simulate import Simulation
 
 BLOCK = 64
 COARSE_STRIDE = 4
 TOLERANCE = {True: 0.03, False: 0.2}
-
-
-class Simulation(Protocol):
-    """What the viewer needs of a prepared scene (``insonify.simulate.Simulation``)."""
-
-    @property
-    def scene(self) -> Scene:
-        """Scene as declared."""
-
-    @property
-    def ground(self) -> Ground:
-        """Heights and materials."""
-
-    @property
-    def problem(self) -> Problem:
-        """Scene as the kernels see it."""
-
-    @property
-    def plan(self) -> Any:
-        """What is modelled, and why."""
-
-    def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
-        """Linear intensity, (n, 2, bins)."""
-
-    def poses(self, pings: NDArray[np.int64]) -> Poses:
-        """Where the sonar is."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +85,6 @@ class Simulator(QObject):
 
     answered = Signal(object)
     refused = Signal(int, str)
-    idle = Signal()
     _called_back = Signal(object, object)
 
     def __init__(
@@ -121,7 +93,8 @@ class Simulator(QObject):
         super().__init__(parent)
         self._prepare = prepare or _prepare
         self._waiting: Request | None = None
-        self._errands: dict[str, tuple[Callable[[], Any], Callable[[Any], None]]] = {}
+        self._errands: list[_Errand] = []
+        self._patient: _Errand | None = None
         self._closing = False
         self._changed = threading.Condition()
         self._last: dict[bool, tuple[Scene, Simulation, NDArray[np.float64]]] = {}
@@ -135,13 +108,19 @@ class Simulator(QObject):
             self._waiting = request
             self._changed.notify()
 
-    def send(self, name: str, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
-        """Run something on the worker and hand its result to the main thread; the latest of a name wins.
+    def send(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
+        """Run something on the worker, before any request, and hand its result to the main thread.
 
         A `SceneError` raised by the errand is handed over as the result.
         """
         with self._changed:
-            self._errands[name] = (errand, receive)
+            self._errands.append((errand, receive))
+            self._changed.notify()
+
+    def send_patiently(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
+        """Run something when nothing else waits; one that still waits is forgotten for it."""
+        with self._changed:
+            self._patient = (errand, receive)
             self._changed.notify()
 
     def close(self) -> None:
@@ -152,18 +131,16 @@ class Simulator(QObject):
         self._thread.join()
 
     def _work(self) -> None:
-        while True:
+        while not self._closing:
             with self._changed:
-                if not (self._waiting or self._errands or self._closing):
-                    self.idle.emit()
-                self._changed.wait_for(lambda: self._waiting or self._errands or self._closing)
-                if self._closing:
-                    return
-                errands, self._errands = self._errands, {}
+                self._changed.wait_for(lambda: self._waiting or self._errands or self._patient or self._closing)
+                errands, self._errands = self._errands, []
                 request, self._waiting = self._waiting, None
-            for errand, receive in errands.values():
+                if not errands and request is None and self._patient and not self._closing:
+                    errands, self._patient = [self._patient], None
+            for errand, receive in errands:
                 self._called_back.emit(receive, _result(errand))
-            if request is not None:
+            if request is not None and not self._closing:
                 self._serve(request)
 
     def _serve(self, request: Request) -> None:
@@ -203,6 +180,9 @@ class Simulator(QObject):
 
     def _call_back(self, receive: Callable[[Any], None], result: Any) -> None:
         receive(result)
+
+
+_Errand = tuple[Callable[[], Any], Callable[[Any], None]]
 
 
 def _prepare(scene: Scene, tolerance: float) -> Simulation:

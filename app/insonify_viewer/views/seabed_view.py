@@ -62,7 +62,9 @@ class SeabedView(QWidget):
     def show_bed(self, patch: BedPatch) -> None:
         """Lay the bed."""
         self._bed.points = patch.points
-        self._bed_actor.texture = pv.Texture(patch.image)
+        texture = pv.Texture(patch.image)
+        texture.interpolate = texture.mipmap = True
+        self._bed_actor.texture = texture
         self._bed_actor.visibility = True
         self._later()
 

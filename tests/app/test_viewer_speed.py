@@ -1,0 +1,94 @@
+"""How quick the window is: printed, never asserted (run with -m bench -s)."""
+
+# ruff: noqa: T201
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QTimer
+
+from insonify.scene import load_scene
+
+pytestmark = pytest.mark.bench
+MOVES = 12
+
+
+def seconds_until(qtbot: Any, condition: Callable[[], bool], timeout: int = 20000) -> float:
+    start = time.perf_counter()
+    qtbot.waitUntil(condition, timeout=timeout)
+    return time.perf_counter() - start
+
+
+class Gaps:
+    """Time between turns of the main loop, without what OpenGL took of it."""
+
+    def __init__(self, viewer: Any) -> None:
+        self.gaps: list[float] = []
+        self._last, self._drawing, self._drawn = time.perf_counter(), 0.0, 0.0
+        renderer = viewer.seabed.view._canvas.plotter.renderer
+        renderer.AddObserver("StartEvent", self._start)
+        renderer.AddObserver("EndEvent", self._end)
+        self._timer = QTimer(interval=1)
+        self._timer.timeout.connect(self._turn)
+        self._timer.start()
+
+    def stop(self) -> np.ndarray:
+        self._timer.stop()
+        return np.array(self.gaps[5:])
+
+    def _start(self, *_: Any) -> None:
+        self._drawing = time.perf_counter()
+
+    def _end(self, *_: Any) -> None:
+        self._drawn += time.perf_counter() - self._drawing
+
+    def _turn(self) -> None:
+        now = time.perf_counter()
+        self.gaps.append(max(now - self._last - self._drawn, 0.0))
+        self._last, self._drawn = now, 0.0
+
+
+def test_slider_to_picture(open_viewer: Any, qtbot: Any) -> None:
+    viewer = open_viewer(load_scene("default"), prepare=None)
+    viewer.window.resize(1480, 900)
+    coarse, fine, gaps = [], [], Gaps(viewer)
+    for path, ends in (
+        ("seabed.relief.beta", (350, 650)),
+        ("track.altitude", (100, 350)),
+        ("sonar.beam.width", (300, 600)),
+        ("seabed.material.diffuse", (100, 700)),
+    ):
+        row = viewer.window.panel.row(path)
+        row.slider.setSliderDown(True)
+        for position in np.linspace(*ends, MOVES).astype(int):
+            row.slider.setValue(int(position))
+            coarse.append(seconds_until(qtbot, lambda: viewer.complete or not viewer._missing().size))
+        row.slider.setSliderDown(False)
+        fine.append(seconds_until(qtbot, lambda: not viewer._missing().size))
+    found = gaps.stop()
+    print(f"\nslider to coarse picture: median {np.median(coarse):.3f} s, worst {max(coarse):.3f} s")
+    print(f"release to fine picture: median {np.median(fine):.3f} s, worst {max(fine):.3f} s")
+    print(
+        f"main thread while dragging, outside GL: p99 {1e3 * np.quantile(found, 0.99):.1f} ms, "
+        f"worst {1e3 * found.max():.1f} ms of {len(found)}"
+    )
+
+
+def test_live_tow(open_viewer: Any, qtbot: Any) -> None:
+    viewer = open_viewer(load_scene("default"), prepare=None)
+    viewer.tow.speed = 4.0
+    viewer.run(True)
+    qtbot.wait(500)
+    gaps, before = Gaps(viewer), viewer.tow.newest
+    qtbot.wait(3000)
+    found = gaps.stop()
+    viewer.run(False)
+    print(
+        f"\n{(viewer.tow.newest - before) / 3.0:.0f} pings a second; 3-D drawing {1e3 * viewer.seabed.view.draw_time:.0f} ms; "
+        f"main thread outside GL: p99 {1e3 * np.quantile(found, 0.99):.1f} ms, worst {1e3 * found.max():.1f} ms"
+    )
