@@ -1,0 +1,204 @@
+"""The command: exit codes, one sentence for every mistake, no half-written file."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from PIL import Image
+
+import insonify.commands.render
+import insonify.simulate
+from insonify.cli import main
+from insonify.scene import bundled_scenes, edit, load_scene
+from insonify.simulate import simulate
+
+SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
+
+
+def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """Run a command that must be refused; return its one line."""
+    try:
+        code = main(words)
+    except SystemExit as leaving:
+        code = leaving.code
+    written = capsys.readouterr()
+    assert code == 2
+    assert written.out == ""
+    assert written.err.count("\n") == 1
+    assert written.err.startswith("insonify")
+    return written.err
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["render", "atlantis", "-o", "x.png"], "no such file; give a TOML file or one of default"),
+        (["render", "default", "-o", "x.jpg"], "'.jpg' is no format written here; end the name in .png or .nc or .npz"),
+        (["render", "default", "-o", "x"], "'' is no format written here"),
+        (["render", "default", "-o", "nowhere/x.png"], "there is no folder 'nowhere'; create it"),
+        (["render", "default", "-o", "."], "is a folder; give the name of a file in it"),
+        (["render", "default", "-o", "x.nc", "--gain", "3"], "--gain is for pictures, not x.nc"),
+        (["render", "default", "-o", "x.npz", "--ground-range"], "--ground-range is for pictures"),
+        (["render", "default", "-o", "x.png", "--palette", "jet"], "invalid choice: 'jet'"),
+        (["render", "default", "-o", "x.png", "--gain", "nan"], "give decibels from -200 to 200"),
+        (["render", "default", "-o", "x.png", "--tolerance", "0"], "give a number above 0"),
+        (["render", "default", "-o", "x.png", "--method", "magic"], "invalid choice: 'magic'"),
+        (["render", "default", "-o", "x.png", "--set", "sonar.range=-1"], "sonar.range: -1 is out of bounds"),
+        (["render", "default", "-o", "x.png", "--set", "sonar.range"], "write for example sonar.range=75"),
+        (["render", "default", "-o", "x.png", "--seed", "-4"], "seed: -4 is out of bounds"),
+        (["render", "default"], "arguments are required: -o/--output"),
+        (["plan", "default", "--set", "sonar.beam=laser"], "choose one of knife, fan"),
+        (["chart", "-o", "x.pdf"], "'.pdf' is no format written here; end the name in .png or .csv"),
+        (["relief", "default", "-o", "x.nc"], "end the name in .png"),
+        (["rendre", "default"], "did you mean 'insonify render'?"),
+        (["view", "atlantis"], "no such file"),
+        (["atlantis"], "no such file"),
+    ],
+)
+def test_a_mistake_is_one_sentence(capsys, monkeypatch, tmp_path, words, expected):
+    monkeypatch.chdir(tmp_path)
+    assert expected in refused(capsys, *words)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_scenes_lists_names_and_titles(capsys):
+    assert main(["scenes"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(bundled_scenes())
+    assert load_scene("pipe-span").title in lines[list(bundled_scenes()).index("pipe-span")]
+
+
+def test_plan_names_the_method(capsys):
+    assert main(["plan", "default"]) == 0
+    assert capsys.readouterr().out.startswith("sweep")
+    assert main(["plan", "default", "--method", "rays"]) == 0
+    assert capsys.readouterr().out.startswith("rays")
+
+
+def test_netcdf_holds_what_simulate_returns(tmp_path):
+    path = tmp_path / "record.nc"
+    assert main(["render", *SMALL, "-o", str(path)]) == 0
+    scene = edit(load_scene("pipe-span"), {"track.pings": 3, "sonar.bins": 100})
+    expected = simulate(scene)
+    with xr.open_dataset(path) as read:
+        xr.testing.assert_equal(read.load(), expected)
+        assert set(read.coords) == set(expected.coords)
+        for name, value in expected.attrs.items():
+            assert read.attrs[name] == value
+
+
+def test_npz_holds_what_simulate_returns(tmp_path):
+    path = tmp_path / "record.npz"
+    assert main(["render", *SMALL, "-o", str(path)]) == 0
+    with np.load(path) as read:
+        assert read["intensity"].shape == (2, 3, 100)
+        assert read["intensity"].dtype == np.float32
+
+
+@pytest.mark.parametrize("options", [[], ["--side", "port"], ["--ground-range", "--palette", "pen", "--gain", "-3"]])
+def test_pictures(tmp_path, capsys, options):
+    path = tmp_path / "record.png"
+    assert main(["render", *SMALL, "-o", str(path), *options]) == 0
+    assert str(path) in capsys.readouterr().out
+    with Image.open(path) as picture:
+        assert min(picture.size) > 400
+
+
+def test_settings_change_the_record(tmp_path):
+    for name, extra in (("a", []), ("b", ["--set", "track.altitude=12", "--set", "targets.0.gap=2"])):
+        main(["render", *SMALL, "-o", str(tmp_path / f"{name}.npz"), *extra])
+    a, b = (np.load(tmp_path / f"{name}.npz")["intensity"] for name in "ab")
+    assert a[0, 0].argmax() < b[0, 0].argmax()
+
+
+def test_the_seed_changes_the_bed(tmp_path):
+    for seed in ("1", "2"):
+        assert main(["relief", "default", "--seed", seed, "-o", str(tmp_path / f"{seed}.png")]) == 0
+    a, b = (np.asarray(Image.open(tmp_path / f"{seed}.png")) for seed in "12")
+    assert a.shape == b.shape == (1024, 1024)
+    assert (a.min(), a.max()) == (0, 255)
+    assert (a != b).any()
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".png", ".npz"])
+@pytest.mark.parametrize("trouble", [KeyboardInterrupt(), OSError(28, "No space left on device")])
+def test_trouble_leaves_the_old_file(tmp_path, capsys, monkeypatch, suffix, trouble):
+    path = tmp_path / f"record{suffix}"
+    path.write_bytes(b"old")
+    blocks = insonify.simulate.simulate_blocks
+
+    def troubled(*arguments, **options):
+        yield next(blocks(*arguments, **options))
+        raise trouble
+
+    monkeypatch.setattr(insonify.simulate, "simulate_blocks", troubled)
+    code = main(["render", *SMALL, "-o", str(path)])
+    assert code == (130 if isinstance(trouble, KeyboardInterrupt) else 2)
+    assert capsys.readouterr().err.count("\n") == 1
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_without_rights_is_a_sentence(tmp_path, capsys):
+    tmp_path.chmod(0o500)
+    assert str(tmp_path) in refused(capsys, "relief", "default", "-o", str(tmp_path / "x.png"))
+
+
+def without(monkeypatch: pytest.MonkeyPatch, error: ImportError) -> None:
+    """Let the viewer's own ``view`` fail as it does on a machine that lacks something."""
+    import insonify_viewer.commands
+
+    def run(arguments: object) -> int:
+        raise error
+
+    run.__module__ = "insonify_viewer.commands"
+    monkeypatch.setattr(insonify_viewer.commands, "run", run)
+
+
+def test_without_the_viewer_the_remedy_is_said(capsys, monkeypatch):
+    without(monkeypatch, ModuleNotFoundError("No module named 'PySide6'", name="PySide6"))
+    assert "pip install 'insonify[viewer]'" in refused(capsys, "default")
+
+
+def test_without_system_libraries_the_record_is_written(capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    without(monkeypatch, ImportError("libGL.so.1: cannot open shared object file: No such file or directory"))
+    assert main(SMALL) == 0
+    message = capsys.readouterr().err
+    assert "apt-get install -y libegl1 libgl1" in message
+    assert message.count("\n") == 1
+    assert Path("insonify.png").stat().st_size > 1000
+
+
+def test_the_installed_command_needs_no_window():
+    """Rendering loads neither Qt nor a 3-D library, and the words reach the process's exit code."""
+    code = (
+        "import sys; from insonify.cli import main; code = main(['scenes']);"
+        "loaded = {'PySide6', 'pyvista', 'vtkmodules', 'numba', 'matplotlib'} & set(sys.modules);"
+        "sys.exit(code or (f'loaded {loaded}' if loaded else 0))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    wrong = subprocess.run(
+        [sys.executable, "-m", "insonify", "render", "default", "-o", "x.txt"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert wrong.returncode == 2
+    assert wrong.stderr.count("\n") == 1
+
+
+def test_a_reader_that_leaves_is_no_trouble():
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-m", "insonify", "scenes"], stdout=writing, stderr=subprocess.PIPE, text=True, check=False
+    )
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, "")

@@ -1,0 +1,85 @@
+"""Echo and shadow edges of the bundled figures, against their closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+from insonify.scene import edit, load_scene
+from insonify.simulate import prepare
+
+HEIGHT, GROUND_RANGE, RADIUS = 10.0, 30.0, 0.5
+
+
+def edges(gap: float) -> tuple[float, float, float, float]:
+    """Slant ranges of echo and shadow of a pipe: near edge and tangent, shadow's start and end on a level bed."""
+    drop = HEIGHT - gap - RADIUS
+    distance = math.hypot(GROUND_RANGE, drop)
+    angle, half = math.atan2(drop, GROUND_RANGE), math.asin(RADIUS / distance)
+    return (
+        distance - RADIUS,
+        math.sqrt(distance**2 - RADIUS**2),
+        HEIGHT / math.sin(angle + half),
+        HEIGHT / math.sin(angle - half),
+    )
+
+
+def starboard(scene, ping: int) -> np.ndarray:
+    return prepare(scene).intensity(np.array([ping]))[0, 1]
+
+
+@pytest.mark.parametrize(("name", "gap"), [("pipe-on-bed", 0.0), ("pipe-span", 1.0)])
+@pytest.mark.parametrize("ping", [0, 100, 199])
+def test_the_shadow_lies_where_geometry_puts_it(name, gap, ping):
+    scene = load_scene(name)
+    step = scene.sonar.range / scene.sonar.bins
+    _, _, begins, ends = edges(gap)
+    silent = np.flatnonzero(starboard(scene, ping)[int(20.0 / step) :] == 0.0) + int(20.0 / step)
+    assert (np.diff(silent) == 1).all()
+    assert silent[0] * step == pytest.approx(begins, abs=1.001 * step)
+    assert (silent[-1] + 1) * step == pytest.approx(ends, abs=1.001 * step)
+
+
+@pytest.mark.parametrize(("name", "gap"), [("pipe-on-bed", 0.0), ("pipe-span", 1.0)])
+def test_the_echo_begins_at_the_pipe_and_ends_at_the_tangent(name, gap):
+    scene = load_scene(name)
+    step = scene.sonar.range / scene.sonar.bins
+    begins, ends, _, _ = edges(gap)
+    bed = starboard(edit(scene, {"targets": []}), 100).astype(float)
+    echo = np.flatnonzero(starboard(scene, 100) > 1.005 * bed)
+    assert echo[0] * step == pytest.approx(begins, abs=1.001 * step)
+    assert (echo[-1] + 1) * step == pytest.approx(ends, abs=1.001 * step)
+
+
+def test_the_numbers_of_the_figure():
+    np.testing.assert_allclose(edges(0.0), [30.97, 31.46, 31.55, 34.88], atol=0.006)
+    np.testing.assert_allclose(edges(1.0), [30.68, 31.18, 34.72, 38.89], atol=0.006)
+
+
+def pair_profile(name: str, ground_range: float) -> np.ndarray:
+    """Energy of the pair at a ground range, ping by ping."""
+    scene = load_scene(name)
+    step = scene.sonar.range / scene.sonar.bins
+    near = math.hypot(ground_range, HEIGHT)
+    bins = slice(int((near - 0.6) / step), int((near + 0.1) / step))
+    pings = np.arange(scene.track.pings)
+    fine = [prepare(s, tolerance=0.003) for s in (scene, edit(scene, {"targets": []}))]
+    with_pair, without = (simulation.intensity(pings)[:, 1, bins] for simulation in fine)
+    return np.maximum(with_pair.astype(float) - without, 0.0).sum(axis=1)
+
+
+@pytest.mark.parametrize(
+    ("name", "ground_range", "apart"),
+    [
+        ("figure-4-knife", 8.0, True),
+        ("figure-4-knife", 22.0, True),
+        ("figure-4-knife", 40.0, True),
+        ("figure-4-fan", 8.0, True),
+        ("figure-4-fan", 22.0, False),
+        ("figure-4-fan", 40.0, False),
+    ],
+)
+def test_a_fan_merges_what_a_knife_keeps_apart(name, ground_range, apart):
+    profile = pair_profile(name, ground_range)
+    between = profile[195:206].min() / profile.max()
+    assert between == 0.0 if apart else between > 0.5
