@@ -1,0 +1,45 @@
+"""What the README says works."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from insonify.cli import build_parser
+from insonify.commands.options import chosen_scene
+from insonify.scene import scene_from_toml
+
+README = Path(__file__).parents[2] / "README.md"
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+def commands() -> list[str]:
+    lines = [line for block in blocks("sh") for line in block.splitlines()]
+    return [line for line in lines if re.match(r"insonify \w+ ", line) and line.split()[1] in build_parser()[1]]
+
+
+def test_there_are_commands_to_try():
+    assert len(commands()) > 8
+
+
+@pytest.mark.parametrize("line", commands())
+def test_every_command_is_understood(line):
+    words = shlex.split(line, comments=True)[1:]
+    arguments = build_parser()[0].parse_args(words)
+    if hasattr(arguments, "scene"):
+        chosen_scene(arguments)
+
+
+def test_the_scene_is_one():
+    (text,) = blocks("toml")
+    assert scene_from_toml(text).targets[0].length == 30.0
+
+
+def test_the_python_runs(capsys):
+    (text,) = blocks("python")
+    exec(text, {})
+    assert "('ping_time', 'range_sample')" in capsys.readouterr().out
