@@ -13,8 +13,12 @@ from insonify_viewer.simulation import Simulator
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
 
+    from insonify.kernels.types import Solids
     from insonify.simulate import Simulation
+    from insonify.terrain.ground import Ground
     from insonify_viewer.pv_meshes import BedPatch
+
+    _Bed = tuple[Ground, tuple[float, float], float]
     from insonify_viewer.views.seabed_view import SeabedView
 
 
@@ -33,9 +37,9 @@ class Seabed:
         self._simulator, self._accelerated = simulator, accelerated
         self._view: SeabedView | None = None
         self._latest: tuple[Simulation, int, NDArray[np.float32]] | None = None
-        self._asked: tuple[Any, ...] = ()
-        self._laid: tuple[Any, ...] = ()
-        self._solids: Any = None
+        self._bed: _Bed | None = None
+        self._solids: Solids | None = None
+        self._baking = 0
 
     @property
     def view(self) -> SeabedView | None:
@@ -45,7 +49,7 @@ class Seabed:
     @property
     def complete(self) -> bool:
         """Whether the view shows what it was last told."""
-        return self._view is not None and bool(self._laid) and self._laid == self._asked
+        return self._view is not None and self._bed is not None and self._baking == 0
 
     def load(self, put: Callable[[QWidget], None]) -> None:
         """Import the libraries on the worker, then build the view here and hand it over."""
@@ -60,14 +64,10 @@ class Seabed:
 
         pose = simulation.poses(np.array([ping], dtype=np.int64))
         reach = simulation.problem.bins * simulation.problem.bin_length
-        centre = window_centre(pose, reach)
-        ground = simulation.ground
-        if self._asked != (ground, centre, reach):
-            self._asked = (ground, centre, reach)
-            self._bake(*self._asked)
-        if simulation.problem.solids is not self._solids:
-            self._solids = simulation.problem.solids
-            self._view.show_targets(self._solids)
+        ground, bed = simulation.ground, (simulation.ground, window_centre(pose, reach), reach)
+        if self._bed != bed or not _same(self._solids, simulation.problem.solids):
+            self._bed, self._solids = bed, simulation.problem.solids
+            self._bake(bed, self._solids)
         self._view.show_sonar(ground, simulation.problem, pose, tones)
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
@@ -105,14 +105,24 @@ class Seabed:
         if self._latest is not None:
             self.show_sonar(*self._latest)
 
-    def _bake(self, ground: Any, centre: tuple[float, float], reach: float) -> None:
-        from insonify_viewer.pv_meshes import bed_patch
+    def _bake(self, bed: _Bed, solids: Solids) -> None:
+        """Work bed and targets out on the worker."""
+        from insonify_viewer.pv_meshes import bed_patch, targets_mesh
 
+        self._baking += 1
+        number = self._baking
         self._simulator.send_patiently(
-            lambda: bed_patch(ground, centre, reach), lambda patch: self._lay(patch, (ground, centre, reach))
+            lambda: (bed_patch(*bed), targets_mesh(solids)), lambda baked: self._lay(number, *baked)
         )
 
-    def _lay(self, patch: BedPatch, asked: tuple[Any, ...]) -> None:
-        self._laid = asked
+    def _lay(self, number: int, patch: BedPatch, targets: Any) -> None:
+        if number == self._baking:
+            self._baking = 0
         if self._view is not None:
             self._view.show_bed(patch)
+            self._view.show_targets(targets)
+
+
+def _same(first: Solids | None, second: Solids) -> bool:
+    """Whether two sets of targets look the same."""
+    return first is not None and all(np.array_equal(a, b) for a, b in zip(first, second))

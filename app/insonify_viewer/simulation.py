@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,9 @@ if TYPE_CHECKING:
     from insonify.simulate import Simulation
 
 BLOCK = 64
-COARSE_STRIDE = 4
+COARSE_TIME = 0.03  # s, to trace a screen while a slider moves
+MAX_STRIDE = 16
+QUIET, PATIENCE = 0.1, 0.7  # s without a request before a patient errand, and how long it waits for that at most
 TOLERANCE = {True: 0.03, False: 0.2}
 
 
@@ -95,7 +98,9 @@ class Simulator(QObject):
         self._waiting: Request | None = None
         self._errands: list[_Errand] = []
         self._patient: _Errand | None = None
+        self._latest_start = 0.0
         self._closing = False
+        self._cost = 4e-4  # s a coarse ping
         self._changed = threading.Condition()
         self._last: dict[bool, tuple[Scene, Simulation, NDArray[np.float64]]] = {}
         self._called_back.connect(self._call_back, Qt.ConnectionType.QueuedConnection)
@@ -118,8 +123,10 @@ class Simulator(QObject):
             self._changed.notify()
 
     def send_patiently(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
-        """Run something when nothing else waits; one that still waits is forgotten for it."""
+        """Run something once the worker has been quiet for a moment; one that still waits is forgotten for it."""
         with self._changed:
+            if self._patient is None:
+                self._latest_start = time.perf_counter() + PATIENCE
             self._patient = (errand, receive)
             self._changed.notify()
 
@@ -133,15 +140,20 @@ class Simulator(QObject):
     def _work(self) -> None:
         while not self._closing:
             with self._changed:
-                self._changed.wait_for(lambda: self._waiting or self._errands or self._patient or self._closing)
+                self._changed.wait_for(lambda: self._patient or self._is_wanted())
+                # A patient errand lets the next move of a slider go first.
+                self._changed.wait_for(self._is_wanted, timeout=QUIET)
                 errands, self._errands = self._errands, []
                 request, self._waiting = self._waiting, None
-                if not errands and request is None and self._patient and not self._closing:
-                    errands, self._patient = [self._patient], None
+                if self._patient and (request is None or time.perf_counter() > self._latest_start):
+                    errands, self._patient = [*errands, self._patient], None
             for errand, receive in errands:
                 self._called_back.emit(receive, _result(errand))
             if request is not None and not self._closing:
                 self._serve(request)
+
+    def _is_wanted(self) -> bool:
+        return bool(self._waiting or self._errands or self._closing)
 
     def _serve(self, request: Request) -> None:
         try:
@@ -159,14 +171,23 @@ class Simulator(QObject):
 
         simulation, curve = self._prepared(request)
         pings = request.pings
-        # Few new pings are traced in full even while a slider moves; the whole screen is thinned.
-        stride = 1 if request.fine or len(pings) <= BLOCK else COARSE_STRIDE
+        stride = 1 if request.fine else self._stride(len(pings))
         size = BLOCK if request.fine else len(pings)
         for start in range(0, len(pings), max(size, 1)):
             block = pings[start : start + size]
+            begun = time.perf_counter()
             traced = np.asarray(normalise(simulation.intensity(block[::stride]), curve), dtype=np.float32)
+            if not request.fine:
+                self._cost = (time.perf_counter() - begun) / len(traced)
             amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
             yield Answer(request.number, request.fine, block, amplitude, curve, simulation)
+
+    def _stride(self, pings: int) -> int:
+        """Thin the pings as far as the last coarse ones' cost demands."""
+        stride = 1
+        while stride < MAX_STRIDE and pings * self._cost > COARSE_TIME * stride:
+            stride *= 2
+        return stride
 
     def _prepared(self, request: Request) -> tuple[Simulation, NDArray[np.float64]]:
         """Prepare the request's scene, or take the last one of the same scene."""

@@ -17,7 +17,7 @@ from insonify_viewer import pv_meshes
 from insonify_viewer.pv_meshes import BedPatch, Fan
 
 if TYPE_CHECKING:
-    from insonify.kernels.types import Poses, Problem, Solids
+    from insonify.kernels.types import Poses, Problem
     from insonify.terrain.ground import Ground
 
 # Untyped calls everywhere: PyVista is taken as it comes.
@@ -28,7 +28,7 @@ CAMERA = (-1.85, -0.12, 1.15)  # ahead, to port, up; in slant ranges, for a squa
 FOCUS = (-0.22, 0.0, -0.20)
 VIEW_ANGLE = 54.0
 FISH = 0.075  # length in slant ranges: larger than life, to be seen
-REST = 2.0  # between two drawings, in drawing times: the window has other things to do
+REST = 4.0  # between two drawings, in drawing times: the window has other things to do
 
 
 class SeabedView(QWidget):
@@ -68,9 +68,8 @@ class SeabedView(QWidget):
         self._bed_actor.visibility = True
         self._later()
 
-    def show_targets(self, solids: Solids) -> None:
-        """Put the targets in place."""
-        mesh = pv_meshes.targets_mesh(solids)
+    def show_targets(self, mesh: Any) -> None:
+        """Put the targets in place, as one surface."""
         self._targets_actor.visibility = mesh.n_points > 0
         if mesh.n_points:
             self._targets_actor.mapper.SetInputData(mesh)

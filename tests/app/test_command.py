@@ -1,0 +1,78 @@
+"""The command as people run it, without a display."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from insonify.cli import main
+
+SMALL = ("--set", "track.pings=64", "--set", "sonar.bins=200")
+
+
+def run(*words: str, cwd: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    inherited = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")}
+    return subprocess.run(
+        [sys.executable, "-m", "insonify_viewer", *words],
+        cwd=cwd, env=inherited | environment, capture_output=True, text=True, timeout=110, check=False,
+    )  # fmt: skip
+
+
+def test_snapshot_without_a_display(tmp_path: Path) -> None:
+    ended = run("default", *SMALL, "--snapshot", "window.png", cwd=tmp_path, QT_QPA_PLATFORM="offscreen")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    picture = np.asarray(Image.open(tmp_path / "window.png").convert("RGB")).astype(int)
+    assert picture.shape == (1000, 1600, 3)
+    seabed, record = picture[200:900, 50:600], picture[100:900, 720:1250]
+    sand = (seabed[..., 0] > seabed[..., 2] + 20).mean()
+    water = (seabed[..., 2] > seabed[..., 0] + 20).mean()
+    assert sand > 0.2
+    assert water > 0.1
+    assert record.std() > 15.0
+    assert [p.name for p in tmp_path.iterdir()] == ["window.png"]
+
+
+def test_no_display_draws_the_window_and_says_so(tmp_path: Path) -> None:
+    ended = run("figure-4-knife", *SMALL, cwd=tmp_path)
+    assert ended.returncode == 0
+    assert ended.stderr == ""
+    assert ended.stdout.count("\n") == 1
+    assert "there is no display" in ended.stdout
+    assert (tmp_path / "insonify.png").stat().st_size > 20_000
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (("nowhere",), "no such file"),
+        (("default", "--snapshot", "w.jpg"), "ends in .png"),
+        (("default", "--snapshot", "nowhere/w.png"), "no folder"),
+        (("default", "--set", "sonar.range=-1"), "sonar.range"),
+    ],
+)
+def test_mistakes_are_one_sentence(words: tuple[str, ...], part: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["view", *words]) == 2
+    said = capsys.readouterr().err
+    assert part in said
+    assert said.count("\n") == 1
+
+
+def test_registering_imports_no_window() -> None:
+    code = (
+        "import sys; from insonify.cli import build_parser; build_parser(); "
+        "print([m for m in sys.modules if m.split('.')[0] in ('PySide6', 'pyvista', 'vtkmodules')])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.strip() == "[]"
+
+
+def test_qt_does_not_abort_on_this_python() -> None:
+    qt = tuple(int(part) for part in version("PySide6-Essentials").split(".")[:2])
+    assert sys.version_info >= (3, 12) or qt < (6, 12), "PySide6 6.12 aborts on Python 3.11 and older"
