@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from time import perf_counter
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from insonify.kernels.types import Poses, Problem
 from insonify.sound.flat_bed import flat_bed_curve
 from insonify.tracers import rays
 
+Name = TypeVar("Name", bound=Hashable)
 BEYOND = 1.4  # altitudes; an error counts from there
 FIRST_RAYS = 1 << 15
 MOST_RAYS = 1 << 22
@@ -160,14 +162,14 @@ class Timing:
 
 
 def time_calls(
-    calls: Mapping[str, Callable[[], object]], *, rounds: int = 7, seconds: float = math.inf
-) -> dict[str, Timing]:
+    calls: Mapping[Name, Callable[[], object]], *, rounds: int = 7, seconds: float = math.inf
+) -> dict[Name, Timing]:
     """Time several calls in turns, so that what else the machine does falls on all of them alike.
 
     Parameters
     ----------
-    calls : mapping of str to callable
-        What to time; each is called once beforehand, so that nothing is compiled on the clock.
+    calls : mapping to callable
+        What to time, by name; each is called once beforehand, so that nothing is compiled on the clock.
     rounds : int
         Times that each is called, at least 3.
     seconds : float
@@ -175,11 +177,11 @@ def time_calls(
 
     Returns
     -------
-    dict of str to Timing
+    dict to Timing
     """
     for call in calls.values():
         call()
-    taken: dict[str, list[float]] = {name: [] for name in calls}
+    taken: dict[Name, list[float]] = {name: [] for name in calls}
     began = perf_counter()
     for turn in range(max(rounds, 3)):
         if turn >= 3 and perf_counter() - began > seconds:
