@@ -27,6 +27,8 @@ RELIEF, MATERIAL_BANDS, MATERIAL_PATCHES = 1, 2, 3
 # Noise larger than this is made anew rather than kept: 2048 squared takes 34 MB.
 KEPT_CELLS = 2048**2
 WORKERS = 2
+# Rows filtered at once, so that what lies between stays in the cache: half the time of the whole at once.
+ROWS = 64
 
 
 def synthesise(fractal: Fractal, shape: Shape, reference: Shape, seed: int, stream: int = RELIEF) -> Field:
@@ -60,8 +62,13 @@ def synthesise(fractal: Fractal, shape: Shape, reference: Shape, seed: int, stre
 
 def coefficients(fractal: Fractal, shape: Shape, seed: int, stream: int = RELIEF) -> Waves:
     """Coefficients of the waves, (ny, nx // 2 + 1), before they are scaled to the rms."""
-    amplitude = np.sqrt(power_spectrum(fractal, *frequencies(shape)))
-    return _noise(seed, stream, shape, fractal.coefficients == "gaussian") * amplitude
+    noise = _noise(seed, stream, shape, fractal.coefficients == "gaussian")
+    waves = np.empty_like(noise)
+    fx, fy = frequencies(shape)
+    for first in range(0, shape[0], ROWS):
+        rows = slice(first, first + ROWS)
+        np.multiply(noise[rows], np.sqrt(power_spectrum(fractal, fx, fy[rows])), out=waves[rows])
+    return waves
 
 
 def variance(waves: Waves, shape: Shape) -> float:
