@@ -1,11 +1,53 @@
-"""How every kernel is compiled."""
+"""How every kernel is compiled, and where its machine code is kept."""
 
 from __future__ import annotations
 
-from numba import njit
+import hashlib
+import shutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+import platformdirs
 
 # Every licence that keeps NaN and infinity meaningful: guards against them must survive.
 FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
+KEPT = 30 * 86400.0  # seconds for which machine code of other versions is kept
 
-# Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
-kernel = njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+
+def _cache_folder() -> str:
+    """Return a folder of machine code that belongs to these very sources.
+
+    Numba notices a change in a kernel's own file, not in those of the kernels it calls; a folder named after all of
+    them cannot serve stale code. It also lies where the user may write, wherever the package is installed.
+    """
+    if numba.config.CACHE_DIR:
+        return str(numba.config.CACHE_DIR)
+    digest = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(source.read_bytes())
+    shelf = Path(platformdirs.user_cache_dir("insonify")) / "kernels"
+    folder = shelf / digest.hexdigest()[:16]
+    if not folder.is_dir():
+        for other in shelf.glob("*"):
+            # Another version may be running; one not opened for a month is not.
+            if time.time() - other.stat().st_mtime > KEPT:
+                shutil.rmtree(other, ignore_errors=True)
+    return str(folder)
+
+
+_FOLDER = _cache_folder()
+
+
+def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function as a kernel of this package."""
+    # Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
+    compiled = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = _FOLDER
+    try:
+        return compiled(function)  # type: ignore[no-any-return]
+    finally:
+        numba.config.CACHE_DIR = before

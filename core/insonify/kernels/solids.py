@@ -19,7 +19,7 @@ from insonify.kernels.shapes import meet_solid
 from insonify.kernels.types import LIGHT, SPHERE
 from insonify.kernels.wedge import beam_share, strip_width
 
-FACETS = 32  # per body and plane, closer together towards its edges
+FACETS = 64  # per body and plane, closer together towards its edges
 EDGE = 1e-9  # share of an interval by which its outermost rays move inwards, to be sure to meet the body
 DOWN, UP = -math.pi / 2.0, math.pi / 2.0
 NEVER = 1e30

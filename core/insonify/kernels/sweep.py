@@ -33,7 +33,8 @@ class Planes(NamedTuple):
     s_low: NDArray[np.float64]
     s_high: NDArray[np.float64]
     angle: NDArray[np.float64]
-    stretched_beyond: NDArray[np.float64]
+    far_angle: NDArray[np.float64]
+    near_field: NDArray[np.float64]
     reach: NDArray[np.float64]  # ground range to which the beam hears anything of the plane, m
 
 
@@ -329,7 +330,8 @@ def sweep_pings(problem, poses, planes, profile, heard, covers, out):
                     planes.s_low[plane],
                     planes.s_high[plane],
                     planes.angle[plane],
-                    planes.stretched_beyond[plane],
+                    planes.far_angle[plane],
+                    planes.near_field[plane],
                     math.sin(problem.half_width),
                     2.0 * problem.half_width,
                 )

@@ -14,7 +14,8 @@ class Wedge(NamedTuple):
     s_low: float  # |sin φ| where the wedge begins
     s_high: float  # and where it ends
     angle: float  # azimuth it stands for, rad; 0 marks a knife
-    stretched_beyond: float  # ground range beyond which the wedge widens with the cone, m; infinite for outer planes
+    far_angle: float  # azimuth it stands for in the far field, where it widens with the cone; 0 for an outer plane
+    near_field: float  # ground range at which the far field begins, m
     s_beam: float  # sin of half the beamwidth
     span: float  # azimuth of the whole beam in the far field, rad
 
@@ -28,8 +29,8 @@ def strip_width(x, r, wedge):
     """
     if wedge.angle == 0.0:
         return 1.0
-    if x > wedge.stretched_beyond:
-        return r * wedge.angle
+    if x > wedge.near_field:
+        return r * wedge.far_angle
     share = (wedge.s_beam * r / x - wedge.s_low) / (wedge.s_high - wedge.s_low)
     return x * wedge.angle * min(max(share, 0.0), 1.0)
 
@@ -39,8 +40,8 @@ def beam_share(x, r, wedge):
     """Share of the beam's azimuths at that place which the plane stands for; law `light` averages with it."""
     if wedge.angle == 0.0:
         return 1.0
-    if x > wedge.stretched_beyond:
-        return wedge.angle / wedge.span
+    if x > wedge.near_field:
+        return wedge.far_angle / wedge.span
     reach = min(wedge.s_beam * r / x, 1.0)
     share = (reach - wedge.s_low) / (wedge.s_high - wedge.s_low)
     return wedge.angle * min(max(share, 0.0), 1.0) / (2.0 * math.asin(reach))

@@ -17,6 +17,9 @@ from insonify.tracers.parallel import in_parallel
 # Up to this multiple of the altitude the beam's cone is followed azimuth by azimuth; beyond it, where cos θ > 0.9,
 # the inner planes stretch with it.
 NEAR_FIELD = 2.0647
+# Inner planes lie this much further out than the beam's half width divided among them: in the far field a plane at azimuth
+# φ stands for the beam direction φ cos θ, with cos θ between 0.9 and 1.
+SPLAY = 1.04
 OUTER_RATIO = 1.25  # of one outer wedge's end to its beginning
 
 
@@ -82,12 +85,12 @@ def beam_planes(half_width: float, planes: int, height: float, reach: float) -> 
         near nadir a beam is a cone that takes in all azimuths. Each reaches only as far as the beam hears it.
     """
     if half_width <= 0.0:
-        return Planes(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, math.inf, reach)))
+        return Planes(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, reach)))
     s_beam = math.sin(half_width)
     near_field = NEAR_FIELD * height
     pairs = max(1, (planes + 1) // 2)
-    inner = np.linspace(0.0, half_width, pairs + 1)
-    edges = [s_beam]
+    inner = np.linspace(0.0, SPLAY * half_width, pairs + 1)
+    edges = [math.sin(SPLAY * half_width)]
     while edges[-1] < 1.0:
         edges.append(min(1.0, edges[-1] * OUTER_RATIO))
     azimuths = np.concatenate([inner, np.arcsin(edges[1:])])
@@ -101,7 +104,8 @@ def beam_planes(half_width: float, planes: int, height: float, reach: float) -> 
         low,
         high,
         np.diff(azimuths),
-        np.where(is_inner, near_field, math.inf),
+        np.where(is_inner, half_width / pairs, 0.0),
+        np.full(low.size, near_field),
         np.where(is_inner, reach, np.minimum(outer_reach, reach)),
     )
     mirrored = [np.concatenate([column, column]) for column in columns]
