@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from insonify.scene import Scene, edit
-from insonify.terrain.ground import Ground
+
+if TYPE_CHECKING:
+    from insonify.terrain.ground import Ground
 
 SHARE = 0.3  # slant range over the grid's shorter side
 GRAZING = 0.15  # clearance over slant range
