@@ -23,7 +23,7 @@ SKIN = 1e-9  # of the coordinates: closer to the bed than this is on it, and a r
 FOREVER = 1e300
 
 # Handing a scene's arrays from function to function, ray by ray, costs more than the walk itself.
-fused = njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy", inline="always")
+fused = njit(nogil=True, fastmath=FAST, error_model="numpy", inline="always")
 
 
 class Ray(NamedTuple):
@@ -162,10 +162,10 @@ def load_cell(heights, row, column):
     ny, nx = heights.shape
     across = column + 1 if column + 1 < nx else 0
     along = row + 1 if row + 1 < ny else 0
-    a = float(heights[row, column])
-    b = float(heights[row, across]) - a
-    c = float(heights[along, column]) - a
-    return Cell(a, b, c, float(heights[along, across]) - a - b - c)
+    a = np.float64(heights[row, column])
+    b = np.float64(heights[row, across]) - a
+    c = np.float64(heights[along, column]) - a
+    return Cell(a, b, c, np.float64(heights[along, across]) - a - b - c)
 
 
 @fused
