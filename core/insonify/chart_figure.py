@@ -48,6 +48,8 @@ def draw(chart: Chart) -> Figure:
         _points(axes, chart, method)
     _floor(axes, chart)
     axes.margins(0.09)
+    # Room for the names that stand to the right of the slowest.
+    axes.set_xlim(right=1.4 * axes.get_xlim()[1])
     axes.legend(loc="upper right", frameon=False, fontsize=10, labelcolor=INK)
     _headings(figure, chart)
     return figure
@@ -77,8 +79,8 @@ def _floor(axes: Any, chart: Chart) -> None:
     low = _height(chart.moved)
     axes.axhspan(FLOOR, low, color=FAINT, alpha=0.08, linewidth=0, zorder=0)
     axes.text(
-        0.99, low, f"finer than the reference ({_percent(low)})  ", transform=axes.get_yaxis_transform(),
-        ha="right", va="top", fontsize=8.5, color=FAINT,
+        0.01, low, f"finer than the reference ({_percent(low)})", transform=axes.get_yaxis_transform(),
+        ha="left", va="top", fontsize=8.5, color=FAINT,
     )  # fmt: skip
     lowest = min([_height(row.error_beyond) for row in chart.rows] + [low])
     axes.set_ylim(bottom=0.6 * lowest)
@@ -116,4 +118,4 @@ def _time(microseconds: float) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %"
+    return f"{float(f'{100.0 * share:.2g}'):g} %"
