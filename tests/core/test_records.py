@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import insonify.records.netcdf
 from insonify.records import replacing, write_netcdf, write_npz
 
 
@@ -101,3 +102,16 @@ def test_a_link_keeps_pointing_where_it_did(tmp_path):
         beside.write_text("new")
     assert link.is_symlink()
     assert target.read_text() == "new"
+
+
+def test_a_full_disk_is_called_by_its_name(tmp_path, monkeypatch):
+    """The netCDF library reports it as a RuntimeError, often only when the file is closed."""
+
+    def full(file, block):
+        raise RuntimeError("NetCDF: HDF error")
+
+    monkeypatch.setattr(insonify.records.netcdf, "append_to", full)
+    with pytest.raises(OSError, match=r"could not be written \(NetCDF: HDF error\)") as caught:
+        write_netcdf(tmp_path / "record.nc", [block(0, 4)])
+    assert caught.value.filename == str(tmp_path / "record.nc")
+    assert list(tmp_path.iterdir()) == []

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -28,17 +29,24 @@ def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
     """
-    with replacing(path) as beside, netCDF4.Dataset(beside, "w", format="NETCDF4") as file:
-        for block in blocks:
-            _append_or_say_why(file, block)
+    with replacing(path) as beside:
+        file = netCDF4.Dataset(beside, "w", format="NETCDF4")
+        try:
+            for block in blocks:
+                with _faults_of_the_disk():
+                    append_to(file, block)
+        finally:
+            with _faults_of_the_disk():
+                file.close()
 
 
-def _append_or_say_why(file: Any, block: xr.Dataset) -> None:
-    """Append a block; what the library calls a RuntimeError is a fault of the disk."""
+@contextmanager
+def _faults_of_the_disk() -> Iterator[None]:
+    """Call by its name what the library calls a RuntimeError: the disk is full, or gone."""
     try:
-        append_to(file, block)
+        yield
     except RuntimeError as error:
-        raise OSError(errno.EIO, str(error)) from error
+        raise OSError(errno.EIO, f"could not be written ({error})") from error
 
 
 def append_to(file: Any, block: xr.Dataset) -> None:
