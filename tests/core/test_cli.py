@@ -1,5 +1,6 @@
 """The command: exit codes, one sentence for every mistake, no half-written file."""
 
+import importlib
 import os
 import subprocess
 import sys
@@ -10,8 +11,6 @@ import pytest
 import xarray as xr
 from PIL import Image
 
-import insonify.commands.render
-import insonify.simulate
 from insonify.cli import main
 from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.simulate import simulate
@@ -129,13 +128,14 @@ def test_the_seed_changes_the_bed(tmp_path):
 def test_trouble_leaves_the_old_file(tmp_path, capsys, monkeypatch, suffix, trouble):
     path = tmp_path / f"record{suffix}"
     path.write_bytes(b"old")
-    blocks = insonify.simulate.simulate_blocks
+    simulate_module = importlib.import_module("insonify.simulate")  # the package's own name is the function
+    blocks = simulate_module.simulate_blocks
 
     def troubled(*arguments, **options):
         yield next(blocks(*arguments, **options))
         raise trouble
 
-    monkeypatch.setattr(insonify.simulate, "simulate_blocks", troubled)
+    monkeypatch.setattr(simulate_module, "simulate_blocks", troubled)
     code = main(["render", *SMALL, "-o", str(path)])
     assert code == (130 if isinstance(trouble, KeyboardInterrupt) else 2)
     assert capsys.readouterr().err.count("\n") == 1
