@@ -69,8 +69,8 @@ def _ceiling(bed, solids, near, count):
 
 @kernel
 def _samples(ray, ceiling, reach, step):
-    """Numbers of the first and last samples that can be at or below the ceiling and within reach."""
-    last = int(reach / step)
+    """Numbers of the first and last samples to look at: from the ceiling down, until one is out of reach."""
+    last = math.ceil(reach / step)
     if ray.z <= ceiling:
         return 1, last
     if ray.dz >= 0.0:
