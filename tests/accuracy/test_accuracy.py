@@ -1,0 +1,97 @@
+"""Errors, orders of convergence, the reference and the clock."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import poses_of, problem_of, rough
+from insonify.accuracy import compare, flat_bed_curves, record_error, reference, time_calls
+from insonify.tracers import rays
+
+
+def bed_problem(half_width=0.0, **options):
+    options = {"bins": 500, "bin_length": 0.06, **options}
+    return problem_of(rough(256, 256, 0.05), 0.1, periodic=True, half_width=half_width, **options)
+
+
+def order(counts, errors):
+    return -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+
+
+def test_error_by_hand():
+    curve = np.array([0.0, 0.0, 4.0, 2.0, 1.0])
+    b = np.array([[9.0, 0.0, 4.0, 2.0, 0.0]])
+    a = np.array([[0.0, 7.0, 8.0, 2.0, 1.0]])
+    errors = record_error(a, b, curve, first_bin=2, beyond_bin=3)
+    # Divided by the curve: b = 1, 1, 0 and a = 2, 1, 1.
+    assert errors.all_bins == pytest.approx(1.0)
+    assert errors.beyond == pytest.approx(1.0)
+    assert errors.energy_bias == pytest.approx(1.0)
+    assert errors.dark_leakage == pytest.approx(0.25)
+
+
+def test_bins_without_a_curve_do_not_count():
+    curve = np.array([0.0, 1.0, 1.0])
+    errors = record_error(np.array([5.0, 1.0, 1.0]), np.ones(3), curve, first_bin=0, beyond_bin=1)
+    assert errors == record_error(np.ones(3), np.ones(3), curve, first_bin=0, beyond_bin=1)
+    assert errors.all_bins == errors.beyond == errors.energy_bias == errors.dark_leakage == 0.0
+
+
+def test_silent_reference():
+    quiet, loud, curve = np.zeros(4), np.ones(4), np.ones(4)
+    assert record_error(quiet, quiet, curve, first_bin=0, beyond_bin=0).beyond == 0.0
+    assert record_error(loud, quiet, curve, first_bin=0, beyond_bin=0).beyond == math.inf
+    assert record_error(quiet, loud, curve, first_bin=0, beyond_bin=0).energy_bias == -1.0
+
+
+def test_near_bins_do_not_rule():
+    # The same share too much is the same error, with spreading r⁻⁴ or without.
+    poses = poses_of(0.0, 0.0, 8.0)
+    errors = []
+    for spreading in (False, True):
+        problem = problem_of(np.zeros((8, 8)), 4.0, periodic=True, spreading=spreading)
+        record = rays.trace(problem, poses, rays=8400).astype(float)
+        errors.append(compare(problem, poses, record * np.where(np.arange(1000) > 700, 1.1, 1.0), record))
+    assert errors[0].all_bins == pytest.approx(errors[1].all_bins, rel=1e-3)
+
+
+def test_each_ping_has_the_curve_of_its_altitude():
+    problem = bed_problem()
+    curves = flat_bed_curves(problem, poses_of(0.0, 0.0, [8.0, 5.0, 8.0]))
+    assert curves.shape == (3, 1, 500)
+    np.testing.assert_array_equal(curves[0], curves[2])
+    assert np.flatnonzero(curves[1, 0])[0] == int(5.0 / 0.06)
+
+
+@pytest.mark.parametrize(
+    ("half_width", "expected"),
+    # A knife's bins hold one ray more or less of many: first order. A fan's points fill bins whose borders wind
+    # through the beam: the 3/4 of an even set of points in a region of the plane.
+    [(0.0, 1.0), (math.radians(1.0), 0.75)],
+)
+def test_rays_converge_in_their_order(half_width, expected):
+    problem, poses = bed_problem(half_width), poses_of(np.arange(4) * 0.9, 1.3, 8.0)
+    finest = rays.trace(problem, poses, rays=1 << 18)
+    counts = np.array([1 << k for k in range(10, 15)])
+    errors = [compare(problem, poses, rays.trace(problem, poses, rays=int(n)), finest).beyond for n in counts]
+    assert order(counts, errors) == pytest.approx(expected, rel=0.1)
+
+
+def test_reference_moves_less_than_asked():
+    problem, poses = bed_problem(), poses_of([0.0, 3.0], 1.3, 8.0)
+    record, moved = reference(problem, poses, tolerance=0.003)
+    assert moved < 0.003
+    finest = rays.trace(problem, poses, rays=1 << 18)
+    assert compare(problem, poses, record, finest).beyond < 0.003
+    np.testing.assert_array_equal(record, reference(problem, poses, tolerance=0.003)[0])
+
+
+def test_calls_are_timed_in_turns():
+    seen = []
+    timings = time_calls({"a": lambda: seen.append("a"), "b": lambda: seen.append("b")}, rounds=3)
+    assert seen == ["a", "b"] * 4
+    assert set(timings) == {"a", "b"}
+    assert all(timing.median > 0.0 and timing.spread >= 0.0 for timing in timings.values())
