@@ -27,7 +27,7 @@ RAYS = (250, 1000, 4000, 16000)
 PLANES = (2, 4, 8, 16, 32, 64)
 REFERENCE_TOLERANCE = 0.001
 RESOLVED = 10.0  # times finer than the smallest error the reference is to be
-SECONDS = 20.0  # of timing, after which no further round begins
+SECONDS = 12.0  # of timing, after which no further round begins
 SUFFIXES = (".png", ".csv")
 COLUMNS = ("method", "setting", "microseconds_per_ping", "error_beyond", "error_all_bins", "spread", "machine")
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 COLOURS = {"march": "#b5651d", "rays": "#2f6f9f", "sweep": "#1f8a5b"}
 MARKS = {"march": "s", "rays": "o", "sweep": "D"}
 # Offset of a label in points and its side: each method keeps to its own, so that names seldom meet.
-LABELS = {"march": (0, 13, "center"), "rays": (8, 8, "left"), "sweep": (-7, -9, "right")}
+LABELS = {"march": (0, 13, "center"), "rays": (6, 11, "left"), "sweep": (-7, -9, "right")}
 INK, FAINT = "#22262b", "#6b737c"
 FLOOR = 1e-6  # errors below it are drawn there
 
@@ -70,7 +71,7 @@ def _points(axes: Any, chart: Chart, method: str) -> None:
     for row, left, top in zip(rows, x, y):
         axes.annotate(
             row.setting, (left, top), xytext=(right, up), textcoords="offset points",
-            ha=align, va="center", fontsize=8.5, color=colour, zorder=4,
+            ha=align, va="center", fontsize=8.5, color=colour, zorder=4, path_effects=[withStroke(2.5, foreground="white")],
         )  # fmt: skip
 
 
