@@ -71,7 +71,8 @@ def _points(axes: Any, chart: Chart, method: str) -> None:
     for row, left, top in zip(rows, x, y):
         axes.annotate(
             row.setting, (left, top), xytext=(right, up), textcoords="offset points",
-            ha=align, va="center", fontsize=8.5, color=colour, zorder=4, path_effects=[withStroke(2.5, foreground="white")],
+            ha=align, va="center", fontsize=8.5, color=colour, zorder=4,
+            path_effects=[withStroke(2.5, foreground="white")],
         )  # fmt: skip
 
 
