@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import time
 from pathlib import Path
@@ -28,6 +29,7 @@ def open_window(scene: Scene) -> int:
     viewer = Viewer(scene, accelerated=has_opengl())
     viewer.window.show()
     QTimer.singleShot(0, viewer.start)
+    signal.signal(signal.SIGINT, lambda *_: viewer.window.close())
     return application.exec()
 
 

@@ -1,4 +1,4 @@
-"""What is known of a point of the record: its ranges, the bed there, its intensity."""
+"""What is known of a point of the record and of the tow: ranges, the bed there, intensity."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from insonify_viewer.record import Record
 from insonify_viewer.session import Mark
 
 if TYPE_CHECKING:
+    from insonify.kernels.types import Poses
     from insonify.simulate import Simulation
+    from insonify.terrain.ground import Ground
 
 Place = tuple[float, float, float]
 SIDES = ("port", "starboard")
@@ -85,3 +87,12 @@ def readout(simulation: Simulation, record: Record, curve: NDArray[np.float64], 
     intensity = amplitude**2 * float(curve[mark.bin])
     level = f" ({10.0 * math.log10(intensity):.1f} dB)" if intensity > 0.0 else ""
     return "  ·  ".join([*parts, f"{intensity:.3g}{level}"]), place
+
+
+def leaves(ground: Ground, poses: Poses) -> bool:
+    """Tell whether the second of two poses lies off the grid, and farther off than the first."""
+    ny, nx = ground.heights.shape
+    middle = np.array([ground.x0 + (nx - 1) * ground.spacing / 2.0, ground.y0 + (ny - 1) * ground.spacing / 2.0])
+    half = np.array([nx - 1, ny - 1]) * ground.spacing / 2.0
+    off = (np.abs(np.stack([poses.x, poses.y], axis=1) - middle) - half).max(axis=1)
+    return bool(off[1] > 0.0 and off[1] >= off[0])

@@ -126,6 +126,7 @@ class Session:
         """Go back one scene."""
         if self._past:
             self._future.append(self._settled)
+            self.said.emit("")
             self._show(self._past.pop())
 
     def take_back(self) -> None:
@@ -138,6 +139,7 @@ class Session:
         """Go forward one scene."""
         if self._future:
             self._past.append(self._settled)
+            self.said.emit("")
             self._show(self._future.pop())
 
     def point_at(self, mark: Mark | None) -> None:

@@ -14,7 +14,7 @@ from insonify.picture import PALETTES, contrast, palette
 from insonify.scene import Scene
 from insonify_viewer.files import Files
 from insonify_viewer.parameters import sections_of
-from insonify_viewer.readout import readout
+from insonify_viewer.readout import leaves, readout
 from insonify_viewer.record import Record
 from insonify_viewer.seabed import Seabed
 from insonify_viewer.session import Mark, Session
@@ -112,6 +112,7 @@ class Viewer(QObject):
         self._levels_due = True
         self.seabed.reset_camera()
         self.session.open(scene)
+        self.window.say(scene.title)
 
     def run(self, running: bool) -> None:
         """Let the tow go on, or pause it."""
@@ -188,7 +189,18 @@ class Viewer(QObject):
         seconds, self._ticked = now - self._ticked, now
         # Nothing is missed while the kernels compile: the tow waits for the first picture.
         if self._answer is not None and self.tow.advance(seconds, self.session.scene.sonar.ping_rate):
+            self._stop_at_the_edge()
             self._ask()
+
+    def _stop_at_the_edge(self) -> None:
+        """Pause where a measured bed ends; over a periodic one the tow goes on for ever."""
+        if self._answer is None or self._answer.simulation.ground.periodic:
+            return
+        simulation = self._answer.simulation
+        pose = simulation.poses(np.array([self.tow.newest - 1, self.tow.newest], dtype=np.int64))
+        if leaves(simulation.ground, pose):
+            self.run(False)
+            self.window.say("the tow has left the measured bed and is paused")
 
     def _missing(self) -> NDArray[np.int64]:
         """Pings that ought to be on screen and are not."""
@@ -224,6 +236,7 @@ class Viewer(QObject):
         self.window.waterfall.show_rows(rows)
         self.window.waterfall.show_top(self._newest_held())
         self._show_sonar()
+        self._show_mark(self.session.mark)
         if first:
             self.window.panel.setEnabled(True)
             self.window.show_busy("")
@@ -259,6 +272,7 @@ class Viewer(QObject):
     def _show_geometry(self, scene: Scene) -> None:
         step = scene.track.speed / scene.sonar.ping_rate
         self.window.waterfall.show_record(self.record, scene.sonar.range, step)
+        self.window.waterfall.show_top(self.tow.top)
 
     def _show_mark(self, mark: Mark | None) -> None:
         text, place = "", None

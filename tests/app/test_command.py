@@ -21,7 +21,7 @@ def run(*words: str, cwd: Path, **environment: str) -> subprocess.CompletedProce
     inherited = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")}
     return subprocess.run(
         [sys.executable, "-m", "insonify_viewer", *words],
-        cwd=cwd, env=inherited | environment, capture_output=True, text=True, timeout=110, check=False,
+        cwd=cwd, env=inherited | environment, capture_output=True, text=True, timeout=300, check=False,
     )  # fmt: skip
 
 

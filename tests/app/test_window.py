@@ -242,7 +242,7 @@ def test_bins_and_pings_make_a_new_record(open_viewer: Any, small: Scene, qtbot:
 
 def test_one_ping_one_bin(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(edit(small, {"sonar.bins": 1, "track.pings": 1}))
-    viewer.window.resize(760, 480)
+    viewer.window.resize(880, 520)
     viewer.run(True)
     qtbot.wait(100)
     assert viewer.window.waterfall.picture().shape[0] == 1
@@ -275,3 +275,31 @@ def test_picture_is_saved_whole_or_not_at_all(open_viewer: Any, small: Scene, tm
     with pytest.raises(OSError, match="cannot be written"):
         save_picture(viewer.window, tmp_path / "nowhere" / "w.png")
     assert [p.name for p in tmp_path.iterdir()] == ["w.png"]
+
+
+def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer: Any, small: Scene, tmp_path: Any, qtbot: Any) -> None:
+    from insonify.simulate import prepare
+
+    y, x = np.mgrid[0:60, 0:90]
+    np.save(tmp_path / "hill.npy", np.hypot(x - 45.0, y - 30.0) / -20.0)
+    viewer = open_viewer(small, prepare=lambda scene, tolerance: prepare(scene, tolerance=tolerance))
+    viewer.files.open_dem(edit(small, {"seabed.spacing": 1.0}), str(tmp_path / "hill.npy"))
+    qtbot.waitUntil(lambda: viewer.complete and viewer.session.scene.seabed.relief.kind == "dem", timeout=60000)
+    scene = viewer.session.scene
+    assert (scene.title, scene.sonar.range, scene.targets) == ("hill.npy", 18.0, ())
+    assert viewer.record.amplitude.max() > 0.0
+    viewer.tow.speed = 16.0
+    viewer.run(True)
+    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
+    assert "left the measured bed" in viewer.window._sentence.text()
+    viewer.files.open_dem(scene, str(tmp_path / "none.npy"))
+    qtbot.waitUntil(lambda: "none.npy" in viewer.window._sentence.text() and "…" not in viewer.window._sentence.text())
+    assert viewer.session.scene == scene
+
+
+def test_scene_file_that_cannot_be_read_is_said(open_viewer: Any, small: Scene, tmp_path: Any) -> None:
+    viewer = open_viewer(small)
+    (tmp_path / "bad.toml").write_text("[sonar]\nrang = 3\n")
+    viewer.files.open_scene(str(tmp_path / "bad.toml"))
+    assert "did you mean 'range'" in viewer.window._sentence.text()
+    assert viewer.session.scene == small

@@ -44,7 +44,7 @@ class MainWindow(QMainWindow):
         super().__init__()
         self.setWindowTitle("insonify")
         self.resize(1480, 900)
-        self.setMinimumSize(760, 480)
+        self.setMinimumSize(880, 520)
         self.waterfall = WaterfallView(native=native)
         self.panel = ParameterPanel()
         self._placeholder = QLabel("setting up the seabed …")
@@ -88,7 +88,8 @@ class MainWindow(QMainWindow):
         self.pause.setChecked(not running)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Announce the end, while everything is still there."""
+        """Announce the end, while everything is still there; the worker may need a moment to finish."""
+        self.hide()
         self.closing.emit()
         super().closeEvent(event)
 

@@ -15,6 +15,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify_viewer import pv_meshes
 from insonify_viewer.pv_meshes import BedPatch, Fan
+from insonify_viewer.views.theme import MARK
 
 if TYPE_CHECKING:
     from insonify.kernels.types import Poses, Problem
@@ -117,7 +118,7 @@ class SeabedView(QWidget):
         self._cable_actor = plotter.add_mesh(pv_meshes.cable_mesh(1.0), color="#23333f", line_width=1.5, **add)
         self._sheet_actor = plotter.add_mesh(self._fan.sheet, color="#bfeaff", opacity=0.17, lighting=False, **add)
         self._footprint_actor = plotter.add_mesh(self._fan.footprint, scalars="colour", rgb=True, lighting=False, **add)
-        self._mark_actor = plotter.add_mesh(_pin(), color="#ff5a3c", lighting=False, **add)
+        self._mark_actor = plotter.add_mesh(_pin(), color=MARK, lighting=False, **add)
         for actor in plotter.actors.values():
             actor.visibility = False
 
@@ -178,6 +179,9 @@ class _Interactive:
         make: Any = QtInteractor
         self.plotter: Any = make(parent, auto_update=False, multi_samples=0)
         self.plotter.enable_terrain_style(mouse_wheel_zooms=True)
+        # The keys belong to the window; VTK's own would close the view, or turn it into stereo.
+        for event in ("CharEvent", "KeyPressEvent", "KeyReleaseEvent"):
+            self.plotter.iren.interactor.RemoveObservers(event)
         self.widget: QWidget = self.plotter
 
     def draw(self) -> None:

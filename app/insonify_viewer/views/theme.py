@@ -7,6 +7,7 @@ from PySide6.QtWidgets import QApplication
 
 GROUND, RAISED, EDGE = "#121a22", "#1b2631", "#2d3c4a"
 TEXT, QUIET, ACCENT = "#dbe3ea", "#8ea0b1", "#e2a458"
+MARK = "#38d6ff"  # apart from sand and from every palette
 
 STYLE = f"""
 QMainWindow, QDockWidget, QScrollArea, QWidget#panel {{ background: {GROUND}; }}

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal
-from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QResizeEvent, QWheelEvent
+from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.session import Mark
 from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
-from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, QUIET, TEXT
+from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
 
-LEFT, BOTTOM, TOP, RIGHT = 58, 40, 24, 12
+LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 12
 PINGS_A_NOTCH = 16
 EMPTY = 0xFF0B1118
 
@@ -197,7 +197,7 @@ class WaterfallView(QWidget):
         step = max(int(steps[1]), 1) if len(steps) > 1 else pings
         for ping in range(max(self._top - pings + 1, 0) // step * step, self._top + 1, step):
             y = plot.top() + int((self._top - ping + 0.5) / pings * plot.height())
-            if not plot.top() <= y <= plot.bottom():
+            if not plot.top() + 8 <= y <= plot.bottom():
                 continue
             painter.setPen(QColor(EDGE))
             painter.drawLine(plot.left() - 5, y, plot.left() - 1, y)
@@ -211,9 +211,10 @@ class WaterfallView(QWidget):
     def _draw_cross(self, painter: QPainter, plot: QRect, mark: Mark) -> None:
         place = self.place_of(mark)
         if plot.contains(place):
-            painter.setPen(QColor(ACCENT))
-            for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-                painter.drawLine(place + QPoint(4 * dx, 4 * dy), place + QPoint(13 * dx, 13 * dy))
+            for colour, width in ((GROUND, 4), (MARK, 2)):
+                painter.setPen(QPen(QColor(colour), width))
+                for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+                    painter.drawLine(place + QPoint(5 * dx, 5 * dy), place + QPoint(14 * dx, 14 * dy))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Announce the point under the mouse."""
