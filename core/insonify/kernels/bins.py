@@ -43,5 +43,7 @@ def accumulate(bins, factor, out):
     total = np.int64(0)
     for k in range(out.size):
         total += bins[k]
-        out[k] = total * (factor[k] / FIXED_POINT)
+        bins[k] = total
+    for k in range(out.size):
+        out[k] = bins[k] * (factor[k] * (1.0 / FIXED_POINT))
     bins[:] = 0

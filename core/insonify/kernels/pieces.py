@@ -29,8 +29,16 @@ class Surface(NamedTuple):
 @kernel
 def deposit_piece(surface, x_from, x_to, wedge, law, bin_length, bins):
     """Put the part of a segment between two ground ranges into the bins."""
+    near, far = slant(surface, x_from), slant(surface, x_to)
+    tilt = 1.0 + surface.slope * surface.slope
+    squared = (x_to - x_from) * (x_to - x_from) * tilt
+    if squared <= min(abs(far - near), FINE * FINE * near) * near:
+        # Short, and far from the foot of its perpendicular: one even density will do.
+        if x_to > x_from:
+            _deposit_part(surface, x_from, x_to, near, far, wedge, law, bin_length, bins)
+        return
     # Slant range falls towards the foot of the perpendicular and grows beyond it.
-    foot = min(max(-surface.slope * surface.offset / (1.0 + surface.slope * surface.slope), x_from), x_to)
+    foot = min(max(-surface.slope * surface.offset / tilt, x_from), x_to)
     _monotone(surface, x_from, foot, wedge, law, bin_length, bins)
     _monotone(surface, foot, x_to, wedge, law, bin_length, bins)
 
@@ -40,23 +48,31 @@ def _monotone(surface, x_from, x_to, wedge, law, bin_length, bins):
     """Deposit a piece along which slant range grows or falls, in parts short against their range."""
     if x_to <= x_from:
         return
-    last, per_bin = bins.size - 2, 1.0 / bin_length
-    stretch = math.sqrt(surface.area)
-    near, end = slant(surface, x_from), slant(surface, x_to)
+    nearest = max(min(slant(surface, x_from), slant(surface, x_to)), bin_length)
     length = (x_to - x_from) * math.sqrt(1.0 + surface.slope * surface.slope)
-    parts = 1 + int(min(length / (FINE * max(min(near, end), bin_length)), MOST_PARTS - 1.0))
+    parts = 1 + int(min(length / (FINE * nearest), MOST_PARTS - 1.0))
     dx = (x_to - x_from) / parts
+    near = slant(surface, x_from)
     for k in range(parts):
-        x = x_from + (k + 0.5) * dx
-        middle, far = slant(surface, x), slant(surface, x_from + (k + 1) * dx)
-        cos_incidence = -surface.offset / (middle * stretch)
-        value = strength(cos_incidence, surface.diffuse, surface.specular, surface.shininess, law)
-        if law == LIGHT:
-            energy = value * beam_share(x, middle, wedge) * abs(far - near) * per_bin
-        else:
-            energy = value * stretch * strip_width(x, middle, wedge) * dx
-        spread(bins, near * per_bin, far * per_bin, energy * FIXED_POINT, last)
+        start = x_from + k * dx
+        far = slant(surface, start + dx)
+        _deposit_part(surface, start, start + dx, near, far, wedge, law, bin_length, bins)
         near = far
+
+
+@kernel
+def _deposit_part(surface, x_from, x_to, near, far, wedge, law, bin_length, bins):
+    """Spread the energy of one part evenly over the slant ranges it spans, ``near`` to ``far``."""
+    per_bin, stretch = 1.0 / bin_length, math.sqrt(surface.area)
+    x = 0.5 * (x_from + x_to)
+    middle = slant(surface, x)
+    cos_incidence = -surface.offset / (middle * stretch)
+    value = strength(cos_incidence, surface.diffuse, surface.specular, surface.shininess, law)
+    if law == LIGHT:
+        energy = value * beam_share(x, middle, wedge) * abs(far - near) * per_bin
+    else:
+        energy = value * stretch * strip_width(x, middle, wedge) * (x_to - x_from)
+    spread(bins, near * per_bin, far * per_bin, energy * FIXED_POINT, bins.size - 2)
 
 
 @kernel

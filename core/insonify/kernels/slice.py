@@ -24,19 +24,19 @@ class Profile(NamedTuple):
 
     x: NDArray[np.float64]  # ground range of the knots from the sonar, m
     z: NDArray[np.float64]  # height of the knots above the sonar, m
-    slope: NDArray[np.float64]  # dz/dx of each segment
-    area: NDArray[np.float64]  # 1 + |∇z|² at the middle of each segment: squared area over its level projection
+    slope: NDArray[np.float32]  # dz/dx of each segment
+    area: NDArray[np.float32]  # 1 + |∇z|² at the middle of each segment: squared area over its level projection
     material: NDArray[np.int64]  # row of the reflectivity table, each segment
-    across: NDArray[np.float64]  # work space: gradient across the strip, at its knots
-    low: NDArray[np.float64]  # work space: heights on the strip's lower border
-    high: NDArray[np.float64]  # work space: heights on its upper border
+    across: NDArray[np.float32]  # work space: gradient across the strip, at its knots
+    low: NDArray[np.float32]  # work space: heights on the strip's lower border
+    high: NDArray[np.float32]  # work space: heights on its upper border
 
 
 def empty_profile(capacity: int) -> Profile:
     """Make room for profiles of up to ``capacity`` knots."""
-    columns = [np.zeros(capacity) for _ in range(4)]
-    work = [np.zeros(capacity) for _ in range(3)]
-    return Profile(*columns, np.zeros(capacity, np.int64), *work)
+    single = [np.zeros(capacity, np.float32) for _ in range(5)]
+    material = np.zeros(capacity, np.int64)
+    return Profile(np.zeros(capacity), np.zeros(capacity), *single[:2], material, *single[2:])
 
 
 def profile_capacity(reach: float, spacing: float) -> int:
@@ -92,38 +92,50 @@ def _walk(bed, nodes, v_is_y, u0, v0, eu, ev, reach, profile):
 @kernel
 def _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profile):
     """Add the knots of one strip: its first (already counted), the nodes within, its last."""
-    nu, nv = nodes.shape
     spacing = bed.spacing
-    if bed.periodic:
-        low, high = nodes[column % nu], nodes[(column + 1) % nu]
-    else:
-        low, high = nodes[column], nodes[min(column + 1, nu - 1)]
+    step = 1 if ev > 0.0 else -1
     v_start, v_end = v0 + start * ev / spacing, v0 + end * ev / spacing
-    if ev > 0.0:
-        first, last, step = math.floor(v_start + MERGED) + 1, math.ceil(v_end - MERGED) - 1, 1
-        inner = last - first + 1
-    else:
-        first, last, step = math.ceil(v_start - MERGED) - 1, math.floor(v_end + MERGED) + 1, -1
-        inner = first - last + 1
-    inner = max(inner, 0)
-    head = count - 1
-    tail = count + inner
-    fu, du = u0 - column, eu / spacing
-    profile.z[head], profile.across[0] = _edge(low, high, bed.periodic, fu + start * du, v_start, spacing)
-    profile.z[tail], profile.across[inner + 1] = _edge(low, high, bed.periodic, fu + end * du, v_end, spacing)
-    profile.x[tail] = end
+    # Nodes from the one behind the first knot to the one beyond the last: all that the strip depends on.
+    behind = math.floor(v_start + MERGED) if step > 0 else math.ceil(v_start - MERGED)
+    beyond = math.ceil(v_end - MERGED) if step > 0 else math.floor(v_end + MERGED)
+    inner = max((beyond - behind) * step - 1, 0)
+    low, high = profile.low[: inner + 2], profile.high[: inner + 2]
+    _row(nodes[wrapped(column, nodes.shape[0])], behind, step, low)
+    _row(nodes[wrapped(column + 1, nodes.shape[0])], behind, step, high)
+    head, tail = count - 1, count + inner
+    x, z, across = profile.x[head : tail + 1], profile.z[head : tail + 1], profile.across[: inner + 2]
     per_node = step * spacing / ev
-    _even((first - v0) * spacing / ev, per_node, profile.x[count:tail])
-    _row(low, first, step, profile.low[:inner])
-    _row(high, first, step, profile.high[:inner])
-    _blend(profile.low, profile.high, fu + profile.x[count] * du, per_node * du, profile.z[count:tail])
-    _rise(profile.low, profile.high, 1.0 / spacing, profile.across[1 : inner + 1])
-    _slopes(profile.x[head : tail + 1], profile.z[head : tail + 1], profile.slope[head:tail])
-    _areas(profile.across, profile.slope[head:tail], eu, 1.0 / ev, profile.area[head:tail])
+    _even((behind - v0) * spacing / ev, per_node, x)
+    x[0], x[inner + 1] = start, end
+    fu, du = u0 - column, eu / spacing
+    _blend(low, high, fu + (behind - v0) * eu / ev, per_node * du, z)
+    _rise(low, high, 1.0 / spacing, across)
+    # The ends lie between two nodes; the first is computed from the pair behind it, before that pair is overwritten.
+    last = inner + 1
+    z_end, across_end = _between(low, high, last - 1, (v_end - behind) * step - inner, fu + end * du, spacing)
+    z[0], across[0] = _between(low, high, 0, (v_start - behind) * step, fu + start * du, spacing)
+    z[last], across[last] = z_end, across_end
+    _slopes(x, z, profile.slope[head:tail])
+    _areas(across, profile.slope[head:tail], eu, 1.0 / ev, profile.area[head:tail])
     if bed.mapped:
-        cell = math.floor(0.5 * (v_start + v_end))
-        _materials(bed.materials, v_is_y, column, nu, nv, cell, first, step, profile.material[head:tail])
+        _materials(bed.materials, v_is_y, column, behind, step, profile.material[head:tail])
     return tail + 1
+
+
+@kernel
+def wrapped(index, size):
+    """Index of a node on a bed that repeats; the whole number within [0, size)."""
+    if 0 <= index < size:
+        return index
+    return index % size
+
+
+@kernel
+def _between(low, high, node, fv, fu, spacing):
+    """Bilinear height, and gradient across the strip, ``fv`` beyond a node and ``fu`` between the borders."""
+    near = low[node] + np.float64(low[node + 1] - low[node]) * fv
+    far = high[node] + np.float64(high[node + 1] - high[node]) * fv
+    return near + (far - near) * fu, (far - near) / spacing
 
 
 @kernel
@@ -137,7 +149,7 @@ def _row(row, first, step, out):
     """Read consecutive nodes of a row, upward or downward, round its end; runs suit the vector units."""
     done = 0
     while done < out.size:
-        place = (first + step * done) % row.size
+        place = wrapped(first + step * done, row.size)
         if step > 0:
             run = min(out.size - done, row.size - place)
             source = row[place : place + run]
@@ -154,13 +166,13 @@ def _row(row, first, step, out):
 @kernel
 def _blend(low, high, fu, dfu, z):
     for k in range(z.size):
-        z[k] = low[k] + (high[k] - low[k]) * (fu + k * dfu)
+        z[k] = low[k] + np.float64(high[k] - low[k]) * (fu + k * dfu)
 
 
 @kernel
 def _rise(low, high, per_spacing, across):
     for k in range(across.size):
-        across[k] = (high[k] - low[k]) * per_spacing
+        across[k] = (high[k] - low[k]) * np.float32(per_spacing)
 
 
 @kernel
@@ -172,37 +184,24 @@ def _slopes(x, z, slope):
 @kernel
 def _areas(across, slope, eu, per_ev, area):
     """Across the strip the gradient is linear in v; along the plane it is the segment's own slope."""
+    eu, per_ev, half, one = np.float32(eu), np.float32(per_ev), np.float32(0.5), np.float32(1.0)
     for i in range(area.size):
-        middle = 0.5 * (across[i] + across[i + 1])
+        middle = half * (across[i] + across[i + 1])
         along = (slope[i] - eu * middle) * per_ev
-        area[i] = 1.0 + middle * middle + along * along
+        area[i] = one + middle * middle + along * along
 
 
 @kernel
-def _edge(low, high, periodic, fu, v, spacing):
-    """Bilinear height and gradient across the strip at its border."""
-    nv = low.size
-    node = math.floor(v)
-    if not periodic:
-        node = min(max(node, 0), max(nv - 2, 0))
-    fv = v - node
-    if periodic:
-        node, following = node % nv, (node + 1) % nv
-    else:
-        following = min(node + 1, nv - 1)
-    near = low[node] * (1.0 - fv) + low[following] * fv
-    far = high[node] * (1.0 - fv) + high[following] * fv
-    return near + (far - near) * fu, (far - near) / spacing
-
-
-@kernel
-def _materials(materials, v_is_y, column, nu, nv, cell, first, step, out):
+def _materials(materials, v_is_y, column, behind, step, out):
     """Material of each segment's cell."""
+    rows, columns = materials.shape
     for k in range(out.size):
-        # The segment before node `first` lies in the cell that the plane leaves there.
-        v = cell if out.size == 1 else first + step * k - (1 if step > 0 else 0)
-        row, line = column % nu, v % nv
-        out[k] = materials[line, row] if v_is_y else materials[row, line]
+        # A cell belongs to its low corner.
+        v = behind + step * k - (1 if step < 0 else 0)
+        if v_is_y:
+            out[k] = materials[wrapped(v, rows), wrapped(column, columns)]
+        else:
+            out[k] = materials[wrapped(column, rows), wrapped(v, columns)]
 
 
 @kernel

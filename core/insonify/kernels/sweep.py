@@ -42,13 +42,13 @@ class Heard(NamedTuple):
     """Work space of one profile; one entry a knot, or a segment."""
 
     r: NDArray[np.float64]  # slant range of the knots, m
-    launch: NDArray[np.float64]  # tan of the launch angle above the horizontal, knots
-    horizon: NDArray[np.float64]  # greatest launch slope so far, knots
-    cos_squared: NDArray[np.float64]  # of the incidence, segments
-    scale: NDArray[np.float64]  # what turns a scattering strength into energy per bin, segments
-    energy: NDArray[np.float64]  # per bin in fixed-point units, of segments heard whole
-    power: NDArray[np.float64]  # work space of the Phong lobe, segments
-    base: NDArray[np.float64]  # likewise
+    launch: NDArray[np.float32]  # tan of the launch angle above the horizontal, knots
+    horizon: NDArray[np.float32]  # greatest launch slope so far, knots
+    cos_squared: NDArray[np.float32]  # of the incidence, segments
+    scale: NDArray[np.float32]  # what turns a scattering strength into energy per bin, segments
+    energy: NDArray[np.float32]  # per bin in fixed-point units, of segments heard whole
+    power: NDArray[np.float32]  # work space of the Phong lobe, segments
+    base: NDArray[np.float32]  # likewise
     cut: NDArray[np.bool_]  # segments heard in part, or too long for one density
     early: NDArray[np.int64]  # step of the density at a knot: what its own bin takes
     late: NDArray[np.int64]  # and what the next bin takes
@@ -56,8 +56,9 @@ class Heard(NamedTuple):
 
 def empty_heard(capacity: int) -> Heard:
     """Make room for profiles of up to ``capacity`` knots."""
-    columns = [np.zeros(capacity) for _ in range(8)]
-    return Heard(*columns, np.zeros(capacity, np.bool_), np.zeros(capacity, np.int64), np.zeros(capacity, np.int64))
+    single = [np.zeros(capacity, np.float32) for _ in range(7)]
+    whole = [np.zeros(capacity, np.int64) for _ in range(2)]
+    return Heard(np.zeros(capacity), *single, np.zeros(capacity, np.bool_), *whole)
 
 
 @kernel
@@ -79,7 +80,8 @@ def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
         _sonar_scales(x, area, heard.r, problem.bin_length, heard.scale)
         _sonar_energies(heard.cos_squared[: count - 1], heard.scale, heard.energy)
     if wedge.angle > 0.0:
-        _widen(x, heard.r, wedge, problem.law, heard.scale, heard.energy)
+        _widen(x, heard.r, wedge, problem.law, heard.power)
+        _multiply(heard.power[: count - 1], heard.scale, heard.energy)
     _colour(profile.material[: count - 1], problem.reflectivity, problem.bed.mapped, heard.energy)
     _add_gloss(profile.material[: count - 1], problem.reflectivity, problem.bed.mapped, problem.law, heard)
     _mark_cut(x, slope, heard.r, heard.launch, heard.horizon, hidden_from, hidden_to, heard.cut)
@@ -102,7 +104,7 @@ def _launch_slopes(x, z, launch):
 
 @kernel
 def _horizons(launch, horizon):
-    highest = NADIR
+    highest = np.float32(NADIR)
     for i in range(launch.size):
         # NaN, a hole in the bed, compares false and hides nothing.
         highest = launch[i] if launch[i] > highest else highest
@@ -142,17 +144,33 @@ def _sonar_scales(x, area, r, bin_length, scale):
 @kernel
 def _sonar_energies(cos_squared, scale, energy):
     for i in range(cos_squared.size):
-        energy[i] = cos_squared[i] * (INVERSE_PI * scale[i])
+        energy[i] = cos_squared[i] * (np.float32(INVERSE_PI) * scale[i])
 
 
 @kernel
-def _widen(x, r, wedge, law, scale, energy):
-    """Apply what the plane stands for in its beam."""
+def _widen(x, r, wedge, law, width):
+    """Width of the strip that each segment stands for, or its share of the beam."""
+    far = np.searchsorted(x, wedge.near_field)
+    if law == LIGHT:
+        for i in range(x.size - 1):
+            width[i] = beam_share(0.5 * (x[i] + x[i + 1]), 0.5 * (r[i] + r[i + 1]), wedge)
+        return
+    # As `strip_width` has it, far field and near field apart for the vector units.
     for i in range(x.size - 1):
-        middle, range_ = 0.5 * (x[i] + x[i + 1]), 0.5 * (r[i] + r[i + 1])
-        width = beam_share(middle, range_, wedge) if law == LIGHT else strip_width(middle, range_, wedge)
-        scale[i] *= width
-        energy[i] *= width
+        width[i] = 0.5 * (r[i] + r[i + 1]) * wedge.far_angle
+    if wedge.s_high <= wedge.s_beam:
+        for i in range(min(far, x.size - 1)):
+            width[i] = 0.5 * (x[i] + x[i + 1]) * wedge.angle
+        return
+    for i in range(min(far, x.size - 1)):
+        width[i] = strip_width(0.5 * (x[i] + x[i + 1]), 0.5 * (r[i] + r[i + 1]), wedge)
+
+
+@kernel
+def _multiply(factor, scale, energy):
+    for i in range(factor.size):
+        scale[i] *= factor[i]
+        energy[i] *= factor[i]
 
 
 @kernel
@@ -162,7 +180,7 @@ def _colour(material, reflectivity, mapped, energy):
         for i in range(energy.size if energy.size < material.size else material.size):
             energy[i] *= reflectivity[material[i], 0]
     else:
-        diffuse = reflectivity[material[0], 0]
+        diffuse = np.float32(reflectivity[material[0], 0])
         for i in range(material.size):
             energy[i] *= diffuse
 
@@ -173,10 +191,13 @@ def _add_gloss(material, reflectivity, mapped, law, heard):
     first = reflectivity[material[0]]
     if not mapped and first[2] == math.floor(first[2]):
         if first[1] > 0.0:
+            count = material.size
+            while count > 0 and not heard.cos_squared[count - 1] > 0.5:
+                count -= 1
             share = first[1] * (1.0 if law == LIGHT else (first[2] + 2.0) * (0.5 * INVERSE_PI))
-            _mirrored(heard.cos_squared[: material.size], law, heard.power, heard.base)
-            _raise(heard.base[: material.size], int(first[2]), heard.power)
-            _add_product(heard.power[: material.size], heard.scale, share, heard.energy)
+            _mirrored(heard.cos_squared[:count], law, heard.power, heard.base)
+            _raise(heard.base[:count], int(first[2]), heard.power)
+            _add_product(heard.power[:count], heard.scale, share, heard.energy)
         return
     for i in range(material.size):
         if heard.cos_squared[i] > 0.5:
@@ -188,8 +209,9 @@ def _add_gloss(material, reflectivity, mapped, law, heard):
 def _mirrored(cos_squared, law, power, base):
     """Base of the lobe, max(0, cos 2α), and the factor it multiplies."""
     for i in range(cos_squared.size):
-        base[i] = max(2.0 * cos_squared[i] - 1.0, 0.0)
-        power[i] = 1.0 if law == LIGHT else cos_squared[i]
+        mirrored = cos_squared[i] + cos_squared[i] - np.float32(1.0)
+        base[i] = mirrored if mirrored > 0 else np.float32(0.0)
+        power[i] = np.float32(1.0) if law == LIGHT else cos_squared[i]
 
 
 @kernel
@@ -207,7 +229,7 @@ def _raise(base, exponent, power):
 @kernel
 def _add_product(power, scale, share, energy):
     for i in range(power.size):
-        energy[i] += power[i] * scale[i] * share
+        energy[i] += power[i] * scale[i] * np.float32(share)
 
 
 @kernel
@@ -232,7 +254,7 @@ def _silence(launch, horizon, cut, energy):
     A comparison with NaN, a hole in the bed, is false and silences too.
     """
     for i in range(launch.size - 1):
-        energy[i] = energy[i] if (launch[i + 1] > horizon[i]) & (not cut[i]) else 0.0
+        energy[i] = energy[i] if (launch[i + 1] > horizon[i]) & (not cut[i]) else np.float32(0.0)
 
 
 @kernel

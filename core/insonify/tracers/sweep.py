@@ -20,7 +20,7 @@ NEAR_FIELD = 2.0647
 # Inner planes lie this much further out than the beam's half width divided among them: in the far field a plane at azimuth
 # φ stands for the beam direction φ cos θ, with cos θ between 0.9 and 1.
 SPLAY = 1.04
-OUTER_RATIO = 1.25  # of one outer wedge's end to its beginning
+OUTER_RATIO = 1.4  # of one outer wedge's end to its beginning
 
 
 def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | None = None) -> NDArray[np.float32]:
@@ -98,7 +98,8 @@ def beam_planes(half_width: float, planes: int, height: float, reach: float) -> 
     is_inner = np.arange(low.size) < pairs
     # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer wedge by the height.
     beyond = np.maximum(low**2 - s_beam**2, 1e-30)
-    outer_reach = np.minimum(height * s_beam / np.sqrt(beyond), near_field)
+    # A little further, for the segment that crosses the border counts by its middle.
+    outer_reach = 1.02 * np.minimum(height * s_beam / np.sqrt(beyond), near_field)
     columns = (
         0.5 * (azimuths[:-1] + azimuths[1:]),
         low,
