@@ -72,7 +72,7 @@ def _points(axes: Any, chart: Chart, method: str) -> None:
         axes.annotate(
             row.setting, (left, top), xytext=(right, up), textcoords="offset points",
             ha=align, va="center", fontsize=8.5, color=colour, zorder=4,
-            path_effects=[withStroke(2.5, foreground="white")],
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],
         )  # fmt: skip
 
 
