@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from insonify.kernels.jit import kernel
 from insonify.kernels.types import LIGHT, SPHERE
 
+AIM_STEPS = 64.0  # per radian
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -128,7 +129,8 @@ def gather(solids, beam, near):
         count += 1
         summit = cz + middle * abs(solids.axis[k, 2]) + solids.radius[k]
         top = max(top, highest_elevation(summit, max(distance - bound, 0.0), min(distance + bound, beam.reach)))
-    return count, top
+    # Rounded up, so that the aim serves many pings.
+    return count, math.ceil(top * AIM_STEPS) / AIM_STEPS
 
 
 @kernel

@@ -20,12 +20,12 @@ def trace_pings(problem, poses, rays, step, out):
 
     Return -1 - k if the sonar is inside body k, else 0.
     """
-    launch = Launch(np.empty(rays), np.empty(rays), np.empty(rays), np.empty(rays))
+    port, starboard = empty_launch(rays), empty_launch(rays)
     bundle, hits = empty_bundle(rays), empty_hits(rays)
     near = np.empty(problem.solids.shape.size, np.int64)
     sums = np.empty(problem.bins)
     reach, fan = problem.bins * problem.bin_length, problem.half_width > 0.0
-    aimed_z, aimed_top = math.nan, math.nan
+    aimed_at = np.full((2, 2), math.nan)
     for ping in range(poses.x.size):
         x, y, z = poses.x[ping], poses.y[ping], poses.z[ping]
         body = inside_body(problem.solids, x, y, z)
@@ -37,9 +37,10 @@ def trace_pings(problem, poses, rays, step, out):
             beam = Beam(x, y, z, ahead_x, ahead_y, side_x, side_y, problem.half_width, reach)
             count, top = gather(problem.solids, beam, near)
             top = max(top, highest_elevation(problem.bed.high - z, 0.0, reach))
-            if z != aimed_z or top != aimed_top:
+            launch = port if side == PORT else starboard
+            if z != aimed_at[side, 0] or top != aimed_at[side, 1]:
                 aim(launch, z, top, reach, problem.half_width, problem.law)
-                aimed_z, aimed_top = z, top
+                aimed_at[side, 0], aimed_at[side, 1] = z, top
             turn(launch, beam, bundle)
             if step > 0.0:
                 march_hits(problem.bed, problem.solids, near, count, bundle, reach, step, hits)
@@ -57,6 +58,12 @@ def cast_rays(problem, bundle, reach, hits):
     """Find the first hit of every ray."""
     bodies = np.arange(problem.solids.shape.size)
     first_hits(problem.bed, problem.solids, bodies, bodies.size, bundle, reach, hits)
+
+
+@kernel
+def empty_launch(n):
+    """Room for n rays in the sonar's axes."""
+    return Launch(np.empty(n), np.empty(n), np.empty(n), np.empty(n))
 
 
 @kernel
