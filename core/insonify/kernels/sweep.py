@@ -1,7 +1,7 @@
 """Walk a profile outward from nadir with one running horizon; put what is heard into the bins it spans.
 
-Each heard piece of a segment spreads its energy evenly over the slant range it covers: a density that steps up where the
-piece begins and down where it ends. The steps go into a difference array of integers, one event per knot, and a
+Each heard piece of a segment spreads its energy evenly over the slant range it covers: a density that steps up where
+the piece begins and down where it ends. The steps go into a difference array of integers, one event per knot, and a
 prefix sum turns them into bins. Integers cancel exactly, so what no piece touches is exactly zero and the sum is
 the same in any order. Spreading and absorption depend on range alone and multiply afterwards.
 """
@@ -122,7 +122,7 @@ def _incidences(x, z, slope, area, r, cos_squared):
 
 @kernel
 def _light_scales(r, scale):
-    """Law `light`: a bin takes the radiance itself. The sign makes a segment that comes nearer step up at its far end."""
+    """Law `light`: a bin takes the radiance itself; negative where a segment comes nearer outwards."""
     for i in range(r.size - 1):
         scale[i] = FIXED_POINT if r[i + 1] >= r[i] else -FIXED_POINT
 
@@ -151,6 +151,8 @@ def _sonar_energies(cos_squared, scale, energy):
 def _widen(x, r, wedge, law, width):
     """Width of the strip that each segment stands for, or its share of the beam."""
     far = np.searchsorted(x, wedge.near_field)
+    if 0 < far < x.size and 0.5 * (x[far - 1] + x[far]) > wedge.near_field:
+        far -= 1
     if law == LIGHT:
         for i in range(x.size - 1):
             width[i] = beam_share(0.5 * (x[i] + x[i + 1]), 0.5 * (r[i] + r[i + 1]), wedge)
@@ -207,7 +209,7 @@ def _add_gloss(material, reflectivity, mapped, law, heard):
 
 @kernel
 def _mirrored(cos_squared, law, power, base):
-    """Base of the lobe, max(0, cos 2α), and the factor it multiplies."""
+    """Prepare the base of the lobe, max(0, cos 2α), and the factor it multiplies."""
     for i in range(cos_squared.size):
         mirrored = cos_squared[i] + cos_squared[i] - np.float32(1.0)
         base[i] = mirrored if mirrored > 0 else np.float32(0.0)

@@ -24,7 +24,7 @@ class Fractal(Choice):
     kind: Literal["fractal"] = "fractal"
     beta: float | None = parameter(
         None,
-        description="amplitude exponent of the spectrum; larger is smoother (1.4 when neither beta nor beta_x is given)",
+        description="amplitude exponent of the spectrum; larger is smoother (1.4 if left out)",
         ge=0.0,
         lt=5.0,
         slider=(0.0, 3.0),
@@ -36,11 +36,21 @@ class Fractal(Choice):
         None, description="exponent along the second axis (Model 3)", ge=0.0, lt=5.0, slider=(0.0, 3.0)
     )
     peaks: tuple[Peak, ...] = parameter(
-        ((0.0, 0.0),), unit="cycles/period", description="spectral peaks [fx, fy]", min_length=1, max_length=16,
+        ((0.0, 0.0),),
+        unit="cycles/period",
+        description="spectral peaks [fx, fy]",
+        min_length=1,
+        max_length=16,
         slider=(-64.0, 64.0),
     )
     period: float = parameter(
-        102.4, unit="m", description="length after which the bed repeats", gt=0.0, le=1e6, slider=(12.8, 409.6), log=True
+        102.4,
+        unit="m",
+        description="length after which the bed repeats",
+        gt=0.0,
+        le=1e6,
+        slider=(12.8, 409.6),
+        log=True,
     )
     rms: float = parameter(
         0.05, unit="m", description="rms height over a period", ge=0.0, le=1e4, slider=(0.001, 1.0), log=True
@@ -123,7 +133,7 @@ class Seabed(Declaration):
         nyquist = round(cells) / 2
         if any(max(abs(fx), abs(fy)) > 0 and max(abs(fx), abs(fy)) >= nyquist for fx, fy in relief.peaks):
             raise ValueError(
-                f"relief.peaks {[list(peak) for peak in relief.peaks]} reach the Nyquist frequency of {nyquist:g} cycles "
-                f"per period; keep below it or lessen spacing {self.spacing:g} m"
+                f"relief.peaks {[list(peak) for peak in relief.peaks]} reach the Nyquist frequency of {nyquist:g} "
+                f"cycles per period; keep below it or lessen spacing {self.spacing:g} m"
             )
         return self

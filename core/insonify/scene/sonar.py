@@ -67,7 +67,12 @@ class Sonar(Declaration):
     )
     bins: int = parameter(1000, description="range bins per side", ge=1, le=100_000, slider=(100, 4000), log=True)
     ping_rate: float = parameter(
-        10.0, unit="Hz", description="pings per second, at most c / (2 range)", gt=0.0, le=1e4, slider=(0.5, 50.0),
+        10.0,
+        unit="Hz",
+        description="pings per second, at most c / (2 range)",
+        gt=0.0,
+        le=1e4,
+        slider=(0.5, 50.0),
         log=True,
     )
     law: Literal["sonar", "light"] = parameter(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Tag, field_validator, model_validator
@@ -26,18 +27,22 @@ class Pipe(Target):
     """A straight pipe that may rest on the bed here and span above it there."""
 
     kind: Literal["pipe"] = "pipe"
-    radius: float = parameter(
-        0.5, unit="m", description="outer radius", gt=0.0, le=100.0, slider=(0.05, 2.0), log=True
-    )
+    radius: float = parameter(0.5, unit="m", description="outer radius", gt=0.0, le=100.0, slider=(0.05, 2.0), log=True)
     length: float = parameter(
         20.0, unit="m", description="length along the axis", gt=0.0, le=1e5, slider=(1.0, 200.0), log=True
     )
     heading: float = parameter(
-        0.0, unit="°", description="direction of the axis, counter-clockwise from +x", ge=-360.0, le=360.0,
+        0.0,
+        unit="°",
+        description="direction of the axis, counter-clockwise from +x",
+        ge=-360.0,
+        le=360.0,
         slider=(-180.0, 180.0),
     )
     gap: Gap = parameter(
-        0.0, unit="m", description="height of its underside above the bed: a number, or [[along, gap], ...] from its centre",
+        0.0,
+        unit="m",
+        description="underside above the bed: a number, or [[along, gap], ...] from its centre",
         slider=(0.0, 5.0),
     )
 
@@ -49,7 +54,7 @@ class Pipe(Target):
             raise ValueError("is empty; give a number or at least two [along, gap] pairs")
         if any(height < -100.0 or height > 1000.0 for _, height in stations):
             raise ValueError("must lie between -100 and 1000 m; check its unit")
-        if any(b[0] <= a[0] for a, b in zip(stations, stations[1:])):
+        if any(b[0] <= a[0] for a, b in pairwise(stations)):
             raise ValueError("must run in order of increasing along; sort the pairs and drop doubles")
         return gap
 
@@ -64,9 +69,7 @@ class Sphere(Target):
     """A ball."""
 
     kind: Literal["sphere"] = "sphere"
-    radius: float = parameter(
-        0.5, unit="m", description="radius", gt=0.0, le=100.0, slider=(0.05, 2.0), log=True
-    )
+    radius: float = parameter(0.5, unit="m", description="radius", gt=0.0, le=100.0, slider=(0.05, 2.0), log=True)
 
 
 def _target_kind(value: Any) -> str:

@@ -20,7 +20,11 @@ class Track(Declaration):
 
     start: tuple[float, float] = parameter((0.0, 0.0), unit="m", description="position of the first ping")
     heading: float = parameter(
-        0.0, unit="°", description="direction of travel, counter-clockwise from +x", ge=-360.0, le=360.0,
+        0.0,
+        unit="°",
+        description="direction of travel, counter-clockwise from +x",
+        ge=-360.0,
+        le=360.0,
         slider=(-180.0, 180.0),
     )
     altitude: float | None = parameter(
@@ -32,7 +36,12 @@ class Track(Declaration):
         slider=(2.0, 50.0),
     )
     depth: float | None = parameter(
-        None, unit="m", description="depth of the sonar, instead of its altitude", ge=0.0, le=11000.0, slider=(0.0, 200.0)
+        None,
+        unit="m",
+        description="depth of the sonar, instead of its altitude",
+        ge=0.0,
+        le=11000.0,
+        slider=(0.0, 200.0),
     )
     speed: float = parameter(2.0, unit="m/s", description="speed over ground", gt=0.0, le=50.0, slider=(0.1, 5.0))
     pings: int = parameter(512, description="number of pings", ge=1, le=100_000_000, slider=(64, 2048), log=True)

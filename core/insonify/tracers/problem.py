@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,7 +110,7 @@ def _solids(scene: Scene, ground: Ground, reflectivities: list[Reflectivity]) ->
             centre = _sphere_centre(target.position, target.radius, ground, number)
             rows.append((SPHERE, centre, np.zeros(3), 0.0, target.radius, material, number))
             continue
-        for first, last in zip(joints, joints[1:]):
+        for first, last in pairwise(joints):
             length = float(np.linalg.norm(last - first))
             rows.append((CYLINDER, first, (last - first) / length, length, target.radius, material, number))
         # A ball in every elbow closes the wedge between two straight stretches.

@@ -17,8 +17,8 @@ from insonify.tracers.parallel import in_parallel
 # Up to this multiple of the altitude the beam's cone is followed azimuth by azimuth; beyond it, where cos θ > 0.9,
 # the inner planes stretch with it.
 NEAR_FIELD = 2.0647
-# Inner planes lie this much further out than the beam's half width divided among them: in the far field a plane at azimuth
-# φ stands for the beam direction φ cos θ, with cos θ between 0.9 and 1.
+# Inner planes lie this much further out than the half width divided among them: in the far field a plane at azimuth φ
+# stands for the beam direction φ cos θ, with cos θ between 0.9 and 1.
 SPLAY = 1.04
 OUTER_RATIO = 1.4  # of one outer wedge's end to its beginning
 
