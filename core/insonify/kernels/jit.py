@@ -9,8 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numba
 import platformdirs
+from numba import njit
+from numba.core import config
 
 # Every licence that keeps NaN and infinity meaningful: guards against them must survive.
 FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
@@ -23,8 +24,8 @@ def _cache_folder() -> str:
     Numba notices a change in a kernel's own file, not in those of the kernels it calls; a folder named after all of
     them cannot serve stale code. It also lies where the user may write, wherever the package is installed.
     """
-    if numba.config.CACHE_DIR:
-        return str(numba.config.CACHE_DIR)
+    if config.CACHE_DIR:
+        return str(config.CACHE_DIR)
     digest = hashlib.sha256()
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
@@ -44,10 +45,10 @@ _FOLDER = _cache_folder()
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function as a kernel of this package."""
     # Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
-    compiled = numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = _FOLDER
+    compiled = njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+    before = config.CACHE_DIR
+    config.CACHE_DIR = _FOLDER
     try:
-        return compiled(function)  # type: ignore[no-any-return]
+        return compiled(function)
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before

@@ -34,9 +34,9 @@ class Profile(NamedTuple):
 
 def empty_profile(capacity: int) -> Profile:
     """Make room for profiles of up to ``capacity`` knots."""
-    single = [np.zeros(capacity, np.float32) for _ in range(5)]
-    material = np.zeros(capacity, np.int64)
-    return Profile(np.zeros(capacity), np.zeros(capacity), *single[:2], material, *single[2:])
+    x, z = np.zeros(capacity), np.zeros(capacity)
+    slope, area, across, low, high = (np.zeros(capacity, np.float32) for _ in range(5))
+    return Profile(x, z, slope, area, np.zeros(capacity, np.int64), across, low, high)
 
 
 def profile_capacity(reach: float, spacing: float) -> int:

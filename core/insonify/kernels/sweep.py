@@ -56,9 +56,10 @@ class Heard(NamedTuple):
 
 def empty_heard(capacity: int) -> Heard:
     """Make room for profiles of up to ``capacity`` knots."""
-    single = [np.zeros(capacity, np.float32) for _ in range(7)]
-    whole = [np.zeros(capacity, np.int64) for _ in range(2)]
-    return Heard(np.zeros(capacity), *single, np.zeros(capacity, np.bool_), *whole)
+    launch, horizon, cos_squared, scale, energy, power, base = (np.zeros(capacity, np.float32) for _ in range(7))
+    r, cut = np.zeros(capacity), np.zeros(capacity, np.bool_)
+    early, late = np.zeros(capacity, np.int64), np.zeros(capacity, np.int64)
+    return Heard(r, launch, horizon, cos_squared, scale, energy, power, base, cut, early, late)
 
 
 @kernel
