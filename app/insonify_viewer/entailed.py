@@ -33,7 +33,7 @@ def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """
     complete: Changes = {}
     remarks = []
-    for rule in (_ping_rate, _sonar_height, _spectrum, _named_numbers, _material_map):
+    for rule in (_ping_rate, _sonar_height, _spectrum, _named_numbers, _shares, _material_map):
         extra, remark = rule(scene, changes)
         complete |= extra
         if remark:
@@ -85,6 +85,29 @@ def _named_numbers(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, s
     """Let a material just named show its own numbers."""
     owners = [path.removesuffix(".name") for path in changes if path.endswith(".name") and "material" in path]
     return {f"{owner}.{number}": None for owner in owners for number in NUMBERS}, ""
+
+
+def _shares(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Let the specular share make room for the diffuse one, and the other way round."""
+    for path, share in changes.items():
+        owner, _, name = path.rpartition(".")
+        if name not in ("diffuse", "specular") or not _positive(share) or share > 1.0:
+            continue
+        other = "specular" if name == "diffuse" else "diffuse"
+        material = _at(scene, owner)
+        room = round(1.0 - share, 12)
+        if isinstance(material, Material) and getattr(material.reflectivity, other) > room:
+            return {f"{owner}.{other}": room}, f"{other} share lowered to {room:.4g}: no more can return than arrives"
+    return {}, ""
+
+
+def _at(scene: Scene, path: str) -> Any:
+    """Part of a scene by its dotted path, None where there is none."""
+    place: Any = scene
+    for step in path.split("."):
+        is_position = isinstance(place, tuple) and step.isdigit() and int(step) < len(place)
+        place = place[int(step)] if is_position else getattr(place, step, None)
+    return place
 
 
 def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:

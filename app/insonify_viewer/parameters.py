@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
@@ -12,7 +13,7 @@ from pydantic.fields import FieldInfo
 from insonify.scene import Scene
 from insonify.scene.edit import kind_name, models_of
 from insonify.scene.materials import MATERIALS, Material
-from insonify.scene.seabed import Fractal
+from insonify.scene.seabed import Dem, Fractal
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
 PAIR_NAMES = {"peaks": ("fx", "fy"), "gap": ("along", "height"), "position": ("x", "y", "z"), "start": ("x", "y")}
@@ -76,7 +77,8 @@ class Section:
     def structure(self) -> tuple[Any, ...]:
         """What the widgets depend on apart from the values."""
         return tuple(
-            (type(p), p.path, p.label, p.options if isinstance(p, Choice) else p.slider) for p in self.parameters
+            (type(p), p.path, p.label, p.options if isinstance(p, Choice) else p.slider is None)
+            for p in self.parameters
         )
 
 
@@ -138,7 +140,7 @@ def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) 
     elif not isinstance(value, str):
         applies = _value_that_applies(scene, part, name) if value is None else value
         if applies is not None:
-            yield _number(field, path, label, indent, applies)
+            yield _number(field, path, label, indent, applies, most=_most(scene, path))
 
 
 def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Number | Choice]:
@@ -166,10 +168,11 @@ def _of_tuple(
                 yield _renamed(parameter, f"material {index + 1}", indent) if is_name else parameter
         elif isinstance(item, tuple):
             for k, number in enumerate(item):
-                is_place = name == "gap" and k == 0
-                yield _number(field, f"{place}.{k}", f"{single} {index + 1} {axes[k]}", indent, number, place=is_place)
+                between = _neighbours(value, index) if name == "gap" and k == 0 else None
+                yield _number(field, f"{place}.{k}", f"{single} {index + 1} {axes[k]}", indent, number, ends=between)
         else:
-            yield _number(field, place, f"{name} {axes[index]}", indent, item, place=True)
+            about_origin = (min(-PLACE_REACH, item), max(PLACE_REACH, item))
+            yield _number(field, place, f"{name} {axes[index]}", indent, item, ends=about_origin)
 
 
 def _renamed(parameter: Number | Choice, label: str, indent: int) -> Choice:
@@ -177,13 +180,20 @@ def _renamed(parameter: Number | Choice, label: str, indent: int) -> Choice:
     return Choice(parameter.path, label, parameter.tooltip, indent, parameter.value, parameter.options)
 
 
-def _number(field: FieldInfo, path: str, label: str, indent: int, value: float, *, place: bool = False) -> Number:
-    """Describe one number by its field's metadata; a place has a slider about the origin."""
+def _number(
+    field: FieldInfo,
+    path: str,
+    label: str,
+    indent: int,
+    value: float,
+    *,
+    ends: tuple[float, float] | None = None,
+    most: float = math.inf,
+) -> Number:
+    """Describe one number by its field's metadata; ``ends`` stand for its slider's, ``most`` caps the upper one."""
     extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
-    ends: Any = extra.get("slider")
-    slider = None if ends is None else (float(ends[0]), float(ends[1]))
-    if place:
-        slider = (min(-PLACE_REACH, value), max(PLACE_REACH, value))
+    useful: Any = ends or extra.get("slider")
+    slider = None if useful is None else (float(useful[0]), max(min(float(useful[1]), most), float(useful[0]) * 1.001))
     return Number(
         path=path,
         label=label,
@@ -192,9 +202,25 @@ def _number(field: FieldInfo, path: str, label: str, indent: int, value: float, 
         indent=indent,
         value=float(value),
         slider=slider,
-        log=bool(extra.get("log")) and not place,
+        log=bool(extra.get("log")) and ends is None,
         integer=field.annotation is int,
     )
+
+
+def _neighbours(stations: tuple[tuple[float, float], ...], index: int) -> tuple[float, float]:
+    """Room of a station between those before and after it, which it may not pass."""
+    low = stations[index - 1][0] if index else min(-PLACE_REACH, stations[0][0])
+    high = stations[index + 1][0] if index + 1 < len(stations) else max(PLACE_REACH, stations[-1][0])
+    margin = 0.01 * (high - low)
+    return low + margin * (index > 0), high - margin * (index + 1 < len(stations))
+
+
+def _most(scene: Scene, path: str) -> float:
+    """Largest value that the rest of the scene allows."""
+    limits = {"sonar.ping_rate": scene.water.sound_speed / (2.0 * scene.sonar.range)}
+    if not isinstance(scene.seabed.relief, Dem):
+        limits |= {"track.altitude": scene.seabed.depth, "track.depth": 0.999 * scene.seabed.depth}
+    return limits.get(path, math.inf)
 
 
 def _stands_aside(part: BaseModel, name: str) -> bool:

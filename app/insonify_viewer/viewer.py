@@ -60,7 +60,8 @@ class Viewer(QObject):
         self._seabed = Seabed(self.simulator, accelerated=accelerated)
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = scene
-        self._answer: Answer | None = None
+        self._answer: Answer | None = None  # the last one that fits the record
+        self._started = False
         self._levels_due = True
         self._levels, self._gain = (0.0, 1.0), 1.0
         self._clock = QTimer(self)
@@ -174,6 +175,10 @@ class Viewer(QObject):
             self._number += 1
             self._traced = scene
         self._fine = settled
+        if not self._holds(scene):
+            self.record = Record(_pings_held(scene), scene.sonar.bins)
+            self._answer = None
+            self._show_geometry(scene)
         self._show_scene()
         self._ask()
 
@@ -204,10 +209,6 @@ class Viewer(QObject):
 
     def _missing(self) -> NDArray[np.int64]:
         """Pings that ought to be on screen and are not."""
-        scene = self.session.scene
-        if not self._holds(scene):
-            self.record = Record(_pings_held(scene), scene.sonar.bins)
-            self._show_geometry(scene)
         return self.record.missing(self.tow.top, 2 * self._number + self._fine)
 
     def _holds(self, scene: Scene) -> bool:
@@ -224,8 +225,7 @@ class Viewer(QObject):
         scene = answer.simulation.scene
         if not self._holds(scene):
             return
-        first = self._answer is None
-        if first or scene is not self._answer_scene():
+        if self._answer is None or scene is not self._answer.simulation.scene:
             self._show_geometry(scene)
         self._answer = answer
         age = self.tow.top - answer.pings
@@ -237,13 +237,11 @@ class Viewer(QObject):
         self.window.waterfall.show_top(self._newest_held())
         self._show_sonar()
         self._show_mark(self.session.mark)
-        if first:
+        if not self._started:
+            self._started = True
             self.window.panel.setEnabled(True)
             self.window.show_busy("")
             self.window.say(scene.title)
-
-    def _answer_scene(self) -> Scene | None:
-        return None if self._answer is None else self._answer.simulation.scene
 
     def _newest_held(self) -> int:
         """Ping for the top: while the tow runs, the newest that has arrived."""
@@ -254,7 +252,7 @@ class Viewer(QObject):
         if number != self._number:
             return
         self._refused = number
-        if self._answer is None:
+        if not self._started:
             self.failure = sentence
             self.window.show_busy("")
         else:

@@ -97,6 +97,28 @@ def test_altitude_and_depth_take_turns(default: Scene) -> None:
     assert session.scene.track.depth is None
 
 
+def test_diffuse_and_specular_share_what_arrives(default: Scene) -> None:
+    session = Session(default)
+    sentences = heard(session)
+    assert session.settle({"targets.0.material.diffuse": 0.8})
+    assert session.scene.targets[0].material.specular == 0.2
+    assert "specular share lowered to 0.2" in sentences[-1]
+
+
+def test_sliders_end_where_the_scene_does(default: Scene) -> None:
+    found = parameters(default)
+    assert found["sonar.ping_rate"].slider == (0.5, 15.0)
+    assert found["track.altitude"].slider == (2.0, 30.0)
+    assert found["targets.0.gap.1.0"].slider == pytest.approx((-27.78, -6.22))
+    for path, parameter in found.items():
+        if isinstance(parameter, Number) and parameter.slider and path not in ("seabed.depth", "seabed.spacing"):
+            for end in parameter.slider:
+                if path not in ("seabed.relief.period", "seabed.relief.peaks.0.0"):
+                    value = int(end) if parameter.integer else end
+                    session = Session(default)
+                    assert session.settle({path: value}), (path, end)
+
+
 def test_drag_starts_from_what_is_settled(default: Scene) -> None:
     session = Session(default)
     changes: list[tuple[float, bool]] = []
@@ -121,8 +143,8 @@ def test_refused_scene_leaves_no_way_forward(default: Scene) -> None:
 def test_refusal_is_one_sentence(default: Scene) -> None:
     session = Session(default)
     sentences = heard(session)
-    assert not session.settle({"seabed.material.diffuse": 0.95})
-    assert "more than arrives" in sentences[-1]
+    assert not session.settle({"seabed.depth": 5.0})
+    assert "above the surface" in sentences[-1]
     assert session.scene == default
 
 

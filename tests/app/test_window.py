@@ -156,13 +156,13 @@ def test_material_name_turns_into_its_numbers(open_viewer: Any, small: Scene) ->
 
 def test_refused_edit_is_said_and_the_slider_returns(open_viewer: Any, small: Scene) -> None:
     viewer = open_viewer(small)
-    row = number_row(viewer, "track.altitude")
+    row = number_row(viewer, "seabed.depth")
     home = row.slider.value()
-    drag(viewer, "track.altitude", 1000).setSliderDown(False)
+    drag(viewer, "seabed.depth", 0).setSliderDown(False)
     assert "above the surface" in viewer.window._sentence.text()
     assert viewer.session.scene == small
     assert row.slider.value() == home
-    assert row.field.text() == "10 m"
+    assert row.field.text() == "30 m"
 
 
 def test_core_refusal_goes_back(open_viewer: Any, small: Scene, qtbot: Any) -> None:
