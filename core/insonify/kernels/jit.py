@@ -9,10 +9,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numba.core.config
 import platformdirs
 from numba import njit
-from numba.core import config
 
+SETTINGS: Any = numba.core.config
 # Every licence that keeps NaN and infinity meaningful: guards against them must survive.
 FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
 KEPT = 30 * 86400.0  # seconds for which machine code of other versions is kept
@@ -24,8 +25,8 @@ def _cache_folder() -> str:
     Numba notices a change in a kernel's own file, not in those of the kernels it calls; a folder named after all of
     them cannot serve stale code. It also lies where the user may write, wherever the package is installed.
     """
-    if config.CACHE_DIR:
-        return str(config.CACHE_DIR)
+    if SETTINGS.CACHE_DIR:
+        return str(SETTINGS.CACHE_DIR)
     digest = hashlib.sha256()
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
@@ -46,9 +47,9 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function as a kernel of this package."""
     # Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
     compiled = njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
-    before = config.CACHE_DIR
-    config.CACHE_DIR = _FOLDER
+    before = SETTINGS.CACHE_DIR
+    SETTINGS.CACHE_DIR = _FOLDER
     try:
         return compiled(function)
     finally:
-        config.CACHE_DIR = before
+        SETTINGS.CACHE_DIR = before

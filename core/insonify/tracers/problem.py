@@ -31,7 +31,7 @@ def make_problem(scene: Scene, ground: Ground) -> Problem:
     solids = _solids(scene, ground, reflectivities)
     sonar = scene.sonar
     bin_length = sonar.range / sonar.bins / scene.water.range_scale
-    centres: NDArray[np.float64] = (np.arange(sonar.bins) + 0.5) * bin_length
+    centres = (np.arange(sonar.bins, dtype=np.float64) + 0.5) * np.float64(bin_length)
     return Problem(
         bed=make_bed(ground),
         solids=solids,
