@@ -92,10 +92,10 @@ class Seabed:
             self._view = None
 
     def _import(self) -> None:
-        import pyvista  # noqa: F401 - a second of imports, off the main thread
+        # A second or two of imports, off the main thread.
+        from insonify_viewer.views.seabed_view import load_libraries
 
-        if self._accelerated:
-            import pyvistaqt  # noqa: F401
+        load_libraries(accelerated=self._accelerated)
 
     def _build(self, put: Callable[[QWidget], None]) -> None:
         from insonify_viewer.views.seabed_view import SeabedView

@@ -16,8 +16,7 @@ from PySide6.QtWidgets import QApplication
 from stand_in import StandIn
 
 from insonify.scene import Scene, edit, load_scene
-from insonify_viewer.application import dress, has_opengl
-from insonify_viewer.viewer import Viewer
+from insonify_viewer.application import Viewer, dress, has_opengl
 
 Opener = Callable[..., Viewer]
 

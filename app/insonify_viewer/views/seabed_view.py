@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +31,12 @@ FOCUS = (-0.22, 0.0, -0.20)
 VIEW_ANGLE = 54.0
 FISH = 0.075  # length in slant ranges: larger than life, to be seen
 REST = 4.0  # between two drawings, in drawing times: the window has other things to do
+
+
+def load_libraries(*, accelerated: bool) -> None:
+    """Import what a view needs beyond this module, so that building it is quick."""
+    if accelerated:
+        import_module("pyvistaqt")
 
 
 class SeabedView(QWidget):
