@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from insonify.kernels.jit import kernel
+from insonify.kernels.jit import fused
 
 FIXED_POINT = float(2**38)  # integers per unit of energy per bin
 
 
-@kernel
+@fused
 def step(bins, position, change, last):
     """Let the density change by ``change`` at ``position`` (in bins); what lies past the last bin is dropped."""
     if position < last:
@@ -22,7 +22,7 @@ def step(bins, position, change, last):
         bins[k + 1] += late
 
 
-@kernel
+@fused
 def spread(bins, near, far, energy, last):
     """Spread an energy (in fixed-point units) evenly over [near, far), in bins."""
     if far < near:
@@ -37,7 +37,7 @@ def spread(bins, near, far, energy, last):
         bins[k + 1] -= np.int64(energy)
 
 
-@kernel
+@fused
 def accumulate(bins, factor, out):
     """Prefix-sum a difference array into bins and apply what depends on range alone; clear the array."""
     total = np.int64(0)

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from insonify.kernels.bins import FIXED_POINT, spread
-from insonify.kernels.jit import kernel
+from insonify.kernels.jit import fused, kernel
 from insonify.kernels.scatter import strength
 from insonify.kernels.types import LIGHT
 from insonify.kernels.wedge import beam_share, strip_width
@@ -60,7 +60,7 @@ def _monotone(surface, x_from, x_to, wedge, law, bin_length, bins):
         near = far
 
 
-@kernel
+@fused
 def _deposit_part(surface, x_from, x_to, near, far, wedge, law, bin_length, bins):
     """Spread the energy of one part evenly over the slant ranges it spans, ``near`` to ``far``."""
     per_bin, stretch = 1.0 / bin_length, math.sqrt(surface.area)
@@ -75,7 +75,7 @@ def _deposit_part(surface, x_from, x_to, near, far, wedge, law, bin_length, bins
     spread(bins, near * per_bin, far * per_bin, energy * FIXED_POINT, bins.size - 2)
 
 
-@kernel
+@fused
 def slant(surface, x):
     """Slant range of a segment at ground range x."""
     z = surface.offset + surface.slope * x

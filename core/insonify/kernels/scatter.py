@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.jit import kernel
+from insonify.kernels.jit import fused
 from insonify.kernels.types import LIGHT, SONAR
 
 INVERSE_PI = 1.0 / math.pi
 
 
-@kernel
+@fused
 def lobe(cos_squared, shininess):
     """Phong's max(0, R·V)ⁿ; monostatic, R·V = cos 2α = 2 cos²α − 1."""
     mirrored = 2.0 * cos_squared - 1.0
@@ -32,14 +32,14 @@ def lobe(cos_squared, shininess):
     return result
 
 
-@kernel
+@fused
 def gloss(cos_squared, specular, shininess, law):
     """Phong's part of either law, from cos²α."""
     value = specular * lobe(cos_squared, shininess)
     return value if law == LIGHT else value * cos_squared * (shininess + 2.0) * (0.5 * INVERSE_PI)
 
 
-@kernel
+@fused
 def radiance(cos_incidence, diffuse, specular, shininess):
     """Radiance of law `light`: I = k_d cos α + k_s max(0, R·V)ⁿ (paper, Lambert and Phong)."""
     if cos_incidence <= 0.0:
@@ -47,7 +47,7 @@ def radiance(cos_incidence, diffuse, specular, shininess):
     return diffuse * cos_incidence + gloss(cos_incidence * cos_incidence, specular, shininess, LIGHT)
 
 
-@kernel
+@fused
 def backscatter(cos_incidence, diffuse, specular, shininess):
     """Backscattering cross-section of unit area, law `sonar`: cos²α (k_d/π + k_s (n+2)/(2π) cosⁿ 2α)."""
     if cos_incidence <= 0.0:
@@ -56,7 +56,7 @@ def backscatter(cos_incidence, diffuse, specular, shininess):
     return cos_squared * diffuse * INVERSE_PI + gloss(cos_squared, specular, shininess, SONAR)
 
 
-@kernel
+@fused
 def strength(cos_incidence, diffuse, specular, shininess, law):
     """Radiance or backscattering cross-section, as the law has it."""
     if law == LIGHT:

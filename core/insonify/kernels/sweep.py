@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bins import FIXED_POINT, accumulate
-from insonify.kernels.jit import kernel
+from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import FINE, Surface, deposit_piece
 from insonify.kernels.scatter import INVERSE_PI, gloss
 from insonify.kernels.slice import slice_bed
@@ -62,7 +62,7 @@ def empty_heard(capacity: int) -> Heard:
     return Heard(r, launch, horizon, cos_squared, scale, energy, power, base, cut, early, late)
 
 
-@kernel
+@fused
 def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
     """Tell which segments of a profile are heard whole, and how loud, and which must be cut first.
 
@@ -89,13 +89,13 @@ def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
     _silence(heard.launch[:count], heard.horizon, heard.cut, heard.energy)
 
 
-@kernel
+@fused
 def _slant_ranges(x, z, r):
     for i in range(x.size):
         r[i] = math.sqrt(x[i] * x[i] + z[i] * z[i])
 
 
-@kernel
+@fused
 def _launch_slopes(x, z, launch):
     for i in range(x.size):
         launch[i] = z[i] / x[i]
@@ -103,7 +103,7 @@ def _launch_slopes(x, z, launch):
         launch[0] = NADIR  # straight down, whatever the knot's height
 
 
-@kernel
+@fused
 def _horizons(launch, horizon):
     highest = np.float32(NADIR)
     for i in range(launch.size):
@@ -112,7 +112,7 @@ def _horizons(launch, horizon):
         horizon[i] = highest
 
 
-@kernel
+@fused
 def _incidences(x, z, slope, area, r, cos_squared):
     """Cosine squared of the incidence at the middle, from the height of the segment's line over nadir."""
     for i in range(x.size - 1):
@@ -121,20 +121,20 @@ def _incidences(x, z, slope, area, r, cos_squared):
         cos_squared[i] = offset * offset / (middle * middle * area[i])
 
 
-@kernel
+@fused
 def _light_scales(r, scale):
     """Law `light`: a bin takes the radiance itself; negative where a segment comes nearer outwards."""
     for i in range(r.size - 1):
         scale[i] = FIXED_POINT if r[i + 1] >= r[i] else -FIXED_POINT
 
 
-@kernel
+@fused
 def _light_energies(cos_squared, scale, energy):
     for i in range(cos_squared.size):
         energy[i] = math.sqrt(cos_squared[i]) * scale[i]
 
 
-@kernel
+@fused
 def _sonar_scales(x, area, r, bin_length, scale):
     """Law `sonar`: area over slant range, of a strip 1 m wide; negative where a segment comes nearer outwards."""
     unit = FIXED_POINT * bin_length
@@ -142,13 +142,13 @@ def _sonar_scales(x, area, r, bin_length, scale):
         scale[i] = unit * math.sqrt(area[i]) * (x[i + 1] - x[i]) / (r[i + 1] - r[i])
 
 
-@kernel
+@fused
 def _sonar_energies(cos_squared, scale, energy):
     for i in range(cos_squared.size):
         energy[i] = cos_squared[i] * (np.float32(INVERSE_PI) * scale[i])
 
 
-@kernel
+@fused
 def _widen(x, r, wedge, law, width):
     """Width of the strip that each segment stands for, or its share of the beam."""
     far = np.searchsorted(x, wedge.near_field)
@@ -169,14 +169,14 @@ def _widen(x, r, wedge, law, width):
         width[i] = strip_width(0.5 * (x[i] + x[i + 1]), 0.5 * (r[i] + r[i + 1]), wedge)
 
 
-@kernel
+@fused
 def _multiply(factor, scale, energy):
     for i in range(factor.size):
         scale[i] *= factor[i]
         energy[i] *= factor[i]
 
 
-@kernel
+@fused
 def _colour(material, reflectivity, mapped, energy):
     """Apply the diffuse share of each segment's material."""
     if mapped:
@@ -188,7 +188,7 @@ def _colour(material, reflectivity, mapped, energy):
             energy[i] *= diffuse
 
 
-@kernel
+@fused
 def _add_gloss(material, reflectivity, mapped, law, heard):
     """Add the Phong lobe, which is gone past 45 degrees of incidence."""
     first = reflectivity[material[0]]
@@ -208,7 +208,7 @@ def _add_gloss(material, reflectivity, mapped, law, heard):
             heard.energy[i] += heard.scale[i] * gloss(heard.cos_squared[i], row[1], row[2], law)
 
 
-@kernel
+@fused
 def _mirrored(cos_squared, law, power, base):
     """Prepare the base of the lobe, max(0, cos 2α), and the factor it multiplies."""
     for i in range(cos_squared.size):
@@ -217,7 +217,7 @@ def _mirrored(cos_squared, law, power, base):
         power[i] = np.float32(1.0) if law == LIGHT else cos_squared[i]
 
 
-@kernel
+@fused
 def _raise(base, exponent, power):
     """Multiply ``power`` by base to a whole exponent, by repeated squaring; overwrites the base."""
     while exponent > 0:
@@ -229,13 +229,13 @@ def _raise(base, exponent, power):
         exponent >>= 1
 
 
-@kernel
+@fused
 def _add_product(power, scale, share, energy):
     for i in range(power.size):
         energy[i] += power[i] * scale[i] * np.float32(share)
 
 
-@kernel
+@fused
 def _mark_cut(x, slope, r, launch, horizon, hidden_from, hidden_to, cut):
     """Segments in sight that are not heard as one piece of one density.
 
@@ -250,7 +250,7 @@ def _mark_cut(x, slope, r, launch, horizon, hidden_from, hidden_to, cut):
         cut[i] = (launch[i + 1] > horizon[i]) & (emerges | covered | uneven)
 
 
-@kernel
+@fused
 def _silence(launch, horizon, cut, energy):
     """Leave energy only to segments heard whole: those whose far end rises above the horizon.
 
@@ -260,7 +260,7 @@ def _silence(launch, horizon, cut, energy):
         energy[i] = energy[i] if (launch[i + 1] > horizon[i]) & (not cut[i]) else np.float32(0.0)
 
 
-@kernel
+@fused
 def deposit(profile, count, problem, wedge, view, covers, covering, heard, bins):
     """Put the energy of all heard pieces of a profile into the difference array ``bins``.
 
@@ -301,7 +301,7 @@ def deposit(profile, count, problem, wedge, view, covers, covering, heard, bins)
                 )
 
 
-@kernel
+@fused
 def _steps(energy, change):
     """By how much the density changes at each knot."""
     n = energy.size
@@ -311,7 +311,7 @@ def _steps(energy, change):
     change[n] = -np.int64(energy[n - 1])
 
 
-@kernel
+@fused
 def _split(r, per_bin, early, late):
     """Share each step between the bin it falls in and the next."""
     for i in range(r.size):
@@ -322,7 +322,7 @@ def _split(r, per_bin, early, late):
         early[i] -= late[i]
 
 
-@kernel
+@fused
 def sweep_plane(problem, view, wedge, reach, profile, covers, heard, bins):
     """Slice one plane, hear it, deposit it; return 0, or -1 - k if the sonar is inside body k."""
     covering = find_covers(problem.solids, view, reach, covers)
@@ -367,7 +367,7 @@ def sweep_pings(problem, poses, planes, profile, heard, covers, out):
     return 0
 
 
-@kernel
+@fused
 def on_grid(component):
     """Direction component with rounding dust removed, so that a track along the grid stays on it."""
     return 0.0 if abs(component) < 1e-12 else component

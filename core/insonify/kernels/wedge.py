@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.jit import kernel
+from insonify.kernels.jit import fused
 
 
 class Wedge(NamedTuple):
@@ -20,7 +20,7 @@ class Wedge(NamedTuple):
     span: float  # azimuth of the whole beam in the far field, rad
 
 
-@kernel
+@fused
 def strip_width(x, r, wedge):
     """Along-track width that a plane stands for at ground range x, slant range r; 1 m for a knife.
 
@@ -35,7 +35,7 @@ def strip_width(x, r, wedge):
     return x * wedge.angle * min(max(share, 0.0), 1.0)
 
 
-@kernel
+@fused
 def beam_share(x, r, wedge):
     """Share of the beam's azimuths at that place which the plane stands for; law `light` averages with it."""
     if wedge.angle == 0.0:
