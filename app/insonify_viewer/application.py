@@ -154,9 +154,18 @@ class Viewer(QObject):
         self.window.panel.setEnabled(False)
         self.window.show_busy(FIRST_START)
         self._seabed.load(self.window.put_seabed)
-        self._ask()
+        self.simulator.prepare(self.session.scene, self._show_first)
         self._ticked = time.perf_counter()
         self._clock.start()
+
+    def _show_first(self, simulation: Any) -> None:
+        """Show the scene as soon as it is prepared, before the first pings are traced."""
+        if isinstance(simulation, SceneError):
+            self._refuse(self._number, str(simulation))
+            return
+        silence = np.zeros(2 * simulation.problem.bins, dtype=np.float32)
+        self._seabed.show_sonar(simulation, self.tow.top, silence)
+        self._ask()
 
     def show_palette(self, name: str) -> None:
         """Colour the record by a palette."""

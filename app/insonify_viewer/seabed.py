@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.scene import SceneError
 from insonify_viewer.simulation import Simulator
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ class Seabed:
         self._bed: _Bed | None = None
         self._solids: Solids | None = None
         self._baking = 0
+        self._laid = False
 
     @property
     def view(self) -> SeabedView | None:
@@ -111,16 +113,17 @@ class Seabed:
 
         self._baking += 1
         number = self._baking
-        self._simulator.send_patiently(
-            lambda: (bed_patch(*bed), targets_mesh(solids)), lambda baked: self._lay(number, *baked)
-        )
+        # The first bed is wanted before the kernels compile, a later one gives way to the record.
+        send = self._simulator.send_patiently if self._laid else self._simulator.send
+        send(lambda: (bed_patch(*bed), targets_mesh(solids)), lambda baked: self._lay(number, baked))
 
-    def _lay(self, number: int, patch: BedPatch, targets: Any) -> None:
+    def _lay(self, number: int, baked: tuple[BedPatch, Any] | SceneError) -> None:
         if number == self._baking:
             self._baking = 0
-        if self._view is not None:
-            self._view.show_bed(patch)
-            self._view.show_targets(targets)
+        self._laid = True
+        if self._view is not None and not isinstance(baked, SceneError):
+            self._view.show_bed(baked[0])
+            self._view.show_targets(baked[1])
 
 
 def _same(first: Solids | None, second: Solids) -> bool:

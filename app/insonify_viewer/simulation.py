@@ -113,10 +113,14 @@ class Simulator(QObject):
             self._waiting = request
             self._changed.notify()
 
+    def prepare(self, scene: Scene, receive: Callable[[Any], None]) -> None:
+        """Make a scene ready without tracing it, and hand its `Simulation` or a `SceneError` to the main thread."""
+        self.send(lambda: self._prepared(Request(0, scene, np.empty(0, np.int64), fine=True))[0], receive)
+
     def send(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
         """Run something on the worker, before any request, and hand its result to the main thread.
 
-        A `SceneError` raised by the errand is handed over as the result.
+        What goes wrong with the errand is handed over as a `SceneError`.
         """
         with self._changed:
             self._errands.append((errand, receive))
@@ -218,3 +222,5 @@ def _result(errand: Callable[[], Any]) -> Any:
         return errand()
     except SceneError as error:
         return error
+    except Exception as error:
+        return SceneError(f"this cannot be shown ({type(error).__name__}: {error}); go back to another scene")
