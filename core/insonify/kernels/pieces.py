@@ -82,7 +82,7 @@ def slant(surface, x):
     return math.sqrt(x * x + z * z)
 
 
-@kernel
+@fused
 def next_open(low, high, in_front, count, start, stop):
     """Return the first stretch of launch angles in [start, stop] that no cover in front hides; empty if none."""
     moved = True

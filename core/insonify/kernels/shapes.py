@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.jit import kernel
+from insonify.kernels.jit import fused, kernel
 from insonify.kernels.types import SPHERE
 
 MISSED = math.inf
 
 
-@kernel
+@fused
 def meet_solid(solids, k, x, y, z, dx, dy, dz):
     """Meet body k along a unit direction: (distance, nx, ny, nz), the distance infinite if the ray misses."""
     cx, cy, cz = solids.start[k, 0] - x, solids.start[k, 1] - y, solids.start[k, 2] - z

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bins import FIXED_POINT, spread
-from insonify.kernels.jit import kernel
+from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import deposit_piece, next_open
 from insonify.kernels.scatter import strength
 from insonify.kernels.shapes import meet_solid
@@ -49,12 +49,20 @@ class View(NamedTuple):
     ey: float
 
 
-@kernel
+@fused
 def find_covers(solids, view, reach, covers):
     """Collect the bodies a plane cuts; return their number, -1 - k if the sonar is inside body k."""
     count = 0
     for k in range(solids.shape.size):
-        status, low, high = section(solids, k, view, reach)
+        # Most bodies lie off most planes: ask first about a ball around each.
+        half, radius = 0.5 * solids.length[k], solids.radius[k]
+        mx = solids.start[k, 0] + half * solids.axis[k, 0] - view.x
+        my = solids.start[k, 1] + half * solids.axis[k, 1] - view.y
+        along, across = mx * view.ex + my * view.ey, mx * view.ey - my * view.ex
+        bound = half + radius
+        if abs(across) >= bound or along <= -bound or along >= reach + bound:
+            continue
+        status, low, high = section(solids, k, view)
         if status < 0:
             return -1 - k
         if status > 0:
@@ -63,7 +71,7 @@ def find_covers(solids, view, reach, covers):
     return count
 
 
-@kernel
+@fused
 def hidden_slopes(covers, count):
     """Slopes between which any body may hide the bed."""
     low, high = NEVER, -NEVER
@@ -73,20 +81,16 @@ def hidden_slopes(covers, count):
     return low, high
 
 
-@kernel
-def section(solids, k, view, reach):
+@fused
+def section(solids, k, view):
     """Interval of launch angles that body k fills ahead: status 1; 0 if none, -1 if the sonar is inside."""
-    radius = solids.radius[k]
-    start, axis, length = solids.start[k], solids.axis[k], solids.length[k]
-    cx, cy, cz = start[0] - view.x, start[1] - view.y, start[2] - view.z
-    mx, my = cx + 0.5 * length * axis[0], cy + 0.5 * length * axis[1]
-    bound = 0.5 * length + radius
-    along, across = mx * view.ex + my * view.ey, mx * view.ey - my * view.ex
-    if abs(across) >= bound or along <= -bound or along >= reach + bound:
-        return 0, 0.0, 0.0
+    radius, length = solids.radius[k], solids.length[k]
+    cx, cy, cz = solids.start[k, 0] - view.x, solids.start[k, 1] - view.y, solids.start[k, 2] - view.z
     if solids.shape[k] == SPHERE:
+        across = cx * view.ey - cy * view.ex
         return _sphere_section(cx * view.ex + cy * view.ey, cz, radius * radius - across * across)
-    return _cylinder_section(cx, cy, cz, axis, length, radius, view)
+    ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
+    return _cylinder_section(cx, cy, cz, ax, ay, az, length, radius, view)
 
 
 @kernel
@@ -103,11 +107,11 @@ def _sphere_section(along, height, radius_squared):
 
 
 @kernel
-def _cylinder_section(cx, cy, cz, axis, length, radius, view):
+def _cylinder_section(cx, cy, cz, ax, ay, az, length, radius, view):
     """Interval of an ellipse between two end planes: its extremes are tangents and corners."""
     # Axial and perpendicular parts of the plane's directions e (azimuth) and k (up), and of the centre.
-    ae, ak = axis[0] * view.ex + axis[1] * view.ey, axis[2]
-    ac = cx * axis[0] + cy * axis[1] + cz * axis[2]
+    ae, ak = ax * view.ex + ay * view.ey, az
+    ac = cx * ax + cy * ay + cz * az
     ec, ee, kk, ek = cx * view.ex + cy * view.ey - ac * ae, 1.0 - ae * ae, 1.0 - ak * ak, -ae * ak
     kc = cz - ac * ak
     cc = cx * cx + cy * cy + cz * cz - ac * ac - radius * radius
@@ -178,7 +182,7 @@ def _forward(centre, low, high):
     return 1, low, high
 
 
-@kernel
+@fused
 def distance_along(solids, k, view, angle):
     """Distance to body k along a launch angle, and the cosine of the incidence there; infinite if missed."""
     dx, dy, dz = math.cos(angle) * view.ex, math.cos(angle) * view.ey, math.sin(angle)
@@ -207,7 +211,7 @@ def deposit_open(surface, x_from, x_to, wedge, view, solids, covers, count, law,
         low, x_from = closed, stop
 
 
-@kernel
+@fused
 def _range_at(surface, angle):
     """Ground range at which a launch angle meets a segment's line."""
     return surface.offset / (math.tan(angle) - surface.slope)
@@ -216,82 +220,80 @@ def _range_at(surface, angle):
 @kernel
 def deposit_solids(profile, knots, horizon, problem, wedge, view, covers, count, bins):
     """Deposit what every body in the plane sends back, less what the bed and other bodies hide."""
+    solids = problem.solids
     for own in range(count):
-        low, high = covers.low[own], covers.high[own]
-        middle, half = 0.5 * (low + high), 0.5 * (high - low) * (1.0 - EDGE)
+        k = covers.solid[own]
+        middle, half = 0.5 * (covers.low[own] + covers.high[own]), 0.5 * (covers.high[own] - covers.low[own])
+        half *= 1.0 - EDGE
         start = middle - half
+        near, _ = distance_along(solids, k, view, start)
         for facet in range(FACETS):
             stop = middle - half * math.cos(math.pi * (facet + 1) / FACETS)
-            _facet(
-                profile,
-                knots,
-                horizon,
-                problem,
-                wedge,
-                view,
-                covers,
-                count,
-                own,
-                start,
-                stop,
-                bins,
-            )
-            start = stop
+            far, _ = distance_along(solids, k, view, stop)
+            centre, cos_incidence = distance_along(solids, k, view, 0.5 * (start + stop))
+            ridge = horizon_at(profile, knots, horizon, centre * math.cos(0.5 * (start + stop)))
+            lowest = max(start, math.atan(ridge))
+            if lowest <= start and not overlapped(covers, count, own, start, stop):
+                _deposit_facet(k, start, stop, near, centre, far, cos_incidence, problem, wedge, bins)
+            elif lowest < stop:
+                _deposit_open_facet(own, lowest, stop, problem, wedge, view, covers, count, bins)
+            start, near = stop, far
+
+
+@fused
+def overlapped(covers, count, own, start, stop):
+    """Whether any other body's interval meets that of a facet."""
+    for k in range(count):
+        if k != own and covers.low[k] < stop and covers.high[k] > start:
+            return True
+    return False
 
 
 @kernel
-def _facet(profile, knots, horizon, problem, wedge, view, covers, count, own, start, stop, bins):
-    """Deposit the open parts of one facet of a body."""
-    centre = 0.5 * (start + stop)
-    distance, _ = distance_along(problem.solids, covers.solid[own], view, centre)
-    if not distance < NEVER:
-        return
-    ridge = horizon_at(profile, knots, horizon, distance * math.cos(centre))
-    start = max(start, math.atan(ridge))
-    if start >= stop:
-        return
+def _deposit_open_facet(own, start, stop, problem, wedge, view, covers, count, bins):
+    """Deposit what other bodies leave open of a facet."""
+    solids = problem.solids
     for k in range(count):
         covers.in_front[k] = False
         if k != own and covers.low[k] < stop and covers.high[k] > start:
             angle = 0.5 * (max(start, covers.low[k]) + min(stop, covers.high[k]))
-            here, _ = distance_along(problem.solids, covers.solid[own], view, angle)
-            other, _ = distance_along(problem.solids, covers.solid[k], view, angle)
+            here, _ = distance_along(solids, covers.solid[own], view, angle)
+            other, _ = distance_along(solids, covers.solid[k], view, angle)
             # Where two bodies touch the first of the table is heard.
             covers.in_front[k] = other < here or (other == here and k < own)
     while start < stop:
         opened, closed = next_open(covers.low, covers.high, covers.in_front, count, start, stop)
         if opened >= stop:
-            break
-        _deposit_facet(covers.solid[own], opened, closed, problem, wedge, view, bins)
+            return
+        near, _ = distance_along(solids, covers.solid[own], view, opened)
+        far, _ = distance_along(solids, covers.solid[own], view, closed)
+        centre, cos_incidence = distance_along(solids, covers.solid[own], view, 0.5 * (opened + closed))
+        _deposit_facet(covers.solid[own], opened, closed, near, centre, far, cos_incidence, problem, wedge, bins)
         start = closed
 
 
-@kernel
-def _deposit_facet(k, start, stop, problem, wedge, view, bins):
-    """Deposit one open facet: its ends give the slant ranges, its middle the strength."""
-    middle = 0.5 * (start + stop)
-    distance, cos_incidence = distance_along(problem.solids, k, view, middle)
-    near, _ = distance_along(problem.solids, k, view, start)
-    far, _ = distance_along(problem.solids, k, view, stop)
-    if not (near < NEVER and far < NEVER and distance < NEVER):
+@fused
+def _deposit_facet(k, start, stop, near, centre, far, cos_incidence, problem, wedge, bins):
+    """Deposit one facet wholly heard: its ends give the slant ranges, its middle the strength."""
+    if not (near < NEVER and far < NEVER and centre < NEVER):
         return
-    last = bins.size - 2
-    x = distance * math.cos(middle)
-    material = problem.reflectivity[problem.solids.material[k]]
-    value = strength(cos_incidence, material[0], material[1], material[2], problem.law)
+    last, per_bin = bins.size - 2, 1.0 / problem.bin_length
+    row = problem.solids.material[k]
+    diffuse, specular = problem.reflectivity[row, 0], problem.reflectivity[row, 1]
+    value = strength(cos_incidence, diffuse, specular, problem.reflectivity[row, 2], problem.law)
+    x = centre * math.cos(0.5 * (start + stop))
     if problem.law == LIGHT:
-        energy = value * beam_share(x, distance, wedge) / problem.bin_length
-        for a, b in ((near, distance), (distance, far)):
-            spread(bins, a / problem.bin_length, b / problem.bin_length, energy * abs(b - a) * FIXED_POINT, last)
-        return
-    # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
-    seen = strip_width(x, distance, wedge) * distance * (stop - start)
-    energy = 0.5 * value * seen / max(cos_incidence, 1e-6) * FIXED_POINT
-    spread(bins, near / problem.bin_length, distance / problem.bin_length, energy, last)
-    spread(bins, distance / problem.bin_length, far / problem.bin_length, energy, last)
+        density = value * beam_share(x, centre, wedge) * per_bin * FIXED_POINT
+        first, second = density * abs(centre - near), density * abs(far - centre)
+    else:
+        # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
+        seen = strip_width(x, centre, wedge) * centre * (stop - start)
+        first = second = 0.5 * value * seen / max(cos_incidence, 1e-6) * FIXED_POINT
+    spread(bins, near * per_bin, centre * per_bin, first, last)
+    spread(bins, centre * per_bin, far * per_bin, second, last)
 
 
-@kernel
+@fused
 def horizon_at(profile, knots, horizon, x):
     """Greatest slope of the bed up to ground range x."""
     if knots == 0 or x < profile.x[0]:

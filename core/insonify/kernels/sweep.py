@@ -254,10 +254,11 @@ def _mark_cut(x, slope, r, launch, horizon, hidden_from, hidden_to, cut):
 def _silence(launch, horizon, cut, energy):
     """Leave energy only to segments heard whole: those whose far end rises above the horizon.
 
-    A comparison with NaN, a hole in the bed, is false and silences too.
+    A comparison with NaN, a hole in the bed at either end, is false and silences too.
     """
     for i in range(launch.size - 1):
-        energy[i] = energy[i] if (launch[i + 1] > horizon[i]) & (not cut[i]) else np.float32(0.0)
+        whole = (launch[i + 1] > horizon[i]) & (horizon[i] >= launch[i]) & (not cut[i])
+        energy[i] = energy[i] if whole else np.float32(0.0)
 
 
 @fused
