@@ -128,7 +128,7 @@ class Viewer(QObject):
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = scene
         self._answer: Answer | None = None  # the last one that fits the record
-        self._started = False
+        self._prepared = self._started = False
         self._levels_due = True
         self._levels, self._gain = (0.0, 1.0), 1.0
         self._clock = QTimer(self)
@@ -160,6 +160,7 @@ class Viewer(QObject):
 
     def _show_first(self, simulation: Any) -> None:
         """Show the scene as soon as it is prepared, before the first pings are traced."""
+        self._prepared = True
         if isinstance(simulation, SceneError):
             self._refuse(self._number, str(simulation))
             return
@@ -293,7 +294,7 @@ class Viewer(QObject):
     def _ask(self) -> None:
         """Ask for what is missing; a scene that was refused is not tried again."""
         missing = self._missing()
-        if missing.size and self._refused != self._number:
+        if missing.size and self._prepared and self._refused != self._number:
             self.simulator.ask(Request(self._number, self.session.scene, missing, self._fine))
 
     def _take(self, answer: Answer) -> None:

@@ -33,14 +33,20 @@ def open_viewer(qtbot: Any, qapp: QApplication) -> Iterator[Opener]:
     viewers: list[Viewer] = []
     before = set(threading.enumerate())
 
-    def open_one(scene: Scene, *, prepare: Any = StandIn, running: bool = False, solid: bool = False) -> Viewer:
+    def open_one(
+        scene: Scene,
+        *,
+        prepare: Any = StandIn,
+        solid: bool = False,
+        until: Callable[[Viewer], bool] = lambda viewer: viewer.complete,
+    ) -> Viewer:
         viewer = Viewer(scene, accelerated=has_opengl() and not solid, prepare=prepare)
         viewers.append(viewer)
         viewer.window.show()
-        viewer.tow.run(running)
-        viewer.window.show_running(running)
+        viewer.tow.run(False)
+        viewer.window.show_running(False)
         viewer.start()
-        qtbot.waitUntil(lambda: viewer.complete, timeout=30000)
+        qtbot.waitUntil(lambda: until(viewer), timeout=60000)
         return viewer
 
     yield open_one

@@ -303,3 +303,25 @@ def test_scene_file_that_cannot_be_read_is_said(open_viewer: Any, small: Scene, 
     viewer.files.open_scene(str(tmp_path / "bad.toml"))
     assert "did you mean 'range'" in viewer.window._sentence.text()
     assert viewer.session.scene == small
+
+
+def test_seabed_and_progress_show_before_the_first_ping(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    from threading import Event
+
+    from stand_in import StandIn
+
+    compiled = Event()
+
+    class Slow(StandIn):
+        def intensity(self, pings: Any) -> Any:
+            compiled.wait(20.0)
+            return super().intensity(pings)
+
+    viewer = open_viewer(small, prepare=Slow, until=lambda v: v.seabed.complete)
+    assert viewer.window._progress.isVisible()
+    assert not viewer.window.panel.isEnabled()
+    assert (viewer.record.ping < 0).all()
+    compiled.set()
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert not viewer.window._progress.isVisible()
+    assert viewer.window.panel.isEnabled()

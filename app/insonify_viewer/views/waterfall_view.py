@@ -155,6 +155,9 @@ class WaterfallView(QWidget):
         self._draw_ring(painter, plot)
         self._draw_slant_ruler(painter, plot)
         self._draw_ping_ruler(painter, plot)
+        if (self._record.ping < 0).all():
+            painter.setPen(QColor(QUIET))
+            painter.drawText(plot, Qt.AlignmentFlag.AlignCenter, "listening …")
         if self._mark is not None:
             self._draw_cross(painter, plot, self._mark)
         painter.end()
