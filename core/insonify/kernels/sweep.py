@@ -98,7 +98,7 @@ def _slant_ranges(x, z, r):
 @fused
 def _launch_slopes(x, z, launch):
     for i in range(x.size):
-        launch[i] = z[i] / x[i]
+        launch[i] = np.float32(z[i]) / np.float32(x[i])
     if x[0] <= 0.0:
         launch[0] = NADIR  # straight down, whatever the knot's height
 
@@ -116,8 +116,8 @@ def _horizons(launch, horizon):
 def _incidences(x, z, slope, area, r, cos_squared):
     """Cosine squared of the incidence at the middle, from the height of the segment's line over nadir."""
     for i in range(x.size - 1):
-        offset = z[i] - slope[i] * x[i]
-        middle = 0.5 * (r[i] + r[i + 1])
+        offset = np.float32(z[i] - slope[i] * x[i])
+        middle = np.float32(0.5 * (r[i] + r[i + 1]))
         cos_squared[i] = offset * offset / (middle * middle * area[i])
 
 
@@ -137,9 +137,9 @@ def _light_energies(cos_squared, scale, energy):
 @fused
 def _sonar_scales(x, area, r, bin_length, scale):
     """Law `sonar`: area over slant range, of a strip 1 m wide; negative where a segment comes nearer outwards."""
-    unit = FIXED_POINT * bin_length
+    unit = np.float32(FIXED_POINT * bin_length)
     for i in range(x.size - 1):
-        scale[i] = unit * math.sqrt(area[i]) * (x[i + 1] - x[i]) / (r[i + 1] - r[i])
+        scale[i] = unit * math.sqrt(area[i]) * np.float32(x[i + 1] - x[i]) / np.float32(r[i + 1] - r[i])
 
 
 @fused
