@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 from insonify.kernels.jit import fused
 
+BENT = 0.3  # sin φ up to which azimuths are proportional to it, to 1 %
+
 
 class Wedge(NamedTuple):
     """One plane of a beam: a wedge of azimuths on either hand of it."""
@@ -31,8 +33,7 @@ def strip_width(x, r, wedge):
         return 1.0
     if x > wedge.near_field:
         return r * wedge.far_angle
-    share = (wedge.s_beam * r / x - wedge.s_low) / (wedge.s_high - wedge.s_low)
-    return x * wedge.angle * min(max(share, 0.0), 1.0)
+    return x * wedge.angle * taken_in(wedge.s_beam * r / x, wedge)
 
 
 @fused
@@ -43,5 +44,14 @@ def beam_share(x, r, wedge):
     if x > wedge.near_field:
         return wedge.far_angle / wedge.span
     reach = min(wedge.s_beam * r / x, 1.0)
-    share = (reach - wedge.s_low) / (wedge.s_high - wedge.s_low)
-    return wedge.angle * min(max(share, 0.0), 1.0) / (2.0 * math.asin(reach))
+    return wedge.angle * taken_in(reach, wedge) / (2.0 * math.asin(reach))
+
+
+@fused
+def taken_in(reach, wedge):
+    """Share of a wedge's azimuths within |sin φ| <= reach."""
+    if wedge.s_high > BENT:
+        share = (math.asin(min(reach, 1.0)) - math.asin(wedge.s_low)) / wedge.angle
+    else:
+        share = (reach - wedge.s_low) / (wedge.s_high - wedge.s_low)
+    return min(max(share, 0.0), 1.0)
