@@ -1,0 +1,104 @@
+"""The sweep over a level bed, against integrals done by hand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import poses_of, problem_of
+from insonify.kernels.types import LIGHT, SONAR
+from insonify.scene.materials import Reflectivity
+from insonify.sound.flat_bed import flat_bed_curve
+from insonify.tracers import sweep
+
+FLAT = np.zeros((4, 4))
+MATERIAL = Reflectivity(0.6, 0.3, 5.0)
+ALTITUDE = 10.02
+NEAR_FIELD_END = ALTITUDE * math.hypot(1.0, sweep.NEAR_FIELD)
+
+
+def flat(**options):
+    return problem_of(FLAT, 0.1, periodic=True, **options)
+
+
+def integral(law, half_width, altitude=ALTITUDE, bins=1000, bin_length=0.05, samples=400):
+    """What every bin hears of a level bed: rings of slant range, dA = φ r dr, cut by the beam's cone."""
+    r = (np.arange(bins * samples) + 0.5) * bin_length / samples
+    heard = r > altitude
+    cos_incidence = np.where(heard, altitude / r, 0.0)
+    lobe = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** MATERIAL.shininess
+    if law == LIGHT:
+        density = (MATERIAL.diffuse * cos_incidence + MATERIAL.specular * lobe) / bin_length
+    else:
+        mirror = MATERIAL.specular * (MATERIAL.shininess + 2.0) / (2.0 * math.pi) * lobe
+        cos_grazing = np.sqrt(1.0 - cos_incidence**2)
+        azimuths = 2.0 * np.arcsin(np.minimum(math.sin(half_width) / cos_grazing, 1.0))
+        width = azimuths * r if half_width > 0.0 else 1.0 / cos_grazing
+        density = cos_incidence**2 * (MATERIAL.diffuse / math.pi + mirror) * width
+    return np.where(heard, density, 0.0).reshape(bins, samples).sum(axis=1) * bin_length / samples
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+@pytest.mark.parametrize("width", [0.0, 0.5, 2.5, 10.0, 30.0, 60.0])
+@pytest.mark.parametrize("planes", [2, 16])
+def test_every_bin_is_its_integral(law, width, planes):
+    problem = flat(law=law, half_width=math.radians(width / 2.0), reflectivity=[MATERIAL])
+    port, starboard = sweep.trace(problem, poses_of(3.0, 5.0, ALTITUDE, 0.7), planes=planes)[0]
+    expected = integral(law, problem.half_width)
+    assert not port[:200].any()
+    np.testing.assert_allclose(starboard, port, rtol=1e-6)
+    ratio = port[200:] / expected[200:]
+    # Nadir's first bin takes in all azimuths; one segment may lie across the near field's end.
+    assert ratio[0] == pytest.approx(1.0, abs=0.04)
+    border = slice(*(int(NEAR_FIELD_END / 0.05) - 200 + k for k in (-4, 5)))
+    np.testing.assert_allclose(ratio[border], 1.0, atol=0.04)
+    ratio[border] = 1.0
+    np.testing.assert_allclose(ratio[1:], 1.0, atol=0.02)
+    if width <= 2.5:
+        np.testing.assert_allclose(ratio[6:], 1.0, atol=0.006)
+    assert port.sum(dtype=float) == pytest.approx(expected.sum(), rel=0.005)
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+@pytest.mark.parametrize("half_width", [0.0, 0.01])
+def test_the_curve_is_the_integral(law, half_width):
+    curve = flat_bed_curve(flat(law=law, half_width=half_width), ALTITUDE, MATERIAL)
+    expected = integral(law, half_width)
+    np.testing.assert_array_equal(curve > 0.0, expected > 0.0)
+    np.testing.assert_allclose(curve[220:], expected[220:], rtol=3e-4)
+
+
+@pytest.mark.parametrize("altitude", [2.0, 9.99, 10.02, 25.0, 49.97])
+@pytest.mark.parametrize("half_width", [0.0, 0.02])
+def test_first_return_comes_from_the_altitude(altitude, half_width):
+    record = sweep.trace(flat(half_width=half_width), poses_of(1.0, 1.0, altitude))[0, 0]
+    assert np.flatnonzero(record)[0] == int(altitude / 0.05)
+
+
+def test_light_of_a_half_lit_bin_is_half_its_radiance():
+    # The bed begins in the middle of bin 200.
+    record = sweep.trace(flat(law=LIGHT), poses_of(0.0, 0.0, 10.025))[0, 0]
+    assert record[200] == pytest.approx(0.5 * 10.025 / 10.0375, rel=2e-3)
+    assert record[201] == pytest.approx(10.025 / 10.075, rel=2e-3)
+
+
+@pytest.mark.parametrize(("half_width", "order"), [(0.0, -6.0), (math.radians(1.25), -5.0)])
+def test_a_knife_falls_as_60_log_r_and_a_fan_as_50(half_width, order):
+    # Far out, where cos θ is 1.
+    problem = problem_of(FLAT, 0.5, periodic=True, bins=2000, half_width=half_width, bin_length=0.1, spreading=True)
+    record = sweep.trace(problem, poses_of(0.0, 0.0, 4.0))[0, 0]
+    r = (np.arange(2000) + 0.5) * 0.1
+    slope = np.polyfit(np.log10(r[1000:]), np.log10(record[1000:]), 1)[0]
+    assert slope == pytest.approx(order, abs=0.01)
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_a_fan_of_no_width_is_a_knife(law):
+    # Law `light` averages over the beam; law `sonar` integrates it, so that its width divides.
+    half_width = 1e-4
+    fan = sweep.trace(flat(law=law, half_width=half_width), poses_of(3.0, 5.0, 10.0))[0, 0, 300:]
+    knife = sweep.trace(flat(law=law), poses_of(3.0, 5.0, 10.0))[0, 0, 300:]
+    r = (np.arange(300, 1000) + 0.5) * 0.05
+    np.testing.assert_allclose(fan / (2.0 * half_width * r if law == SONAR else 1.0), knife, rtol=0.02)
