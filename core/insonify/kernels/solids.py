@@ -193,6 +193,20 @@ def distance_along(solids, k, view, angle):
 @kernel
 def deposit_open(surface, x_from, x_to, wedge, view, solids, covers, count, law, bin_length, bins):
     """Deposit what no body hides of a segment of the bed, between two ground ranges."""
+    low, high = shade_bed(surface, x_from, x_to, view, solids, covers, count)
+    while low < high:
+        opened, closed = next_open(covers.low, covers.high, covers.in_front, count, low, high)
+        if opened >= high:
+            return
+        start = x_from if opened <= low else range_at(surface, opened)
+        stop = x_to if closed >= high else range_at(surface, closed)
+        deposit_piece(surface, max(start, x_from), min(stop, x_to), wedge, law, bin_length, bins)
+        low, x_from = closed, stop
+
+
+@fused
+def shade_bed(surface, x_from, x_to, view, solids, covers, count):
+    """Mark the bodies in front of a segment between two ground ranges; return the launch angles of its ends."""
     low = math.atan2(surface.offset + surface.slope * x_from, x_from)
     high = math.atan2(surface.offset + surface.slope * x_to, x_to)
     for k in range(count):
@@ -200,19 +214,12 @@ def deposit_open(surface, x_from, x_to, wedge, view, solids, covers, count, law,
         if covers.low[k] < high and covers.high[k] > low:
             angle = 0.5 * (max(low, covers.low[k]) + min(high, covers.high[k]))
             distance, _ = distance_along(solids, covers.solid[k], view, angle)
-            covers.in_front[k] = distance < _range_at(surface, angle) / math.cos(angle)
-    while low < high:
-        opened, closed = next_open(covers.low, covers.high, covers.in_front, count, low, high)
-        if opened >= high:
-            return
-        start = x_from if opened <= low else _range_at(surface, opened)
-        stop = x_to if closed >= high else _range_at(surface, closed)
-        deposit_piece(surface, max(start, x_from), min(stop, x_to), wedge, law, bin_length, bins)
-        low, x_from = closed, stop
+            covers.in_front[k] = distance < range_at(surface, angle) / math.cos(angle)
+    return low, high
 
 
 @fused
-def _range_at(surface, angle):
+def range_at(surface, angle):
     """Ground range at which a launch angle meets a segment's line."""
     return surface.offset / (math.tan(angle) - surface.slope)
 
@@ -253,14 +260,7 @@ def overlapped(covers, count, own, start, stop):
 def _deposit_open_facet(own, start, stop, problem, wedge, view, covers, count, bins):
     """Deposit what other bodies leave open of a facet."""
     solids = problem.solids
-    for k in range(count):
-        covers.in_front[k] = False
-        if k != own and covers.low[k] < stop and covers.high[k] > start:
-            angle = 0.5 * (max(start, covers.low[k]) + min(stop, covers.high[k]))
-            here, _ = distance_along(solids, covers.solid[own], view, angle)
-            other, _ = distance_along(solids, covers.solid[k], view, angle)
-            # Where two bodies touch the first of the table is heard.
-            covers.in_front[k] = other < here or (other == here and k < own)
+    shade_facet(own, start, stop, solids, view, covers, count)
     while start < stop:
         opened, closed = next_open(covers.low, covers.high, covers.in_front, count, start, stop)
         if opened >= stop:
@@ -273,24 +273,43 @@ def _deposit_open_facet(own, start, stop, problem, wedge, view, covers, count, b
 
 
 @fused
+def shade_facet(own, start, stop, solids, view, covers, count):
+    """Mark the other bodies in front of a facet."""
+    for k in range(count):
+        covers.in_front[k] = False
+        if k != own and covers.low[k] < stop and covers.high[k] > start:
+            angle = 0.5 * (max(start, covers.low[k]) + min(stop, covers.high[k]))
+            here, _ = distance_along(solids, covers.solid[own], view, angle)
+            other, _ = distance_along(solids, covers.solid[k], view, angle)
+            # Where two bodies touch the first of the table is heard.
+            covers.in_front[k] = other < here or (other == here and k < own)
+
+
+@fused
 def _deposit_facet(k, start, stop, near, centre, far, cos_incidence, problem, wedge, bins):
     """Deposit one facet wholly heard: its ends give the slant ranges, its middle the strength."""
     if not (near < NEVER and far < NEVER and centre < NEVER):
         return
     last, per_bin = bins.size - 2, 1.0 / problem.bin_length
+    first, second = facet_energies(k, start, stop, near, centre, far, cos_incidence, problem, wedge)
+    spread(bins, near * per_bin, centre * per_bin, first, last)
+    spread(bins, centre * per_bin, far * per_bin, second, last)
+
+
+@fused
+def facet_energies(k, start, stop, near, centre, far, cos_incidence, problem, wedge):
+    """Energies of a facet, in fixed-point units, on either hand of its middle."""
     row = problem.solids.material[k]
     diffuse, specular = problem.reflectivity[row, 0], problem.reflectivity[row, 1]
     value = strength(cos_incidence, diffuse, specular, problem.reflectivity[row, 2], problem.law)
     x = centre * math.cos(0.5 * (start + stop))
     if problem.law == LIGHT:
-        density = value * beam_share(x, centre, wedge) * per_bin * FIXED_POINT
-        first, second = density * abs(centre - near), density * abs(far - centre)
-    else:
-        # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
-        seen = strip_width(x, centre, wedge) * centre * (stop - start)
-        first = second = 0.5 * value * seen / max(cos_incidence, 1e-6) * FIXED_POINT
-    spread(bins, near * per_bin, centre * per_bin, first, last)
-    spread(bins, centre * per_bin, far * per_bin, second, last)
+        density = value * beam_share(x, centre, wedge) / problem.bin_length * FIXED_POINT
+        return density * abs(centre - near), density * abs(far - centre)
+    # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
+    seen = strip_width(x, centre, wedge) * centre * (stop - start)
+    half = 0.5 * value * seen / max(cos_incidence, 1e-6) * FIXED_POINT
+    return half, half
 
 
 @fused

@@ -325,10 +325,13 @@ def _split(r, per_bin, early, late):
 
 @fused
 def sweep_plane(problem, view, wedge, reach, profile, covers, heard, bins):
-    """Slice one plane, hear it, deposit it; return 0, or -1 - k if the sonar is inside body k."""
+    """Slice one plane, hear it, deposit it; return the bodies and the knots in it.
+
+    In place of the number of bodies comes -1 - k if the sonar is inside body k.
+    """
     covering = find_covers(problem.solids, view, reach, covers)
     if covering < 0:
-        return covering
+        return covering, 0
     hidden_from, hidden_to = hidden_slopes(covers, covering)
     count = slice_bed(problem.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
     if count > 1:
@@ -336,7 +339,7 @@ def sweep_plane(problem, view, wedge, reach, profile, covers, heard, bins):
         deposit(profile, count, problem, wedge, view, covers, covering, heard, bins)
     if covering > 0:
         deposit_solids(profile, count, heard.horizon, problem, wedge, view, covers, covering, bins)
-    return 0
+    return covering, count
 
 
 @kernel
@@ -344,28 +347,34 @@ def sweep_pings(problem, poses, planes, profile, heard, covers, out):
     """Sweep every plane of every ping into ``out`` (pings, 2, bins); return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(problem.bins + 2, np.int64)
     for ping in range(poses.x.size):
-        ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
         for side in range(2):
-            abeam = 1.0 if side == PORT else -1.0
             for plane in range(planes.azimuth.size):
-                # Abeam, turned towards the bow by the plane's azimuth.
-                c, s = math.cos(planes.azimuth[plane]), math.sin(planes.azimuth[plane])
-                ex, ey = ahead_x * s - abeam * ahead_y * c, ahead_y * s + abeam * ahead_x * c
-                view = View(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
-                wedge = Wedge(
-                    planes.s_low[plane],
-                    planes.s_high[plane],
-                    planes.angle[plane],
-                    planes.far_angle[plane],
-                    planes.near_field[plane],
-                    math.sin(problem.half_width),
-                    2.0 * problem.half_width,
-                )
-                status = sweep_plane(problem, view, wedge, planes.reach[plane], profile, covers, heard, bins)
+                view, wedge = aim_plane(poses, ping, side, planes, plane, problem.half_width)
+                status, _ = sweep_plane(problem, view, wedge, planes.reach[plane], profile, covers, heard, bins)
                 if status < 0:
                     return status
             accumulate(bins, problem.range_factor, out[ping, side])
     return 0
+
+
+@fused
+def aim_plane(poses, ping, side, planes, plane, half_width):
+    """Where one plane of a ping's beam lies, and what it stands for."""
+    ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
+    abeam = 1.0 if side == PORT else -1.0
+    # Abeam, turned towards the bow by the plane's azimuth.
+    c, s = math.cos(planes.azimuth[plane]), math.sin(planes.azimuth[plane])
+    ex, ey = ahead_x * s - abeam * ahead_y * c, ahead_y * s + abeam * ahead_x * c
+    wedge = Wedge(
+        planes.s_low[plane],
+        planes.s_high[plane],
+        planes.angle[plane],
+        planes.far_angle[plane],
+        planes.near_field[plane],
+        math.sin(half_width),
+        2.0 * half_width,
+    )
+    return View(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey), wedge
 
 
 @fused

@@ -57,11 +57,22 @@ def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | No
         room = empty_profile(capacity), empty_heard(capacity), empty_covers(problem.solids.shape.size)
         return sweep_pings(problem, part, beam, *room, out[first:last])
 
-    for status in in_parallel(block, poses.x.size, threads):
+    refuse_sonar_inside(problem, in_parallel(block, poses.x.size, threads))
+    return out
+
+
+def refuse_sonar_inside(problem: Problem, statuses: list[int]) -> None:
+    """Raise if a kernel met the sonar inside a body, which it tells by -1 - the body's row.
+
+    Raises
+    ------
+    SceneError
+        If a status is below 0.
+    """
+    for status in statuses:
         if status < 0:
             target = int(problem.solids.target[-1 - status])
             raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
-    return out
 
 
 def beam_planes(half_width: float, planes: int, height: float, reach: float) -> Planes:
