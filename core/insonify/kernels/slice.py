@@ -178,7 +178,7 @@ def _rise(low, high, per_spacing, across):
 @fused
 def _slopes(x, z, slope):
     for i in range(slope.size):
-        slope[i] = (z[i + 1] - z[i]) / (x[i + 1] - x[i])
+        slope[i] = np.float32(z[i + 1] - z[i]) / np.float32(x[i + 1] - x[i])
 
 
 @fused
