@@ -1,0 +1,318 @@
+"""What every bin of a record shows: who sends back most of its energy, from where, at what incidence; what is hidden.
+
+The planes of the sweep are walked once more. Every heard piece adds its energy to the bins it spans, contributor by
+contributor: each material of the bed is one, and so is each target. What is heard at all the sweep's own bins decide.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.bins import FIXED_POINT, accumulate
+from insonify.kernels.jit import fused, kernel
+from insonify.kernels.pieces import Surface, next_open, slant
+from insonify.kernels.scatter import strength
+from insonify.kernels.solids import (
+    EDGE,
+    FACETS,
+    NEVER,
+    distance_along,
+    facet_energies,
+    horizon_at,
+    range_at,
+    shade_bed,
+    shade_facet,
+)
+from insonify.kernels.sweep import aim_plane, sweep_plane
+from insonify.kernels.types import LIGHT
+from insonify.kernels.wedge import beam_share, strip_width
+
+NOBODY = -1
+# In bins: a piece counts in every bin that it touches within rounding, so that no heard bin is nobody's.
+ROUNDING = 1e-3
+POINT = 1e-6  # in bins; what is shorter lies in one
+
+
+class Found(NamedTuple):
+    """What each bin shows, by ping, side and bin."""
+
+    contributor: NDArray[np.int32]  # a material of the bed; materials in all + index of a target; or NOBODY
+    shadow: NDArray[np.bool_]  # whether bed lies there, hidden, and nothing is heard
+    ground_range: NDArray[np.float32]  # m, NaN where nothing is heard
+    incidence: NDArray[np.float32]  # rad, NaN where nothing is heard
+
+
+class Ledger(NamedTuple):
+    """Who put what into the bins of one side; a row is valid once its contributor was met."""
+
+    met: NDArray[np.bool_]  # (contributors,)
+    energy: NDArray[np.float64]  # (contributors, bins) in fixed-point units
+    strongest: NDArray[np.float64]  # energy of the contributor's strongest piece, below 0 for none
+    x: NDArray[np.float32]  # ground range of that piece, m
+    cosine: NDArray[np.float32]  # of the incidence there
+    hidden: NDArray[np.bool_]  # (bins,) whether bed out of sight spans the bin
+
+
+def empty_found(pings: int, bins: int) -> Found:
+    """Make room for the pings of a record."""
+    shape = (pings, 2, bins)
+    return Found(np.empty(shape, np.int32), np.empty(shape, np.bool_), *np.empty((2, *shape), np.float32))
+
+
+def part_of(found: Found, first: int, last: int) -> Found:
+    """Return pings first to last - 1, as views."""
+    part = slice(first, last)
+    return Found(found.contributor[part], found.shadow[part], found.ground_range[part], found.incidence[part])
+
+
+def empty_ledger(contributors: int, bins: int) -> Ledger:
+    """Make room for one side; memory of contributors never met is never touched."""
+    energy, strongest = np.empty((2, contributors, bins))
+    x, cosine = np.empty((2, contributors, bins), np.float32)
+    return Ledger(np.zeros(contributors, np.bool_), energy, strongest, x, cosine, np.zeros(bins, np.bool_))
+
+
+@kernel
+def find_truth(problem, poses, planes, profile, heard, covers, ledger, found):
+    """Tell what every bin of every ping shows; return 0, or -1 - k if the sonar meets body k."""
+    bins = np.zeros(problem.bins + 2, np.int64)
+    intensity = np.zeros(problem.bins, np.float32)
+    for ping in range(poses.x.size):
+        for side in range(2):
+            for plane in range(planes.azimuth.size):
+                view, wedge = aim_plane(poses, ping, side, planes, plane, problem.half_width)
+                covering, count = sweep_plane(problem, view, wedge, planes.reach[plane], profile, covers, heard, bins)
+                if covering < 0:
+                    return covering
+                _note_bed(profile, count, problem, wedge, view, covers, covering, heard, ledger)
+                _note_solids(profile, count, heard.horizon, problem, wedge, view, covers, covering, ledger)
+            accumulate(bins, problem.range_factor, intensity)
+            _conclude(ledger, intensity, found, ping, side)
+    return 0
+
+
+@kernel
+def _conclude(ledger, intensity, found, ping, side):
+    """Name the greatest contributor of each bin, and clear the ledger."""
+    contributor, shadow = found.contributor[ping, side], found.shadow[ping, side]
+    ground_range, incidence = found.ground_range[ping, side], found.incidence[ping, side]
+    contributor[:], ground_range[:], incidence[:] = NOBODY, np.nan, np.nan
+    for who in range(ledger.met.size):
+        if ledger.met[who]:
+            for k in range(intensity.size):
+                best = contributor[k]
+                if (
+                    intensity[k] > 0.0
+                    and ledger.strongest[who, k] >= 0.0
+                    and (best == NOBODY or ledger.energy[who, k] > ledger.energy[best, k])
+                ):
+                    contributor[k] = who
+    for k in range(intensity.size):
+        shadow[k] = ledger.hidden[k] and not intensity[k] > 0.0
+        if contributor[k] != NOBODY:
+            ground_range[k] = ledger.x[contributor[k], k]
+            incidence[k] = math.acos(min(ledger.cosine[contributor[k], k], 1.0))
+    ledger.met[:] = False
+    ledger.hidden[:] = False
+
+
+@fused
+def _meet(ledger, who):
+    """Open a contributor's row."""
+    if not ledger.met[who]:
+        ledger.met[who] = True
+        ledger.energy[who, :] = 0.0
+        ledger.strongest[who, :] = -1.0
+
+
+@fused
+def _touched(near, far, per_bin, bins, margin):
+    """First bin that a stretch of slant range touches, give or take a margin in bins, and the one after its last."""
+    if not near * per_bin < bins:  # or NaN, a hole in the bed
+        return 0, 0
+    return max(int(near * per_bin - margin), 0), int(min(far * per_bin + margin, bins - 1.0)) + 1
+
+
+@fused
+def _note(ledger, who, k, energy, x, cosine):
+    """Enter a piece, or the part of it within bin k."""
+    ledger.energy[who, k] += energy
+    if energy > ledger.strongest[who, k]:
+        ledger.strongest[who, k], ledger.x[who, k], ledger.cosine[who, k] = energy, x, cosine
+
+
+@kernel
+def _note_bed(profile, count, problem, wedge, view, covers, covering, heard, ledger):
+    """Enter all that is heard of a profile, and mark where bed lies out of sight."""
+    for i in range(count - 1):
+        surface, who = _surface(profile, i, problem.reflectivity), profile.material[i]
+        x_from, x_to = profile.x[i], profile.x[i + 1]
+        if heard.cut[i]:
+            _meet(ledger, who)
+            start = _in_sight_from(surface, x_from, x_to, heard.launch[i], heard.horizon[i])
+            _note_cut(ledger, who, surface, x_from, start, x_to, problem, wedge, view, covers, covering)
+        elif heard.energy[i] != 0.0:
+            _meet(ledger, who)
+            near, far, density = heard.r[i], heard.r[i + 1], abs(heard.energy[i])
+            _note_even(ledger, who, surface, x_from, x_to, near, far, density, problem.bin_length)
+        elif not heard.launch[i + 1] > heard.horizon[i]:
+            _mark_hidden(surface, x_from, x_to, wedge, problem.bin_length, ledger.hidden)
+
+
+@fused
+def _surface(profile, i, reflectivity):
+    """Segment i by itself."""
+    row, slope = profile.material[i], profile.slope[i]
+    diffuse, specular, shininess = reflectivity[row, 0], reflectivity[row, 1], reflectivity[row, 2]
+    return Surface(profile.z[i] - slope * profile.x[i], slope, profile.area[i], diffuse, specular, shininess)
+
+
+@fused
+def _in_sight_from(surface, x_from, x_to, launch, horizon):
+    """Ground range from which a segment rises above the horizon: offset / x + slope = horizon."""
+    if horizon > launch:
+        return min(max(surface.offset / (horizon - surface.slope), x_from), x_to)
+    return x_from
+
+
+@kernel
+def _note_cut(ledger, who, surface, x_from, start, x_to, problem, wedge, view, covers, covering):
+    """Enter the open parts of a segment that rises into sight at ``start``, and mark those between."""
+    seen_to = x_from
+    low, high = shade_bed(surface, start, x_to, view, problem.solids, covers, covering)
+    while low < high:
+        opened, closed = next_open(covers.low, covers.high, covers.in_front, covering, low, high)
+        if opened >= high:
+            break
+        start = start if opened <= low else max(range_at(surface, opened), start)
+        stop = x_to if closed >= high else min(range_at(surface, closed), x_to)
+        _mark_hidden(surface, seen_to, start, wedge, problem.bin_length, ledger.hidden)
+        # Slant range falls towards the foot of the perpendicular and grows beyond it.
+        foot = _foot(surface, start, stop)
+        _note_piece(ledger, who, surface, start, foot, wedge, problem.law, problem.bin_length)
+        _note_piece(ledger, who, surface, foot, stop, wedge, problem.law, problem.bin_length)
+        low, start, seen_to = closed, stop, stop
+    _mark_hidden(surface, seen_to, x_to, wedge, problem.bin_length, ledger.hidden)
+
+
+@fused
+def _foot(surface, x_from, x_to):
+    """Ground range at which a segment comes nearest."""
+    return min(max(-surface.slope * surface.offset / (1.0 + surface.slope * surface.slope), x_from), x_to)
+
+
+@kernel
+def _mark_hidden(surface, x_from, x_to, wedge, bin_length, hidden):
+    """Mark the bins spanned by a part of a segment that is out of sight, if the beam takes it in."""
+    start, stop = slant(surface, x_from), slant(surface, x_to)
+    if x_to > x_from and beam_share(x_from, start, wedge) > 0.0:
+        nearest = slant(surface, _foot(surface, x_from, x_to))
+        first, last = _touched(nearest, max(start, stop), 1.0 / bin_length, hidden.size, -ROUNDING)
+        hidden[first:last] = True
+
+
+@fused
+def _note_even(ledger, who, surface, x_from, x_to, near, far, density, bin_length):
+    """Enter a short segment whose energy is spread evenly over its slant range."""
+    energy, strongest, per_bin = ledger.energy[who], ledger.strongest[who], 1.0 / bin_length
+    a, b = min(near, far), max(near, far)
+    first, last = _touched(a, b, per_bin, ledger.hidden.size, ROUNDING)
+    for k in range(first, last):
+        start, stop = max(a, k * bin_length), min(b, (k + 1) * bin_length)
+        part = density * max(stop - start, 0.0) * per_bin
+        energy[k] += part
+        if part > strongest[k]:
+            r = 0.5 * (start + stop)
+            strongest[k] = part
+            ledger.x[who, k] = x_from + (x_to - x_from) * (r - near) / (far - near)
+            ledger.cosine[who, k] = -surface.offset / (r * math.sqrt(surface.area))
+
+
+@kernel
+def _note_piece(ledger, who, surface, x_from, x_to, wedge, law, bin_length):
+    """Enter a piece along which slant range grows or falls, bin by bin."""
+    if not x_to > x_from:
+        return
+    near, far = slant(surface, x_from), slant(surface, x_to)
+    outward = far >= near
+    near, far = min(near, far), max(near, far)
+    first, last = _touched(near, far, 1.0 / bin_length, ledger.hidden.size, ROUNDING)
+    stretch = math.sqrt(surface.area)
+    for k in range(first, last):
+        start, stop = max(near, k * bin_length), min(far, (k + 1) * bin_length)
+        a = min(max(_at_slant(surface, start, outward), x_from), x_to)
+        b = min(max(_at_slant(surface, stop, outward), x_from), x_to)
+        x = 0.5 * (a + b)
+        r = slant(surface, x)
+        cosine = -surface.offset / (r * stretch)
+        energy = FIXED_POINT * strength(cosine, surface.diffuse, surface.specular, surface.shininess, law)
+        if law == LIGHT:
+            energy *= beam_share(x, r, wedge) * max(stop - start, 0.0) / bin_length
+        else:
+            energy *= stretch * strip_width(x, r, wedge) * abs(b - a)
+        _note(ledger, who, k, energy, x, cosine)
+
+
+@fused
+def _at_slant(surface, r, outward):
+    """Ground range at which a segment's line has a slant range, beyond the foot of its perpendicular or before it."""
+    tilt = 1.0 + surface.slope * surface.slope
+    foot = -surface.slope * surface.offset / tilt
+    nearest_squared = surface.offset * surface.offset / tilt
+    away = math.sqrt(max(r * r - nearest_squared, 0.0) / tilt)
+    return foot + away if outward else foot - away
+
+
+@kernel
+def _note_solids(profile, knots, horizon, problem, wedge, view, covers, count, ledger):
+    """Enter what every body in the plane sends back, facet by facet, as the sweep deposits it."""
+    solids = problem.solids
+    for own in range(count):
+        k = covers.solid[own]
+        who = problem.reflectivity.shape[0] + solids.target[k]
+        _meet(ledger, who)
+        middle, half = 0.5 * (covers.low[own] + covers.high[own]), 0.5 * (covers.high[own] - covers.low[own])
+        half *= 1.0 - EDGE
+        start = middle - half
+        for facet in range(FACETS):
+            stop = middle - half * math.cos(math.pi * (facet + 1) / FACETS)
+            centre, _ = distance_along(solids, k, view, 0.5 * (start + stop))
+            ridge = horizon_at(profile, knots, horizon, centre * math.cos(0.5 * (start + stop)))
+            low = max(start, math.atan(ridge))
+            shade_facet(own, low, stop, solids, view, covers, count)
+            while low < stop:
+                opened, low = next_open(covers.low, covers.high, covers.in_front, count, low, stop)
+                if opened < low:
+                    _note_facet(ledger, who, k, opened, low, problem, wedge, view)
+            start = stop
+
+
+@kernel
+def _note_facet(ledger, who, k, start, stop, problem, wedge, view):
+    """Enter one open facet of body k; its middle stands for its place."""
+    angle = 0.5 * (start + stop)
+    near, _ = distance_along(problem.solids, k, view, start)
+    far, _ = distance_along(problem.solids, k, view, stop)
+    centre, cosine = distance_along(problem.solids, k, view, angle)
+    if near < NEVER and far < NEVER and centre < NEVER:
+        first, second = facet_energies(k, start, stop, near, centre, far, cosine, problem, wedge)
+        x = centre * math.cos(angle)
+        _note_half(ledger, who, near, centre, first, x, cosine, problem.bin_length)
+        _note_half(ledger, who, centre, far, second, x, cosine, problem.bin_length)
+
+
+@fused
+def _note_half(ledger, who, near, far, energy, x, cosine, bin_length):
+    """Enter energy spread evenly between two slant ranges; if they are one, all of it in its bin."""
+    near, far = min(near, far) / bin_length, max(near, far) / bin_length
+    first, last = _touched(near, far, 1.0, ledger.hidden.size, ROUNDING)
+    if far - near > POINT:
+        for k in range(first, last):
+            share = max(min(far, k + 1.0) - max(near, float(k)), 0.0) / (far - near)
+            _note(ledger, who, k, energy * share, x, cosine)
+    elif first < last:
+        _note(ledger, who, min(int(near), last - 1), energy, x, cosine)

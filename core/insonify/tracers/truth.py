@@ -1,0 +1,104 @@
+"""What a record shows, bin by bin, by the geometry of the sweep."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.slice import empty_profile, profile_capacity
+from insonify.kernels.solids import empty_covers
+from insonify.kernels.sweep import empty_heard
+from insonify.kernels.truth import NOBODY, Found, empty_found, empty_ledger, find_truth, part_of
+from insonify.kernels.types import BED, Poses, Problem
+from insonify.tracers.parallel import in_parallel
+from insonify.tracers.sweep import beam_planes, refuse_sonar_inside
+
+NOTHING = -2  # target of a bin in which nothing is heard
+NO_MATERIAL = -1
+DIRECT, NO_PATH = 0, -1
+
+
+class Truth(NamedTuple):
+    """What each bin shows, (n, 2, bins) each.
+
+    Attributes
+    ----------
+    target_id : int16
+        Index of the declared target that is the bin's greatest contributor, -1 for the bed, -2 where nothing is heard.
+    material : int16
+        Its row of the material table, -1 where nothing is heard.
+    shadow : bool
+        Whether bed lies at that slant range, is hidden, and nothing is heard.
+    ground_range : float32
+        Of the contributor's strongest piece, in metres; NaN where nothing is heard.
+    incidence : float32
+        Of the sound on that piece, from its normal, in degrees; NaN where nothing is heard.
+    path : int8
+        0 for the direct path, -1 where nothing is heard.
+    """
+
+    target_id: NDArray[np.int16]
+    material: NDArray[np.int16]
+    shadow: NDArray[np.bool_]
+    ground_range: NDArray[np.float32]
+    incidence: NDArray[np.float32]
+    path: NDArray[np.int8]
+
+
+def trace_truth(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Truth:
+    """Tell what every bin of every ping shows, for an ideal pulse: where an echo begins.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    poses : Poses
+        Where the sonar is, n pings.
+    planes : int
+        Planes across a fan beam; a knife has one.
+    threads : int, optional
+        Threads to use, all cores when left out. The result does not depend on it.
+
+    Returns
+    -------
+    Truth
+        Arrays (n, 2, bins), port first. Bins in which the sweep of as many planes hears nothing, and no others, are
+        without a contributor.
+
+    Raises
+    ------
+    SceneError
+        If the sonar runs into a target.
+    """
+    reach = problem.bins * problem.bin_length
+    beam = beam_planes(problem.half_width, planes, float(poses.z.max(initial=0.0)) - problem.bed.low, reach)
+    capacity, solids = profile_capacity(reach, problem.bed.spacing), problem.solids
+    contributors = problem.reflectivity.shape[0] + int(solids.target.max(initial=-1)) + 1
+    found = empty_found(poses.x.size, problem.bins)
+
+    def block(first: int, last: int) -> int:
+        part = Poses(*(column[first:last] for column in poses))
+        room = empty_profile(capacity), empty_heard(capacity), empty_covers(solids.shape.size)
+        ledger = empty_ledger(contributors, problem.bins)
+        return find_truth(problem, part, beam, *room, ledger, part_of(found, first, last))
+
+    refuse_sonar_inside(problem, in_parallel(block, poses.x.size, threads))
+    return _in_words_of_the_scene(problem, found)
+
+
+def _in_words_of_the_scene(problem: Problem, found: Found) -> Truth:
+    """Turn contributors into targets and materials, radians into degrees."""
+    rows, solids = problem.reflectivity.shape[0], problem.solids
+    is_target, heard = found.contributor >= rows, found.contributor != NOBODY
+    material_of = np.arange(rows + int(solids.target.max(initial=-1)) + 1)
+    material_of[rows + solids.target] = solids.material
+    return Truth(
+        target_id=np.where(is_target, found.contributor - rows, np.where(heard, BED, NOTHING)).astype(np.int16),
+        material=np.where(heard, material_of[found.contributor], NO_MATERIAL).astype(np.int16),
+        shadow=found.shadow,
+        ground_range=found.ground_range,
+        incidence=np.degrees(found.incidence),
+        path=np.where(heard, DIRECT, NO_PATH).astype(np.int8),
+    )
