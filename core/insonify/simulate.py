@@ -18,6 +18,7 @@ from insonify.scene import Scene, scene_to_toml
 from insonify.terrain import Ground, build_ground
 from insonify.tracers import march, rays, sweep
 from insonify.tracers.problem import make_poses, make_problem
+from insonify.tracers.truth import Truth, trace_truth
 
 TRACERS: dict[str, Callable[..., NDArray[np.float32]]] = {
     "sweep": sweep.trace,
@@ -26,6 +27,7 @@ TRACERS: dict[str, Callable[..., NDArray[np.float32]]] = {
 }
 CHANNELS = ("port", "starboard")
 BLOCK = 64
+ACROSS = ("channel", "ping_time", "range_sample")
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +72,23 @@ class Simulation:
         traced = TRACERS[self.plan.method](self.problem, self.poses(pings), **self.plan.settings)
         return receive(self.scene, self.problem, traced, pings)
 
+    def truth(self, pings: NDArray[np.int64]) -> Truth:
+        """Tell what every bin of the given pings shows.
+
+        Parameters
+        ----------
+        pings : (n,) int64
+            Ping numbers, from 0.
+
+        Returns
+        -------
+        Truth
+            Arrays (n, 2, bins), port first. It comes from the geometry of the sweep whatever the method, and is that
+            of an ideal pulse: a longer one carries each echo on into the bins that follow.
+        """
+        planes = {"planes": self.plan.planes} if self.plan.method == "sweep" else {}
+        return trace_truth(self.problem, self.poses(np.asarray(pings, dtype=np.int64)), **planes)
+
 
 def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> Simulation:
     """Plan a scene and build its ground.
@@ -103,7 +122,8 @@ def simulate(
     tolerance : float
         Greatest error beyond 1.4 times the altitude, as a share of the record.
     truth : bool
-        Whether to add what every bin shows.
+        Whether to add what every bin shows: the target, the material, shadow, ground range, incidence and path, as
+        `Simulation.truth` has them.
     progress : callable, optional
         Called with the pings done and the pings in all.
 
@@ -157,10 +177,9 @@ def _dataset(simulation: Simulation, pings: NDArray[np.int64], attributes: dict[
     record = {"intensity": (simulation.intensity(pings), "1", "echo intensity, linear, before display gain")}
     slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
     reference_speed = scene.water.reference_speed or scene.water.sound_speed
-    across = ("channel", "ping_time", "range_sample")
     dataset = xr.Dataset(
         {
-            name: (across, np.moveaxis(values, 1, 0), _labels(unit, text))
+            name: (ACROSS, np.moveaxis(values, 1, 0), _labels(unit, text))
             for name, (values, unit, text) in record.items()
         },
         {
@@ -175,7 +194,30 @@ def _dataset(simulation: Simulation, pings: NDArray[np.int64], attributes: dict[
         },
         attributes,
     )
-    return dataset.assign(_platform(simulation, poses))
+    dataset = dataset.assign(_platform(simulation, poses))
+    return dataset.assign(_truth(simulation, pings)) if truth else dataset
+
+
+def _truth(simulation: Simulation, pings: NDArray[np.int64]) -> dict[str, Any]:
+    """Truth of each bin, with the names behind the numbers."""
+    scene, found = simulation.scene, simulation.truth(pings)
+    targets = [f"{target.kind}_{number}" for number, target in enumerate(scene.targets)]
+    materials = [*simulation.ground.names, *(target.material.name for target in scene.targets)]
+    attributes = {
+        "target_id": _flags("greatest contributor of the bin", ["nothing", "bed", *targets], found.target_id.dtype, -2),
+        "material": _flags("material of that contributor", ["nothing", *materials], found.material.dtype, -1),
+        "shadow": {"long_name": "whether bed lies there, hidden, and nothing is heard"},
+        "ground_range": _labels("m", "ground range of that contributor's strongest piece"),
+        "incidence": _labels("degree", "incidence on that piece, from its normal"),
+        "path": _flags("how the sound went", ["none", "direct"], found.path.dtype, -1),
+    }
+    return {name: (ACROSS, np.moveaxis(getattr(found, name), 1, 0), labels) for name, labels in attributes.items()}
+
+
+def _flags(text: str, meanings: list[str], dtype: np.dtype[Any], first: int) -> dict[str, Any]:
+    """Name the values of a variable that counts up from ``first``, as the CF conventions have it."""
+    values = np.arange(first, first + len(meanings), dtype=dtype)
+    return {"long_name": text, "flag_values": values, "flag_meanings": " ".join(meanings)}
 
 
 def _platform(simulation: Simulation, poses: Poses) -> dict[str, Any]:
