@@ -1,0 +1,234 @@
+"""What bins show, against closed forms and against the record itself."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from beds import poses_of, problem_of, rough
+from insonify.kernels.types import LIGHT, SONAR
+from insonify.records import write_netcdf
+from insonify.scene import SceneError, edit, load_scene
+from insonify.simulate import prepare, simulate, simulate_blocks
+from insonify.tracers import sweep
+from insonify.tracers.truth import trace_truth
+
+ALTITUDE = 10.02
+FLAT = np.zeros((4, 4))
+NARROW = math.radians(0.5)
+
+
+def both(problem, poses, planes=4):
+    """Record and truth by as many planes."""
+    return sweep.trace(problem, poses, planes=planes), trace_truth(problem, poses, planes=planes)
+
+
+def ground_extent(altitude, bins, step):
+    """Ground range of the ends of every bin on a level bed, 0 in the water column."""
+    edges = np.arange(bins + 1) * step
+    return np.sqrt(np.maximum(edges**2 - altitude**2, 0.0))
+
+
+@pytest.mark.parametrize("law", [SONAR, LIGHT])
+@pytest.mark.parametrize("half_width", [0.0, NARROW])
+@pytest.mark.parametrize("spacing", [0.1, 3.0])
+def test_a_level_bed(law, half_width, spacing):
+    problem = problem_of(FLAT, spacing, periodic=True, law=law, half_width=half_width)
+    _, truth = both(problem, poses_of([0.0, 0.3], 0.1, ALTITUDE, 0.4))
+    first = int(ALTITUDE / 0.05)
+    edges = ground_extent(ALTITUDE, 1000, 0.05)
+    assert not truth.shadow.any()
+    assert (truth.target_id[..., :first] == -2).all()
+    assert (truth.material[..., :first] == -1).all()
+    assert (truth.path[..., :first] == -1).all()
+    assert np.isnan(truth.ground_range[..., :first]).all()
+    assert np.isnan(truth.incidence[..., :first]).all()
+    heard = np.s_[..., first:]
+    assert (truth.target_id[heard] == -1).all()
+    assert (truth.material[heard] == 0).all()
+    assert (truth.path[heard] == 0).all()
+    rounding = 1e-4
+    assert (truth.ground_range[heard] >= edges[:-1][heard] - rounding).all()
+    assert (truth.ground_range[heard] <= edges[1:][heard] + rounding).all()
+    expected = np.degrees(np.arctan(truth.ground_range[heard] / ALTITUDE))
+    np.testing.assert_allclose(truth.incidence[heard], expected, atol=0.05)
+
+
+def test_a_tilted_bed_is_met_at_its_own_angle():
+    """A slope of 0.2 towards the sonar: the incidence is less by the tilt."""
+    x, spacing = np.arange(401), 0.25
+    heights = np.broadcast_to(0.2 * (x - 200.0) * spacing, (401, 401)).T.copy()
+    problem = problem_of(heights, spacing, x0=-50.0, y0=-50.0, bins=800)
+    _, truth = both(problem, poses_of(0.1, 0.1, 10.0))
+    for side, sign in enumerate((1.0, -1.0)):
+        heard = truth.target_id[0, side] == -1
+        grazing = np.arctan2(10.0 - sign * 0.2 * truth.ground_range[0, side] - 0.02, truth.ground_range[0, side])
+        expected = 90.0 - np.degrees(grazing) - sign * math.degrees(math.atan(0.2))
+        np.testing.assert_allclose(truth.incidence[0, side][heard], np.abs(expected)[heard], atol=0.1)
+
+
+def test_a_pipe_that_spans():
+    """Echo 30.68–31.18 m and shadow 34.72–38.89 m; the bed between is lit."""
+    scene = edit(load_scene("pipe-span"), {"track.pings": 3})
+    record = simulate(scene, truth=True)
+    starboard, port = record.sel(channel="starboard"), record.sel(channel="port")
+    step = scene.sonar.range / scene.sonar.bins
+    r = record.slant_range.values
+    drop = 10.0 - 1.0 - 0.5
+    distance = math.hypot(30.0, drop)
+    angle, half = math.atan2(drop, 30.0), math.asin(0.5 / distance)
+    begins, ends = 10.0 / math.sin(angle + half), 10.0 / math.sin(angle - half)
+    dark = (r > begins + step) & (r < ends - step)
+    assert starboard.shadow.values[:, dark].all()
+    assert not starboard.shadow.values[:, (r < begins - step) | (r > ends + step)].any()
+    assert (starboard.target_id.values[:, dark] == -2).all()
+    echo = (r > distance - 0.5 + step) & (r < distance - 0.5 + 0.4)
+    assert (starboard.target_id.values[:, echo] == 0).all()
+    names = dict(zip(record.material.flag_values, record.material.flag_meanings.split()))
+    assert {names[m] for m in np.unique(starboard.material.values[:, echo])} == {"steel"}
+    # What meets the pipe at slant range s turns by the law of cosines from its axis.
+    s = r[echo]
+    expected = np.degrees(np.arccos((distance**2 - s**2 - 0.25) / (2.0 * s * 0.5)))
+    np.testing.assert_allclose(starboard.incidence.values[:, echo] - expected, 0.0, atol=4.0)
+    assert not port.shadow.any()
+    assert set(np.unique(port.target_id)) == {-2, -1}
+
+
+def test_a_shadow_seen_by_part_of_a_beam_is_none():
+    """A ball narrower than the beam leaves light beside its shadow; one plane alone sees it dark."""
+    ball = ((0.0, 20.0, 1.0), 0.3)
+    options = {"periodic": True, "solids": [ball], "bins": 800}
+    fan = problem_of(FLAT, 0.1, half_width=math.radians(3.0), **options)
+    assert not both(fan, poses_of(0.0, 0.0, ALTITUDE), planes=16)[1].shadow.any()
+    assert both(problem_of(FLAT, 0.1, **options), poses_of(0.0, 0.0, ALTITUDE))[1].shadow[0, 0].any()
+
+
+def test_each_target_is_told_from_others_of_its_material():
+    balls = [((0.0, 15.0, 0.5), 0.5), ((0.0, -20.0, 0.5), 0.5)]
+    problem = problem_of(FLAT, 0.1, periodic=True, solids=balls, bins=600)
+    _, truth = both(problem, poses_of(0.0, 0.0, ALTITUDE))
+    for side, distance in enumerate((15.0, 20.0)):
+        near = int((math.hypot(distance, ALTITUDE - 0.5) - 0.5) / 0.05) + 1
+        assert truth.target_id[0, side, near] == side
+        assert truth.material[0, side, near] == 0
+        assert (1 - side) not in truth.target_id[0, side]
+
+
+def test_patches_are_told_by_their_index():
+    """Bands along the track: rows of cells of 1 m that change material at y = 4, 8, 12 m."""
+    problem = problem_of(
+        np.zeros((32, 8)), 1.0, periodic=True, reflectivity=[(0.5, 0.0, 1.0), (0.9, 0.0, 1.0)], bins=600
+    )
+    bands = (np.arange(32) // 4 % 2)[:, None] * np.ones((1, 8))
+    bed = problem.bed._replace(materials=bands.astype(np.uint8), mapped=True)
+    _, truth = both(problem._replace(bed=bed), poses_of(0.0, 0.0, ALTITUDE))
+    edges = ground_extent(ALTITUDE, 600, 0.05)
+    near, far = edges[:-1], edges[1:]
+    one_band = (near // 4 == far // 4) & (near > 0.0)
+    np.testing.assert_array_equal(truth.material[0, 0][one_band], (near // 4 % 2)[one_band])
+
+
+def test_mute_bed_in_sight_is_no_shadow():
+    problem = problem_of(FLAT, 0.1, periodic=True, reflectivity=[(0.0, 0.0, 1.0)])
+    _, truth = both(problem, poses_of(0.0, 0.0, ALTITUDE))
+    assert (truth.target_id == -2).all()
+    assert not truth.shadow.any()
+
+
+def test_beyond_the_bed_there_is_no_shadow():
+    """A plate 20 m wide under the sonar, and a wall of holes in it."""
+    heights = np.zeros((201, 201))
+    heights[140:150] = np.nan
+    problem = problem_of(heights, 0.1, x0=-10.0, y0=-10.0, bins=400)
+    _, truth = both(problem, poses_of(0.0, 0.0, 5.0))
+    assert not truth.shadow.any()
+    assert (truth.target_id[0, :, int(math.hypot(10.0, 5.0) / 0.05) + 1 :] == -2).all()
+
+
+@pytest.mark.parametrize("law", [SONAR, LIGHT])
+@pytest.mark.parametrize("half_width", [0.0, NARROW])
+def test_what_is_heard_has_a_contributor_and_nothing_else_has(law, half_width):
+    bodies = [
+        ((-20.0, 14.0, 1.5), (20.0, 17.0, 0.2), 0.4),
+        ((1.0, 11.0, 0.3), 0.8),
+        ((2.0, -9.0, 4.0), 0.6),
+        ((2.4, -9.5, 4.1), 0.6),
+    ]
+    problem = problem_of(
+        rough(128, 128, rms=0.3),
+        0.2,
+        periodic=True,
+        solids=bodies,
+        law=law,
+        half_width=half_width,
+        reflectivity=[(0.6, 0.3, 5.0)],
+        spreading=law == SONAR,
+    )
+    rng = np.random.default_rng(3)
+    poses = poses_of(rng.uniform(-3, 3, 24), rng.uniform(-2, 2, 24), rng.uniform(6, 9, 24), rng.uniform(-0.3, 0.3, 24))
+    record, truth = both(problem, poses, planes=6)
+    np.testing.assert_array_equal(truth.target_id == -2, record == 0.0)
+    np.testing.assert_array_equal(truth.path == -1, record == 0.0)
+    np.testing.assert_array_equal(np.isnan(truth.ground_range), record == 0.0)
+    assert not (truth.shadow & (record > 0.0)).any()
+    assert truth.shadow.any()
+    assert set(np.unique(truth.target_id)) == {-2, -1, 0, 1, 2, 3}
+
+
+def test_the_number_of_threads_changes_nothing():
+    problem = problem_of(
+        rough(64, 64, rms=0.2), 0.2, periodic=True, solids=[((0.0, 12.0, 0.5), 0.5)], half_width=NARROW
+    )
+    poses = poses_of(np.linspace(0, 5, 20), 0.0, 8.0)
+    one, two = (trace_truth(problem, poses, planes=4, threads=threads) for threads in (1, 2))
+    for a, b in zip(one, two):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_a_sonar_inside_a_body_is_refused():
+    problem = problem_of(FLAT, 0.1, periodic=True, solids=[((0.0, 0.0, 8.0), 1.0)])
+    with pytest.raises(SceneError, match=r"targets\.0\.position: the sonar runs into it"):
+        trace_truth(problem, poses_of(0.0, 0.0, 8.0))
+
+
+@pytest.fixture(scope="module")
+def short():
+    return edit(load_scene("default"), {"track.pings": 6, "track.start": [38.0, 0.0]})
+
+
+@pytest.mark.parametrize("method", ["sweep", "march", "rays"])
+def test_truth_changes_nothing_else(short, method):
+    plain, full = (simulate(short, method=method, truth=truth) for truth in (False, True))
+    xr.testing.assert_identical(plain, full[list(plain.data_vars)])
+    added = {"target_id", "material", "shadow", "ground_range", "incidence", "path"}
+    assert set(full.data_vars) - set(plain.data_vars) == added
+    dtypes = {"target_id": "i2", "material": "i2", "shadow": "?", "ground_range": "f4", "incidence": "f4", "path": "i1"}
+    assert {name: full[name].dtype for name in added} == {name: np.dtype(d) for name, d in dtypes.items()}
+    assert all(full[name].dims == full.intensity.dims for name in added)
+
+
+def test_truth_is_that_of_an_ideal_pulse(short):
+    """The tone of 0.1 ms of this scene reaches on by 7.5 cm, past two bins."""
+    simulation = prepare(short)
+    record = simulate(short, truth=True)
+    traced = sweep.trace(simulation.problem, simulation.poses(np.arange(6)), planes=simulation.plan.planes)
+    np.testing.assert_array_equal(np.moveaxis(record.target_id.values, 1, 0) == -2, traced == 0.0)
+    assert (record.intensity.values[record.target_id.values == -2] > 0.0).any()
+
+
+def test_a_record_with_truth_reads_back(short, tmp_path):
+    path = tmp_path / "record.nc"
+    write_netcdf(path, simulate_blocks(short, truth=True, block=4))
+    whole = simulate(short, truth=True)
+    with xr.open_dataset(path) as read:
+        read = read.load()
+        read["channel"] = read["channel"].astype(str)
+        xr.testing.assert_equal(read, whole)
+        for name in ("target_id", "material", "shadow", "path"):
+            assert read[name].dtype == whole[name].dtype
+        assert read.target_id.flag_meanings == "nothing bed pipe_0 sphere_1 sphere_2"
+        assert read.material.flag_meanings == "nothing medium_sand steel steel steel"
+        np.testing.assert_array_equal(read.target_id.flag_values, [-2, -1, 0, 1, 2])
