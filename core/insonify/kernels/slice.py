@@ -48,10 +48,11 @@ def profile_capacity(reach: float, spacing: float) -> int:
 def slice_bed(bed, x, y, z, ex, ey, reach, profile):
     """Fill ``profile`` along azimuth (ex, ey) from (x, y, z) out to ``reach``; return its number of knots."""
     u0, v0 = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
-    if abs(ey) >= abs(ex):
-        count = _walk(bed, bed.transposed, True, u0, v0, ex, ey, reach, profile)
-    else:
-        count = _walk(bed, bed.heights, False, v0, u0, ey, ex, reach, profile)
+    v_is_y = abs(ey) >= abs(ex)
+    nodes = bed.transposed if v_is_y else bed.heights
+    if not v_is_y:
+        u0, v0, ex, ey = v0, u0, ey, ex
+    count = _walk(bed, nodes, v_is_y, u0, v0, ex, ey, reach, profile)
     if not bed.mapped:
         profile.material[:count] = bed.materials[0, 0]
     for k in range(count):
@@ -108,12 +109,15 @@ def _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profil
     _even((behind - v0) * spacing / ev, per_node, x)
     x[0], x[inner + 1] = start, end
     fu, du = u0 - column, eu / spacing
+    before = z[0]
     _blend(low, high, fu + (behind - v0) * eu / ev, per_node * du, z)
     _rise(low, high, 1.0 / spacing, across)
     # The ends lie between two nodes; the first is computed from the pair behind it, before that pair is overwritten.
     last = inner + 1
     z_end, across_end = _between(low, high, last - 1, (v_end - behind) * step - inner, fu + end * du, spacing)
-    z[0], across[0] = _between(low, high, 0, (v_start - behind) * step, fu + start * du, spacing)
+    z_start, across[0] = _between(low, high, 0, (v_start - behind) * step, fu + start * du, spacing)
+    # Two strips share this knot; beside a hole in the bed only one of them knows its height.
+    z[0] = before if head > 0 and before == before else z_start
     z[last], across[last] = z_end, across_end
     _slopes(x, z, profile.slope[head:tail])
     _areas(across, profile.slope[head:tail], eu, 1.0 / ev, profile.area[head:tail])

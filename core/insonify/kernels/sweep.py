@@ -85,7 +85,7 @@ def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
         _multiply(heard.power[: count - 1], heard.scale, heard.energy)
     _colour(profile.material[: count - 1], problem.reflectivity, problem.bed.mapped, heard.energy)
     _add_gloss(profile.material[: count - 1], problem.reflectivity, problem.bed.mapped, problem.law, heard)
-    _mark_cut(x, slope, heard.r, heard.launch, heard.horizon, hidden_from, hidden_to, heard.cut)
+    _mark_cut(x, slope, area, heard.r, heard.launch, heard.horizon, hidden_from, hidden_to, heard.cut)
     _silence(heard.launch[:count], heard.horizon, heard.cut, heard.energy)
 
 
@@ -99,7 +99,7 @@ def _slant_ranges(x, z, r):
 def _launch_slopes(x, z, launch):
     for i in range(x.size):
         launch[i] = np.float32(z[i]) / np.float32(x[i])
-    if x[0] <= 0.0:
+    if x[0] <= 0.0 and z[0] == z[0]:
         launch[0] = NADIR  # straight down, whatever the knot's height
 
 
@@ -236,7 +236,7 @@ def _add_product(power, scale, share, energy):
 
 
 @fused
-def _mark_cut(x, slope, r, launch, horizon, hidden_from, hidden_to, cut):
+def _mark_cut(x, slope, area, r, launch, horizon, hidden_from, hidden_to, cut):
     """Segments in sight that are not heard as one piece of one density.
 
     A segment whose slant range hardly changes is near the foot of its perpendicular, where the density is uneven.
@@ -247,17 +247,18 @@ def _mark_cut(x, slope, r, launch, horizon, hidden_from, hidden_to, cut):
         uneven = (length_squared > dr * r[i]) | (length_squared > (FINE * FINE) * (r[i] * r[i]))
         covered = (launch[i + 1] > hidden_from) & (launch[i] < hidden_to)
         emerges = horizon[i] > launch[i]
-        cut[i] = (launch[i + 1] > horizon[i]) & (emerges | covered | uneven)
+        seen = (launch[i + 1] > horizon[i]) & (area[i] == area[i])
+        cut[i] = seen & (emerges | covered | uneven)
 
 
 @fused
 def _silence(launch, horizon, cut, energy):
     """Leave energy only to segments heard whole: those whose far end rises above the horizon.
 
-    A comparison with NaN, a hole in the bed at either end, is false and silences too.
+    Across a hole in the bed the energy is NaN, which is not itself.
     """
     for i in range(launch.size - 1):
-        whole = (launch[i + 1] > horizon[i]) & (horizon[i] >= launch[i]) & (not cut[i])
+        whole = (launch[i + 1] > horizon[i]) & (energy[i] == energy[i]) & (not cut[i])
         energy[i] = energy[i] if whole else np.float32(0.0)
 
 
