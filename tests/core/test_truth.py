@@ -232,3 +232,32 @@ def test_a_record_with_truth_reads_back(short, tmp_path):
         assert read.target_id.flag_meanings == "nothing bed pipe_0 sphere_1 sphere_2"
         assert read.material.flag_meanings == "nothing medium_sand steel steel steel"
         np.testing.assert_array_equal(read.target_id.flag_values, [-2, -1, 0, 1, 2])
+
+
+@pytest.mark.parametrize("law", [SONAR, LIGHT])
+def test_the_strongest_is_who_sends_back_most(law):
+    """Records in which all the others are mute tell what each sends back."""
+    table = [(0.6, 0.3, 5.0), (0.2, 0.0, 1.0), (0.8, 0.1, 9.0), (0.4, 0.6, 20.0)]
+    bodies = [((-9.0, 12.0, 1.5), (9.0, 13.0, 0.2), 0.4), ((1.0, -8.0, 0.3), 0.8)]
+    problem = problem_of(
+        rough(96, 96, rms=0.2), 0.25, periodic=True, solids=bodies, law=law, half_width=NARROW, reflectivity=table
+    )
+    patches = (np.add.outer(np.arange(96) // 5, np.arange(96) // 7) % 2).astype(np.uint8)
+    problem = problem._replace(
+        bed=problem.bed._replace(materials=patches, mapped=True),
+        solids=problem.solids._replace(material=np.array([2, 3])),
+    )
+    poses = poses_of(np.linspace(-4.0, 4.0, 12), 0.1, 8.0, 0.1)
+    rows = []
+    for row in range(4):
+        alone = np.zeros((4, 3))
+        alone[row] = table[row]
+        rows.append(sweep.trace(problem._replace(reflectivity=alone), poses, planes=6))
+    heard, truth = both(problem, poses, planes=6)
+    ranked = np.sort(rows, axis=0)
+    # Under the sonar the sweep spreads a piece over its bins a little more evenly than it is.
+    clear = (heard > 0.0) & (ranked[-1] > 1.2 * ranked[-2])
+    assert clear.mean() > 0.6
+    strongest = np.argmax(rows, axis=0)
+    np.testing.assert_array_equal(truth.material[clear], strongest[clear])
+    np.testing.assert_array_equal(truth.target_id[clear], np.array([-1, -1, 0, 1])[strongest][clear])
