@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from insonify.kernels.types import Poses, Problem
@@ -19,6 +18,9 @@ from insonify.terrain import Ground, build_ground
 from insonify.tracers import march, rays, sweep
 from insonify.tracers.problem import make_poses, make_problem
 from insonify.tracers.truth import Truth, trace_truth
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 TRACERS: dict[str, Callable[..., NDArray[np.float32]]] = {
     "sweep": sweep.trace,
@@ -137,6 +139,8 @@ def simulate(
     SceneError
         One sentence with what is wrong and the remedy.
     """
+    import xarray as xr  # takes longer to import than a preview takes to trace
+
     blocks = []
     done = 0
     for block in simulate_blocks(scene, method=method, tolerance=tolerance, truth=truth):
@@ -173,6 +177,8 @@ def simulate_blocks(
 
 def _dataset(simulation: Simulation, pings: NDArray[np.int64], attributes: dict[str, Any], truth: bool) -> xr.Dataset:
     """Trace one block and dress it."""
+    import xarray as xr
+
     scene, sonar, poses = simulation.scene, simulation.scene.sonar, simulation.poses(pings)
     record = {"intensity": (simulation.intensity(pings), "1", "echo intensity, linear, before display gain")}
     slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)

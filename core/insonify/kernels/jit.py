@@ -57,4 +57,4 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def fused(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a small part of a kernel into each of its callers: handing arrays over costs more than many a part."""
-    return njit(nogil=True, fastmath=FAST, error_model="numpy", forceinline=True)(function)  # type: ignore[no-any-return]
+    return njit(nogil=True, fastmath=FAST, error_model="numpy", forceinline=True)(function)
