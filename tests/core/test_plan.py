@@ -1,0 +1,106 @@
+"""Plans: what is chosen, said and kept."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from insonify.accuracy import compare
+from insonify.plan import MOST_PLANES, plan
+from insonify.scene import SceneError, edit, load_scene
+from insonify.simulate import prepare
+from insonify.tracers import sweep
+
+DEFAULT = load_scene("default")
+BARE = edit(DEFAULT, {"targets": []})
+
+
+def test_a_knife_needs_one_plane():
+    knife = plan(edit(DEFAULT, {"sonar.beam": "knife"}))
+    assert (knife.method, knife.planes) == ("sweep", 1)
+    assert any("no width" in line for line in knife.lines())
+
+
+def test_a_bed_without_detail_needs_two():
+    assert plan(edit(BARE, {"seabed.relief": "flat"})).planes == 2
+
+
+@pytest.mark.parametrize(
+    ("less", "more"),
+    [
+        ({}, {"sonar.beam.width": 2.5}),
+        ({}, {"sonar.range": 74.0}),
+        ({}, {"seabed.relief.beta": 1.0}),
+        ({}, {"seabed.relief.rms": 0.2}),
+        ({"seabed.spacing": 0.2}, {"seabed.spacing": 0.1}),
+        ({"targets": [{"kind": "sphere", "position": [0, 20], "radius": 1.0}]}, {"targets.0.radius": 0.05}),
+    ],
+)
+def test_more_detail_across_a_wider_beam_needs_more_planes(less, more):
+    before = edit(BARE, less)
+    assert plan(edit(before, more)).planes > plan(before).planes
+
+
+def test_planes_come_in_pairs_and_in_bounds():
+    for tolerance in np.geomspace(1e-7, 10.0, 30):
+        planes = plan(DEFAULT, tolerance).planes
+        assert 2 <= planes <= MOST_PLANES
+        assert planes % 2 == 0
+    assert plan(DEFAULT, 1e-7).planes == MOST_PLANES
+
+
+def test_a_finer_tolerance_never_takes_fewer_planes():
+    counts = [plan(DEFAULT, tolerance).planes for tolerance in np.geomspace(0.5, 1e-4, 20)]
+    assert counts == sorted(counts)
+
+
+@pytest.mark.parametrize("changes", [{}, {"sonar.beam.width": 2.5}, {"targets": []}, {"seabed.relief.beta": 1.8}])
+@pytest.mark.parametrize("tolerance", [0.1, 0.03])
+def test_the_planes_keep_what_they_promise(changes, tolerance):
+    simulation = prepare(edit(DEFAULT, changes), tolerance=tolerance)
+    poses = simulation.poses(np.arange(40, 480, 40))
+    record, fine = (sweep.trace(simulation.problem, poses, planes=n) for n in (simulation.plan.planes, 2 * MOST_PLANES))
+    # The law is a fit over many beds; one bed may lie a little above it.
+    assert compare(simulation.problem, poses, record, fine).beyond < 1.2 * tolerance
+
+
+def test_too_few_planes_comb_a_small_target_and_the_plan_raises_them():
+    # A ball of 5 cm in a beam 1.7 m wide: a ping hears it where a plane meets it, and not in between.
+    ball = {"kind": "sphere", "position": [5.0, 38.0], "radius": 0.05}
+    scene = edit(DEFAULT, {"targets": [ball], "seabed.relief": "flat", "sonar.beam.width": 2.5, "track.speed": 0.1})
+    simulation = prepare(scene)
+    assert simulation.plan.planes > 10 * plan(edit(scene, {"targets": []})).planes
+    poses = simulation.poses(np.arange(440, 560, 2))
+    near = math.hypot(38.0, 10.0 - 0.05) - 0.05
+    echo = slice(int(near / 0.05), int(near / 0.05) + 2)
+    few, planned = (
+        sweep.trace(simulation.problem, poses, planes=n)[:, 0, echo].sum(axis=1) for n in (4, simulation.plan.planes)
+    )
+    bed = sweep.trace(prepare(edit(scene, {"targets": []})).problem, poses)[0, 0, echo].sum()
+    assert (few / bed - 1.0).std() > 5.0 * (planned / bed - 1.0).std()
+
+
+@pytest.mark.parametrize("method", ["sweep", "march", "rays"])
+def test_a_method_asked_for_is_taken_and_explained(method):
+    chosen = plan(DEFAULT, method=method)
+    assert chosen.method == method
+    assert "asked for" in "\n".join(chosen.lines())
+    assert all(len(line) < 200 and "\n" not in line for line in chosen.lines())
+
+
+def test_a_finer_tolerance_takes_more_rays_and_shorter_steps():
+    assert plan(DEFAULT, 0.001, method="rays").settings["rays"] > plan(DEFAULT, 0.1, method="rays").settings["rays"]
+    assert plan(DEFAULT, 0.001, method="march").settings["step"] < plan(DEFAULT, 0.1, method="march").settings["step"]
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -0.1, math.nan, math.inf])
+def test_a_tolerance_that_is_no_share_is_refused(tolerance):
+    with pytest.raises(SceneError, match=r"^tolerance: .* give a share such as 0\.03$"):
+        plan(DEFAULT, tolerance)
+
+
+def test_an_unknown_method_is_refused():
+    with pytest.raises(SceneError, match=r"^method: 'magic' is not known; choose one of auto, sweep, march, rays$"):
+        plan(DEFAULT, method="magic")
