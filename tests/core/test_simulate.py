@@ -1,0 +1,135 @@
+"""The whole way: scene in, Dataset out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from insonify.plan import plan
+from insonify.scene import SceneError, edit, load_scene, scene_from_toml
+from insonify.simulate import BLOCK, prepare, simulate, simulate_blocks
+
+SMALL = edit(
+    load_scene("default"),
+    {"seabed.spacing": 0.4, "seabed.relief.period": 51.2, "seabed.relief.peaks": [[12.0, 6.0]], "sonar.bins": 200},
+)
+
+
+def small(pings=20, **changes):
+    return edit(SMALL, {"track.pings": pings, **{path.replace("__", "."): value for path, value in changes.items()}})
+
+
+def test_the_dataset_keeps_the_contract():
+    scene = small(5)
+    record = simulate(scene)
+    assert record.intensity.dims == ("channel", "ping_time", "range_sample")
+    assert record.intensity.shape == (2, 5, 200)
+    assert record.intensity.dtype == np.float32
+    assert record.channel.values.tolist() == ["port", "starboard"]
+    np.testing.assert_allclose(record.slant_range, (np.arange(200) + 0.5) * 0.25)
+    np.testing.assert_allclose(record.travel_time, 2.0 * record.slant_range / 1500.0)
+    np.testing.assert_allclose(record.ping_time, np.arange(5) / 10.0)
+    np.testing.assert_allclose(record.platform_x, np.arange(5) * 0.2)
+    np.testing.assert_allclose(record.platform_depth, 20.0)
+    assert scene_from_toml(record.attrs["scene"]) == scene
+    assert record.attrs["plan"].splitlines() == plan(scene).lines()
+    assert record.attrs["version"]
+    assert all(record[name].attrs["units"] for name in ("slant_range", "travel_time", "platform_altitude", "intensity"))
+
+
+def test_blocks_of_any_size_make_the_same_record():
+    scene = small(BLOCK + 7, receiver__speckle="rayleigh")
+    whole = simulate(scene)
+    for block in (1, 13, 1000):
+        parts = list(simulate_blocks(scene, block=block))
+        assert len(parts) == math.ceil((BLOCK + 7) / block)
+        xr.testing.assert_identical(xr.concat(parts, "ping_time", combine_attrs="override"), whole)
+
+
+def test_any_ping_is_a_function_of_the_scene_and_its_number():
+    simulation = prepare(small(20, receiver__speckle="rayleigh"))
+    pings = np.arange(30)
+    whole = simulation.intensity(pings)
+    order = np.random.default_rng(0).permutation(30)
+    np.testing.assert_array_equal(simulation.intensity(order), whole[order])
+    np.testing.assert_array_equal(simulation.intensity(np.array([7, 7])), whole[[7, 7]])
+    assert simulation.intensity(np.array([], dtype=np.int64)).shape == (0, 2, 200)
+    # Beyond the track's last ping the tow goes on.
+    np.testing.assert_allclose(np.diff(simulation.poses(pings).x), 0.2)
+    assert whole[20:].any(axis=(1, 2)).all()
+    np.testing.assert_array_equal(np.moveaxis(whole[:20], 1, 0), simulate(simulation.scene).intensity)
+
+
+def test_far_along_the_tow_the_pings_are_as_exact():
+    # After 640,000 pings the period of 51.2 m has come round 2500 times.
+    simulation = prepare(edit(small(), {"targets": []}))
+    near, far = simulation.intensity(np.array([3])), simulation.intensity(np.array([3 + 256 * 2500]))
+    np.testing.assert_allclose(far, near, rtol=1e-3, atol=1e-6 * near.max())
+
+
+def test_progress_runs_to_the_end():
+    seen = []
+    simulate(small(2 * BLOCK + 3), progress=lambda done, total: seen.append((done, total)))
+    assert seen == [(BLOCK, 2 * BLOCK + 3), (2 * BLOCK, 2 * BLOCK + 3), (2 * BLOCK + 3, 2 * BLOCK + 3)]
+
+
+@pytest.mark.parametrize(("method", "scatter"), [("sweep", 1e-6), ("march", 0.5), ("rays", 0.1)])
+def test_every_method_makes_the_same_picture(method, scatter):
+    scene = small(3, sonar__beam="knife", targets=[], sonar__pulse="ideal")
+    auto, chosen = simulate(scene, tolerance=0.01), simulate(scene, method=method, tolerance=0.01)
+    assert chosen.attrs["plan"].startswith(method)
+    curve = auto.intensity.values[:, :, 60:].mean(axis=(0, 1))
+    difference = (chosen.intensity.values - auto.intensity.values)[:, :, 60:] / curve
+    assert math.sqrt((difference**2).mean()) <= scatter
+    assert abs(difference.mean()) < 0.03
+
+
+@pytest.mark.parametrize(("heading", "port"), [(0.0, (0, 1)), (90.0, (-1, 0)), (180.0, (0, -1)), (-90.0, (1, 0))])
+def test_port_is_to_the_left(heading, port):
+    ball = {"kind": "sphere", "position": [20.0 * port[0], 20.0 * port[1]], "radius": 1.0}
+    scene = small(1, track__heading=heading, targets=[ball], seabed__relief="flat", track__start=[0.0, 0.0])
+    with_ball, without = simulate(scene).intensity, simulate(edit(scene, {"targets": []})).intensity
+    changed = (abs(with_ball - without) > 1e-3 * without.max()).any("range_sample").squeeze()
+    assert changed.values.tolist() == [True, False]
+
+
+@pytest.mark.parametrize("heading", [0.0, 35.0])
+def test_poses_run_along_the_heading(heading):
+    record = simulate(small(4, track__heading=heading, track__start=[3.0, -2.0], track__speed=3.0))
+    along = np.arange(4) * 0.3
+    np.testing.assert_allclose(record.platform_x, 3.0 + along * math.cos(math.radians(heading)), atol=1e-12)
+    np.testing.assert_allclose(record.platform_y, -2.0 + along * math.sin(math.radians(heading)), atol=1e-12)
+    np.testing.assert_allclose(record.platform_heading, heading)
+
+
+def test_a_receiver_that_takes_another_speed_stretches_the_range():
+    scene = small(1, seabed__relief="flat", targets=[], sonar__pulse="ideal", sonar__bins=2000)
+    for speed in (1400.0, 1600.0):
+        record = simulate(edit(scene, {"water.reference_speed": speed}))
+        first = record.slant_range[int(np.flatnonzero(record.intensity[0, 0])[0])]
+        assert float(first) == pytest.approx(10.0 * speed / 1500.0, abs=0.026)
+        np.testing.assert_allclose(record.travel_time, 2.0 * record.slant_range / speed)
+
+
+def test_one_ping_one_bin():
+    record = simulate(small(1, sonar__bins=1))
+    assert record.intensity.shape == (2, 1, 1)
+    assert (record.intensity > 0.0).all()
+
+
+@pytest.mark.parametrize("method", ["sweep", "march", "rays"])
+def test_a_sonar_inside_a_target_is_one_sentence(method):
+    ball = {"kind": "sphere", "position": [1.0, 0.0, -20.0], "radius": 0.5}
+    with pytest.raises(SceneError, match=r"^targets\.0\.position: the sonar runs into it; [^\n]+$"):
+        simulate(small(20, targets=[ball]), method=method)
+
+
+def test_a_target_without_bed_is_one_sentence(tmp_path):
+    np.save(tmp_path / "bed.npy", np.full((20, 20), -30.0))
+    away = {"kind": "sphere", "position": [500.0, 0.0], "radius": 0.5}
+    scene = small(1, seabed__relief={"kind": "dem", "path": str(tmp_path / "bed.npy")}, targets=[away])
+    with pytest.raises(SceneError, match=r"^targets\.0\.position: \[500\.0, 0\.0\] lies where there is no bed; "):
+        prepare(scene)
