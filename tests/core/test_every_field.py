@@ -1,0 +1,240 @@
+"""Every field of a scene changes its record, or a line here says why it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import xarray as xr
+from pydantic import BaseModel
+
+from insonify.scene import Scene, edit, scene_from_toml
+from insonify.scene.edit import kind_name, models_of
+from insonify.simulate import simulate
+
+BASE = """
+title = "Every field"
+[seabed]
+spacing = 0.5
+material = { name = "coarse_sand" }
+relief = { kind = "fractal", beta = 1.6, peaks = [[6.0, 3.0]], period = 16.0, rms = 0.1 }
+[[targets]]
+kind = "pipe"
+position = [2.0, 12.0]
+length = 6.0
+[[targets]]
+kind = "sphere"
+position = [1.0, -12.0]
+[sonar]
+beam = { kind = "fan", width = 4.0 }
+range = 30.0
+bins = 120
+[track]
+altitude = 7.0
+pings = 12
+"""
+DEM = {"seabed.relief": {"kind": "dem", "path": "BED"}, "targets": []}
+BY_DEPTH = {"track.altitude": None, "track.depth": 22.0}  # an altitude counts from the bed's own mean
+MODEL_3 = {"seabed.relief.beta": None, "seabed.relief.beta_x": 1.2, "seabed.relief.beta_y": 1.6}
+ROTATED = {**MODEL_3, "seabed.relief.decay": "rotated"}
+PATCHES = {"seabed.material": {"kind": "patches", "of": ["silt", "rock"], "size": 4.0}}
+BANDS = {"seabed.material": {"kind": "fractal", "of": ["silt", "rock"]}}
+NUMBERS = {"water.absorption": 50.0}
+SEA = {"water.absorption": "francois_garrison"}
+
+# Path of a field, the kinds on the way in brackets -> (what the scene needs to have it, what changes it).
+CHANGES: dict[str, tuple[dict, dict]] = {
+    "seed": ({}, {"seed": 2}),
+    "world.origin": ({**DEM, "seabed.relief.path": "MAP"}, {"world.origin": [1003.0, 2001.0]}),
+    "seabed.depth": ({}, {"seabed.depth": 31.0}),
+    "seabed.spacing": ({}, {"seabed.spacing": 0.25}),
+    "seabed.relief": ({}, {"seabed.relief": "flat"}),
+    "seabed.relief[fractal].beta": ({}, {"seabed.relief.beta": 1.7}),
+    "seabed.relief[fractal].beta_x": (ROTATED, {"seabed.relief.beta_x": 1.3}),
+    "seabed.relief[fractal].beta_y": (ROTATED, {"seabed.relief.beta_y": 1.7}),
+    "seabed.relief[fractal].peaks": ({}, {"seabed.relief.peaks.0.1": 4.0}),
+    "seabed.relief[fractal].period": ({}, {"seabed.relief.period": 20.0}),
+    "seabed.relief[fractal].rms": ({}, {"seabed.relief.rms": 0.11}),
+    "seabed.relief[fractal].quadrants": ({}, {"seabed.relief.quadrants": 4}),
+    "seabed.relief[fractal].combine": (
+        {"seabed.relief.peaks": [[6.0, 3.0], [4.0, -2.0]]},
+        {"seabed.relief.combine": "max"},
+    ),
+    "seabed.relief[fractal].decay": (ROTATED, {"seabed.relief.decay": "elliptic"}),
+    "seabed.relief[fractal].clamp": ({}, {"seabed.relief.clamp": "soft"}),
+    "seabed.relief[fractal].coefficients": ({}, {"seabed.relief.coefficients": "gaussian"}),
+    "seabed.relief[dem].path": (DEM, {"seabed.relief.path": "OTHER"}),
+    "seabed.relief[dem].datum": ({**DEM, **BY_DEPTH}, {"seabed.relief.datum": -1.0}),
+    "seabed.relief[dem].scale": (DEM, {"seabed.relief.scale": 1.1}),
+    "seabed.material": ({}, PATCHES),
+    "seabed.material[uniform].name": ({}, {"seabed.material.name": "silt"}),
+    "seabed.material[uniform].diffuse": ({}, {"seabed.material.diffuse": 0.2}),
+    "seabed.material[uniform].specular": ({}, {"seabed.material.specular": 0.1}),
+    "seabed.material[uniform].shininess": ({}, {"seabed.material.shininess": 4.0}),
+    "seabed.material[patches].of": (PATCHES, {"seabed.material.of.1": "cobble"}),
+    "seabed.material[patches].of[uniform].name": (PATCHES, {"seabed.material.of.1.name": "cobble"}),
+    "seabed.material[patches].of[uniform].diffuse": (PATCHES, {"seabed.material.of.1.diffuse": 0.1}),
+    "seabed.material[patches].of[uniform].specular": (PATCHES, {"seabed.material.of.1.specular": 0.1}),
+    "seabed.material[patches].of[uniform].shininess": (PATCHES, {"seabed.material.of.1.shininess": 3.0}),
+    "seabed.material[patches].size": (PATCHES, {"seabed.material.size": 3.0}),
+    "seabed.material[fractal].of": (BANDS, {"seabed.material.of.1": "cobble"}),
+    "seabed.material[fractal].of[uniform].name": (BANDS, {"seabed.material.of.1.name": "cobble"}),
+    "seabed.material[fractal].of[uniform].diffuse": (BANDS, {"seabed.material.of.1.diffuse": 0.1}),
+    "seabed.material[fractal].of[uniform].specular": (BANDS, {"seabed.material.of.1.specular": 0.1}),
+    "seabed.material[fractal].of[uniform].shininess": (BANDS, {"seabed.material.of.1.shininess": 3.0}),
+    "seabed.material[fractal].beta": (BANDS, {"seabed.material.beta": 1.2}),
+    "targets": ({}, {"targets": []}),
+    "targets[pipe].position": ({}, {"targets.0.position": [2.0, 13.0]}),
+    "targets[pipe].material": ({}, {"targets.0.material": "concrete"}),
+    "targets[pipe].material[uniform].name": ({}, {"targets.0.material.name": "rock"}),
+    "targets[pipe].material[uniform].diffuse": ({}, {"targets.0.material.diffuse": 0.1}),
+    "targets[pipe].material[uniform].specular": ({}, {"targets.0.material.specular": 0.1}),
+    "targets[pipe].material[uniform].shininess": ({}, {"targets.0.material.shininess": 3.0}),
+    "targets[pipe].radius": ({}, {"targets.0.radius": 0.6}),
+    "targets[pipe].length": ({}, {"targets.0.length": 3.0}),
+    "targets[pipe].heading": ({}, {"targets.0.heading": 20.0}),
+    "targets[pipe].gap": ({}, {"targets.0.gap": 0.5}),
+    "targets[sphere].position": ({}, {"targets.1.position": [1.0, -13.0]}),
+    "targets[sphere].material": ({}, {"targets.1.material": "concrete"}),
+    "targets[sphere].material[uniform].name": ({}, {"targets.1.material.name": "rock"}),
+    "targets[sphere].material[uniform].diffuse": ({}, {"targets.1.material.diffuse": 0.1}),
+    "targets[sphere].material[uniform].specular": ({}, {"targets.1.material.specular": 0.1}),
+    "targets[sphere].material[uniform].shininess": ({}, {"targets.1.material.shininess": 3.0}),
+    "targets[sphere].radius": ({}, {"targets.1.radius": 0.6}),
+    "water.sound_speed": ({}, {"water.sound_speed": 1450.0}),
+    "water.reference_speed": ({}, {"water.reference_speed": 1450.0}),
+    "water.absorption": ({}, {"water.absorption": 40.0}),
+    "water.absorption[constant].coefficient": (NUMBERS, {"water.absorption.coefficient": 60.0}),
+    "water.absorption[francois_garrison].temperature": (SEA, {"water.absorption.temperature": 4.0}),
+    "water.absorption[francois_garrison].salinity": (SEA, {"water.absorption.salinity": 20.0}),
+    "water.absorption[francois_garrison].acidity": (SEA, {"water.absorption.acidity": 7.5}),
+    "sonar.frequency": (SEA, {"sonar.frequency": 100e3}),
+    "sonar.beam": ({}, {"sonar.beam": "knife"}),
+    "sonar.beam[fan].width": ({}, {"sonar.beam.width": 3.0}),
+    "sonar.pulse": ({}, {"sonar.pulse": "ideal"}),
+    "sonar.pulse[tone].duration": ({}, {"sonar.pulse.duration": 2e-4}),
+    "sonar.range": ({}, {"sonar.range": 25.0}),
+    "sonar.bins": ({}, {"sonar.bins": 100}),
+    "sonar.ping_rate": ({}, {"sonar.ping_rate": 5.0}),
+    "sonar.law": ({}, {"sonar.law": "light"}),
+    "track.start": ({}, {"track.start": [0.5, 0.0]}),
+    "track.heading": ({}, {"track.heading": 10.0}),
+    "track.altitude": ({}, {"track.altitude": 8.0}),
+    "track.depth": ({}, BY_DEPTH),
+    "track.speed": ({}, {"track.speed": 1.0}),
+    "track.pings": ({}, {"track.pings": 11}),
+    "receiver.speckle": ({}, {"receiver.speckle": "rayleigh"}),
+}
+PART = "a part that is all its own fields"
+ONE = "there is only one choice yet"
+WHY_NOT = {
+    "schema_version": "says how the file is to be read",
+    "title": "is for people; it stands in the record's attributes",
+    "description": "is for people; it stands in the record's attributes",
+    "world.crs": "names the map that the origin belongs to; nothing is converted",
+    "world": PART,
+    "seabed": PART,
+    "water": PART,
+    "sonar": PART,
+    "track": PART,
+    "receiver": PART,
+    "sonar.vertical": ONE,
+    "track.motion": ONE,
+    "water.surface": ONE,
+}
+# What a field changes other than the intensity.
+ELSEWHERE = {"seabed.depth": "platform_depth"}
+
+
+def fields(model: type[BaseModel], path: str = "") -> Iterator[str]:
+    """Dotted paths of all fields of all kinds, the kind in brackets where there is a choice."""
+    for name in model.model_fields:
+        if name == "kind":
+            continue
+        here = f"{path}.{name}" if path else name
+        yield here
+        for child in models_of(model, name):
+            kind = kind_name(child)
+            yield from fields(child, f"{here}[{kind}]" if kind is not None and name != "water" else here)
+
+
+@pytest.fixture(scope="module")
+def bed_files(tmp_path_factory):
+    """Paths by the names used above: an array, another, and one with map coordinates."""
+    import rasterio
+    from rasterio.transform import Affine
+
+    folder = tmp_path_factory.mktemp("beds")
+    y, x = np.mgrid[0:80, 0:80] * 0.5
+    bed = -30.0 + 0.2 * np.sin(x) * np.cos(0.7 * y)
+    np.save(folder / "bed.npy", bed)
+    np.save(folder / "other.npy", bed.T)
+    profile = {"driver": "GTiff", "width": 80, "height": 80, "count": 1, "dtype": "float64", "crs": "EPSG:32631"}
+    with rasterio.open(
+        folder / "map.tif", "w", transform=Affine(0.5, 0.0, 980.0, 0.0, -0.5, 2020.0), **profile
+    ) as file:
+        file.write(bed, 1)
+    return {"BED": folder / "bed.npy", "OTHER": folder / "other.npy", "MAP": folder / "map.tif"}
+
+
+def with_files(changes, files):
+    """Put the files' paths in place of their names."""
+    if isinstance(changes, dict):
+        return {key: with_files(value, files) for key, value in changes.items()}
+    return str(files[changes]) if isinstance(changes, str) and changes in files else changes
+
+
+def test_every_field_is_accounted_for():
+    every = set(fields(Scene))
+    forgotten = sorted(every - CHANGES.keys() - WHY_NOT.keys())
+    assert not forgotten, f"fields without a test that they change the record: {', '.join(forgotten)}"
+    gone = sorted((CHANGES.keys() | WHY_NOT.keys()) - every)
+    assert not gone, f"fields that the scene no longer has: {', '.join(gone)}"
+    assert not CHANGES.keys() & WHY_NOT.keys()
+
+
+@pytest.mark.parametrize("path", list(CHANGES))
+def test_it_changes_the_record(path, bed_files):
+    needs, change = (with_files(part, bed_files) for part in CHANGES[path])
+    before = edit(scene_from_toml(BASE), needs)
+    one, other = simulate(before), simulate(edit(before, change))
+    if path in ELSEWHERE:
+        assert not one[ELSEWHERE[path]].equals(other[ELSEWHERE[path]])
+    else:
+        assert differs(one, other)
+
+
+def differs(one: xr.Dataset, other: xr.Dataset) -> bool:
+    """Whether intensities differ by more than rounding."""
+    a, b = one.intensity.values, other.intensity.values
+    return a.shape != b.shape or not np.allclose(a, b, rtol=1e-4, atol=1e-6 * a.max())
+
+
+@pytest.mark.parametrize("name", ["title", "description"])
+def test_what_is_for_people_stands_in_the_attributes_alone(name):
+    scene = edit(scene_from_toml(BASE), {"track.pings": 2})
+    one, other = simulate(scene), simulate(edit(scene, {name: "Another"}))
+    xr.testing.assert_equal(one, other)
+    assert "Another" in other.attrs["scene"]
+    assert "Another" not in one.attrs["scene"]
+
+
+def test_the_crs_is_kept_and_changes_nothing():
+    scene = edit(scene_from_toml(BASE), {"track.pings": 2})
+    one, other = simulate(scene), simulate(edit(scene, {"world.crs": "EPSG:32631"}))
+    xr.testing.assert_equal(one, other)
+    assert "EPSG:32631" in other.attrs["scene"]
+
+
+def test_choices_with_one_kind_have_one():
+    for path, reason in WHY_NOT.items():
+        if reason is not ONE:
+            continue
+        *parents, last = path.split(".")
+        model: type[BaseModel] = Scene
+        for parent in parents:
+            (model,) = models_of(model, parent)
+        assert len(models_of(model, last)) <= 1, f"{path} has several kinds by now: say what each changes"
+        literal = getattr(model.model_fields[last].annotation, "__args__", ("none",))
+        assert len(literal) == 1, f"{path} has several choices by now: say what each changes"
