@@ -7,6 +7,7 @@ import pytest
 
 from insonify.scene import edit, load_scene
 from insonify.simulate import prepare
+from insonify.tracers import sweep
 
 HEIGHT, GROUND_RANGE, RADIUS = 10.0, 30.0, 0.5
 
@@ -62,9 +63,11 @@ def pair_profile(name: str, ground_range: float) -> np.ndarray:
     step = scene.sonar.range / scene.sonar.bins
     near = math.hypot(ground_range, HEIGHT)
     bins = slice(int((near - 0.6) / step), int((near + 0.1) / step))
-    pings = np.arange(scene.track.pings)
-    fine = [prepare(s, tolerance=0.003) for s in (scene, edit(scene, {"targets": []}))]
-    with_pair, without = (simulation.intensity(pings)[:, 1, bins] for simulation in fine)
+    with_pair, without = (prepare(s, tolerance=0.003) for s in (scene, edit(scene, {"targets": []})))
+    poses = with_pair.poses(np.arange(scene.track.pings))
+    # The same planes for both, so that the bed cancels exactly.
+    planes = with_pair.plan.planes
+    with_pair, without = (sweep.trace(s.problem, poses, planes=planes)[:, 1, bins] for s in (with_pair, without))
     return np.maximum(with_pair.astype(float) - without, 0.0).sum(axis=1)
 
 
