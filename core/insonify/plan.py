@@ -19,8 +19,8 @@ ERROR_AT_ONE_CELL, LAW_BETA, LAW_RMS = 0.012, 1.2, 0.4
 BETA_PER_DECADE = 0.4
 # A bed that no β describes (measured heights, patches of material) counts as this smooth.
 OTHER_BETA = 1.4
-# Error law of single rays a side, measured likewise.
-ERROR_OF_1000_RAYS = 0.31
+# Error law of single rays over a rough bed, at 1000 rays a side, and its order: a fan spreads them over two angles.
+KNIFE_RAYS, FAN_RAYS = (0.13, 1.0), (0.31, 0.75)
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,9 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
         reason = f"asked for; steps of {step:.3g} m, {scene.sonar.bins} rays a side"
         return Plan("march", {"step": step, "rays": scene.sonar.bins}, (("march", reason),))
     if method == "rays":
-        rays = max(1000, math.ceil(1000.0 * ERROR_OF_1000_RAYS / tolerance))
-        reason = f"asked for; {rays} rays a side, error about {100 * ERROR_OF_1000_RAYS * 1000 / rays:.2g} %"
+        error, order = FAN_RAYS if isinstance(scene.sonar.beam, Fan) else KNIFE_RAYS
+        rays = max(1000, math.ceil(1000.0 * (error / tolerance) ** (1.0 / order)))
+        reason = f"asked for; {rays} rays a side, error about {100 * error * (1000 / rays) ** order:.2g} %"
         return Plan("rays", {"rays": rays}, (("rays", reason),))
     chosen = "asked for" if method == "sweep" else "a height field and convex targets: nothing needs single rays"
     planes, why = _planes(scene, tolerance)
