@@ -17,6 +17,8 @@ MOST_PLANES = 64
 # planes lie one cell apart at the greatest range; a factor of ten for every 0.4 of β; square of the spacing.
 ERROR_AT_ONE_CELL, LAW_BETA, LAW_RMS = 0.012, 1.2, 0.4
 BETA_PER_DECADE = 0.4
+# Likewise for targets, whose glint is narrow: with planes one radius apart.
+ERROR_AT_ONE_RADIUS = 0.18
 # A bed that no β describes (measured heights, patches of material) counts as this smooth.
 OTHER_BETA = 1.4
 # Error law of single rays over a rough bed, at 1000 rays a side, and its order: a fan spreads them over two angles.
@@ -121,8 +123,8 @@ def _bed_demand(scene: Scene, width: float) -> list[tuple[float, str]]:
 
 
 def _target_demands(scene: Scene, width: float) -> list[tuple[float, str]]:
-    """Error that a single plane would make of each target: planes a radius apart make about 3 %, and comb it beyond."""
+    """Error that a single plane would make of each target."""
     return [
-        (0.03 * (width / target.radius) ** 2, f"target {number} has a radius of {target.radius:.3g} m")
+        (ERROR_AT_ONE_RADIUS * (width / target.radius) ** 2, f"target {number} has a radius of {target.radius:.3g} m")
         for number, target in enumerate(scene.targets)
     ]
