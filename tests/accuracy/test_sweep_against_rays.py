@@ -1,0 +1,107 @@
+"""The sweep against the ray tracer: how near, and how fast it gets nearer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from beds import poses_of, problem_of, rough
+from insonify.accuracy import compare
+from insonify.kernels.types import LIGHT, SONAR
+from insonify.scene import edit, load_scene
+from insonify.simulate import prepare
+from insonify.tracers import march, rays, sweep
+
+POSES = poses_of(np.arange(6) * 1.37 + 0.1, 0.23, 7.0, 0.3)
+HEIGHTS = rough(64, 64, 0.1, 3)
+
+
+def order(counts, errors):
+    return -np.polyfit(np.log(counts), np.log(errors), 1)[0]
+
+
+def finer(heights, times):
+    """The same bilinear bed on a grid so many times finer."""
+    heights = heights.astype(np.float32).astype(float)
+    size = heights.shape[0]
+    place = np.arange(size * times) / times
+    low, share = place.astype(int), place % 1.0
+    rows = heights[:, low] * (1.0 - share) + heights[:, (low + 1) % size] * share
+    return rows[low] * (1.0 - share)[:, None] + rows[(low + 1) % size] * share[:, None]
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_finer_grids_of_the_same_bed_converge_in_second_order(law):
+    # Each segment has the normal of its middle and spreads its energy evenly: both err with the square of its length.
+    options = {"periodic": True, "bins": 300, "bin_length": 0.1, "law": law}
+    problem = problem_of(HEIGHTS, 0.5, **options)
+    right = rays.trace(problem, POSES, rays=1 << 19)
+    times = np.array([2, 4, 8])
+    errors = [
+        compare(problem, POSES, sweep.trace(problem_of(finer(HEIGHTS, n), 0.5 / n, **options), POSES), right).beyond
+        for n in times
+    ]
+    assert order(times, errors) == pytest.approx(2.0, rel=0.1)
+    assert errors[-1] < 2e-3
+
+
+def test_planes_converge_in_second_order():
+    problem = problem_of(rough(256, 256, 0.05), 0.2, periodic=True, bins=400, bin_length=0.1, half_width=0.04)
+    poses = poses_of(np.arange(8) * 1.37 + 0.1, 0.23, 7.0, 0.3)
+    right = sweep.trace(problem, poses, planes=512)
+    planes = np.array([8, 16, 32, 64, 128])
+    errors = [compare(problem, poses, sweep.trace(problem, poses, planes=int(n)), right).beyond for n in planes]
+    assert order(planes, errors) == pytest.approx(2.0, rel=0.15)  # edges of shadows cost a little
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "beyond", "all_bins"),
+    [
+        ("default", {"sonar.beam": "knife", "targets": []}, 0.012, 0.012),
+        ("default", {"sonar.beam": "knife"}, 0.015, 0.015),
+        ("default", {"targets": []}, 0.012, 0.015),
+        ("default", {}, 0.015, 0.015),
+        ("default", {"sonar.law": "light", "sonar.beam": "knife"}, 0.012, 0.015),
+        ("figure-4-fan", {"targets": []}, 0.012, 0.015),
+    ],
+)
+def test_bundled_scenes_are_as_near_as_said(name, changes, beyond, all_bins):
+    simulation = prepare(edit(load_scene(name), changes))
+    poses = simulation.poses(np.arange(60, 340, 70))
+    right = rays.trace(simulation.problem, poses, rays=1 << 18)
+    errors = compare(simulation.problem, poses, sweep.trace(simulation.problem, poses, planes=64), right)
+    assert errors.beyond < beyond
+    assert errors.all_bins < all_bins
+    assert abs(errors.energy_bias) < 2e-3
+    assert errors.dark_leakage < 2e-3
+
+
+def test_the_sweep_is_nearer_than_what_it_replaces():
+    simulation = prepare(edit(load_scene("default"), {"sonar.beam": "knife"}))
+    problem, poses = simulation.problem, simulation.poses(np.arange(60, 340, 40))
+    right = rays.trace(problem, poses, rays=1 << 18)
+    ours, a_thousand_rays, marched = (
+        compare(problem, poses, record, right).beyond
+        for record in (
+            sweep.trace(problem, poses),
+            rays.trace(problem, poses, rays=1000),
+            march.trace(problem, poses, rays=1000, step=0.1),
+        )
+    )
+    assert ours < 0.1 * a_thousand_rays
+    assert ours < 0.1 * marched
+
+
+def test_small_bright_balls_enter_and_leave_the_beam_where_they_must():
+    # Planes stand still while the cone's edge bends by a few per cent of its width: the flank of a ball's echo moves
+    # along the track by at most that, and its sum over the pings that pass it stays.
+    simulation = prepare(load_scene("figure-4-fan"))
+    pings = np.arange(150, 320)
+    right = rays.trace(simulation.problem, simulation.poses(pings), rays=1 << 16)
+    record = sweep.trace(simulation.problem, simulation.poses(pings), planes=64)
+    for ground_range in (22.0, 40.0):
+        near = np.hypot(ground_range, 9.85) - 0.15
+        echo = slice(int(near / 0.05), int(near / 0.05) + 4)
+        a, b = (r[:, 1, echo].sum(axis=1, dtype=float) for r in (record, right))
+        assert a.sum() == pytest.approx(b.sum(), rel=0.03)
+        assert np.abs(np.cumsum(a) - np.cumsum(b)).max() < 0.03 * b.sum()
