@@ -1,0 +1,76 @@
+"""Speed and accuracy side by side, printed: run with `pytest -m bench -s tests/bench`."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+from insonify.accuracy import compare, time_calls
+from insonify.scene import edit, load_scene
+from insonify.simulate import prepare
+from insonify.tracers import rays, sweep
+
+pytestmark = pytest.mark.bench
+DEFAULT = load_scene("default")
+PINGS = np.arange(512)
+SOME = np.arange(40, 480, 40)
+
+
+def say(capsys, text):
+    with capsys.disabled():
+        sys.stdout.write(f"\n{text}")
+
+
+def test_a_knife_on_one_thread(capsys):
+    simulation = prepare(edit(DEFAULT, {"sonar.beam": "knife", "targets": []}))
+    problem, poses = simulation.problem, simulation.poses(PINGS)
+    timing = time_calls({"knife": lambda: sweep.trace(problem, poses, threads=1)}, rounds=9)["knife"]
+    few = simulation.poses(SOME)
+    errors = compare(problem, few, sweep.trace(problem, few), rays.trace(problem, few, rays=1 << 18))
+    say(
+        capsys,
+        f"knife, 2 × 1000 bins over 1024²: {PINGS.size / timing.median:,.0f} pings/s a thread "
+        f"({1e6 * timing.median / PINGS.size:.1f} µs a ping, ± {100 * timing.spread:.0f} %), "
+        f"error {100 * errors.beyond:.2f} % beyond 1.4 altitudes, {100 * errors.all_bins:.2f} % in all",
+    )
+
+
+def test_a_fan_as_planned(capsys):
+    fans = {
+        f"{width:g}°{', no targets' if not targets else ''}": prepare(
+            edit(DEFAULT, {"sonar.beam.width": width} | ({} if targets else {"targets": []}))
+        )
+        for width in (1.0, 2.5)
+        for targets in (True, False)
+    }
+
+    def tracing(simulation):
+        poses = simulation.poses(PINGS)
+        return lambda: sweep.trace(simulation.problem, poses, planes=simulation.plan.planes, threads=2)
+
+    timings = time_calls({name: tracing(simulation) for name, simulation in fans.items()}, rounds=5)
+    for name, simulation in fans.items():
+        poses = simulation.poses(SOME)
+        record, fine = (sweep.trace(simulation.problem, poses, planes=n) for n in (simulation.plan.planes, 64))
+        errors = compare(simulation.problem, poses, record, fine)
+        say(
+            capsys,
+            f"fan of {name}: {simulation.plan.planes} planes, {1e3 * timings[name].median:.0f} ms for "
+            f"{PINGS.size} pings on two threads, {100 * errors.beyond:.2f} % from 64 planes",
+        )
+
+
+def test_from_a_slider_to_the_record(capsys):
+    # The altitude moves: what has been built of the bed stays.
+    altitudes = iter(np.linspace(8.0, 12.0, 1000))
+
+    def moved(tolerance):
+        return lambda: prepare(
+            edit(DEFAULT, {"track.altitude": float(next(altitudes))}), tolerance=tolerance
+        ).intensity(PINGS)
+
+    timings = time_calls({"coarse": moved(0.2), "fine": moved(0.03)}, rounds=7)
+    for name, timing in timings.items():
+        say(capsys, f"slider to record, {name}: {1e3 * timing.median:.0f} ms for {PINGS.size} pings")
