@@ -35,14 +35,14 @@ def test_finer_grids_of_the_same_bed_converge_in_second_order(law):
     # Each segment has the normal of its middle and spreads its energy evenly: both err with the square of its length.
     options = {"periodic": True, "bins": 300, "bin_length": 0.1, "law": law}
     problem = problem_of(HEIGHTS, 0.5, **options)
-    right = rays.trace(problem, POSES, rays=1 << 19)
-    times = np.array([2, 4, 8])
+    right = rays.trace(problem, POSES, rays=1 << 21)
+    times = np.array([1, 2, 4])
     errors = [
         compare(problem, POSES, sweep.trace(problem_of(finer(HEIGHTS, n), 0.5 / n, **options), POSES), right).beyond
         for n in times
     ]
     assert order(times, errors) == pytest.approx(2.0, rel=0.1)
-    assert errors[-1] < 2e-3
+    assert errors[-1] < 1e-3
 
 
 def test_planes_converge_in_second_order():
@@ -62,9 +62,9 @@ def test_planes_converge_in_second_order():
         ("default", {"targets": []}, 0.012, 0.015),
         ("default", {}, 0.015, 0.015),
         ("default", {"sonar.law": "light", "sonar.beam": "knife"}, 0.012, 0.015),
-        # Along an oblique plane a bilinear cell is bent, and a segment has one normal.
-        ("default", {"sonar.beam": "knife", "targets": [], "track.heading": 30.0}, 0.06, 0.06),
-        ("default", {"targets": [], "track.heading": 30.0}, 0.03, 0.03),
+        ("default", {"sonar.beam": "knife", "targets": [], "track.heading": 2.0}, 0.012, 0.012),
+        ("default", {"sonar.beam": "knife", "targets": [], "track.heading": 30.0}, 0.012, 0.012),
+        ("default", {"targets": [], "track.heading": 30.0}, 0.012, 0.015),
         ("real-bed", {"sonar.beam": "knife"}, 0.01, 0.01),
         ("figure-4-fan", {"targets": []}, 0.012, 0.015),
     ],

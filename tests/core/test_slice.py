@@ -79,7 +79,9 @@ def test_knots_are_where_the_plane_crosses_either_family_of_lines():
     crossings = [(k - x) / 0.8 for k in range(1, 9)] + [(k - y) / 0.6 for k in range(1, 7)]
     expected = sorted([0.0, 10.0, *(c for c in crossings if c < 10.0)])
     merged = [a for a, b in zip(expected, [*expected[1:], math.inf]) if b - a > 1e-5]
-    np.testing.assert_allclose(r, merged, atol=1e-5)
+    # Along an oblique plane a twisted cell is bent: each segment is halved twice.
+    np.testing.assert_allclose(r[::4], merged, atol=1e-5)
+    np.testing.assert_allclose(r[2::4], 0.5 * (np.array(merged[1:]) + merged[:-1]), atol=1e-5)
 
 
 @pytest.mark.parametrize("azimuth", AXES)

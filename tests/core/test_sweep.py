@@ -19,8 +19,8 @@ from insonify.tracers import rays, sweep
 FLAT = np.zeros((4, 4))
 FAN = math.radians(1.25)
 GLOSSY = (0.6, 0.3, 6.0)
-# Along an oblique plane a bilinear cell is bent, and a segment has one normal: bins shorter than a cell differ by this.
-TWISTED = 0.06
+# What a sweep of cells four times as long as bins, and brute force of finite samples, may differ by.
+NEAR = 0.03
 
 
 def distance(a, b):
@@ -52,7 +52,7 @@ def test_knife_agrees_with_brute_force(seed, x, heading, altitude, law, bodies):
     )  # fmt: skip
     record = quiet(problem, poses_of(x, 2.2, altitude, heading))[0]
     twin = naive.naive_ping(problem, x, 2.2, altitude, heading)
-    assert distance(record, twin) < TWISTED
+    assert distance(record, twin) < NEAR
     assert record.sum(dtype=float) == pytest.approx(twin.sum(), rel=0.01)
 
 
@@ -91,7 +91,7 @@ def test_agrees_with_rays_over_any_bed(seed, x, y, heading, rms, law, half_width
     curve = flat_bed_curve(problem, 6.0)[38:]
     record = quiet(problem, poses, planes=32)[0, :, 38:] / curve
     traced = rays.trace(problem, poses, rays=1 << 15)[0, :, 38:] / curve
-    assert distance(record, traced) < TWISTED
+    assert distance(record, traced) < NEAR
     assert record.sum() == pytest.approx(traced.sum(), rel=0.01)
 
 

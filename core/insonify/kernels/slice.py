@@ -17,6 +17,8 @@ from insonify.kernels.jit import fused
 
 # Knots closer to a grid corner than this share of a cell merge with it.
 MERGED = 1e-6
+# Product of the direction's components from which segments are halved once, and twice.
+SLIGHTLY_OBLIQUE, OBLIQUE = 0.04, 0.2
 
 
 class Profile(NamedTuple):
@@ -40,8 +42,8 @@ def empty_profile(capacity: int) -> Profile:
 
 
 def profile_capacity(reach: float, spacing: float) -> int:
-    """Knots that a slice of the given reach can have at most."""
-    return int(2.0 * math.sqrt(2.0) * reach / spacing) + 16
+    """Knots that a slice of the given reach can have at most: crossings of both families, halved twice."""
+    return int(8.0 * math.sqrt(2.0) * reach / spacing) + 64
 
 
 @fused
@@ -103,27 +105,51 @@ def _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profil
     low, high = profile.low[: inner + 2], profile.high[: inner + 2]
     _row(nodes[wrapped(column, nodes.shape[0])], behind, step, low)
     _row(nodes[wrapped(column + 1, nodes.shape[0])], behind, step, high)
-    head, tail = count - 1, count + inner
-    x, z, across = profile.x[head : tail + 1], profile.z[head : tail + 1], profile.across[: inner + 2]
+    head, segments = count - 1, inner + 1
+    halvings = _halvings(eu, ev)
+    tail = head + (segments << halvings)
+    x, z, across = profile.x[head : tail + 1], profile.z[head : tail + 1], profile.across[: tail - head + 1]
     per_node = step * spacing / ev
-    _even((behind - v0) * spacing / ev, per_node, x)
-    x[0], x[inner + 1] = start, end
+    _even((behind - v0) * spacing / ev, per_node, x[: segments + 1])
+    x[0], x[segments] = start, end
     fu, du = u0 - column, eu / spacing
     before = z[0]
-    _blend(low, high, fu + (behind - v0) * eu / ev, per_node * du, z)
-    _rise(low, high, 1.0 / spacing, across)
+    _blend(low, high, fu + (behind - v0) * eu / ev, per_node * du, z[: segments + 1])
+    _rise(low, high, 1.0 / spacing, across[: segments + 1])
     # The ends lie between two nodes; the first is computed from the pair behind it, before that pair is overwritten.
-    last = inner + 1
-    z_end, across_end = _between(low, high, last - 1, (v_end - behind) * step - inner, fu + end * du, spacing)
+    z_end, across_end = _between(low, high, inner, (v_end - behind) * step - inner, fu + end * du, spacing)
     z_start, across[0] = _between(low, high, 0, (v_start - behind) * step, fu + start * du, spacing)
     # Two strips share this knot; beside a hole in the bed only one of them knows its height.
     z[0] = before if head > 0 and before == before else z_start
-    z[last], across[last] = z_end, across_end
+    z[segments], across[segments] = z_end, across_end
+    for halving in range(halvings):
+        _halve(x, z, across, eu, segments << halving)
     _slopes(x, z, profile.slope[head:tail])
     _areas(across, profile.slope[head:tail], eu, 1.0 / ev, profile.area[head:tail])
     if bed.mapped:
-        _materials(bed.materials, v_is_y, column, behind, step, profile.material[head:tail])
+        _materials(bed.materials, v_is_y, column, behind, step, halvings, profile.material[head:tail])
     return tail + 1
+
+
+@fused
+def _halvings(eu, ev):
+    """How often to halve the segments of an oblique plane: along it a twisted cell is bent, not straight."""
+    oblique = abs(eu * ev)
+    return (1 if oblique > SLIGHTLY_OBLIQUE else 0) + (1 if oblique > OBLIQUE else 0)
+
+
+@fused
+def _halve(x, z, across, eu, segments):
+    """Put a knot in the middle of every segment, in place.
+
+    Along the plane d²z/dx² = 2 eu ev ∂²z/∂u∂v, and the gradient across changes by ev ∂²z/∂u∂v a metre.
+    """
+    for k in range(segments, 0, -1):
+        x0, x1, z0, z1, across0, across1 = x[k - 1], x[k], z[k - 1], z[k], across[k - 1], across[k]
+        x[2 * k], z[2 * k], across[2 * k] = x1, z1, across1
+        x[2 * k - 1] = 0.5 * (x0 + x1)
+        z[2 * k - 1] = 0.5 * (z0 + z1) - 0.25 * eu * (across1 - across0) * (x1 - x0)
+        across[2 * k - 1] = np.float32(0.5) * (across0 + across1)
 
 
 @fused
@@ -196,12 +222,12 @@ def _areas(across, slope, eu, per_ev, area):
 
 
 @fused
-def _materials(materials, v_is_y, column, behind, step, out):
+def _materials(materials, v_is_y, column, behind, step, halvings, out):
     """Material of each segment's cell."""
     rows, columns = materials.shape
     for k in range(out.size):
         # A cell belongs to its low corner.
-        v = behind + step * k - (1 if step < 0 else 0)
+        v = behind + step * (k >> halvings) - (1 if step < 0 else 0)
         if v_is_y:
             out[k] = materials[wrapped(v, rows), wrapped(column, columns)]
         else:
