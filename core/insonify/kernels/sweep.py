@@ -69,82 +69,82 @@ def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
     Targets may hide the bed between the launch slopes ``hidden_from`` and ``hidden_to``; segments that meet them are
     cut. Every pass below touches few arrays, so that the compiler can use its vector units.
     """
-    x, z, slope, area = profile.x[:count], profile.z[:count], profile.slope, profile.area
-    _slant_ranges(x, z, heard.r)
-    _launch_slopes(x, z, heard.launch)
-    _horizons(heard.launch[:count], heard.horizon)
-    _incidences(x, z, slope, area, heard.r, heard.cos_squared)
+    x, z, slope, area, segments = profile.x, profile.z, profile.slope, profile.area, count - 1
+    _slant_ranges(count, x, z, heard.r)
+    _launch_slopes(count, x, z, heard.launch)
+    _horizons(count, heard.launch, heard.horizon)
+    _incidences(segments, x, z, slope, area, heard.r, heard.cos_squared)
     if problem.law == LIGHT:
-        _light_scales(heard.r[:count], heard.scale)
-        _light_energies(heard.cos_squared[: count - 1], heard.scale, heard.energy)
+        _light_scales(segments, heard.r, heard.scale)
+        _light_energies(segments, heard.cos_squared, heard.scale, heard.energy)
     else:
-        _sonar_scales(x, area, heard.r, problem.bin_length, heard.scale)
-        _sonar_energies(heard.cos_squared[: count - 1], heard.scale, heard.energy)
+        _sonar_scales(segments, x, area, heard.r, problem.bin_length, heard.scale)
+        _sonar_energies(segments, heard.cos_squared, heard.scale, heard.energy)
     if wedge.angle > 0.0:
-        _widen(x, heard.r, wedge, problem.law, heard.power)
-        _multiply(heard.power[: count - 1], heard.scale, heard.energy)
-    _colour(profile.material[: count - 1], problem.reflectivity, problem.bed.mapped, heard.energy)
-    _add_gloss(profile.material[: count - 1], problem.reflectivity, problem.bed.mapped, problem.law, heard)
-    _mark_cut(x, slope, area, heard.r, heard.launch, heard.horizon, hidden_from, hidden_to, heard.cut)
-    _silence(heard.launch[:count], heard.horizon, heard.cut, heard.energy)
+        _widen(x[:count], heard.r, wedge, problem.law, heard.power)
+        _multiply(segments, heard.power, heard.scale, heard.energy)
+    _colour(segments, profile.material, problem.reflectivity, problem.bed.mapped, heard.energy)
+    _add_gloss(segments, profile.material, problem.reflectivity, problem.bed.mapped, problem.law, heard)
+    _mark_cut(segments, x, slope, area, heard.r, heard.launch, heard.horizon, hidden_from, hidden_to, heard.cut)
+    _silence(segments, heard.launch, heard.horizon, heard.cut, heard.energy)
 
 
 @fused
-def _slant_ranges(x, z, r):
-    for i in range(x.size):
+def _slant_ranges(count, x, z, r):
+    for i in range(count):
         r[i] = math.sqrt(x[i] * x[i] + z[i] * z[i])
 
 
 @fused
-def _launch_slopes(x, z, launch):
-    for i in range(x.size):
+def _launch_slopes(count, x, z, launch):
+    for i in range(count):
         launch[i] = np.float32(z[i]) / np.float32(x[i])
     if x[0] <= 0.0 and z[0] == z[0]:
         launch[0] = NADIR  # straight down, whatever the knot's height
 
 
 @fused
-def _horizons(launch, horizon):
+def _horizons(count, launch, horizon):
     highest = np.float32(NADIR)
-    for i in range(launch.size):
+    for i in range(count):
         # NaN, a hole in the bed, compares false and hides nothing.
         highest = launch[i] if launch[i] > highest else highest
         horizon[i] = highest
 
 
 @fused
-def _incidences(x, z, slope, area, r, cos_squared):
+def _incidences(segments, x, z, slope, area, r, cos_squared):
     """Cosine squared of the incidence at the middle, from the height of the segment's line over nadir."""
-    for i in range(x.size - 1):
+    for i in range(segments):
         offset = np.float32(z[i] - slope[i] * x[i])
         middle = np.float32(0.5 * (r[i] + r[i + 1]))
         cos_squared[i] = offset * offset / (middle * middle * area[i])
 
 
 @fused
-def _light_scales(r, scale):
+def _light_scales(segments, r, scale):
     """Law `light`: a bin takes the radiance itself; negative where a segment comes nearer outwards."""
-    for i in range(r.size - 1):
+    for i in range(segments):
         scale[i] = FIXED_POINT if r[i + 1] >= r[i] else -FIXED_POINT
 
 
 @fused
-def _light_energies(cos_squared, scale, energy):
-    for i in range(cos_squared.size):
+def _light_energies(segments, cos_squared, scale, energy):
+    for i in range(segments):
         energy[i] = math.sqrt(cos_squared[i]) * scale[i]
 
 
 @fused
-def _sonar_scales(x, area, r, bin_length, scale):
+def _sonar_scales(segments, x, area, r, bin_length, scale):
     """Law `sonar`: area over slant range, of a strip 1 m wide; negative where a segment comes nearer outwards."""
     unit = np.float32(FIXED_POINT * bin_length)
-    for i in range(x.size - 1):
+    for i in range(segments):
         scale[i] = unit * math.sqrt(area[i]) * np.float32(x[i + 1] - x[i]) / np.float32(r[i + 1] - r[i])
 
 
 @fused
-def _sonar_energies(cos_squared, scale, energy):
-    for i in range(cos_squared.size):
+def _sonar_energies(segments, cos_squared, scale, energy):
+    for i in range(segments):
         energy[i] = cos_squared[i] * (np.float32(INVERSE_PI) * scale[i])
 
 
@@ -170,78 +170,79 @@ def _widen(x, r, wedge, law, width):
 
 
 @fused
-def _multiply(factor, scale, energy):
-    for i in range(factor.size):
+def _multiply(segments, factor, scale, energy):
+    for i in range(segments):
         scale[i] *= factor[i]
         energy[i] *= factor[i]
 
 
 @fused
-def _colour(material, reflectivity, mapped, energy):
+def _colour(segments, material, reflectivity, mapped, energy):
     """Apply the diffuse share of each segment's material."""
     if mapped:
-        for i in range(energy.size if energy.size < material.size else material.size):
+        for i in range(segments):
             energy[i] *= reflectivity[material[i], 0]
     else:
         diffuse = np.float32(reflectivity[material[0], 0])
-        for i in range(material.size):
+        for i in range(segments):
             energy[i] *= diffuse
 
 
 @fused
-def _add_gloss(material, reflectivity, mapped, law, heard):
+def _add_gloss(segments, material, reflectivity, mapped, law, heard):
     """Add the Phong lobe, which is gone past 45 degrees of incidence."""
-    first = reflectivity[material[0]]
-    if not mapped and first[2] == math.floor(first[2]):
-        if first[1] > 0.0:
-            count = material.size
+    specular, shininess = reflectivity[material[0], 1], reflectivity[material[0], 2]
+    if not mapped and shininess == math.floor(shininess):
+        if specular > 0.0:
+            count = segments
             while count > 0 and not heard.cos_squared[count - 1] > 0.5:
                 count -= 1
-            share = first[1] * (1.0 if law == LIGHT else (first[2] + 2.0) * (0.5 * INVERSE_PI))
-            _mirrored(heard.cos_squared[:count], law, heard.power, heard.base)
-            _raise(heard.base[:count], int(first[2]), heard.power)
-            _add_product(heard.power[:count], heard.scale, share, heard.energy)
+            share = specular * (1.0 if law == LIGHT else (shininess + 2.0) * (0.5 * INVERSE_PI))
+            _mirrored(count, heard.cos_squared, law, heard.power, heard.base)
+            _raise(count, heard.base, int(shininess), heard.power)
+            _add_product(count, heard.power, heard.scale, share, heard.energy)
         return
-    for i in range(material.size):
+    for i in range(segments):
         if heard.cos_squared[i] > 0.5:
-            row = reflectivity[material[i]]
-            heard.energy[i] += heard.scale[i] * gloss(heard.cos_squared[i], row[1], row[2], law)
+            row = material[i]
+            shine = gloss(heard.cos_squared[i], reflectivity[row, 1], reflectivity[row, 2], law)
+            heard.energy[i] += heard.scale[i] * shine
 
 
 @fused
-def _mirrored(cos_squared, law, power, base):
+def _mirrored(segments, cos_squared, law, power, base):
     """Prepare the base of the lobe, max(0, cos 2α), and the factor it multiplies."""
-    for i in range(cos_squared.size):
+    for i in range(segments):
         mirrored = cos_squared[i] + cos_squared[i] - np.float32(1.0)
         base[i] = mirrored if mirrored > 0 else np.float32(0.0)
         power[i] = np.float32(1.0) if law == LIGHT else cos_squared[i]
 
 
 @fused
-def _raise(base, exponent, power):
+def _raise(segments, base, exponent, power):
     """Multiply ``power`` by base to a whole exponent, by repeated squaring; overwrites the base."""
     while exponent > 0:
         if exponent & 1:
-            for i in range(base.size):
+            for i in range(segments):
                 power[i] *= base[i]
-        for i in range(base.size):
+        for i in range(segments):
             base[i] *= base[i]
         exponent >>= 1
 
 
 @fused
-def _add_product(power, scale, share, energy):
-    for i in range(power.size):
+def _add_product(segments, power, scale, share, energy):
+    for i in range(segments):
         energy[i] += power[i] * scale[i] * np.float32(share)
 
 
 @fused
-def _mark_cut(x, slope, area, r, launch, horizon, hidden_from, hidden_to, cut):
+def _mark_cut(segments, x, slope, area, r, launch, horizon, hidden_from, hidden_to, cut):
     """Segments in sight that are not heard as one piece of one density.
 
     A segment whose slant range hardly changes is near the foot of its perpendicular, where the density is uneven.
     """
-    for i in range(x.size - 1):
+    for i in range(segments):
         dx, dr = x[i + 1] - x[i], abs(r[i + 1] - r[i])
         length_squared = dx * dx * (1.0 + slope[i] * slope[i])
         uneven = (length_squared > dr * r[i]) | (length_squared > (FINE * FINE) * (r[i] * r[i]))
@@ -252,12 +253,12 @@ def _mark_cut(x, slope, area, r, launch, horizon, hidden_from, hidden_to, cut):
 
 
 @fused
-def _silence(launch, horizon, cut, energy):
+def _silence(segments, launch, horizon, cut, energy):
     """Leave energy only to segments heard whole: those whose far end rises above the horizon.
 
     Across a hole in the bed the energy is NaN, which is not itself.
     """
-    for i in range(launch.size - 1):
+    for i in range(segments):
         whole = (launch[i + 1] > horizon[i]) & (energy[i] == energy[i]) & (not cut[i])
         energy[i] = energy[i] if whole else np.float32(0.0)
 
@@ -270,8 +271,8 @@ def deposit(profile, count, problem, wedge, view, covers, covering, heard, bins)
     """
     last, per_bin = bins.size - 2, 1.0 / problem.bin_length
     # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
-    _steps(heard.energy[: count - 1], heard.early)
-    _split(heard.r[:count], per_bin, heard.early, heard.late)
+    _steps(count - 1, heard.energy, heard.early)
+    _split(count, heard.r, per_bin, heard.early, heard.late)
     for i in range(count):
         k = min(max(int(heard.r[i] * per_bin), 0), last)
         bins[k] += heard.early[i]
@@ -283,8 +284,8 @@ def deposit(profile, count, problem, wedge, view, covers, covering, heard, bins)
             start = profile.x[i]
             if heard.horizon[i] > heard.launch[i]:
                 start = min(max(offset / (heard.horizon[i] - profile.slope[i]), start), profile.x[i + 1])
-            row = problem.reflectivity[profile.material[i]]
-            surface = Surface(offset, profile.slope[i], profile.area[i], row[0], row[1], row[2])
+            table, row = problem.reflectivity, profile.material[i]
+            surface = Surface(offset, profile.slope[i], profile.area[i], table[row, 0], table[row, 1], table[row, 2])
             if covering == 0:
                 deposit_piece(surface, start, profile.x[i + 1], wedge, problem.law, problem.bin_length, bins)
             else:
@@ -304,23 +305,22 @@ def deposit(profile, count, problem, wedge, view, covers, covering, heard, bins)
 
 
 @fused
-def _steps(energy, change):
+def _steps(segments, energy, change):
     """By how much the density changes at each knot."""
-    n = energy.size
     change[0] = np.int64(energy[0])
-    for i in range(1, n):
+    for i in range(1, segments):
         change[i] = np.int64(energy[i]) - np.int64(energy[i - 1])
-    change[n] = -np.int64(energy[n - 1])
+    change[segments] = -np.int64(energy[segments - 1])
 
 
 @fused
-def _split(r, per_bin, early, late):
+def _split(count, r, per_bin, early, late):
     """Share each step between the bin it falls in and the next."""
-    for i in range(r.size):
+    for i in range(count):
         position = r[i] * per_bin
         share = np.int64((position - math.floor(position)) * early[i])
         late[i] = share if early[i] != 0 else 0
-    for i in range(r.size):
+    for i in range(count):
         early[i] -= late[i]
 
 
