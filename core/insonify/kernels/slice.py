@@ -69,8 +69,8 @@ def _walk(bed, nodes, v_is_y, u0, v0, eu, ev, reach, profile):
     spacing = bed.spacing
     near, far = 0.0, reach
     if not bed.periodic:
-        near, far = _clip(u0, eu / spacing, nu - 1.0, near, far)
-        near, far = _clip(v0, ev / spacing, nv - 1.0, near, far)
+        near, far = clip(u0, eu / spacing, nu - 1.0, near, far)
+        near, far = clip(v0, ev / spacing, nv - 1.0, near, far)
         if far - near <= MERGED * spacing:
             return 0
     column = _first_column(u0 + near * eu / spacing, eu, nu, bed.periodic)
@@ -235,7 +235,7 @@ def _materials(materials, v_is_y, column, behind, step, halvings, out):
 
 
 @fused
-def _clip(origin, rate, highest, near, far):
+def clip(origin, rate, highest, near, far):
     """Part of [near, far] where origin + t rate lies within [0, highest]."""
     if rate == 0.0:
         return (near, far) if 0.0 <= origin <= highest else (1.0, 0.0)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.jit import FAST, kernel
 from insonify.kernels.shapes import meet_solid
+from insonify.kernels.slice import clip
 from insonify.kernels.types import BED
 
 NOTHING = -2
@@ -106,8 +107,8 @@ def meet_bed(bed, ray, reach):
     du, dv = ray.dx / bed.spacing, ray.dy / bed.spacing
     start, end = _slab(bed, ray, reach)
     if not bed.periodic:
-        start, end = _clip(u0, du, nx - 1.0, start, end)
-        start, end = _clip(v0, dv, ny - 1.0, start, end)
+        start, end = clip(u0, du, nx - 1.0, start, end)
+        start, end = clip(v0, dv, ny - 1.0, start, end)
     if not start < end:
         return math.inf, 0, 0.0, 0.0, 0.0
     i, j = _first_cell(u0 + start * du, du, nx, bed.periodic), _first_cell(v0 + start * dv, dv, ny, bed.periodic)
@@ -210,15 +211,6 @@ def _slab(bed, ray, reach):
         return (0.0, reach) if bed.low - margin <= ray.z <= bed.high + margin else (1.0, 0.0)
     one, other = (bed.low - margin - ray.z) / ray.dz, (bed.high + margin - ray.z) / ray.dz
     return max(0.0, min(one, other)), min(reach, max(one, other))
-
-
-@kernel
-def _clip(origin, rate, highest, near, far):
-    """Part of [near, far] in which origin + t rate lies within [0, highest]."""
-    if rate == 0.0:
-        return (near, far) if 0.0 <= origin <= highest else (1.0, 0.0)
-    one, other = -origin / rate, (highest - origin) / rate
-    return max(near, min(one, other)), min(far, max(one, other))
 
 
 @kernel
