@@ -68,13 +68,7 @@ def sonar_height(scene: Scene, ground: Ground) -> float:
 
 
 def make_poses(scene: Scene, ground: Ground, pings: NDArray[np.int64]) -> Poses:
-    """Place the sonar at the given pings; numbers beyond the track's last ping go on along its line.
-
-    Raises
-    ------
-    SceneError
-        If the sonar starts in the bed.
-    """
+    """Place the sonar at the given pings; numbers beyond the track's last ping go on along its line."""
     track = scene.track
     heading = math.radians(track.heading)
     along = np.asarray(pings, dtype=np.float64) * (track.speed / scene.sonar.ping_rate)
