@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from insonify.kernels.types import CYLINDER, SONAR, SPHERE, Bed, Poses, Problem, Solids
+from insonify.kernels.types import FRUSTUM, SONAR, SPHERE, Bed, Poses, Problem, Solids, empty_mesh, plain_pattern
 
 Sphere = tuple[tuple[float, float, float], float]  # centre, radius
 Cylinder = tuple[tuple[float, float, float], tuple[float, float, float], float]  # ends of the axis, radius
@@ -41,11 +41,12 @@ def solids_of(bodies: Sequence[Sphere | Cylinder] = (), material: int = 0) -> So
         axis=np.zeros((n, 3)),
         length=np.zeros(n),
         radius=np.array([body[-1] for body in bodies], dtype=np.float64),
+        taper=np.zeros(n),
         material=np.full(n, material, dtype=np.int64),
         target=np.arange(n),
     )
     for k, body in enumerate(bodies):
-        solids.shape[k] = SPHERE if len(body) == 2 else CYLINDER
+        solids.shape[k] = SPHERE if len(body) == 2 else FRUSTUM
         solids.start[k] = body[0]
         if len(body) == 3:
             along = np.subtract(body[1], body[0])
@@ -74,18 +75,29 @@ def problem_of(
     return Problem(
         bed=bed_of(heights, spacing, x0=x0, y0=y0, periodic=periodic),
         solids=solids_of(solids),
+        mesh=empty_mesh(),
         reflectivity=np.array(reflectivity, dtype=np.float64),
+        interface=np.tile([0.0, 1.0], (len(reflectivity), 1)),
         law=law,
         half_width=half_width,
+        pattern=plain_pattern(),
         bins=bins,
         bin_length=bin_length,
         range_factor=centres**-4.0 if spreading else np.ones(bins),
     )
 
 
-def poses_of(x: ArrayLike, y: ArrayLike, z: ArrayLike, heading: ArrayLike = 0.0) -> Poses:
-    """Poses from numbers or arrays that broadcast together; heading in radians."""
-    columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(c, dtype=np.float64)) for c in (x, y, z, heading)))
+def poses_of(
+    x: ArrayLike,
+    y: ArrayLike,
+    z: ArrayLike,
+    heading: ArrayLike = 0.0,
+    pitch: ArrayLike = 0.0,
+    roll: ArrayLike = 0.0,
+) -> Poses:
+    """Poses from numbers or arrays that broadcast together; angles in radians."""
+    given = (x, y, z, heading, pitch, roll)
+    columns = np.broadcast_arrays(*(np.atleast_1d(np.asarray(c, dtype=np.float64)) for c in given))
     return Poses(*(np.ascontiguousarray(column) for column in columns))
 
 

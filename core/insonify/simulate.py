@@ -16,7 +16,8 @@ from insonify.receive import receive
 from insonify.scene import Scene, scene_to_toml
 from insonify.terrain import Ground, build_ground
 from insonify.tracers import march, rays, sweep
-from insonify.tracers.problem import make_poses, make_problem
+from insonify.tracers.poses import make_poses
+from insonify.tracers.problem import make_problem
 from insonify.tracers.truth import Truth, trace_truth
 
 if TYPE_CHECKING:
@@ -229,15 +230,14 @@ def _flags(text: str, meanings: list[str], dtype: np.dtype[Any], first: int) -> 
 def _platform(simulation: Simulation, poses: Poses) -> dict[str, Any]:
     """Where the sonar was, one number a ping."""
     ground = simulation.ground
-    level = np.zeros_like(poses.x)
     columns = {
         "platform_x": (poses.x, "m", "position along x"),
         "platform_y": (poses.y, "m", "position along y"),
         "platform_depth": (-(poses.z + ground.datum), "m", "depth below the surface"),
         "platform_altitude": (poses.z - ground.height_at(poses.x, poses.y), "m", "height above the bed beneath"),
         "platform_heading": (np.degrees(poses.heading), "degree", "heading, counter-clockwise from +x"),
-        "platform_pitch": (level, "degree", "pitch, bow up"),
-        "platform_roll": (level, "degree", "roll, port up"),
+        "platform_pitch": (np.degrees(poses.pitch), "degree", "pitch, bow up"),
+        "platform_roll": (np.degrees(poses.roll), "degree", "roll, port up"),
     }
     return {name: ("ping_time", values, _labels(unit, text)) for name, (values, unit, text) in columns.items()}
 

@@ -12,7 +12,8 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MATERIALS
 from insonify.sound.flat_bed import flat_bed_curve
 from insonify.terrain.ground import Ground
-from insonify.tracers.problem import make_poses, make_problem
+from insonify.tracers.poses import make_poses
+from insonify.tracers.problem import make_problem
 
 
 class StandIn:

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 LIGHT, SONAR = 0, 1
 PORT, STARBOARD = 0, 1
-SPHERE, CYLINDER = 0, 1
+SPHERE, FRUSTUM = 0, 1
+EVERY_GRAZING, TOP_HAT, GAUSSIAN = 0, 1, 2
 BED = -1
 
 
@@ -35,13 +36,64 @@ class Bed(NamedTuple):
 class Solids(NamedTuple):
     """Analytic convex bodies, one row each; a pipe is a chain of cylinders jointed by spheres."""
 
-    shape: NDArray[np.int64]  # (n,) SPHERE or CYLINDER
-    start: NDArray[np.float64]  # (n, 3) centre of a sphere, or of a cylinder's first end
-    axis: NDArray[np.float64]  # (n, 3) unit vector along a cylinder, zero for a sphere
-    length: NDArray[np.float64]  # (n,) of a cylinder, 0 for a sphere
-    radius: NDArray[np.float64]  # (n,)
+    shape: NDArray[np.int64]  # (n,) SPHERE or FRUSTUM: a cylinder, or a cone, or a part of one
+    start: NDArray[np.float64]  # (n, 3) centre of a sphere, or of a frustum's first end
+    axis: NDArray[np.float64]  # (n, 3) unit vector along a frustum, zero for a sphere
+    length: NDArray[np.float64]  # (n,) of a frustum, 0 for a sphere
+    radius: NDArray[np.float64]  # (n,) of a sphere, or of a frustum's first end
+    taper: NDArray[np.float64]  # (n,) by which the radius grows per metre along the axis, 0 for a cylinder and a sphere
     material: NDArray[np.int64]  # (n,) row of the reflectivity table
     target: NDArray[np.int64]  # (n,) index of the declared target
+
+
+class Mesh(NamedTuple):
+    """The triangles of all targets that have any, in the order of the tree of boxes over them.
+
+    The tree lies in depth-first order: a search that enters node i goes on with i + 1, one that passes it by with
+    ``skip[i]``; it is over at the number of nodes.
+    """
+
+    corners: NDArray[np.float64]  # (n, 3, 3) of each triangle, counter-clockwise from outside
+    normal: NDArray[np.float64]  # (n, 3) unit vectors
+    material: NDArray[np.int64]  # (n,) row of the reflectivity table
+    target: NDArray[np.int64]  # (n,) index of the declared target
+    low: NDArray[np.float64]  # (nodes, 3) corner of each node's box
+    high: NDArray[np.float64]  # (nodes, 3) and the opposite one
+    skip: NDArray[np.int64]  # (nodes,) node after this one's whole branch
+    first: NDArray[np.int64]  # (nodes,) first triangle of the branch
+    held: NDArray[np.int64]  # (nodes,) triangles of a leaf, 0 for an inner node
+
+
+def empty_mesh() -> Mesh:
+    """Return the mesh of a scene that has none."""
+    none, rows = np.zeros((0, 3)), np.zeros(0, np.int64)
+    return Mesh(np.zeros((0, 3, 3)), none, rows, rows, none, none, rows, rows, rows)
+
+
+class Pattern(NamedTuple):
+    """How sensitive the beam is by direction, there and back.
+
+    Directions are told by s, the sine of their angle from the plane athwart the fish, positive towards its bow: lines
+    of equal s are cones about its axis. Rows belong to slant ranges, for near a long array the beam is wider.
+    """
+
+    tabled: bool  # whether it differs from a level fish's top-hat about athwart that hears every grazing angle alike
+    centre: float  # s of the beam's axis: the sine of its squint
+    extent: NDArray[np.float64]  # (rows,) a row spans centre - extent to centre + extent; beyond nothing is heard
+    energy: NDArray[np.float64]  # (rows, columns) sensitivity at equal steps of s, 1 on the axis far away
+    integral: NDArray[np.float64]  # (rows, columns) its integral over s from the row's beginning
+    first_range: float  # slant range of row 0, m
+    per_octave: float  # rows per doubling of slant range; nearer and farther the outermost rows apply
+    vertical: int  # EVERY_GRAZING, TOP_HAT or GAUSSIAN
+    tilt: float  # depression of the vertical beam's axis, rad
+    s_vertical: float  # sine of half its width, to -3 dB one way for a Gaussian
+    two_way: bool  # whether sound passes the beam going and coming
+
+
+def plain_pattern() -> Pattern:
+    """Return the pattern of a level top-hat or knife, which the half width alone describes."""
+    one = np.ones((1, 1))
+    return Pattern(False, 0.0, one[0], one, one, 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
 
 
 class Problem(NamedTuple):
@@ -49,9 +101,12 @@ class Problem(NamedTuple):
 
     bed: Bed
     solids: Solids
+    mesh: Mesh
     reflectivity: NDArray[np.float64]  # (n, 3) diffuse, specular, shininess
+    interface: NDArray[np.float64]  # (n, 2) reflection coefficient of amplitude, and speed of sound over that of water
     law: int  # LIGHT or SONAR
-    half_width: float  # of the fan beam, rad; 0 for a knife
+    half_width: float  # of a top-hat beam, or of what a pattern's main lobe spans, rad; 0 for a knife
+    pattern: Pattern
     bins: int  # per side
     bin_length: float  # true slant range that one bin spans, m
     range_factor: NDArray[np.float64]  # (bins,) spreading and absorption at the bin centres
@@ -64,6 +119,8 @@ class Poses(NamedTuple):
     y: NDArray[np.float64]  # (n,)
     z: NDArray[np.float64]  # (n,) above the datum
     heading: NDArray[np.float64]  # (n,) rad, counter-clockwise from +x; port is to the left
+    pitch: NDArray[np.float64]  # (n,) rad, bow up
+    roll: NDArray[np.float64]  # (n,) rad, port up
 
 
 Array = NDArray[Any]
