@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from insonify.scene import Scene
-from insonify.scene.materials import MATERIALS, Material
+from insonify.scene.materials import MATERIALS, Material, Reflectivity
 from insonify.scene.seabed import Fractal
 
 Changes = dict[str, Any]
-NUMBERS = ("diffuse", "specular", "shininess")
 
 
 def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
@@ -84,7 +83,7 @@ def _spectrum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
 def _named_numbers(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Let a material just named show its own numbers."""
     owners = [path.removesuffix(".name") for path in changes if path.endswith(".name") and "material" in path]
-    return {f"{owner}.{number}": None for owner in owners for number in NUMBERS}, ""
+    return {f"{owner}.{number}": None for owner in owners for number in Reflectivity._fields}, ""
 
 
 def _shares(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:

@@ -234,7 +234,8 @@ def _stands_aside(part: BaseModel, name: str) -> bool:
 def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None:
     """Value of a field that the scene leaves open."""
     if isinstance(part, Material):
-        return float(getattr(part.reflectivity, name))
+        number: float | None = getattr(part.reflectivity, name)
+        return number
     if isinstance(part, Fractal):
         return part.exponents[1 if name == "beta_y" else 0]
     values = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Discriminator, Tag, field_validator, model_validator
@@ -10,25 +11,55 @@ from insonify.scene.base import Declaration, kind_of, parameter
 
 
 class Reflectivity(NamedTuple):
-    """Numbers of a surface: diffuse and specular shares of the reflected energy, and the lobe's exponent."""
+    """Numbers of a surface.
+
+    Attributes
+    ----------
+    diffuse, specular : float
+        Shares of the energy that returns evenly (Lambert) and in a lobe about the mirror direction (Phong).
+    shininess : float
+        Exponent of that lobe.
+    reflection : float
+        R0, share of the amplitude that a smooth surface reflects at normal incidence.
+    speed_ratio : float
+        ν, speed of sound inside over that of water.
+    speckle_shape : float or None
+        Shape of K speckle; the receiver's own where None.
+    """
 
     diffuse: float
     specular: float
     shininess: float
+    reflection: float = 0.0
+    speed_ratio: float = 1.0
+    speckle_shape: float | None = None
 
 
-# Diffuse: pi * mu of the Lambert fit at 30 degrees of the Jackson model at 300 kHz; specular: R0^2, so that
-# diffuse + specular <= 1; shininess: smoother sediments have the narrower lobe.
+def _substance(
+    diffuse: float, specular: float, shininess: float, *, density: float, speed_ratio: float
+) -> Reflectivity:
+    """Numbers of a named material, from its density and speed of sound over those of water.
+
+    R0 = (ρν − 1) / (ρν + 1) is that of two fluids at normal incidence; written so that nothing overflows for a mirror.
+    """
+    return Reflectivity(diffuse, specular, shininess, 1.0 - 2.0 / (density * speed_ratio + 1.0), speed_ratio)
+
+
+# Sediments: density and speed as in the Jackson model at 300 kHz; diffuse: πμ of the Lambert fit to its backscatter at
+# 30° grazing; specular: R0², as far as diffuse + specular stay within 1, so that a level bed at R returns R0²/(2R)² of
+# its lobe, the echo of the sonar's mirror image, whatever the exponent n (to a share of 1/2n). Shininess: smoother
+# ones have the narrower lobe.
 MATERIALS: dict[str, Reflectivity] = {
-    "silt": Reflectivity(0.0128, 0.0040, 60.0),
-    "fine_sand": Reflectivity(0.0559, 0.0543, 40.0),
-    "medium_sand": Reflectivity(0.1893, 0.1369, 30.0),
-    "coarse_sand": Reflectivity(0.3955, 0.2228, 20.0),
-    "sandy_gravel": Reflectivity(0.9488, 0.0512, 10.0),
-    "cobble": Reflectivity(0.9061, 0.0939, 8.0),
-    "rock": Reflectivity(0.5587, 0.4413, 8.0),
-    "concrete": Reflectivity(0.60, 0.30, 15.0),
-    "steel": Reflectivity(0.55, 0.45, 25.0),
+    "silt": _substance(0.0128, 0.0040, 60.0, density=1.149, speed_ratio=0.987),
+    "fine_sand": _substance(0.0559, 0.0543, 40.0, density=1.451, speed_ratio=1.107),
+    "medium_sand": _substance(0.1893, 0.1369, 30.0, density=1.845, speed_ratio=1.178),
+    "coarse_sand": _substance(0.3955, 0.2228, 20.0, density=2.231, speed_ratio=1.250),
+    "sandy_gravel": _substance(0.9488, 0.0512, 10.0, density=2.492, speed_ratio=1.337),
+    "cobble": _substance(0.9061, 0.0939, 8.0, density=2.5, speed_ratio=1.8),
+    "rock": _substance(0.5587, 0.4413, 8.0, density=2.5, speed_ratio=2.3),
+    "concrete": _substance(0.60, 0.30, 15.0, density=2.4, speed_ratio=2.5),
+    "steel": _substance(0.55, 0.45, 25.0, density=7.85, speed_ratio=3.9),
+    "mirror": _substance(0.0, 1.0, 1000.0, density=math.inf, speed_ratio=1.0),
 }
 
 
@@ -46,6 +77,24 @@ class Material(Declaration):
     shininess: float | None = parameter(
         None, description="exponent of the mirror lobe", ge=1.0, le=1000.0, slider=(1.0, 200.0), log=True
     )
+    reflection: float | None = parameter(
+        None,
+        description="share of the amplitude reflected in mirror-like bounces (R0)",
+        ge=0.0,
+        le=1.0,
+        slider=(0.0, 1.0),
+    )
+    speed_ratio: float | None = parameter(
+        None, description="speed of sound inside over that of water", ge=0.1, le=10.0, slider=(0.5, 5.0), log=True
+    )
+    speckle_shape: float | None = parameter(
+        None,
+        description="shape of K speckle on this material; fewer scatterers make it smaller and the speckle spikier",
+        gt=0.0,
+        le=1e4,
+        slider=(0.1, 100.0),
+        log=True,
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -61,7 +110,7 @@ class Material(Declaration):
 
     @model_validator(mode="after")
     def _no_more_than_arrives(self) -> Material:
-        diffuse, specular, _ = self.reflectivity
+        diffuse, specular = self.reflectivity[:2]
         if diffuse + specular > 1.0 + 1e-9:
             raise ValueError(
                 f"diffuse {diffuse:g} + specular {specular:g} reflect more than arrives; lower one until they sum to 1"
@@ -71,8 +120,8 @@ class Material(Declaration):
     @property
     def reflectivity(self) -> Reflectivity:
         """Numbers that apply: the given ones, else the named material's."""
-        given = (self.diffuse, self.specular, self.shininess)
-        return Reflectivity(*(b if a is None else a for a, b in zip(given, MATERIALS[self.name])))
+        given = {field: getattr(self, field) for field in Reflectivity._fields}
+        return MATERIALS[self.name]._replace(**{field: number for field, number in given.items() if number is not None})
 
 
 class Patches(Declaration):

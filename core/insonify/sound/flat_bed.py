@@ -28,7 +28,7 @@ def flat_bed_curve(problem: Problem, altitude: float, reflectivity: Reflectivity
     (bins,) float64
         Energy (law `sonar`) or radiance (law `light`) per bin; 0 before the first return.
     """
-    diffuse, specular, shininess = reflectivity or LAMBERT
+    diffuse, specular, shininess = (reflectivity or LAMBERT)[:3]
     edges = np.arange(problem.bins + 1) * problem.bin_length
     near, far = np.maximum(edges[:-1], altitude), np.maximum(edges[1:], altitude)
     x_near, x_far = np.sqrt(near**2 - altitude**2), np.sqrt(far**2 - altitude**2)

@@ -1,0 +1,131 @@
+"""Named materials against the table they come from, and what they pass on to the tracers."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from insonify.kernels.jit import kernel
+from insonify.kernels.scatter import backscatter
+from insonify.scene import SceneError, build
+from insonify.scene.materials import MATERIALS, Material, Reflectivity
+from insonify.simulate import prepare
+
+GRAZING = (10.0, 20.0, 30.0, 45.0, 60.0)
+# Jackson model at 300 kHz: R0, S_b in dB at those grazing angles, 10 log μ of the Lambert fit at 30°.
+TABLE: dict[str, tuple[float, tuple[float, ...], float]] = {
+    "silt": (0.063, (-35.7, -31.8, -29.9, -28.3, -27.4), -23.9),
+    "fine_sand": (0.233, (-34.5, -25.5, -23.5, -22.6, -20.4), -17.5),
+    "medium_sand": (0.370, (-29.8, -21.6, -18.2, -18.7, -16.8), -12.2),
+    "coarse_sand": (0.472, (-26.9, -18.6, -15.0, -15.1, -15.0), -9.0),
+    "sandy_gravel": (0.538, (-19.1, -12.0, -11.2), -5.2),
+    "cobble": (0.636, (-21.3, -12.4, -11.4), -5.4),
+    "rock": (0.704, (-20.2, -14.7, -13.5), -7.5),
+}
+
+
+@kernel
+def strength_at(cos_incidence, diffuse, specular, shininess):
+    return backscatter(cos_incidence, diffuse, specular, shininess)
+
+
+def decibels(name: str, grazing: float) -> float:
+    """Backscattering strength of a named material."""
+    return 10.0 * math.log10(strength_at(math.sin(math.radians(grazing)), *MATERIALS[name][:3]))
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_numbers_are_those_of_the_table(name):
+    reflection, strengths, fit = TABLE[name]
+    numbers = MATERIALS[name]
+    assert numbers.reflection == pytest.approx(reflection, abs=6e-4)
+    assert 10.0 * math.log10(numbers.diffuse / math.pi) == pytest.approx(fit, abs=0.06)
+    # At 30° the lobe is gone: what remains is the fit.
+    assert decibels(name, 30.0) == pytest.approx(strengths[2], abs=0.06)
+    assert numbers.specular == pytest.approx(min(reflection**2, 1.0 - numbers.diffuse), abs=7e-4)
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_lambert_and_phong_stay_near_the_table(name):
+    """Lambert's law is a fit at 30° grazing; sands shine less than it when steeper.
+
+    Farthest: silt -3.4 dB at 10°, coarse sand +4.8 dB at 60°.
+    """
+    far = {angle: decibels(name, angle) - value for angle, value in zip(GRAZING, TABLE[name][1])}
+    assert abs(far[20.0]) < 2.6, far
+    assert max(map(abs, far.values())) < 5.0, far
+
+
+def test_no_material_returns_more_than_arrives():
+    for name, numbers in MATERIALS.items():
+        assert numbers.diffuse + numbers.specular <= 1.0 + 1e-9, name
+        assert 0.0 <= numbers.reflection <= 1.0, name
+
+
+def test_coarser_sediments_reflect_more_and_blur_the_lobe():
+    sediments = [MATERIALS[name] for name in TABLE]
+    assert all(a.reflection < b.reflection for a, b in pairwise(sediments))
+    assert all(a.shininess >= b.shininess for a, b in pairwise(sediments))
+    muds_and_sands = [row.diffuse for row in sediments[:5]]
+    assert muds_and_sands == sorted(muds_and_sands)
+
+
+def test_a_mirror_returns_all_of_it_in_its_lobe():
+    mirror = MATERIALS["mirror"]
+    assert (mirror.diffuse, mirror.specular, mirror.reflection) == (0.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("name", ["medium_sand", "rock", "mirror"])
+def test_the_lobe_of_a_level_bed_is_the_echo_of_the_mirror_image(name):
+    _, specular, shininess = MATERIALS[name][:3]
+    altitude = 10.0
+    incidence = np.linspace(0.0, math.pi / 4, 20001)
+    ring = 2.0 * math.pi * altitude**2 * np.tan(incidence) / np.cos(incidence) ** 2
+    echo = [
+        strength_at(math.cos(a), 0.0, specular, shininess) * r / (altitude / math.cos(a)) ** 4
+        for a, r in zip(incidence, ring)
+    ]
+    image = specular / (2.0 * altitude) ** 2
+    assert np.trapezoid(echo, incidence) == pytest.approx(image * (1.0 + 0.5 / (shininess + 1.0)), rel=1e-4)
+
+
+def test_given_numbers_override_the_name():
+    numbers = Material(name="rock", diffuse=0.1, reflection=0.2, speed_ratio=1.5, speckle_shape=4.0).reflectivity
+    rock = MATERIALS["rock"]
+    assert numbers == Reflectivity(0.1, rock.specular, rock.shininess, 0.2, 1.5, 4.0)
+    assert Material(name="rock").reflectivity.speckle_shape is None
+
+
+def test_interfaces_follow_the_ground_and_then_the_targets():
+    scene = build(
+        {
+            "seabed": {"material": {"kind": "patches", "of": ["silt", {"name": "rock", "reflection": 0.5}]}},
+            "targets": [
+                {"kind": "sphere", "position": [0.0, 10.0], "material": "mirror"},
+                {"kind": "sphere", "position": [0.0, 20.0], "material": {"name": "steel", "speed_ratio": 3.0}},
+            ],
+        }
+    )
+    problem = prepare(scene).problem
+    silt, rock, steel = MATERIALS["silt"], MATERIALS["rock"], MATERIALS["steel"]
+    np.testing.assert_array_equal(
+        problem.interface,
+        [(silt.reflection, silt.speed_ratio), (0.5, rock.speed_ratio), (1.0, 1.0), (steel.reflection, 3.0)],
+    )
+    assert problem.interface.shape[0] == problem.reflectivity.shape[0]
+
+
+@pytest.mark.parametrize(
+    ("numbers", "message"),
+    [
+        ({"reflection": 1.2}, "seabed.material.reflection: 1.2 is out of bounds; give a value of at most 1"),
+        ({"speed_ratio": 0.0}, "seabed.material.speed_ratio: 0.0 is out of bounds; give a value of at least 0.1"),
+    ],
+)
+def test_numbers_out_of_bounds_are_refused(numbers, message):
+    with pytest.raises(SceneError) as caught:
+        build({"seabed": {"material": {"name": "rock"} | numbers}})
+    assert str(caught.value) == message
