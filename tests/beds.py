@@ -11,6 +11,7 @@ from insonify.kernels.types import FRUSTUM, SONAR, SPHERE, Bed, Poses, Problem, 
 
 Sphere = tuple[tuple[float, float, float], float]  # centre, radius
 Cylinder = tuple[tuple[float, float, float], tuple[float, float, float], float]  # ends of the axis, radius
+Frustum = tuple[tuple[float, float, float], tuple[float, float, float], float, float]  # and the radius of its last end
 
 
 def bed_of(
@@ -32,15 +33,15 @@ def bed_of(
     )
 
 
-def solids_of(bodies: Sequence[Sphere | Cylinder] = (), material: int = 0) -> Solids:
-    """Spheres (centre, radius) and cylinders (end, end, radius), each a target of its own."""
+def solids_of(bodies: Sequence[Sphere | Cylinder | Frustum] = (), material: int = 0) -> Solids:
+    """Spheres (centre, radius), cylinders (end, end, radius) and cones (end, end, radius, radius), a target each."""
     n = len(bodies)
     solids = Solids(
         shape=np.zeros(n, dtype=np.int64),
         start=np.zeros((n, 3)),
         axis=np.zeros((n, 3)),
         length=np.zeros(n),
-        radius=np.array([body[-1] for body in bodies], dtype=np.float64),
+        radius=np.array([body[min(len(body) - 1, 2)] for body in bodies], dtype=np.float64),
         taper=np.zeros(n),
         material=np.full(n, material, dtype=np.int64),
         target=np.arange(n),
@@ -48,10 +49,11 @@ def solids_of(bodies: Sequence[Sphere | Cylinder] = (), material: int = 0) -> So
     for k, body in enumerate(bodies):
         solids.shape[k] = SPHERE if len(body) == 2 else FRUSTUM
         solids.start[k] = body[0]
-        if len(body) == 3:
+        if len(body) > 2:
             along = np.subtract(body[1], body[0])
             solids.length[k] = np.linalg.norm(along)
             solids.axis[k] = along / solids.length[k]
+            solids.taper[k] = (body[-1] - body[2]) / solids.length[k]
     return solids
 
 
@@ -62,7 +64,7 @@ def problem_of(
     x0: float = 0.0,
     y0: float = 0.0,
     periodic: bool = False,
-    solids: Sequence[Sphere | Cylinder] = (),
+    solids: Sequence[Sphere | Cylinder | Frustum] = (),
     law: int = SONAR,
     half_width: float = 0.0,
     bins: int = 1000,

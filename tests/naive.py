@@ -61,7 +61,8 @@ def body_depth(solids: Solids, k: int, point: np.ndarray) -> np.ndarray:
     if solids.shape[k] == SPHERE:
         return np.linalg.norm(offset, axis=-1) - solids.radius[k]
     along = offset @ solids.axis[k]
-    across = np.linalg.norm(offset - along[..., None] * solids.axis[k], axis=-1) - solids.radius[k]
+    radius = solids.radius[k] + solids.taper[k] * along
+    across = np.linalg.norm(offset - along[..., None] * solids.axis[k], axis=-1) - radius
     return np.maximum(across, np.maximum(-along, along - solids.length[k]))
 
 
@@ -193,21 +194,29 @@ def _bodies_in_plane(
 def _meet(solids: Solids, k: int, origin: tuple[float, float, float], d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Distances and cosines of incidence of rays d (n, 3) from one origin to body k, infinite where missed."""
     o = np.asarray(origin) - solids.start[k]
-    axis, radius = solids.axis[k], solids.radius[k]
+    axis, taper = solids.axis[k], solids.taper[k]
     op, dp = o - (o @ axis) * axis, d - (d @ axis)[:, None] * axis
+    # The side: |op + t dp| = radius + growth t, of which only the part that is seen from outside counts.
+    radius, growth = solids.radius[k] + taper * (o @ axis), taper * (d @ axis)
+    best, cosine = np.full(len(d), np.inf), np.zeros(len(d))
     with np.errstate(invalid="ignore", divide="ignore"):
-        a, b, c = (dp**2).sum(1), dp @ op, op @ op - radius**2
-        t = (-b - np.sqrt(b * b - a * c)) / a
-        point = o + t[:, None] * d
-        normal = (point - (point @ axis)[:, None] * axis) / radius
-        on_side = (t > 0) & ((solids.shape[k] == SPHERE) | ((point @ axis >= 0) & (point @ axis <= solids.length[k])))
-        best, cosine = np.where(on_side, t, np.inf), np.where(on_side, -(normal * d).sum(1), 0.0)
+        a, b, c = (dp**2).sum(1) - growth**2, dp @ op - growth * radius, op @ op - radius**2
+        for sign in (-1.0, 1.0):
+            t = (-b + sign * np.sqrt(b * b - a * c)) / a
+            along = o @ axis + t * (d @ axis)
+            across = op + t[:, None] * dp
+            normal = across / np.linalg.norm(across, axis=1)[:, None] - taper * axis
+            facing = -(normal * d).sum(1) / math.sqrt(1.0 + taper**2)
+            inside = (along >= 0) & (along <= solids.length[k])
+            hit = (t > 0) & (facing > 0) & (t < best) & (inside | (solids.shape[k] == SPHERE))
+            best, cosine = np.where(hit, t, best), np.where(hit, facing, cosine)
         if solids.shape[k] != SPHERE:
             for end, side in ((0.0, -1.0), (solids.length[k], 1.0)):
                 t = (end - o @ axis) / (d @ axis)
                 across = np.linalg.norm(op + t[:, None] * dp, axis=1)
-                hit = (t > 0) & (across <= radius) & (t < best)
-                best, cosine = np.where(hit, t, best), np.where(hit, -side * (d @ axis), cosine)
+                facing = -side * (d @ axis)
+                hit = (t > 0) & (facing > 0) & (across <= solids.radius[k] + taper * end) & (t < best)
+                best, cosine = np.where(hit, t, best), np.where(hit, facing, cosine)
     return best, cosine
 
 

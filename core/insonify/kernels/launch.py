@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.jit import kernel
+from insonify.kernels.shapes import widest
 from insonify.kernels.types import LIGHT, SPHERE
 
 AIM_STEPS = 64.0  # per radian
@@ -119,7 +120,7 @@ def gather(solids, beam, near):
         cx = solids.start[k, 0] + middle * solids.axis[k, 0] - beam.x
         cy = solids.start[k, 1] + middle * solids.axis[k, 1] - beam.y
         cz = solids.start[k, 2] + middle * solids.axis[k, 2] - beam.z
-        bound = middle + solids.radius[k]
+        bound = middle + widest(solids, k)
         distance = math.sqrt(cx * cx + cy * cy + cz * cz)
         if abs(cx * beam.ahead_x + cy * beam.ahead_y) - bound > s * (distance + bound):
             continue
@@ -127,7 +128,7 @@ def gather(solids, beam, near):
             continue
         near[count] = k
         count += 1
-        summit = cz + middle * abs(solids.axis[k, 2]) + solids.radius[k]
+        summit = cz + middle * abs(solids.axis[k, 2]) + widest(solids, k)
         top = max(top, highest_elevation(summit, max(distance - bound, 0.0), min(distance + bound, beam.reach)))
     # Rounded up, so that the aim serves many pings.
     return count, math.ceil(top * AIM_STEPS) / AIM_STEPS
@@ -150,6 +151,6 @@ def inside_body(solids, x, y, z):
         along = px * ax + py * ay + pz * az
         if solids.shape[k] != SPHERE and not 0.0 <= along <= solids.length[k]:
             continue
-        if px * px + py * py + pz * pz - along * along <= solids.radius[k] ** 2:
+        if px * px + py * py + pz * pz - along * along <= (solids.radius[k] + solids.taper[k] * along) ** 2:
             return k
     return -1

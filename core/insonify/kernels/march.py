@@ -10,8 +10,11 @@ import math
 import numpy as np
 
 from insonify.kernels.jit import kernel
+from insonify.kernels.shapes import widest
 from insonify.kernels.types import BED, SPHERE
 from insonify.kernels.walk import NOTHING, Ray, fused, load_cell, normal_at
+
+TINY = 1e-300  # m; at the very tip of a cone nothing points away from the axis
 
 
 @kernel
@@ -63,7 +66,7 @@ def _ceiling(bed, solids, near, count):
     ceiling = bed.high
     for m in range(count):
         k = near[m]
-        ceiling = max(ceiling, solids.start[k, 2] + max(solids.axis[k, 2], 0.0) * solids.length[k] + solids.radius[k])
+        ceiling = max(ceiling, solids.start[k, 2] + max(solids.axis[k, 2], 0.0) * solids.length[k] + widest(solids, k))
     return ceiling
 
 
@@ -124,12 +127,19 @@ def _axial(solids, k, ray, t):
 
 @kernel
 def _distance(solids, k, ray, t):
-    """Distance from a body's surface, negative inside."""
+    """Distance from a body's surface, negative inside; beyond a rim, from the nearer face carried on."""
     px, py, pz, along = _axial(solids, k, ray, t)
-    outside = math.sqrt(px * px + py * py + pz * pz) - solids.radius[k]
+    outside = _from_side(solids, k, math.sqrt(px * px + py * py + pz * pz), along)
     if solids.shape[k] == SPHERE:
         return outside
     return max(outside, max(-along, along - solids.length[k]))
+
+
+@kernel
+def _from_side(solids, k, radial, along):
+    """Distance from the side, from how far off the axis and along it a point is."""
+    taper = solids.taper[k]
+    return (radial - solids.radius[k] - taper * along) / math.sqrt(1.0 + taper * taper)
 
 
 @kernel
@@ -137,8 +147,10 @@ def _body_normal(solids, k, ray, t):
     """Outward normal of the surface nearest to the point at distance t."""
     px, py, pz, along = _axial(solids, k, ray, t)
     radial = math.sqrt(px * px + py * py + pz * pz)
+    ax, ay, az, taper = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2], solids.taper[k]
     cap = max(-along, along - solids.length[k])
-    if solids.shape[k] != SPHERE and cap > radial - solids.radius[k]:
+    if solids.shape[k] != SPHERE and cap > _from_side(solids, k, radial, along):
         side = -1.0 if -along > along - solids.length[k] else 1.0
-        return side * solids.axis[k, 0], side * solids.axis[k, 1], side * solids.axis[k, 2]
-    return px / radial, py / radial, pz / radial
+        return side * ax, side * ay, side * az
+    norm, radial = math.sqrt(1.0 + taper * taper), max(radial, TINY)
+    return (px / radial - taper * ax) / norm, (py / radial - taper * ay) / norm, (pz / radial - taper * az) / norm

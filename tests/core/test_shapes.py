@@ -1,0 +1,162 @@
+"""Bodies in closed form: where rays meet cylinders and cones, and with which normals."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import naive
+from beds import poses_of, problem_of, solids_of
+from insonify.kernels.jit import kernel
+from insonify.kernels.launch import inside_body
+from insonify.kernels.shapes import leave_solid, meet_solid
+from insonify.kernels.types import LIGHT, SONAR
+from insonify.tracers import march, rays
+
+FLAT = np.zeros((8, 8))
+TIP = ((0.0, 0.0, 0.0), (0.0, 0.0, 4.0), 2.0, 0.0)  # a cone that stands on its base
+PLUG = ((3.0, -2.0, 5.0), (5.0, 1.0, 6.5), 0.4, 1.7)
+
+
+@kernel
+def meet_all(solids, k, origins, directions, leaving, out):
+    """Distance and normal of every ray."""
+    for n in range(origins.shape[0]):
+        x, y, z = origins[n]
+        dx, dy, dz = directions[n]
+        if leaving:
+            out[n] = leave_solid(solids, k, x, y, z, dx, dy, dz)
+        else:
+            out[n] = meet_solid(solids, k, x, y, z, dx, dy, dz)
+
+
+def meet(body, origins, directions, *, leaving=False):
+    starts, ways = np.broadcast_arrays(np.atleast_2d(origins).astype(float), np.atleast_2d(directions).astype(float))
+    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    out = np.empty((len(ways), 4))
+    meet_all(solids_of([body]), 0, np.ascontiguousarray(starts), ways, leaving, out)
+    return out[:, 0], out[:, 1:]
+
+
+def aimed(rng, centre, size, count, distance):
+    """Rays from all sides at a ball around a body."""
+    origins = rng.normal(size=(count, 3))
+    origins *= distance / np.linalg.norm(origins, axis=1, keepdims=True)
+    goals = centre + rng.uniform(-size, size, (count, 3))
+    return centre + origins, goals - centre - origins
+
+
+def test_a_cone_where_arithmetic_is_easy():
+    slope = np.array([2.0, 0.0, 1.0]) / math.sqrt(5.0)  # a side that falls 4 m over 2 m
+    origins = [(9, 0, 2), (0, 0, 9), (0, 0, -3), (9, 0, 5), (-9, 0, 0.5), (0.5, 0, 9)]
+    directions = [(-1, 0, 0), (0, 0, -1), (0, 0, 1), (-1, 0, 0), (1, 0, 0), (0, 0, -1)]
+    distance, normal = meet(TIP, origins, directions)
+    np.testing.assert_allclose(distance, [8.0, 5.0, 3.0, math.inf, 7.25, 6.0], atol=1e-12)
+    np.testing.assert_allclose(normal[0], slope, atol=1e-12)
+    np.testing.assert_allclose(normal[1], (0, 0, 1), atol=1e-12)
+    np.testing.assert_allclose(normal[2], (0, 0, -1), atol=1e-12)
+    np.testing.assert_allclose(normal[4], slope * (-1, 1, 1), atol=1e-12)
+    np.testing.assert_allclose(normal[5], slope, atol=1e-12)
+
+
+def test_rays_along_a_generator_and_steeper_than_the_cone():
+    # Along a line of the side itself, a little off to either hand; then from below, steeper than the side.
+    along = np.array([-1.0, 0.0, 2.0])
+    origins = [(3.1, 0, -2.0), (2.9, 0, -2.0), (0.5, 0, -1.0), (0.5, 0, 9.0)]
+    distance, normal = meet(TIP, origins, [along, along, (0, 0, 1), (0.1, 0, -1)])
+    assert math.isinf(distance[0])
+    assert distance[1] == pytest.approx(math.sqrt(5.0), abs=1e-12)
+    np.testing.assert_allclose(normal[1], (0, 0, -1), atol=1e-12)
+    assert distance[2] == pytest.approx(1.0, abs=1e-12)
+    # 0.5 + 0.1 t = (4 − 9 + t) ... at the side the radius is (4 − z) / 2.
+    t = (0.5 + 0.5 * 5.0) / 0.4
+    assert distance[3] == pytest.approx(t * math.sqrt(1.01), abs=1e-12)
+
+
+@pytest.mark.parametrize("body", [((0.0, 0.0, 0.0), (6.0, 0.0, 0.0), 0.5), PLUG, (PLUG[1], PLUG[0], 1.7, 0.4), TIP])
+def test_brute_force_agrees(body):
+    rng = np.random.default_rng(2)
+    centre = 0.5 * np.add(body[0], body[1])
+    origins, directions = aimed(rng, centre, 2.5, 4000, 12.0)
+    distance, normal = meet(body, origins, directions)
+    ways = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    twin = [naive._meet(solids_of([body]), 0, origin, way[None]) for origin, way in zip(origins, ways)]
+    np.testing.assert_allclose(distance, [t[0][0] for t in twin], rtol=1e-11)
+    hit = np.isfinite(distance)
+    assert 0.1 < hit.mean() < 0.9
+    np.testing.assert_allclose(-(normal * ways).sum(1)[hit], np.array([t[1][0] for t in twin])[hit], atol=1e-7)
+    np.testing.assert_allclose(np.linalg.norm(normal[hit], axis=1), 1.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("body", [((0.0, 0.0, 0.0), (6.0, 0.0, 0.0), 0.5), PLUG, TIP, ((1.0, 2.0, 3.0), 1.5)])
+def test_what_goes_in_comes_out(body):
+    # Seen from behind, a ray leaves where it would enter, and no ray that enters stays inside.
+    rng = np.random.default_rng(3)
+    centre = np.array(body[0]) if len(body) == 2 else 0.5 * np.add(body[0], body[1])
+    origins, directions = aimed(rng, centre, 2.0, 4000, 12.0)
+    ways = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    near, normal_in = meet(body, origins, ways)
+    far, normal_out = meet(body, origins, ways, leaving=True)
+    np.testing.assert_array_equal(np.isfinite(near), np.isfinite(far))
+    hit = np.isfinite(near)
+    assert (far[hit] > near[hit]).all()
+    back, normal_back = meet(body, origins + 40.0 * ways, -ways)
+    np.testing.assert_allclose(40.0 - back[hit], far[hit], atol=1e-9)
+    np.testing.assert_allclose(normal_back[hit], normal_out[hit], atol=1e-6)
+    assert ((normal_in * ways).sum(1)[hit] < 0.0).all()
+    assert ((normal_out * ways).sum(1)[hit] > 0.0).all()
+
+
+def test_no_ray_slips_in_at_a_rim():
+    # Aimed exactly at both rims of a frustum, from all around: each enters the disc or the side or passes outside.
+    rng = np.random.default_rng(4)
+    body = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 2.0, 1.0)
+    angle = rng.uniform(0.0, 2.0 * math.pi, 20_000)
+    rim = np.column_stack([np.cos(angle), np.sin(angle), np.ones_like(angle)])
+    # Towards a point well inside, through the rim: met either way, at the rim.
+    inner = rng.uniform((-0.5, -0.5, 0.2), (0.5, 0.5, 0.8), (20_000, 3))
+    way = (inner - rim) / np.linalg.norm(inner - rim, axis=1, keepdims=True)
+    distance, _ = meet(body, rim - 7.0 * way, way)
+    np.testing.assert_allclose(distance, 7.0, atol=1e-6)
+
+
+def test_far_away_and_in_a_map_grid():
+    body = ((500_000.0, 5_800_000.0, 3.0), (500_004.0, 5_800_000.0, 3.0), 0.5, 1.5)
+    origin = np.array([500_002.0, 5_800_000.0 - 10_000.0, 3.0])
+    distance, normal = meet(body, origin, (0, 1, 0))
+    # The section at x = 2 is a hyperbola's vertex: |y| = 1 at the axis' height.
+    assert distance[0] == pytest.approx(10_000.0 - 1.0, abs=1e-8)
+    np.testing.assert_allclose(normal[0], np.array([-0.25, -1.0, 0.0]) / math.sqrt(1.0625), atol=1e-8)
+
+
+def test_a_cylinder_is_a_frustum_without_taper():
+    rng = np.random.default_rng(5)
+    origins, directions = aimed(rng, np.array([2.0, 0.0, 0.0]), 1.0, 4000, 30.0)
+    ends = (0.0, 0.0, 0.0), (4.0, 0.5, 0.3)
+    one, normal = meet((*ends, 0.5), origins, directions)
+    other, other_normal = meet((*ends, 0.5, 0.5 + 1e-13), origins, directions)
+    assert (np.isfinite(one) == np.isfinite(other)).mean() > 0.999
+    both = np.isfinite(one) & np.isfinite(other)
+    np.testing.assert_allclose(one[both], other[both], atol=1e-6)
+    np.testing.assert_allclose(normal[both], other_normal[both], atol=1e-5)
+
+
+def test_inside_and_outside():
+    solids = solids_of([TIP])
+    inside = [(0, 0, 1), (1.4, 0, 1), (0, 0.05, 3.8)]
+    outside = [(1.6, 0, 1), (0, 0.2, 3.8), (0, 0, 4.1), (0, 0, -0.1)]
+    assert [inside_body(solids, *map(float, point)) for point in inside + outside] == [0] * 3 + [-1] * 4
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_a_record_of_a_cone_agrees_with_brute_force(law):
+    cone = ((1.0, 14.0, 0.0), (1.0, 15.0, 3.0), 1.2, 0.1)
+    problem = problem_of(FLAT, 4.0, periodic=True, solids=[cone], law=law, bins=250, bin_length=0.1)
+    record = rays.trace(problem, poses_of(0.9, 0.0, 7.0), rays=1 << 17)[0]
+    twin = naive.naive_ping(problem, 0.9, 0.0, 7.0, 0.0, samples_per_cell=4000)
+    assert np.linalg.norm(record - twin) < 0.01 * np.linalg.norm(twin)
+    marched = march.trace(problem, poses_of(0.9, 0.0, 7.0), step=0.002, rays=1 << 12)[0]
+    coarse = rays.trace(problem, poses_of(0.9, 0.0, 7.0), rays=1 << 12)[0]
+    assert np.linalg.norm(marched - coarse) < 0.05 * np.linalg.norm(coarse)
