@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
+import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
@@ -23,7 +25,24 @@ LEFT, RIGHT, TOP, BOTTOM = 86, 196, 92, 62  # margins in pixels
 INK, FAINT = "#22262b", "#6b737c"
 
 
-def write_page(path: str | Path, sheet: Sheet, look: Look, scene: Scene) -> None:
+class Caption(NamedTuple):
+    """Words of a page.
+
+    Attributes
+    ----------
+    title : str
+    line : str
+        How the record was made.
+    level : str
+        What its echoes are relative to.
+    """
+
+    title: str
+    line: str
+    level: str
+
+
+def write_page(path: str | Path, sheet: Sheet, look: Look, caption: Caption) -> None:
     """Draw a sheet with its scales and write it as PNG.
 
     Parameters
@@ -34,23 +53,23 @@ def write_page(path: str | Path, sheet: Sheet, look: Look, scene: Scene) -> None
         From ``sheet.gather``.
     look : Look
         Palette and gain.
-    scene : Scene
-        For the title and the line below it.
+    caption : Caption
+        From ``scene_caption`` or ``record_caption``.
     """
-    figure = draw(sheet, look, scene)
+    figure = draw(sheet, look, caption)
     with replacing(path) as beside, warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a title in any script
         figure.savefig(beside, dpi=DPI)
 
 
-def draw(sheet: Sheet, look: Look, scene: Scene) -> Figure:
+def draw(sheet: Sheet, look: Look, caption: Caption) -> Figure:
     """Lay a sheet out on a page, one pixel an amplitude.
 
     Parameters
     ----------
     sheet : Sheet
     look : Look
-    scene : Scene
+    caption : Caption
 
     Returns
     -------
@@ -72,8 +91,8 @@ def draw(sheet: Sheet, look: Look, scene: Scene) -> Figure:
     )
     _scales(axes, sheet, look)
     bar = _axes(figure, whole, LEFT + width + 84, BOTTOM, 18, height)
-    _colour_bar(bar, look, levels)
-    _headings(figure, whole, width, look, scene)
+    _colour_bar(bar, look, levels, caption.level)
+    _headings(figure, whole, width, look, caption)
     return figure
 
 
@@ -107,15 +126,15 @@ def _scales(axes: Any, sheet: Sheet, look: Look) -> None:
     numbers.set_ylabel("ping", fontsize=10, color=FAINT, labelpad=4)
 
 
-def _colour_bar(axes: Any, look: Look, levels: tuple[float, float]) -> None:
-    """Palette from low to high with ticks in decibels above a perfect Lambert bed."""
+def _colour_bar(axes: Any, look: Look, levels: tuple[float, float], level: str) -> None:
+    """Palette from low to high with ticks in decibels above a level."""
     axes.imshow(palette(look.palette)[:, None, :], extent=(0, 1, 0, 1), origin="lower", aspect="auto")
     axes.set_xticks([])
     axes.yaxis.tick_right()
     axes.yaxis.set_label_position("right")
     places = decibel_ticks(levels, look.gain)
     axes.set_yticks([place for place, _ in places], [text for _, text in places])
-    axes.set_ylabel("echo relative to a perfect Lambert bed (dB)", fontsize=10, color=INK, labelpad=6)
+    axes.set_ylabel(f"echo relative to {level} (dB)", fontsize=10, color=INK, labelpad=6)
 
 
 def decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[float, str]]:
@@ -145,13 +164,13 @@ def decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[float,
     return ticks
 
 
-def _headings(figure: Figure, whole: tuple[int, int], width: int, look: Look, scene: Scene) -> None:
+def _headings(figure: Figure, whole: tuple[int, int], width: int, look: Look, caption: Caption) -> None:
     def text(x: float, y: float, words: str, **style: Any) -> None:
         figure.text(x / whole[0], 1.0 - y / whole[1], words, parse_math=False, **style)
 
-    title = scene.title if len(scene.title) <= 90 else f"{scene.title[:89]}…"
+    title = caption.title if len(caption.title) <= 90 else f"{caption.title[:89]}…"
     text(LEFT, 34, title, fontsize=15, fontweight="bold", color=INK, va="baseline")
-    text(LEFT, 56, summary(scene, look), fontsize=10, color=FAINT, va="baseline")
+    text(LEFT, 56, caption.line, fontsize=10, color=FAINT, va="baseline")
     small: dict[str, Any] = {"fontsize": 9, "fontweight": "bold", "color": FAINT, "va": "baseline"}
     if look.side in ("both", "port"):
         text(LEFT, TOP - 9, "PORT", **small)
@@ -160,8 +179,8 @@ def _headings(figure: Figure, whole: tuple[int, int], width: int, look: Look, sc
         text(LEFT + width if right else LEFT, TOP - 9, "STARBOARD", ha="right" if right else "left", **small)
 
 
-def summary(scene: Scene, look: Look) -> str:
-    """Say in one line how the record was made."""
+def scene_caption(scene: Scene, look: Look) -> Caption:
+    """Say how a simulated record was made."""
     beam, sonar = scene.sonar.beam, scene.sonar
     parts = [
         f"altitude {scene.altitude:g} m" if scene.track.depth is None else f"depth {scene.track.depth:g} m",
@@ -172,6 +191,31 @@ def summary(scene: Scene, look: Look) -> str:
     ]
     if sonar.law == "light":
         parts.append("law light")
-    if look.gain:
-        parts.append(f"gain {look.gain:+g} dB")
-    return "  ·  ".join(parts)
+    return Caption(scene.title, _line(parts, look), "a perfect Lambert bed")
+
+
+def record_caption(record: xr.Dataset, along: float, look: Look) -> Caption:
+    """Say of a record read from a file what it tells of itself.
+
+    Parameters
+    ----------
+    record : Dataset
+    along : float
+        Its length, in metres.
+    look : Look
+    """
+    pings, bins = record.sizes["ping_time"], record.sizes["range_sample"]
+    parts = [f"{bins} bins of {200.0 * float(record['slant_range'][0]):.3g} cm", f"{pings} pings"]
+    altitude = record["platform_altitude"].values
+    if np.isfinite(altitude).any():
+        low, high = float(np.nanmin(altitude)), float(np.nanmax(altitude))
+        parts.insert(0, f"altitude {low:.1f} m" if high - low < 0.1 else f"altitude {low:.1f} to {high:.1f} m")
+    if record.attrs.get("frequency"):
+        parts.insert(1, f"{record.attrs['frequency'] / 1e3:g} kHz")
+    if along > 0.0:
+        parts.append(f"ping every {100.0 * along / pings:.3g} cm")
+    return Caption(str(record.attrs.get("title", "")), _line(parts, look), "the median at its range")
+
+
+def _line(parts: list[str], look: Look) -> str:
+    return "  ·  ".join([*parts, f"gain {look.gain:+g} dB"] if look.gain else parts)

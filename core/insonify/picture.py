@@ -1,7 +1,8 @@
 """Display of records: gain, palette, slant and ground range; arrays in, arrays out, no axes (those are page's).
 
 A record falls by tens of decibels with range. A picture shows it divided by what a perfect Lambert bed of the same
-altitude would return, as amplitude, so that an even bed is even and what differs from it stands out.
+altitude would return, or a recording by its own median at every range, as amplitude, so that an even bed is even and
+what differs from it stands out.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d, median_filter
 from skimage import exposure
 
 from insonify.look import PALETTES
@@ -32,11 +34,15 @@ __all__ = [
     "mirrored",
     "normalise",
     "palette",
+    "recorded_curve",
     "tones",
 ]
 
 _rescale: Callable[..., Any] = exposure.rescale_intensity
 _ENOUGH = 200_000  # amplitudes that settle a percentile
+_PINGS = 2000  # pings that settle a recording's curve
+_FIRST = 1.25  # altitudes from which a recording's bed counts
+_SMOOTH = 64  # a recording's curve is smooth over this part of its bins
 
 
 @cache
@@ -110,15 +116,59 @@ def held_curve(curve: NDArray[np.float64]) -> NDArray[np.float64]:
     return filled
 
 
+def recorded_curve(
+    intensity: NDArray[np.float32], altitude: NDArray[np.float64], bin_length: float
+) -> NDArray[np.float64]:
+    """Return what a picture of a recording, whose sonar and bed nobody declared, is divided by.
+
+    It is the recording's own median at every slant range, after Lambert's law has taken out what the grazing angle
+    does as the altitude changes.
+
+    Parameters
+    ----------
+    intensity : (2, pings, bins) float32
+        Energy of the record.
+    altitude : (pings,) float64
+        Height above the bed, in metres; 0 where it is not known.
+    bin_length : float
+        Slant range of a bin, in metres.
+
+    Returns
+    -------
+    (pings, 1, bins) float64
+        Positive everywhere; smooth over a 64th of the bins.
+    """
+    some = slice(None, None, intensity.shape[1] // _PINGS + 1)
+    r = (np.arange(intensity.shape[-1]) + 0.5) * bin_length
+    sine = np.minimum(np.where(altitude > 0.0, altitude, np.inf)[:, None] / r, 1.0)
+    # Nearer than this an altimeter's error would count water as bed.
+    below = r >= _FIRST * altitude[some, None]
+    upright = intensity[:, some] / sine[some] ** 2
+    curve = np.array([_middle(upright[:, below[:, bin_], bin_]) for bin_ in range(len(r))])
+    known = np.flatnonzero(curve > 0.0)
+    if known.size == 0:
+        return np.ones((len(altitude), 1, len(r)))
+    logarithm = np.interp(np.arange(len(r)), known, np.log(curve[known]))
+    steady = median_filter(logarithm, size=len(r) // _SMOOTH + 1)  # marks that recorders put at the edges go
+    smooth = np.exp(gaussian_filter1d(steady, len(r) / _SMOOTH))
+    return (smooth * sine**2)[:, None, :]
+
+
+def _middle(echoes: NDArray[np.floating]) -> float:
+    """Median of what is heard, 0 if nothing is."""
+    heard = echoes[echoes > 0.0]
+    return float(np.median(heard)) if heard.size else 0.0
+
+
 def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Amplitude relative to a perfect Lambert bed.
+    """Amplitude relative to a curve.
 
     Parameters
     ----------
     intensity : (..., bins) float32
         Energy of a record.
-    curve : (bins,) float64
-        From ``display_curve``.
+    curve : (bins,) or (..., bins) float64
+        From ``display_curve`` or ``recorded_curve``.
 
     Returns
     -------

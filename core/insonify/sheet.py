@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from insonify.look import Look
-from insonify.picture import binned, column_edges, mirrored, normalise
+from insonify.picture import binned, column_edges, mirrored, normalise, recorded_curve
 
 MOST_ROWS = 4096
 WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of the whole sheet
@@ -24,7 +24,7 @@ class Sheet(NamedTuple):
     Attributes
     ----------
     amplitude : (rows, columns) float32
-        Relative to a perfect Lambert bed; newest ping on top, port mirrored about nadir.
+        Relative to the curve given; newest ping on top, port mirrored about nadir.
     reach : float
         Range of a side's outer edge, in metres.
     along : float
@@ -46,8 +46,8 @@ def gather(blocks: Iterable[xr.Dataset], curve: NDArray[np.float64], pings: int,
     ----------
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
-    curve : (bins,) float64
-        From ``picture.display_curve``.
+    curve : (bins,) float64, or (pings, 1, bins) for a single block
+        From ``picture.display_curve`` or ``picture.recorded_curve``.
     pings : int
         Pings of the whole record.
     look : Look
@@ -76,6 +76,28 @@ def gather(blocks: Iterable[xr.Dataset], curve: NDArray[np.float64], pings: int,
     across = 2.0 * shown if look.side == "both" else shown
     height = int(np.clip(columns * along / across if across > 0.0 else 0, *HEIGHTS))
     return Sheet(stretched(rows, height), shown, along, done)
+
+
+def gather_record(record: xr.Dataset, look: Look) -> Sheet:
+    """Make a sheet of a whole record, relative to its own median at every range.
+
+    Parameters
+    ----------
+    record : Dataset
+        From ``records.read_record`` or ``simulate``.
+    look : Look
+        Side and kind of range.
+
+    Returns
+    -------
+    Sheet
+    """
+    return gather([record], own_curve(record), record.sizes["ping_time"], look)
+
+
+def own_curve(record: xr.Dataset) -> NDArray[np.float64]:
+    """Return what a record is divided by, (pings, 1, bins) float64; see ``picture.recorded_curve``."""
+    return recorded_curve(record["intensity"].values, _altitude(record), _bin_length(record))
 
 
 def stretched(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from insonify.cli import build_parser
-from insonify.commands.options import chosen_scene
+from insonify.commands.options import chosen_scene, is_record
 from insonify.scene import scene_from_toml
 
 README = Path(__file__).parents[2] / "README.md"
@@ -32,7 +32,7 @@ def test_there_are_commands_to_try():
 def test_every_command_is_understood(line):
     words = shlex.split(line, comments=True)[1:]
     arguments = build_parser()[0].parse_args(words)
-    if hasattr(arguments, "scene"):
+    if hasattr(arguments, "scene") and not is_record(arguments.scene):
         chosen_scene(arguments)
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from insonify.look import Look
-from insonify.page import decibel_ticks, summary, write_page
+from insonify.page import decibel_ticks, scene_caption, write_page
 from insonify.picture import (
     PALETTES,
     binned,
@@ -19,6 +19,7 @@ from insonify.picture import (
     mirrored,
     normalise,
     palette,
+    recorded_curve,
     tones,
 )
 from insonify.scene import SceneError, edit, load_scene
@@ -72,6 +73,24 @@ def test_a_flat_bed_is_even_at_the_square_root_of_its_albedo():
 def test_the_curve_is_held_before_the_first_return():
     assert held_curve(np.array([0.0, 0.0, 1.0, 3.0, 2.0])).tolist() == [3.0, 3.0, 3.0, 3.0, 2.0]
     assert held_curve(np.zeros(3)).tolist() == [1.0, 1.0, 1.0]
+
+
+def test_a_recorded_lambert_bed_is_even_at_every_altitude():
+    r = (np.arange(BINS) + 0.5) * REACH / BINS
+    altitude = np.linspace(4.0, 12.0, 30)
+    gain = 1e6 * np.exp(-r / 20.0)  # whatever the recorder does with range
+    bed = gain * (altitude[:, None] / r) ** 2 * (r >= altitude[:, None])
+    intensity = np.stack([bed, bed]).astype(np.float32)
+    curve = recorded_curve(intensity, altitude, REACH / BINS)
+    shown = normalise(np.moveaxis(intensity, 0, 1), curve)[:, :, 20:-10]
+    np.testing.assert_allclose(shown[shown > 0.0], 1.0, atol=0.05)
+    assert (shown > 0.0).mean() > 0.7
+
+
+def test_a_recording_without_altitude_or_echoes_has_a_curve():
+    level = np.full((2, 3, BINS), 4.0, dtype=np.float32)
+    np.testing.assert_allclose(recorded_curve(level, np.zeros(3), 0.25), 4.0)
+    np.testing.assert_array_equal(recorded_curve(0.0 * level, np.full(3, 5.0), 0.25), 1.0)
 
 
 @pytest.mark.parametrize("shape", [(0,), (0, 5), (3, 4)])
@@ -181,7 +200,7 @@ def test_ground_range_shows_no_water_column():
 )
 def test_a_page_shows_the_sheet_pixel_for_pixel(tmp_path, look):
     sheet = gather([record(np.random.default_rng(3).random((2, 30, BINS)))], np.ones(BINS), 30, look)
-    write_page(tmp_path / "page.png", sheet, look, load_scene("default"))
+    write_page(tmp_path / "page.png", sheet, look, scene_caption(load_scene("default"), look))
     with Image.open(tmp_path / "page.png") as picture:
         pixels = np.asarray(picture.convert("RGB"))
     rows, columns = sheet.amplitude.shape
@@ -196,13 +215,13 @@ def test_a_page_shows_the_sheet_pixel_for_pixel(tmp_path, look):
 def test_any_title_can_be_drawn(tmp_path, title):
     scene = edit(load_scene("default"), {"title": title})
     sheet = gather([record(np.zeros((2, 1, 3)))], np.ones(3), 1, Look())
-    write_page(tmp_path / "page.png", sheet, Look(), scene)
+    write_page(tmp_path / "page.png", sheet, Look(), scene_caption(scene, Look()))
     assert (tmp_path / "page.png").stat().st_size > 1000
 
 
 def test_the_summary_names_what_was_set():
     scene = edit(load_scene("default"), {"sonar.beam": "knife", "sonar.law": "light", "track.altitude": 12})
-    line = summary(scene, Look(gain=6.0))
+    line = scene_caption(scene, Look(gain=6.0)).line
     assert "altitude 12 m" in line
     assert "knife-edge beam" in line
     assert "law light" in line

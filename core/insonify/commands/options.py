@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 METHODS = ("auto", "sweep", "march", "rays")
+RECORDS = (".xtf", ".nc", ".npz")  # files that hold a record, not a scene
 
 
 def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
@@ -47,6 +48,11 @@ def add_method(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tolerance", type=_share, default=0.03, metavar="E", help="acceptable relative error (default: %(default)s)"
     )
+
+
+def is_record(name: str) -> bool:
+    """Tell a record to be read from a scene to be simulated, by the name's suffix."""
+    return Path(name).suffix.lower() in RECORDS
 
 
 def chosen_scene(arguments: argparse.Namespace) -> Scene:

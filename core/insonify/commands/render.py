@@ -1,4 +1,4 @@
-"""``insonify render``: scene in, record or picture out."""
+"""``insonify render``: scene or recording in, record or picture out."""
 
 from __future__ import annotations
 
@@ -6,7 +6,16 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from insonify.commands.options import add_method, add_scene, chosen_scene, decibels, output, say, tracked
+from insonify.commands.options import (
+    add_method,
+    add_scene,
+    chosen_scene,
+    decibels,
+    is_record,
+    output,
+    say,
+    tracked,
+)
 from insonify.look import PALETTES, SIDES, Look
 from insonify.scene import Scene, SceneError
 
@@ -19,7 +28,8 @@ def register(subparsers: Any) -> None:
         "render",
         help="simulate a record: a picture (.png), netCDF (.nc) or NumPy (.npz)",
         description="Simulate a scene's record and write it by suffix: .png a picture, .nc netCDF, .npz NumPy arrays. "
-        "NetCDF is written as it is made, so a tow of any length fits.",
+        "NetCDF is written as it is made, so a tow of any length fits. In place of a scene a record may stand, a real "
+        "one (.xtf) or one written here (.nc, .npz); it is shown, or written anew, as it is.",
     )
     add_scene(parser)
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png, .nc or .npz")
@@ -41,14 +51,40 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     path = output(arguments.output, SUFFIXES)
-    scene = chosen_scene(arguments)
     given = {name: getattr(arguments, name) for name in Look._fields if getattr(arguments, name) not in (None, False)}
     if given and path.suffix.lower() != ".png":
         option = f"--{next(iter(given)).replace('_', '-')}"
         raise SceneError(f"{option} is for pictures, not {path.name}; leave it out or end the name in .png")
-    write(scene, path, Look(**given), method=arguments.method, tolerance=arguments.tolerance)
-    say(f"{path}: {scene.track.pings} pings of 2 x {scene.sonar.bins} bins")
+    if is_record(arguments.scene):
+        pings, bins = _render_record(arguments, path, Look(**given))
+    else:
+        scene = chosen_scene(arguments)
+        write(scene, path, Look(**given), method=arguments.method, tolerance=arguments.tolerance)
+        pings, bins = scene.track.pings, scene.sonar.bins
+    say(f"{path}: {pings} pings of 2 x {bins} bins")
     return 0
+
+
+def _render_record(arguments: argparse.Namespace, path: Path, look: Look) -> tuple[int, int]:
+    """Read a record and write it by suffix; return its pings and bins."""
+    untouched: dict[str, object] = {"set": [], "seed": None, "method": "auto", "tolerance": 0.03}
+    changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
+    if changed is not None:
+        raise SceneError(f"--{changed} is for scenes, and {arguments.scene} is a record already; leave it out")
+    from insonify.records import read_record, write_netcdf, write_npz
+
+    record = read_record(arguments.scene)
+    if path.suffix.lower() == ".npz":
+        write_npz(path, record)
+    elif path.suffix.lower() == ".nc":
+        write_netcdf(path, [record])
+    else:
+        from insonify.page import record_caption, write_page
+        from insonify.sheet import gather_record
+
+        sheet = gather_record(record, look)
+        write_page(path, sheet, look, record_caption(record, sheet.along, look))
+    return record.sizes["ping_time"], record.sizes["range_sample"]
 
 
 def write(scene: Scene, path: Path, look: Look, *, method: str = "auto", tolerance: float = 0.03) -> None:
@@ -78,10 +114,10 @@ def write(scene: Scene, path: Path, look: Look, *, method: str = "auto", toleran
 
         write_netcdf(path, blocks)
         return
-    from insonify.page import write_page
+    from insonify.page import scene_caption, write_page
     from insonify.picture import display_curve
     from insonify.sheet import gather
     from insonify.simulate import prepare
 
     curve = display_curve(prepare(scene, method=method, tolerance=tolerance))
-    write_page(path, gather(blocks, curve, pings, look), look, scene)
+    write_page(path, gather(blocks, curve, pings, look), look, scene_caption(scene, look))

@@ -1,0 +1,136 @@
+"""Where the sonar was, and when, by the headers of XTF pings: fields may be zero, repeated, or in other conventions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+DAY = 86400.0  # s
+DEGREES = 3  # of NavUnits; others are metres
+EARTH = 6_378_137.0, 6.694380e-3  # semi-major axis in m and squared eccentricity of WGS 84
+KNOT = 1852.0 / 3600.0  # m/s
+COLUMNS = {
+    "platform_x": ("m", "position along x, east of the first fix"),
+    "platform_y": ("m", "position along y, north of the first fix"),
+    "platform_depth": ("m", "depth below the surface"),
+    "platform_altitude": ("m", "height above the bed beneath"),
+    "platform_heading": ("degree", "heading, counter-clockwise from +x"),
+    "platform_pitch": ("degree", "pitch, bow up"),
+    "platform_roll": ("degree", "roll, port up"),
+}
+
+
+def seconds(headers: list[Any]) -> NDArray[np.float64]:
+    """Return the times of pings since the first, by the clock of the day; dates are often wrong.
+
+    Pings are told apart to 10 ms; a recording without a clock runs at one ping a second.
+
+    Parameters
+    ----------
+    headers : list of pyxtf.XTFPingHeader
+
+    Returns
+    -------
+    (n,) float64
+        Seconds, midnight passed over.
+    """
+    clock = (
+        3600.0 * _column(headers, "Hour")
+        + 60.0 * _column(headers, "Minute")
+        + _column(headers, "Second")
+        + 0.01 * _column(headers, "HSeconds")
+    )
+    if not np.ptp(clock) > 0.0:
+        return np.arange(len(headers), dtype=np.float64)
+    return np.unwrap(clock, period=DAY) - clock[0]
+
+
+def platform(header: Any, headers: list[Any], times: NDArray[np.float64]) -> dict[str, Any]:
+    """Return the platform's variables for a Dataset along ``ping_time``.
+
+    Parameters
+    ----------
+    header : pyxtf.XTFFileHeader
+        For the units of positions.
+    headers : list of pyxtf.XTFPingHeader
+        Of the n pings.
+    times : (n,) float64
+        From `seconds`.
+
+    Returns
+    -------
+    dict
+        Pings without telemetry take that of their neighbours; quantities never told are NaN, and a track without
+        positions runs straight along +y by the speed recorded.
+    """
+    names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
+    told = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
+    depth, height = _told(headers, "SensorDepth"), _told(headers, "SensorPrimaryAltitude", "SensorAuxAltitude")
+    compass = _told(headers, "SensorHeading", "ShipGyro")
+    pitch, roll = _column(headers, "SensorPitch"), _column(headers, "SensorRoll")
+    x, y = _positions(header, headers, times)
+    heading = 90.0 - np.degrees(np.unwrap(np.radians(_filled(compass, told & (compass != 0.0)))))
+    values = (
+        x, y, _filled(depth, depth > 0.0), _filled(height, height > 0.0),
+        (heading + 180.0) % 360.0 - 180.0, _filled(pitch, told), _filled(roll, told),
+    )  # fmt: skip
+    return {
+        name: ("ping_time", column, {"units": unit, "long_name": text})
+        for (name, (unit, text)), column in zip(COLUMNS.items(), values)
+    }
+
+
+def _positions(
+    header: Any, headers: list[Any], times: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Metres east and north of the first fix."""
+    x, y = (
+        _told(headers, "SensorXcoordinate", "ShipXcoordinate"),
+        _told(headers, "SensorYcoordinate", "ShipYcoordinate"),
+    )
+    fixed = (x != 0.0) | (y != 0.0)
+    if not fixed.any():
+        speed = _told(headers, "SensorSpeed", "ShipSpeed") * KNOT
+        run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
+        return np.zeros_like(run), run
+    first = int(np.argmax(fixed))
+    east, north = x - x[first], y - y[first]
+    if header.NavUnits == DEGREES:
+        per_degree = _metres_per_degree(y[first])
+        east, north = east * per_degree[0], north * per_degree[1]
+    # Fixes come slower than pings and repeat; the sonar moves on between them.
+    moved = fixed.copy()
+    moved[1:] &= (np.diff(x) != 0.0) | (np.diff(y) != 0.0)
+    moved[first] = True
+    return _filled(east, moved, times), _filled(north, moved, times)
+
+
+def _metres_per_degree(latitude: float) -> tuple[float, float]:
+    """Length of a degree of longitude and of latitude on the ellipsoid, by its radii of curvature there."""
+    axis, e2 = EARTH
+    bent = 1.0 - e2 * np.sin(np.radians(latitude)) ** 2
+    meridian, normal = axis * (1.0 - e2) / bent**1.5, axis / np.sqrt(bent)
+    return np.radians(normal * np.cos(np.radians(latitude))), np.radians(meridian)
+
+
+def _column(headers: list[Any], name: str) -> NDArray[np.float64]:
+    values = np.array([getattr(header, name) for header in headers], dtype=np.float64)
+    return np.where(np.isfinite(values), values, 0.0)
+
+
+def _told(headers: list[Any], *names: str) -> NDArray[np.float64]:
+    """First of several columns that is not all zero."""
+    columns = [_column(headers, name) for name in names]
+    return next((column for column in columns if column.any()), columns[0])
+
+
+def _filled(
+    values: NDArray[np.float64], known: NDArray[np.bool_], at: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """Interpolate over what is not known; NaN where nothing is."""
+    if not known.any():
+        return np.full(values.shape, np.nan)
+    at = np.arange(values.size, dtype=np.float64) if at is None else at
+    return np.interp(at, at[known], values[known])

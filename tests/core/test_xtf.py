@@ -1,0 +1,289 @@
+"""Recordings: what a file may hold, what is wrong with it, and a real one."""
+
+import ctypes
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+import pyxtf
+import xarray as xr
+from PIL import Image
+
+from insonify.cli import main
+from insonify.records import read_record, write_netcdf, write_npz
+from insonify.records.xtf import read_xtf
+from insonify.scene import SceneError, edit, load_scene
+from insonify.simulate import simulate
+from xtf_files import PORT, STARBOARD, SUBBOTTOM, write_xtf
+
+REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
+FAR_TO_NEAR, NEAR_TO_FAR = [4, 3, 2, 1], [10, 20, 30, 40]
+PING = {"samples": [FAR_TO_NEAR, NEAR_TO_FAR]}
+
+
+def amplitudes(record: xr.Dataset) -> np.ndarray:
+    assert record["intensity"].dims == ("channel", "ping_time", "range_sample")
+    assert record["intensity"].dtype == np.float32
+    return np.sqrt(record["intensity"].values)
+
+
+@pytest.mark.parametrize(
+    ("kind", "told"),
+    [("u1", True), ("<u2", True), ("<u4", True), ("<f4", True), ("u1", False), ("<u2", False), ("<u4", False)],
+)
+def test_samples_of_every_format_are_amplitudes_near_to_far(tmp_path, kind, told):
+    record = read_xtf(write_xtf(tmp_path / "a.xtf", [PING, PING], kind=kind, told=told))
+    np.testing.assert_allclose(amplitudes(record)[:, 0], [[1, 2, 3, 4], [10, 20, 30, 40]])
+    assert record["channel"].values.tolist() == ["port", "starboard"]
+    np.testing.assert_allclose(record["slant_range"], [3.75, 11.25, 18.75, 26.25])
+    np.testing.assert_allclose(record["travel_time"], record["slant_range"] * 0.04 / 30.0)
+    assert record.attrs == {"title": "a.xtf", "frequency": 600e3}
+
+
+def test_sides_go_by_their_type_not_their_order(tmp_path):
+    samples = {"samples": [[7, 7], NEAR_TO_FAR, FAR_TO_NEAR, [9] * 4]}
+    order = (SUBBOTTOM, STARBOARD, PORT, STARBOARD)
+    record = read_xtf(write_xtf(tmp_path / "a.xtf", [samples], channels=order))
+    np.testing.assert_allclose(amplitudes(record)[:, 0], [[1, 2, 3, 4], [10, 20, 30, 40]])
+
+
+def test_one_side_alone_leaves_the_other_silent(tmp_path):
+    record = read_xtf(write_xtf(tmp_path / "a.xtf", [{"samples": [NEAR_TO_FAR]}], channels=(STARBOARD,)))
+    np.testing.assert_allclose(amplitudes(record)[:, 0], [[0, 0, 0, 0], [10, 20, 30, 40]])
+
+
+def test_weights_are_taken_out(tmp_path):
+    record = read_xtf(write_xtf(tmp_path / "a.xtf", [PING, {**PING, "Weight": 3}]))
+    np.testing.assert_allclose(amplitudes(record)[:, 1], amplitudes(record)[:, 0] / 8.0)
+
+
+def test_pings_of_other_lengths_and_ranges_share_the_grid_of_the_first(tmp_path):
+    short, ramp = {"samples": [[2, 1], [10, 20]]}, np.arange(16) * 5
+    pings = [
+        PING,
+        {**short, "reaches": [15.0, 15.0]},  # the same samples, fewer
+        {"samples": [ramp[::-1], ramp], "reaches": [60.0, 60.0]},  # twice as fine, twice as far
+    ]
+    record = read_xtf(write_xtf(tmp_path / "a.xtf", pings))
+    assert record.sizes["range_sample"] == 8
+    np.testing.assert_allclose(record["slant_range"], (np.arange(8) + 0.5) * 7.5)
+    got = amplitudes(record)
+    np.testing.assert_allclose(got[1, 0], [10, 20, 30, 40, 0, 0, 0, 0])
+    np.testing.assert_allclose(got[0, 1], [1, 2, 0, 0, 0, 0, 0, 0])
+    np.testing.assert_allclose(got[:, 2], np.tile(np.arange(8) * 10 + 2.5, (2, 1)), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("given", "speed"), [(750.0, 1500.0), (1480.0, 1480.0), (740.0, 1480.0), (0.0, 1500.0), (9e9, 1500.0)]
+)
+def test_sound_speed_may_be_odd(tmp_path, given, speed):
+    path = write_xtf(tmp_path / "a.xtf", [{**PING, "SoundVelocity": given}])
+    content = bytearray(path.read_bytes())
+    where = 1024 + ctypes.sizeof(pyxtf.XTFPingHeader) + pyxtf.XTFPingChanHeader.TimeDuration.offset
+    content[where : where + 4] = bytes(4)  # else range and duration tell the speed
+    path.write_bytes(content)
+    record = read_xtf(path)
+    np.testing.assert_allclose(2.0 * record["slant_range"] / record["travel_time"], speed)
+
+
+def test_the_platform_in_the_conventions_of_scenes(tmp_path):
+    told = {"SensorPitch": 3.0, "SensorRoll": 2.0, "SensorDepth": 20.0, "SensorPrimaryAltitude": 5.0}
+    east = [0.0, -68.0, -68.0, -67.999, -67.999]  # the first ping has no fix, others repeat theirs
+    north = [0.0, 48.0, 48.0, 48.001, 48.001]
+    pings = [
+        {
+            **PING,
+            **(told if x else {}),
+            "SensorXcoordinate": x,
+            "SensorYcoordinate": y,
+            "SensorHeading": 90.0 if x else 0,
+        }
+        for x, y in zip(east, north)
+    ]
+    record = read_xtf(write_xtf(tmp_path / "a.xtf", pings))
+    np.testing.assert_allclose(record["platform_x"], np.array([0, 0, 0.5, 1, 1]) * 74.6286, rtol=1e-4)
+    np.testing.assert_allclose(record["platform_y"], np.array([0, 0, 0.5, 1, 1]) * 111.2, rtol=1e-3)
+    np.testing.assert_allclose(record["platform_heading"], 0.0, atol=1e-9)  # east
+    for name, value in (("pitch", 3.0), ("roll", 2.0), ("depth", 20.0), ("altitude", 5.0)):
+        np.testing.assert_allclose(record[f"platform_{name}"], value)
+
+
+def test_what_is_not_told_is_not_a_number_and_speed_gives_the_way(tmp_path):
+    record = read_xtf(write_xtf(tmp_path / "a.xtf", [{**PING, "SensorSpeed": 2.0}] * 3))
+    assert np.isnan(record["platform_altitude"]).all()
+    assert np.isnan(record["platform_heading"]).all()
+    np.testing.assert_allclose(record["platform_y"], np.arange(3) * 2.0 * 1852.0 / 3600.0)
+
+
+def test_positions_may_be_in_metres(tmp_path):
+    pings = [{**PING, "ShipXcoordinate": 5e5 + 2.0 * n, "ShipYcoordinate": 4e6} for n in range(4)]
+    record = read_xtf(write_xtf(tmp_path / "a.xtf", pings, NavUnits=0))
+    np.testing.assert_allclose(record["platform_x"], 2.0 * np.arange(4))
+    np.testing.assert_allclose(record["platform_y"], 0.0)
+
+
+def test_time_runs_on_past_midnight(tmp_path):
+    late, early = {"Hour": 23, "Minute": 59, "Second": 59, "HSeconds": 50}, {"Second": 0, "HSeconds": 25}
+    record = read_xtf(write_xtf(tmp_path / "a.xtf", [{**PING, **late}, {**PING, **early}]))
+    np.testing.assert_allclose(record["ping_time"], [0.0, 0.75])
+
+
+def test_a_recording_without_a_clock_counts_seconds(tmp_path):
+    record = read_xtf(write_xtf(tmp_path / "a.xtf", [{**PING, "Second": 0}] * 3))
+    np.testing.assert_allclose(record["ping_time"], [0.0, 1.0, 2.0])
+
+
+def test_other_packets_and_padding_are_passed_over(tmp_path):
+    path = write_xtf(tmp_path / "a.xtf", [PING, PING])
+    other = pyxtf.XTFAttitudeData()
+    other.NumBytesThisRecord = 64
+    content = path.read_bytes()
+    path.write_bytes(content[:1024] + bytes(other) + bytes(64 - ctypes.sizeof(other)) + content[1024:] + bytes(500))
+    assert read_xtf(path).sizes["ping_time"] == 2
+
+
+def test_an_index_beside_the_file_is_neither_read_nor_written(tmp_path):
+    path = write_xtf(tmp_path / "a.xtf", [PING])
+    index = tmp_path / "a.pyxtf_idx"
+    index.write_bytes(pickle.dumps({}))
+    assert read_xtf(path).sizes["ping_time"] == 1
+    index.unlink()
+    read_xtf(path)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def mutilated(path: Path, fault: str) -> Path:
+    content = path.read_bytes()
+    size = (len(content) - 1024) // 2
+    pings = {
+        "empty": b"",
+        "text": b"title = 'a scene'\n" * 100,
+        "header alone": content[:1024],
+        "cut": content[:-100],
+        "cut in a start": content[:-size] + content[-size:][:9],
+        "no length": content[:1034] + bytes(4) + content[1038:],
+        "noise": content[:1024] + b"\x5a" * 2000,
+        "too few channels": content[:1028] + b"\x09" + content[1029:],
+    }
+    path.write_bytes(pings[fault])
+    return path
+
+
+@pytest.mark.parametrize(
+    ("fault", "expected"),
+    [
+        ("empty", "has 0 bytes, less than the header of an XTF file; copy it again"),
+        ("text", "is not an XTF file"),
+        ("header alone", "holds no side-scan pings; give a recording with port or starboard channels"),
+        ("cut", "ends within the packet at byte"),
+        ("cut in a start", "ends within the packet at byte"),
+        ("no length", "holds no XTF packet at byte 1024"),
+        ("noise", "holds no XTF packet at byte 1024"),
+        ("too few channels", "tells of more channels than ping 0 has"),
+    ],
+)
+def test_a_broken_file_is_one_sentence(tmp_path, capsys, fault, expected):
+    path = mutilated(write_xtf(tmp_path / "a.xtf", [PING, PING]), fault)
+    assert main(["render", str(path), "-o", str(tmp_path / "a.png")]) == 2
+    written = capsys.readouterr()
+    assert written.err.count("\n") == 1
+    assert expected in written.err
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_cannot_be_understood_is_refused(tmp_path):
+    path = write_xtf(tmp_path / "a.xtf", [PING], channels=(SUBBOTTOM, SUBBOTTOM))
+    with pytest.raises(SceneError, match="holds no side-scan pings"):
+        read_xtf(path)
+    content = bytearray(write_xtf(path, [PING]).read_bytes())
+    for number in (0, 1):
+        content[256 + 128 * number + pyxtf.XTFChanInfo.SampleFormat.offset] = 1
+    path.write_bytes(content)
+    with pytest.raises(SceneError, match="samples of format 1 and 2 bytes, which is not read here"):
+        read_xtf(path)
+    with pytest.raises(SceneError, match="that are no echoes"):
+        read_xtf(write_xtf(path, [{"samples": [[np.nan], [1.0]]}], kind="<f4"))
+    with pytest.raises(SceneError, match="less than the 4 samples it announces"):
+        read_xtf(write_xtf(path, [PING], kind="<u4").write_bytes(doubled(path)) and path)
+
+
+def doubled(path: Path) -> bytes:
+    """Shorten the only packet below its samples."""
+    content = bytearray(path.read_bytes())
+    size = 1024 + ctypes.sizeof(pyxtf.XTFPingHeader) + ctypes.sizeof(pyxtf.XTFPingChanHeader) + 8
+    content[1024 + 10 : 1024 + 14] = (size - 1024).to_bytes(4, "little")
+    return bytes(content[:size])
+
+
+def test_ground_range_recordings_are_refused(tmp_path):
+    path = write_xtf(tmp_path / "a.xtf", [PING])
+    content = bytearray(path.read_bytes())
+    content[256 + pyxtf.XTFChanInfo.CorrectionFlags.offset] = 2
+    path.write_bytes(content)
+    with pytest.raises(SceneError, match="is corrected to ground range; export it in slant range"):
+        read_xtf(path)
+
+
+def test_records_written_here_are_read_back(tmp_path):
+    record = simulate(edit(load_scene("pipe-span"), {"track.pings": 3, "sonar.bins": 100}))
+    write_netcdf(tmp_path / "a.nc", [record])
+    write_npz(tmp_path / "a.npz", record)
+    xr.testing.assert_equal(read_record(tmp_path / "a.nc"), record)
+    xr.testing.assert_equal(read_record(tmp_path / "a.npz"), record)
+    assert read_record(tmp_path / "a.npz").attrs == record.attrs
+
+
+@pytest.mark.parametrize("name", ["a.nc", "a.npz"])
+def test_what_is_no_record_is_one_sentence(tmp_path, name):
+    path = tmp_path / name
+    with pytest.raises(SceneError, match="there is no such file"):
+        read_record(path)
+    path.write_bytes(b"no record")
+    with pytest.raises(SceneError, match="cannot be read"):
+        read_record(path)
+    if name == "a.npz":
+        np.savez(path, intensity=np.zeros((2, 3, 4)))
+        with pytest.raises(SceneError, match=r"is no record \(it lacks slant_range"):
+            read_record(path)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".nc", ".npz"])
+def test_render_takes_a_recording(tmp_path, capsys, suffix):
+    rng = np.random.default_rng(1)
+    pings = [{"samples": rng.integers(1, 999, (2, 100)), "SensorPrimaryAltitude": 5.0} for _ in range(9)]
+    source, path = write_xtf(tmp_path / "a.xtf", pings), tmp_path / f"b{suffix}"
+    assert main(["render", str(source), "-o", str(path)]) == 0
+    assert "9 pings of 2 x 100 bins" in capsys.readouterr().out
+    if suffix == ".png":
+        with Image.open(path) as picture:
+            assert min(picture.size) > 400
+    else:
+        xr.testing.assert_equal(read_record(path), read_record(source))
+
+
+@pytest.mark.parametrize(
+    ("option", "words"),
+    [("--set", ["track.pings=3"]), ("--seed", ["3"]), ("--method", ["rays"]), ("--tolerance", ["0.1"])],
+)
+def test_a_recording_takes_no_options_of_scenes(tmp_path, capsys, option, words):
+    source = write_xtf(tmp_path / "a.xtf", [PING])
+    assert main(["render", str(source), "-o", str(tmp_path / "a.png"), option, *words]) == 2
+    assert f"{option} is for scenes" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
+def test_a_real_recording():
+    before = sorted(REAL.parent.iterdir())
+    record = read_xtf(REAL)
+    assert sorted(REAL.parent.iterdir()) == before
+    assert dict(record.sizes) == {"channel": 2, "ping_time": 461, "range_sample": 1024}
+    np.testing.assert_allclose(float(record["slant_range"][-1]), 29.98, atol=0.03)
+    np.testing.assert_allclose(2.0 * record["slant_range"] / record["travel_time"], 1500.0, rtol=1e-6)
+    x, y = record["platform_x"].values, record["platform_y"].values
+    assert np.hypot(x[-1] - x[0], y[-1] - y[0]) == pytest.approx(54.7, abs=0.5)
+    course = np.degrees(np.arctan2(y[-1] - y[0], x[-1] - x[0]))
+    assert abs(course - float(record["platform_heading"].mean())) < 25.0
+    amplitude = amplitudes(record)
+    # The water above the bed is quiet, and the bed begins at the altitude.
+    assert np.median(amplitude[:, :, 10:80]) < 0.05 * np.median(amplitude[:, :, 400:600])

@@ -1,0 +1,52 @@
+"""Small XTF files for tests, written with pyxtf's structures."""
+
+import ctypes
+from pathlib import Path
+
+import numpy as np
+import pyxtf
+
+PORT, STARBOARD, SUBBOTTOM = 1, 2, 0
+FORMATS = {"u1": 8, "<u2": 3, "<u4": 2, "<f4": 5}
+
+
+def write_xtf(path: Path, pings: list[dict], *, channels=(PORT, STARBOARD), kind="<u2", told=True, **fields) -> Path:
+    """Write pings, each ``{"samples": [array a channel, in stored order], field: value, ...}``."""
+    header = pyxtf.XTFFileHeader()
+    header.NumberOfSonarChannels = len(channels)
+    header.NavUnits = 3
+    for number, channel in enumerate(channels):
+        info = header.ChanInfo[number]
+        info.TypeOfChannel = channel
+        info.SubChannelNumber = number
+        info.BytesPerSample = np.dtype(kind).itemsize
+        info.SampleFormat = FORMATS[kind] if told else 0
+        info.Frequency = 600.0
+    for name, value in fields.items():
+        setattr(header, name, value)
+    path.write_bytes(bytes(header) + b"".join(packet(number, ping, kind) for number, ping in enumerate(pings)))
+    return path
+
+
+def packet(number: int, ping: dict, kind: str = "<u2") -> bytes:
+    ping = dict(ping)
+    samples, reaches = ping.pop("samples"), ping.pop("reaches", None)
+    weight = ping.pop("Weight", 0)
+    header = pyxtf.XTFPingHeader()
+    header.NumChansToFollow = len(samples)
+    header.PingNumber = number
+    header.Second = number
+    for name, value in ping.items():
+        setattr(header, name, value)
+    body = b""
+    for channel, values in enumerate(samples):
+        head = pyxtf.XTFPingChanHeader()
+        head.ChannelNumber = channel
+        head.NumSamples = len(values)
+        head.SlantRange = 30.0 if reaches is None else reaches[channel]
+        head.TimeDuration = 0.04
+        head.Weight = weight
+        body += bytes(head) + np.asarray(values).astype(kind).tobytes()
+    size = ctypes.sizeof(header) + len(body)
+    header.NumBytesThisRecord = -(-size // 64) * 64
+    return bytes(header) + body + bytes(header.NumBytesThisRecord - size)
