@@ -10,6 +10,7 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.materials import Material
 from insonify.scene.seabed import Flat, Fractal
 from insonify.scene.sonar import Fan
+from insonify.scene.targets import AnyTarget, Box, MeshFile
 
 METHODS = ("auto", "sweep", "march", "rays")
 MOST_PLANES = 64
@@ -125,6 +126,14 @@ def _bed_demand(scene: Scene, width: float) -> list[tuple[float, str]]:
 def _target_demands(scene: Scene, width: float) -> list[tuple[float, str]]:
     """Error that a single plane would make of each target."""
     return [
-        (ERROR_AT_ONE_RADIUS * (width / target.radius) ** 2, f"target {number} has a radius of {target.radius:.3g} m")
-        for number, target in enumerate(scene.targets)
+        (ERROR_AT_ONE_RADIUS * (width / radius) ** 2, f"target {number} has a radius of {radius:.3g} m")
+        for number, radius in enumerate(map(_radius, scene.targets))
+        if radius is not None
     ]
+
+
+def _radius(target: AnyTarget) -> float | None:
+    """Radius of a target, half the smallest side of a box; a mesh does not tell before it is read."""
+    if isinstance(target, Box):
+        return min(target.size) / 2.0
+    return None if isinstance(target, MeshFile) else target.radius

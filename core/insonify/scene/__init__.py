@@ -4,6 +4,7 @@ from insonify.scene.base import SceneError
 from insonify.scene.edit import build, edit, plain, read_setting
 from insonify.scene.files import (
     DEFAULT_SCENE,
+    bundled_meshes,
     bundled_scenes,
     load_scene,
     resources,
@@ -17,6 +18,7 @@ __all__ = [
     "Scene",
     "SceneError",
     "build",
+    "bundled_meshes",
     "bundled_scenes",
     "edit",
     "load_scene",

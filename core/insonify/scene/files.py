@@ -6,6 +6,7 @@ import tomllib
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import tomli_w
 
@@ -30,6 +31,11 @@ def resources() -> Path:
 def bundled_scenes() -> dict[str, Path]:
     """Return the scenes that come with the package, by name."""
     return {path.stem: path for path in sorted((resources() / "scenes").glob("*.toml"))}
+
+
+def bundled_meshes() -> dict[str, Path]:
+    """Return the shapes that come with the package, by name."""
+    return {path.stem: path for path in sorted((resources() / "meshes").iterdir())}
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
@@ -68,9 +74,8 @@ def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
     except tomllib.TOMLDecodeError as error:
         name = "scene" if source is None else str(source)
         raise SceneError(f"{name}: is not valid TOML ({error}); mend that line") from None
-    relief = values.get("seabed", {}).get("relief") if isinstance(values.get("seabed"), dict) else None
-    if source is not None and isinstance(relief, dict) and isinstance(relief.get("path"), str):
-        relief["path"] = _beside(source, relief["path"])
+    if source is not None:
+        _place_files(values, source)
     try:
         return build(values)
     except SceneError as error:
@@ -82,8 +87,18 @@ def scene_to_toml(scene: Scene) -> str:
     return tomli_w.dumps(plain(scene))
 
 
+def _place_files(values: dict[str, Any], source: Path) -> None:
+    """Resolve the paths of raw values that name files: of a measured bed, and of meshes."""
+    seabed, targets = values.get("seabed"), values.get("targets")
+    named = [seabed.get("relief")] if isinstance(seabed, dict) else []
+    named += targets if isinstance(targets, list) else []
+    for part in named:
+        if isinstance(part, dict) and isinstance(part.get("path"), str):
+            part["path"] = _beside(source, part["path"])
+
+
 def _beside(source: Path, path: str) -> str:
-    """Resolve a path against the scene's folder; names of sample grids (``sample:...``) stay."""
-    if path.startswith("sample:") or Path(path).is_absolute():
+    """Resolve a path against the scene's folder; sample grids (``sample:...``) and bundled meshes stay names."""
+    if path.startswith("sample:") or path in bundled_meshes() or Path(path).is_absolute():
         return path
     return str((source.parent / path).resolve())

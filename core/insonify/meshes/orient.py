@@ -1,0 +1,67 @@
+"""Which side of a triangle is the outside."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+
+def outward(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Wind triangles alike across the edges they share, and closed surfaces counter-clockwise from outside.
+
+    Parameters
+    ----------
+    corners : (n, 3, 3) float64
+        Of the triangles; neighbours share corners to the last bit.
+
+    Returns
+    -------
+    (n, 3, 3) float64
+        The same triangles, some of them wound the other way. An open surface keeps the sense of its first triangle,
+        and one that has only one side, as a Möbius strip, its own.
+    """
+    n = len(corners)
+    _, vertex = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    faces = vertex.reshape(n, 3)
+    first, second, alike = _neighbours(faces)
+    surface = _components(first, second, n)
+    flipped = _flips(first, second, alike, surface)
+    wound = np.where(flipped[:, None, None], corners[:, ::-1], corners)
+    inside_out = _volumes(wound, surface) < 0.0
+    inside_out &= np.bincount(surface[first], minlength=inside_out.size) * 2 == np.bincount(surface) * 3  # closed
+    return np.where(inside_out[surface][:, None, None], wound[:, ::-1], wound)
+
+
+def _neighbours(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+    """Pairs of triangles that alone share an edge, and whether they are wound alike: along it in opposite senses."""
+    edges = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
+    forward = edges[:, 0] < edges[:, 1]
+    _, edge, times = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(edge.ravel(), kind="stable")
+    pairs = order[times[edge.ravel()[order]] == 2].reshape(-1, 2)
+    return pairs[:, 0] // 3, pairs[:, 1] // 3, forward[pairs[:, 0]] != forward[pairs[:, 1]]
+
+
+def _flips(
+    first: NDArray[np.int64], second: NDArray[np.int64], alike: NDArray[np.bool_], surface: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    """Triangles to wind the other way, by the double cover: every triangle stands there once in either sense."""
+    n = surface.size
+    side = np.where(alike, 0, n)
+    cover = _components(np.concatenate([first, first + n]), np.concatenate([second + side, second + n - side]), 2 * n)
+    _, leaders = np.unique(surface, return_index=True)
+    one_sided = cover[:n] == cover[n:]
+    return np.asarray((cover[:n] != cover[leaders][surface]) & ~one_sided)
+
+
+def _components(first: NDArray[np.int64], second: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+    links = coo_array((np.ones(first.size, np.int8), (first, second)), shape=(n, n))
+    return np.asarray(connected_components(links, directed=False)[1], dtype=np.int64)
+
+
+def _volumes(corners: NDArray[np.float64], surface: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Signed volume that each surface encloses, by the tetrahedra to a point near by."""
+    a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
+    return np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1)) / 6.0

@@ -1,0 +1,118 @@
+"""The tree of boxes over triangles: whole, tight, and right by brute force."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from insonify.kernels.tree import LEAF, make_mesh
+from insonify.kernels.types import Mesh, empty_mesh
+
+
+def soup(n: int, seed: int = 1, *, scale=(20.0, 20.0, 4.0), size=0.5) -> np.ndarray:
+    """(n, 3, 3) triangles strewn about."""
+    random = np.random.default_rng(seed)
+    return random.normal(size=(n, 1, 3)) * scale + size * random.normal(size=(n, 3, 3))
+
+
+def mesh_of(corners: np.ndarray) -> Mesh:
+    """Tree over triangles whose target is their number."""
+    return make_mesh(corners, np.zeros(len(corners), np.int64), np.arange(len(corners)))
+
+
+def search(mesh: Mesh, enters) -> list[int]:
+    """Targets in the leaves of all branches whose box is entered."""
+    found, node = [], 0
+    while node < mesh.skip.size:
+        if not enters(mesh.low[node], mesh.high[node]):
+            node = mesh.skip[node]
+            continue
+        found += mesh.target[mesh.first[node] : mesh.first[node] + mesh.held[node]].tolist()
+        node += 1
+    return found
+
+
+CASES = {
+    "one": soup(1),
+    "as many as a leaf holds": soup(LEAF),
+    "one more": soup(LEAF + 1),
+    "many": soup(3000),
+    "along a line": soup(500, scale=(100.0, 0.0, 0.0), size=0.01),
+    "all in one place": np.repeat(soup(1), 100, axis=0),
+    "most in one place": np.concatenate([np.repeat(soup(1), 300, axis=0), soup(20)]),
+    "sizes of every order": soup(400) * np.logspace(-6, 3, 400)[:, None, None],
+}
+
+
+@pytest.mark.parametrize("corners", CASES.values(), ids=CASES)
+def test_every_triangle_is_in_exactly_one_leaf(corners):
+    mesh = mesh_of(corners)
+    leaves = np.flatnonzero(mesh.held)
+    assert mesh.held.max() <= LEAF
+    # Leaves follow one another in memory, and a search that enters everything meets everything once.
+    np.testing.assert_array_equal(mesh.first[leaves], np.cumsum(mesh.held[leaves]) - mesh.held[leaves])
+    assert sorted(search(mesh, lambda low, high: True)) == list(range(len(corners)))
+    np.testing.assert_array_equal(mesh.corners, corners[mesh.target])
+
+
+@pytest.mark.parametrize("corners", CASES.values(), ids=CASES)
+def test_links_and_boxes_are_right(corners):
+    mesh = mesh_of(corners)
+    n = mesh.skip.size
+    for node in range(n):
+        after = mesh.skip[node]
+        last = mesh.first[after] if after < n else len(corners)
+        inside = mesh.corners[mesh.first[node] : last].reshape(-1, 3)
+        np.testing.assert_array_equal(mesh.low[node], inside.min(axis=0))
+        np.testing.assert_array_equal(mesh.high[node], inside.max(axis=0))
+        if mesh.held[node]:
+            assert after == node + 1
+            assert last - mesh.first[node] == mesh.held[node]
+        else:
+            # Two branches, one after the other, end where their parent ends.
+            assert mesh.first[node + 1] == mesh.first[node]
+            assert mesh.skip[mesh.skip[node + 1]] == after
+
+
+def test_normals_point_to_where_corners_run_counter_clockwise():
+    mesh = mesh_of(np.array([[[0.0, 0, 0], [2, 0, 0], [0, 3, 0]]]))
+    np.testing.assert_array_equal(mesh.normal, [[0, 0, 1]])
+
+
+def test_the_same_triangles_make_the_same_tree():
+    one, other = mesh_of(CASES["many"]), mesh_of(CASES["many"].copy())
+    assert all(map(np.array_equal, one, other))
+
+
+def test_nothing_makes_an_empty_tree():
+    for ours, theirs in zip(mesh_of(np.zeros((0, 3, 3))), empty_mesh()):
+        assert (ours.shape, ours.dtype) == (theirs.shape, theirs.dtype)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 300))
+def test_planes_and_rays_find_what_brute_force_finds(seed, n):
+    corners = soup(n, seed)
+    mesh = mesh_of(corners)
+    random = np.random.default_rng(seed)
+    normal, place = random.normal(size=3), random.normal(size=3) * 5.0
+
+    def on_plane(low, high):
+        centre, half = 0.5 * (low + high) - place, 0.5 * (high - low)
+        return abs(centre @ normal) <= half @ abs(normal) + 1e-12
+
+    side = (corners - place) @ normal
+    crossing = np.flatnonzero((side.min(axis=1) <= 0) & (side.max(axis=1) >= 0))
+    assert set(crossing) <= set(search(mesh, on_plane))
+
+    origin, direction = random.normal(size=3) * 30.0, random.normal(size=3)
+
+    def on_ray(low, high):
+        with np.errstate(divide="ignore"):
+            near, far = np.sort([(low - origin) / direction, (high - origin) / direction], axis=0)
+        return max(near.max(), 0.0) <= far.min() + 1e-9
+
+    boxes = [on_ray(*bounds) for bounds in zip(corners.min(axis=1), corners.max(axis=1))]
+    found = search(mesh, on_ray)
+    assert set(np.flatnonzero(boxes)) <= set(found)
+    assert len(found) < n or n < 30  # and passes something by
