@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from insonify.kernels.types import FRUSTUM, SONAR, SPHERE, Bed, Poses, Problem, Solids, empty_mesh, plain_pattern
+from insonify.kernels.types import FRUSTUM, SONAR, SPHERE, Bed, Mesh, Poses, Problem, Solids, empty_mesh, plain_pattern
 
 Sphere = tuple[tuple[float, float, float], float]  # centre, radius
 Cylinder = tuple[tuple[float, float, float], tuple[float, float, float], float]  # ends of the axis, radius
@@ -57,6 +58,72 @@ def solids_of(bodies: Sequence[Sphere | Cylinder | Frustum] = (), material: int 
     return solids
 
 
+def mesh_of(vertices: ArrayLike, faces: ArrayLike, *, target: int = 0, leaf: int = 2) -> Mesh:
+    """Mesh of one material from vertices (n, 3) and counter-clockwise faces (m, 3), its tree halved by the middles."""
+    corners = np.asarray(vertices, dtype=np.float64)[np.asarray(faces)]
+    order: list[int] = []
+    nodes: list[list[int]] = []  # first triangle, held, skip
+
+    def branch(rows: np.ndarray) -> None:
+        node = [len(order), len(rows) if len(rows) <= leaf else 0, 0]
+        nodes.append(node)
+        if node[1]:
+            order.extend(rows.tolist())
+        else:
+            middles = corners[rows].mean(axis=1)
+            ranked = rows[np.argsort(middles[:, np.argmax(np.ptp(middles, axis=0))], kind="stable")]
+            branch(ranked[: len(rows) // 2])
+            branch(ranked[len(rows) // 2 :])
+        node[2] = len(nodes)
+        extents.append((node, corners[rows].min(axis=(0, 1)), corners[rows].max(axis=(0, 1))))
+
+    extents: list[tuple[list[int], np.ndarray, np.ndarray]] = []
+    branch(np.arange(len(corners)))
+    boxes = {id(node): (low, high) for node, low, high in extents}
+    corners = np.ascontiguousarray(corners[order])
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return Mesh(
+        corners=corners,
+        normal=normal / np.linalg.norm(normal, axis=1, keepdims=True),
+        material=np.zeros(len(corners), np.int64),
+        target=np.full(len(corners), target, np.int64),
+        low=np.array([boxes[id(node)][0] for node in nodes]),
+        high=np.array([boxes[id(node)][1] for node in nodes]),
+        skip=np.array([node[2] for node in nodes]),
+        first=np.array([node[0] for node in nodes]),
+        held=np.array([node[1] for node in nodes]),
+    )
+
+
+def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and counter-clockwise faces of an icosahedron whose faces are quartered and pushed out to a sphere."""
+    golden = 0.5 * (1.0 + 5.0**0.5)
+    rows = [(0.0, s, t * golden) for s in (-1.0, 1.0) for t in (-1.0, 1.0)]
+    points = [np.roll(row, shift) for shift in range(3) for row in rows]
+    faces = [
+        face
+        for face in itertools.permutations(range(12), 3)
+        if face[0] == min(face)
+        and all(np.linalg.norm(points[a] - points[b]) < 2.1 for a, b in itertools.combinations(face, 2))
+        and np.linalg.det([points[v] for v in face]) > 0.0
+    ]
+    vertices = [point / np.linalg.norm(point) for point in points]
+    for _ in range(halvings):
+        between: dict[tuple[int, int], int] = {}
+
+        def middle(a: int, b: int, between: dict[tuple[int, int], int] = between) -> int:
+            key = (min(a, b), max(a, b))
+            if key not in between:
+                point = vertices[a] + vertices[b]
+                between[key] = len(vertices)
+                vertices.append(point / np.linalg.norm(point))
+            return between[key]
+
+        cut = [((a, b, c), (middle(a, b), middle(b, c), middle(c, a))) for a, b, c in faces]
+        faces = [f for (a, b, c), (p, q, r) in cut for f in ((a, p, r), (p, b, q), (r, q, c), (p, q, r))]
+    return radius * np.array(vertices) + np.asarray(centre), np.array(faces)
+
+
 def problem_of(
     heights: ArrayLike,
     spacing: float = 1.0,
@@ -65,6 +132,7 @@ def problem_of(
     y0: float = 0.0,
     periodic: bool = False,
     solids: Sequence[Sphere | Cylinder | Frustum] = (),
+    mesh: Mesh | None = None,
     law: int = SONAR,
     half_width: float = 0.0,
     bins: int = 1000,
@@ -77,7 +145,7 @@ def problem_of(
     return Problem(
         bed=bed_of(heights, spacing, x0=x0, y0=y0, periodic=periodic),
         solids=solids_of(solids),
-        mesh=empty_mesh(),
+        mesh=mesh or empty_mesh(),
         reflectivity=np.array(reflectivity, dtype=np.float64),
         interface=np.tile([0.0, 1.0], (len(reflectivity), 1)),
         law=law,

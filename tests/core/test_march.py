@@ -26,7 +26,8 @@ def hits_of(problem, origin, directions, step):
     hits = empty_hits(len(ways))
     near = np.arange(problem.solids.shape.size)
     bundle = Bundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
-    march_hits(problem.bed, problem.solids, near, near.size, bundle, problem.bins * problem.bin_length, step, hits)
+    reach = problem.bins * problem.bin_length
+    march_hits(problem.bed, problem.solids, near, near.size, problem.mesh, bundle, reach, step, hits)
     return hits
 
 

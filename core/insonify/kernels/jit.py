@@ -58,3 +58,9 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 def fused(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a small part of a kernel into each of its callers: handing arrays over costs more than many a part."""
     return njit(nogil=True, fastmath=FAST, error_model="numpy", forceinline=True)(function)
+
+
+def exact(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a small part of a kernel into each of its callers, in plain IEEE arithmetic: nothing is reordered."""
+    # What is not said is inherited from the caller.
+    return njit(nogil=True, fastmath=False, error_model="numpy", forceinline=True)(function)

@@ -111,10 +111,9 @@ def turn(launch, beam, bundle):
 
 
 @kernel
-def gather(solids, beam, near):
-    """List the bodies that a beam can touch; return their number and the highest elevation at which they can be."""
+def gather(solids, mesh, beam, near):
+    """List the bodies that a beam can touch; return their number and the highest elevation of anything to be met."""
     count, top = 0, -0.5 * math.pi
-    s = math.sin(beam.half_width)
     for k in range(solids.shape.size):
         middle = 0.5 * solids.length[k]
         cx = solids.start[k, 0] + middle * solids.axis[k, 0] - beam.x
@@ -122,16 +121,47 @@ def gather(solids, beam, near):
         cz = solids.start[k, 2] + middle * solids.axis[k, 2] - beam.z
         bound = middle + widest(solids, k)
         distance = math.sqrt(cx * cx + cy * cy + cz * cz)
-        if abs(cx * beam.ahead_x + cy * beam.ahead_y) - bound > s * (distance + bound):
-            continue
-        if cx * beam.side_x + cy * beam.side_y < -bound or distance - bound > beam.reach:
+        if not _touches(beam, cx, cy, distance, bound):
             continue
         near[count] = k
         count += 1
         summit = cz + middle * abs(solids.axis[k, 2]) + widest(solids, k)
         top = max(top, highest_elevation(summit, max(distance - bound, 0.0), min(distance + bound, beam.reach)))
+    top = _highest_of_mesh(mesh, beam, top)
     # Rounded up, so that the aim serves many pings.
     return count, math.ceil(top * AIM_STEPS) / AIM_STEPS
+
+
+@kernel
+def _touches(beam, cx, cy, distance, bound):
+    """Whether a beam can touch a ball, its centre counted from the sonar."""
+    if abs(cx * beam.ahead_x + cy * beam.ahead_y) - bound > math.sin(beam.half_width) * (distance + bound):
+        return False
+    return cx * beam.side_x + cy * beam.side_y >= -bound and distance - bound <= beam.reach
+
+
+@kernel
+def _highest_of_mesh(mesh, beam, top):
+    """Greatest elevation of the mesh's boxes in a beam, or ``top`` if that is more."""
+    node = 0
+    while node < mesh.skip.size:
+        wx = 0.5 * (mesh.high[node, 0] - mesh.low[node, 0])
+        wy = 0.5 * (mesh.high[node, 1] - mesh.low[node, 1])
+        wz = 0.5 * (mesh.high[node, 2] - mesh.low[node, 2])
+        cx, cy = mesh.low[node, 0] + wx - beam.x, mesh.low[node, 1] + wy - beam.y
+        cz = mesh.low[node, 2] + wz - beam.z
+        bound, distance = math.sqrt(wx * wx + wy * wy + wz * wz), math.sqrt(cx * cx + cy * cy + cz * cz)
+        highest = top
+        if _touches(beam, cx, cy, distance, bound):
+            farthest = min(distance + bound, beam.reach)
+            highest = highest_elevation(cz + wz, max(distance - bound, 0.0), farthest)
+        if highest <= top:
+            node = mesh.skip[node]
+            continue
+        if mesh.held[node] > 0:
+            top = highest
+        node += 1
+    return top
 
 
 @kernel

@@ -1,6 +1,7 @@
 """A ray in steps of one length, as in the paper's day: the first step below a surface is its hit.
 
-What is thinner than a step can be stepped over; that is the method.
+What is thinner than a step can be stepped over; that is the method. A mesh has no inside to step into: its triangles
+are met where they are.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import numpy as np
 
 from insonify.kernels.jit import kernel
 from insonify.kernels.shapes import widest
+from insonify.kernels.triangles import facing, meet_mesh
 from insonify.kernels.types import BED, SPHERE
 from insonify.kernels.walk import NOTHING, Ray, fused, load_cell, normal_at
 
@@ -18,14 +20,18 @@ TINY = 1e-300  # m; at the very tip of a cone nothing points away from the axis
 
 
 @kernel
-def march_hits(bed, solids, near, count, bundle, reach, step, hits):
+def march_hits(bed, solids, near, count, mesh, bundle, reach, step, hits):
     """March along every ray until a sample is below the bed or inside a body, then interpolate once."""
     ceiling = _ceiling(bed, solids, near, count)
     for k in range(bundle.x.size):
         ray = Ray(bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k])
-        distance, body = _march(bed, solids, near, count, ray, ceiling, reach, step)
+        before, triangle = meet_mesh(mesh, ray.x, ray.y, ray.z, ray.dx, ray.dy, ray.dz, reach)
+        distance, body = _march(bed, solids, near, count, ray, ceiling, before, step)
         material, nx, ny, nz = 0, 0.0, 0.0, 0.0
-        if body == BED:
+        if triangle >= 0 and before < distance:
+            distance, body, material = before, solids.shape.size + triangle, mesh.material[triangle]
+            nx, ny, nz = facing(mesh, triangle, ray.dx, ray.dy, ray.dz)
+        elif body == BED:
             material, nx, ny, nz = _bed_surface(bed, ray, distance)
         elif body != NOTHING:
             material = solids.material[body]

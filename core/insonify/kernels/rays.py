@@ -35,7 +35,7 @@ def trace_pings(problem, poses, rays, step, out):
         for side in range(2):
             side_x, side_y = (-ahead_y, ahead_x) if side == PORT else (ahead_y, -ahead_x)
             beam = Beam(x, y, z, ahead_x, ahead_y, side_x, side_y, problem.half_width, reach)
-            count, top = gather(problem.solids, beam, near)
+            count, top = gather(problem.solids, problem.mesh, beam, near)
             top = max(top, highest_elevation(problem.bed.high - z, 0.0, reach))
             launch = port if side == PORT else starboard
             if z != aimed_at[side, 0] or top != aimed_at[side, 1]:
@@ -43,9 +43,9 @@ def trace_pings(problem, poses, rays, step, out):
                 aimed_at[side, 0], aimed_at[side, 1] = z, top
             turn(launch, beam, bundle)
             if step > 0.0:
-                march_hits(problem.bed, problem.solids, near, count, bundle, reach, step, hits)
+                march_hits(problem.bed, problem.solids, near, count, problem.mesh, bundle, reach, step, hits)
             else:
-                first_hits(problem.bed, problem.solids, near, count, bundle, reach, hits)
+                first_hits(problem.bed, problem.solids, near, count, problem.mesh, bundle, reach, hits)
             deposit(bundle, hits, launch.weight, problem.reflectivity, problem.law, fan, problem.bin_length, sums)
             # What depends on range alone comes after the sum.
             for k in range(problem.bins):
@@ -57,7 +57,7 @@ def trace_pings(problem, poses, rays, step, out):
 def cast_rays(problem, bundle, reach, hits):
     """Find the first hit of every ray."""
     bodies = np.arange(problem.solids.shape.size)
-    first_hits(problem.bed, problem.solids, bodies, bodies.size, bundle, reach, hits)
+    first_hits(problem.bed, problem.solids, bodies, bodies.size, problem.mesh, bundle, reach, hits)
 
 
 @kernel

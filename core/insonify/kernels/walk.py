@@ -1,4 +1,4 @@
-"""Exact rays: walk the bilinear bed cell by cell, meet the bodies, keep the nearest.
+"""Exact rays: walk the bilinear bed cell by cell, meet the bodies and meshes, keep the nearest.
 
 Along a ray the height above one cell is a quadratic in distance. Its value at the border between two cells is carried
 from one to the next, so no ray slips through a shared edge. The bed is solid and seen from above: a ray that comes
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from insonify.kernels.jit import FAST, kernel
 from insonify.kernels.shapes import meet_solid
 from insonify.kernels.slice import clip
+from insonify.kernels.triangles import meet_meshes
 from insonify.kernels.types import BED
 
 NOTHING = -2
@@ -53,9 +54,9 @@ class Hits(NamedTuple):
     """The first thing that each ray meets, (n,) each."""
 
     distance: NDArray[np.float64]  # m, infinite if nothing is met
-    body: NDArray[np.int64]  # row of the solids, BED or NOTHING
+    body: NDArray[np.int64]  # row of the solids, beyond them of the triangles; BED or NOTHING
     material: NDArray[np.int64]  # row of the reflectivity table
-    nx: NDArray[np.float64]  # outward unit normal
+    nx: NDArray[np.float64]  # unit normal on the ray's side
     ny: NDArray[np.float64]
     nz: NDArray[np.float64]
 
@@ -70,9 +71,10 @@ class Cell(NamedTuple):
 
 
 @kernel
-def first_hits(bed, solids, near, count, bundle, reach, hits):
-    """Find what each ray meets first within ``reach``: the bed or one of the first ``count`` bodies in ``near``."""
+def first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
+    """Find what each ray meets first within ``reach``: bed, mesh, or one of the first ``count`` bodies in ``near``."""
     meet_bodies(solids, near, count, bundle, reach, hits)
+    meet_meshes(solids, mesh, bundle, reach, hits)
     for k in range(bundle.x.size):
         ray = Ray(bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k])
         limit = min(hits.distance[k], reach)

@@ -74,7 +74,7 @@ def cast(
     hits = empty_hits(len(starts))
     cast_rays(problem, bundle, problem.bins * problem.bin_length if reach is None else float(reach), hits)
     # The last element stands for the bed, the one before it for nothing.
-    targets = np.append(problem.solids.target, [NOTHING, BED])
+    targets = np.concatenate([problem.solids.target, problem.mesh.target, [NOTHING, BED]])
     return hits.distance, targets[hits.body], np.column_stack([hits.nx, hits.ny, hits.nz])
 
 

@@ -1,0 +1,162 @@
+"""Rays against triangles: no leaks, brute force, and a fine mesh of a sphere against the sphere."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import icosphere, mesh_of, poses_of, problem_of
+from insonify.accuracy import compare
+from insonify.kernels.types import LIGHT, SONAR
+from insonify.tracers import march, rays
+
+FLAT = np.zeros((8, 8))
+DEEP = -1e6  # a bed out of the way
+NOTHING = -2
+MAP = np.array([500_000.0, 5_800_000.0, 0.0])
+
+
+def alone(mesh, **options):
+    """A mesh over a bed so deep that nothing else is met."""
+    return problem_of(np.full((2, 2), DEEP), 1.0, periodic=True, mesh=mesh, **options)
+
+
+def moller_trumbore(mesh, origin, direction):
+    """Nearest distance over all triangles, by the textbook's formula."""
+    a, b, c = mesh.corners[:, 0], mesh.corners[:, 1], mesh.corners[:, 2]
+    p = np.cross(direction, c - a)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        det = ((b - a) * p).sum(1)
+        u = ((origin - a) * p).sum(1) / det
+        q = np.cross(origin - a, b - a)
+        v, t = (q * direction).sum(1) / det, ((c - a) * q).sum(1) / det
+        hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0)
+    return t[hit].min() if hit.any() else math.inf
+
+
+def unit(vectors):
+    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+
+
+def test_one_triangle():
+    mesh = mesh_of([(0, 0, 0), (2, 0, 0), (0, 2, 0)], [(0, 1, 2)], target=3)
+    origins = [(0.5, 0.5, 4), (0.5, 0.5, -4), (1.5, 1.5, 4), (1.0, 1.0, 3), (0, 0, 5), (2, 0, 6), (-1, 0.5, 0)]
+    directions = [(0, 0, -1), (0, 0, 1), (0, 0, -1), (0, 0, -1), (0, 0, -1), (0, 0, -1), (1, 0, 0)]
+    distance, what, normal = rays.cast(alone(mesh), origins, directions)
+    np.testing.assert_array_equal(distance, [4, 4, math.inf, 3, 5, 6, math.inf])
+    assert what.tolist() == [3, 3, NOTHING, 3, 3, 3, NOTHING]
+    # From either side, and the normal is turned against the ray.
+    np.testing.assert_array_equal(normal[:2], [(0, 0, 1), (0, 0, -1)])
+
+
+@pytest.mark.parametrize("centre", [(0.0, 0.0, 0.0), MAP])
+def test_brute_force_agrees(centre):
+    rng = np.random.default_rng(1)
+    vertices, faces = icosphere(2)
+    mesh = mesh_of(vertices * rng.uniform(0.6, 1.4, (len(vertices), 1)) + centre, faces)
+    origins = centre + 5.0 * unit(rng.normal(size=(3000, 3)))
+    directions = unit(centre + rng.uniform(-1.2, 1.2, (3000, 3)) - origins)
+    distance, _, _ = rays.cast(alone(mesh), origins, directions)
+    twin = [moller_trumbore(mesh, origin, way) for origin, way in zip(origins, directions)]
+    assert 0.2 < np.isfinite(distance).mean() < 0.9
+    np.testing.assert_allclose(distance, twin, rtol=0.0, atol=1e-7 if centre is MAP else 1e-12)
+
+
+@pytest.mark.parametrize("centre", [(0.0, 0.0, 0.0), MAP])
+def test_no_ray_slips_through_an_edge_or_a_corner(centre):
+    # From inside a closed surface every ray meets it, whatever it is aimed at: 10⁵ points of edges, every corner.
+    rng = np.random.default_rng(2)
+    vertices, faces = icosphere(3)
+    vertices = vertices + centre
+    edges = vertices[np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])]
+    picked = edges[rng.integers(0, len(edges), 100_000)]
+    share = rng.choice([0.0, 0.5, 1.0, math.nan], (100_000, 1))
+    share = np.where(np.isnan(share), rng.random((100_000, 1)), share)
+    goals = (1.0 - share) * picked[:, 0] + share * picked[:, 1]
+    origins = centre + rng.uniform(-0.3, 0.3, (100_000, 3))
+    problem = alone(mesh_of(vertices, faces, leaf=4))
+    distance, what, _ = rays.cast(problem, origins, goals - origins)
+    assert (what == 0).all()
+    np.testing.assert_allclose(distance, np.linalg.norm(goals - origins, axis=1), atol=1e-7)
+    # The same from outside: through a point of an edge in front, towards a point inside.
+    outside = goals - 3.0 * unit(origins - goals)
+    _, what, _ = rays.cast(problem, outside, goals - outside)
+    assert (what == 0).all()
+
+
+def test_boxes_that_lie_along_the_axes_do_not_leak():
+    # Rays exactly along axes, along faces' planes, through edges and corners of a cube on integers.
+    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    mesh = mesh_of(corners, [f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))], leaf=1)
+    places = np.array([(x, y) for x in (0.0, 0.25, 0.5, 1.0) for y in (0.0, 0.25, 0.5, 1.0)])
+    for axis in range(3):
+        for sign in (-1.0, 1.0):
+            origins = np.insert(places, axis, 0.5 - 4.5 * sign, axis=1)
+            direction = np.insert([0.0, 0.0], axis, sign)
+            distance, what, normal = rays.cast(alone(mesh), origins, direction)
+            assert (what == 0).all()
+            np.testing.assert_allclose(distance, 4.0, atol=1e-12)
+            np.testing.assert_array_equal(normal[(places == 0.25).any(1)][0], -direction)
+
+
+def test_the_same_triangle_is_met_whatever_else_there_is():
+    # On a shared edge the first in the tree is met, every time.
+    mesh = mesh_of([(0, 0, 0), (1, 0, 0), (1, 1, 0.5), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)], leaf=2)
+    normals = [rays.cast(alone(mesh), [(0.5, 0.5, 9.0)] * n, (0, 0, -1))[2] for n in (1, 7, 64)]
+    for normal in normals:
+        np.testing.assert_array_equal(normal, np.tile(mesh.normal[0], (len(normal), 1)))
+
+
+def test_a_fine_mesh_becomes_the_sphere():
+    # Second order: the facets' sagitta falls as the square of their size, here by four each time.
+    rng = np.random.default_rng(3)
+    origins = 6.0 * unit(rng.normal(size=(4000, 3)))
+    goals = rng.uniform(-0.5, 0.5, (4000, 3))
+    exact, _, exact_normal = rays.cast(
+        problem_of(np.full((2, 2), DEEP), periodic=True, solids=[((0.0, 0.0, 0.0), 1.0)]), origins, goals - origins
+    )
+    errors, lean = [], []
+    for halvings in (1, 2, 3, 4):
+        distance, _, normal = rays.cast(alone(mesh_of(*icosphere(halvings))), origins, goals - origins)
+        errors.append(np.abs(distance - exact).mean())
+        lean.append(np.abs(1.0 - (normal * exact_normal).sum(1)).mean())
+    assert np.polyfit(np.log2(errors), range(4), 1)[0] == pytest.approx(-0.5, rel=0.1)
+    assert lean[3] < lean[2] / 3.5
+
+
+@pytest.mark.parametrize(("law", "half_width"), [(SONAR, 0.0), (SONAR, 0.02), (LIGHT, 0.0)])
+def test_a_record_of_a_fine_mesh_is_that_of_the_sphere(law, half_width):
+    ball = ((0.0, 18.0, 1.3), 1.0)
+    options = {"periodic": True, "law": law, "half_width": half_width, "bins": 400, "bin_length": 0.1}
+    sphere = problem_of(FLAT, 4.0, solids=[ball], **options)
+    mesh = problem_of(FLAT, 4.0, mesh=mesh_of(*icosphere(4, 1.0, ball[0]), leaf=4), **options)
+    poses = poses_of(np.array([-0.4, 0.0, 0.3]), 0.0, 10.0)
+    one, other = (rays.trace(problem, poses, rays=1 << 14) for problem in (mesh, sphere))
+    assert compare(sphere, poses, one, other).beyond < 0.02
+    marched = march.trace(mesh, poses, step=0.01, rays=1 << 14)
+    assert compare(sphere, poses, marched, one).beyond < 0.03
+
+
+def test_a_mesh_above_the_fish_is_seen():
+    ball = ((0.0, 15.0, 14.0), 1.0)
+    options = {"periodic": True, "bins": 300, "bin_length": 0.1}
+    sphere = problem_of(FLAT, 4.0, solids=[ball], **options)
+    mesh = problem_of(FLAT, 4.0, mesh=mesh_of(*icosphere(4, *ball[::-1])), **options)
+    one, other = (rays.trace(problem, poses_of(0.0, 0.0, 10.0), rays=1 << 15)[0, 0] for problem in (mesh, sphere))
+    assert np.linalg.norm(one - other) < 0.03 * np.linalg.norm(other)
+
+
+def test_grazing_rays_meet_a_wall_of_triangles():
+    # A wall seen at 0.001 rad, cut into strips: every ray meets it, nearer rays nearer.
+    y = np.linspace(0.0, 100.0, 201)
+    vertices = np.concatenate([np.column_stack([y, 0 * y, 0 * y]), np.column_stack([y, 0 * y, 0 * y + 1.0])])
+    k = np.arange(200)
+    faces = np.concatenate([np.column_stack([k, k + 1, k + 202]), np.column_stack([k, k + 202, k + 201])])
+    across = np.linspace(0.01, 0.09, 500)
+    origins = np.column_stack([np.full(500, -1.0), across, np.full(500, 0.5)])
+    distance, what, _ = rays.cast(alone(mesh_of(vertices, faces)), origins, (1.0, -0.001, 0.0), reach=1e3)
+    assert (what == 0).all()
+    np.testing.assert_allclose(distance, across / 0.001 * math.hypot(1.0, 0.001), rtol=1e-12)
