@@ -97,7 +97,7 @@ def gather_record(record: xr.Dataset, look: Look) -> Sheet:
 
 def own_curve(record: xr.Dataset) -> NDArray[np.float64]:
     """Return what a record is divided by, (pings, 1, bins) float64; see ``picture.recorded_curve``."""
-    return recorded_curve(record["intensity"].values, _altitude(record), _bin_length(record))
+    return recorded_curve(record["intensity"].values, known_altitude(record), _bin_length(record))
 
 
 def stretched(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]:
@@ -136,11 +136,11 @@ def _reaches(block: xr.Dataset, look: Look) -> tuple[float, float | None]:
     reach = block.sizes["range_sample"] * _bin_length(block)
     if not look.ground_range:
         return reach, None
-    lowest = float(_altitude(block).min())
+    lowest = float(known_altitude(block).min())
     return reach, math.sqrt(max(reach**2 - lowest**2, 0.0))
 
 
-def _altitude(block: xr.Dataset) -> NDArray[np.float64]:
+def known_altitude(block: xr.Dataset) -> NDArray[np.float64]:
     """Height above the bed beneath, in metres; where there is no bed, that of the lowest other ping."""
     altitude = block["platform_altitude"].values.astype(np.float64)
     known = altitude[np.isfinite(altitude)]
@@ -156,7 +156,7 @@ def _columns(
     block: xr.Dataset, curve: NDArray[np.float64], columns: int, ground_reach: float | None, side: str
 ) -> NDArray[np.float32]:
     intensity = block["intensity"].transpose("ping_time", "channel", "range_sample").values
-    altitude = _altitude(block)
+    altitude = known_altitude(block)
     per_side = columns // 2 if side == "both" else columns
     edges = column_edges(altitude, intensity.shape[-1], _bin_length(block), per_side, ground_reach)
     return mirrored(normalise(intensity, curve), edges, side)

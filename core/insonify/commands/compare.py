@@ -1,0 +1,55 @@
+"""``insonify compare``: two records side by side, real or simulated."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from insonify.commands.options import is_record, output, say
+from insonify.scene import load_scene
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def register(subparsers: Any) -> None:
+    """Add ``compare``."""
+    parser = subparsers.add_parser(
+        "compare",
+        help="lay two records side by side, with their histograms and spectra",
+        description="Draw two records to one scale, each relative to its own median, and measure both alike: the "
+        "variation of amplitudes in even patches, their histogram, the spectra along and across the track, the depth "
+        "of shadows. A record is a recording (.xtf), one written here (.nc, .npz), or a scene to be simulated.",
+    )
+    parser.add_argument("records", nargs=2, metavar="RECORD", help="a record's file, or a scene's name or TOML file")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="picture to write: .png")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Read or simulate both, draw and write.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    path = output(arguments.output, (".png",))
+    first, second = (_record(name) for name in arguments.records)
+    from insonify.likeness_sheet import write_comparison
+
+    for name, found in zip(arguments.records, write_comparison(path, (first, second))):
+        say(f"{name}: {'; '.join(found.lines())}")
+    say(str(path))
+    return 0
+
+
+def _record(name: str) -> xr.Dataset:
+    """Read a record, or simulate a scene."""
+    if is_record(name):
+        from insonify.records import read_record
+
+        return read_record(name)
+    from insonify.simulate import simulate
+
+    return simulate(load_scene(name))

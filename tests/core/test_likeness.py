@@ -1,0 +1,132 @@
+"""What the likeness of records measures: speckle, spectra and shadows of known size; a real record; the sheet."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from PIL import Image
+
+from insonify.cli import main
+from insonify.likeness import likeness
+from insonify.records import read_record, write_npz
+from insonify.scene import SceneError
+
+REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
+PINGS, BINS = 320, 512
+STEP, BIN = 0.25, 0.05
+
+
+def record(intensity: np.ndarray) -> xr.Dataset:
+    pings, bins = intensity.shape[1:]
+    return xr.Dataset(
+        {
+            "intensity": (("channel", "ping_time", "range_sample"), intensity.astype(np.float32)),
+            "platform_x": ("ping_time", STEP * np.arange(pings)),
+            "platform_y": ("ping_time", np.zeros(pings)),
+            "platform_altitude": ("ping_time", np.full(pings, 2.0)),
+        },
+        coords={"slant_range": ("range_sample", (np.arange(bins) + 0.5) * BIN)},
+        attrs={"title": "made up"},
+    )
+
+
+def lambert() -> np.ndarray:
+    """An even bed, as a recorder with some gain of its own would show it."""
+    r = (np.arange(BINS) + 0.5) * BIN
+    return np.broadcast_to((2.0 / np.maximum(r, 2.0)) ** 2 * np.exp(-r / 9.0) * 1e7, (2, PINGS, BINS))
+
+
+def speckle(seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).exponential(size=(2, PINGS, BINS))
+
+
+def test_speckle_varies_as_a_rayleigh_envelope_with_a_white_spectrum():
+    found = likeness(record(lambert() * speckle(1)))
+    assert np.median(found.variation) == pytest.approx(np.sqrt(4.0 / np.pi - 1.0), abs=0.01)
+    assert np.isnan(found.shadow_depth)
+    for spectrum, step in ((found.along, STEP), (found.across, BIN)):
+        assert spectrum.frequency[-1] < 0.5 / step
+        # White noise of variance 4/π - 1 between zero and the highest frequency.
+        np.testing.assert_allclose(spectrum.power.mean(), (4.0 / np.pi - 1.0) * 2.0 * step, rtol=0.05)
+        assert abs(spectrum.slope()) < 0.06
+
+
+def test_an_even_bed_has_no_variation():
+    assert likeness(record(lambert())).variation.max() < 0.05
+
+
+def test_gain_changes_nothing():
+    bed = lambert() * speckle(2)
+    np.testing.assert_allclose(likeness(record(1e-6 * bed)).variation, likeness(record(bed)).variation, rtol=1e-4)
+
+
+@pytest.mark.parametrize(("along", "across"), [(0.5, 0.0), (0.0, 2.5)])
+def test_ripples_show_at_their_frequency(along, across):
+    phase = along * STEP * np.arange(PINGS)[:, None] + across * BIN * np.arange(BINS)
+    found = likeness(record(lambert() * (1.0 + 0.3 * np.sin(2.0 * np.pi * phase)) ** 2))
+    spectrum, frequency = (found.along, along) if along else (found.across, across)
+    assert spectrum.frequency[spectrum.power.argmax()] == pytest.approx(frequency, rel=0.1)
+    # A sine of amplitude 0.3 holds a variance of 0.045; half its band is a Hann window's leakage.
+    held = np.trapezoid(spectrum.power, spectrum.frequency) * np.log(2.0)
+    assert held == pytest.approx(0.045, rel=0.1)
+
+
+@pytest.mark.parametrize("depth", [15.0, 24.0])
+def test_a_shadow_is_as_deep_as_it_is(depth):
+    bed = lambert().copy()
+    bed[1, 96:112, 192:448] *= 10.0 ** (-depth / 10.0)
+    assert likeness(record(bed)).shadow_depth == pytest.approx(depth, abs=0.3)
+
+
+def test_a_shadow_may_be_silent():
+    bed = lambert().copy()
+    bed[1, 96:112, 192:448] = 0.0
+    assert "shadows without any echo" in likeness(record(bed)).lines()
+
+
+def test_too_little_bed_is_one_sentence():
+    with pytest.raises(SceneError, match="made up: has too little bed to measure; give at least 128 pings"):
+        likeness(record(lambert()[:, :100]))
+    still = record(lambert())
+    still["platform_x"][:] = 0.0
+    with pytest.raises(SceneError, match="pings that move on"):
+        likeness(still)
+
+
+@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
+def test_a_real_recording():
+    found = likeness(read_record(REAL))
+    low, middle, high = np.percentile(found.variation, [10.0, 50.0, 90.0])
+    assert 0.25 < low < middle < high < 0.55
+    assert found.shadow_depth == pytest.approx(24.0, abs=2.0)
+
+
+def test_compare_draws_a_sheet_and_says_the_numbers(tmp_path, capsys):
+    for number in (1, 2):
+        write_npz(tmp_path / f"{number}.npz", record(lambert() * speckle(number)))
+    names = [str(tmp_path / "1.npz"), str(tmp_path / "2.npz")]
+    assert main(["compare", *names, "-o", str(tmp_path / "sheet.png")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.partition(": ")[0] for line in lines[:2]] == names
+    assert "variation of amplitude in even patches 0.52" in lines[0]
+    with Image.open(tmp_path / "sheet.png") as picture:
+        assert min(picture.size) > 900
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["atlantis", "default", "-o", "x.png"], "no such file"),
+        (["a.xtf", "default", "-o", "x.png"], "does not exist"),
+        (["a.nc", "default", "-o", "x.png"], "there is no such file"),
+        (["default", "default", "-o", "x.nc"], "end the name in .png"),
+    ],
+)
+def test_a_mistake_is_one_sentence(tmp_path, capsys, monkeypatch, words, expected):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compare", *words]) == 2
+    written = capsys.readouterr()
+    assert expected in written.err
+    assert written.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
