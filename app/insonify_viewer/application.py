@@ -239,10 +239,13 @@ class Viewer(QObject):
         self._clock.timeout.connect(self._tick)
 
     def _settle(self, path: str, value: Any) -> None:
-        """Make an edit of the panel final; a measured bed needs a file first."""
+        """Make an edit of the panel final; a measured bed and a recorded tow need a file first."""
         if path == "seabed.relief.kind" and value == "dem":
             self.files.ask_for_dem(self.session.scene)
             self.session.settle()
+        elif path == "track.motion.kind" and value == "recorded":
+            tow = self.files.ask_for_tow()
+            self.session.settle({path: value, "track.motion.path": tow} if tow else None)
         else:
             self.session.settle({path: value} if path else None)
 
@@ -352,7 +355,7 @@ class Viewer(QObject):
     def _show_mark(self, mark: Mark | None) -> None:
         text, place = "", None
         if mark is not None and self._answer is not None:
-            text, place = readout(self._answer.simulation, self.record, self._answer.curve, mark)
+            text, place = readout(self._answer.simulation, self.record, self._answer.level, mark)
         self.window.show_point(text)
         self.window.waterfall.show_mark(mark if text else None)
         self._seabed.show_mark(place)

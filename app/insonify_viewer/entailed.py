@@ -8,9 +8,11 @@ from typing import Any
 
 from insonify.scene import Scene
 from insonify.scene.materials import MATERIALS, Material, Reflectivity
+from insonify.scene.motion import Straight, Sum
 from insonify.scene.seabed import Fractal
 
 Changes = dict[str, Any]
+SWINGS = ("sway", "heave", "yaw", "pitch", "roll")
 
 
 def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
@@ -32,7 +34,7 @@ def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """
     complete: Changes = {}
     remarks = []
-    for rule in (_ping_rate, _sonar_height, _spectrum, _named_numbers, _shares, _material_map):
+    for rule in (_ping_rate, _sonar_height, _spectrum, _named_numbers, _shares, _material_map, _sum):
         extra, remark = rule(scene, changes)
         complete |= extra
         if remark:
@@ -63,8 +65,15 @@ def _sonar_height(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, st
     """Altitude and depth are two ways to say one thing; the one moved last holds."""
     if "track.altitude" in changes and scene.track.depth is not None:
         return {"track.depth": None}, ""
+    if "track.depth" in changes and scene.track.terrain_following:
+        return {
+            "track.altitude": None,
+            "track.terrain_following": False,
+        }, "the depth is fixed: terrain following is off"
     if "track.depth" in changes and scene.track.altitude is not None:
         return {"track.altitude": None}, ""
+    if changes.get("track.terrain_following") is True and scene.track.depth is not None:
+        return {"track.depth": None, "track.altitude": scene.altitude}, ""
     return {}, ""
 
 
@@ -122,3 +131,12 @@ def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, st
         return {}, ""
     other = "rock" if material.name != "rock" else next(iter(MATERIALS))
     return {"seabed.material.of": [material.name, other]}, ""
+
+
+def _sum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Add every swing to the motion there is, for sliders can only turn what is there."""
+    motion = scene.track.motion
+    if changes.get("track.motion.kind") != "sum" or isinstance(motion, Sum):
+        return {}, ""
+    before = [] if isinstance(motion, Straight) else [motion.model_dump()]
+    return {"track.motion.of": [*before, *({"kind": kind} for kind in SWINGS if kind != motion.kind)]}, ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
@@ -135,6 +135,8 @@ def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) 
         options = get_args(field.annotation)
         if len(options) > 1:
             yield Choice(path, label, tooltip, indent, value, options)
+    elif isinstance(value, bool):
+        yield Choice(path, label, tooltip, indent, value, (False, True))
     elif isinstance(value, tuple):
         yield from _of_tuple(scene, field, value, name, path, indent)
     elif not isinstance(value, str):
@@ -165,7 +167,12 @@ def _of_tuple(
         if isinstance(item, BaseModel):
             for parameter in _inside(scene, item, place, indent + 1):
                 is_name = isinstance(parameter, Choice) and parameter.path.endswith(".name")
-                yield _renamed(parameter, f"material {index + 1}", indent) if is_name else parameter
+                what = "" if isinstance(item, Material) else f"{kind_name(type(item))} "
+                yield (
+                    replace(parameter, label=f"material {index + 1}", indent=indent)
+                    if is_name
+                    else replace(parameter, label=f"{what}{parameter.label}")
+                )
         elif isinstance(item, tuple):
             for k, number in enumerate(item):
                 between = _neighbours(value, index) if name == "gap" and k == 0 else None
@@ -173,11 +180,6 @@ def _of_tuple(
         else:
             about_origin = (min(-PLACE_REACH, item), max(PLACE_REACH, item))
             yield _number(field, place, f"{name} {axes[index]}", indent, item, ends=about_origin)
-
-
-def _renamed(parameter: Number | Choice, label: str, indent: int) -> Choice:
-    assert isinstance(parameter, Choice)
-    return Choice(parameter.path, label, parameter.tooltip, indent, parameter.value, parameter.options)
 
 
 def _number(

@@ -6,13 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify_viewer.record import Record
 from insonify_viewer.session import Mark
 
 if TYPE_CHECKING:
     from insonify.kernels.types import Poses
+    from insonify.picture import LevelBed
     from insonify.simulate import Simulation
     from insonify.terrain.ground import Ground
 
@@ -35,7 +35,7 @@ def place_of(simulation: Simulation, mark: Mark) -> tuple[float, float | None, P
     slant_range : float
         As recorded, in metres.
     ground_range : float or None
-        sqrt(r² - h²) for the height h above the bed under the sonar; None in the water column.
+        sqrt(r² − h²) for the height h above the bed under the sonar; None in the water column.
     place : (float, float, float) or None
         Local coordinates of the bed there; None in the water column or where there is no bed.
     """
@@ -44,18 +44,20 @@ def place_of(simulation: Simulation, mark: Mark) -> tuple[float, float | None, P
     pose = simulation.poses(np.array([mark.ping], dtype=np.int64))
     below = float(ground.height_at(pose.x, pose.y)[0])
     height = float(pose.z[0]) - (0.0 if math.isnan(below) else below)
+    # With the bow up the plane of the beam leans forward, and meets the bed ahead of the fish.
+    ahead = height * math.tan(float(pose.pitch[0]))
     true_slant = slant / simulation.scene.water.range_scale
-    if true_slant < height:
+    if true_slant < math.hypot(height, ahead):
         return slant, None, None
-    across = math.sqrt(true_slant**2 - height**2)
+    across = math.sqrt(true_slant**2 - height**2 - ahead**2)
     left = across if mark.side == 0 else -across
-    x = float(pose.x[0]) - left * math.sin(float(pose.heading[0]))
-    y = float(pose.y[0]) + left * math.cos(float(pose.heading[0]))
+    cos, sin = math.cos(float(pose.heading[0])), math.sin(float(pose.heading[0]))
+    x, y = float(pose.x[0]) + ahead * cos - left * sin, float(pose.y[0]) + ahead * sin + left * cos
     z = float(ground.height_at(np.array([x]), np.array([y]))[0])
-    return slant, across, None if math.isnan(z) else (x, y, z)
+    return slant, math.hypot(across, ahead), None if math.isnan(z) else (x, y, z)
 
 
-def readout(simulation: Simulation, record: Record, curve: NDArray[np.float64], mark: Mark) -> tuple[str, Place | None]:
+def readout(simulation: Simulation, record: Record, level: LevelBed, mark: Mark) -> tuple[str, Place | None]:
     """Describe a point of the record.
 
     Parameters
@@ -64,8 +66,8 @@ def readout(simulation: Simulation, record: Record, curve: NDArray[np.float64], 
         Prepared scene.
     record : Record
         Pings held.
-    curve : (bins,) float64
-        Intensity that stands for amplitude 1.
+    level : LevelBed
+        Intensities that stand for amplitude 1.
     mark : Mark
         Point to describe.
 
@@ -77,16 +79,16 @@ def readout(simulation: Simulation, record: Record, curve: NDArray[np.float64], 
         Where it lies on the bed, in local metres.
     """
     amplitude = record.amplitude_at(mark.ping, mark.side, mark.bin)
-    if amplitude is None or mark.bin >= len(curve):
+    if amplitude is None or mark.bin >= simulation.scene.sonar.bins:
         return "", None
     slant, across, place = place_of(simulation, mark)
     parts = [f"ping {mark.ping}", SIDES[mark.side], f"slant {slant:.2f} m"]
     parts.append("water column" if across is None else f"ground {across:.2f} m")
     if place is not None:
         parts.append(f"bed {place[2]:+.2f} m")
-    intensity = amplitude**2 * float(curve[mark.bin])
-    level = f" ({10.0 * math.log10(intensity):.1f} dB)" if intensity > 0.0 else ""
-    return "  ·  ".join([*parts, f"{intensity:.3g}{level}"]), place
+    intensity = amplitude**2 * float(level.curves(np.array([mark.ping]))[0, 0, mark.bin])
+    decibels = f" ({10.0 * math.log10(intensity):.1f} dB)" if intensity > 0.0 else ""
+    return "  ·  ".join([*parts, f"{intensity:.3g}{decibels}"]), place
 
 
 def leaves(ground: Ground, poses: Poses) -> bool:

@@ -15,6 +15,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 from insonify.scene import Scene, SceneError
 
 if TYPE_CHECKING:
+    from insonify.picture import LevelBed
     from insonify.simulate import Simulation
 
 BLOCK = 64
@@ -58,8 +59,8 @@ class Answer:
         Their numbers.
     amplitude : (n, 2, bins) float32
         Amplitude relative to the level bed's.
-    curve : (bins,) float64
-        Intensity that stands for amplitude 1.
+    level : LevelBed
+        Intensities that stand for amplitude 1.
     simulation : Simulation
         What traced them.
     """
@@ -68,7 +69,7 @@ class Answer:
     fine: bool
     pings: NDArray[np.int64]
     amplitude: NDArray[np.float32]
-    curve: NDArray[np.float64]
+    level: LevelBed
     simulation: Simulation
 
 
@@ -102,7 +103,7 @@ class Simulator(QObject):
         self._closing = False
         self._cost = 4e-4  # s a coarse ping
         self._changed = threading.Condition()
-        self._last: dict[bool, tuple[Scene, Simulation, NDArray[np.float64]]] = {}
+        self._last: dict[bool, tuple[Scene, Simulation, LevelBed]] = {}
         self._called_back.connect(self._call_back, Qt.ConnectionType.QueuedConnection)
         self._thread = threading.Thread(target=self._work, name="insonify simulator", daemon=True)
         self._thread.start()
@@ -173,18 +174,19 @@ class Simulator(QObject):
     def _trace(self, request: Request) -> Iterator[Answer]:
         from insonify.picture import normalise
 
-        simulation, curve = self._prepared(request)
+        simulation, level = self._prepared(request)
         pings = request.pings
         stride = 1 if request.fine else self._stride(len(pings))
         size = BLOCK if request.fine else len(pings)
         for start in range(0, len(pings), max(size, 1)):
             block = pings[start : start + size]
             begun = time.perf_counter()
-            traced = np.asarray(normalise(simulation.intensity(block[::stride]), curve), dtype=np.float32)
+            sent = block[::stride]
+            traced = normalise(simulation.intensity(sent), level.curves(sent))
             if not request.fine:
                 self._cost = (time.perf_counter() - begun) / len(traced)
             amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
-            yield Answer(request.number, request.fine, block, amplitude, curve, simulation)
+            yield Answer(request.number, request.fine, block, amplitude, level, simulation)
 
     def _stride(self, pings: int) -> int:
         """Thin the pings as far as the last coarse ones' cost demands."""
@@ -193,14 +195,14 @@ class Simulator(QObject):
             stride *= 2
         return stride
 
-    def _prepared(self, request: Request) -> tuple[Simulation, NDArray[np.float64]]:
+    def _prepared(self, request: Request) -> tuple[Simulation, LevelBed]:
         """Prepare the request's scene, or take the last one of the same scene."""
-        from insonify.picture import display_curve
+        from insonify.picture import LevelBed
 
         last = self._last.get(request.fine)
         if last is None or last[0] != request.scene:
             simulation = self._prepare(request.scene, TOLERANCE[request.fine])
-            last = self._last[request.fine] = (request.scene, simulation, display_curve(simulation))
+            last = self._last[request.fine] = (request.scene, simulation, LevelBed(simulation))
         return last[1], last[2]
 
     def _call_back(self, receive: Callable[[Any], None], result: Any) -> None:

@@ -1,14 +1,14 @@
 """Display of records: gain, palette, slant and ground range; arrays in, arrays out, no axes (those are page's).
 
-A record falls by tens of decibels with range. A picture shows it divided by what a perfect Lambert bed of the same
-altitude would return, or a recording by its own median at every range, as amplitude, so that an even bed is even and
-what differs from it stands out.
+A record falls by tens of decibels with range. A picture shows it divided by what a perfect Lambert bed under the same
+ping would return, or a recording by its own median at every range, as amplitude, so that an even bed is even and what
+differs from it stands out.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "PALETTES",
+    "LevelBed",
     "binned",
     "colours",
     "column_edges",
     "contrast",
-    "display_curve",
     "held_curve",
     "mirrored",
     "normalise",
@@ -75,21 +75,43 @@ def palette(name: str) -> NDArray[np.uint8]:
     return colours
 
 
-def display_curve(simulation: Simulation) -> NDArray[np.float64]:
-    """Return what a picture of a simulation is divided by.
+class LevelBed:
+    """What a picture of a simulation is divided by: under every ping a level, perfect Lambert bed.
 
     Parameters
     ----------
     simulation : Simulation
         Prepared scene.
-
-    Returns
-    -------
-    (bins,) float64
-        Record of a level, perfect Lambert bed at the altitude of the first ping; positive in every bin.
     """
-    altitude = float(simulation.poses(np.zeros(1, dtype=np.int64)).z[0])
-    return held_curve(flat_bed_curve(simulation.problem, altitude))
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._kept = lru_cache(maxsize=1024)(self._curve)
+
+    def curves(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the records of the level beds, each at its ping's altitude to an eighth of a bin.
+
+        Parameters
+        ----------
+        pings : (n,) int64
+            Ping numbers.
+
+        Returns
+        -------
+        (n, 1, bins) float64
+            Positive in every bin.
+        """
+        eighths = np.rint(self._simulation.altitude(pings) / self._step).astype(np.int64)
+        numbers, which = np.unique(np.maximum(eighths, 1), return_inverse=True)
+        curves = np.array([self._kept(int(number)) for number in numbers])
+        return curves.reshape(-1, 1, self._simulation.problem.bins)[which]
+
+    @property
+    def _step(self) -> float:
+        return self._simulation.problem.bin_length / 8.0
+
+    def _curve(self, eighths: int) -> NDArray[np.float64]:
+        return held_curve(flat_bed_curve(self._simulation.problem, eighths * self._step))
 
 
 def held_curve(curve: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -168,7 +190,7 @@ def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDA
     intensity : (..., bins) float32
         Energy of a record.
     curve : (bins,) or (..., bins) float64
-        From ``display_curve`` or ``recorded_curve``.
+        What it is divided by; positive.
 
     Returns
     -------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from insonify.look import Look
 from insonify.picture import binned, column_edges, mirrored, normalise, recorded_curve
 
+Curves = Callable[[NDArray[np.int64]], NDArray[np.float64]]
 MOST_ROWS = 4096
 WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of the whole sheet
 HEIGHTS = (420, 1800)  # rows of a sheet stay between
@@ -39,15 +40,15 @@ class Sheet(NamedTuple):
     pings: int
 
 
-def gather(blocks: Iterable[xr.Dataset], curve: NDArray[np.float64], pings: int, look: Look) -> Sheet:
+def gather(blocks: Iterable[xr.Dataset], curves: Curves, pings: int, look: Look) -> Sheet:
     """Collect a record into a sheet.
 
     Parameters
     ----------
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
-    curve : (bins,) float64, or (pings, 1, bins) for a single block
-        From ``picture.display_curve`` or ``picture.recorded_curve``.
+    curves : callable
+        What the pings of these numbers are divided by, (n, 1, bins); as of ``picture.LevelBed``.
     pings : int
         Pings of the whole record.
     look : Look
@@ -65,8 +66,9 @@ def gather(blocks: Iterable[xr.Dataset], curve: NDArray[np.float64], pings: int,
     for block in blocks:
         if done == 0:
             reach, ground_reach = _reaches(block, look)
-        row = len(rows) - 1 - np.arange(done, done + block.sizes["ping_time"])[::-1] // together
-        np.add.at(rows, row, _columns(block, curve, columns, ground_reach, look.side))
+        numbers = np.arange(done, done + block.sizes["ping_time"])
+        row = len(rows) - 1 - numbers[::-1] // together
+        np.add.at(rows, row, _columns(block, curves(numbers), columns, ground_reach, look.side))
         np.add.at(counts, row, 1.0)
         track.add(block)
         done += block.sizes["ping_time"]
@@ -92,7 +94,8 @@ def gather_record(record: xr.Dataset, look: Look) -> Sheet:
     -------
     Sheet
     """
-    return gather([record], own_curve(record), record.sizes["ping_time"], look)
+    own = own_curve(record)
+    return gather([record], lambda pings: own[pings], record.sizes["ping_time"], look)
 
 
 def own_curve(record: xr.Dataset) -> NDArray[np.float64]:
@@ -153,10 +156,10 @@ def _bin_length(block: xr.Dataset) -> float:
 
 
 def _columns(
-    block: xr.Dataset, curve: NDArray[np.float64], columns: int, ground_reach: float | None, side: str
+    block: xr.Dataset, curves: NDArray[np.float64], columns: int, ground_reach: float | None, side: str
 ) -> NDArray[np.float32]:
     intensity = block["intensity"].transpose("ping_time", "channel", "range_sample").values
     altitude = known_altitude(block)
     per_side = columns // 2 if side == "both" else columns
     edges = column_edges(altitude, intensity.shape[-1], _bin_length(block), per_side, ground_reach)
-    return mirrored(normalise(intensity, curve), edges, side)
+    return mirrored(normalise(intensity, curves), edges, side)

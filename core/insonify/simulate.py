@@ -16,7 +16,8 @@ from insonify.receive import receive
 from insonify.scene import Scene, scene_to_toml
 from insonify.terrain import Ground, build_ground
 from insonify.tracers import march, rays, sweep
-from insonify.tracers.poses import make_poses
+from insonify.tracers.line import Line, line_at
+from insonify.tracers.poses import bed_beneath, make_poses
 from insonify.tracers.problem import make_problem
 from insonify.tracers.truth import Truth, trace_truth
 
@@ -57,6 +58,14 @@ class Simulation:
     def poses(self, pings: NDArray[np.int64]) -> Poses:
         """Return where the sonar is at the given pings; beyond the track's last the tow goes on."""
         return make_poses(self.scene, self.ground, pings)
+
+    def line(self, pings: NDArray[np.int64]) -> Line:
+        """Return where the line of the tow leads, from which the fish strays by its motion."""
+        return line_at(self.scene, pings)
+
+    def altitude(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return how high above the bed beneath the sonar is, in metres, with the bed smoothed as a fish follows it."""
+        return self.poses(pings).z - bed_beneath(self.scene, self.ground, pings)
 
     def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Trace and receive pings, any numbers in any order.

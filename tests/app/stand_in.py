@@ -12,6 +12,7 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MATERIALS
 from insonify.sound.flat_bed import flat_bed_curve
 from insonify.terrain.ground import Ground
+from insonify.tracers.line import line_at
 from insonify.tracers.poses import make_poses
 from insonify.tracers.problem import make_problem
 
@@ -30,6 +31,12 @@ class StandIn:
 
     def poses(self, pings: NDArray[np.int64]) -> Any:
         return make_poses(self.scene, self.ground, pings)
+
+    def line(self, pings: NDArray[np.int64]) -> Any:
+        return line_at(self.scene, pings)
+
+    def altitude(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+        return self.poses(pings).z
 
     def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         bins = self.scene.sonar.bins

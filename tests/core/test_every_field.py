@@ -42,6 +42,28 @@ PATCHES = {"seabed.material": {"kind": "patches", "of": ["silt", "rock"], "size"
 BANDS = {"seabed.material": {"kind": "fractal", "of": ["silt", "rock"]}}
 NUMBERS = {"water.absorption": 50.0}
 SEA = {"water.absorption": "francois_garrison"}
+TURN = {"track.motion": {"kind": "turn", "rate": 20.0, "begin": 0.2, "duration": 0.5}}
+SUM = {"track.motion": {"kind": "sum", "of": ["straight", "heave"]}}
+RECORDED = {"track.motion": {"kind": "recorded", "path": "TOW"}}
+
+
+def _of_motions(path: str, needs: dict) -> dict[str, tuple[dict, dict]]:
+    """What changes each kind of motion, alone or as the last of a sum."""
+    place = "track.motion.of.1" if needs else "track.motion"
+
+    def within(changes: dict) -> dict:
+        return needs | {key.replace("track.motion", place): value for key, value in changes.items()}
+
+    found = {}
+    for kind in ("sway", "heave", "yaw"):
+        swinging = within({"track.motion": {"kind": kind, "amplitude": 2.0}})
+        for name, value in (("amplitude", 3.0), ("period", 4.0), ("phase", 90.0)):
+            found[f"{path}[{kind}].{name}"] = (swinging, {f"{place}.{name}": value})
+    for name, value in (("rate", -20.0), ("begin", 0.4), ("duration", 0.3)):
+        found[f"{path}[turn].{name}"] = (within(TURN), {f"{place}.{name}": value})
+    found[f"{path}[recorded].path"] = (within(RECORDED), {f"{place}.path": "OTHER_TOW"})
+    return found
+
 
 # Path of a field, the kinds on the way in brackets -> (what the scene needs to have it, what changes it).
 CHANGES: dict[str, tuple[dict, dict]] = {
@@ -118,6 +140,11 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "track.depth": ({}, BY_DEPTH),
     "track.speed": ({}, {"track.speed": 1.0}),
     "track.pings": ({}, {"track.pings": 11}),
+    "track.terrain_following": ({}, {"track.terrain_following": True}),
+    "track.motion": ({}, {"track.motion": "heave"}),
+    **_of_motions("track.motion", {}),
+    "track.motion[sum].of": (SUM, {"track.motion.of": ["straight", "sway"]}),
+    **_of_motions("track.motion[sum].of", SUM),
     "receiver.speckle": ({}, {"receiver.speckle": "rayleigh"}),
 }
 # Materials of a map are materials like any other.
@@ -161,6 +188,7 @@ CHANGES |= {
 }
 PART = "a part that is all its own fields"
 ONE = "there is only one choice yet"
+LEVEL = "stands in the record's attitude; the tracers take the fish for level"
 WHY_NOT = {
     "schema_version": "says how the file is to be read",
     "title": "is for people; it stands in the record's attributes",
@@ -173,7 +201,12 @@ WHY_NOT = {
     "track": PART,
     "receiver": PART,
     "sonar.vertical": ONE,
-    "track.motion": ONE,
+    **{
+        f"{motion}[{kind}].{name}": LEVEL
+        for motion in ("track.motion", "track.motion[sum].of")
+        for kind in ("pitch", "roll")
+        for name in ("amplitude", "period", "phase")
+    },
     "water.surface": ONE,
 }
 # Fields of every material, wherever it is.
@@ -224,11 +257,15 @@ def bed_files(tmp_path_factory):
     ) as file:
         file.write(bed, 1)
     (folder / "shape.obj").write_text("v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    (folder / "tow.csv").write_text("time,y,x\n0,0,0\n2,1,2\n")
+    (folder / "other.csv").write_text("time,depth\n0,20\n1,22\n")
     return {
         "BED": folder / "bed.npy",
         "OTHER": folder / "other.npy",
         "MAP": folder / "map.tif",
         "SHAPE": folder / "shape.obj",
+        "TOW": folder / "tow.csv",
+        "OTHER_TOW": folder / "other.csv",
     }
 
 

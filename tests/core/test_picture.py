@@ -43,6 +43,11 @@ def record(intensity: np.ndarray, altitude: float = ALTITUDE) -> xr.Dataset:
     )
 
 
+def even(level=1.0, bins: int = BINS):
+    """Divide every ping by the same."""
+    return lambda pings: np.broadcast_to(level, (len(pings), 1, bins))
+
+
 def luminance(table: np.ndarray) -> np.ndarray:
     return table.astype(float) @ np.array([0.2126, 0.7152, 0.0722])
 
@@ -167,9 +172,9 @@ def test_rows_stretch_and_average():
 def test_a_sheet_does_not_depend_on_the_blocks():
     whole = record(np.random.default_rng(2).random((2, 50, BINS)))
     curve = np.linspace(2.0, 1.0, BINS)
-    at_once = gather([whole], curve, 50, Look())
+    at_once = gather([whole], even(curve), 50, Look())
     parts = [whole.isel(ping_time=slice(a, b)) for a, b in ((0, 7), (7, 8), (8, 50))]
-    in_parts = gather(parts, curve, 50, Look())
+    in_parts = gather(parts, even(curve), 50, Look())
     np.testing.assert_array_equal(at_once.amplitude, in_parts.amplitude)
     assert at_once.along == pytest.approx(10.0)
     assert in_parts.along == pytest.approx(10.0)
@@ -178,7 +183,7 @@ def test_a_sheet_does_not_depend_on_the_blocks():
 
 def test_a_long_tow_keeps_a_bounded_sheet():
     block = record(np.ones((2, 1000, 8)))
-    sheet = gather((block for _ in range(9)), np.ones(8), 9000, Look(side="port"))
+    sheet = gather((block for _ in range(9)), even(bins=8), 9000, Look(side="port"))
     assert sheet.pings == 9000
     assert sheet.amplitude.shape == (1800, 900)
     np.testing.assert_allclose(sheet.amplitude, 1.0, rtol=1e-5)
@@ -187,8 +192,8 @@ def test_a_long_tow_keeps_a_bounded_sheet():
 def test_ground_range_shows_no_water_column():
     bins = np.arange(BINS) * REACH / BINS
     record_ = record(np.broadcast_to((bins >= ALTITUDE).astype(float), (2, 4, BINS)))
-    slant = gather([record_], np.ones(BINS), 4, Look(side="port"))
-    ground = gather([record_], np.ones(BINS), 4, Look(side="port", ground_range=True))
+    slant = gather([record_], even(), 4, Look(side="port"))
+    ground = gather([record_], even(), 4, Look(side="port", ground_range=True))
     assert slant.amplitude[0, 0] == 0.0
     assert ground.amplitude.min() > 0.9
     assert ground.reach == pytest.approx(np.sqrt(REACH**2 - ALTITUDE**2))
@@ -199,7 +204,7 @@ def test_ground_range_shows_no_water_column():
     [Look(), Look(side="starboard", palette="pen", gain=3.0), Look(ground_range=True, palette="viridis")],
 )
 def test_a_page_shows_the_sheet_pixel_for_pixel(tmp_path, look):
-    sheet = gather([record(np.random.default_rng(3).random((2, 30, BINS)))], np.ones(BINS), 30, look)
+    sheet = gather([record(np.random.default_rng(3).random((2, 30, BINS)))], even(), 30, look)
     write_page(tmp_path / "page.png", sheet, look, scene_caption(load_scene("default"), look))
     with Image.open(tmp_path / "page.png") as picture:
         pixels = np.asarray(picture.convert("RGB"))
@@ -214,7 +219,7 @@ def test_a_page_shows_the_sheet_pixel_for_pixel(tmp_path, look):
 @pytest.mark.parametrize("title", ["a $b_c and $ more", "深海 ∑", "x" * 200, ""])
 def test_any_title_can_be_drawn(tmp_path, title):
     scene = edit(load_scene("default"), {"title": title})
-    sheet = gather([record(np.zeros((2, 1, 3)))], np.ones(3), 1, Look())
+    sheet = gather([record(np.zeros((2, 1, 3)))], even(bins=3), 1, Look())
     write_page(tmp_path / "page.png", sheet, Look(), scene_caption(scene, Look()))
     assert (tmp_path / "page.png").stat().st_size > 1000
 

@@ -13,6 +13,7 @@ from insonify.scene import Scene, SceneError, bundled_scenes, load_scene
 from insonify_viewer.dem import scene_over_dem
 from insonify_viewer.simulation import Simulator
 
+TOWS = "Recorded tows (*.csv *.nc);;All files (*)"
 GRIDS = "Grids of heights (*.tif *.tiff *.bag *.npy *.npz);;All files (*)"
 
 
@@ -49,6 +50,10 @@ class Files:
         if path:
             self.open_dem(scene, path)
         return bool(path)
+
+    def ask_for_tow(self) -> str:
+        """Let the person pick a recorded tow; return its path, empty if none was picked."""
+        return QFileDialog.getOpenFileName(self._window, "Open a recorded tow", "", TOWS)[0]
 
     def ask_to_save(self) -> None:
         """Let the person name a picture of the window."""

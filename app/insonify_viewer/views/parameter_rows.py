@@ -129,7 +129,8 @@ class ChoiceRow:
         self.combo = _Combo()
         self.combo.setToolTip(choice.tooltip)
         for option in choice.options:
-            self.combo.addItem(str(option).replace("_", " "), option)
+            name = ("off", "on")[option] if isinstance(option, bool) else str(option).replace("_", " ")
+            self.combo.addItem(name, option)
         self.combo.activated.connect(self._picked)
         self.show_value(choice)
 

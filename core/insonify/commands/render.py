@@ -115,9 +115,9 @@ def write(scene: Scene, path: Path, look: Look, *, method: str = "auto", toleran
         write_netcdf(path, blocks)
         return
     from insonify.page import scene_caption, write_page
-    from insonify.picture import display_curve
+    from insonify.picture import LevelBed
     from insonify.sheet import gather
     from insonify.simulate import prepare
 
-    curve = display_curve(prepare(scene, method=method, tolerance=tolerance))
-    write_page(path, gather(blocks, curve, pings, look), look, scene_caption(scene, look))
+    level = LevelBed(prepare(scene, method=method, tolerance=tolerance))
+    write_page(path, gather(blocks, level.curves, pings, look), look, scene_caption(scene, look))

@@ -74,10 +74,8 @@ def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
     except tomllib.TOMLDecodeError as error:
         name = "scene" if source is None else str(source)
         raise SceneError(f"{name}: is not valid TOML ({error}); mend that line") from None
-    if source is not None:
-        _place_files(values, source)
     try:
-        return build(values)
+        return build(values if source is None else _with_paths_beside(source, values))
     except SceneError as error:
         raise SceneError(str(error) if source is None else f"{source.name}: {error}") from None
 
@@ -87,14 +85,16 @@ def scene_to_toml(scene: Scene) -> str:
     return tomli_w.dumps(plain(scene))
 
 
-def _place_files(values: dict[str, Any], source: Path) -> None:
-    """Resolve the paths of raw values that name files: of a measured bed, and of meshes."""
-    seabed, targets = values.get("seabed"), values.get("targets")
-    named = [seabed.get("relief")] if isinstance(seabed, dict) else []
-    named += targets if isinstance(targets, list) else []
-    for part in named:
-        if isinstance(part, dict) and isinstance(part.get("path"), str):
-            part["path"] = _beside(source, part["path"])
+def _with_paths_beside(source: Path, value: Any) -> Any:
+    """Take every relative ``path`` of a scene from the scene's folder."""
+    if isinstance(value, list):
+        return [_with_paths_beside(source, item) for item in value]
+    if not isinstance(value, dict):
+        return value
+    return {
+        key: _beside(source, child) if key == "path" and isinstance(child, str) else _with_paths_beside(source, child)
+        for key, child in value.items()
+    }
 
 
 def _beside(source: Path, path: str) -> str:

@@ -62,6 +62,16 @@ class Scene(Declaration):
         return self
 
     @model_validator(mode="after")
+    def _heave_has_room(self) -> Scene:
+        room = min(self.altitude, self.seabed.depth - self.altitude)
+        if self.track.heave > 0.0 and self.track.heave >= room and not isinstance(self.seabed.relief, Dem):
+            raise ValueError(
+                f"track.motion: a heave of {self.track.heave:g} m takes the sonar at altitude {self.altitude:g} m out "
+                f"of the water, {self.seabed.depth:g} m deep; keep its amplitude below {room:g} m"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _sonar_is_above_the_bed(self) -> Scene:
         if self.altitude <= 0.0 and not isinstance(self.seabed.relief, Dem):
             raise ValueError(

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from pydantic import model_validator
 
-from insonify.scene.base import Choice, Declaration, parameter
-
-
-class Straight(Choice):
-    """Level, at constant speed, without motion."""
-
-    kind: Literal["straight"] = "straight"
+from insonify.scene.base import Declaration, parameter
+from insonify.scene.motion import AnyMotion, Heave, Motion, Straight, Sum
 
 
 class Track(Declaration):
-    """A straight line at constant speed."""
+    """A line at constant speed, and how the fish strays from it."""
 
     start: tuple[float, float] = parameter((0.0, 0.0), unit="m", description="position of the first ping")
     heading: float = parameter(
@@ -45,10 +38,29 @@ class Track(Declaration):
     )
     speed: float = parameter(2.0, unit="m/s", description="speed over ground", gt=0.0, le=50.0, slider=(0.1, 5.0))
     pings: int = parameter(512, description="number of pings", ge=1, le=100_000_000, slider=(64, 2048), log=True)
-    motion: Straight = parameter(Straight(), description="how the fish strays from its line")
+    terrain_following: bool = parameter(
+        False, description="count the altitude from the bed beneath, smoothed over one altitude to either side"
+    )
+    motion: Motion = parameter(Straight(), description="how the fish strays from its line")
 
     @model_validator(mode="after")
     def _one_height(self) -> Track:
         if self.altitude is not None and self.depth is not None:
             raise ValueError("altitude and depth both fix the sonar's height; give one of the two")
         return self
+
+    @model_validator(mode="after")
+    def _altitude_to_follow_the_terrain(self) -> Track:
+        if self.terrain_following and self.depth is not None:
+            raise ValueError("terrain_following keeps an altitude, but depth fixes the height; give altitude instead")
+        return self
+
+    @property
+    def motions(self) -> tuple[AnyMotion, ...]:
+        """The motions at work, one or several."""
+        return self.motion.of if isinstance(self.motion, Sum) else (self.motion,)
+
+    @property
+    def heave(self) -> float:
+        """How far the fish may rise above and sink below its own height, in metres."""
+        return sum(motion.amplitude for motion in self.motions if isinstance(motion, Heave))

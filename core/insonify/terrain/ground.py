@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,3 +76,33 @@ class Ground:
         low = z[rows[0], columns[0]] * (1 - fu) + z[rows[0], columns[1]] * fu
         high = z[rows[1], columns[0]] * (1 - fu) + z[rows[1], columns[1]] * fu
         return np.where(inside, low * (1 - fv) + high * fv, np.nan)
+
+    def height_near(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Bilinear height above the datum of the bed there or, where there is none, of the nearest; continuous.
+
+        Parameters
+        ----------
+        x, y : float64 arrays
+            Local coordinates in metres, of one shape.
+
+        Returns
+        -------
+        float64 array
+            Metres above the datum.
+        """
+        if not self.periodic:
+            ny, nx = self.heights.shape
+            x = np.clip(x, self.x0, self.x0 + (nx - 1) * self.spacing)
+            y = np.clip(y, self.y0, self.y0 + (ny - 1) * self.spacing)
+        return self._whole.height_at(x, y)
+
+    @cached_property
+    def _whole(self) -> Ground:
+        """The same ground with its holes filled by the nearest heights."""
+        holes = np.isnan(self.heights)
+        if not holes.any():
+            return self
+        from scipy.ndimage import distance_transform_edt
+
+        rows, columns = distance_transform_edt(holes, return_distances=False, return_indices=True)
+        return replace(self, heights=self.heights[rows, columns])

@@ -15,7 +15,7 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.materials import Reflectivity
 from insonify.scene.targets import AnyTarget, Box, Cone, MeshFile, Pipe, Sphere
 from insonify.terrain.ground import Ground
-from insonify.tracers.poses import exact_cos
+from insonify.tracers.line import exact_cos
 from insonify.tracers.rotation import rotation
 from insonify.tracers.shapes import Shape, Vector, ball, block, frustum
 

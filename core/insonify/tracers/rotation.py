@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.tracers.poses import exact_cos
+from insonify.tracers.line import exact_cos
 
 
 def rotation(heading: float, pitch: float, roll: float) -> NDArray[np.float64]:

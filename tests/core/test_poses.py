@@ -1,0 +1,288 @@
+"""Where the fish is: closed forms, files, and no dependence on what else is asked for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from insonify.records import write_netcdf
+from insonify.scene import SceneError, edit, load_scene
+from insonify.simulate import simulate, simulate_blocks
+from insonify.terrain import build_ground
+from insonify.tracers.line import line_at
+from insonify.tracers.poses import bed_beneath, make_poses
+
+LEVEL = edit(
+    load_scene("default"),
+    {"seabed.relief": "flat", "targets": [], "track.start": [3.0, -2.0], "track.heading": 30.0, "sonar.bins": 200},
+)
+SLOPE = 0.05
+
+
+def poses(motion, pings, **changes):
+    scene = edit(LEVEL, {"track.motion": motion, **{f"track.{name}": value for name, value in changes.items()}})
+    return make_poses(scene, build_ground(scene), np.asarray(pings, dtype=np.int64))
+
+
+def sum_of(*motions):
+    return {"kind": "sum", "of": list(motions)}
+
+
+def csv(folder, text):
+    (folder / "tow.csv").write_text(text)
+    return {"kind": "recorded", "path": str(folder / "tow.csv")}
+
+
+def test_without_motion_it_is_a_line_bit_for_bit():
+    pings = np.arange(1000)
+    along = pings * (LEVEL.track.speed / LEVEL.sonar.ping_rate)
+    for motion in ("straight", sum_of({"kind": "heave", "amplitude": 0.0}, {"kind": "turn", "rate": 0.0})):
+        found = poses(motion, pings)
+        np.testing.assert_array_equal(found.x, 3.0 + math.cos(math.radians(30.0)) * along)
+        np.testing.assert_array_equal(found.y, -2.0 + math.cos(math.radians(-60.0)) * along)
+        np.testing.assert_array_equal(found.z, 10.0)
+        np.testing.assert_array_equal(found.heading, math.radians(30.0))
+        assert not found.pitch.any()
+        assert not found.roll.any()
+
+
+@pytest.mark.parametrize("rate", [6.0, -6.0])
+def test_a_turn_is_an_arc_of_a_circle(rate):
+    # Two metres a second at 6 degrees a second: a radius of 60 / pi metres; half a turn takes 30 s.
+    radius, turn = 60.0 / math.pi, {"kind": "turn", "rate": rate, "begin": 5.0, "duration": 30.0}
+    found = poses(turn, np.arange(600), heading=0.0, start=[0.0, 0.0])
+    side = math.copysign(radius, rate)
+    arc = slice(50, 351)
+    np.testing.assert_allclose(np.hypot(found.x[arc] - 10.0, found.y[arc] - side), radius, rtol=1e-12)
+    np.testing.assert_allclose(np.degrees(found.heading[arc]), rate * (np.arange(50, 351) / 10.0 - 5.0), atol=1e-9)
+    # Then back the way it came, two radii aside.
+    np.testing.assert_allclose(found.y[350:], 2.0 * side, rtol=1e-12)
+    np.testing.assert_allclose(np.diff(found.x[350:]), -0.2, rtol=1e-9)
+    # Speed is that of the track everywhere, but for the chord of a step.
+    np.testing.assert_allclose(np.hypot(np.diff(found.x), np.diff(found.y)), 0.2, rtol=1e-5)
+
+
+def test_turns_that_overlap_add_up():
+    turns = [
+        {"kind": "turn", "rate": rate, "begin": begin, "duration": 20.0} for rate, begin in ((4.0, 5.0), (-4.0, 15.0))
+    ]
+    found = poses(sum_of(*turns), np.arange(450))
+    headings = np.degrees(found.heading)
+    np.testing.assert_allclose(headings[150:250], 70.0, rtol=1e-12)
+    np.testing.assert_allclose(headings[350:], 30.0, rtol=1e-12)
+    assert np.abs(np.diff(np.hypot(np.diff(found.x), np.diff(found.y)))).max() < 1e-4
+
+
+def test_a_circle_stays_a_circle_after_a_hundred_million_pings():
+    turn = {"kind": "turn", "rate": 3.6, "begin": 0.0, "duration": 1e8}
+    near, far = poses(turn, np.arange(1000)), poses(turn, np.arange(1000) + 10**8)
+    np.testing.assert_allclose(far.x, near.x, atol=1e-6)
+    np.testing.assert_allclose(far.y, near.y, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("kind", "quarter"),
+    [
+        ("sway", {"x": -0.5 * 3.0, "y": math.sqrt(0.75) * 3.0}),
+        ("heave", {"z": 3.0}),
+        ("yaw", {"heading": math.radians(3.0)}),
+        ("pitch", {"pitch": math.radians(3.0)}),
+        ("roll", {"roll": math.radians(3.0)}),
+    ],
+)
+def test_a_swing_moves_one_thing_and_comes_back(kind, quarter):
+    swing = {"kind": kind, "amplitude": 3.0, "period": 8.0}
+    pings = np.arange(0, 4000, 20)  # a quarter of a period apart
+    still, found = poses("straight", pings), poses(swing, pings)
+    shape = np.tile([0.0, 1.0, 0.0, -1.0], 50)
+    for name, before in still._asdict().items():
+        np.testing.assert_allclose(getattr(found, name) - before, quarter.get(name, 0.0) * shape, atol=1e-12)
+    ahead = poses(swing | {"phase": 90.0}, pings - 20)
+    np.testing.assert_allclose(getattr(ahead, next(iter(quarter))), getattr(found, next(iter(quarter))), atol=5.0)
+    np.testing.assert_allclose(ahead.z, found.z, atol=1e-12)
+    np.testing.assert_allclose(ahead.heading, found.heading, atol=1e-12)
+
+
+def test_a_sum_is_the_sum():
+    parts = [
+        {"kind": "heave", "amplitude": 0.4, "period": 7.0},
+        {"kind": "heave", "amplitude": 0.2, "period": 3.0, "phase": 40.0},
+        {"kind": "yaw", "amplitude": 3.0},
+    ]
+    pings = np.arange(300)
+    together = poses(sum_of(*parts), pings)
+    alone = [poses(part, pings) for part in parts]
+    np.testing.assert_allclose(together.z - 10.0, sum(one.z - 10.0 for one in alone), atol=1e-12)
+    np.testing.assert_array_equal(together.heading, alone[2].heading)
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.lists(st.integers(0, 10**8), min_size=1, max_size=70),
+    st.floats(-20.0, 20.0),
+    st.floats(0.0, 30.0),
+    st.floats(0.1, 60.0),
+    st.booleans(),
+)
+def test_a_ping_depends_on_its_number_alone(numbers, rate, begin, period, following):
+    motion = sum_of(
+        {"kind": "turn", "rate": rate, "begin": begin},
+        {"kind": "heave", "period": period},
+        "sway",
+        "yaw",
+        "pitch",
+        "roll",
+    )
+    scene = edit(load_scene("default"), {"track.motion": motion, "track.terrain_following": following})
+    ground = build_ground(scene)
+    whole = make_poses(scene, ground, np.array(numbers))
+    for ping in numbers[:: max(len(numbers) // 5, 1)]:
+        alone = make_poses(scene, ground, np.array([ping]))
+        for together, one in zip(whole, alone):
+            assert together[numbers.index(ping)] == one[0]
+
+
+def test_a_recorded_tow_is_interpolated(tmp_path):
+    rows = "time, x, y, depth, heading, pitch, roll\n100,0,0,20,350,0,0\n102,4,0,22,10,2,-4\n104,8,2,22,10,2,-4\n"
+    found = poses(csv(tmp_path, rows), [0, 5, 10, 20, 30])
+    np.testing.assert_allclose(found.x, [0.0, 1.0, 2.0, 4.0, 6.0], atol=1e-12)
+    np.testing.assert_allclose(found.y, [0.0, 0.0, 0.0, 0.0, 1.0], atol=1e-12)
+    np.testing.assert_allclose(found.z, [10.0, 9.5, 9.0, 8.0, 8.0], atol=1e-12)
+    # The short way round from 350 to 10 degrees.
+    np.testing.assert_allclose(np.degrees(found.heading), [350.0, 355.0, 360.0, 370.0, 370.0])
+    np.testing.assert_allclose(np.degrees(found.pitch), [0.0, 0.5, 1.0, 2.0, 2.0])
+    np.testing.assert_allclose(np.degrees(found.roll), [0.0, -1.0, -2.0, -4.0, -4.0])
+
+
+def test_after_a_recorded_tow_it_goes_on_along_the_last_heading(tmp_path):
+    found = poses(csv(tmp_path, "time,x,y\n0,0,0\n1,3,0\n2,3,3\n"), [20, 30, 50])
+    np.testing.assert_allclose(found.x, 3.0, atol=1e-12)
+    np.testing.assert_allclose(found.y, [3.0, 5.0, 9.0], atol=1e-12)
+    np.testing.assert_allclose(np.degrees(found.heading), 90.0)
+
+
+def test_what_a_file_leaves_out_is_as_without_it(tmp_path):
+    pings = np.arange(40)
+    plain, found = poses("straight", pings), poses(csv(tmp_path, "time,roll\n0,0\n10,10\n"), pings)
+    np.testing.assert_array_equal(found.x, plain.x)
+    np.testing.assert_array_equal(found.z, plain.z)
+    np.testing.assert_allclose(np.degrees(found.roll), pings / 10.0)
+    with_heave = poses(sum_of(csv(tmp_path, "time,roll\n0,0\n10,10\n"), "heave"), pings)
+    np.testing.assert_array_equal(with_heave.roll, found.roll)
+    np.testing.assert_array_equal(with_heave.z, poses("heave", pings).z)
+
+
+def test_a_recorded_altitude_counts_from_the_bed_beneath(tmp_path):
+    scene = edit(load_scene("default"), {"track.motion": csv(tmp_path, "time,altitude\n0,10\n10,12\n"), "targets": []})
+    ground, pings = build_ground(scene), np.arange(80)
+    found = make_poses(scene, ground, pings)
+    np.testing.assert_allclose(found.z - ground.height_at(found.x, found.y), 10.0 + pings / 50.0, atol=1e-9)
+
+
+def test_a_record_tows_another(tmp_path):
+    motion = sum_of(
+        "heave", "sway", "yaw", "pitch", "roll", {"kind": "turn", "rate": 20.0, "begin": 1.0, "duration": 2.0}
+    )
+    scene = edit(LEVEL, {"track.motion": motion, "track.pings": 60, "sonar.bins": 20})
+    write_netcdf(tmp_path / "first.nc", simulate_blocks(scene))
+    again = edit(scene, {"track.motion": {"kind": "recorded", "path": str(tmp_path / "first.nc")}})
+    first, second = simulate(scene), simulate(again)
+    for name in ("x", "y", "depth", "altitude", "heading", "pitch", "roll"):
+        np.testing.assert_allclose(second[f"platform_{name}"], first[f"platform_{name}"], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("time,x,y\n0,0,0\n2,1,1\n1,2,2\n", "goes back in time at row 3"),
+        ("time,x,y\n0,0,0\n0,1,1\n", "goes back in time at row 2"),
+        ("time,heave\n0,0\n1,1\n", "says nothing of the fish"),
+        ("x,y\n0,0\n1,1\n", "has no column time"),
+        ("time,x\n0,0\n1,1\n", "only one of x and y"),
+        ("time,roll\n0,0\n1,nan\n", "no number for roll in row 2"),
+        ("time,roll\n0,0\n", "holds 1 row"),
+        ("time,roll\n", "holds 0 rows"),
+        ("", "has no column time"),
+        ("time,roll\n0,port\n1,2\n", "cannot be read"),
+        ("time,roll\n0,1\n1\n", "cannot be read"),
+    ],
+)
+def test_a_bad_file_is_one_sentence(tmp_path, text, words):
+    with pytest.raises(SceneError, match=rf"^track\.motion\.path: [^\n]*{words}[^\n]*; [^\n]+$"):
+        poses(csv(tmp_path, text), [0])
+
+
+@pytest.mark.parametrize("name", ["gone.csv", "tow.txt", "broken.nc"])
+def test_a_file_that_is_no_tow_is_one_sentence(tmp_path, name):
+    (tmp_path / "tow.txt").write_text("time,x,y\n")
+    (tmp_path / "broken.nc").write_text("not a record")
+    with pytest.raises(SceneError, match=r"^track\.motion\.path: [^\n]+; [^\n]+$"):
+        poses({"kind": "recorded", "path": str(tmp_path / name)}, [0])
+
+
+def test_two_cannot_have_a_say_in_one_thing(tmp_path):
+    places = csv(tmp_path, "time,x,y,depth\n0,0,0,20\n1,1,1,20\n")
+    for motion, changes, word in (
+        (sum_of(places, places), {}, "a second time"),
+        (sum_of(places, "turn"), {}, "a turn has no say"),
+        (places, {"terrain_following": True}, r"terrain_following: has no say"),
+    ):
+        with pytest.raises(SceneError, match=word):
+            poses(motion, [0], **changes)
+    with pytest.raises(SceneError, match="give altitude instead"):
+        edit(LEVEL, {"track.terrain_following": True, "track.altitude": None, "track.depth": 12.0})
+
+
+def test_heave_keeps_the_fish_in_the_water():
+    for amplitude, altitude in ((10.0, 10.0), (5.0, 26.0)):
+        with pytest.raises(SceneError, match=r"track\.motion: a heave of [^\n]+; keep its amplitude below"):
+            edit(LEVEL, {"track.motion": {"kind": "heave", "amplitude": amplitude}, "track.altitude": altitude})
+
+
+def dem(folder, heights, **changes):
+    np.save(folder / "bed.npy", heights)
+    relief = {"kind": "dem", "path": str(folder / "bed.npy")}
+    changes = {f"track.{name}": value for name, value in changes.items()}
+    scene = edit(LEVEL, {"seabed.relief": relief, "seabed.spacing": 0.5, "track.terrain_following": True, **changes})
+    return scene, build_ground(scene)
+
+
+def slope(n=401):
+    return np.broadcast_to(-40.0 + SLOPE * 0.5 * np.arange(n), (n, n)).copy()
+
+
+def test_up_a_slope_a_following_fish_keeps_its_altitude(tmp_path):
+    scene, ground = dem(tmp_path, slope(), heading=0.0, start=[-60.0, 0.0])
+    found = make_poses(scene, ground, np.arange(600))
+    np.testing.assert_allclose(found.z - ground.height_at(found.x, found.y), 10.0, atol=1e-4)
+    assert found.z[-1] - found.z[0] == pytest.approx(SLOPE * 0.2 * 599, abs=1e-3)
+
+
+def test_a_following_fish_takes_a_step_smoothly_and_keeps_its_height_over_a_hole(tmp_path):
+    heights = np.full((401, 401), -40.0)
+    heights[:, 200:] = -36.0  # a scarp of 4 m at x = 0
+    heights[:, 300:340] = np.nan  # 20 m without a bed, from x = 50 on
+    scene, ground = dem(tmp_path, heights, heading=0.0, start=[-60.0, 0.0])
+    found = make_poses(scene, ground, np.arange(700))
+    # A raised cosine of two altitudes is steepest in its middle: 4 m / 10 m.
+    assert np.abs(np.diff(found.z)).max() <= 1.05 * 0.2 * 4.0 / 10.0
+    beneath = bed_beneath(scene, ground, np.arange(700))
+    np.testing.assert_allclose(beneath[found.x > 11.0] - beneath[-1], 0.0, atol=1e-4)
+    assert np.isfinite(found.z).all()
+
+
+def test_a_level_tow_is_the_same_whether_it_follows_or_not():
+    scene = edit(LEVEL, {"track.terrain_following": True})
+    np.testing.assert_array_equal(make_poses(scene, build_ground(scene), np.arange(50)).z, 10.0)
+
+
+def test_the_line_is_without_the_motion():
+    scene = edit(LEVEL, {"track.motion": sum_of("sway", "yaw", {"kind": "turn", "begin": 1.0})})
+    turn = edit(LEVEL, {"track.motion": {"kind": "turn", "begin": 1.0}})
+    pings = np.arange(100)
+    for one, other in zip(line_at(scene, pings), line_at(turn, pings)):
+        np.testing.assert_array_equal(one, other)
