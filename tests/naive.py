@@ -67,9 +67,27 @@ def body_depth(solids: Solids, k: int, point: np.ndarray) -> np.ndarray:
 
 
 def cast(problem: Problem, origin: Sequence[float], direction: Sequence[float], step: float) -> tuple[float, int]:
-    """Find the first hit of one ray by tiny steps and bisection: (distance, target, BED or NOTHING)."""
+    """Find the first hit of one ray: (distance, target, BED or NOTHING).
+
+    Bed and analytic bodies are felt for by tiny steps and bisection, triangles are asked one by one.
+    """
     o, d = np.asarray(origin, dtype=float), np.asarray(direction, dtype=float)
     d = d / np.linalg.norm(d)
+    felt, met = _feel(problem, o, d, step), _first_triangle(problem, o, d)
+    return felt if felt[0] <= met[0] else met
+
+
+def _first_triangle(problem: Problem, o: np.ndarray, d: np.ndarray) -> tuple[float, int]:
+    """Nearest of all triangles within reach: (distance, target)."""
+    distances = [meet_triangle(corners, o, d[None])[0][0] for corners in problem.mesh.corners]
+    distances.append(problem.bins * problem.bin_length)
+    nearest = int(np.argmin(distances))
+    if nearest == len(problem.mesh.corners):
+        return math.inf, NOTHING
+    return float(distances[nearest]), int(problem.mesh.target[nearest])
+
+
+def _feel(problem: Problem, o: np.ndarray, d: np.ndarray, step: float) -> tuple[float, int]:
     reach = problem.bins * problem.bin_length
 
     def below(t: float) -> int:
@@ -164,19 +182,18 @@ def _bodies_in_plane(
     problem: Problem, pose: tuple[float, float, float], ex: float, ey: float, angles: int = 20001
 ) -> dict[str, np.ndarray] | None:
     """Nearest body along a fine fan of launch angles, from the equations of sphere and cylinder."""
-    solids = problem.solids
-    if solids.shape.size == 0:
+    if problem.solids.shape.size + len(problem.mesh.corners) == 0:
         return None
     angle = np.linspace(-np.pi / 2, np.pi / 2, angles)
     direction = np.column_stack([np.cos(angle) * ex, np.cos(angle) * ey, np.sin(angle)])
     # Concentrate the fan on what there is to see.
-    coarse = np.min([_meet(solids, k, pose, direction)[0] for k in range(solids.shape.size)], axis=0)
+    coarse = np.min([hit[0] for hit in _meet_everything(problem, pose, direction)], axis=0)
     seen = np.flatnonzero(np.isfinite(coarse))
     if seen.size == 0:
         return None
     angle = np.linspace(angle[max(seen[0] - 1, 0)], angle[min(seen[-1] + 1, angles - 1)], angles)
     direction = np.column_stack([np.cos(angle) * ex, np.cos(angle) * ey, np.sin(angle)])
-    every = [_meet(solids, k, pose, direction) for k in range(solids.shape.size)]
+    every = _meet_everything(problem, pose, direction)
     nearest = np.argmin([hit[0] for hit in every], axis=0)
     pick = np.arange(angles)
     r = np.array([hit[0] for hit in every])[nearest, pick]
@@ -185,10 +202,34 @@ def _bodies_in_plane(
     with np.errstate(invalid="ignore"):
         seen_length, dr = r * step, np.abs(np.gradient(np.where(np.isfinite(r), r, np.nan)))
     dr = np.where(np.isnan(dr), 0.0, dr)
+    materials = np.concatenate([problem.solids.material, problem.mesh.material])
     return {
         "angle": angle, "x": np.where(np.isfinite(r), r, 0.0) * np.cos(angle), "r": r, "seen": seen_length,
-        "cos": cos_incidence, "dr": dr, "material": solids.material[nearest],
+        "cos": cos_incidence, "dr": dr, "material": materials[nearest],
     }  # fmt: skip
+
+
+def _meet_everything(
+    problem: Problem, pose: tuple[float, float, float], d: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Distances and cosines of incidence at every analytic body, then at every triangle."""
+    solids = [_meet(problem.solids, k, pose, d) for k in range(problem.solids.shape.size)]
+    return solids + [meet_triangle(corners, np.asarray(pose), d) for corners in problem.mesh.corners]
+
+
+def meet_triangle(corners: np.ndarray, o: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distances and cosines of incidence of rays d (n, 3) from one origin to a triangle, seen from either side.
+
+    Möller and Trumbore (1997).
+    """
+    one, two = corners[1] - corners[0], corners[2] - corners[0]
+    across, turned = np.cross(d, two), np.cross(o - corners[0], one)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        inverse = 1.0 / (across @ one)
+        u, v, t = (across @ (o - corners[0])) * inverse, (d @ turned) * inverse, (two @ turned) * inverse
+        hit = np.isfinite(inverse) & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0)
+    normal = np.cross(one, two)
+    return np.where(hit, t, np.inf), np.where(hit, abs(d @ normal) / np.linalg.norm(normal), 0.0)
 
 
 def _meet(solids: Solids, k: int, origin: tuple[float, float, float], d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

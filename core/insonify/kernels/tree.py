@@ -9,7 +9,7 @@ from insonify.kernels.jit import fused, kernel
 from insonify.kernels.types import Mesh
 
 LEAF = 4  # triangles at most
-SLABS = 16  # per axis, between which a branch may be cut
+SLABS = 8  # per axis, between which a branch may be cut
 
 
 def make_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target: NDArray[np.int64]) -> Mesh:

@@ -57,7 +57,7 @@ def _kept(path: str, file: Path, version: tuple[int, int]) -> NDArray[np.float64
         raise _refusal(path, "has corners that are not finite numbers", "export it again")
     corners = corners[_has_area(corners)]
     if not len(corners):
-        raise _refusal(path, "holds no triangles", "export surfaces, not points or lines")
+        raise _refusal(path, "holds no triangles", "check that it is whole and holds surfaces")
     return outward(corners)
 
 

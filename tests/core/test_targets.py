@@ -1,0 +1,191 @@
+"""Targets: how they are posed, what their lowest point is, and what is wrong with a mistaken one."""
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import problem_of
+from insonify.kernels.tree import make_mesh
+from insonify.kernels.types import FRUSTUM, Mesh
+from insonify.scene import SceneError, scene_from_toml
+from insonify.simulate import prepare
+from insonify.tracers.rotation import rotation
+from insonify.tracers.shapes import block
+from naive import NOTHING, body_depth, cast
+
+POSES = [(0, 0, 0), (90, 0, 0), (30, 20, 0), (30, 0, 40), (-70, 35, 110), (200, -90, 10), (10, 180, 0)]
+HALF_A_BOX = np.array([1.5, 1.0, 0.5])
+
+
+def problem(targets: str, seabed: str = "depth = 30.0"):
+    return prepare(scene_from_toml(f"[seabed]\n{seabed}\n[[targets]]\n{targets}")).problem
+
+
+def mesh_of(corners: np.ndarray, target: int = 0) -> Mesh:
+    """Mesh of one target and the first material."""
+    return make_mesh(corners, np.zeros(len(corners), np.int64), np.full(len(corners), target))
+
+
+def lowest_and_highest(targets: str) -> tuple[float, float]:
+    """Extent of a mesh target above the datum."""
+    z = problem(targets).mesh.corners[..., 2]
+    return float(z.min()), float(z.max())
+
+
+def turned(heading, pitch, roll) -> str:
+    return f"heading = {heading}\npitch = {pitch}\nroll = {roll}"
+
+
+def test_heading_pitch_and_roll_turn_bow_up_and_port_up():
+    bow, port, top = rotation(90.0, 0.0, 0.0).T
+    np.testing.assert_array_equal([bow, port, top], [[0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    bow, port, top = rotation(0.0, 90.0, 0.0).T
+    np.testing.assert_array_equal([bow, port, top], [[0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+    bow, port, top = rotation(0.0, 0.0, 90.0).T
+    np.testing.assert_array_equal([bow, port, top], [[1, 0, 0], [0, 0, 1], [0, -1, 0]])
+
+
+@pytest.mark.parametrize("pose", POSES)
+def test_they_turn_in_this_order(pose):
+    heading, pitch, roll = np.radians(pose)
+    bow, port, top = rotation(*pose).T
+    ahead = [math.cos(heading) * math.cos(pitch), math.sin(heading) * math.cos(pitch), math.sin(pitch)]
+    np.testing.assert_allclose(bow, ahead, atol=1e-15)
+    assert port[2] == pytest.approx(math.cos(pitch) * math.sin(roll), abs=1e-15)
+    np.testing.assert_allclose(np.cross(bow, port), top, atol=1e-15)
+
+
+@pytest.mark.parametrize("pose", POSES)
+def test_a_box_stands_where_its_corners_are(pose):
+    corners = problem(
+        f'kind = "box"\nposition = [3.0, -2.0, -20.0]\nsize = [3.0, 2.0, 1.0]\n{turned(*pose)}'
+    ).mesh.corners
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    expected = (signs * HALF_A_BOX) @ rotation(*pose).T + [3.0, -2.0, 10.0]
+    found = np.unique(corners.reshape(-1, 3).round(9), axis=0)
+    np.testing.assert_allclose(found, np.unique(expected.round(9), axis=0), atol=1e-9)
+
+
+def test_a_box_is_closed_and_seen_from_outside():
+    mesh = mesh_of(block((3.0, 2.0, 1.0)))
+    middle = mesh.corners.mean(axis=1)
+    assert ((middle * mesh.normal).sum(axis=1) > 0).all()
+    volume = np.linalg.det(mesh.corners).sum() / 6.0
+    assert volume == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.75, -0.25])
+@pytest.mark.parametrize("pose", POSES)
+def test_the_gap_is_under_the_lowest_point_of_a_box(pose, gap):
+    low, high = lowest_and_highest(
+        f'kind = "box"\nposition = [3.0, -2.0]\nsize = [3.0, 2.0, 1.0]\ngap = {gap}\n{turned(*pose)}'
+    )
+    assert low == pytest.approx(gap, abs=1e-12)
+    assert high - low == pytest.approx(2.0 * abs(rotation(*pose)[2]) @ HALF_A_BOX)
+
+
+@pytest.mark.parametrize("pose", POSES)
+def test_the_gap_is_under_the_rim_or_apex_of_a_cone(pose):
+    solids = problem(
+        f'kind = "cone"\nposition = [3.0, -2.0]\nradius = 0.8\nheight = 1.5\ngap = 0.25\n{turned(*pose)}'
+    ).solids
+    up, base = solids.axis[0], solids.start[0]
+    assert solids.shape[0] == FRUSTUM
+    # Points of the rim, and the apex.
+    angle = np.linspace(0.0, 2 * np.pi, 20001)
+    across = np.linalg.svd(up[None])[2][1:]
+    rim = base + 0.8 * (np.cos(angle)[:, None] * across[0] + np.sin(angle)[:, None] * across[1])
+    apex = base + 1.5 * up
+    assert min(rim[:, 2].min(), apex[2]) == pytest.approx(0.25, abs=1e-7)
+    np.testing.assert_allclose(up, rotation(*pose)[:, 2], atol=1e-15)
+    np.testing.assert_allclose((0.5 * (base + apex))[:2], [3.0, -2.0], atol=1e-12)
+    np.testing.assert_allclose(body_depth(solids, 0, np.array([apex, rim[0], rim[777]])), 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("pitch", "lowest"), [(0.0, -0.5), (90.0, -2.0), (30.0, -1.0 - 0.5 * math.cos(math.pi / 6))])
+def test_a_pitched_pipe_stands_on_its_lower_rim(pitch, lowest):
+    solids = problem(f'kind = "pipe"\nposition = [3.0, -2.0]\nlength = 4.0\npitch = {pitch}').solids
+    middle = solids.start[0] + 2.0 * solids.axis[0]
+    np.testing.assert_allclose(middle, [3.0, -2.0, -lowest], atol=1e-12)
+
+
+def test_a_sphere_hangs_or_sinks_by_its_gap():
+    heights = [problem(f'kind = "sphere"\nposition = [3.0, -2.0]\ngap = {gap}').solids.start[0, 2] for gap in (-0.5, 2)]
+    assert heights == [0.0, 2.5]
+
+
+@pytest.mark.parametrize(
+    "kind", ['kind = "sphere"', 'kind = "cone"\nradius = 0.5', 'kind = "box"\nsize = [1.0, 1.0, 1.0]']
+)
+def test_z_places_the_centre_in_the_world(kind):
+    here = problem(f"{kind}\nposition = [3.0, -2.0, -25.0]")
+    points = np.concatenate(
+        [here.solids.start + 0.5 * here.solids.length[:, None] * here.solids.axis, here.mesh.low[:1]]
+    )
+    assert points[0, 2] == pytest.approx(5.0 if "box" not in kind else 4.5)
+
+
+def test_what_rests_on_a_rough_bed_rests_on_the_height_at_its_position():
+    seabed = 'relief = { kind = "fractal", rms = 0.5, period = 25.6 }'
+    scene = scene_from_toml(f'[seabed]\n{seabed}\n[[targets]]\nkind = "box"\nposition = [3.3, -2.2]')
+    made = prepare(scene)
+    bed = made.ground.height_at(np.array([3.3]), np.array([-2.2]))[0]
+    assert abs(bed) > 0.01
+    assert made.problem.mesh.corners[..., 2].min() == pytest.approx(bed, abs=1e-12)
+
+
+def test_every_target_has_its_own_material_and_number():
+    text = "\n".join(
+        f'[[targets]]\nposition = [{x}, 0.0]\nmaterial = "{material}"\n{kind}'
+        for x, material, kind in [
+            (0, "rock", 'kind = "box"'), (3, "steel", 'kind = "cone"'), (6, "silt", 'kind = "mesh"\npath = "tetrapod"'),
+            (9, "rock", 'kind = "pipe"\ngap = [[-5.0, 0.0], [0.0, 1.0], [5.0, 0.0]]'), (50, "concrete", 'kind = "box"'),
+        ]
+    )  # fmt: skip
+    made = prepare(scene_from_toml(text)).problem
+    np.testing.assert_array_equal(made.solids.target, [1, 3, 3, 3, 3, 3, 3, 3])
+    np.testing.assert_array_equal(made.solids.material, made.solids.target + 1)
+    np.testing.assert_array_equal(np.unique(made.mesh.target), [0, 2, 4])
+    np.testing.assert_array_equal(made.mesh.material, made.mesh.target + 1)
+    # The middles of the two boxes tell that every triangle kept its number through the tree.
+    assert made.mesh.corners[made.mesh.target == 4][..., 0].min() == pytest.approx(49.0)
+
+
+def test_the_slow_twin_meets_triangles():
+    made = problem_of(
+        np.full((9, 9), -5.0), 10.0, x0=-40.0, y0=-40.0, solids=[((8.0, 0, 0), 1.0)],
+        mesh=mesh_of(np.add(block((2.0, 2.0, 2.0)), [5.0, 0.0, 0.0]), target=1),
+    )  # fmt: skip
+    assert cast(made, (0.0, 0.1, 0.2), (1.0, 0.0, 0.0), 0.01) == (pytest.approx(4.0), 1)
+    assert cast(made, (20.0, 0.0, 0.0), (-1.0, 0.0, 0.0), 0.01) == (pytest.approx(11.0), 0)
+    assert cast(made, (0.0, 0.1, 0.2), (0.0, 0.0, 1.0), 0.01)[1] == NOTHING
+
+
+BOX = 'kind = "box"\nposition = [1.0, 2.0]\n'
+WRONG = [
+    (BOX + "size = [1.0, 0.0, 1.0]", ["targets.0.size.1", "0.0", "above 0"]),
+    (BOX + "size = [1.0, 2.0, 1001.0]", ["targets.0.size.2", "1001", "at most 1000"]),
+    (BOX + "size = [1.0, 2.0]", ["targets.0.size"]),
+    (BOX + "roll = 400", ["targets.0.roll", "400", "at most 360"]),
+    (BOX + "gap = -101", ["targets.0.gap", "-101", "at least -100"]),
+    ('kind = "box"\nposition = [1.0, 2.0, -20.0]\ngap = 1.0', ["targets.0", "gap", "one of the two"]),
+    ('kind = "sphere"\nposition = [1.0, 2.0, -20.0]\ngap = 1.0', ["targets.0", "gap", "one of the two"]),
+    ('kind = "sphere"\nposition = [1.0, 2.0]\nheading = 3.0', ["targets.0.heading", "unknown key"]),
+    ('kind = "cone"\nposition = [1.0, 2.0]\nheight = 0', ["targets.0.height", "0", "above 0"]),
+    (
+        'kind = "pipe"\nposition = [1.0, 2.0]\npitch = 3.0\ngap = [[0.0, 0.0], [1.0, 1.0]]',
+        ["targets.0", "pitch is straight", "leave pitch out"],
+    ),
+    ('kind = "mesh"\nposition = [1.0, 2.0]', ["targets.0.path", "is missing"]),
+    ('kind = "mesh"\nposition = [1.0, 2.0]\npath = "x.obj"\nscale = 0', ["targets.0.scale", "above 0"]),
+]
+
+
+@pytest.mark.parametrize(("target", "words"), WRONG, ids=range(len(WRONG)))
+def test_a_mistake_is_told_in_one_sentence(target, words):
+    with pytest.raises(SceneError) as caught:
+        scene_from_toml(f"[[targets]]\n{target}")
+    assert "\n" not in str(caught.value)
+    for word in words:
+        assert word in str(caught.value)
