@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.scene.materials import MATERIALS
+
 if TYPE_CHECKING:
     from insonify.terrain.ground import Ground
 
@@ -27,6 +29,8 @@ LAMP = np.array([-0.50, 0.55, 0.67]) / np.linalg.norm([-0.50, 0.55, 0.67])
 SLOPE_SHOWN = 0.42
 EXAGGERATION = (0.5, 15.0)
 FADE = (0.55, 0.98)
+DARK = 1e-6  # diffuse share below which a material counts as black
+TONES = (0.3, 2.5)  # of diffuse shares over the usual, shown
 
 
 def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: int) -> NDArray[np.uint8]:
@@ -56,12 +60,28 @@ def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: in
     clear = np.where(np.isnan(z), np.float32(0.0), 1.0 - r * r * (3.0 - 2.0 * r))
     light = np.nan_to_num(light) * clear
     materials = _materials(ground, x, y)
-    table = np.array([COLOURS.get(name, COLOURS["medium_sand"]) for name in ground.names], dtype=np.float32)
+    table = _colours(ground)
     image = np.empty((size, size, 3), dtype=np.uint8)
     for channel in range(3):
         tone = table[:, channel][materials] * light + np.float32(FOG[channel]) * (1.0 - clear)
         image[..., channel] = (np.clip(tone[::-1], 0.0, 1.0) * 255.0).astype(np.uint8)
     return image
+
+
+def _colours(ground: Ground) -> NDArray[np.float32]:
+    """Colour of each row of the material table, (n, 3): its name's, lighter or darker as its numbers have it."""
+    named = [_shares(name) for name in ground.names]
+    colours = np.array([sum(share * np.array(COLOURS[name]) for name, share in shares) for shares in named])
+    usual = np.array([sum(share * MATERIALS[name].diffuse for name, share in shares) for shares in named])
+    ratio = np.array([row.diffuse for row in ground.reflectivities]) / np.maximum(usual, DARK)
+    tone = np.sqrt(np.clip(ratio / max(float(ratio.mean()), DARK), *TONES))
+    return np.asarray(colours * tone[:, np.newaxis], dtype=np.float32)
+
+
+def _shares(row: str) -> list[tuple[str, float]]:
+    """Materials that a row's name tells, and their shares: ``25.1_silt+74.9_rock``, or one name alone."""
+    parts = [part.partition("_") for part in row.split("+")]
+    return [(name, float(percent) / 100.0) for percent, _, name in parts] if "+" in row else [(row, 1.0)]
 
 
 def sampled(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float32]:

@@ -40,6 +40,10 @@ MODEL_3 = {"seabed.relief.beta": None, "seabed.relief.beta_x": 1.2, "seabed.reli
 ROTATED = {**MODEL_3, "seabed.relief.decay": "rotated"}
 PATCHES = {"seabed.material": {"kind": "patches", "of": ["silt", "rock"], "size": 4.0}}
 BANDS = {"seabed.material": {"kind": "fractal", "of": ["silt", "rock"]}}
+PATTERN = {"seabed.material": {"kind": "pattern", "of": ["silt", "rock"], "shape": "checks", "period": 5.0}}
+PICTURE = {"seabed.material": {"kind": "image", "path": "PICTURE", "of": ["silt", "rock"], "width": 12.0}}
+DARK, BRIGHT = {"diffuse": 0.3, "specular": 0.0}, {"diffuse": 0.5, "specular": 0.0}
+MIMIC = {"seabed.relief": {"kind": "mimic", "of": {"of": [DARK, BRIGHT]}, "altitude": 7.0, "reach": 30.0}}
 NUMBERS = {"water.absorption": 50.0}
 SEA = {"water.absorption": "francois_garrison"}
 TURN = {"track.motion": {"kind": "turn", "rate": 20.0, "begin": 0.2, "duration": 0.5}}
@@ -97,6 +101,21 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "seabed.material[patches].of": (PATCHES, {"seabed.material.of.1": "cobble"}),
     "seabed.material[patches].size": (PATCHES, {"seabed.material.size": 3.0}),
     "seabed.material[fractal].of": (BANDS, {"seabed.material.of.1": "cobble"}),
+    "seabed.material[pattern].of": (PATTERN, {"seabed.material.of.1": "cobble"}),
+    "seabed.material[pattern].shape": (PATTERN, {"seabed.material.shape": "waves"}),
+    "seabed.material[pattern].period": (PATTERN, {"seabed.material.period": 4.0}),
+    "seabed.material[pattern].heading": (PATTERN, {"seabed.material.heading": 60.0}),
+    "seabed.material[image].path": (PICTURE, {"seabed.material.path": "NEGATIVE"}),
+    "seabed.material[image].of": (PICTURE, {"seabed.material.of.1": "cobble"}),
+    "seabed.material[image].width": (PICTURE, {"seabed.material.width": 8.0}),
+    "seabed.relief[mimic].of": (MIMIC, {"seabed.relief.of": {"of": [DARK, BRIGHT, DARK]}}),
+    "seabed.relief[mimic].of[pattern].of": (MIMIC, {"seabed.relief.of.of": [BRIGHT, DARK]}),
+    "seabed.relief[mimic].of[pattern].of[uniform].diffuse": (MIMIC, {"seabed.relief.of.of.0.diffuse": 0.4}),
+    "seabed.relief[mimic].of[pattern].shape": (MIMIC, {"seabed.relief.of.shape": "waves"}),
+    "seabed.relief[mimic].of[pattern].period": (MIMIC, {"seabed.relief.of.period": 6.0}),
+    "seabed.relief[mimic].altitude": (MIMIC, {"seabed.relief.altitude": 9.0}),
+    "seabed.relief[mimic].reach": (MIMIC, {"seabed.relief.reach": 20.0}),
+    "seabed.relief[mimic].law": (MIMIC, {"seabed.relief.law": "sonar"}),
     "seabed.material[fractal].beta": (BANDS, {"seabed.material.beta": 1.2}),
     "targets": ({}, {"targets": []}),
     "targets[pipe].position": ({}, {"targets.0.position": [2.0, 13.0]}),
@@ -150,7 +169,7 @@ CHANGES: dict[str, tuple[dict, dict]] = {
 # Materials of a map are materials like any other.
 CHANGES |= {
     f"seabed.material[{kind}].of[uniform].{field}": (needs, {f"seabed.material.of.1.{field}": value})
-    for kind, needs in {"patches": PATCHES, "fractal": BANDS}.items()
+    for kind, needs in {"patches": PATCHES, "fractal": BANDS, "pattern": PATTERN, "image": PICTURE}.items()
     for field, value in {"name": "cobble", "diffuse": 0.1, "specular": 0.1, "shininess": 3.0}.items()
 }
 # Targets other than those of the base, each alone on port, turned somewhat and dull enough to glint everywhere.
@@ -200,6 +219,10 @@ WHY_NOT = {
     "sonar": PART,
     "track": PART,
     "receiver": PART,
+    "seabed.relief[mimic].of[pattern].heading": "dunes lie along the track",
+    "seabed.relief[mimic].of[pattern].of[uniform].name": "is for numbers not given; dunes have but a diffuse share",
+    "seabed.relief[mimic].of[pattern].of[uniform].specular": "is 0: no slope imitates a mirror lobe",
+    "seabed.relief[mimic].of[pattern].of[uniform].shininess": "is that of a mirror lobe, and dunes have none",
     "sonar.vertical": ONE,
     **{
         f"{motion}[{kind}].{name}": LEVEL
@@ -242,8 +265,9 @@ WHY_NOT |= {
 
 @pytest.fixture(scope="module")
 def bed_files(tmp_path_factory):
-    """Paths by the names used above: a bed, another, and one with map coordinates; a tetrahedron."""
+    """Paths by the names used above: arrays of heights, a map, a tetrahedron, tows and pictures."""
     import rasterio
+    from PIL import Image
     from rasterio.transform import Affine
 
     folder = tmp_path_factory.mktemp("beds")
@@ -259,6 +283,9 @@ def bed_files(tmp_path_factory):
     (folder / "shape.obj").write_text("v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
     (folder / "tow.csv").write_text("time,y,x\n0,0,0\n2,1,2\n")
     (folder / "other.csv").write_text("time,depth\n0,20\n1,22\n")
+    grey = np.where(np.add.outer(np.arange(12), np.arange(12)) % 5 < 2, 0, 255).astype(np.uint8)
+    Image.fromarray(grey).save(folder / "picture.png")
+    Image.fromarray(255 - grey).save(folder / "negative.png")
     return {
         "BED": folder / "bed.npy",
         "OTHER": folder / "other.npy",
@@ -266,6 +293,8 @@ def bed_files(tmp_path_factory):
         "SHAPE": folder / "shape.obj",
         "TOW": folder / "tow.csv",
         "OTHER_TOW": folder / "other.csv",
+        "PICTURE": folder / "picture.png",
+        "NEGATIVE": folder / "negative.png",
     }
 
 

@@ -129,3 +129,22 @@ def test_numbers_out_of_bounds_are_refused(numbers, message):
     with pytest.raises(SceneError) as caught:
         build({"seabed": {"material": {"name": "rock"} | numbers}})
     assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("shininess", [4.0, 30.0, 200.0])
+def test_a_traced_lobe_is_as_wide_as_its_exponent_says(shininess):
+    altitude, step = 10.0, 0.001
+    material = {"diffuse": 0.0, "specular": 1.0, "shininess": shininess}
+    scene = build(
+        {
+            "seabed": {"spacing": 0.02, "material": material},
+            "sonar": {"beam": "knife", "pulse": "ideal", "law": "light", "range": 15.0, "bins": 15000},
+            "track": {"altitude": altitude, "pings": 1},
+        }
+    )
+    record = prepare(scene).intensity(np.array([0]))[0, 0]
+    half = np.flatnonzero(record > 0.5 * record.max())[-1] * step
+    width = Material(**material).reflectivity.lobe_half_width
+    assert math.degrees(math.acos(altitude / half)) == pytest.approx(width, abs=0.2)
+    # Half as wide as the exponent means to a lamp and an eye apart.
+    assert math.cos(math.radians(2.0 * width)) ** shininess == pytest.approx(0.5)

@@ -34,6 +34,15 @@ class Reflectivity(NamedTuple):
     speed_ratio: float = 1.0
     speckle_shape: float | None = None
 
+    @property
+    def lobe_half_width(self) -> float:
+        """Incidence at which the lobe is half as strong as straight on, in degrees.
+
+        Sound that returns the way it came is 2α off the mirror direction at incidence α, so that cosⁿ(2α) = ½ at
+        α = ½ arccos 2^(−1/n): half of what the exponent n means to light and eye.
+        """
+        return math.degrees(0.5 * math.acos(2.0 ** (-1.0 / self.shininess)))
+
 
 def _substance(
     diffuse: float, specular: float, shininess: float, *, density: float, speed_ratio: float
@@ -75,7 +84,12 @@ class Material(Declaration):
         None, description="share of energy in the mirror lobe (Phong)", ge=0.0, le=1.0, slider=(0.0, 1.0)
     )
     shininess: float | None = parameter(
-        None, description="exponent of the mirror lobe", ge=1.0, le=1000.0, slider=(1.0, 200.0), log=True
+        None,
+        description="exponent of the mirror lobe; a smooth surface has a narrow one",
+        ge=1.0,
+        le=1000.0,
+        slider=(1.0, 200.0),
+        log=True,
     )
     reflection: float | None = parameter(
         None,
@@ -144,12 +158,50 @@ class FractalMap(Declaration):
     )
 
 
+class PatternMap(Declaration):
+    """A regular pattern with known borders, for checks and figures."""
+
+    kind: Literal["pattern"] = "pattern"
+    of: tuple[Material, ...] = parameter(description="materials of one period", min_length=2, max_length=32)
+    shape: Literal["stripes", "checks", "waves"] = parameter(
+        "stripes", description="stripes and checks have sharp borders; waves blend from the first to the last and back"
+    )
+    period: float = parameter(
+        8.0, unit="m", description="length after which it repeats", gt=0.0, le=1e5, slider=(0.5, 50.0), log=True
+    )
+    heading: float = parameter(
+        0.0,
+        unit="°",
+        description="direction along the stripes, counter-clockwise from +x",
+        ge=-360.0,
+        le=360.0,
+        slider=(-180.0, 180.0),
+    )
+
+
+class ImageMap(Declaration):
+    """A picture laid on the bed, north up, repeated from its lower left corner at (0, 0)."""
+
+    kind: Literal["image"] = "image"
+    path: str = parameter(description="PNG or TIFF, grey or with a palette", min_length=1)
+    of: tuple[Material, ...] = parameter(
+        description="materials from black to white, or of the palette's first colours", min_length=2, max_length=256
+    )
+    width: float = parameter(
+        102.4, unit="m", description="width of the picture on the bed", gt=0.0, le=1e6, slider=(10.0, 500.0), log=True
+    )
+
+
 def _material_kind(value: Any) -> str:
     is_name = isinstance(value, str)
     return "uniform" if is_name else kind_of(value, "uniform")
 
 
 MaterialMap = Annotated[
-    Annotated[Material, Tag("uniform")] | Annotated[Patches, Tag("patches")] | Annotated[FractalMap, Tag("fractal")],
+    Annotated[Material, Tag("uniform")]
+    | Annotated[Patches, Tag("patches")]
+    | Annotated[FractalMap, Tag("fractal")]
+    | Annotated[PatternMap, Tag("pattern")]
+    | Annotated[ImageMap, Tag("image")],
     Discriminator(_material_kind),
 ]

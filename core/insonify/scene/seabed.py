@@ -7,9 +7,10 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Tag, field_validator, model_validator
 
 from insonify.scene.base import Choice, Declaration, kind_of, parameter
-from insonify.scene.materials import Material, MaterialMap
+from insonify.scene.materials import Material, MaterialMap, PatternMap
 
 Peak = tuple[float, float]
+MOST_CELLS = 16384  # a side, of a made bed
 
 
 class Flat(Choice):
@@ -101,8 +102,53 @@ class Dem(Choice):
     scale: float = parameter(1.0, description="multiplies every height, before the datum is added", gt=0.0, le=1e3)
 
 
+class Mimic(Choice):
+    """Dunes of one material that record as a level bed of stripes or waves does, from one line and one height.
+
+    The line is the x axis, the dunes lie along it, and the material is the seabed's own: its diffuse share must be
+    the mean of the pattern's for the records to be equal.
+    """
+
+    kind: Literal["mimic"] = "mimic"
+    of: PatternMap = parameter(
+        PatternMap(
+            of=(Material(diffuse=0.3, specular=0.0), Material(diffuse=0.5, specular=0.0)), shape="waves", period=16.0
+        ),
+        description="pattern that the dunes pass for; its materials scatter evenly, without a mirror lobe",
+    )
+    altitude: float = parameter(
+        15.0,
+        unit="m",
+        description="height above the mean bed from which nothing tells them apart",
+        gt=0.0,
+        le=1e4,
+        slider=(5.0, 50.0),
+    )
+    reach: float = parameter(
+        51.2,
+        unit="m",
+        description="distance to either side up to which they pass; twice that on, the bed repeats",
+        gt=0.0,
+        le=1e5,
+        slider=(10.0, 200.0),
+        log=True,
+    )
+    law: Literal["light", "sonar"] = parameter("light", description="law under which they pass; that of sonar.law")
+
+    @model_validator(mode="after")
+    def _one_dimension(self) -> Mimic:
+        if self.of.shape == "checks" or self.of.heading != 0.0:
+            raise ValueError('of must lie along the track; give it shape = "stripes" or "waves" and heading = 0')
+        if any(material.reflectivity.specular > 0.0 for material in self.of.of):
+            raise ValueError("of holds a material with a mirror lobe, which no slope can imitate; set its specular = 0")
+        return self
+
+
 Relief = Annotated[
-    Annotated[Flat, Tag("flat")] | Annotated[Fractal, Tag("fractal")] | Annotated[Dem, Tag("dem")],
+    Annotated[Flat, Tag("flat")]
+    | Annotated[Fractal, Tag("fractal")]
+    | Annotated[Dem, Tag("dem")]
+    | Annotated[Mimic, Tag("mimic")],
     Discriminator(lambda value: kind_of(value, "flat")),
 ]
 
@@ -125,10 +171,10 @@ class Seabed(Declaration):
         if not isinstance(relief, Fractal):
             return self
         cells = relief.period / self.spacing
-        if cells > 16384:
+        if cells > MOST_CELLS:
             raise ValueError(
                 f"relief.period {relief.period:g} m at spacing {self.spacing:g} m makes {cells:.0f} cells a side; "
-                "shorten the period or widen the spacing to stay within 16384"
+                f"shorten the period or widen the spacing to stay within {MOST_CELLS}"
             )
         nyquist = round(cells) / 2
         if any(max(abs(fx), abs(fy)) > 0 and max(abs(fx), abs(fy)) >= nyquist for fx, fy in relief.peaks):
@@ -136,4 +182,19 @@ class Seabed(Declaration):
                 f"relief.peaks {[list(peak) for peak in relief.peaks]} reach the Nyquist frequency of {nyquist:g} "
                 f"cycles per period; keep below it or lessen spacing {self.spacing:g} m"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _dunes_pass_by_themselves(self) -> Seabed:
+        relief = self.relief
+        if not isinstance(relief, Mimic):
+            return self
+        cells = 2.0 * relief.reach / self.spacing
+        if cells > MOST_CELLS:
+            raise ValueError(
+                f"relief.reach {relief.reach:g} m at spacing {self.spacing:g} m makes {cells:.0f} cells across; "
+                f"shorten the reach or widen the spacing to stay within {MOST_CELLS}"
+            )
+        if not isinstance(self.material, Material):
+            raise ValueError('relief "mimic" passes for a map by its shape; give the seabed a single material')
         return self

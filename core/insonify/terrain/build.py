@@ -8,11 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.materials import Material, MaterialMap
-from insonify.scene.seabed import Dem, Fractal, Seabed
+from insonify.scene.materials import ImageMap, Material, MaterialMap, PatternMap
+from insonify.scene.seabed import Dem, Fractal, Mimic, Seabed
 from insonify.terrain.ground import Ground
-from insonify.terrain.materials import Lattice, Map, material_indices, material_table
+from insonify.terrain.inverse import mimicking_heights
+from insonify.terrain.lattice import Lattice, Map
+from insonify.terrain.materials import material_indices, material_table
 from insonify.terrain.measured import file_version, measured_bed
+from insonify.terrain.patterns import pattern_shape
+from insonify.terrain.pictures import picture_shape
 from insonify.terrain.spectra import synthesise
 
 # A level bed has no period of its own: a few cells will do unless a map of materials needs room.
@@ -34,14 +38,14 @@ def build_ground(scene: Scene) -> Ground:
     Raises
     ------
     SceneError
-        If a measured bed cannot be read or a period cannot hold a wave.
+        If a file cannot be read, a period cannot hold a wave, or no relief can pass for a pattern.
     """
     seabed = scene.seabed
     heights, lattice, datum = _heights(scene)
     names, reflectivities = material_table(seabed.material)
     return Ground(
         heights=heights,
-        materials=_kept_materials(_layout(seabed.material), lattice, scene.seed),
+        materials=_kept_materials(_layout(seabed.material), _version(seabed.material), lattice, scene.seed),
         names=names,
         reflectivities=reflectivities,
         x0=lattice.x0,
@@ -76,15 +80,25 @@ def _heights(scene: Scene) -> Heights:
         return _kept_dem(relief, file_version(relief.path), seabed.spacing, scene.world.origin)
     if isinstance(relief, Fractal):
         return *_kept_fractal(relief, seabed.spacing, scene.seed), -seabed.depth
+    if isinstance(relief, Mimic):
+        return *_kept_mimic(relief, seabed.spacing), -seabed.depth
     return *_flat(seabed), -seabed.depth
 
 
 def _flat(seabed: Seabed) -> tuple[NDArray[np.float32], Lattice]:
-    cells = FLAT_CELLS
-    if not isinstance(seabed.material, Material):
-        cells = int(np.clip(round(FLAT_PERIOD / seabed.spacing), FLAT_CELLS, FLAT_CELLS_AT_MOST))
-    lattice = Lattice((cells, cells), seabed.spacing)
+    lattice = Lattice(_flat_shape(seabed.material, seabed.spacing), seabed.spacing)
     return np.zeros(lattice.shape, dtype=np.float32), lattice
+
+
+def _flat_shape(material: MaterialMap, spacing: float) -> tuple[int, int]:
+    """Cells along y and x after which a level bed repeats, which its map rules."""
+    if isinstance(material, Material):
+        return FLAT_CELLS, FLAT_CELLS
+    if isinstance(material, PatternMap):
+        return pattern_shape(material, spacing, FLAT_CELLS, FLAT_CELLS_AT_MOST)
+    if isinstance(material, ImageMap):
+        return picture_shape(material, spacing, FLAT_CELLS)
+    return (int(np.clip(round(FLAT_PERIOD / spacing), FLAT_CELLS, FLAT_CELLS_AT_MOST)),) * 2
 
 
 @lru_cache(maxsize=2)
@@ -93,6 +107,13 @@ def _kept_fractal(fractal: Fractal, spacing: float, seed: int) -> tuple[NDArray[
     shape = (cells, cells)
     # The period is kept to the letter; where it is no whole number of cells, the spacing gives way.
     return synthesise(fractal, shape, shape, seed).astype(np.float32), Lattice(shape, fractal.period / cells)
+
+
+@lru_cache(maxsize=2)
+def _kept_mimic(mimic: Mimic, spacing: float) -> tuple[NDArray[np.float32], Lattice]:
+    heights = mimicking_heights(mimic, max(FLAT_CELLS, round(2.0 * mimic.reach / spacing)))
+    lattice = Lattice((heights.size, FLAT_CELLS), 2.0 * mimic.reach / heights.size)
+    return np.tile(heights.astype(np.float32)[:, np.newaxis], (1, FLAT_CELLS)), lattice
 
 
 @lru_cache(maxsize=2)
@@ -105,8 +126,13 @@ def _kept_dem(dem: Dem, version: tuple[int, int], spacing: float, origin: tuple[
 
 
 @lru_cache(maxsize=2)
-def _kept_materials(layout: MaterialMap, lattice: Lattice, seed: int) -> Map:
+def _kept_materials(layout: MaterialMap, version: tuple[int, int] | None, lattice: Lattice, seed: int) -> Map:
+    del version  # part of the key alone, as above
     return material_indices(layout, lattice, seed)
+
+
+def _version(material: MaterialMap) -> tuple[int, int] | None:
+    return file_version(material.path) if isinstance(material, ImageMap) else None
 
 
 def _layout(material: MaterialMap) -> MaterialMap:

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.seabed import Dem, Fractal, Seabed
+from insonify.scene.seabed import Dem, Fractal, Mimic, Seabed
 from insonify.terrain.build import FLAT_CELLS, build_ground, fractal_cells
+from insonify.terrain.inverse import mimicking_heights
 from insonify.terrain.measured import measured_bed
 from insonify.terrain.spectra import Field, synthesise
 
@@ -43,6 +44,9 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
             raise SceneError(f"shape: {shape} cannot be given to a measured bed, which has its own grid; leave it out")
         heights = measured_bed(seabed.relief, seabed.spacing, None).heights
         return np.asarray(heights - np.nanmean(heights))
+    if isinstance(seabed.relief, Mimic):
+        ny, nx = shape or (round(2.0 * seabed.relief.reach / seabed.spacing), FLAT_CELLS)
+        return np.tile(mimicking_heights(seabed.relief, ny)[:, np.newaxis], (1, nx))
     return np.zeros(shape or (FLAT_CELLS, FLAT_CELLS))
 
 

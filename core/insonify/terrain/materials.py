@@ -2,45 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.kernels.patches import patch_map
-from insonify.scene.materials import FractalMap, Material, MaterialMap, Patches, Reflectivity
+from insonify.scene.materials import FractalMap, ImageMap, Material, MaterialMap, Patches, PatternMap, Reflectivity
 from insonify.scene.seabed import Fractal
+from insonify.terrain.lattice import Lattice, Map
+from insonify.terrain.patterns import graded_rows, pattern_map
+from insonify.terrain.pictures import picture_map
 from insonify.terrain.spectra import MATERIAL_BANDS, MATERIAL_PATCHES, synthesise
-
-Map = NDArray[np.uint8]
-
-
-@dataclass(frozen=True)
-class Lattice:
-    """Where the cells of a bed lie.
-
-    Attributes
-    ----------
-    shape : (int, int)
-        Cells along y and x.
-    spacing : float
-        Metres between nodes.
-    x0, y0 : float
-        Local coordinates of node (0, 0), in metres.
-    periodic : bool
-        Whether the bed repeats.
-    """
-
-    shape: tuple[int, int]
-    spacing: float
-    x0: float = 0.0
-    y0: float = 0.0
-    periodic: bool = True
 
 
 def material_table(material: MaterialMap) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
     """Names and numbers of a map's materials, in the order of its indices."""
     materials = (material,) if isinstance(material, Material) else material.of
+    if isinstance(material, PatternMap) and material.shape == "waves":
+        return graded_rows(materials)
     return tuple(one.name for one in materials), tuple(one.reflectivity for one in materials)
 
 
@@ -54,6 +31,10 @@ def material_indices(material: MaterialMap, lattice: Lattice, seed: int) -> Map:
         return _patches(lattice, material.size, len(material.of), seed)
     if isinstance(material, FractalMap):
         return _bands(lattice, material.beta, len(material.of), seed)
+    if isinstance(material, PatternMap):
+        return pattern_map(material, lattice)
+    if isinstance(material, ImageMap):
+        return picture_map(material, lattice)
     return np.zeros(lattice.shape, dtype=np.uint8)
 
 

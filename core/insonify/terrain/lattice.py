@@ -1,0 +1,45 @@
+"""The grid of a bed, apart from what lies on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Map = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Where the cells of a bed lie.
+
+    Attributes
+    ----------
+    shape : (int, int)
+        Cells along y and x.
+    spacing : float
+        Metres between nodes.
+    x0, y0 : float
+        Local coordinates of node (0, 0), in metres.
+    periodic : bool
+        Whether the bed repeats.
+    """
+
+    shape: tuple[int, int]
+    spacing: float
+    x0: float = 0.0
+    y0: float = 0.0
+    periodic: bool = True
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Extent along x and y, in metres: the periods of a bed that repeats."""
+        return self.shape[1] * self.spacing, self.shape[0] * self.spacing
+
+    def centres(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Local x and y of the cells' middles, (nx,) and (ny,), in metres."""
+        ny, nx = self.shape
+        x = self.x0 + (np.arange(nx, dtype=np.float64) + 0.5) * self.spacing
+        y = self.y0 + (np.arange(ny, dtype=np.float64) + 0.5) * self.spacing
+        return x, y

@@ -1,0 +1,131 @@
+"""Regular patterns of materials: stripes, checks, and waves of graded rows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene import SceneError
+from insonify.scene.materials import Material, PatternMap, Reflectivity
+from insonify.terrain.lattice import Lattice, Map
+
+# Rows between the materials of waves: as many as an index of one byte can tell apart.
+GRADES = 256
+LIKE = 1e-12  # cycles a metre by which wave numbers may differ and count as one
+NEAR = 1e-3  # of a wave number that an oblique pattern gives way, so that its bed stays small
+
+Vector = tuple[float, float]
+
+
+def pattern_map(pattern: PatternMap, lattice: Lattice) -> Map:
+    """Index of each cell's material, (ny, nx) uint8; on a bed that repeats, period and heading give way to it."""
+    x, y = lattice.centres()
+    across, along = (_fitted(vector, lattice) for vector in wave_vectors(pattern))
+    return pattern_rows(
+        pattern,
+        across[0] * x + (across[1] * y)[:, np.newaxis],
+        along[0] * x + (along[1] * y)[:, np.newaxis],
+    )
+
+
+def pattern_rows(pattern: PatternMap, across: NDArray[np.float64], along: NDArray[np.float64]) -> Map:
+    """Row of the material table at places given in periods.
+
+    Parameters
+    ----------
+    pattern : PatternMap
+        What repeats.
+    across, along : (...) float64
+        Periods across the stripes and along them, from the origin.
+
+    Returns
+    -------
+    (...) uint8
+    """
+    if pattern.shape == "waves":
+        return np.rint((0.5 - 0.5 * np.cos(2.0 * math.pi * across)) * (GRADES - 1)).astype(np.uint8)
+    count = len(pattern.of)
+    steps = np.floor(across * count)
+    if pattern.shape == "checks":
+        steps = steps + np.floor(along * count)
+    return (steps % count).astype(np.uint8)
+
+
+def wave_vectors(pattern: PatternMap) -> tuple[Vector, Vector]:
+    """Cycles per metre along x and y, of the pattern across its stripes and along them."""
+    angle = math.radians(pattern.heading)
+    # Rounded, so that a heading along the grid's axes is along them.
+    cosine, sine = round(math.cos(angle), 12) / pattern.period, round(math.sin(angle), 12) / pattern.period
+    return (-sine, cosine), (cosine, sine)
+
+
+def pattern_shape(pattern: PatternMap, spacing: float, fewest: int, most: int) -> tuple[int, int]:
+    """Cells along y and x after which a level bed repeats together with a pattern, as nearly as may be.
+
+    Raises
+    ------
+    SceneError
+        If not even one period fits.
+    """
+    if pattern.period > most * spacing:
+        raise SceneError(
+            f"seabed.material.period: {pattern.period:g} m spans more than {most} cells of seabed.spacing "
+            f"{spacing:g} m; shorten it or widen the spacing"
+        )
+    vectors = wave_vectors(pattern)[: 2 if pattern.shape == "checks" else 1]
+    nx, ny = (
+        _cells([vector[axis] for vector in vectors], NEAR / pattern.period, spacing, fewest, most) for axis in (0, 1)
+    )
+    return ny, nx
+
+
+def graded_rows(materials: Sequence[Material]) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
+    """Names and numbers of equal steps from the first material through the others to the last.
+
+    A name tells the percentages of the two materials a row lies between: ``25.1_silt+74.9_rock``.
+    """
+    levels, whole = np.linspace(0.0, len(materials) - 1.0, GRADES), np.arange(len(materials))
+    given = [material.reflectivity for material in materials]
+    columns = [np.interp(levels, whole, column) for column in zip(*(row[:5] for row in given))]
+    # Of speckle it is the variance 1/ν that mixes.
+    spiky = [0.0 if row.speckle_shape is None else 1.0 / row.speckle_shape for row in given]
+    mixed = np.interp(levels, whole, spiky)
+    all_given = all(row.speckle_shape is not None for row in given)
+    rows = tuple(
+        Reflectivity(*map(float, numbers))._replace(speckle_shape=1.0 / variance if all_given else None)
+        for *numbers, variance in zip(*columns, mixed)
+    )
+    return tuple(_mixture(materials, float(level)) for level in levels), rows
+
+
+def _fitted(vector: Vector, lattice: Lattice) -> Vector:
+    """Turn and stretch a wave a little, so that whole cycles fill a bed that repeats."""
+    if not lattice.periodic:
+        return vector
+    cycles = [round(size * wave) for size, wave in zip(lattice.size, vector)]
+    if cycles == [0, 0]:
+        main = int(abs(vector[1]) >= abs(vector[0]))
+        cycles[main] = 1 if vector[main] > 0.0 else -1
+    return cycles[0] / lattice.size[0], cycles[1] / lattice.size[1]
+
+
+def _cells(waves: Sequence[float], near: float, spacing: float, fewest: int, most: int) -> int:
+    """Fewest cells in which whole cycles of all the waves have their wave numbers, or nearly so if none can."""
+    length = np.arange(fewest, most + 1) * spacing
+    errors = [np.abs(np.rint(length * wave) / length - wave) for wave in waves]
+    worst = np.max(errors, axis=0)
+    best = float(worst.min())
+    enough = LIKE if best <= LIKE else max(best, near)
+    return fewest + int(np.argmax(worst <= enough))
+
+
+def _mixture(materials: Sequence[Material], level: float) -> str:
+    """Name a row between two materials by their percentages."""
+    low = int(level)
+    share = 100.0 * (level - low)
+    if share == 0.0:
+        return materials[low].name
+    return f"{100.0 - share:.1f}_{materials[low].name}+{share:.1f}_{materials[low + 1].name}"
