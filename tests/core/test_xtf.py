@@ -272,6 +272,12 @@ def test_a_recording_takes_no_options_of_scenes(tmp_path, capsys, option, words)
     assert f"{option} is for scenes" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", ["plan", "view"])
+def test_a_recording_is_no_scene(capsys, command):
+    assert main([command, "a.xtf"]) == 2
+    assert "a.xtf: is a record, not a scene; show it with 'insonify render a.xtf" in capsys.readouterr().err
+
+
 @pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
 def test_a_real_recording():
     before = sorted(REAL.parent.iterdir())

@@ -63,6 +63,10 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
     SceneError
         One sentence with the field, the value and the remedy.
     """
+    if is_record(arguments.scene):
+        raise SceneError(
+            f"{arguments.scene}: is a record, not a scene; show it with 'insonify render {arguments.scene} -o OUT.png'"
+        )
     scene = load_scene(arguments.scene)
     changes = dict(read_setting(text) for text in arguments.set)
     seed = getattr(arguments, "seed", None)  # the viewer's own commands may lack it
