@@ -111,7 +111,8 @@ class LevelBed:
         return self._simulation.problem.bin_length / 8.0
 
     def _curve(self, eighths: int) -> NDArray[np.float64]:
-        return held_curve(flat_bed_curve(self._simulation.problem, eighths * self._step))
+        echo = held_curve(flat_bed_curve(self._simulation.problem, eighths * self._step))
+        return self._simulation.reception.expected(echo)
 
 
 def held_curve(curve: NDArray[np.float64]) -> NDArray[np.float64]:

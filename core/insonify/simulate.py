@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from insonify.kernels.types import Poses, Problem
 from insonify.plan import Plan, plan
-from insonify.receive import receive
+from insonify.receive import Reception, make_reception, receive
 from insonify.scene import Scene, scene_to_toml
 from insonify.terrain import Ground, build_ground
 from insonify.tracers import march, rays, sweep
 from insonify.tracers.line import Line, line_at
+from insonify.tracers.parallel import in_parallel
 from insonify.tracers.poses import bed_beneath, make_poses
 from insonify.tracers.problem import make_problem
 from insonify.tracers.truth import Truth, trace_truth
@@ -48,12 +49,15 @@ class Simulation:
         The bed.
     problem : Problem
         All of it as the tracers take it.
+    reception : Reception
+        What becomes of the echoes.
     """
 
     scene: Scene
     plan: Plan
     ground: Ground
     problem: Problem
+    reception: Reception
 
     def poses(self, pings: NDArray[np.int64]) -> Poses:
         """Return where the sonar is at the given pings; beyond the track's last the tow goes on."""
@@ -82,7 +86,11 @@ class Simulation:
         """
         pings = np.asarray(pings, dtype=np.int64)
         traced = TRACERS[self.plan.method](self.problem, self.poses(pings), **self.plan.settings)
-        return receive(self.scene, self.problem, traced, pings)
+
+        def block(first: int, last: int) -> NDArray[np.float32]:
+            return receive(self.reception, traced[first:last], pings[first:last])
+
+        return np.concatenate(in_parallel(block, pings.size)) if pings.size else traced
 
     def truth(self, pings: NDArray[np.int64]) -> Truth:
         """Tell what every bin of the given pings shows.
@@ -112,7 +120,16 @@ def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> S
     """
     chosen = plan(scene, tolerance, method=method)
     ground = build_ground(scene)
-    return Simulation(scene, chosen, ground, make_problem(scene, ground))
+    problem = make_problem(scene, ground)
+    return Simulation(scene, chosen, ground, problem, _make_reception(scene, ground, problem))
+
+
+def _make_reception(scene: Scene, ground: Ground, problem: Problem) -> Reception:
+    """Make the receiver ready, for the height of the first ping."""
+    first = np.zeros(1, dtype=np.int64)
+    z = make_poses(scene, ground, first).z
+    altitude = max(float((z - bed_beneath(scene, ground, first))[0]), problem.bin_length)
+    return make_reception(scene, problem, altitude=altitude, depth=-float(z[0] + ground.datum))
 
 
 def simulate(

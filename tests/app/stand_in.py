@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.receive import make_reception
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MATERIALS
 from insonify.sound.flat_bed import flat_bed_curve
@@ -27,7 +28,8 @@ class StandIn:
         self.ground = ground_of(scene)
         self.problem = make_problem(scene, self.ground)
         self.plan = SimpleNamespace(planes=1, method="stand-in", lines=list)
-        self.curve = flat_bed_curve(self.problem, scene.altitude)
+        self.reception = make_reception(scene, self.problem, altitude=scene.altitude, depth=0.0)
+        self.curve = self.reception.expected(flat_bed_curve(self.problem, scene.altitude))
 
     def poses(self, pings: NDArray[np.int64]) -> Any:
         return make_poses(self.scene, self.ground, pings)

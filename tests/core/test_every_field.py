@@ -46,6 +46,15 @@ DARK, BRIGHT = {"diffuse": 0.3, "specular": 0.0}, {"diffuse": 0.5, "specular": 0
 MIMIC = {"seabed.relief": {"kind": "mimic", "of": {"of": [DARK, BRIGHT]}, "altitude": 7.0, "reach": 30.0}}
 NUMBERS = {"water.absorption": 50.0}
 SEA = {"water.absorption": "francois_garrison"}
+CHIRP = {"sonar.pulse": {"kind": "chirp", "bandwidth": 6e3}}
+RAYLEIGH = {"receiver.speckle": "rayleigh"}
+K = {"receiver.speckle": "k"}
+FLUCTUATION = {"receiver.fluctuation": "lognormal"}
+VOLUME = {"receiver.reverberation": {"kind": "volume", "volume_strength": -30.0}}
+SURFACE = {"receiver.reverberation": "surface", **BY_DEPTH}
+BOTH = {**SURFACE, "receiver.reverberation": {"kind": "both", "volume_strength": -30.0}}
+NOISE = {"receiver.noise": "ambient"}
+TVG = {"receiver.tvg": "power"}
 TURN = {"track.motion": {"kind": "turn", "rate": 20.0, "begin": 0.2, "duration": 0.5}}
 SUM = {"track.motion": {"kind": "sum", "of": ["straight", "heave"]}}
 RECORDED = {"track.motion": {"kind": "recorded", "path": "TOW"}}
@@ -149,6 +158,9 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "sonar.beam[fan].width": ({}, {"sonar.beam.width": 3.0}),
     "sonar.pulse": ({}, {"sonar.pulse": "ideal"}),
     "sonar.pulse[tone].duration": ({}, {"sonar.pulse.duration": 2e-4}),
+    "sonar.pulse[chirp].duration": ({**CHIRP, "sonar.pulse.window": "uniform"}, {"sonar.pulse.duration": 3e-4}),
+    "sonar.pulse[chirp].bandwidth": (CHIRP, {"sonar.pulse.bandwidth": 5e3}),
+    "sonar.pulse[chirp].window": (CHIRP, {"sonar.pulse.window": "hann"}),
     "sonar.range": ({}, {"sonar.range": 25.0}),
     "sonar.bins": ({}, {"sonar.bins": 100}),
     "sonar.ping_rate": ({}, {"sonar.ping_rate": 5.0}),
@@ -164,7 +176,26 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     **_of_motions("track.motion", {}),
     "track.motion[sum].of": (SUM, {"track.motion.of": ["straight", "sway"]}),
     **_of_motions("track.motion[sum].of", SUM),
-    "receiver.speckle": ({}, {"receiver.speckle": "rayleigh"}),
+    "receiver.speckle": ({}, RAYLEIGH),
+    "receiver.speckle[rayleigh].looks": (RAYLEIGH, {"receiver.speckle.looks": 2}),
+    "receiver.speckle[k].shape": (K, {"receiver.speckle.shape": 1.0}),
+    "receiver.speckle[k].looks": (K, {"receiver.speckle.looks": 2}),
+    "receiver.speckle[k].cell": (K, {"receiver.speckle.cell": 0.01}),
+    "receiver.fluctuation": ({}, FLUCTUATION),
+    "receiver.fluctuation[lognormal].level": (FLUCTUATION, {"receiver.fluctuation.level": 3.0}),
+    "receiver.fluctuation[lognormal].correlation_time": (FLUCTUATION, {"receiver.fluctuation.correlation_time": 0.2}),
+    "receiver.fluctuation[lognormal].travel_time": (FLUCTUATION, {"receiver.fluctuation.travel_time": 1e-4}),
+    "receiver.reverberation": ({}, VOLUME),
+    "receiver.reverberation[volume].volume_strength": (VOLUME, {"receiver.reverberation.volume_strength": -40.0}),
+    "receiver.reverberation[surface].surface_strength": (SURFACE, {"receiver.reverberation.surface_strength": -20.0}),
+    "receiver.reverberation[both].volume_strength": (BOTH, {"receiver.reverberation.volume_strength": -40.0}),
+    "receiver.reverberation[both].surface_strength": (BOTH, {"receiver.reverberation.surface_strength": -10.0}),
+    "receiver.noise": ({}, {"receiver.noise": {"kind": "ambient", "level": -80.0}}),
+    "receiver.noise[ambient].level": (NOISE, {"receiver.noise.level": -80.0}),
+    "receiver.source_level": ({}, {"receiver.source_level": 200.0}),
+    "receiver.tvg": ({}, TVG),
+    "receiver.tvg[power].spreading": (TVG, {"receiver.tvg.spreading": 40.0}),
+    "receiver.tvg[power].absorption": (TVG, {"receiver.tvg.absorption": 100.0}),
 }
 # Materials of a map are materials like any other.
 CHANGES |= {

@@ -1,4 +1,4 @@
-"""The receiver: pulse and speckle."""
+"""The receiver: its order, and that each ping is a function of the scene and its number alone."""
 
 from __future__ import annotations
 
@@ -9,20 +9,35 @@ from hypothesis import strategies as st
 
 from beds import problem_of
 from insonify.kernels.types import LIGHT, SONAR
-from insonify.receive import receive, tone_taps
-from insonify.scene import edit, load_scene
+from insonify.receive import make_reception, receive
+from insonify.scene import SceneError, edit, load_scene
+from insonify.sound.pulses import tone_taps
 
 FLAT = np.zeros((4, 4))
 BINS = 1000
+EVERYTHING = {
+    "sonar__pulse": "chirp",
+    "receiver__speckle": {"kind": "k", "shape": 1.5, "looks": 2, "cell": 0.05},
+    "receiver__fluctuation": {"kind": "lognormal", "travel_time": 1e-4},
+    "receiver__reverberation": "both",
+    "receiver__noise": "ambient",
+    "receiver__source_level": 10.0,
+    "receiver__tvg": "power",
+}
 
 
 def scene(**changes):
     return edit(load_scene("default"), {path.replace("__", "."): value for path, value in changes.items()})
 
 
+def reception(declared, bins=BINS, law=SONAR, **options):
+    problem = problem_of(FLAT, bins=bins, law=law, half_width=np.radians(0.5), spreading=law == SONAR, **options)
+    return make_reception(declared, problem, altitude=10.0, depth=20.0)
+
+
 def received(declared, traced, pings=None, law=SONAR):
     pings = np.arange(traced.shape[0]) if pings is None else pings
-    return receive(declared, problem_of(FLAT, bins=traced.shape[2], law=law), traced, pings)
+    return receive(reception(declared, traced.shape[2], law), traced, pings)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -75,21 +90,7 @@ def speckled(traced, pings=None, **changes):
     return received(scene(sonar__pulse="ideal", receiver__speckle="rayleigh", **changes), traced, pings)
 
 
-def test_speckle_is_exponential_in_intensity():
-    even = np.ones((100, 2, BINS), np.float32)
-    intensity = speckled(even).ravel().astype(float)
-    n = intensity.size
-    assert intensity.mean() == pytest.approx(1.0, abs=3.0 / np.sqrt(n))
-    amplitude = np.sqrt(intensity)
-    # Rayleigh: CV = √(4/π − 1) = 0.523; its estimate scatters by 0.47/√n.
-    assert amplitude.std() / amplitude.mean() == pytest.approx(np.sqrt(4.0 / np.pi - 1.0), abs=3.0 * 0.47 / np.sqrt(n))
-    # The whole distribution, not two of its moments (Kolmogorov-Smirnov at one in a thousand).
-    ordered = np.sort(intensity)
-    distance = np.abs(1.0 - np.exp(-ordered) - (np.arange(n) + 0.5) / n).max()
-    assert distance < 1.95 / np.sqrt(n)
-
-
-def test_speckle_of_neighbours_is_independent():
+def test_speckle_of_an_ideal_pulse_is_independent_from_bin_to_bin_and_ping_to_ping():
     cube = speckled(np.ones((60, 2, BINS), np.float32)).astype(float) - 1.0
     bound = 4.0 / np.sqrt(cube.size)
     assert abs((cube[:, :, 1:] * cube[:, :, :-1]).mean()) < bound
@@ -97,19 +98,77 @@ def test_speckle_of_neighbours_is_independent():
     assert abs((cube[:, 0] * cube[:, 1]).mean()) < 1.5 * bound
 
 
-def test_speckle_belongs_to_ping_side_and_bin():
-    traced = np.random.default_rng(0).random((40, 2, 50), np.float32)
-    whole = speckled(traced)
+@pytest.mark.parametrize("speed", [2.0, 0.02, 1e-4])
+def test_whatever_it_does_belongs_to_ping_side_and_bin(speed):
+    # At 2 mm a ping neighbours share most of their speckle, at 10 µm all of it.
+    declared = scene(**EVERYTHING, track__speed=speed)
+    traced = np.random.default_rng(0).random((40, 2, 200), np.float32)
+    whole = received(declared, traced)
     order = np.random.default_rng(1).permutation(40)
-    np.testing.assert_array_equal(speckled(traced[order], order), whole[order])
-    np.testing.assert_array_equal(speckled(traced[7:9], np.array([7, 8])), whole[7:9])
-    assert not np.array_equal(speckled(traced, seed=2), whole)
+    np.testing.assert_array_equal(received(declared, traced[order], order), whole[order])
+    np.testing.assert_array_equal(received(declared, traced[7:9], np.array([7, 8])), whole[7:9])
+    np.testing.assert_array_equal(received(declared, traced[[5, 5]], np.array([5, 5])), whole[[5, 5]])
+    assert received(declared, traced[:0], np.empty(0, np.int64)).shape == (0, 2, 200)
+    assert not np.array_equal(received(edit(declared, {"seed": 2}), traced), whole)
+    assert np.isfinite(whole).all()
+    assert (whole >= 0.0).all()
 
 
 def test_speckle_leaves_shadows_silent_and_the_traced_record_alone():
     traced = np.zeros((4, 2, 50), np.float32)
     traced[:, :, 20:] = 1.0
     kept = traced.copy()
-    record = speckled(traced)
-    assert not record[:, :, :20].any()
+    for kind in ("rayleigh", "k"):
+        record = received(scene(sonar__pulse="ideal", receiver__speckle=kind), traced)
+        assert not record[:, :, :20].any()
+        assert (record[:, :, 20:] > 0.0).all()
     np.testing.assert_array_equal(traced, kept)
+
+
+def test_nothing_changes_the_traced_record():
+    traced = np.random.default_rng(0).random((9, 2, 200), np.float32)
+    kept = traced.copy()
+    received(scene(**EVERYTHING), traced)
+    np.testing.assert_array_equal(traced, kept)
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [(path, value) for path, value in EVERYTHING.items() if path.startswith("receiver")]
+    + [("receiver__reverberation", "volume"), ("receiver__reverberation", "surface")],
+)
+def test_each_effect_is_had_alone_and_undone_by_taking_it_back(path, value):
+    plain = scene(sonar__pulse="ideal")
+    traced = np.full((3, 2, BINS), 1e-6, np.float32)
+    touched = edit(plain, {path.replace("__", "."): value})
+    assert not np.array_equal(received(touched, traced), traced)
+    none = 0.0 if path.endswith("level") else "none"
+    assert received(edit(touched, {path.replace("__", "."): none}), traced) is traced
+
+
+def test_the_mean_of_the_whole_way_is_the_mean_record():
+    declared = scene(
+        receiver__speckle="rayleigh",
+        receiver__fluctuation={"kind": "lognormal", "correlation_time": 0.1},
+        receiver__noise={"kind": "ambient", "level": -80.0},
+        receiver__source_level=10.0,
+        receiver__tvg="power",
+    )
+    ready = reception(declared, 100)
+    echo = np.full(100, 1e-6)
+    traced = np.broadcast_to(echo.astype(np.float32), (6000, 2, 100)).copy()
+    mean = receive(ready, traced, np.arange(6000)).astype(float).mean(axis=(0, 1))
+    expected = ready.expected(echo)
+    # Past the pulse's own length; the gain of some 4000 independent pings, and the speckle of 12,000 lines.
+    np.testing.assert_allclose(mean[5:] / expected[5:], 1.0, atol=0.06)
+    assert (mean[5:] / expected[5:]).mean() == pytest.approx(1.0, abs=3.0 * 0.35 / np.sqrt(4000.0))
+
+
+def test_light_has_no_reverberation():
+    with pytest.raises(SceneError, match="reverberation"):
+        scene(sonar__law="light", receiver__reverberation="volume")
+
+
+def test_a_chirp_needs_its_bandwidth():
+    with pytest.raises(SceneError, match="raise it to 1000 Hz"):
+        scene(sonar__pulse={"kind": "chirp", "duration": 1e-3, "bandwidth": 500.0})

@@ -1,29 +1,42 @@
-"""What the receiver does to a traced record: a pulse lengthens every echo, speckle makes it flicker."""
+"""What the receiver does to the mean echo: a pulse spreads it, the water shifts it.
+
+Beyond the last bin the echo is taken to go on as it is there, so that an even bed is even to the end.
+"""
 
 from __future__ import annotations
 
 import math
 
-from insonify.kernels.hashing import hash_uniform
 from insonify.kernels.jit import kernel
 
 
 @kernel
-def lengthen(record, taps, out):
-    """Convolve every line with the pulse's taps; an echo begins at its range and lasts the pulse."""
+def lengthen(record, taps, before, out):
+    """Convolve every line with the pulse's taps, of which so many lie before the echo's own bin."""
     pings, sides, bins = record.shape
     for ping in range(pings):
         for side in range(sides):
-            for tap in range(min(taps.size, bins)):
-                for k in range(tap, bins):
-                    out[ping, side, k] += record[ping, side, k - tap] * taps[tap]
+            for tap in range(taps.size):
+                late = tap - before
+                # Slices that are walked from 0: an index that might be negative would keep it off the vector units.
+                echo, heard = record[ping, side, max(-late, 0) :], out[ping, side, max(late, 0) :]
+                for k in range(min(echo.size, heard.size)):
+                    heard[k] += echo[k] * taps[tap]
+                for k in range(max(bins + late, 0), bins):
+                    out[ping, side, k] += record[ping, side, bins - 1] * taps[tap]
 
 
 @kernel
-def flicker(record, pings, seed, stream):
-    """Multiply every bin by an exponential number of mean 1, a function of ping, side and bin alone."""
-    for row in range(pings.size):
-        for side in range(record.shape[1]):
-            for k in range(record.shape[2]):
-                if record[row, side, k] > 0.0:
-                    record[row, side, k] *= -math.log(hash_uniform(seed, stream, pings[row], side, k))
+def shift(record, bins_late, out):
+    """Let every ping come later by its own number of bins, whole or not; energy in between is shared."""
+    pings, sides, bins = record.shape
+    for ping in range(pings):
+        whole = math.floor(bins_late[ping])
+        part = bins_late[ping] - whole
+        for side in range(sides):
+            for k in range(bins):
+                near, far = min(k - whole - 1, bins - 1), min(k - whole, bins - 1)
+                value = (1.0 - part) * record[ping, side, far] if far >= 0 else 0.0
+                if near >= 0:
+                    value += part * record[ping, side, near]
+                out[ping, side, k] = value

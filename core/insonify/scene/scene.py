@@ -80,6 +80,15 @@ class Scene(Declaration):
             )
         return self
 
+    @model_validator(mode="after")
+    def _reverberation_has_energy(self) -> Scene:
+        if self.sonar.law == "light" and self.receiver.reverberation.kind != "none":
+            raise ValueError(
+                f"receiver.reverberation {self.receiver.reverberation.kind!r} is energy of water and surface, which "
+                "the light of sonar.law 'light' does not have; take law 'sonar' or leave the reverberation out"
+            )
+        return self
+
     @property
     def altitude(self) -> float:
         """Height of the sonar above the declared mean bed, in metres; a DEM's own mean is known to the terrain."""

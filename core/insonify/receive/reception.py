@@ -1,0 +1,139 @@
+"""The way of an echo through the receiver, in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.echo import lengthen
+from insonify.kernels.types import LIGHT, Problem
+from insonify.receive.fields import Field, make_field
+from insonify.receive.fluctuation import Fluctuation, make_fluctuation
+from insonify.receive.levels import noise_level, power, reverberation, time_varied_gain
+from insonify.receive.speckle import Speckle, make_speckle
+from insonify.scene import Scene
+from insonify.sound.flat_bed import flat_bed_curve
+from insonify.sound.pulses import Taps, coherent_taps, pulse_taps
+
+NOISE_STREAM = 4000
+Record = NDArray[np.float32]
+Curve = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Reception:
+    """A scene's receiver, made ready for any of its pings.
+
+    Attributes
+    ----------
+    taps : Taps
+        Of the pulse.
+    reverberation : (bins,) float64
+        Mean intensity of what the water and its surface echo.
+    fluctuation, speckle : Fluctuation, Speckle or None
+        None where the scene has none.
+    source : float
+        Intensity of the source at 1 m.
+    noise : float
+        Mean intensity of the noise.
+    noise_field : Field
+        How it is distributed.
+    gain : (bins,) float64
+        Time-varied gain.
+    """
+
+    taps: Taps
+    reverberation: Curve
+    fluctuation: Fluctuation | None
+    speckle: Speckle | None
+    source: float
+    noise: float
+    noise_field: Field
+    gain: Curve
+
+    def expected(self, echo: Curve) -> Curve:
+        """Mean record of an even bed whose every bin echoes so, (bins,): all but what the water does."""
+        return (echo * self.taps.weights.sum() * self.source + self.noise) * self.gain
+
+
+def make_reception(scene: Scene, problem: Problem, *, altitude: float, depth: float) -> Reception:
+    """Make a scene's receiver ready.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its pulse, receiver and seed apply.
+    problem : Problem
+        The scene as tracers take it.
+    altitude, depth : float
+        Height of the sonar above the mean bed, and its depth, in metres.
+
+    Returns
+    -------
+    Reception
+    """
+    speed, pulse = scene.water.sound_speed, scene.sonar.pulse
+    taps = pulse_taps(pulse, speed, problem.bin_length)
+    if problem.law == LIGHT:
+        # The paper's radiance stays what it is, however long the pulse.
+        taps = Taps(taps.weights / taps.weights.sum(), taps.before)
+    coherent = coherent_taps(pulse, speed, problem.bin_length)
+    source, noise = power(scene.receiver.source_level), noise_level(scene)
+    echo = source * float(taps.weights.sum()) * flat_bed_curve(problem, altitude)
+    water = reverberation(scene.receiver.reverberation, problem, altitude, depth).astype(np.float32)
+    return Reception(
+        taps=taps,
+        reverberation=_through(taps, water[None, None])[0, 0].astype(np.float64),
+        fluctuation=make_fluctuation(scene, problem),
+        speckle=make_speckle(scene, problem),
+        source=source,
+        noise=noise,
+        noise_field=make_field(scene.seed, NOISE_STREAM, coherent, np.zeros(problem.bins)),
+        gain=time_varied_gain(scene, problem, echo, noise, depth),
+    )
+
+
+def receive(reception: Reception, traced: Record, pings: NDArray[np.int64]) -> Record:
+    """Turn traced intensities into a record.
+
+    Parameters
+    ----------
+    reception : Reception
+        From `make_reception`.
+    traced : (n, 2, bins) float32
+        Intensity of an ideal pulse.
+    pings : (n,) int64
+        Their numbers.
+
+    Returns
+    -------
+    (n, 2, bins) float32
+        Intensity as received; the traced array itself where nothing applies.
+    """
+    record = _through(reception.taps, traced)
+    if reception.reverberation.any():
+        record = record + reception.reverberation.astype(np.float32)
+    if reception.fluctuation is not None:
+        record = reception.fluctuation.shifted(record, pings)
+    if reception.speckle is not None:
+        record = record * reception.speckle.factors(pings)
+    if reception.fluctuation is not None:
+        record = record * reception.fluctuation.gains(pings)
+    if reception.source != 1.0:
+        record = record * np.float32(reception.source)
+    if reception.noise > 0.0:
+        record = record + np.float32(reception.noise) * reception.noise_field.energies(pings)
+    if (reception.gain != 1.0).any():
+        record = record * reception.gain.astype(np.float32)
+    return record
+
+
+def _through(taps: Taps, traced: Record) -> Record:
+    """Let every echo last as long as the pulse; ``traced`` itself for an ideal one."""
+    if taps.weights.size == 1:
+        return traced
+    record = np.zeros_like(traced)
+    lengthen(traced, taps.weights.astype(np.float32), taps.before, record)
+    return record

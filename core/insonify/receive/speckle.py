@@ -1,0 +1,130 @@
+"""Speckle: many scatterers in a cell interfere, and where there are few their number shows too."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from insonify.kernels.fields import transform
+from insonify.kernels.types import Problem
+from insonify.receive.fields import Field, make_field
+from insonify.scene import Scene
+from insonify.scene.receiver import K, NoSpeckle
+from insonify.sound.cell import along_track_angle, bin_centres
+from insonify.sound.pulses import coherent_taps, pulse_taps
+
+SPECKLE_STREAM, TEXTURE_STREAM = 1000, 2000
+SMALLEST_SHAPE, LARGEST_SHAPE = 0.05, 1e4
+ROWS = 16  # of a table, per doubling of the shape
+COLUMNS = 16  # per doubling of the exponential number
+FIRST_COLUMN, LAST_COLUMN = -12.0, 5.5  # log₂ of that number; beyond 2^5.5 lies 1 in 10¹⁹
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """Strength of the bed about its mean, gamma-distributed.
+
+    Attributes
+    ----------
+    field : Field
+        Exponential numbers that keep together as cells overlap.
+    shape : float
+        ν of the gamma distribution in a cell of the size that it refers to.
+    growth : (bins,) float64
+        Size of the cells there over that one.
+    """
+
+    field: Field
+    shape: float
+    growth: NDArray[np.float64]
+
+    def strengths(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Gamma numbers of mean 1 and variance 1/ν, (n, 2, bins)."""
+        strengths = self.field.energies(pings)
+        octaves = np.log2(np.clip(self.shape * self.growth, SMALLEST_SHAPE, LARGEST_SHAPE))
+        lowest = float(octaves.min())
+        table = shape_table(lowest, float(octaves.max()))
+        place = np.broadcast_to((octaves - lowest) * ROWS, strengths.shape).astype(np.float32)
+        transform(strengths, table, FIRST_COLUMN, COLUMNS, np.ascontiguousarray(place))
+        return strengths
+
+
+@dataclass(frozen=True, eq=False)
+class Speckle:
+    """What the receiver multiplies every bin by.
+
+    Attributes
+    ----------
+    field : Field
+        Interference of scatterers.
+    looks : int
+        Independent records averaged.
+    texture : Texture or None
+        For K speckle.
+    """
+
+    field: Field
+    looks: int
+    texture: Texture | None
+
+    def factors(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Numbers of mean 1, (n, 2, bins)."""
+        factors = self.field.energies(pings, self.looks)
+        return factors if self.texture is None else factors * self.texture.strengths(pings)
+
+
+def make_speckle(scene: Scene, problem: Problem) -> Speckle | None:
+    """Derive a scene's speckle, None where it has none.
+
+    Along range, scatterers interfere as far as the pulse reaches. Along the track two pings d apart hear the same
+    scatterers at an angle φ with phases 2kdφ apart, so that their amplitudes correlate as the transform of the beam's
+    two-way energy, sin(kdθ)/(kdθ) for a fan (van Cittert and Zernike; Goodman, Speckle Phenomena in Optics, §4.5):
+    ∫|ρ|² = λ/2θ, half an array's length at any range. The strength of the bed itself has no phase: it stays the same
+    as long as cells overlap, rθ along the track.
+    """
+    declared = scene.receiver.speckle
+    if isinstance(declared, NoSpeckle):
+        return None
+    speed, pulse = scene.water.sound_speed, scene.sonar.pulse
+    taps = coherent_taps(pulse, speed, problem.bin_length)
+    advance = scene.track.speed / scene.sonar.ping_rate
+    angle = along_track_angle(problem)
+    wavelength = speed / scene.sonar.frequency
+    field = make_field(scene.seed, SPECKLE_STREAM, taps, 0.5 * wavelength / angle / advance)
+    if not isinstance(declared, K):
+        return Speckle(field, declared.looks, None)
+    width = angle * bin_centres(problem)
+    length = float(pulse_taps(pulse, speed, problem.bin_length).weights.sum()) * problem.bin_length
+    growth = np.ones(problem.bins) if declared.cell is None else width * length / declared.cell
+    texture = Texture(make_field(scene.seed, TEXTURE_STREAM, taps, width / advance), declared.shape, growth)
+    return Speckle(field, declared.looks, texture)
+
+
+@lru_cache(maxsize=8)
+def shape_table(lowest: float, highest: float) -> NDArray[np.float32]:
+    """Turn exponential numbers E into gamma numbers T of the same rank and mean 1.
+
+    Parameters
+    ----------
+    lowest, highest : float
+        log₂ of the shapes ν.
+
+    Returns
+    -------
+    (rows, columns) float32
+        log₂ T; rows at steps of 1/16 of log₂ ν, at least two; columns likewise of log₂ E. T = E for ν = 1, and
+        T grows as E^(1/ν) below the table.
+    """
+    exponent = np.arange(FIRST_COLUMN, LAST_COLUMN + 0.5 / COLUMNS, 1.0 / COLUMNS)
+    energy = 2.0**exponent
+    rows = lowest + np.arange(max(2, math.ceil((highest - lowest) * ROWS) + 1)) / ROWS
+    shape = (2.0**rows)[:, None]
+    # Each half by the tail that is small.
+    low = special.gammaincinv(shape, -np.expm1(-energy))
+    high = special.gammainccinv(shape, np.exp(-energy))
+    return np.log2(np.where(energy < 1.0, low, high) / shape).astype(np.float32)
