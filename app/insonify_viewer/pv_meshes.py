@@ -10,11 +10,13 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
+from insonify.tracers.rotation import rotation
 from insonify_viewer.shading import bed_image, sampled
 
 if TYPE_CHECKING:
     from insonify.kernels.types import Poses, Problem, Solids
     from insonify.terrain.ground import Ground
+    from insonify.tracers.line import Line
 
 MESH_NODES = 256
 TEXTURE_SIZE = 768
@@ -22,6 +24,8 @@ LINE_POINTS = 96  # per side, of the current scan line
 MAX_SOLIDS = 400
 WINDOW = 3.6  # side of the bed shown, in slant ranges
 BEHIND = 0.55  # its middle lies so far behind the fish, for what was heard is what one wants to see
+PATH_POINTS = 160
+PATH = (1.7, 0.5)  # of the fish's way shown behind and ahead, in slant ranges
 STEPS = 16  # of the window, per slant range
 
 
@@ -44,11 +48,11 @@ class BedPatch:
     image: NDArray[np.uint8]
 
 
-def window_centre(pose: Poses, reach: float) -> tuple[float, float]:
-    """Place the window of a pose, in the steps in which it follows the fish."""
+def window_centre(line: Line, reach: float) -> tuple[float, float]:
+    """Place the window about a place of the line, in the steps in which it follows the tow."""
     step, behind = reach / STEPS, BEHIND * reach
-    x = float(pose.x[0]) - behind * math.cos(float(pose.heading[0]))
-    y = float(pose.y[0]) - behind * math.sin(float(pose.heading[0]))
+    x = float(line.x[0]) - behind * math.cos(float(line.heading[0]))
+    y = float(line.y[0]) - behind * math.sin(float(line.heading[0]))
     return round(x / step) * step, round(y / step) * step
 
 
@@ -123,6 +127,26 @@ def cable_mesh(length: float) -> Any:
     return pv.MultipleLines(length * np.column_stack([ahead, np.zeros(24), up]))
 
 
+def path_mesh() -> Any:
+    """Return a line through `PATH_POINTS` places, to be filled with those of the fish."""
+    return pv.MultipleLines(np.zeros((PATH_POINTS, 3)))
+
+
+def path_pings(ping: int, step: float, reach: float) -> NDArray[np.int64]:
+    """Choose the pings whose places are shown, given the metres between two pings; the tow starts at ping 0."""
+    behind, ahead = (share * reach / step for share in PATH)
+    return np.maximum(np.rint(np.linspace(ping - behind, ping + ahead, PATH_POINTS)), 0.0).astype(np.int64)
+
+
+def placed(pose: Poses, length: float, *, level: bool = False) -> NDArray[np.float64]:
+    """Place what heads for +x at a pose, in this length and in the fish's own attitude, or level; (4, 4) float64."""
+    pitch, roll = (0.0, 0.0) if level else (math.degrees(pose.pitch[0]), math.degrees(pose.roll[0]))
+    matrix = np.eye(4)
+    matrix[:3, :3] = length * rotation(math.degrees(pose.heading[0]), pitch, roll)
+    matrix[:3, 3] = pose.x[0], pose.y[0], pose.z[0]
+    return matrix
+
+
 class Fan:
     """What the sonar hears just now: a sheet from the fish to the bed, and its footprint.
 
@@ -182,7 +206,7 @@ def scan_line(ground: Ground, problem: Problem, pose: Poses) -> tuple[NDArray[np
     Returns
     -------
     line : (2 LINE_POINTS, 3) float64
-        Local metres.
+        Local metres; with the bow up the plane of the beam leans forward, and meets the bed ahead of the fish.
     slant : (2 LINE_POINTS,) float64
         Metres from the sonar.
     """
@@ -190,11 +214,12 @@ def scan_line(ground: Ground, problem: Problem, pose: Poses) -> tuple[NDArray[np
     below = bed_below(ground, pose)
     far = math.sqrt(max(reach**2 - (float(pose.z[0]) - below) ** 2, 0.0))
     across = np.concatenate([np.linspace(far, 0.0, LINE_POINTS), np.linspace(0.0, -far, LINE_POINTS)])
-    x = pose.x[0] - across * math.sin(pose.heading[0])
-    y = pose.y[0] + across * math.cos(pose.heading[0])
+    cos, sin = math.cos(pose.heading[0]), math.sin(pose.heading[0])
+    ahead = (float(pose.z[0]) - below) * math.tan(pose.pitch[0])
+    x, y = pose.x[0] + ahead * cos - across * sin, pose.y[0] + ahead * sin + across * cos
     z = ground.height_at(x, y)
     z = np.where(np.isnan(z), below, z)
-    return np.column_stack([x, y, z]), np.hypot(across, pose.z[0] - z)
+    return np.column_stack([x, y, z]), np.hypot(np.hypot(across, ahead), pose.z[0] - z)
 
 
 def bed_below(ground: Ground, pose: Poses) -> float:

@@ -62,15 +62,19 @@ class Seabed:
         self._latest = (simulation, ping, tones)
         if self._view is None:
             return
-        from insonify_viewer.pv_meshes import window_centre
+        from insonify_viewer.pv_meshes import path_pings, window_centre
 
-        pose = simulation.poses(np.array([ping], dtype=np.int64))
+        sent = np.array([ping], dtype=np.int64)
+        pose, line = simulation.poses(sent), simulation.line(sent)
         reach = simulation.problem.bins * simulation.problem.bin_length
-        ground, bed = simulation.ground, (simulation.ground, window_centre(pose, reach), reach)
+        ground, bed = simulation.ground, (simulation.ground, window_centre(line, reach), reach)
         if self._bed != bed or not _same(self._solids, simulation.problem.solids):
             self._bed, self._solids = bed, simulation.problem.solids
             self._bake(bed, self._solids)
-        self._view.show_sonar(ground, simulation.problem, pose, tones)
+        self._view.show_sonar(ground, simulation.problem, pose, float(line.heading[0]), tones)
+        scene = simulation.scene
+        step = scene.track.speed / scene.sonar.ping_rate
+        self._view.show_path(simulation.poses(path_pings(ping, step, reach)))
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
         """Mark a point of the bed, or none."""

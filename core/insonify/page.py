@@ -183,7 +183,7 @@ def scene_caption(scene: Scene, look: Look) -> Caption:
     """Say how a simulated record was made."""
     beam, sonar = scene.sonar.beam, scene.sonar
     parts = [
-        f"altitude {scene.altitude:g} m" if scene.track.depth is None else f"depth {scene.track.depth:g} m",
+        _tow(scene),
         f"fan {beam.width:g}°" if isinstance(beam, Fan) else "knife-edge beam",
         f"{sonar.frequency / 1e3:g} kHz",
         f"{sonar.bins} bins of {100.0 * sonar.range / sonar.bins:.3g} cm",
@@ -192,6 +192,13 @@ def scene_caption(scene: Scene, look: Look) -> Caption:
     if sonar.law == "light":
         parts.append("law light")
     return Caption(scene.title, _line(parts, look), "a perfect Lambert bed")
+
+
+def _tow(scene: Scene) -> str:
+    """Say how high the sonar was, and how it moved."""
+    track = scene.track
+    height = f"altitude {scene.altitude:g} m" if track.depth is None else f"depth {track.depth:g} m"
+    return ", ".join([height, *(["terrain following"] if track.terrain_following else []), *track.kinds])
 
 
 def record_caption(record: xr.Dataset, along: float, look: Look) -> Caption:

@@ -90,7 +90,20 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
         return Plan("rays", {"rays": rays}, (("rays", reason),))
     chosen = "asked for" if method == "sweep" else "a height field and convex targets: nothing needs single rays"
     planes, why = _planes(scene, tolerance)
-    return Plan("sweep", {"planes": planes}, (("sweep", chosen), (f"{planes} plane{'s' * (planes > 1)}", why)))
+    across = (f"{planes} plane{'s' * (planes > 1)}", why)
+    return Plan("sweep", {"planes": planes}, (("sweep", chosen), across, *_tow(scene)))
+
+
+def _tow(scene: Scene) -> tuple[tuple[str, str], ...]:
+    """Say what is made of a tow that is not a straight one; nothing of one that is."""
+    if not scene.track.kinds:
+        return ()
+    return (
+        (
+            ", ".join(scene.track.kinds),
+            "each ping from its own place and heading; while one is out the fish stands still",
+        ),
+    )
 
 
 def _planes(scene: Scene, tolerance: float) -> tuple[int, str]:

@@ -59,7 +59,9 @@ class SeabedView(QWidget):
         layout.addWidget(self._canvas.widget)
         self._reach = 0.0
         self._fish_at: NDArray[np.float64] | None = None
+        self._heading = 0.0
         self._fan = Fan()
+        self._path = pv_meshes.path_mesh()
         self._bed = pv_meshes.bed_mesh()
         self._furnish()
         self._drawn, self._took = 0.0, 0.05
@@ -83,17 +85,23 @@ class SeabedView(QWidget):
             self._targets_actor.mapper.SetInputData(mesh)
         self._later()
 
-    def show_sonar(self, ground: Ground, problem: Problem, pose: Poses, tones: NDArray[np.float32]) -> None:
-        """Move fish and fan; the camera goes along."""
+    def show_sonar(
+        self, ground: Ground, problem: Problem, pose: Poses, heading: float, tones: NDArray[np.float32]
+    ) -> None:
+        """Move fish and fan; the camera goes along and turns with the heading of the line."""
         reach = problem.bins * problem.bin_length
-        place = np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64)
-        heading = math.degrees(float(pose.heading[0]))
-        for actor in (self._fish_actor, self._cable_actor):
-            actor.position, actor.orientation, actor.scale = place, (0.0, 0.0, heading), FISH * reach
-            actor.visibility = True
+        self._fish_actor.user_matrix = pv_meshes.placed(pose, FISH * reach)
+        self._cable_actor.user_matrix = pv_meshes.placed(pose, FISH * reach, level=True)
         self._fan.move(ground, problem, pose, tones)
-        self._sheet_actor.visibility = self._footprint_actor.visibility = True
-        self._follow(place, math.radians(heading), reach)
+        for actor in (self._fish_actor, self._cable_actor, self._sheet_actor, self._footprint_actor):
+            actor.visibility = True
+        self._follow(np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64), heading, reach)
+        self._later()
+
+    def show_path(self, path: Poses) -> None:
+        """Draw the way of the fish, `PATH_POINTS` places of it."""
+        self._path.points = np.column_stack([path.x, path.y, path.z]).astype(np.float32)
+        self._path_actor.visibility = True
         self._later()
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
@@ -123,6 +131,9 @@ class SeabedView(QWidget):
         self._targets_actor = plotter.add_mesh(pv.Sphere(), color="#a9b4be", **shiny, **add)
         self._fish_actor = plotter.add_mesh(pv_meshes.fish_mesh(1.0), color="#ffc83d", **shiny, **add)
         self._cable_actor = plotter.add_mesh(pv_meshes.cable_mesh(1.0), color="#23333f", line_width=1.5, **add)
+        self._path_actor = plotter.add_mesh(
+            self._path, color="#ffc83d", opacity=0.8, line_width=2.0, lighting=False, **add
+        )
         self._sheet_actor = plotter.add_mesh(self._fan.sheet, color="#bfeaff", opacity=0.17, lighting=False, **add)
         self._footprint_actor = plotter.add_mesh(self._fan.footprint, scalars="colour", rgb=True, lighting=False, **add)
         self._mark_actor = plotter.add_mesh(_pin(), color=MARK, lighting=False, **add)
@@ -133,9 +144,7 @@ class SeabedView(QWidget):
         """Keep the camera's view of the fish, however it was turned; start anew for another range."""
         camera = self._canvas.plotter.camera
         if self._fish_at is None or reach != self._reach:
-            turn = np.array(
-                [[math.cos(heading), -math.sin(heading), 0], [math.sin(heading), math.cos(heading), 0], [0, 0, 1]]
-            )
+            turn = _about_z(heading)
             camera.up = (0.0, 0.0, 1.0)
             camera.view_angle = VIEW_ANGLE
             focus = place + turn @ FOCUS * reach
@@ -144,10 +153,11 @@ class SeabedView(QWidget):
             position = focus + turn @ (np.array(CAMERA) - FOCUS) * back * reach
             self._reach = reach
         else:
-            position = np.array(camera.position) + place - self._fish_at
-            focus = np.array(camera.focal_point) + place - self._fish_at
+            turn = _about_z(heading - self._heading)
+            position = place + turn @ (np.array(camera.position) - self._fish_at)
+            focus = place + turn @ (np.array(camera.focal_point) - self._fish_at)
         camera.position, camera.focal_point = tuple(position), tuple(focus)
-        self._fish_at = place
+        self._fish_at, self._heading = place, heading
         distance = float(np.linalg.norm(position - focus))
         camera.clipping_range = (0.02 * distance, distance + 6.0 * reach)
 
@@ -168,6 +178,12 @@ class SeabedView(QWidget):
     def draw_time(self) -> float:
         """Seconds that the last drawing took."""
         return float(self._took)
+
+
+def _about_z(angle: float) -> NDArray[np.float64]:
+    """Rotation by an angle in radians."""
+    cos, sin = math.cos(angle), math.sin(angle)
+    return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
 
 def _pin() -> Any:

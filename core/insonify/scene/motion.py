@@ -137,4 +137,4 @@ Motion = Annotated[
     | Annotated[Sum, Tag("sum")],
     Discriminator(lambda value: kind_of(value, "straight")),
 ]
-AnyMotion = Straight | Oscillation | Turn | Recorded
+AnyMotion = Straight | Sway | Heave | Yaw | Pitch | Roll | Turn | Recorded

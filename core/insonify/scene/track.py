@@ -61,6 +61,11 @@ class Track(Declaration):
         return self.motion.of if isinstance(self.motion, Sum) else (self.motion,)
 
     @property
+    def kinds(self) -> tuple[str, ...]:
+        """Kinds of motion at work, each once; none for a straight tow."""
+        return tuple(dict.fromkeys(motion.kind for motion in self.motions if not isinstance(motion, Straight)))
+
+    @property
     def heave(self) -> float:
         """How far the fish may rise above and sink below its own height, in metres."""
         return sum(motion.amplitude for motion in self.motions if isinstance(motion, Heave))

@@ -1,0 +1,94 @@
+"""The fish in motion, as the viewer shows it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from stand_in import StandIn
+
+from insonify.kernels.types import PORT, STARBOARD
+from insonify.scene import Scene, edit
+from insonify_viewer.pv_meshes import PATH_POINTS, path_pings, placed, scan_line
+from insonify_viewer.readout import place_of
+from insonify_viewer.session import Mark
+
+TURN = {"kind": "turn", "rate": 10.0, "begin": 2.0, "duration": 9.0}
+TILTED = {"kind": "pitch", "amplitude": 10.0, "period": 1e5, "phase": 90.0}
+YAWED = {"kind": "yaw", "amplitude": 20.0, "period": 1e5, "phase": 90.0}
+
+
+def moved(scene: Scene, *motions: Any) -> StandIn:
+    return StandIn(edit(scene, {"track.motion": {"kind": "sum", "of": list(motions)}}), 0.03)
+
+
+def one(simulation: StandIn, ping: int) -> Any:
+    return simulation.poses(np.array([ping], dtype=np.int64))
+
+
+def test_a_fish_lies_as_its_pose_says(small: Scene) -> None:
+    pose = one(moved(small, TILTED, YAWED, {"kind": "roll", "amplitude": 30.0, "period": 1e5, "phase": 90.0}), 0)
+    matrix = placed(pose, 2.0)
+    bow, port = matrix[:3, 0] / 2.0, matrix[:3, 1] / 2.0
+    assert bow[2] == pytest.approx(math.sin(math.radians(10.0)))
+    assert math.degrees(math.atan2(bow[1], bow[0])) == pytest.approx(20.0)
+    assert port[2] == pytest.approx(math.sin(math.radians(30.0)) * math.cos(math.radians(10.0)))
+    assert matrix[:3, 3].tolist() == [pose.x[0], pose.y[0], pose.z[0]]
+    level = placed(pose, 2.0, level=True)
+    assert level[2, :3].tolist() == [0.0, 0.0, 2.0]
+
+
+@pytest.mark.parametrize("side", [PORT, STARBOARD])
+@pytest.mark.parametrize("motions", [(YAWED,), (TILTED,), (YAWED, TILTED, TURN, "sway", "heave")])
+def test_a_point_of_the_record_lies_in_the_plane_of_its_beam(small: Scene, motions: Any, side: int) -> None:
+    simulation, ping = moved(small, *motions), 115
+    pose = one(simulation, ping)
+    slant, across, place = place_of(simulation, Mark(ping, side, 60))  # type: ignore[arg-type]
+    assert place is not None
+    assert across is not None
+    there = np.array(place) - [pose.x[0], pose.y[0], pose.z[0]]
+    bow, port = placed(pose, 1.0)[:3, 0], placed(pose, 1.0)[:3, 1]
+    # The bed of the stand-in is level but for a centimetre.
+    assert float(there @ bow) == pytest.approx(0.0, abs=0.05)
+    assert np.linalg.norm(there) == pytest.approx(slant, abs=0.05)
+    assert math.hypot(there[0], there[1]) == pytest.approx(across, abs=0.05)
+    assert float(there @ port) * (1.0 if side == PORT else -1.0) > 0.0
+
+
+def test_the_line_of_the_beam_on_the_bed_leans_with_the_pitch(small: Scene) -> None:
+    simulation = moved(small, TILTED, YAWED)
+    pose = one(simulation, 40)
+    line, slant = scan_line(simulation.ground, simulation.problem, pose)
+    away = line - [pose.x[0], pose.y[0], pose.z[0]]
+    np.testing.assert_allclose(away @ placed(pose, 1.0)[:3, 0], 0.0, atol=0.05)
+    np.testing.assert_allclose(np.linalg.norm(away, axis=1), slant, rtol=1e-6)
+
+
+def test_the_path_begins_where_the_tow_does() -> None:
+    pings = path_pings(100, 0.2, 50.0)
+    assert len(pings) == PATH_POINTS
+    assert pings[0] == 0
+    assert pings[-1] == 225
+    assert path_pings(1000, 0.2, 50.0)[0] == 575
+
+
+def test_fish_and_camera_follow_a_turn(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(edit(small, {"track.motion": {"kind": "sum", "of": [TURN, YAWED]}}))
+    view = viewer.seabed.view
+    matrix = np.array(view._fish_actor.user_matrix)
+    # The line has turned by 90 degrees, the fish lies 20 degrees to port of it.
+    assert math.degrees(math.atan2(matrix[1, 0], matrix[0, 0])) == pytest.approx(110.0)
+    assert math.degrees(_looks(view)) == pytest.approx(90.0, abs=15.0)
+    before = _looks(view)
+    silence = np.zeros(2 * small.sonar.bins, dtype=np.float32)
+    viewer.seabed.show_sonar(viewer._answer.simulation, 0, silence)
+    assert math.degrees(before - _looks(view)) == pytest.approx(90.0)
+
+
+def _looks(view: Any) -> float:
+    """Direction in which the camera looks, in radians."""
+    camera = view._canvas.plotter.camera
+    ahead = np.array(camera.focal_point) - camera.position
+    return math.atan2(ahead[1], ahead[0])

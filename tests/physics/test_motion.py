@@ -1,0 +1,65 @@
+"""What motion does to a record: the first return follows the altitude, yaw drags echoes along the track."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from insonify.picture import LevelBed, normalise
+from insonify.scene import edit, load_scene
+from insonify.simulate import prepare, simulate
+
+LEVEL = edit(
+    load_scene("default"),
+    {"seabed.relief": "flat", "targets": [], "sonar.pulse": "ideal", "sonar.bins": 500, "track.start": [0.0, 0.0]},
+)
+HEAVE = {"kind": "heave", "amplitude": 1.5, "period": 7.0}
+BIN = 0.1
+
+
+def towed(motion, pings=60, **changes):
+    return edit(LEVEL, {"track.motion": motion, "track.pings": pings, **changes})
+
+
+@pytest.mark.parametrize("method", ["sweep", "rays"])
+def test_the_first_return_follows_the_altitude(method):
+    record = simulate(towed(HEAVE), method=method)
+    altitude = record.platform_altitude.values
+    np.testing.assert_allclose(altitude, 10.0 + 1.5 * np.sin(2.0 * np.pi * np.arange(60) / 70.0))
+    first = (record.intensity.values > 0.0).argmax(axis=2)
+    np.testing.assert_allclose(first, np.broadcast_to(altitude / BIN, first.shape), atol=1.0)
+
+
+def test_a_picture_of_a_level_bed_stays_even_whatever_the_altitude():
+    simulation = prepare(towed(HEAVE))
+    pings = np.arange(60)
+    shown = normalise(simulation.intensity(pings), LevelBed(simulation).curves(pings))
+    beyond = shown[:, :, round(1.4 * 11.5 / BIN) :]
+    material = math.sqrt(simulation.ground.reflectivities[0].diffuse)
+    np.testing.assert_allclose(beyond.mean(axis=(1, 2)), beyond.mean(), rtol=0.01)
+    assert beyond[:, :, -100:].mean() == pytest.approx(material, rel=0.02)
+
+
+@pytest.mark.parametrize(("side", "across"), [("port", 25.0), ("starboard", -25.0)])
+def test_yaw_moves_an_echo_along_the_track(side, across):
+    # A yaw that takes a day to come round is still: 5 degrees to port.
+    ball = {"kind": "sphere", "position": [10.0, across], "radius": 0.3}
+    yaw = {"kind": "yaw", "amplitude": 5.0, "period": 1e5, "phase": 90.0}
+    for motion, shift in (("straight", 0.0), (yaw, across * math.tan(math.radians(5.0)))):
+        scene = towed(motion, pings=80, **{"sonar.ping_rate": 14.0, "track.speed": 1.4, "targets": [ball]})
+        scene = edit(scene, {"track.start": [6.0 + shift, 0.0]})
+        echo = simulate(scene).intensity.sel(channel=side) - simulate(edit(scene, {"targets": []})).intensity.sel(
+            channel=side
+        )
+        energy = echo.clip(min=0.0).sum("range_sample").values
+        assert np.average(np.arange(80), weights=energy) * 0.1 + 6.0 + shift == pytest.approx(10.0 + shift, abs=0.05)
+
+
+def test_sway_moves_the_bed_sideways_and_nothing_else():
+    scene = edit(load_scene("default"), {"track.pings": 1, "track.heading": 90.0})
+    swayed = edit(scene, {"track.motion": {"kind": "sway", "amplitude": 2.0, "phase": 90.0}})
+    start = scene.track.start
+    shifted = edit(scene, {"track.start": [start[0] - 2.0, start[1]]})
+    np.testing.assert_allclose(simulate(swayed).intensity, simulate(shifted).intensity, rtol=1e-4)
