@@ -37,8 +37,9 @@ def test_every_command_is_understood(line):
 
 
 def test_the_scene_is_one():
-    (text,) = blocks("toml")
-    assert scene_from_toml(text).targets[0].length == 30.0
+    whole, motion = blocks("toml")
+    assert scene_from_toml(whole).targets[0].length == 30.0
+    assert scene_from_toml(motion).track.kinds == ("heave", "yaw", "turn")
 
 
 def test_the_python_runs():
