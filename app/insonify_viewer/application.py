@@ -239,13 +239,16 @@ class Viewer(QObject):
         self._clock.timeout.connect(self._tick)
 
     def _settle(self, path: str, value: Any) -> None:
-        """Make an edit of the panel final; a measured bed and a recorded tow need a file first."""
+        """Make an edit of the panel final; some choices need a file first."""
         if path == "seabed.relief.kind" and value == "dem":
             self.files.ask_for_dem(self.session.scene)
             self.session.settle()
         elif path == "track.motion.kind" and value == "recorded":
             tow = self.files.ask_for_tow()
             self.session.settle({path: value, "track.motion.path": tow} if tow else None)
+        elif path == "seabed.material.kind" and value == "image":
+            picture = self.files.ask_for_map()
+            self.session.settle({path: value, "seabed.material.path": picture} if picture else None)
         else:
             self.session.settle({path: value} if path else None)
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from insonify.scene import Scene
-from insonify.scene.materials import MATERIALS, Material, Reflectivity
+from insonify.scene.materials import MATERIALS, Material, PatternMap, Reflectivity
 from insonify.scene.motion import Straight, Sum
-from insonify.scene.seabed import Fractal
+from insonify.scene.seabed import Fractal, Mimic
 
 Changes = dict[str, Any]
 SWINGS = ("sway", "heave", "yaw", "pitch", "roll")
@@ -34,7 +34,7 @@ def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """
     complete: Changes = {}
     remarks = []
-    for rule in (_ping_rate, _sonar_height, _spectrum, _named_numbers, _shares, _material_map, _sum):
+    for rule in (_ping_rate, _sonar_height, _spectrum, _named_numbers, _shares, _material_map, _dunes, _sum):
         extra, remark = rule(scene, changes)
         complete |= extra
         if remark:
@@ -140,3 +140,19 @@ def _sum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
         return {}, ""
     before = [] if isinstance(motion, Straight) else [motion.model_dump()]
     return {"track.motion.of": [*before, *({"kind": kind} for kind in SWINGS if kind != motion.kind)]}, ""
+
+
+def _dunes(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Let dunes pass for the pattern there was, or for one of their own, before this sonar."""
+    if changes.get("seabed.relief.kind") != "mimic" or isinstance(scene.seabed.relief, Mimic):
+        return {}, ""
+    from insonify.terrain.inverse import mean_diffuse
+
+    dunes = Mimic(altitude=scene.altitude, reach=scene.sonar.range, law=scene.sonar.law)
+    if isinstance(scene.seabed.material, PatternMap):
+        dunes = dunes.model_copy(update={"of": scene.seabed.material})
+    mean = round(mean_diffuse(dunes.of), 6)
+    return {
+        "seabed.relief": dunes.model_dump(exclude_none=True),
+        "seabed.material": {"diffuse": mean, "specular": 0.0},
+    }, f"the bed is of one material now, which scatters {mean:.4g} evenly"

@@ -13,6 +13,7 @@ from insonify.scene import Scene, SceneError, bundled_scenes, load_scene
 from insonify_viewer.dem import scene_over_dem
 from insonify_viewer.simulation import Simulator
 
+MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 TOWS = "Recorded tows (*.csv *.nc);;All files (*)"
 GRIDS = "Grids of heights (*.tif *.tiff *.bag *.npy *.npz);;All files (*)"
 
@@ -54,6 +55,10 @@ class Files:
     def ask_for_tow(self) -> str:
         """Let the person pick a recorded tow; return its path, empty if none was picked."""
         return QFileDialog.getOpenFileName(self._window, "Open a recorded tow", "", TOWS)[0]
+
+    def ask_for_map(self) -> str:
+        """Let the person pick a picture to lay on the bed; return its path, empty if none was picked."""
+        return QFileDialog.getOpenFileName(self._window, "Open a map of materials", "", MAPS)[0]
 
     def ask_to_save(self) -> None:
         """Let the person name a picture of the window."""

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import SceneError
+from insonify.scene.materials import PatternMap
 from insonify.scene.seabed import Mimic
 from insonify.terrain.materials import material_table
 from insonify.terrain.patterns import pattern_rows
@@ -31,6 +32,7 @@ Curve = NDArray[np.float64]
 
 FROM = 1.4  # altitudes of slant range from which dunes pass
 STEPS_A_CELL = 8
+MEAN_OF = 1 << 14  # samples
 
 
 def mimicking_heights(mimic: Mimic, cells: int) -> Curve:
@@ -59,6 +61,11 @@ def mimicking_heights(mimic: Mimic, cells: int) -> Curve:
     heights[port] = _one_side(mimic, y[port], 1.0, cells)
     heights[~port] = _one_side(mimic, 2.0 * mimic.reach - y[~port], -1.0, cells)
     return heights
+
+
+def mean_diffuse(pattern: PatternMap) -> float:
+    """Mean diffuse share of stripes or waves: that of the dunes that pass for them."""
+    return float(_diffuse(pattern, (np.arange(MEAN_OF) + 0.5) / MEAN_OF).mean())
 
 
 def relief_for(ratio: Curve, altitude: float, step: float, law: str) -> tuple[Curve, Curve]:
@@ -122,13 +129,17 @@ def _one_side(mimic: Mimic, y: Curve, side: float, cells: int) -> Curve:
 
 def _ratio(mimic: Mimic, y: Curve) -> Curve:
     """Diffuse share of the pattern at places across the track, over its mean."""
-    diffuse = np.array([row.diffuse for row in material_table(mimic.of)[1]])
-    samples = (np.arange(1 << 14) + 0.5) / (1 << 14)
-    mean = float(diffuse[pattern_rows(mimic.of, samples, np.zeros_like(samples))].mean())
-    ratio = diffuse[pattern_rows(mimic.of, y / mimic.of.period, np.zeros_like(y))] / max(mean, 1e-300)
+    mean = mean_diffuse(mimic.of)
+    ratio = _diffuse(mimic.of, y / mimic.of.period) / max(mean, 1e-300)
     if mimic.law == "light" and ratio.max() >= FROM:
         raise SceneError(
             f"seabed.relief.of.of: the brightest reflects {ratio.max():.3g} times the mean {mean:.3g}, as no slope of "
             f"the mean material can; keep it below {FROM:g} times"
         )
     return np.asarray(ratio)
+
+
+def _diffuse(pattern: PatternMap, across: Curve) -> Curve:
+    """Diffuse share at places given in periods across the stripes."""
+    table = np.array([row.diffuse for row in material_table(pattern)[1]])
+    return np.asarray(table[pattern_rows(pattern, across, np.zeros_like(across))])
