@@ -8,7 +8,21 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from insonify.kernels.types import FRUSTUM, SONAR, SPHERE, Bed, Mesh, Poses, Problem, Solids, empty_mesh, plain_pattern
+from insonify.kernels.tree import make_mesh
+from insonify.kernels.types import (
+    EVERY_GRAZING,
+    FRUSTUM,
+    SONAR,
+    SPHERE,
+    Bed,
+    Mesh,
+    Pattern,
+    Poses,
+    Problem,
+    Solids,
+    empty_mesh,
+    plain_pattern,
+)
 
 Sphere = tuple[tuple[float, float, float], float]  # centre, radius
 Cylinder = tuple[tuple[float, float, float], tuple[float, float, float], float]  # ends of the axis, radius
@@ -58,41 +72,11 @@ def solids_of(bodies: Sequence[Sphere | Cylinder | Frustum] = (), material: int 
     return solids
 
 
-def mesh_of(vertices: ArrayLike, faces: ArrayLike, *, target: int = 0, leaf: int = 2) -> Mesh:
-    """Mesh of one material from vertices (n, 3) and counter-clockwise faces (m, 3), its tree halved by the middles."""
+def mesh_of(vertices: ArrayLike, faces: ArrayLike, *, target: int = 0) -> Mesh:
+    """Mesh of the first material from vertices (n, 3) and counter-clockwise faces (m, 3)."""
     corners = np.asarray(vertices, dtype=np.float64)[np.asarray(faces)]
-    order: list[int] = []
-    nodes: list[list[int]] = []  # first triangle, held, skip
-
-    def branch(rows: np.ndarray) -> None:
-        node = [len(order), len(rows) if len(rows) <= leaf else 0, 0]
-        nodes.append(node)
-        if node[1]:
-            order.extend(rows.tolist())
-        else:
-            middles = corners[rows].mean(axis=1)
-            ranked = rows[np.argsort(middles[:, np.argmax(np.ptp(middles, axis=0))], kind="stable")]
-            branch(ranked[: len(rows) // 2])
-            branch(ranked[len(rows) // 2 :])
-        node[2] = len(nodes)
-        extents.append((node, corners[rows].min(axis=(0, 1)), corners[rows].max(axis=(0, 1))))
-
-    extents: list[tuple[list[int], np.ndarray, np.ndarray]] = []
-    branch(np.arange(len(corners)))
-    boxes = {id(node): (low, high) for node, low, high in extents}
-    corners = np.ascontiguousarray(corners[order])
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return Mesh(
-        corners=corners,
-        normal=normal / np.linalg.norm(normal, axis=1, keepdims=True),
-        material=np.zeros(len(corners), np.int64),
-        target=np.full(len(corners), target, np.int64),
-        low=np.array([boxes[id(node)][0] for node in nodes]),
-        high=np.array([boxes[id(node)][1] for node in nodes]),
-        skip=np.array([node[2] for node in nodes]),
-        first=np.array([node[0] for node in nodes]),
-        held=np.array([node[1] for node in nodes]),
-    )
+    rows = np.zeros(len(corners), np.int64)
+    return make_mesh(corners, rows, rows + target)
 
 
 def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[np.ndarray, np.ndarray]:
@@ -124,6 +108,39 @@ def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0,
     return radius * np.array(vertices) + np.asarray(centre), np.array(faces)
 
 
+def gaussian_pattern(
+    width: float,
+    *,
+    squint: float = 0.0,
+    vertical: int = EVERY_GRAZING,
+    tilt: float = 0.0,
+    vertical_width: float = 0.5,
+    two_way: bool = True,
+    near_width: float | None = None,
+) -> Pattern:
+    """Gaussian beam of a one-way -3 dB width in radians; ``near_width`` is its width at 5 m and nearer."""
+    sines = np.sin(
+        [w / 2.0 for w in ([width] if near_width is None else [near_width, 0.5 * (near_width + width), width])]
+    )
+    extent = 4.0 * sines
+    offset = extent[:, None] * np.linspace(-1.0, 1.0, 401)
+    energy = 2.0 ** (-(2.0 if two_way else 1.0) * (offset / sines[:, None]) ** 2)
+    steps = 0.5 * (energy[:, 1:] + energy[:, :-1]) * np.diff(offset, axis=1)
+    return Pattern(
+        tabled=True,
+        centre=float(np.sin(squint)),
+        extent=extent,
+        energy=energy,
+        integral=np.concatenate([np.zeros((len(sines), 1)), np.cumsum(steps, axis=1)], axis=1),
+        first_range=5.0,
+        per_octave=1.0,
+        vertical=vertical,
+        tilt=tilt,
+        s_vertical=float(np.sin(0.5 * vertical_width)),
+        two_way=two_way,
+    )
+
+
 def problem_of(
     heights: ArrayLike,
     spacing: float = 1.0,
@@ -135,6 +152,7 @@ def problem_of(
     mesh: Mesh | None = None,
     law: int = SONAR,
     half_width: float = 0.0,
+    pattern: Pattern | None = None,
     bins: int = 1000,
     bin_length: float = 0.05,
     reflectivity: Sequence[tuple[float, float, float]] = ((1.0, 0.0, 1.0),),
@@ -150,7 +168,7 @@ def problem_of(
         interface=np.tile([0.0, 1.0], (len(reflectivity), 1)),
         law=law,
         half_width=half_width,
-        pattern=plain_pattern(),
+        pattern=pattern or plain_pattern(),
         bins=bins,
         bin_length=bin_length,
         range_factor=centres**-4.0 if spreading else np.ones(bins),

@@ -76,7 +76,7 @@ def test_no_ray_slips_through_an_edge_or_a_corner(centre):
     share = np.where(np.isnan(share), rng.random((100_000, 1)), share)
     goals = (1.0 - share) * picked[:, 0] + share * picked[:, 1]
     origins = centre + rng.uniform(-0.3, 0.3, (100_000, 3))
-    problem = alone(mesh_of(vertices, faces, leaf=4))
+    problem = alone(mesh_of(vertices, faces))
     distance, what, _ = rays.cast(problem, origins, goals - origins)
     assert (what == 0).all()
     np.testing.assert_allclose(distance, np.linalg.norm(goals - origins, axis=1), atol=1e-7)
@@ -90,7 +90,7 @@ def test_boxes_that_lie_along_the_axes_do_not_leak():
     # Rays exactly along axes, along faces' planes, through edges and corners of a cube on integers.
     corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    mesh = mesh_of(corners, [f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))], leaf=1)
+    mesh = mesh_of(corners, [f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))])
     places = np.array([(x, y) for x in (0.0, 0.25, 0.5, 1.0) for y in (0.0, 0.25, 0.5, 1.0)])
     for axis in range(3):
         for sign in (-1.0, 1.0):
@@ -104,7 +104,7 @@ def test_boxes_that_lie_along_the_axes_do_not_leak():
 
 def test_the_same_triangle_is_met_whatever_else_there_is():
     # On a shared edge the first in the tree is met, every time.
-    mesh = mesh_of([(0, 0, 0), (1, 0, 0), (1, 1, 0.5), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)], leaf=2)
+    mesh = mesh_of([(0, 0, 0), (1, 0, 0), (1, 1, 0.5), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)])
     normals = [rays.cast(alone(mesh), [(0.5, 0.5, 9.0)] * n, (0, 0, -1))[2] for n in (1, 7, 64)]
     for normal in normals:
         np.testing.assert_array_equal(normal, np.tile(mesh.normal[0], (len(normal), 1)))
@@ -132,7 +132,7 @@ def test_a_record_of_a_fine_mesh_is_that_of_the_sphere(law, half_width):
     ball = ((0.0, 18.0, 1.3), 1.0)
     options = {"periodic": True, "law": law, "half_width": half_width, "bins": 400, "bin_length": 0.1}
     sphere = problem_of(FLAT, 4.0, solids=[ball], **options)
-    mesh = problem_of(FLAT, 4.0, mesh=mesh_of(*icosphere(4, 1.0, ball[0]), leaf=4), **options)
+    mesh = problem_of(FLAT, 4.0, mesh=mesh_of(*icosphere(4, 1.0, ball[0])), **options)
     poses = poses_of(np.array([-0.4, 0.0, 0.3]), 0.0, 10.0)
     one, other = (rays.trace(problem, poses, rays=1 << 14) for problem in (mesh, sphere))
     assert compare(sphere, poses, one, other).beyond < 0.02

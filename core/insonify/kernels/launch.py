@@ -13,9 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.jit import kernel
+from insonify.kernels.beam import pick_azimuth, widest_extent
+from insonify.kernels.jit import fused, kernel
 from insonify.kernels.shapes import widest
-from insonify.kernels.types import LIGHT, SPHERE
+from insonify.kernels.types import LIGHT, PORT, SPHERE
 
 AIM_STEPS = 64.0  # per radian
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -27,11 +28,21 @@ class Beam(NamedTuple):
     x: float
     y: float
     z: float
-    ahead_x: float  # unit vector of the heading
+    ahead_x: float  # level unit vector of the heading
     ahead_y: float
     side_x: float  # and at right angles to it, to that side
     side_y: float
-    half_width: float  # rad
+    axis_x: float  # unit vector about which the beam's cones lie: the fish's own, or the heading of a level beam
+    axis_y: float
+    axis_z: float
+    s_low: float  # sines of the angles from the plane athwart it between which anything is heard
+    s_high: float
+    own_x: float  # the fish's own side
+    own_y: float
+    own_z: float
+    up_x: float  # and its own up
+    up_y: float
+    up_z: float
     reach: float  # m
 
 
@@ -41,16 +52,51 @@ class Launch(NamedTuple):
     ahead: NDArray[np.float64]  # (n,) unit directions
     abeam: NDArray[np.float64]  # (n,)
     up: NDArray[np.float64]  # (n,)
-    weight: NDArray[np.float64]  # (n,) rad (knife, and every beam of law `light`) or sr (fan of law `sonar`)
+    weight: NDArray[np.float64]  # (n,) rad (knife, top-hat of law `light`), sr (law `sonar`), rad² (a pattern's light)
+
+
+@fused
+def make_beam(problem, poses, ping, side):
+    """Point one side of one ping: its own axes after heading, pitch (bow up), then roll (port up)."""
+    # Without rounding dust a track along the grid stays on it.
+    ahead_x, ahead_y = _on_grid(math.cos(poses.heading[ping])), _on_grid(math.sin(poses.heading[ping]))
+    to_side = 1.0 if side == PORT else -1.0
+    x, y, z, reach = poses.x[ping], poses.y[ping], poses.z[ping], problem.bins * problem.bin_length
+    if not problem.pattern.tabled:
+        s = math.sin(problem.half_width)
+        return Beam(
+            x, y, z, ahead_x, ahead_y, -to_side * ahead_y, to_side * ahead_x, ahead_x, ahead_y, 0.0, -s, s,
+            -to_side * ahead_y, to_side * ahead_x, 0.0, 0.0, 0.0, 1.0, reach,
+        )  # fmt: skip
+    cos_p, sin_p = math.cos(poses.pitch[ping]), math.sin(poses.pitch[ping])
+    cos_r, sin_r = math.cos(poses.roll[ping]), math.sin(poses.roll[ping])
+    level_up_x, level_up_y = -sin_p * ahead_x, -sin_p * ahead_y
+    own_x, own_y = -cos_r * ahead_y + sin_r * level_up_x, cos_r * ahead_x + sin_r * level_up_y
+    up_x, up_y = cos_r * level_up_x + sin_r * ahead_y, cos_r * level_up_y - sin_r * ahead_x
+    axis_x, axis_y, axis_z, s_low, s_high = ahead_x, ahead_y, 0.0, 0.0, 0.0
+    if problem.half_width > 0.0:
+        extent = widest_extent(problem.pattern)
+        s_low, s_high = problem.pattern.centre - extent, problem.pattern.centre + extent
+        axis_x, axis_y, axis_z = cos_p * ahead_x, cos_p * ahead_y, sin_p
+    return Beam(
+        x, y, z, ahead_x, ahead_y, -to_side * ahead_y, to_side * ahead_x, axis_x, axis_y, axis_z, s_low, s_high,
+        to_side * own_x, to_side * own_y, to_side * sin_r * cos_p, up_x, up_y, cos_r * cos_p, reach,
+    )  # fmt: skip
+
+
+@fused
+def _on_grid(component):
+    """Direction component with rounding dust removed."""
+    return 0.0 if abs(component) < 1e-12 else component
 
 
 @kernel
-def aim(launch, height, top, reach, half_width, law):
+def aim(launch, problem, height, top, reach, pitch):
     """Aim all rays of a side.
 
     ``height`` of the sonar above the mean bed, ``top`` the highest elevation there is to see (radians, up positive).
     """
-    n = launch.up.size
+    n, law = launch.up.size, problem.law
     level = height > 0.0 and height < reach
     lowest = -math.asin(height / reach) if level else -0.5 * math.pi
     main = n - _upper_rays(n, height, reach, lowest, top) if level else 0
@@ -63,12 +109,12 @@ def aim(launch, height, top, reach, half_width, law):
         shallow = math.asin(height / r_far)
         # Exactly a step of slant range on a level bed for law `light`, exactly the angle for law `sonar`.
         angle = (r_far - r_near) * math.tan(theta) / r if law == LIGHT else steep - shallow
-        _send(launch, k, -theta, angle, height / r_near - height / r_far, half_width, law)
+        _send(launch, k, problem, pitch, -theta, angle, height / r_near - height / r_far, r)
     step = (top - lowest) / max(n - main, 1)
     for k in range(main, n):
         low = lowest + (k - main) * step
         band = math.sin(low + step) - math.sin(low)
-        _send(launch, k, low + 0.5 * step, step, band, half_width, law)
+        _send(launch, k, problem, pitch, low + 0.5 * step, step, band, reach)
 
 
 @kernel
@@ -81,16 +127,27 @@ def _upper_rays(n, height, reach, lowest, top):
     return min(n // 2, math.ceil(n * equivalent / (equivalent + reach - height)))
 
 
-@kernel
-def _send(launch, k, elevation, angle, band, half_width, law):
-    """Set ray k: its elevation, the angle it stands for and the difference of sin(elevation) over that angle."""
-    c, s = math.cos(elevation), math.sin(elevation)
-    widest = cone_azimuth(c, half_width)
+@fused
+def _send(launch, k, problem, pitch, elevation, angle, band, r):
+    """Set ray k: its elevation, the angle it stands for, the difference of sin(elevation) over that, its likely range.
+
+    Law `light` averages over the beam, a pattern's when it is heard; law `sonar` integrates it.
+    """
+    c, s, half_width = math.cos(elevation), math.sin(elevation), problem.half_width
     place = (k + 1) * GOLDEN
-    azimuth = widest * (2.0 * (place - math.floor(place)) - 1.0)
+    place -= math.floor(place)
+    weight = angle if problem.law == LIGHT or half_width <= 0.0 else band
+    if problem.pattern.tabled and half_width > 0.0:
+        level, tip = math.cos(pitch) * c, math.sin(pitch) * s
+        azimuth, stands_for = pick_azimuth(problem.pattern, level, tip, r, place)
+        weight *= stands_for
+    else:
+        widest = cone_azimuth(c, half_width)
+        azimuth = widest * (2.0 * place - 1.0)
+        if problem.law != LIGHT and half_width > 0.0:
+            weight *= 2.0 * widest
     launch.ahead[k], launch.abeam[k], launch.up[k] = c * math.sin(azimuth), c * math.cos(azimuth), s
-    # Law `light` averages over the beam, law `sonar` integrates it.
-    launch.weight[k] = angle if law == LIGHT or half_width <= 0.0 else band * 2.0 * widest
+    launch.weight[k] = weight
 
 
 @kernel
@@ -121,7 +178,7 @@ def gather(solids, mesh, beam, near):
         cz = solids.start[k, 2] + middle * solids.axis[k, 2] - beam.z
         bound = middle + widest(solids, k)
         distance = math.sqrt(cx * cx + cy * cy + cz * cz)
-        if not _touches(beam, cx, cy, distance, bound):
+        if not _touches(beam, cx, cy, cz, distance, bound):
             continue
         near[count] = k
         count += 1
@@ -132,10 +189,13 @@ def gather(solids, mesh, beam, near):
     return count, math.ceil(top * AIM_STEPS) / AIM_STEPS
 
 
-@kernel
-def _touches(beam, cx, cy, distance, bound):
+@fused
+def _touches(beam, cx, cy, cz, distance, bound):
     """Whether a beam can touch a ball, its centre counted from the sonar."""
-    if abs(cx * beam.ahead_x + cy * beam.ahead_y) - bound > math.sin(beam.half_width) * (distance + bound):
+    along = cx * beam.axis_x + cy * beam.axis_y + cz * beam.axis_z
+    if along - bound > beam.s_high * (distance + math.copysign(bound, beam.s_high)):
+        return False
+    if along + bound < beam.s_low * (distance - math.copysign(bound, beam.s_low)):
         return False
     return cx * beam.side_x + cy * beam.side_y >= -bound and distance - bound <= beam.reach
 
@@ -152,7 +212,7 @@ def _highest_of_mesh(mesh, beam, top):
         cz = mesh.low[node, 2] + wz - beam.z
         bound, distance = math.sqrt(wx * wx + wy * wy + wz * wz), math.sqrt(cx * cx + cy * cy + cz * cz)
         highest = top
-        if _touches(beam, cx, cy, distance, bound):
+        if _touches(beam, cx, cy, cz, distance, bound):
             farthest = min(distance + bound, beam.reach)
             highest = highest_elevation(cz + wz, max(distance - bound, 0.0), farthest)
         if highest <= top:

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
-from insonify.kernels.jit import kernel
-from insonify.kernels.launch import Beam, Launch, aim, gather, highest_elevation, inside_body, turn
+from insonify.kernels.beam import heard_angle, sensitivity, vertical_sensitivity
+from insonify.kernels.jit import fused, kernel
+from insonify.kernels.launch import Launch, aim, gather, highest_elevation, inside_body, make_beam, turn
 from insonify.kernels.march import march_hits
 from insonify.kernels.scatter import strength
-from insonify.kernels.types import LIGHT, PORT
+from insonify.kernels.types import EVERY_GRAZING, LIGHT, PORT
 from insonify.kernels.walk import NOTHING, Bundle, Hits, first_hits
 
 
@@ -24,29 +25,27 @@ def trace_pings(problem, poses, rays, step, out):
     bundle, hits = empty_bundle(rays), empty_hits(rays)
     near = np.empty(problem.solids.shape.size, np.int64)
     sums = np.empty(problem.bins)
-    reach, fan = problem.bins * problem.bin_length, problem.half_width > 0.0
-    aimed_at = np.full((2, 2), math.nan)
+    reach = problem.bins * problem.bin_length
+    aimed_at = np.full((2, 3), math.nan)
     for ping in range(poses.x.size):
-        x, y, z = poses.x[ping], poses.y[ping], poses.z[ping]
-        body = inside_body(problem.solids, x, y, z)
+        z, pitch = poses.z[ping], poses.pitch[ping]
+        body = inside_body(problem.solids, poses.x[ping], poses.y[ping], z)
         if body >= 0:
             return -1 - body
-        ahead_x, ahead_y = _on_grid(math.cos(poses.heading[ping])), _on_grid(math.sin(poses.heading[ping]))
         for side in range(2):
-            side_x, side_y = (-ahead_y, ahead_x) if side == PORT else (ahead_y, -ahead_x)
-            beam = Beam(x, y, z, ahead_x, ahead_y, side_x, side_y, problem.half_width, reach)
+            beam = make_beam(problem, poses, ping, side)
             count, top = gather(problem.solids, problem.mesh, beam, near)
             top = max(top, highest_elevation(problem.bed.high - z, 0.0, reach))
             launch = port if side == PORT else starboard
-            if z != aimed_at[side, 0] or top != aimed_at[side, 1]:
-                aim(launch, z, top, reach, problem.half_width, problem.law)
-                aimed_at[side, 0], aimed_at[side, 1] = z, top
+            if z != aimed_at[side, 0] or top != aimed_at[side, 1] or pitch != aimed_at[side, 2]:
+                aim(launch, problem, z, top, reach, pitch)
+                aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, top, pitch
             turn(launch, beam, bundle)
             if step > 0.0:
                 march_hits(problem.bed, problem.solids, near, count, problem.mesh, bundle, reach, step, hits)
             else:
                 first_hits(problem.bed, problem.solids, near, count, problem.mesh, bundle, reach, hits)
-            deposit(bundle, hits, launch.weight, problem.reflectivity, problem.law, fan, problem.bin_length, sums)
+            deposit(problem, beam, bundle, hits, launch.weight, sums)
             # What depends on range alone comes after the sum.
             for k in range(problem.bins):
                 out[ping, side, k] = sums[k] * problem.range_factor[k]
@@ -79,14 +78,15 @@ def empty_hits(n):
 
 
 @kernel
-def deposit(bundle, hits, weight, reflectivity, law, fan, bin_length, sums):
+def deposit(problem, beam, bundle, hits, weight, sums):
     """Sum what the hits return into time bins."""
+    law, fan, reflectivity = problem.law, problem.half_width > 0.0, problem.reflectivity
     sums[:] = 0.0
     for k in range(weight.size):
         if hits.body[k] == NOTHING:
             continue
         distance = hits.distance[k]
-        b = int(distance / bin_length)
+        b = int(distance / problem.bin_length)
         dx, dy, dz, nx, ny, nz = bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.nx[k], hits.ny[k], hits.nz[k]
         cos_incidence = -(nx * dx + ny * dy + nz * dz)
         # A surface exactly edge-on returns nothing.
@@ -96,10 +96,28 @@ def deposit(bundle, hits, weight, reflectivity, law, fan, bin_length, sums):
         value = strength(cos_incidence, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
         value *= weight[k] * distance / cos_incidence
         if law == LIGHT:
-            value *= _tilt(dx, dy, dz, nx, ny, nz) / bin_length
+            value *= _tilt(dx, dy, dz, nx, ny, nz) / problem.bin_length
         elif fan:
             value *= distance
+        if problem.pattern.tabled:
+            value *= heard(problem.pattern, beam, fan, law, dx, dy, dz, distance)
         sums[b] += value
+
+
+@fused
+def heard(pattern, beam, fan, law, dx, dy, dz, r):
+    """Sensitivity of a pattern in a direction of the world; law `light` averages over its azimuths."""
+    value = 1.0
+    if pattern.vertical != EVERY_GRAZING:
+        side = dx * beam.own_x + dy * beam.own_y + dz * beam.own_z
+        value = vertical_sensitivity(pattern, side, dx * beam.up_x + dy * beam.up_y + dz * beam.up_z)
+    if not fan or value == 0.0:
+        return value
+    value *= sensitivity(pattern, dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z, r)
+    if law != LIGHT or value == 0.0:
+        return value
+    cos_pitch, cos_elevation = math.sqrt(1.0 - beam.axis_z * beam.axis_z), math.sqrt(dx * dx + dy * dy)
+    return value / heard_angle(pattern, cos_pitch * cos_elevation, beam.axis_z * dz, r)
 
 
 @kernel
@@ -109,9 +127,3 @@ def _tilt(dx, dy, dz, nx, ny, nz):
     if level == 0.0:
         return 0.0
     return abs(nz * level - dz * (nx * dx + ny * dy) / level)
-
-
-@kernel
-def _on_grid(component):
-    """Direction component with rounding dust removed, so that a track along the grid stays on it."""
-    return 0.0 if abs(component) < 1e-12 else component

@@ -1,0 +1,160 @@
+"""The beam's pattern, read from its table, and the azimuths at which to listen to it."""
+
+from __future__ import annotations
+
+import math
+
+from insonify.kernels.jit import fused
+from insonify.kernels.types import TOP_HAT
+
+SLICES = 16  # of the azimuths over which a pattern is averaged
+
+
+@fused
+def sensitivity(pattern, s, r):
+    """Sensitivity in the directions of s at slant range r: bilinear in s and log r."""
+    row, share = _row(pattern, r)
+    heard = _energy(pattern, row, s)
+    return heard + share * (_energy(pattern, row + 1, s) - heard) if share > 0.0 else heard
+
+
+@fused
+def heard_between(pattern, s_low, s_high, r):
+    """Integral of the sensitivity over s between two values, at slant range r."""
+    row, share = _row(pattern, r)
+    heard = _integral(pattern, row, s_high) - _integral(pattern, row, s_low)
+    if share > 0.0:
+        above = _integral(pattern, row + 1, s_high) - _integral(pattern, row + 1, s_low)
+        heard += share * (above - heard)
+    return heard
+
+
+@fused
+def _row(pattern, r):
+    """Row of the table that a slant range falls in, and how far it is on its way to the next."""
+    last = pattern.extent.size - 1
+    if last == 0 or r <= pattern.first_range:
+        return 0, 0.0
+    place = min(math.log2(r / pattern.first_range) * pattern.per_octave, float(last))
+    row = min(int(place), last - 1)
+    return row, place - row
+
+
+@fused
+def _integral(pattern, row, s):
+    """Integral of one row up to s."""
+    columns = pattern.integral.shape[1]
+    extent = pattern.extent[row]
+    place = (s - pattern.centre + extent) / (2.0 * extent) * (columns - 1)
+    if place <= 0.0:
+        return 0.0
+    if place >= columns - 1:
+        return pattern.integral[row, columns - 1]
+    k = int(place)
+    return pattern.integral[row, k] + (place - k) * (pattern.integral[row, k + 1] - pattern.integral[row, k])
+
+
+@fused
+def _energy(pattern, row, s):
+    """Sensitivity of one row at s, nothing beyond its extent."""
+    columns = pattern.energy.shape[1]
+    extent = pattern.extent[row]
+    place = (s - pattern.centre + extent) / (2.0 * extent) * (columns - 1)
+    if not 0.0 <= place <= columns - 1:
+        return 0.0
+    k = min(int(place), columns - 2)
+    return pattern.energy[row, k] + (place - k) * (pattern.energy[row, k + 1] - pattern.energy[row, k])
+
+
+@fused
+def widest_extent(pattern):
+    """Greatest extent of any row."""
+    extent = 0.0
+    for row in range(pattern.extent.size):
+        extent = max(extent, pattern.extent[row])
+    return extent
+
+
+@fused
+def pick_azimuth(pattern, level, tip, r, place):
+    """Pick the azimuth of a ray for a place in [0, 1), and the angle it stands for: (azimuth, angle).
+
+    Over azimuths φ, s = level · sin φ + tip. Half the rays are spread evenly over all that is heard, for the sidelobes;
+    half as the pattern has it at slant range r, for the main lobe. Each stands for one over the density of both.
+    """
+    extent = widest_extent(pattern)
+    low = min(max((pattern.centre - extent - tip) / level, -1.0), 1.0)
+    high = min(max((pattern.centre + extent - tip) / level, -1.0), 1.0)
+    if low >= high:
+        return 0.0, 0.0
+    first, last = math.asin(low), math.asin(high)
+    row, _ = _row(pattern, r)
+    before = _integral(pattern, row, level * low + tip)
+    whole = _integral(pattern, row, level * high + tip) - before
+    if whole <= 0.0:
+        return first + place * (last - first), last - first
+    if place < 0.5:
+        azimuth = first + 2.0 * place * (last - first)
+    else:
+        s = _where_integral(pattern, row, before + (2.0 * place - 1.0) * whole)
+        azimuth = math.asin(min(max((s - tip) / level, low), high))
+    sine = math.sin(azimuth)
+    lobe = _mean_energy(pattern, row, level * sine + tip) * level * math.cos(azimuth) / whole
+    return azimuth, 1.0 / (0.5 / (last - first) + 0.5 * lobe)
+
+
+@fused
+def _where_integral(pattern, row, value):
+    """Find s at which the integral of one row reaches a value."""
+    low, high = 0, pattern.integral.shape[1] - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if pattern.integral[row, middle] <= value:
+            low = middle
+        else:
+            high = middle
+    step = pattern.integral[row, high] - pattern.integral[row, low]
+    share = (value - pattern.integral[row, low]) / step if step > 0.0 else 0.5
+    extent = pattern.extent[row]
+    return pattern.centre - extent + 2.0 * extent * (low + share) / (pattern.integral.shape[1] - 1)
+
+
+@fused
+def _mean_energy(pattern, row, s):
+    """Mean sensitivity of one row over the column that s falls in: the slope of its integral."""
+    columns = pattern.integral.shape[1]
+    extent = pattern.extent[row]
+    place = (s - pattern.centre + extent) / (2.0 * extent) * (columns - 1)
+    if not 0.0 <= place <= columns - 1:
+        return 0.0
+    k = min(int(place), columns - 2)
+    return (pattern.integral[row, k + 1] - pattern.integral[row, k]) * (columns - 1) / (2.0 * extent)
+
+
+@fused
+def heard_angle(pattern, level, tip, r):
+    """Integral of the sensitivity over all azimuths of one side at slant range r, where s = level · sin φ + tip."""
+    extent = widest_extent(pattern)
+    low = math.asin(min(max((pattern.centre - extent - tip) / level, -1.0), 1.0))
+    high = math.asin(min(max((pattern.centre + extent - tip) / level, -1.0), 1.0))
+    step, total, before = (high - low) / SLICES, 0.0, math.sin(low)
+    for k in range(SLICES):
+        after = math.sin(low + (k + 1) * step)
+        if after > before:
+            mean = heard_between(pattern, level * before + tip, level * after + tip, r) / (level * (after - before))
+            total += mean * step
+        before = after
+    return total
+
+
+@fused
+def vertical_sensitivity(pattern, side, up):
+    """Sensitivity of the vertical beam in a direction with these parts along the fish's own side and up."""
+    c, s = math.cos(pattern.tilt), math.sin(pattern.tilt)
+    # Parts of the direction along the tilted axis, and at right angles to it.
+    along, off = side * c - up * s, (up * c + side * s) / pattern.s_vertical
+    if along <= 0.0:
+        return 0.0
+    if pattern.vertical == TOP_HAT:
+        return 1.0 if abs(off) <= 1.0 else 0.0
+    return 2.0 ** (-off * off * (2.0 if pattern.two_way else 1.0))

@@ -1,0 +1,152 @@
+"""Beams with patterns on a fish that pitches and rolls: against dense sums over a level bed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import gaussian_pattern, poses_of, problem_of, rough
+from insonify.kernels.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TOP_HAT, Pattern
+from insonify.tracers import rays
+
+FLAT = np.zeros((8, 8))
+HEIGHT = 8.0
+
+
+def top_hat(half_width):
+    """The top-hat of a level fan, as a table."""
+    s = math.sin(half_width)
+    integral = np.linspace(0.0, 2.0 * s, 65)
+    return Pattern(True, 0.0, np.array([s]), np.ones((1, 65)), integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
+
+
+def axes(heading, pitch, roll):
+    """Unit vectors of the fish: ahead, port, up."""
+    ch, sh, cp, sp = math.cos(heading), math.sin(heading), math.cos(pitch), math.sin(pitch)
+    ahead, port, up = np.array([cp * ch, cp * sh, sp]), np.array([-sh, ch, 0.0]), np.array([-sp * ch, -sp * sh, cp])
+    return ahead, math.cos(roll) * port + math.sin(roll) * up, math.cos(roll) * up - math.sin(roll) * port
+
+
+def heard(pattern, fish, side, direction, r):
+    """Sensitivity in directions (n, 3) at slant ranges (n,): (along the track, vertical)."""
+    ahead, port, up = fish
+    rows = pattern.extent.size
+    place = np.clip(np.log2(r / pattern.first_range) * pattern.per_octave, 0.0, rows - 1.0)
+    columns = [
+        np.interp(
+            direction @ ahead,
+            pattern.centre + pattern.extent[k] * np.linspace(-1, 1, pattern.energy.shape[1]),
+            pattern.energy[k], left=0.0, right=0.0,
+        )
+        for k in range(rows)
+    ]  # fmt: skip
+    along = sum(column * np.maximum(1.0 - np.abs(place - k), 0.0) for k, column in enumerate(columns))
+    own = direction @ port * (1.0 if side == 0 else -1.0)
+    w = (direction @ up) * math.cos(pattern.tilt) + own * math.sin(pattern.tilt)
+    if pattern.vertical == TOP_HAT:
+        return along, 1.0 * (np.abs(w) <= pattern.s_vertical)
+    if pattern.vertical == GAUSSIAN:
+        return along, 2.0 ** (-((w / pattern.s_vertical) ** 2) * (2 if pattern.two_way else 1))
+    return along, np.ones_like(r)
+
+
+def level_bed(problem, heading, pitch, roll):
+    """Record of a Lambert bed by a dense sum over slant range and azimuth, (2, bins)."""
+    fish = axes(heading, pitch, roll)
+    # Finer below the fish, where a beam opens from all azimuths to a few within centimetres.
+    near, far = np.linspace(HEIGHT, 9.0, 257), np.linspace(9.0, problem.bins * problem.bin_length, 497)
+    edges = np.concatenate([near, far[1:]])
+    r, dr = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+    out = np.zeros((2, problem.bins))
+    azimuth = (np.arange(6000) + 0.5) / 6000 * math.pi - math.pi / 2  # from athwart
+    for side in (0, 1):
+        turned = heading + (math.pi / 2 - azimuth if side == 0 else azimuth - math.pi / 2)
+        for k in range(r.size):
+            c = math.sqrt(1.0 - (HEIGHT / r[k]) ** 2)
+            direction = np.column_stack([c * np.cos(turned), c * np.sin(turned), np.full(6000, -HEIGHT / r[k])])
+            along, vertical = heard(problem.pattern, fish, side, direction, np.full(6000, r[k]))
+            if problem.law == LIGHT:
+                # Averaged along the track, weighted by the vertical beam.
+                value = HEIGHT / r[k] * (along * vertical).sum() / max(along.sum(), 1e-300) * dr[k] / problem.bin_length
+            else:
+                # dA = r dr dφ, σ = cos²α / π.
+                value = (HEIGHT / r[k]) ** 2 / math.pi * (along * vertical).sum() * math.pi / 6000 * r[k] * dr[k]
+            out[side, int(r[k] / problem.bin_length)] += value
+    return out
+
+
+CASES = {
+    "narrow": (gaussian_pattern(0.02), (0.0, 0.0)),
+    "wide": (gaussian_pattern(0.3, two_way=False), (0.0, 0.0)),
+    "squint": (gaussian_pattern(0.05, squint=0.4), (0.0, 0.0)),
+    "near field": (gaussian_pattern(0.02, near_width=0.2), (0.0, 0.0)),
+    "pitched": (gaussian_pattern(0.05), (0.15, 0.0)),
+    "tilted fan": (gaussian_pattern(0.05, vertical=TOP_HAT, tilt=0.4, vertical_width=0.5), (0.0, 0.0)),
+    "tilted, rolled": (gaussian_pattern(0.05, vertical=GAUSSIAN, tilt=0.4, vertical_width=0.6), (0.0, 0.2)),
+    "all": (gaussian_pattern(0.08, squint=-0.1, vertical=GAUSSIAN, tilt=0.3, two_way=False), (-0.1, -0.15)),
+}
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+@pytest.mark.parametrize("case", CASES)
+def test_a_level_bed_is_the_sum_over_it(case, law):
+    pattern, (pitch, roll) = CASES[case]
+    problem = problem_of(
+        FLAT, 4.0, periodic=True, law=law, half_width=0.03, pattern=pattern, bins=80, bin_length=0.5
+    )  # fmt: skip
+    record = rays.trace(problem, poses_of(1.0, 2.0, HEIGHT, 0.3, pitch, roll), rays=1 << 16)[0]
+    truth = level_bed(problem, 0.3, pitch, roll)
+    # A hard edge of the vertical beam falls within a bin, which the sum resolves to an eighth.
+    bound = 0.02 if pattern.vertical == TOP_HAT else 0.003
+    assert np.linalg.norm(record[:, 18:] - truth[:, 18:]) < bound * np.linalg.norm(truth[:, 18:])
+    assert np.abs(record[:, :18].sum(axis=1) - truth[:, :18].sum(axis=1)).max() < 0.004 * truth.sum(axis=1).max()
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_a_top_hat_from_a_table_is_the_top_hat(law):
+    half_width = math.radians(1.5)
+    options = {"periodic": True, "law": law, "half_width": half_width, "bins": 120, "bin_length": 0.3}
+    heights, ball = rough(64, 64, 0.15), ((3.0, 12.0, 0.6), 0.5)
+    plain = problem_of(heights, 0.5, solids=[ball], **options)
+    tabled = plain._replace(pattern=top_hat(half_width))
+    one, other = (rays.trace(problem, poses_of(3.0, 1.0, 6.0, 0.1), rays=1 << 17) for problem in (tabled, plain))
+    assert np.linalg.norm(one - other) < 0.01 * np.linalg.norm(other)
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_a_knife_knows_its_vertical_beam(law):
+    pattern = gaussian_pattern(0.02, vertical=GAUSSIAN, tilt=0.5, vertical_width=0.4)
+    plain = problem_of(FLAT, 4.0, periodic=True, law=law, bins=150, bin_length=0.2)
+    record, bare = (
+        rays.trace(problem, poses_of(0.0, 0.0, HEIGHT, roll=0.1), rays=8000)[0, 0]
+        for problem in (plain._replace(pattern=pattern), plain)
+    )
+    theta = np.arcsin(HEIGHT / ((np.arange(45, 150) + 0.5) * 0.2))
+    # Port up: the axis lies at 0.5 - 0.1 below the horizon, on the athwart plane itself.
+    weight = 2.0 ** (-2.0 * (np.sin(theta - 0.4) / math.sin(0.2)) ** 2)
+    # The middle of a bin stands for all of it.
+    np.testing.assert_allclose(record[45:], bare[45:] * weight, rtol=0.01, atol=1e-3 * record.max())
+
+
+def test_the_mixture_of_azimuths_converges_on_sidelobes_too():
+    # A narrow lobe on a floor 30 dB down that spans half the sphere: both halves of the energy come out.
+    s = np.linspace(-0.9, 0.9, 4001)
+    energy = np.maximum(2.0 ** (-2.0 * (s / 0.005) ** 2), 1e-3)
+    integral = np.concatenate([[0.0], np.cumsum(0.5 * (energy[1:] + energy[:-1]) * np.diff(s))])
+    pattern = Pattern(True, 0.0, np.array([0.9]), energy[None], integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
+    problem = problem_of(FLAT, 4.0, periodic=True, half_width=0.005, pattern=pattern, bins=80, bin_length=0.5)
+    truth = level_bed(problem, 0.0, 0.0, 0.0)
+    errors = []
+    for count in (1 << 12, 1 << 14, 1 << 16):
+        record = rays.trace(problem, poses_of(0.0, 0.0, HEIGHT), rays=count)[0]
+        errors.append(np.linalg.norm(record[:, 18:] - truth[:, 18:]) / np.linalg.norm(truth[:, 18:]))
+    assert errors[2] < 0.01
+    assert errors[2] < 0.5 * errors[0]
+
+
+def test_attitude_matters_only_to_patterns():
+    problem = problem_of(rough(64, 64, 0.15), 0.5, periodic=True, half_width=0.02)
+    still, swung = (rays.trace(problem, poses_of(0.0, 0.0, 8.0, 0.2, *a), rays=500) for a in ((0, 0), (0.1, 0.2)))
+    np.testing.assert_array_equal(still, swung)
