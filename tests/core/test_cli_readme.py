@@ -36,10 +36,11 @@ def test_every_command_is_understood(line):
         chosen_scene(arguments)
 
 
-def test_the_scene_is_one():
-    whole, motion = blocks("toml")
-    assert scene_from_toml(whole).targets[0].length == 30.0
-    assert scene_from_toml(motion).track.kinds == ("heave", "yaw", "turn")
+def test_the_scene_is_one_and_its_parts_are_of_one():
+    whole, *parts = map(scene_from_toml, blocks("toml"))
+    assert whole.targets[0].length == 30.0
+    assert ("heave", "yaw", "turn") in {part.track.kinds for part in parts}
+    assert "pattern" in {part.seabed.material.kind for part in parts}
 
 
 def test_the_python_runs():

@@ -167,7 +167,13 @@ class PatternMap(Declaration):
         "stripes", description="stripes and checks have sharp borders; waves blend from the first to the last and back"
     )
     period: float = parameter(
-        8.0, unit="m", description="length after which it repeats", gt=0.0, le=1e5, slider=(0.5, 50.0), log=True
+        8.0,
+        unit="m",
+        description="length after which it repeats; whole ones are fitted into a period of the relief",
+        gt=0.0,
+        le=1e5,
+        slider=(0.5, 50.0),
+        log=True,
     )
     heading: float = parameter(
         0.0,
@@ -188,7 +194,13 @@ class ImageMap(Declaration):
         description="materials from black to white, or of the palette's first colours", min_length=2, max_length=256
     )
     width: float = parameter(
-        102.4, unit="m", description="width of the picture on the bed", gt=0.0, le=1e6, slider=(10.0, 500.0), log=True
+        102.4,
+        unit="m",
+        description="width of the picture on the bed; whole pictures are fitted into a period of the relief",
+        gt=0.0,
+        le=1e6,
+        slider=(10.0, 500.0),
+        log=True,
     )
 
 

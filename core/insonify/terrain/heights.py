@@ -62,9 +62,11 @@ def relief_picture(scene: Scene) -> NDArray[np.uint8]:
     -------
     (ny, nx) uint8
         The lowest height is 0, the highest 255; the first row is the northernmost. 0 also where there is no bed or
-        no relief.
+        no relief. A bed that is even along x is shown 256 nodes wide.
     """
     heights = build_ground(scene).heights[::-1]
+    if heights.shape[1] <= FLAT_CELLS:
+        heights = np.tile(heights, (1, 256 // heights.shape[1]))
     low, high = np.nanmin(heights), np.nanmax(heights)
     if high == low:
         return np.zeros(heights.shape, dtype=np.uint8)
