@@ -79,6 +79,7 @@ def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDAr
         From `insonify.sound.pulses.coherent_taps`.
     interval : (bins,) float64
         ∫|ρ|² along the track, in pings, where |ρ|² is the correlation of the energies; 1 and less is independent.
+        Of a few pings it is kept to some 5 %, for the triangle is sampled there.
 
     Returns
     -------

@@ -20,6 +20,7 @@ from insonify.sound.cell import bin_centres, surface_echo, volume_echo
 
 Curve = NDArray[np.float64]
 SMALLEST = float(np.finfo(np.float32).tiny)  # the floor of a record without noise
+MOST = 330.0  # dB by which source and gain together may lift an echo: float32 ends at 385
 
 
 def power(level: float) -> float:
@@ -73,4 +74,5 @@ def time_varied_gain(scene: Scene, problem: Problem, echo: Curve, noise: float, 
         loss = declared.absorption * NEPER_PER_DB / 1e3
     heard = np.flatnonzero(echo > max(noise, SMALLEST))
     r = np.minimum(r, r[heard[-1]] if heard.size else r[0])
-    return np.asarray(r ** (declared.spreading / 10.0) * np.exp(4.0 * loss * r))
+    decibels = declared.spreading * np.log10(r) + 2.0 * loss / NEPER_PER_DB * r
+    return np.asarray(10.0 ** (np.minimum(decibels, MOST - scene.receiver.source_level) / 10.0))

@@ -1,0 +1,155 @@
+"""Pulses: resolution, sidelobes and energy, against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import problem_of
+from insonify.receive import make_reception, receive
+from insonify.scene import edit, load_scene
+from insonify.scene.sonar import Chirp, Ideal, Tone
+from insonify.sound.pulses import coherence, coherent_taps, envelope, pulse_taps
+
+SPEED = 1500.0
+BANDWIDTH = 30e3
+CELL = SPEED / (2.0 * BANDWIDTH)  # 2.5 cm
+WINDOWS = ["uniform", "hamming", "hann"]
+# ∫W² B / (∫W)² of each window: 1, 1 + b²/2a².
+ENERGY = {"uniform": 1.0, "hamming": 1.0 + 0.5 * (0.46 / 0.54) ** 2, "hann": 1.5}
+
+
+def chirp(window, duration=2e-3):
+    return Chirp(duration=duration, bandwidth=BANDWIDTH, window=window)
+
+
+def width(r, energy, level=0.5):
+    """Extent of where the energy of the main lobe is above a level."""
+    above = r[energy >= level]
+    return above[-1] - above[0]
+
+
+@pytest.mark.parametrize(
+    ("window", "cells", "sidelobe"), [("uniform", 0.886, -13.26), ("hamming", 1.30, -42.7), ("hann", 1.44, -31.5)]
+)
+def test_a_chirp_is_as_sharp_as_its_bandwidth(window, cells, sidelobe):
+    r = np.linspace(0.0, 12.0 * CELL, 120_001)
+    energy = envelope(chirp(window), r, SPEED) ** 2
+    assert 2.0 * width(r, energy) / CELL == pytest.approx(cells, rel=3e-3)
+    # The main lobe ends at the first null: 1 cell for a uniform spectrum, 2 for the tapered ones.
+    null = 1.0 if window == "uniform" else 2.0
+    assert energy[round(null * 10_000)] < 1e-30
+    assert 10.0 * math.log10(energy[r > null * CELL].max()) == pytest.approx(sidelobe, abs=0.1)
+
+
+@pytest.mark.parametrize("window", WINDOWS)
+@pytest.mark.parametrize("bin_length", [0.003, 0.05, 0.4])
+def test_taps_of_a_chirp_hold_its_energy(window, bin_length):
+    taps = pulse_taps(chirp(window), SPEED, bin_length)
+    # All but the sidelobes beyond the pulse's length.
+    assert taps.weights.sum() * bin_length / CELL == pytest.approx(ENERGY[window], rel=2e-3)
+    assert (taps.weights >= 0.0).all()
+    np.testing.assert_allclose(taps.weights, taps.weights[::-1], atol=1e-15)
+    assert taps.weights.size == 2 * taps.before + 1
+
+
+def test_taps_of_a_chirp_are_integrals_over_bins():
+    pulse, bin_length = chirp("hamming", 2e-4), 0.02
+    taps = pulse_taps(pulse, SPEED, bin_length)
+    # Echoes anywhere in their bin, heard anywhere in another.
+    within, bins = (np.arange(400) + 0.5) / 400, np.arange(-taps.before, taps.before + 1)
+    for k, weight in zip(bins, taps.weights):
+        offset = (k + within - within[:, None]) * bin_length
+        assert weight == pytest.approx((envelope(pulse, offset, SPEED) ** 2).mean(), abs=2e-5)
+
+
+def record_of(traced, bin_length, **changes):
+    declared = edit(load_scene("default"), {path.replace("__", "."): value for path, value in changes.items()})
+    problem = problem_of(np.zeros((4, 4)), bins=traced.shape[2], bin_length=bin_length)
+    return receive(make_reception(declared, problem, altitude=10.0, depth=20.0), traced, np.arange(len(traced)))
+
+
+def test_the_record_of_a_point_is_the_response_of_the_pulse():
+    bin_length, bins = 0.0005, 8000
+    traced = np.zeros((1, 2, bins), np.float32)
+    traced[:, :, 4000] = 1.0
+    record = record_of(traced, bin_length, sonar__pulse=chirp("uniform", 1e-3).model_dump())[0, 0]
+    r = (np.arange(bins) - 4000) * bin_length
+    assert np.argmax(record) == 4000
+    assert width(r, record / record.max()) / CELL == pytest.approx(0.886, abs=0.02)
+    lobes = record[np.abs(r) > CELL].max() / record.max()
+    assert 10.0 * math.log10(lobes) == pytest.approx(-13.26, abs=0.05)
+    # Nothing is heard beyond the pulse's own length, c·1 ms/2 = 0.75 m either way.
+    assert not record[np.abs(r) > 0.75 + bin_length].any()
+
+
+@pytest.mark.parametrize("duration", [2e-5, 1e-4, 3.3e-4])
+def test_a_tone_resolves_half_its_length(duration):
+    bin_length, bins = 0.0005, 2000
+    traced = np.zeros((1, 2, bins), np.float32)
+    traced[:, :, 100] = 1.0
+    record = record_of(traced, bin_length, sonar__pulse={"kind": "tone", "duration": duration})[0, 0]
+    assert np.count_nonzero(record > 0.5) * bin_length == pytest.approx(0.5 * SPEED * duration, abs=1.5 * bin_length)
+    # The envelope, as a function of two-way time, has its first spectral null at 1/τ.
+    time = 2.0 * bin_length / SPEED * np.arange(bins)
+    frequencies = np.linspace(0.1, 1.9, 1801) / duration
+    spectrum = np.abs(np.exp(-2j * np.pi * frequencies[:, None] * time) @ np.sqrt(record))
+    below = spectrum[: np.argmin(spectrum)]
+    assert frequencies[np.argmin(spectrum)] * duration == pytest.approx(1.0, abs=2.0 * bin_length / SPEED / duration)
+    assert (np.diff(below) < 0.0).all()
+
+
+@pytest.mark.parametrize("pulse", [Ideal(), Tone(duration=1e-4), *(chirp(window) for window in WINDOWS)])
+def test_an_even_bed_sums_what_a_point_sums(pulse):
+    # A unit echo sums to the equivalent length in bins, and every bin of an even bed holds as much, to the last.
+    total = pulse_taps(pulse, SPEED, 0.05).weights.sum()
+    bed = np.ones((1, 2, 600), np.float32)
+    point = np.zeros_like(bed)
+    point[:, :, 300] = 1.0
+    settings = {"sonar__pulse": pulse.model_dump()}
+    assert record_of(point, 0.05, **settings)[0, 0].sum() == pytest.approx(total, rel=1e-5)
+    np.testing.assert_allclose(record_of(bed, 0.05, **settings)[0, 0, 100:], total, rtol=1e-5)
+
+
+def test_equal_cells_make_equal_echoes():
+    # A tone of τ and a chirp of bandwidth 1/τ have the same equivalent length, cτ/2.
+    tone, sweep = Tone(duration=1e-4), Chirp(duration=5e-3, bandwidth=1e4, window="uniform")
+    sums = [pulse_taps(pulse, SPEED, 0.05).weights.sum() for pulse in (tone, sweep)]
+    assert sums == pytest.approx([1.5, 1.5], rel=3e-3)
+
+
+def test_silence_stays_silent_beyond_the_pulse_and_nothing_is_negative():
+    traced = np.zeros((2, 2, 500), np.float32)
+    traced[:, :, 250:300] = np.random.default_rng(0).random((2, 2, 50))
+    for window in WINDOWS:
+        record = record_of(traced, 0.05, sonar__pulse=chirp(window, 1e-3).model_dump())
+        assert (record >= 0.0).all()
+        # 1 ms reaches 15 bins either way.
+        assert not record[:, :, :235].any()
+        assert not record[:, :, 315:].any()
+        assert record[:, :, 235:315].all()
+
+
+@pytest.mark.parametrize(
+    "pulse",
+    [Ideal(), *(Tone(duration=t) for t in (1e-5, 1e-4, 2e-4, 1.1e-3)), *(chirp(window) for window in WINDOWS)],
+)
+@pytest.mark.parametrize("bin_length", [0.005, 0.05, 0.5])
+def test_filtered_noise_has_the_coherence_of_the_pulse(pulse, bin_length):
+    taps, wanted = coherent_taps(pulse, SPEED, bin_length), coherence(pulse, SPEED, bin_length)
+    assert (taps**2).sum() == pytest.approx(1.0, abs=1e-12)
+    found = np.correlate(taps, taps, "full")[taps.size - 1 :]
+    np.testing.assert_allclose(found, wanted, atol=2e-3)
+
+
+@pytest.mark.parametrize("window", WINDOWS)
+def test_the_coherence_of_a_chirp_is_its_envelopes_own_correlation(window):
+    # Numerically, over a response long enough to hold its sidelobes.
+    pulse, step = chirp(window, 0.02), CELL / 10.0
+    response = envelope(pulse, np.arange(-5000, 5001) * step, SPEED)
+    correlation = np.correlate(response, response, "full")[10_000 : 10_000 + 40]
+    lags = np.arange(40)
+    wanted = correlation / correlation[0] * (1.0 - lags / 160.0)
+    np.testing.assert_allclose(coherence(pulse, SPEED, step)[:40], wanted, atol=1e-3)

@@ -1,0 +1,192 @@
+"""Speckle: its distribution, and how far it keeps together, against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from beds import problem_of
+from insonify.receive import make_reception
+from insonify.receive.speckle import shape_table
+from insonify.scene import edit, load_scene
+from insonify.sound.pulses import coherence
+
+BINS, BIN_LENGTH, WIDTH = 400, 0.05, 1.0
+WAVELENGTH = 1500.0 / 400e3
+
+
+def speckle(pings=400, half_width=WIDTH / 2.0, bins=BINS, speckle="rayleigh", **changes):
+    """Numbers that an even record is multiplied by, (pings, 2, bins)."""
+    declared = edit(
+        load_scene("default"),
+        {"receiver.speckle": speckle, **{path.replace("__", "."): value for path, value in changes.items()}},
+    )
+    problem = problem_of(np.zeros((4, 4)), bins=bins, bin_length=BIN_LENGTH, half_width=math.radians(half_width))
+    ready = make_reception(declared, problem, altitude=5.0, depth=20.0).speckle
+    return ready.factors(np.arange(pings)).astype(float)
+
+
+def effective(pings, bins, correlation_along=1.0, correlation_across=1.0):
+    """Number of independent samples among correlated ones: all, over both correlation intervals."""
+    return 2.0 * pings * bins / (correlation_along * correlation_across)
+
+
+# In bins, Σ|ρ|² of a tone of 0.1 ms (1.5 bins): 1 + 2 (1/3)².
+TONE = 1.0 + 2.0 / 9.0
+
+
+def test_one_look_is_rayleigh():
+    intensity = speckle()
+    n = effective(400, BINS, correlation_across=TONE)
+    assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(n))
+    amplitude = np.sqrt(intensity)
+    # CV = √(4/π − 1) = 0.523; its estimate scatters by 0.47/√n.
+    assert amplitude.std() / amplitude.mean() == pytest.approx(math.sqrt(4.0 / math.pi - 1.0), abs=3 * 0.47 / n**0.5)
+    assert intensity.std() / intensity.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / n))
+
+
+@pytest.mark.parametrize("speed", [2.0, 0.1, 0.02])
+@pytest.mark.parametrize("pulse", ["ideal", "tone", "chirp"])
+def test_correlated_or_not_it_is_exponential_throughout(pulse, speed):
+    # Every 40th bin and 100th ping are independent whatever the correlation.
+    intensity = speckle(4001, sonar__pulse=pulse, track__speed=speed)[::100, :, ::40].ravel()
+    # Kolmogorov-Smirnov, at one in a thousand.
+    assert stats.kstest(intensity, "expon").statistic < 1.95 / math.sqrt(intensity.size)
+
+
+@pytest.mark.parametrize("looks", [2, 4, 16])
+def test_looks_average(looks):
+    intensity = speckle(speckle={"kind": "rayleigh", "looks": looks})
+    n = effective(400, BINS, correlation_across=TONE)
+    assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(looks * n))
+    # The variance of a contrast 1/√L of gamma numbers is (1 + 1/L)/2L a sample.
+    sigma = math.sqrt(0.5 * (1.0 + 1.0 / looks) / looks / n)
+    assert intensity.std() / intensity.mean() == pytest.approx(1.0 / math.sqrt(looks), abs=3.0 * sigma)
+
+
+def correlation(intensity, lag, axis):
+    """Correlation of energies so many samples apart."""
+    centred = np.moveaxis(intensity - 1.0, axis, 0)
+    return (centred[lag:] * centred[: len(centred) - lag]).mean() / (centred**2).mean()
+
+
+@pytest.mark.parametrize("duration", [1e-4, 2e-4, 5e-4])
+def test_neighbouring_bins_correlate_as_the_pulse_covers_both(duration):
+    intensity = speckle(3000, sonar__pulse={"kind": "tone", "duration": duration})
+    length = 0.5 * 1500.0 * duration / BIN_LENGTH
+    n = effective(3000, BINS, correlation_across=length)
+    for lag in range(1, math.ceil(length) + 2):
+        wanted = max(0.0, 1.0 - lag / length) ** 2
+        assert correlation(intensity, lag, 2) == pytest.approx(wanted, abs=4.0 / math.sqrt(n))
+
+
+def test_neighbouring_bins_of_a_chirp_correlate_by_its_bandwidth():
+    intensity = speckle(3000, sonar__pulse={"kind": "chirp", "duration": 1e-3, "bandwidth": 6e3})
+    declared = edit(load_scene("default"), {"sonar.pulse": {"kind": "chirp", "duration": 1e-3, "bandwidth": 6e3}})
+    wanted = coherence(declared.sonar.pulse, 1500.0, BIN_LENGTH) ** 2
+    n = effective(3000, BINS, correlation_across=3.0)
+    for lag in range(1, 6):
+        assert correlation(intensity, lag, 2) == pytest.approx(wanted[lag], abs=4.0 / math.sqrt(n))
+
+
+def interval(intensity, lags):
+    """∫|ρ|² along the track, in pings."""
+    return 1.0 + 2.0 * sum(correlation(intensity, lag, 0) for lag in range(1, lags))
+
+
+@pytest.mark.parametrize("pings_within", [3.0, 8.0, 30.0])
+def test_pings_keep_together_over_half_an_array(pings_within):
+    # λ/2θ, at any range: pings so close that so many lie within it.
+    length = 0.5 * WAVELENGTH / (2.0 * math.sin(math.radians(WIDTH / 2.0)))
+    intensity = speckle(6000, track__speed=10.0 * length / pings_within, sonar__pulse="ideal")
+    for part in (intensity[:, :, :200], intensity[:, :, 200:]):
+        n = effective(6000, 200, correlation_along=pings_within)
+        lags = math.ceil(2.2 * pings_within)
+        sigma = pings_within * math.sqrt(2.0 * lags / pings_within) / math.sqrt(n)
+        # A triangle of a few pings, sampled at pings, has its interval to 3 %.
+        assert interval(part, lags) == pytest.approx(pings_within, rel=0.03, abs=4.0 * sigma)
+
+
+def test_a_broad_beam_decorrelates_sooner():
+    narrow, broad = (speckle(400, half_width=w, track__speed=0.2, sonar__pulse="ideal") for w in (0.25, 1.0))
+    # 0.21 m and 0.05 m, in pings 2 cm apart.
+    assert correlation(narrow, 2, 0) > 0.7
+    assert correlation(broad, 4, 0) < 0.05
+
+
+def test_far_sides_and_other_pings_are_independent():
+    intensity = speckle(400, sonar__pulse="ideal") - 1.0
+    bound = 4.0 / math.sqrt(intensity.size)
+    assert abs((intensity[1:] * intensity[:-1]).mean()) < bound
+    assert abs((intensity[:, 0] * intensity[:, 1]).mean()) < 1.5 * bound
+
+
+def k(shape, cell=None, looks=1):
+    return {"kind": "k", "shape": shape, "looks": looks} | ({} if cell is None else {"cell": cell})
+
+
+@pytest.mark.parametrize("shape", [0.5, 1.0, 3.0, 20.0])
+@pytest.mark.parametrize("looks", [1, 4])
+def test_k_has_its_moments(shape, looks):
+    # 5 m a ping, so that cells never overlap.
+    intensity = speckle(1500, speckle=k(shape, looks=looks), sonar__pulse="ideal", track__speed=50.0)
+    n = intensity.size
+    # I = Gamma × Exp: E I² = (1 + 1/ν)(1 + 1/L), and likewise up to the eighth moment for the scatter of the second.
+    moment = [
+        math.prod(1.0 + j / shape for j in range(m)) * math.prod(1.0 + j / looks for j in range(m)) for m in range(9)
+    ]
+    variance = moment[2] - 1.0
+    assert intensity.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(variance / n))
+    assert (intensity**2).mean() == pytest.approx(moment[2], abs=3.0 * math.sqrt((moment[4] - moment[2] ** 2) / n))
+    if looks == 1:
+        assert variance == pytest.approx(1.0 + 2.0 / shape)
+
+
+def test_k_of_many_scatterers_is_rayleigh():
+    intensity = speckle(200, speckle=k(1e4), sonar__pulse="ideal", track__speed=50.0)[::10, :, ::10].ravel()
+    assert stats.kstest(intensity, "expon").statistic < 1.95 / math.sqrt(intensity.size)
+
+
+@pytest.mark.parametrize("shape", [0.1, 0.7, 1.0, 4.0, 300.0])
+def test_the_table_turns_exponential_numbers_into_gamma_ones(shape):
+    table = shape_table(math.log2(shape), math.log2(shape))
+    columns = np.arange(table.shape[1]) / 16.0 - 12.0
+    exponential = 2.0**columns
+    made = 2.0 ** table[0].astype(float)
+    np.testing.assert_allclose(
+        stats.gamma.sf(made, shape, scale=1.0 / shape), np.exp(-exponential), rtol=2e-3, atol=1e-12
+    )
+    if shape == 1.0:
+        np.testing.assert_allclose(made, exponential, rtol=1e-6)
+
+
+def test_k_grows_more_even_with_range_and_pulse():
+    # ν in proportion to the cell r·θ·cτ/2: 2 at 0.0131 m².
+    near, far, longer = (
+        speckle(4000, speckle=k(2.0, cell=0.0131), track__speed=50.0, sonar__pulse={"kind": "tone", "duration": t})
+        for t in (1e-4, 1e-4, 4e-4)
+    )
+    for intensity, bins, duration in (
+        (near, slice(90, 110), 1e-4),
+        (far, slice(380, 400), 1e-4),
+        (longer, slice(90, 110), 4e-4),
+    ):
+        r = 0.5 * (bins.start + bins.stop) * BIN_LENGTH
+        shape = 2.0 * r * math.radians(WIDTH) * 0.5 * 1500.0 * duration / 0.0131
+        found = intensity[:, :, bins].var()
+        n = effective(4000, 20, correlation_across=1.0 + duration / 1e-4)
+        assert found == pytest.approx(1.0 + 2.0 / shape, abs=3.0 * math.sqrt(60.0 / n))
+
+
+def test_the_strength_of_the_bed_keeps_together_as_cells_overlap():
+    # Cells of 0.17 m and 0.35 m, and pings 2 cm apart; 16 looks bring the texture out.
+    intensity = speckle(8000, speckle=k(1.0, looks=16), sonar__pulse="ideal", track__speed=0.2, half_width=0.5)
+    for bins in (slice(190, 210), slice(380, 400)):
+        cell = 0.5 * (bins.start + bins.stop) * BIN_LENGTH * math.radians(WIDTH) / 0.02
+        part = intensity[:, :, bins]
+        # Speckle adds 2/16 to a variance of 1, and keeps together over 0.1 m.
+        found = sum(correlation(part, lag, 0) for lag in range(1, math.ceil(2.2 * cell))) * 2.0 + 1.0
+        assert found == pytest.approx(cell, rel=0.15)
