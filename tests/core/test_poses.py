@@ -195,6 +195,12 @@ def test_a_record_tows_another(tmp_path):
         np.testing.assert_allclose(second[f"platform_{name}"], first[f"platform_{name}"], atol=1e-9)
 
 
+def test_a_column_without_a_number_is_none(tmp_path):
+    found = poses(csv(tmp_path, "ping_time,platform_roll,platform_pitch,remark\n0,0,nan,7\n10,10,nan,8\n"), [50])
+    assert float(np.degrees(found.roll[0])) == pytest.approx(5.0)
+    assert found.pitch[0] == 0.0
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -60,6 +60,12 @@ def read_tow(path: str) -> RecordedTow:
     if suffix not in (".csv", ".nc"):
         raise _refusal(path, "is not a format known here", "give a file that ends in .csv or .nc")
     found = _from_record(path) if suffix == ".nc" else _from_text(path)
+    # A recording that was never told its pitch holds a column without numbers.
+    found = {
+        name: column
+        for name, column in found.items()
+        if name == "time" or not np.isnan(column).all() or column.size == 0
+    }
     if "time" not in found:
         raise _refusal(path, "has no column time", "name the column of seconds time")
     if len(found) < 2:

@@ -16,6 +16,7 @@ from insonify.terrain.measured import file_version
 from insonify.tows import RecordedTow, read_tow
 
 Column = NDArray[np.float64]
+STRAIGHT = 1e-30  # rad/m, below which no bend shows over any tow
 ANGLES = ("heading", "pitch", "roll")
 
 
@@ -70,8 +71,9 @@ def _bent(track: Track, along: Column) -> Line:
     x, y, heading, curvature = pieces.x[at], pieces.y[at], pieces.heading[at], pieces.curvature[at]
     beyond = along - pieces.begin[at]
     # The chord of an arc through the angle 2a is 2 sin(a) / curvature long and lies at a to its beginning.
-    half = np.remainder(0.5 * curvature * beyond, 2.0 * math.pi)
-    curved = curvature != 0.0
+    # Whole circles go first, so that it is as exact far along the tow.
+    half = np.fmod(0.5 * curvature * beyond, 2.0 * math.pi)
+    curved = np.abs(curvature) > STRAIGHT
     chord = np.where(curved, 2.0 * np.sin(half) / np.where(curved, curvature, 1.0), beyond)
     way = np.radians(heading) + half
     return Line(
@@ -94,7 +96,7 @@ def _pieces(track: Track) -> _Pieces:
         began, x, y, heading, curvature = rows[-1]
         along = time * track.speed
         half = 0.5 * curvature * (along - began)
-        chord = 2.0 * math.sin(half) / curvature if curvature else along - began
+        chord = 2.0 * math.sin(half) / curvature if abs(curvature) > STRAIGHT else along - began
         way = heading + math.degrees(half)
         end = (along, x + exact_cos(way) * chord, y + exact_cos(way - 90.0) * chord, heading + math.degrees(2.0 * half))
         rows.append((*end, math.radians(rate) / track.speed))
