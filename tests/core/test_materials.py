@@ -10,7 +10,7 @@ import pytest
 
 from insonify.kernels.jit import kernel
 from insonify.kernels.scatter import backscatter
-from insonify.scene import SceneError, build
+from insonify.scene import SceneError, build, edit, load_scene
 from insonify.scene.materials import MATERIALS, Material, Reflectivity
 from insonify.simulate import prepare
 
@@ -90,6 +90,15 @@ def test_the_lobe_of_a_level_bed_is_the_echo_of_the_mirror_image(name):
     ]
     image = specular / (2.0 * altitude) ** 2
     assert np.trapezoid(echo, incidence) == pytest.approx(image * (1.0 + 0.5 / (shininess + 1.0)), rel=1e-4)
+
+
+def test_sediments_side_by_side_are_as_loud_as_their_numbers_say():
+    scene = edit(load_scene("sediments"), {"seabed.relief": "flat", "sonar.beam": "knife"})
+    step = scene.track.speed / scene.sonar.ping_rate
+    pings = np.array([round((10.0 * k + 5.0) / step) for k in range(7)])
+    far = prepare(scene).intensity(pings)[:, :, 600:].astype(float)  # beyond the lobes
+    diffuse = np.array([MATERIALS[name].diffuse for name in TABLE])
+    np.testing.assert_allclose(far / far[6], np.tile((diffuse / diffuse[6])[:, None, None], far.shape[1:]), rtol=1e-3)
 
 
 def test_given_numbers_override_the_name():

@@ -119,6 +119,12 @@ def test_stripes_pass_too_on_both_sides(law):
     assert difference(level, dunes) < 2e-3
 
 
+@pytest.mark.parametrize("law", ["light", "sonar"])
+def test_a_fan_is_deceived_as_a_knife_is(law):
+    fan = {"sonar.beam": {"kind": "fan", "width": 2.5}, "sonar.law": law}
+    assert difference(*pair(fan, dunes={"seabed.relief.law": law})) < 1e-3
+
+
 def test_another_altitude_tells_them_apart():
     """It is 6.9 % of the record at 25 m, 7.3 % of each bin in the mean square."""
     assert 0.05 < difference(*pair({"track.altitude": 25.0})) < 0.1

@@ -178,7 +178,7 @@ class PatternMap(Declaration):
     heading: float = parameter(
         0.0,
         unit="°",
-        description="direction along the stripes, counter-clockwise from +x",
+        description="direction along the stripes, counter-clockwise from +x; they follow one another to its left",
         ge=-360.0,
         le=360.0,
         slider=(-180.0, 180.0),
