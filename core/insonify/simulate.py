@@ -14,6 +14,7 @@ from insonify.kernels.types import Poses, Problem
 from insonify.plan import Plan, plan
 from insonify.receive import Reception, make_reception, receive
 from insonify.scene import Scene, scene_to_toml
+from insonify.scene.receiver import K
 from insonify.terrain import Ground, build_ground
 from insonify.tracers import march, rays, sweep
 from insonify.tracers.line import Line, line_at
@@ -51,6 +52,8 @@ class Simulation:
         All of it as the tracers take it.
     reception : Reception
         What becomes of the echoes.
+    spiky : Problem or None
+        Likewise, with every material's echo divided by the shape of its K speckle; None where that is of no account.
     """
 
     scene: Scene
@@ -58,6 +61,7 @@ class Simulation:
     ground: Ground
     problem: Problem
     reception: Reception
+    spiky: Problem | None
 
     def poses(self, pings: NDArray[np.int64]) -> Poses:
         """Return where the sonar is at the given pings; beyond the track's last the tow goes on."""
@@ -85,10 +89,13 @@ class Simulation:
             Linear intensity, port first; each ping is a function of the scene and its number alone.
         """
         pings = np.asarray(pings, dtype=np.int64)
-        traced = TRACERS[self.plan.method](self.problem, self.poses(pings), **self.plan.settings)
+        trace, poses = TRACERS[self.plan.method], self.poses(pings)
+        traced = trace(self.problem, poses, **self.plan.settings)
+        spiky = None if self.spiky is None else trace(self.spiky, poses, **self.plan.settings)
 
         def block(first: int, last: int) -> NDArray[np.float32]:
-            return receive(self.reception, traced[first:last], pings[first:last])
+            part = slice(first, last)
+            return receive(self.reception, traced[part], pings[part], None if spiky is None else spiky[part])
 
         return np.concatenate(in_parallel(block, pings.size)) if pings.size else traced
 
@@ -121,7 +128,19 @@ def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> S
     chosen = plan(scene, tolerance, method=method)
     ground = build_ground(scene)
     problem = make_problem(scene, ground)
-    return Simulation(scene, chosen, ground, problem, _make_reception(scene, ground, problem))
+    reception = _make_reception(scene, ground, problem)
+    return Simulation(scene, chosen, ground, problem, reception, _spiky(scene, ground, problem))
+
+
+def _spiky(scene: Scene, ground: Ground, problem: Problem) -> Problem | None:
+    """Divide the strength of every material by the shape of its K speckle, if any says one."""
+    speckle = scene.receiver.speckle
+    rows = (*ground.reflectivities, *(target.material.reflectivity for target in scene.targets))
+    if not isinstance(speckle, K) or all(row.speckle_shape is None for row in rows):
+        return None
+    shapes = np.array([row.speckle_shape or speckle.shape for row in rows])
+    strengths = problem.reflectivity / np.stack([shapes, shapes, np.ones(shapes.size)], axis=1)
+    return problem._replace(reflectivity=strengths)
 
 
 def _make_reception(scene: Scene, ground: Ground, problem: Problem) -> Reception:

@@ -107,6 +107,7 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "seabed.material[uniform].diffuse": ({}, {"seabed.material.diffuse": 0.2}),
     "seabed.material[uniform].specular": ({}, {"seabed.material.specular": 0.1}),
     "seabed.material[uniform].shininess": ({}, {"seabed.material.shininess": 4.0}),
+    "seabed.material[uniform].speckle_shape": (K, {"seabed.material.speckle_shape": 0.3}),
     "seabed.material[patches].of": (PATCHES, {"seabed.material.of.1": "cobble"}),
     "seabed.material[patches].size": (PATCHES, {"seabed.material.size": 3.0}),
     "seabed.material[fractal].of": (BANDS, {"seabed.material.of.1": "cobble"}),
@@ -133,6 +134,7 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "targets[pipe].material[uniform].diffuse": ({}, {"targets.0.material.diffuse": 0.1}),
     "targets[pipe].material[uniform].specular": ({}, {"targets.0.material.specular": 0.1}),
     "targets[pipe].material[uniform].shininess": ({}, {"targets.0.material.shininess": 3.0}),
+    "targets[pipe].material[uniform].speckle_shape": (K, {"targets.0.material.speckle_shape": 0.3}),
     "targets[pipe].radius": ({}, {"targets.0.radius": 0.6}),
     "targets[pipe].length": ({}, {"targets.0.length": 3.0}),
     "targets[pipe].heading": ({}, {"targets.0.heading": 20.0}),
@@ -267,7 +269,7 @@ WHY_NOT = {
 WHY_NOT_OF_MATERIALS = {
     "reflection": "is for sound that bounces on",
     "speed_ratio": "is for sound that passes through",
-    "speckle_shape": "is for K speckle",
+    "speckle_shape": "is for K speckle, where the bed's and the pipe's are heard",
 }
 UNHEARD = ("targets[box]", "targets[mesh]")  # laid out for the tracers, which pass them by so far
 # What a field changes other than the intensity.
@@ -289,7 +291,7 @@ def fields(model: type[BaseModel], path: str = "") -> Iterator[str]:
 EVERY = set(fields(Scene))
 WHY_NOT |= {
     path: WHY_NOT_OF_MATERIALS[path.rpartition(".")[2]]
-    for path in EVERY
+    for path in EVERY - CHANGES.keys()
     if path.rpartition(".")[2] in WHY_NOT_OF_MATERIALS and path.rpartition(".")[0].endswith("[uniform]")
 }
 

@@ -9,9 +9,11 @@ import pytest
 from scipy import stats
 
 from beds import problem_of
-from insonify.receive import make_reception
-from insonify.receive.speckle import shape_table
+from insonify.kernels.fields import transform
+from insonify.receive import make_reception, receive
+from insonify.receive.speckle import COLUMNS, FIRST_COLUMN, shape_table
 from insonify.scene import edit, load_scene
+from insonify.simulate import prepare
 from insonify.sound.pulses import coherence
 
 BINS, BIN_LENGTH, WIDTH = 400, 0.05, 1.0
@@ -152,15 +154,12 @@ def test_k_of_many_scatterers_is_rayleigh():
 
 @pytest.mark.parametrize("shape", [0.1, 0.7, 1.0, 4.0, 300.0])
 def test_the_table_turns_exponential_numbers_into_gamma_ones(shape):
-    table = shape_table(math.log2(shape), math.log2(shape))
-    columns = np.arange(table.shape[1]) / 16.0 - 12.0
-    exponential = 2.0**columns
-    made = 2.0 ** table[0].astype(float)
-    np.testing.assert_allclose(
-        stats.gamma.sf(made, shape, scale=1.0 / shape), np.exp(-exponential), rtol=2e-3, atol=1e-12
-    )
-    if shape == 1.0:
-        np.testing.assert_allclose(made, exponential, rtol=1e-6)
+    exponential = np.random.default_rng(0).exponential(size=(1, 2, 1000)).astype(np.float32)
+    made = exponential.copy()
+    place = np.full(made.shape, 8.0 * math.log2(shape / 0.05), np.float32)
+    transform(made, shape_table(), FIRST_COLUMN, COLUMNS, place)
+    survival = stats.gamma.sf(made.astype(float), shape, scale=1.0 / shape)
+    np.testing.assert_allclose(survival, np.exp(-exponential), atol=3e-4)
 
 
 def test_k_grows_more_even_with_range_and_pulse():
@@ -190,3 +189,42 @@ def test_the_strength_of_the_bed_keeps_together_as_cells_overlap():
         # Speckle adds 2/16 to a variance of 1, and keeps together over 0.1 m.
         found = sum(correlation(part, lag, 0) for lag in range(1, math.ceil(2.2 * cell))) * 2.0 + 1.0
         assert found == pytest.approx(cell, rel=0.15)
+
+
+def test_each_material_has_its_own_shape():
+    stripes = {"kind": "pattern", "shape": "stripes", "period": 8.0, "of": ["rock", "rock"]}
+    spiky = edit(
+        load_scene("default"),
+        {
+            "seabed.relief": "flat",
+            "targets": [],
+            "seabed.material": stripes | {"of": [{"name": "rock", "speckle_shape": v} for v in (0.7, 20.0)]},
+            "sonar.pulse": "ideal",
+            "sonar.bins": 500,
+            "track.speed": 50.0,
+            "receiver.speckle": k(3.0),
+        },
+    )
+    simulation, plain = prepare(spiky), prepare(edit(spiky, {"receiver.speckle": "none"}))
+    pings = np.arange(1500)
+    ratio = simulation.intensity(pings) / np.maximum(plain.intensity(pings), 1e-30)
+    kind = plain.truth(pings[:1]).material[0]
+    # Bins well within a stripe of 4 m.
+    inside = (np.abs(np.arange(500) * 0.1 - 30.0) < 15.0) & (np.roll(kind[0], 5) == np.roll(kind[0], -5))
+    for row, shape in ((0, 0.7), (1, 20.0)):
+        found = ratio[:, 0, inside & (kind[0] == row)].astype(float)
+        assert found.mean() == pytest.approx(1.0, abs=0.02)
+        assert found.var() == pytest.approx(1.0 + 2.0 / shape, rel=0.05)
+
+
+def test_the_shape_of_a_bin_is_the_mean_of_what_it_hears():
+    problem = problem_of(np.zeros((4, 4)), bins=200, half_width=0.01)
+    declared = edit(load_scene("default"), {"receiver.speckle": k(2.0), "track.speed": 50.0, "sonar.pulse": "ideal"})
+    ready = make_reception(declared, problem, altitude=5.0, depth=20.0)
+    pings = np.arange(4000)
+    traced = np.ones((4000, 2, 200), np.float32)
+    own, same = receive(ready, traced, pings), receive(ready, traced, pings, 0.5 * traced)
+    np.testing.assert_allclose(same, own, rtol=1e-5)
+    # Half the echo of shape 1 and half of shape 1/3: 1/ν = 2.
+    mixed = receive(ready, traced, pings, np.float32(0.5 * 1.0 + 0.5 * 3.0) * traced).astype(float)
+    assert mixed.var() == pytest.approx(1.0 + 2.0 * 2.0, rel=0.05)

@@ -95,7 +95,7 @@ def make_reception(scene: Scene, problem: Problem, *, altitude: float, depth: fl
     )
 
 
-def receive(reception: Reception, traced: Record, pings: NDArray[np.int64]) -> Record:
+def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], spiky: Record | None = None) -> Record:
     """Turn traced intensities into a record.
 
     Parameters
@@ -106,19 +106,23 @@ def receive(reception: Reception, traced: Record, pings: NDArray[np.int64]) -> R
         Intensity of an ideal pulse.
     pings : (n,) int64
         Their numbers.
+    spiky : (n, 2, bins) float32, optional
+        Likewise traced, each echo divided by the shape of its material's K speckle; the receiver's own shape holds
+        for all when left out.
 
     Returns
     -------
     (n, 2, bins) float32
         Intensity as received; the traced array itself where nothing applies.
     """
-    record = _through(reception.taps, traced)
-    if reception.reverberation.any():
-        record = record + reception.reverberation.astype(np.float32)
-    if reception.fluctuation is not None:
-        record = reception.fluctuation.shifted(record, pings)
+    record = _delayed(reception, traced, pings)
     if reception.speckle is not None:
-        record = record * reception.speckle.factors(pings)
+        inverse_shape: Record | None = None
+        if spiky is not None:
+            # The mean of 1/ν over what a bin hears.
+            weighted = _delayed(reception, spiky, pings, reception.speckle.inverse_shape)
+            inverse_shape = np.divide(weighted, record, out=np.zeros_like(record), where=record > 0.0)
+        record = record * reception.speckle.factors(pings, inverse_shape)
     if reception.fluctuation is not None:
         record = record * reception.fluctuation.gains(pings)
     if reception.source != 1.0:
@@ -137,3 +141,11 @@ def _through(taps: Taps, traced: Record) -> Record:
     record = np.zeros_like(traced)
     lengthen(traced, taps.weights.astype(np.float32), taps.before, record)
     return record
+
+
+def _delayed(reception: Reception, traced: Record, pings: NDArray[np.int64], share: float = 1.0) -> Record:
+    """Add to the pulse's echoes that share of the reverberation, and let the water delay it all."""
+    record = _through(reception.taps, traced)
+    if reception.reverberation.any():
+        record = record + (share * reception.reverberation).astype(np.float32)
+    return record if reception.fluctuation is None else reception.fluctuation.shifted(record, pings)
