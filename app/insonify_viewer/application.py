@@ -25,6 +25,7 @@ from insonify_viewer.record import Record
 from insonify_viewer.seabed import Seabed
 from insonify_viewer.session import Mark, Session
 from insonify_viewer.simulation import Answer, Request, Simulator
+from insonify_viewer.targets import Targets
 from insonify_viewer.tow import Tow
 from insonify_viewer.views.files import Files, save_picture
 from insonify_viewer.views.main_window import MainWindow
@@ -108,7 +109,7 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, tow, simulator, window, record, files
+    session, tow, simulator, window, record, files, targets
         What it connects.
     failure : str
         Why nothing could be simulated, before the first picture.
@@ -123,6 +124,7 @@ class Viewer(QObject):
         self.window = MainWindow(native=native, palettes=PALETTES)
         self.record = Record(_pings_held(scene), scene.sonar.bins)
         self.files = Files(self.window, self.simulator, self.open, self.window.say)
+        self.targets = Targets(self.session, self.window, self.simulator, self.files)
         self.failure = ""
         self._seabed = Seabed(self.simulator, accelerated=accelerated)
         self._number, self._fine, self._refused = 0, True, -1
@@ -223,6 +225,7 @@ class Viewer(QObject):
         self.simulator.refused.connect(self._refuse)
         window.panel.dragged.connect(lambda path, value: session.drag({path: value}))
         window.panel.settled.connect(self._settle)
+        window.panel.file_asked.connect(self._change_file)
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
         window.open_scene.triggered.connect(self.files.ask_for_scene)
@@ -251,6 +254,16 @@ class Viewer(QObject):
             self.session.settle({path: value, "seabed.material.path": picture} if picture else None)
         else:
             self.session.settle({path: value} if path else None)
+
+    def _change_file(self, path: str) -> None:
+        """Let the person pick another file for a field."""
+        files = self.files
+        if path == "seabed.relief.path":
+            files.ask_for_dem(self.session.scene)
+            return
+        ask = {"seabed": files.ask_for_map, "track": files.ask_for_tow, "targets": files.ask_for_mesh}
+        if file := ask[path.partition(".")[0]]():
+            self.session.settle({path: file})
 
     def _scene_changed(self, scene: Scene, settled: bool) -> None:
         if scene != self._traced:
@@ -311,6 +324,7 @@ class Viewer(QObject):
         if self._answer is None or scene is not self._answer.simulation.scene:
             self._show_geometry(scene)
         self._answer = answer
+        self.targets.simulation = answer.simulation
         age = self.tow.top - answer.pings
         on_screen = (age >= 0) & (age < self.record.pings)
         stamp = 2 * answer.number + answer.fine

@@ -14,9 +14,13 @@ from insonify.scene import Scene
 from insonify.scene.edit import kind_name, models_of
 from insonify.scene.materials import MATERIALS, Material
 from insonify.scene.seabed import Dem, Fractal
+from insonify.scene.targets import Pipe, Target
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
 PAIR_NAMES = {"peaks": ("fx", "fy"), "gap": ("along", "height"), "position": ("x", "y", "z"), "start": ("x", "y")}
+SIDES = ("length", "width", "height")
+# Fields of a target in the order they are shown, after what tells its shape.
+POSED_LAST = ("heading", "pitch", "roll", "gap", "material")
 PLACE_REACH = 100.0
 
 
@@ -66,20 +70,39 @@ class Choice:
 
 
 @dataclass(frozen=True)
+class File:
+    """The name of a file; see `Number` for what the fields mean."""
+
+    path: str
+    label: str
+    tooltip: str
+    indent: int
+    value: str
+
+
+Parameter = Number | Choice | File
+
+
+@dataclass(frozen=True)
 class Section:
-    """Parameters shown under one heading."""
+    """Parameters shown under one heading; a target's may be removed."""
 
     key: str
     title: str
-    parameters: tuple[Number | Choice, ...]
+    parameters: tuple[Parameter, ...]
+    removable: bool = False
 
     @property
     def structure(self) -> tuple[Any, ...]:
         """What the widgets depend on apart from the values."""
-        return tuple(
-            (type(p), p.path, p.label, p.options if isinstance(p, Choice) else p.slider is None)
-            for p in self.parameters
-        )
+        return tuple((type(p), p.path, p.label, _widgets(p)) for p in self.parameters)
+
+
+def _widgets(parameter: Parameter) -> Any:
+    """Tell what the widgets of one row depend on."""
+    if isinstance(parameter, Choice):
+        return parameter.options
+    return isinstance(parameter, Number) and parameter.slider is None
 
 
 def sections_of(scene: Scene) -> tuple[Section, ...]:
@@ -101,7 +124,8 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
         if name == "targets":
             for index, target in enumerate(part):
                 path = f"targets.{index}"
-                found.append(Section(path, f"{target.kind.capitalize()} {index + 1}", _inside(scene, target, path, 0)))
+                title = f"{target.kind.capitalize()} {index + 1}"
+                found.append(Section(path, title, _inside(scene, target, path, 0), removable=True))
         else:
             parameters = _inside(scene, part, name, 0)
             if name == "seabed":
@@ -110,17 +134,15 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
     return tuple(section for section in found if section.parameters)
 
 
-def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Number | Choice, ...]:
+def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Parameter, ...]:
     """All parameters of one declaration."""
-    return tuple(
-        parameter
-        for name in type(part).model_fields
-        if name != "kind" and not _stands_aside(part, name)
-        for parameter in _of_field(scene, part, name, path, indent)
-    )
+    names = [name for name in type(part).model_fields if name != "kind" and not _stands_aside(part, name)]
+    if isinstance(part, Target):
+        names.sort(key=lambda name: POSED_LAST.index(name) if name in POSED_LAST else -1)
+    return tuple(parameter for name in names for parameter in _of_field(scene, part, name, path, indent))
 
 
-def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Number | Choice]:
+def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
     """Parameters of one field: of itself, or of what it holds."""
     field = type(part).model_fields[name]
     value = getattr(part, name)
@@ -139,13 +161,15 @@ def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) 
         yield Choice(path, label, tooltip, indent, value, (False, True))
     elif isinstance(value, tuple):
         yield from _of_tuple(scene, field, value, name, path, indent)
+    elif name == "path":
+        yield File(path, "file", tooltip, indent, value)
     elif not isinstance(value, str):
         applies = _value_that_applies(scene, part, name) if value is None else value
         if applies is not None:
             yield _number(field, path, label, indent, applies, most=_most(scene, path))
 
 
-def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Number | Choice]:
+def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
     """Parameters of a nested declaration, led by its kind where there are several."""
     value: BaseModel = getattr(part, name)
     kinds = tuple(kind for kind in map(kind_name, models_of(type(part), name)) if kind)
@@ -158,7 +182,7 @@ def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent:
 
 def _of_tuple(
     scene: Scene, field: FieldInfo, value: tuple[Any, ...], name: str, path: str, indent: int
-) -> Iterator[Number | Choice]:
+) -> Iterator[Parameter]:
     """Parameters of a list of declarations, of pairs, or of coordinates."""
     single = name.removesuffix("s")
     axes = PAIR_NAMES.get(name, tuple(str(i + 1) for i in range(len(value))))
@@ -178,6 +202,9 @@ def _of_tuple(
                 between = _neighbours(value, index) if name == "gap" and k == 0 else None
                 yield _number(field, f"{place}.{k}", f"{single} {index + 1} {axes[k]}", indent, number, ends=between)
         else:
+            if name == "size":
+                yield _number(field, place, SIDES[index], indent, item)
+                continue
             about_origin = (min(-PLACE_REACH, item), max(PLACE_REACH, item))
             yield _number(field, place, f"{name} {axes[index]}", indent, item, ends=about_origin)
 
@@ -230,6 +257,10 @@ def _stands_aside(part: BaseModel, name: str) -> bool:
     if isinstance(part, Fractal):
         isotropic = part.decay == "isotropic"
         return (name == "beta" and not isotropic) or (name in ("beta_x", "beta_y") and isotropic)
+    if isinstance(part, Target) and name == "gap":
+        return len(part.position) == 3
+    if isinstance(part, Pipe) and name == "pitch":
+        return isinstance(part.gap, tuple)
     return False
 
 
@@ -240,6 +271,8 @@ def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | Non
         return number
     if isinstance(part, Fractal):
         return part.exponents[1 if name == "beta_y" else 0]
+    if isinstance(part, Pipe):
+        return 0.0  # a pitch
     values = {
         "altitude": scene.altitude,
         "depth": scene.seabed.depth - scene.altitude,

@@ -14,7 +14,7 @@ from insonify.tracers.rotation import rotation
 from insonify_viewer.shading import bed_image, sampled
 
 if TYPE_CHECKING:
-    from insonify.kernels.types import Poses, Problem, Solids
+    from insonify.kernels.types import Mesh, Poses, Problem, Solids
     from insonify.terrain.ground import Ground
     from insonify.tracers.line import Line
 
@@ -22,6 +22,7 @@ MESH_NODES = 256
 TEXTURE_SIZE = 768
 LINE_POINTS = 96  # per side, of the current scan line
 MAX_SOLIDS = 400
+ROUND = 28  # corners of a circle
 WINDOW = 3.6  # side of the bed shown, in slant ranges
 BEHIND = 0.55  # its middle lies so far behind the fish, for what was heard is what one wants to see
 PATH_POINTS = 160
@@ -93,18 +94,37 @@ def bed_mesh() -> Any:
     return mesh
 
 
-def targets_mesh(solids: Solids) -> Any:
+def targets_mesh(solids: Solids, mesh: Mesh) -> Any:
     """Return the targets as one surface; far more of them than one can see are left out."""
-    parts = []
+    parts: list[Any] = []
+    if len(mesh.corners):
+        corners = mesh.corners.reshape(-1, 3)
+        faces: Any = np.arange(len(corners)).reshape(-1, 3)
+        parts.append(pv.PolyData.from_regular_faces(corners, faces))
     for row in range(min(len(solids.shape), MAX_SOLIDS)):
         start, axis = solids.start[row], solids.axis[row]
         length, radius = float(solids.length[row]), float(solids.radius[row])
         if length > 0.0:
-            centre = start + axis * length / 2.0
-            parts.append(pv.Cylinder(center=centre, direction=axis, radius=radius, height=length, resolution=28))
+            last_radius = max(radius + float(solids.taper[row]) * length, 0.0)
+            parts.append(frustum_mesh(start, start + length * axis, radius, last_radius))
         else:
-            parts.append(pv.Sphere(center=start, radius=radius, theta_resolution=28, phi_resolution=20))
+            parts.append(pv.Sphere(center=start, radius=radius, theta_resolution=ROUND, phi_resolution=20))
     return pv.merge(parts).extract_surface(algorithm=None) if parts else pv.PolyData()
+
+
+def frustum_mesh(first: NDArray[np.float64], last: NDArray[np.float64], radius: float, last_radius: float) -> Any:
+    """Return a cylinder, a cone or a part of one, from the middles of its ends and the radii there."""
+    axis = (last - first) / np.linalg.norm(last - first)
+    aside = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[2]) > 0.7 else [0.0, 0.0, 1.0])
+    aside /= np.linalg.norm(aside)
+    angle = np.linspace(0.0, 2.0 * math.pi, ROUND, endpoint=False)[:, None]
+    rim = np.cos(angle) * aside + np.sin(angle) * np.cross(axis, aside)
+    i = np.arange(ROUND)
+    after = (i + 1) % ROUND
+    sides = np.column_stack([np.full(ROUND, 4), i, after, after + ROUND, i + ROUND])
+    ends = [[ROUND, *i[::-1]], [ROUND, *(i + ROUND)]]
+    points = np.vstack([first + radius * rim, last + last_radius * rim])
+    return pv.PolyData(points, faces=np.concatenate([sides.ravel(), *ends]))
 
 
 def fish_mesh(length: float) -> Any:

@@ -14,12 +14,13 @@ from insonify_viewer.simulation import Simulator
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
 
-    from insonify.kernels.types import Solids
+    from insonify.kernels.types import Mesh, Solids
     from insonify.simulate import Simulation
     from insonify.terrain.ground import Ground
     from insonify_viewer.pv_meshes import BedPatch
 
     _Bed = tuple[Ground, tuple[float, float], float]
+    _Bodies = tuple[Solids, Mesh]
     from insonify_viewer.views.seabed_view import SeabedView
 
 
@@ -39,7 +40,7 @@ class Seabed:
         self._view: SeabedView | None = None
         self._latest: tuple[Simulation, int, NDArray[np.float32]] | None = None
         self._bed: _Bed | None = None
-        self._solids: Solids | None = None
+        self._bodies: _Bodies | None = None
         self._baking = 0
         self._laid = False
 
@@ -68,9 +69,10 @@ class Seabed:
         pose, line = simulation.poses(sent), simulation.line(sent)
         reach = simulation.problem.bins * simulation.problem.bin_length
         ground, bed = simulation.ground, (simulation.ground, window_centre(line, reach), reach)
-        if self._bed != bed or not _same(self._solids, simulation.problem.solids):
-            self._bed, self._solids = bed, simulation.problem.solids
-            self._bake(bed, self._solids)
+        bodies = (simulation.problem.solids, simulation.problem.mesh)
+        if self._bed != bed or not _same(self._bodies, bodies):
+            self._bed, self._bodies = bed, bodies
+            self._bake(bed, bodies)
         self._view.show_sonar(ground, simulation.problem, pose, float(line.heading[0]), tones)
         scene = simulation.scene
         step = scene.track.speed / scene.sonar.ping_rate
@@ -111,7 +113,7 @@ class Seabed:
         if self._latest is not None:
             self.show_sonar(*self._latest)
 
-    def _bake(self, bed: _Bed, solids: Solids) -> None:
+    def _bake(self, bed: _Bed, bodies: _Bodies) -> None:
         """Work bed and targets out on the worker."""
         from insonify_viewer.pv_meshes import bed_patch, targets_mesh
 
@@ -119,7 +121,7 @@ class Seabed:
         number = self._baking
         # The first bed is wanted before the kernels compile, a later one gives way to the record.
         send = self._simulator.send_patiently if self._laid else self._simulator.send
-        send(lambda: (bed_patch(*bed), targets_mesh(solids)), lambda baked: self._lay(number, baked))
+        send(lambda: (bed_patch(*bed), targets_mesh(*bodies)), lambda baked: self._lay(number, baked))
 
     def _lay(self, number: int, baked: tuple[BedPatch, Any] | SceneError) -> None:
         if number == self._baking:
@@ -130,6 +132,8 @@ class Seabed:
             self._view.show_targets(baked[1])
 
 
-def _same(first: Solids | None, second: Solids) -> bool:
+def _same(first: _Bodies | None, second: _Bodies) -> bool:
     """Whether two sets of targets look the same."""
-    return first is not None and all(np.array_equal(a, b) for a, b in zip(first, second))
+    if first is None or first[0] is second[0]:
+        return first is not None
+    return all(np.array_equal(a, b) for ours, theirs in zip(first, second) for a, b in zip(ours, theirs))

@@ -9,12 +9,14 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QFileDialog, QWidget
 
-from insonify.scene import Scene, SceneError, bundled_scenes, load_scene
+from insonify.meshes import FORMATS
+from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, load_scene
 from insonify_viewer.dem import scene_over_dem
 from insonify_viewer.simulation import Simulator
 
 MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 TOWS = "Recorded tows (*.csv *.nc);;All files (*)"
+MESHES = f"Meshes ({' '.join(f'*{suffix}' for suffix in FORMATS)});;All files (*)"
 GRIDS = "Grids of heights (*.tif *.tiff *.bag *.npy *.npz);;All files (*)"
 
 
@@ -38,6 +40,7 @@ class Files:
     ) -> None:
         self._window, self._simulator, self._opened, self._say = window, simulator, opened, say
         self._folder = str(next(iter(bundled_scenes().values())).parent)
+        self._meshes = str(next(iter(bundled_meshes().values())).parent)
 
     def ask_for_scene(self) -> None:
         """Let the person pick a scene."""
@@ -59,6 +62,13 @@ class Files:
     def ask_for_map(self) -> str:
         """Let the person pick a picture to lay on the bed; return its path, empty if none was picked."""
         return QFileDialog.getOpenFileName(self._window, "Open a map of materials", "", MAPS)[0]
+
+    def ask_for_mesh(self) -> str:
+        """Let the person pick a mesh; return its path, or its name if it is a bundled one, or nothing."""
+        path, _ = QFileDialog.getOpenFileName(self._window, "Open a mesh", self._meshes, MESHES)
+        if path:
+            self._meshes = str(Path(path).parent)
+        return next((name for name, file in bundled_meshes().items() if file == Path(path)), path)
 
     def ask_to_save(self) -> None:
         """Let the person name a picture of the window."""

@@ -9,10 +9,12 @@ from PySide6.QtWidgets import (
     QDockWidget,
     QLabel,
     QMainWindow,
+    QMenu,
     QProgressBar,
     QSlider,
     QSplitter,
     QToolBar,
+    QToolButton,
     QWidget,
 )
 
@@ -21,6 +23,7 @@ from insonify_viewer.views.parameter_panel import ParameterPanel
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 GAIN_REACH = 30  # dB either way
+TARGETS = {"pipe": "Pipe", "sphere": "Sphere", "box": "Box", "cone": "Cone", "mesh": "Mesh…"}
 
 
 class MainWindow(QMainWindow):
@@ -38,6 +41,7 @@ class MainWindow(QMainWindow):
     palette_changed = Signal(str)
     speed_changed = Signal(float)
     running_changed = Signal(bool)
+    target_wanted = Signal(str)
     closing = Signal()
 
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
@@ -110,6 +114,7 @@ class MainWindow(QMainWindow):
         key = QKeySequence.StandardKey
         self.open_scene = self._tool(bar, "Open…", "Open a scene", QKeySequence(key.Open))
         self.open_dem = self._tool(bar, "DEM…", "Take the bed from a grid of measured heights", QKeySequence("Ctrl+D"))
+        self._add_targets(bar)
         self.save = self._tool(bar, "Save…", "Save the window as a picture", QKeySequence(key.Save))
         bar.addSeparator()
         self.undo = self._tool(bar, "Undo", "Take the last edit back", QKeySequence(key.Undo))
@@ -129,6 +134,21 @@ class MainWindow(QMainWindow):
         self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
         bar.addWidget(self.palettes)
         self._add_gain(bar)
+
+    def _add_targets(self, bar: QToolBar) -> None:
+        """Offer every kind of target."""
+        self.targets = QToolButton()
+        self.targets.setText("Target ▾")
+        self.targets.setToolTip("Put a target on the bed, abeam of the tow")
+        self.targets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.targets.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        menu = QMenu(self.targets)
+        for kind, name in TARGETS.items():
+            action = menu.addAction(name)
+            action.setData(kind)
+        menu.triggered.connect(lambda action: self.target_wanted.emit(action.data()))
+        self.targets.setMenu(menu)
+        bar.addWidget(self.targets)
 
     def _add_gain(self, bar: QToolBar) -> None:
         self.gain = QSlider(Qt.Orientation.Horizontal)

@@ -5,12 +5,22 @@ from __future__ import annotations
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QFrame, QGridLayout, QScrollArea, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QScrollArea,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
-from insonify_viewer.parameters import Number, Section
-from insonify_viewer.views.parameter_rows import ChoiceRow, NumberRow
+from insonify_viewer.parameters import Choice, Number, Parameter, Section
+from insonify_viewer.views.parameter_rows import ChoiceRow, FileRow, NumberRow
 
 OPEN_AT_FIRST = ("sonar", "seabed", "track")
+Row = NumberRow | ChoiceRow | FileRow
 
 
 class ParameterPanel(QScrollArea):
@@ -18,6 +28,8 @@ class ParameterPanel(QScrollArea):
 
     dragged = Signal(str, object)
     settled = Signal(str, object)
+    file_asked = Signal(str)
+    removed = Signal(str)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -25,13 +37,13 @@ class ParameterPanel(QScrollArea):
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setMinimumWidth(292)
-        body = QWidget()
-        body.setObjectName("panel")
-        self._column = QVBoxLayout(body)
+        self._body = QWidget()
+        self._body.setObjectName("panel")
+        self._column = QVBoxLayout(self._body)
         self._column.setContentsMargins(8, 8, 8, 8)
         self._column.setSpacing(6)
         self._column.addStretch(1)
-        self.setWidget(body)
+        self.setWidget(self._body)
         self._sections: dict[str, SectionBox] = {}
 
     def show_sections(self, sections: tuple[Section, ...]) -> None:
@@ -51,7 +63,18 @@ class ParameterPanel(QScrollArea):
             self._sections[section.key] = box
             self._column.insertWidget(place, box)
 
-    def row(self, path: str) -> NumberRow | ChoiceRow:
+    def turn_to(self, key: str) -> None:
+        """Open the section of a target, fold those of the others, and scroll to it."""
+        for name, box in self._sections.items():
+            if box.removable:
+                box.unfold(name == key)
+        # Laid out at once, for the scroll bar to reach that far.
+        self._sections[key].show()
+        self._column.activate()
+        self._body.resize(self._body.width(), self._body.sizeHint().height())
+        self.ensureWidgetVisible(self._sections[key], 0, 8)
+
+    def row(self, path: str) -> Row:
         """Find the row of a parameter by its dotted path."""
         return next(box.rows[path] for box in self._sections.values() if path in box.rows)
 
@@ -69,14 +92,14 @@ class SectionBox(QWidget):
     ----------
     rows : dict of str to row
         By dotted path.
-    structure : tuple
+    structure, removable : tuple, bool
         Of the section it was built from.
     """
 
     def __init__(self, section: Section, panel: ParameterPanel, *, unfolded: bool) -> None:
         super().__init__()
-        self.structure = section.structure
-        self.rows: dict[str, NumberRow | ChoiceRow] = {}
+        self.structure, self.removable = section.structure, section.removable
+        self.rows: dict[str, Row] = {}
         self._heading = QToolButton()
         self._heading.setObjectName("heading")
         self._heading.setText(section.title)
@@ -92,17 +115,18 @@ class SectionBox(QWidget):
         grid.setVerticalSpacing(4)
         grid.setColumnStretch(1, 1)
         for line, parameter in enumerate(section.parameters):
-            row = (
-                NumberRow(parameter, panel.dragged.emit, panel.settled.emit)
-                if isinstance(parameter, Number)
-                else ChoiceRow(parameter, panel.settled.emit)
-            )
+            row = _row(parameter, panel)
             row.place(grid, line)
             self.rows[parameter.path] = row
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(0)
-        column.addWidget(self._heading)
+        top = QHBoxLayout()
+        top.setSpacing(3)
+        top.addWidget(self._heading)
+        if section.removable:
+            top.addWidget(_remover(section, panel))
+        column.addLayout(top)
         column.addWidget(self._body)
         self._fold(unfolded)
 
@@ -110,6 +134,10 @@ class SectionBox(QWidget):
     def unfolded(self) -> bool:
         """Whether the rows are to be seen."""
         return self._heading.isChecked()
+
+    def unfold(self, unfolded: bool) -> None:
+        """Let the rows be seen or not."""
+        self._heading.setChecked(unfolded)
 
     def show_values(self, section: Section) -> None:
         """Show other values in the same rows."""
@@ -121,3 +149,26 @@ class SectionBox(QWidget):
     def _fold(self, unfolded: bool) -> None:
         self._body.setVisible(unfolded)
         self._heading.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
+
+
+def _row(parameter: Parameter, panel: ParameterPanel) -> Row:
+    """Return the row for a parameter."""
+    if isinstance(parameter, Number):
+        return NumberRow(parameter, panel.dragged.emit, panel.settled.emit)
+    if isinstance(parameter, Choice):
+        return ChoiceRow(parameter, panel.settled.emit)
+    return FileRow(parameter, panel.file_asked.emit)
+
+
+def _remover(section: Section, panel: ParameterPanel) -> QToolButton:
+    """Return the button that takes a section's subject out of the scene."""
+    button = QToolButton()
+    button.setObjectName("remove")
+    button.setText("×")
+    button.setToolTip("Remove this target")
+    button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    button.setFixedWidth(26)
+    button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+    key = section.key
+    button.clicked.connect(lambda: panel.removed.emit(key))
+    return button

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QWheelEvent
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QSlider
+from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QPushButton, QSizePolicy, QSlider
 
-from insonify_viewer.parameters import Choice, Number
+from insonify_viewer.parameters import Choice, File, Number
 from insonify_viewer.quantities import at_fraction, fraction, read, shown
 
 STEPS = 1000
@@ -148,6 +149,37 @@ class ChoiceRow:
         value = self.combo.itemData(index)
         if value != self._choice.value:
             self._settled(self._choice.path, value)
+
+
+class FileRow:
+    """A file: a button with its name, which asks for another.
+
+    Parameters
+    ----------
+    file : File
+        What to show.
+    asked : callable
+        Called with the path of the field when the person wants another file.
+    """
+
+    def __init__(self, file: File, asked: Callable[[str], None]) -> None:
+        self.label = _label(file.label, file.indent, file.tooltip, "")
+        self.button = QPushButton()
+        self.button.setObjectName("file")
+        self.button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # a long name is cut off
+        self.button.clicked.connect(lambda: asked(file.path))
+        self.show_value(file)
+
+    def place(self, grid: QGridLayout, row: int) -> None:
+        """Put the row into a grid of three columns."""
+        grid.addWidget(self.label, row, 0)
+        grid.addWidget(self.button, row, 1, 1, 2)
+
+    def show_value(self, file: File) -> None:
+        """Show another name."""
+        self.button.setText(f"{Path(file.value).name} …")
+        self.button.setToolTip(file.value)
 
 
 def _label(text: str, indent: int, tooltip: str, unit: str) -> QLabel:

@@ -26,6 +26,15 @@ QSplitter::handle:hover {{ background: {ACCENT}; }}
 QToolButton#heading {{ background: {RAISED}; border: 0; border-radius: 4px; color: {TEXT}; font-weight: 600;
     padding: 5px 6px; text-align: left; }}
 QToolButton#heading:hover {{ background: {EDGE}; }}
+QToolButton#remove {{ background: {RAISED}; border: 0; border-radius: 4px; color: {QUIET}; padding: 0; }}
+QToolButton#remove:hover {{ background: {EDGE}; color: {ACCENT}; }}
+QPushButton#file {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px;
+    min-height: 18px; text-align: left; }}
+QPushButton#file:hover {{ border-color: {ACCENT}; }}
+QToolBar QToolButton::menu-indicator {{ image: none; }}
+QMenu {{ background: {RAISED}; border: 1px solid {EDGE}; padding: 3px; }}
+QMenu::item {{ padding: 4px 18px; border-radius: 3px; }}
+QMenu::item:selected {{ background: {EDGE}; }}
 QLabel#name {{ color: {QUIET}; }}
 QLineEdit#value {{ background: transparent; border: 1px solid transparent; border-radius: 3px; padding: 1px 2px; }}
 QLineEdit#value:hover, QLineEdit#value:focus {{ border-color: {EDGE}; background: {RAISED}; }}

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.meshes.orient import outward
 from insonify.scene import SceneError, bundled_meshes
 
 Y_UP = (".gltf", ".glb")
@@ -58,12 +57,14 @@ def _kept(path: str, file: Path, version: tuple[int, int]) -> NDArray[np.float64
     corners = corners[_has_area(corners)]
     if not len(corners):
         raise _refusal(path, "holds no triangles", "check that it is whole and holds surfaces")
+    from insonify.meshes.orient import outward  # with SciPy's sparse graphs, which only scenes with meshes pay for
+
     return outward(corners)
 
 
 def _triangles(path: str, file: Path) -> NDArray[np.float64]:
     """Flatten whatever scene a file holds."""
-    import trimesh  # half a second that only scenes with meshes pay
+    import trimesh  # half a second, likewise
 
     logger = logging.getLogger("trimesh")
     was, logger.disabled = logger.disabled, True

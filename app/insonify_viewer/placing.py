@@ -1,0 +1,96 @@
+"""Where a new target goes: abeam of where the fish has just been, so that it is seen and heard at once."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.meshes import read_mesh
+from insonify.scene import Scene, SceneError
+
+if TYPE_CHECKING:
+    from insonify.simulate import Simulation
+
+BEHIND = (0.15, 0.3, 0.45, 0.6)  # shares of what is on screen
+ABEAM = (-0.45, 0.45, -0.7, 0.7, -0.25, 0.25)  # of the farthest ground range, port positive
+APART = 0.15  # from other targets, in slant ranges
+PIPE_LENGTH = 0.4  # in slant ranges
+ASKEW = 30.0  # degrees from the track, so that a shape shows
+
+
+def new_target(simulation: Simulation, scene: Scene, kind: str, top: int, path: str = "") -> dict[str, Any]:
+    """Describe a target that is not there yet.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Where the fish and the bed are.
+    scene : Scene
+        Scene to put it into, which may be newer.
+    kind : str
+        Kind of the target.
+    top : int
+        Newest ping on screen.
+    path : str
+        File of a mesh.
+
+    Returns
+    -------
+    dict
+        Plain values of the target.
+
+    Raises
+    ------
+    SceneError
+        If there is no bed to put it on, or the file cannot be read.
+    """
+    x, y, heading = _free_place(simulation, scene, top)
+    target: dict[str, Any] = {"kind": kind, "position": [round(x, 2), round(y, 2)]}
+    if kind != "sphere":
+        target["heading"] = round((heading + ASKEW + 180.0) % 360.0 - 180.0, 1)
+    if kind == "pipe":
+        target["length"] = float(f"{PIPE_LENGTH * scene.sonar.range:.2g}")
+    if kind == "mesh":
+        target |= {"path": path, "scale": _scale(path, scene)}
+    return target
+
+
+def _free_place(simulation: Simulation, scene: Scene, top: int) -> tuple[float, float, float]:
+    """Find a place on the bed that keeps clear of other targets if any does: x, y and the heading of the track."""
+    pings = np.array([top - round(share * _pings_in_view(scene)) for share in BEHIND], dtype=np.int64)
+    poses = simulation.poses(pings)
+    reach = math.sqrt(max(scene.sonar.range**2 - float(poses.z[0]) ** 2, 0.0))
+    places = [
+        (
+            float(poses.x[i]) - share * reach * math.sin(poses.heading[i]),
+            float(poses.y[i]) + share * reach * math.cos(poses.heading[i]),
+            math.degrees(poses.heading[i]),
+        )
+        for i, share in itertools.product(range(len(pings)), ABEAM)
+    ]
+    x, y = (np.array(column) for column in list(zip(*places))[:2])
+    there = np.flatnonzero(np.isfinite(simulation.ground.height_at(x, y)))
+    if not there.size:
+        raise SceneError("there is no bed beside this part of the tow; move on along it, then add the target")
+    clear = [k for k in there if _clearance(scene, x[k], y[k]) > APART * scene.sonar.range]
+    return places[int(clear[0] if clear else there[0])]
+
+
+def _pings_in_view(scene: Scene) -> int:
+    """Count the pings of one slant range of track, which both views show."""
+    return min(scene.track.pings, round(scene.sonar.range * scene.sonar.ping_rate / scene.track.speed))
+
+
+def _clearance(scene: Scene, x: float, y: float) -> float:
+    return min((math.dist((x, y), target.position[:2]) for target in scene.targets), default=math.inf)
+
+
+def _scale(path: str, scene: Scene) -> float:
+    """Metres per unit of a mesh: a power of ten by which it is no larger than the slant range."""
+    corners: NDArray[np.float64] = read_mesh(path)
+    extent = float(np.ptp(corners, axis=(0, 1)).max())
+    return 10.0 ** min(0, math.floor(math.log10(scene.sonar.range / extent)))

@@ -1,0 +1,166 @@
+"""Adding, turning and removing targets in the window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtWidgets import QFileDialog, QToolButton
+
+from insonify.scene import Scene, SceneError, edit, resources
+from insonify_viewer.parameters import sections_of
+from insonify_viewer.placing import new_target
+from insonify_viewer.pv_meshes import frustum_mesh, targets_mesh
+from insonify_viewer.views.main_window import TARGETS
+from insonify_viewer.views.parameter_rows import FileRow
+
+
+def pick_file(monkeypatch: pytest.MonkeyPatch, path: str) -> None:
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (path, ""))
+
+
+def add(viewer: Any, kind: str, qtbot: Any) -> Any:
+    before = len(viewer.session.scene.targets)
+    action = next(a for a in viewer.window.targets.menu().actions() if a.data() == kind)
+    action.trigger()
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == before + 1)
+    return viewer.session.scene.targets[-1]
+
+
+def removers(viewer: Any) -> list[QToolButton]:
+    return [b for b in viewer.window.panel.findChildren(QToolButton, "remove") if b.isVisible()]
+
+
+@pytest.mark.parametrize("kind", list(TARGETS))
+def test_a_target_of_any_kind_is_added_and_taken_back(
+    open_viewer: Any, small: Scene, qtbot: Any, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pick_file(monkeypatch, str(resources() / "meshes" / "tetrapod.obj"))
+    viewer = open_viewer(edit(small, {"targets": []}))
+    target = add(viewer, kind, qtbot)
+    assert target.kind == kind
+    assert getattr(target, "path", "tetrapod") == "tetrapod"
+    # Abeam of pings that are on screen, and within hearing.
+    x, y = target.position[:2]
+    assert 0.0 < x < 127 * 0.2
+    assert 5.0 < abs(y) < 45.0
+    qtbot.waitUntil(lambda: viewer.window.panel.row("targets.0.material.name").label.isVisible())
+    viewer.session.undo()
+    assert viewer.session.scene.targets == ()
+    viewer.session.redo()
+    assert viewer.session.scene.targets == (target,)
+
+
+def test_targets_keep_apart_from_one_another(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(edit(small, {"targets": []}))
+    places = np.array([add(viewer, "sphere", qtbot).position for _ in range(5)])
+    distances = np.linalg.norm(places[:, None] - places, axis=2) + 1e9 * np.eye(5)
+    assert distances.min() > 7.0
+
+
+def test_a_cross_removes_its_target_alone(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    pipe, first, second = small.targets
+    assert len(removers(viewer)) == 3
+    removers(viewer)[1].click()
+    assert viewer.session.scene.targets == (pipe, second)
+    qtbot.waitUntil(lambda: len(removers(viewer)) == 2)
+    viewer.session.undo()
+    assert viewer.session.scene.targets == (pipe, first, second)
+
+
+def test_no_file_picked_adds_no_mesh(
+    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pick_file(monkeypatch, "")
+    viewer = open_viewer(small)
+    viewer.window.target_wanted.emit("mesh")
+    qtbot.wait(50)
+    assert viewer.session.scene == small
+
+
+def test_a_wrong_mesh_is_said_and_nothing_added(
+    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "empty.obj").write_text("")
+    pick_file(monkeypatch, str(tmp_path / "empty.obj"))
+    viewer = open_viewer(small)
+    viewer.window.target_wanted.emit("mesh")
+    qtbot.waitUntil(lambda: "holds no triangles" in viewer.window._sentence.text())
+    assert viewer.session.scene == small
+
+
+def test_a_mesh_takes_another_file(
+    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    path = tmp_path / "shape.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    viewer = open_viewer(edit(small, {"targets": [{"kind": "mesh", "path": "tetrapod", "position": [5.0, 20.0]}]}))
+    row = viewer.window.panel.row("targets.0.path")
+    assert isinstance(row, FileRow)
+    assert row.button.text() == "tetrapod …"
+    pick_file(monkeypatch, str(path))
+    row.button.click()
+    assert viewer.session.scene.targets[0].path == str(path)
+    assert row.button.text() == "shape.obj …"
+    qtbot.waitUntil(lambda: viewer.complete)
+
+
+def test_shapes_come_before_attitude_and_materials_last(small: Scene) -> None:
+    scene = edit(small, {"targets": [{"kind": "box", "position": [1.0, 2.0]}]})
+    section = next(s for s in sections_of(scene) if s.key == "targets.0")
+    labels = [parameter.label for parameter in section.parameters]
+    shape = ["position x", "position y", "length", "width", "height", "heading", "pitch", "roll", "gap", "material"]
+    assert labels[:10] == shape
+    assert section.removable
+
+
+def test_what_has_no_say_stands_aside(small: Scene) -> None:
+    def labels(target: dict[str, Any]) -> list[str]:
+        scene = edit(small, {"targets": [target]})
+        return [p.label for s in sections_of(scene) if s.key == "targets.0" for p in s.parameters]
+
+    assert "gap" not in labels({"kind": "sphere", "position": [1.0, 2.0, -20.0]})
+    assert "pitch" not in labels({"kind": "pipe", "position": [1.0, 2.0], "gap": [[-1.0, 0.0], [1.0, 1.0]]})
+    assert "pitch" in labels({"kind": "pipe", "position": [1.0, 2.0]})
+
+
+def test_a_mesh_in_millimetres_is_brought_to_metres(small: Scene, tmp_path: Path) -> None:
+    from stand_in import StandIn
+
+    (tmp_path / "large.obj").write_text("v 0 0 0\nv 4000 0 0\nv 0 3000 0\nf 1 2 3\n")
+    target = new_target(StandIn(small, 0.03), small, "mesh", 100, str(tmp_path / "large.obj"))  # type: ignore[arg-type]
+    assert target["scale"] == 0.01
+
+
+def test_beside_the_bed_there_is_no_place(small: Scene) -> None:
+    from types import SimpleNamespace
+
+    from stand_in import StandIn
+
+    simulation = StandIn(small, 0.03)
+    simulation.ground = SimpleNamespace(height_at=lambda x, y: np.full(x.shape, np.nan))  # type: ignore[assignment]
+    with pytest.raises(SceneError, match="there is no bed beside this part of the tow"):
+        new_target(simulation, small, "box", 100)  # type: ignore[arg-type]
+
+
+def test_the_drawn_targets_are_where_the_traced_ones_are(small: Scene) -> None:
+    from stand_in import StandIn
+
+    box = {"kind": "box", "position": [5.0, 20.0], "size": [3.0, 2.0, 1.0], "heading": 90.0}
+    cone = {"kind": "cone", "position": [15.0, 20.0], "radius": 2.0, "height": 1.0}
+    problem = StandIn(edit(small, {"targets": [box, cone]}), 0.03).problem
+    low, high = np.array(targets_mesh(problem.solids, problem.mesh).bounds).reshape(3, 2).T
+    np.testing.assert_allclose(low[:2], [4.0, 18.0], atol=0.03)
+    np.testing.assert_allclose(high[:2], [17.0, 22.0], atol=0.03)
+    assert targets_mesh(problem.solids, problem.mesh._replace(corners=np.zeros((0, 3, 3)))).n_points > 0
+
+
+def test_a_cone_is_drawn_outside_out() -> None:
+    for end in (0.0, 0.5):
+        mesh = frustum_mesh(np.array([1.0, 2.0, 3.0]), np.array([1.0, 4.0, 3.0]), 1.0, end)
+        mesh = mesh.compute_normals(auto_orient_normals=False, consistent_normals=False, point_normals=False)
+        outward = np.asarray(mesh.cell_centers().points) - [1.0, 3.0, 3.0]
+        assert ((np.asarray(mesh.cell_data["Normals"]) * outward).sum(axis=1) > -1e-6).all()
