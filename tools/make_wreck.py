@@ -93,7 +93,7 @@ def slab(centre: Points, size: Points, heading: float = 0.0, pitch: float = 0.0,
 
 def hull() -> list[Part]:
     """Sides with what is left of them, the stem and a broken transom."""
-    parts = [side(1, -11.6, 11.9), side(-1, -11.6, -6.6, cut=0.2), side(-1, -6.6, -4.4, cut=0.75), side(-1, -4.4, 11.9)]
+    parts = [side(1, -11.6, 11.9), side(-1, -11.6, -6.6, cut=0.35), side(-1, -6.6, -4.4, cut=0.75), side(-1, -4.4, 11.9)]
     parts.append(rod([11.5, 0.0, BURIED], [12.4, 0.0, 2.1], 0.16))
     parts += [slab([-11.5, y, 0.1], [PLATE, 1.5, 1.7], roll=r) for y, r in ((-2.2, 2.0), (-0.6, -4.0), (1.4, 3.0))]
     return parts
@@ -154,7 +154,7 @@ def wreckage(rng: np.random.Generator) -> list[Part]:
 def deckhouse() -> list[Part]:
     """Walls of the deckhouse right aft, its roof hanging into it."""
     walls = (
-        ([-9.4, -1.15, 0.75], [2.6, 0.1, 1.5], 0.0, 4.0),
+        ([-9.4, -1.15, 0.45], [2.6, 0.1, 0.9], 0.0, 4.0),
         ([-9.5, 1.15, 0.65], [2.4, 0.1, 1.3], 0.0, -6.0),
         ([-8.1, 0.2, 0.6], [0.1, 1.7, 1.2], 3.0, 0.0),
     )
@@ -166,7 +166,7 @@ def deckhouse() -> list[Part]:
 def mast_and_spars() -> list[Part]:
     """Set the mizzen with its crosstrees, a bowsprit, and an anchor davit that fell outboard."""
     foot, head = np.array([-10.6, 2.2, BURIED]), np.array([-11.0, 2.5, 7.4])
-    parts = [rod(foot, head, 0.34, 0.24, faces=12)]
+    parts = [rod(foot, head, 0.42, 0.36, faces=12)]
     for share, reach in ((0.55, 0.5), (0.8, 0.4)):
         at, yard = foot + share * (head - foot), np.array([reach, 0.1, 0.0])
         parts.append(rod(at - yard, at + yard, 0.07, faces=6))
