@@ -93,7 +93,8 @@ def slab(centre: Points, size: Points, heading: float = 0.0, pitch: float = 0.0,
 
 def hull() -> list[Part]:
     """Sides with what is left of them, the stem and a broken transom."""
-    parts = [side(1, -11.6, 11.9), side(-1, -11.6, -6.6, cut=0.35), side(-1, -6.6, -4.4, cut=0.75), side(-1, -4.4, 11.9)]
+    starboard = [side(-1, -11.6, -6.6, cut=0.35), side(-1, -6.6, -4.4, cut=0.75), side(-1, -4.4, 11.9)]
+    parts = [side(1, -11.6, 11.9), *starboard]
     parts.append(rod([11.5, 0.0, BURIED], [12.4, 0.0, 2.1], 0.16))
     parts += [slab([-11.5, y, 0.1], [PLATE, 1.5, 1.7], roll=r) for y, r in ((-2.2, 2.0), (-0.6, -4.0), (1.4, 3.0))]
     return parts
