@@ -91,8 +91,9 @@ def _spectrum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
 
 def _named_numbers(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Let a material just named show its own numbers."""
-    owners = [path.removesuffix(".name") for path in changes if path.endswith(".name") and "material" in path]
-    return {f"{owner}.{number}": None for owner in owners for number in Reflectivity._fields}, ""
+    owners = [path.removesuffix(".name") for path in changes if path.endswith(".name")]
+    of_beds = {f"{owner}.{number}": None for owner in owners if "material" in owner for number in Reflectivity._fields}
+    return of_beds | {f"{owner}.diffuse": None for owner in owners if owner.startswith("seabed.relief.of")}, ""
 
 
 def _shares(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:

@@ -136,7 +136,7 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
 
 def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Parameter, ...]:
     """All parameters of one declaration."""
-    names = [name for name in type(part).model_fields if name != "kind" and not _stands_aside(part, name)]
+    names = [name for name in type(part).model_fields if name != "kind" and not _stands_aside(part, name, path)]
     if isinstance(part, Target):
         names.sort(key=lambda name: POSED_LAST.index(name) if name in POSED_LAST else -1)
     return tuple(parameter for name in names for parameter in _of_field(scene, part, name, path, indent))
@@ -252,8 +252,10 @@ def _most(scene: Scene, path: str) -> float:
     return limits.get(path, math.inf)
 
 
-def _stands_aside(part: BaseModel, name: str) -> bool:
+def _stands_aside(part: BaseModel, name: str, path: str) -> bool:
     """Whether a field has no say with the others as they are."""
+    if path.startswith("seabed.relief.of"):  # dunes lie along the track and pass for what scatters evenly
+        return name == "heading" or (isinstance(part, Material) and name not in ("name", "diffuse"))
     if isinstance(part, Fractal):
         isotropic = part.decay == "isotropic"
         return (name == "beta" and not isotropic) or (name in ("beta_x", "beta_y") and isotropic)

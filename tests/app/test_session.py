@@ -126,6 +126,10 @@ def test_dunes_pass_for_the_pattern_there_was(default: Scene) -> None:
     dunes, relief = load_scene("figure-5-relief"), session.scene.seabed.relief
     assert relief == dunes.seabed.relief.model_copy(update={"reach": 50.0})
     assert session.scene.seabed.material == dunes.seabed.material
+    shown = [path for path in parameters(session.scene) if path.startswith("seabed.relief.of.of.0")]
+    assert shown == ["seabed.relief.of.of.0.name", "seabed.relief.of.of.0.diffuse"]
+    assert session.settle({"seabed.relief.of.of.0.name": "coarse_sand"})
+    assert parameters(session.scene)["seabed.relief.of.of.0.diffuse"].value == 0.3955
     assert session.settle({"seabed.relief.kind": "flat"})
     plain = Session(default)
     assert plain.settle({"seabed.relief.kind": "mimic"})

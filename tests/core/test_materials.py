@@ -157,3 +157,10 @@ def test_a_traced_lobe_is_as_wide_as_its_exponent_says(shininess):
     assert math.degrees(math.acos(altitude / half)) == pytest.approx(width, abs=0.2)
     # Half as wide as the exponent means to a lamp and an eye apart.
     assert math.cos(math.radians(2.0 * width)) ** shininess == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("name", MATERIALS)
+def test_the_lobe_is_that_of_gaussian_facets(name):
+    numbers = MATERIALS[name]
+    half = numbers.facet_slope * math.sqrt(2.0 * math.log(2.0))  # tan α at which exp(−tan² α / 2s²) is one half
+    assert math.degrees(math.atan(half)) == pytest.approx(numbers.lobe_half_width, rel=0.03)

@@ -43,6 +43,16 @@ class Reflectivity(NamedTuple):
         """
         return math.degrees(0.5 * math.acos(2.0 ** (-1.0 / self.shininess)))
 
+    @property
+    def facet_slope(self) -> float:
+        """Rms slope, along one horizontal axis, of the microstructure that makes such a lobe.
+
+        A surface of mirror-like facets with Gaussian slopes of that rms s returns in proportion to the share of them
+        that faces the sonar, exp(−tan² α / 2s²) (Kirchhoff approximation, high frequencies); near the middle
+        cosⁿ(2α) ≈ exp(−2nα²), so that s = 1/(2√n).
+        """
+        return 0.5 / math.sqrt(self.shininess)
+
 
 def _substance(
     diffuse: float, specular: float, shininess: float, *, density: float, speed_ratio: float
@@ -85,7 +95,7 @@ class Material(Declaration):
     )
     shininess: float | None = parameter(
         None,
-        description="exponent of the mirror lobe; a smooth surface has a narrow one",
+        description="exponent n of the mirror lobe, as of facets with an rms slope of 1/(2√n) each way",
         ge=1.0,
         le=1000.0,
         slider=(1.0, 200.0),
