@@ -58,7 +58,7 @@ def test_weights_are_taken_out(tmp_path):
     np.testing.assert_allclose(amplitudes(record)[:, 1], amplitudes(record)[:, 0] / 8.0)
 
 
-def test_pings_of_other_lengths_and_ranges_share_the_grid_of_the_first(tmp_path):
+def test_pings_of_other_lengths_and_ranges_share_the_usual_grid(tmp_path):
     short, ramp = {"samples": [[2, 1], [10, 20]]}, np.arange(16) * 5
     pings = [
         PING,
@@ -114,6 +114,15 @@ def test_what_is_not_told_is_not_a_number_and_speed_gives_the_way(tmp_path):
     assert np.isnan(record["platform_altitude"]).all()
     assert np.isnan(record["platform_heading"]).all()
     np.testing.assert_allclose(record["platform_y"], np.arange(3) * 2.0 * 1852.0 / 3600.0)
+
+
+def test_wild_positions_do_not_count(tmp_path):
+    xs = [-68.0, 1e300, -68.0, np.nan, -67.999]
+    record = read_xtf(
+        write_xtf(tmp_path / "a.xtf", [{**PING, "SensorXcoordinate": x, "SensorYcoordinate": 48.0} for x in xs])
+    )
+    np.testing.assert_allclose(record["platform_x"][[0, 4]], [0.0, 74.63], atol=0.01)
+    assert (np.diff(record["platform_x"]) >= 0.0).all()
 
 
 def test_positions_may_be_in_metres(tmp_path):
@@ -204,6 +213,9 @@ def test_what_cannot_be_understood_is_refused(tmp_path):
         read_xtf(path)
     with pytest.raises(SceneError, match="that are no echoes"):
         read_xtf(write_xtf(path, [{"samples": [[np.nan], [1.0]]}], kind="<f4"))
+    wild = [PING, PING, {**PING, "reaches": [3e4, 3e4]}]
+    with pytest.raises(SceneError, match="has slant ranges up to 3e"):
+        read_xtf(write_xtf(path, wild))
     with pytest.raises(SceneError, match="less than the 4 samples it announces"):
         read_xtf(write_xtf(path, [PING], kind="<u4").write_bytes(doubled(path)) and path)
 

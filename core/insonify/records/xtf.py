@@ -25,6 +25,7 @@ SAMPLES = {2: "<u4", 3: "<u2", 5: "<f4", 8: "u1"}  # by SampleFormat
 UNTOLD = {1: "u1", 2: "<u2", 4: "<u4"}  # by BytesPerSample, where SampleFormat is 0
 GROUND_RANGE = 2  # of CorrectionFlags
 DEFAULT_SPEED = 1500.0  # m/s
+WIDEST = 8  # bins per sample of the longest ping; more come from a corrupt range
 
 
 class _Channel(NamedTuple):
@@ -175,10 +176,17 @@ def _channel(path: Path, ping: Any, channel: Any, samples: NDArray[Any]) -> _Cha
 
 
 def _dataset(path: Path, header: Any, pings: list[_Ping]) -> xr.Dataset:
-    """Lay the pings out on one grid of slant range, that of the first."""
-    first = next(iter(pings[0].sides.values()))
-    bin_length = first.slant_range / first.amplitude.size
-    bins = max(round(side.slant_range / bin_length) for ping in pings for side in ping.sides.values())
+    """Lay the pings out on one grid of slant range, the most usual."""
+    channels = [side for ping in pings for side in ping.sides.values()]
+    bin_length = sorted(side.slant_range / side.amplitude.size for side in channels)[len(channels) // 2]
+    bins, most = (
+        max(round(side.slant_range / bin_length) for side in channels),
+        max(side.amplitude.size for side in channels),
+    )
+    if bins > WIDEST * most:
+        raise _refusal(
+            path, f"has slant ranges up to {bins * bin_length:.3g} m in bins of {bin_length:.3g} m", "export it again"
+        )
     amplitude = np.zeros((2, len(pings), bins), dtype=np.float32)
     for number, ping in enumerate(pings):
         for side, channel in ping.sides.items():
@@ -193,7 +201,7 @@ def _dataset(path: Path, header: Any, pings: list[_Ping]) -> xr.Dataset:
             "slant_range": ("range_sample", slant_range, _labels("m", "one-way slant range of the bin's centre")),
             "travel_time": (
                 "range_sample",
-                2.0 * slant_range / first.sound_speed,
+                2.0 * slant_range / channels[0].sound_speed,
                 _labels("s", "two-way travel time"),
             ),
         },

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 DAY = 86400.0  # s
 DEGREES = 3  # of NavUnits; others are metres
 EARTH = 6_378_137.0, 6.694380e-3  # semi-major axis in m and squared eccentricity of WGS 84
+FARTHEST = 1e8  # m, of any map's coordinates
 KNOT = 1852.0 / 3600.0  # m/s
 COLUMNS = {
     "platform_x": ("m", "position along x, east of the first fix"),
@@ -87,22 +88,23 @@ def _positions(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Metres east and north of the first fix."""
     x, y = (
-        _told(headers, "SensorXcoordinate", "ShipXcoordinate"),
-        _told(headers, "SensorYcoordinate", "ShipYcoordinate"),
+        _told(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf),
+        _told(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf),
     )
-    fixed = (x != 0.0) | (y != 0.0)
+    limit = 180.0 if header.NavUnits == DEGREES else FARTHEST
+    fixed = ((x != 0.0) | (y != 0.0)) & (np.abs(x) <= limit) & (np.abs(y) <= limit)
     if not fixed.any():
         speed = _told(headers, "SensorSpeed", "ShipSpeed") * KNOT
         run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
         return np.zeros_like(run), run
     first = int(np.argmax(fixed))
-    east, north = x - x[first], y - y[first]
+    east, north = np.where(fixed, x, x[first]) - x[first], np.where(fixed, y, y[first]) - y[first]
     if header.NavUnits == DEGREES:
         per_degree = _metres_per_degree(y[first])
         east, north = east * per_degree[0], north * per_degree[1]
     # Fixes come slower than pings and repeat; the sonar moves on between them.
     moved = fixed.copy()
-    moved[1:] &= (np.diff(x) != 0.0) | (np.diff(y) != 0.0)
+    moved[1:] &= (x[1:] != x[:-1]) | (y[1:] != y[:-1])
     moved[first] = True
     return _filled(east, moved, times), _filled(north, moved, times)
 
@@ -115,14 +117,14 @@ def _metres_per_degree(latitude: float) -> tuple[float, float]:
     return np.radians(normal * np.cos(np.radians(latitude))), np.radians(meridian)
 
 
-def _column(headers: list[Any], name: str) -> NDArray[np.float64]:
+def _column(headers: list[Any], name: str, unknown: float = 0.0) -> NDArray[np.float64]:
     values = np.array([getattr(header, name) for header in headers], dtype=np.float64)
-    return np.where(np.isfinite(values), values, 0.0)
+    return np.where(np.isfinite(values), values, unknown)
 
 
-def _told(headers: list[Any], *names: str) -> NDArray[np.float64]:
+def _told(headers: list[Any], *names: str, unknown: float = 0.0) -> NDArray[np.float64]:
     """First of several columns that is not all zero."""
-    columns = [_column(headers, name) for name in names]
+    columns = [_column(headers, name, unknown) for name in names]
     return next((column for column in columns if column.any()), columns[0])
 
 
