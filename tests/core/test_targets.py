@@ -164,7 +164,7 @@ def test_the_slow_twin_meets_triangles():
 
 BOX = 'kind = "box"\nposition = [1.0, 2.0]\n'
 WRONG = [
-    (BOX + "size = [1.0, 0.0, 1.0]", ["targets.0.size.1", "0.0", "above 0"]),
+    (BOX + "size = [1.0, 0.0, 1.0]", ["targets.0.size.1", "0.0", "at least 0.001"]),
     (BOX + "size = [1.0, 2.0, 1001.0]", ["targets.0.size.2", "1001", "at most 1000"]),
     (BOX + "size = [1.0, 2.0]", ["targets.0.size"]),
     (BOX + "roll = 400", ["targets.0.roll", "400", "at most 360"]),
@@ -178,7 +178,7 @@ WRONG = [
         ["targets.0", "pitch is straight", "leave pitch out"],
     ),
     ('kind = "mesh"\nposition = [1.0, 2.0]', ["targets.0.path", "is missing"]),
-    ('kind = "mesh"\nposition = [1.0, 2.0]\npath = "x.obj"\nscale = 0', ["targets.0.scale", "above 0"]),
+    ('kind = "mesh"\nposition = [1.0, 2.0]\npath = "x.obj"\nscale = 0', ["targets.0.scale", "at least 1e-06"]),
 ]
 
 

@@ -12,7 +12,7 @@ from insonify.scene.materials import Material
 
 Position = tuple[float, float] | tuple[float, float, float]
 Gap = float | tuple[tuple[float, float], ...]
-Side = Annotated[float, Field(gt=0.0, le=1000.0)]
+Side = Annotated[float, Field(ge=0.001, le=1000.0)]
 LOWEST_GAP, HIGHEST_GAP = -100.0, 1000.0
 
 
@@ -113,7 +113,7 @@ class Box(Posed):
     size: tuple[Side, Side, Side] = parameter(
         (2.0, 1.0, 1.0),
         unit="m",
-        description="[length, width, height], each above 0 and at most 1000 m; the length runs along the heading",
+        description="[length, width, height], each from 1 mm to 1000 m; the length runs along the heading",
         slider=(0.05, 10.0),
         log=True,
     )
@@ -140,7 +140,7 @@ class MeshFile(Posed):
         min_length=1,
     )
     scale: float = parameter(
-        1.0, description="metres per unit of the file", gt=0.0, le=1e6, slider=(0.01, 100.0), log=True
+        1.0, description="metres per unit of the file", ge=1e-6, le=1e6, slider=(0.01, 100.0), log=True
     )
 
 

@@ -49,7 +49,8 @@ class Shape(NamedTuple):
     @property
     def lowest(self) -> float:
         """Height of the lowest point."""
-        return min([solid.lowest for solid in self.solids] + self.triangles[..., 2].ravel().tolist())
+        lowest = [solid.lowest for solid in self.solids]
+        return min(lowest + ([float(self.triangles[..., 2].min())] if len(self.triangles) else []))
 
     def turned(self, rotation: NDArray[np.float64]) -> Shape:
         """Turn the shape about the origin, by a (3, 3) matrix."""
