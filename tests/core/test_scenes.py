@@ -87,6 +87,14 @@ def test_relative_paths_are_taken_from_the_scene(tmp_path):
     assert load_scene(tmp_path / "scene.toml").seabed.relief.path == str(tmp_path / "bed.npy")
 
 
+def test_paths_of_recorded_tows_are_taken_from_the_scene(tmp_path):
+    recorded = '{ kind = "recorded", path = "tow.csv" }'
+    (tmp_path / "one.toml").write_text(f"[track]\nmotion = {recorded}\n")
+    (tmp_path / "two.toml").write_text(f'[track]\nmotion = {{ kind = "sum", of = ["heave", {recorded}] }}\n')
+    assert load_scene(tmp_path / "one.toml").track.motion.path == str(tmp_path / "tow.csv")
+    assert load_scene(tmp_path / "two.toml").track.motion.of[1].path == str(tmp_path / "tow.csv")
+
+
 def test_a_scene_cannot_be_changed_in_place():
     with pytest.raises(ValueError, match="frozen"):
         load_scene("default").seed = 2
