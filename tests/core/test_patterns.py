@@ -134,7 +134,9 @@ def test_graded_rows_mix_the_variance_of_speckle():
     one, other = (Material(name="silt", speckle_shape=shape) for shape in (2.0, 10.0))
     rows = material_table(PatternMap(of=(one, other), shape="waves"))[1]
     assert 1.0 / rows[51].speckle_shape == pytest.approx(0.8 / 2.0 + 0.2 / 10.0)
-    assert material_table(PatternMap(of=(one, TWO[0]), shape="waves"))[1][51].speckle_shape is None
+    half_given = material_table(PatternMap(of=(one, TWO[0]), shape="waves"))[1]
+    assert half_given[0].speckle_shape == 2.0
+    assert {row.speckle_shape for row in half_given[1:]} == {None}
 
 
 def test_truth_names_graded_rows():
@@ -188,8 +190,11 @@ def test_grey_is_cut_into_equal_bands(picture):
 
 
 def test_sixteen_bits_of_grey_and_colours_and_palettes(picture):
-    deep = ImageMap(path=picture([[0, 32767, 32768, 65535]], "deep.tif", np.uint16), of=TWO, width=4.0)
-    np.testing.assert_array_equal(material_indices(deep, Lattice((1, 4), 1.0), 1), [[0, 0, 1, 1]])
+    for name in ("deep.tif", "deep.png"):
+        deep = ImageMap(path=picture([[0, 32767, 32768, 65535]], name, np.uint16), of=TWO, width=4.0)
+        np.testing.assert_array_equal(material_indices(deep, Lattice((1, 4), 1.0), 1), [[0, 0, 1, 1]])
+    black = ImageMap(path=picture([[False, True]], "black.png", bool), of=TWO, width=2.0)
+    np.testing.assert_array_equal(material_indices(black, Lattice((1, 2), 1.0), 1), [[0, 1]])
     colours = ImageMap(path=picture([[(0, 0, 0), (250, 250, 250)]], "rgb.png"), of=TWO, width=2.0)
     np.testing.assert_array_equal(material_indices(colours, Lattice((1, 2), 1.0), 1), [[0, 1]])
     numbers = picture([[2, 0, 1]], "palette.png", palette=[9, 9, 9, 200, 0, 0, 1, 2, 3])
@@ -228,6 +233,7 @@ def test_pictures_that_cannot_be_are_refused(picture, tmp_path):
         str(tmp_path / "none.png"): "does not exist; give",
         str(tmp_path / "text.png"): r"cannot be read \(.*\); give",
         floats: "holds pixels of mode F; save",
+        picture([[0, 70000]], "long.tif", np.int32): "holds pixels of mode I; save",
         many: "uses colour 2 of its palette; name a material for each, not only 2",
     }.items():
         with pytest.raises(SceneError, match=f"^seabed.material.path: .* {fault}"):

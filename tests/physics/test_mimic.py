@@ -100,6 +100,7 @@ def test_one_trace_has_two_interpretations():
 
 @pytest.mark.parametrize("law", ["light", "sonar"])
 def test_a_finer_grid_brings_the_records_together(law):
+    """Cells of even slope and material: 0.14, 0.05, 0.03 and 0.012 % apart under law `light`."""
     found = [
         difference(*pair({"seabed.spacing": spacing, "sonar.law": law}, dunes={"seabed.relief.law": law}))
         for spacing in (0.1, 0.05, 0.025, 0.0125)

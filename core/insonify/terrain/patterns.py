@@ -90,13 +90,11 @@ def graded_rows(materials: Sequence[Material]) -> tuple[tuple[str, ...], tuple[R
     levels, whole = np.linspace(0.0, len(materials) - 1.0, GRADES), np.arange(len(materials))
     given = [material.reflectivity for material in materials]
     columns = [np.interp(levels, whole, column) for column in zip(*(row[:5] for row in given))]
-    # Of speckle it is the variance 1/ν that mixes.
-    spiky = [0.0 if row.speckle_shape is None else 1.0 / row.speckle_shape for row in given]
-    mixed = np.interp(levels, whole, spiky)
-    all_given = all(row.speckle_shape is not None for row in given)
+    # Of speckle it is the variance 1/ν that mixes, where both have one.
+    spiky = [math.nan if row.speckle_shape is None else 1.0 / row.speckle_shape for row in given]
     rows = tuple(
-        Reflectivity(*map(float, numbers))._replace(speckle_shape=1.0 / variance if all_given else None)
-        for *numbers, variance in zip(*columns, mixed)
+        Reflectivity(*map(float, numbers))._replace(speckle_shape=None if math.isnan(mixed) else 1.0 / float(mixed))
+        for *numbers, mixed in zip(*columns, np.interp(levels, whole, spiky))
     )
     return tuple(_mixture(materials, float(level)) for level in levels), rows
 

@@ -15,7 +15,7 @@ from insonify.terrain.lattice import Lattice, Map
 from insonify.terrain.measured import file_version
 
 # Grey levels of Pillow's modes; colours are turned into the grey that an eye sees.
-LEVELS = {"1": 2, "L": 256, "I;16": 65536, "I;16B": 65536, "I;16L": 65536}
+LEVELS = {"1": 2, "L": 256, "I": 65536, "I;16": 65536, "I;16B": 65536, "I;16L": 65536}
 COLOURED = ("LA", "RGB", "RGBA", "CMYK", "YCbCr", "HSV", "LAB")
 LARGEST_SIDE = 16384
 
@@ -93,7 +93,7 @@ def _read(path: str) -> tuple[NDArray[np.integer], int | None]:
         raise _refusal(path, f"cannot be read ({reason})", "give a PNG or TIFF picture") from None
     if mode == "P":
         return pixels, None
-    if plain.mode not in LEVELS:
+    if plain.mode not in LEVELS or not 0 <= int(pixels.min()) <= int(pixels.max()) < LEVELS[plain.mode]:
         raise _refusal(path, f"holds pixels of mode {plain.mode}", "save it with 8 or 16 bits of grey or a palette")
     return pixels, LEVELS[plain.mode]
 
