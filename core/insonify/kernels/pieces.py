@@ -9,7 +9,6 @@ from insonify.kernels.bins import FIXED_POINT, spread
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.scatter import strength
 from insonify.kernels.types import LIGHT
-from insonify.kernels.wedge import beam_share, strip_width
 
 FINE = 0.02  # longest piece, as a share of its range, whose energy spreads evenly over its bins
 MOST_PARTS = 4096
@@ -21,13 +20,15 @@ class Surface(NamedTuple):
     offset: float
     slope: float
     area: float  # 1 + |∇z|²
+    weight: float  # what its plane stands for: along-track width, or share of the beam; at nadir, were it linear
+    weight_rate: float  # by which that grows per metre of ground range
     diffuse: float
     specular: float
     shininess: float
 
 
 @kernel
-def deposit_piece(surface, x_from, x_to, wedge, law, bin_length, bins):
+def deposit_piece(surface, x_from, x_to, law, bin_length, bins):
     """Put the part of a segment between two ground ranges into the bins."""
     near, far = slant(surface, x_from), slant(surface, x_to)
     tilt = 1.0 + surface.slope * surface.slope
@@ -35,16 +36,16 @@ def deposit_piece(surface, x_from, x_to, wedge, law, bin_length, bins):
     if squared <= min(abs(far - near), FINE * FINE * near) * near:
         # Short, and far from the foot of its perpendicular: one even density will do.
         if x_to > x_from:
-            _deposit_part(surface, x_from, x_to, near, far, wedge, law, bin_length, bins)
+            _deposit_part(surface, x_from, x_to, near, far, law, bin_length, bins)
         return
     # Slant range falls towards the foot of the perpendicular and grows beyond it.
     foot = min(max(-surface.slope * surface.offset / tilt, x_from), x_to)
-    _monotone(surface, x_from, foot, wedge, law, bin_length, bins)
-    _monotone(surface, foot, x_to, wedge, law, bin_length, bins)
+    _monotone(surface, x_from, foot, law, bin_length, bins)
+    _monotone(surface, foot, x_to, law, bin_length, bins)
 
 
 @kernel
-def _monotone(surface, x_from, x_to, wedge, law, bin_length, bins):
+def _monotone(surface, x_from, x_to, law, bin_length, bins):
     """Deposit a piece along which slant range grows or falls, in parts short against their range."""
     if x_to <= x_from:
         return
@@ -56,22 +57,23 @@ def _monotone(surface, x_from, x_to, wedge, law, bin_length, bins):
     for k in range(parts):
         start = x_from + k * dx
         far = slant(surface, start + dx)
-        _deposit_part(surface, start, start + dx, near, far, wedge, law, bin_length, bins)
+        _deposit_part(surface, start, start + dx, near, far, law, bin_length, bins)
         near = far
 
 
 @fused
-def _deposit_part(surface, x_from, x_to, near, far, wedge, law, bin_length, bins):
+def _deposit_part(surface, x_from, x_to, near, far, law, bin_length, bins):
     """Spread the energy of one part evenly over the slant ranges it spans, ``near`` to ``far``."""
     per_bin, stretch = 1.0 / bin_length, math.sqrt(surface.area)
     x = 0.5 * (x_from + x_to)
     middle = slant(surface, x)
     cos_incidence = -surface.offset / (middle * stretch)
     value = strength(cos_incidence, surface.diffuse, surface.specular, surface.shininess, law)
+    value *= surface.weight + surface.weight_rate * x
     if law == LIGHT:
-        energy = value * beam_share(x, middle, wedge) * abs(far - near) * per_bin
+        energy = value * abs(far - near) * per_bin
     else:
-        energy = value * stretch * strip_width(x, middle, wedge) * (x_to - x_from)
+        energy = value * stretch * (x_to - x_from)
     spread(bins, near * per_bin, far * per_bin, energy * FIXED_POINT, bins.size - 2)
 
 
@@ -80,22 +82,3 @@ def slant(surface, x):
     """Slant range of a segment at ground range x."""
     z = surface.offset + surface.slope * x
     return math.sqrt(x * x + z * z)
-
-
-@fused
-def next_open(low, high, in_front, count, start, stop):
-    """Return the first stretch of launch angles in [start, stop] that no cover in front hides; empty if none."""
-    moved = True
-    while moved and start < stop:
-        moved = False
-        for k in range(count):
-            if in_front[k] and low[k] <= start < high[k]:
-                start = high[k]
-                moved = True
-    if start >= stop:
-        return stop, stop
-    end = stop
-    for k in range(count):
-        if in_front[k] and start < low[k] < end:
-            end = low[k]
-    return start, end

@@ -15,13 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bins import FIXED_POINT, accumulate
+from insonify.kernels.bodies import deposit_bodies, deposit_open
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import FINE, Surface, deposit_piece
 from insonify.kernels.scatter import INVERSE_PI, gloss
+from insonify.kernels.screen import fill_screen, hidden_slopes
+from insonify.kernels.sections import View
 from insonify.kernels.slice import slice_bed
-from insonify.kernels.solids import View, deposit_open, deposit_solids, find_covers, hidden_slopes
 from insonify.kernels.types import LIGHT, PORT
-from insonify.kernels.wedge import Wedge, beam_share, strip_width
+from insonify.kernels.wedge import FADING, Wedge, strip_width, weight
 
 NADIR = -1e30  # slope of a ray straight down
 
@@ -44,6 +46,7 @@ class Heard(NamedTuple):
     r: NDArray[np.float64]  # slant range of the knots, m
     launch: NDArray[np.float32]  # tan of the launch angle above the horizontal, knots
     horizon: NDArray[np.float32]  # greatest launch slope so far, knots
+    weight: NDArray[np.float32]  # what the plane stands for there, knots
     cos_squared: NDArray[np.float32]  # of the incidence, segments
     scale: NDArray[np.float32]  # what turns a scattering strength into energy per bin, segments
     energy: NDArray[np.float32]  # per bin in fixed-point units, of segments heard whole
@@ -56,10 +59,8 @@ class Heard(NamedTuple):
 
 def empty_heard(capacity: int) -> Heard:
     """Make room for profiles of up to ``capacity`` knots."""
-    launch, horizon, cos_squared, scale, energy, power, base = (np.zeros(capacity, np.float32) for _ in range(7))
-    r, cut = np.zeros(capacity), np.zeros(capacity, np.bool_)
-    early, late = np.zeros(capacity, np.int64), np.zeros(capacity, np.int64)
-    return Heard(r, launch, horizon, cos_squared, scale, energy, power, base, cut, early, late)
+    floats = [np.zeros(capacity, np.float32) for _ in range(8)]
+    return Heard(np.zeros(capacity), *floats, np.zeros(capacity, np.bool_), *np.zeros((2, capacity), np.int64))
 
 
 @fused
@@ -80,9 +81,9 @@ def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
     else:
         _sonar_scales(segments, x, area, heard.r, problem.bin_length, heard.scale)
         _sonar_energies(segments, heard.cos_squared, heard.scale, heard.energy)
-    if wedge.angle > 0.0:
-        _widen(x[:count], heard.r, wedge, problem.law, heard.power)
-        _multiply(segments, heard.power, heard.scale, heard.energy)
+    if wedge.angle > 0.0 or wedge.tabled:
+        _weigh(x[:count], z, heard.r, wedge, problem.pattern, problem.law, heard.weight)
+        _multiply(segments, heard.weight, heard.scale, heard.energy)
     _colour(segments, profile.material, problem.reflectivity, problem.bed.mapped, heard.energy)
     _add_gloss(segments, profile.material, problem.reflectivity, problem.bed.mapped, problem.law, heard)
     _mark_cut(segments, x, slope, area, heard.r, heard.launch, heard.horizon, hidden_from, hidden_to, heard.cut)
@@ -149,31 +150,34 @@ def _sonar_energies(segments, cos_squared, scale, energy):
 
 
 @fused
-def _widen(x, r, wedge, law, width):
-    """Width of the strip that each segment stands for, or its share of the beam."""
-    far = np.searchsorted(x, wedge.near_field)
-    if 0 < far < x.size and 0.5 * (x[far - 1] + x[far]) > wedge.near_field:
-        far -= 1
-    if law == LIGHT:
-        for i in range(x.size - 1):
-            width[i] = beam_share(0.5 * (x[i] + x[i + 1]), 0.5 * (r[i] + r[i + 1]), wedge)
+def _weigh(x, z, r, wedge, pattern, law, out):
+    """Tell what the plane stands for at each knot."""
+    if wedge.tabled or law == LIGHT:
+        for i in range(x.size):
+            out[i] = weight(x[i], z[i], r[i], wedge, pattern, law)
         return
     # As `strip_width` has it, far field and near field apart for the vector units.
-    for i in range(x.size - 1):
-        width[i] = 0.5 * (r[i] + r[i + 1]) * wedge.far_angle
+    near = min(np.searchsorted(x, wedge.near_field, side="right"), x.size)
+    far = min(np.searchsorted(x, wedge.near_field * (1.0 + FADING), side="right"), x.size)
+    for i in range(far, x.size):
+        out[i] = r[i] * wedge.far_angle
+    first = 0
     if wedge.s_high <= wedge.s_beam:
-        for i in range(min(far, x.size - 1)):
-            width[i] = 0.5 * (x[i] + x[i + 1]) * wedge.angle
-        return
-    for i in range(min(far, x.size - 1)):
-        width[i] = strip_width(0.5 * (x[i] + x[i + 1]), 0.5 * (r[i] + r[i + 1]), wedge)
+        first = near
+        for i in range(near):
+            out[i] = x[i] * wedge.angle
+    for i in range(first, far):
+        out[i] = strip_width(x[i], r[i], wedge)
 
 
 @fused
-def _multiply(segments, factor, scale, energy):
+def _multiply(segments, weights, scale, energy):
+    """Apply the mean weight of each segment's two knots."""
+    half = np.float32(0.5)
     for i in range(segments):
-        scale[i] *= factor[i]
-        energy[i] *= factor[i]
+        factor = half * (weights[i] + weights[i + 1])
+        scale[i] *= factor
+        energy[i] *= factor
 
 
 @fused
@@ -264,7 +268,7 @@ def _silence(segments, launch, horizon, cut, energy):
 
 
 @fused
-def deposit(profile, count, problem, wedge, view, covers, covering, heard, bins):
+def deposit(profile, count, problem, wedge, screen, cells, heard, bins):
     """Put the energy of all heard pieces of a profile into the difference array ``bins``.
 
     Neighbours heard whole share one event at their common knot.
@@ -279,29 +283,32 @@ def deposit(profile, count, problem, wedge, view, covers, covering, heard, bins)
         bins[k + 1] += heard.late[i]
     for i in range(count - 1):
         if heard.cut[i]:
-            # Where the segment's line rises above the horizon: offset / x + slope = horizon.
-            offset = profile.z[i] - profile.slope[i] * profile.x[i]
-            start = profile.x[i]
-            if heard.horizon[i] > heard.launch[i]:
-                start = min(max(offset / (heard.horizon[i] - profile.slope[i]), start), profile.x[i + 1])
-            table, row = problem.reflectivity, profile.material[i]
-            surface = Surface(offset, profile.slope[i], profile.area[i], table[row, 0], table[row, 1], table[row, 2])
-            if covering == 0:
-                deposit_piece(surface, start, profile.x[i + 1], wedge, problem.law, problem.bin_length, bins)
+            surface = surface_of(profile, i, problem.reflectivity, wedge, heard)
+            start = in_sight_from(surface, profile.x[i], profile.x[i + 1], heard.launch[i], heard.horizon[i])
+            if cells == 0:
+                deposit_piece(surface, start, profile.x[i + 1], problem.law, problem.bin_length, bins)
             else:
-                deposit_open(
-                    surface,
-                    start,
-                    profile.x[i + 1],
-                    wedge,
-                    view,
-                    problem.solids,
-                    covers,
-                    covering,
-                    problem.law,
-                    problem.bin_length,
-                    bins,
-                )
+                deposit_open(surface, start, profile.x[i + 1], screen, cells, problem.law, problem.bin_length, bins)
+
+
+@fused
+def surface_of(profile, i, reflectivity, wedge, heard):
+    """Segment i by itself."""
+    row, slope, x = profile.material[i], profile.slope[i], profile.x[i]
+    at_nadir, rate = 1.0, 0.0
+    if wedge.angle > 0.0 or wedge.tabled:
+        rate = (np.float64(heard.weight[i + 1]) - heard.weight[i]) / (profile.x[i + 1] - x)
+        at_nadir = heard.weight[i] - rate * x
+    diffuse, specular, shininess = reflectivity[row, 0], reflectivity[row, 1], reflectivity[row, 2]
+    return Surface(profile.z[i] - slope * x, slope, profile.area[i], at_nadir, rate, diffuse, specular, shininess)
+
+
+@fused
+def in_sight_from(surface, x_from, x_to, launch, horizon):
+    """Ground range from which a segment rises above the horizon: offset / x + slope = horizon."""
+    if horizon > launch:
+        return min(max(surface.offset / (horizon - surface.slope), x_from), x_to)
+    return x_from
 
 
 @fused
@@ -325,33 +332,33 @@ def _split(count, r, per_bin, early, late):
 
 
 @fused
-def sweep_plane(problem, view, wedge, reach, profile, covers, heard, bins):
-    """Slice one plane, hear it, deposit it; return the bodies and the knots in it.
+def sweep_plane(problem, view, wedge, reach, profile, screen, heard, bins):
+    """Slice one plane, hear it, deposit it; return the cells of its screen and its knots.
 
-    In place of the number of bodies comes -1 - k if the sonar is inside body k.
+    In place of the number of cells comes -1 - k if the sonar is inside body k.
     """
-    covering = find_covers(problem.solids, view, reach, covers)
-    if covering < 0:
-        return covering, 0
-    hidden_from, hidden_to = hidden_slopes(covers, covering)
+    cells = fill_screen(problem, view, reach, screen)
+    if cells < 0:
+        return cells, 0
+    hidden_from, hidden_to = hidden_slopes(screen, cells)
     count = slice_bed(problem.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
     if count > 1:
         hear(profile, count, problem, wedge, hidden_from, hidden_to, heard)
-        deposit(profile, count, problem, wedge, view, covers, covering, heard, bins)
-    if covering > 0:
-        deposit_solids(profile, count, heard.horizon, problem, wedge, view, covers, covering, bins)
-    return covering, count
+        deposit(profile, count, problem, wedge, screen, cells, heard, bins)
+    if cells > 0:
+        deposit_bodies(profile, count, heard.horizon, problem, wedge, view, screen, cells, bins)
+    return cells, count
 
 
 @kernel
-def sweep_pings(problem, poses, planes, profile, heard, covers, out):
+def sweep_pings(problem, poses, planes, profile, heard, screen, out):
     """Sweep every plane of every ping into ``out`` (pings, 2, bins); return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(problem.bins + 2, np.int64)
     for ping in range(poses.x.size):
         for side in range(2):
             for plane in range(planes.azimuth.size):
-                view, wedge = aim_plane(poses, ping, side, planes, plane, problem.half_width)
-                status, _ = sweep_plane(problem, view, wedge, planes.reach[plane], profile, covers, heard, bins)
+                view, wedge = aim_plane(problem, poses, ping, side, planes, plane)
+                status, _ = sweep_plane(problem, view, wedge, planes.reach[plane], profile, screen, heard, bins)
                 if status < 0:
                     return status
             accumulate(bins, problem.range_factor, out[ping, side])
@@ -359,21 +366,31 @@ def sweep_pings(problem, poses, planes, profile, heard, covers, out):
 
 
 @fused
-def aim_plane(poses, ping, side, planes, plane, half_width):
+def aim_plane(problem, poses, ping, side, planes, plane):
     """Where one plane of a ping's beam lies, and what it stands for."""
     ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
     abeam = 1.0 if side == PORT else -1.0
     # Abeam, turned towards the bow by the plane's azimuth.
     c, s = math.cos(planes.azimuth[plane]), math.sin(planes.azimuth[plane])
     ex, ey = ahead_x * s - abeam * ahead_y * c, ahead_y * s + abeam * ahead_x * c
+    # The fish's axis, and its own side and up, from heading, pitch (bow up) and roll (port up).
+    cos_pitch, sin_pitch = math.cos(poses.pitch[ping]), math.sin(poses.pitch[ping])
+    cos_roll, sin_roll = math.cos(poses.roll[ping]), abeam * math.sin(poses.roll[ping])
     wedge = Wedge(
         planes.s_low[plane],
         planes.s_high[plane],
         planes.angle[plane],
         planes.far_angle[plane],
         planes.near_field[plane],
-        math.sin(half_width),
-        2.0 * half_width,
+        math.sin(problem.half_width),
+        2.0 * problem.half_width,
+        problem.pattern.tabled,
+        cos_pitch,
+        sin_pitch,
+        cos_roll * c - sin_roll * sin_pitch * s,
+        sin_roll * cos_pitch,
+        -cos_roll * sin_pitch * s - sin_roll * c,
+        cos_roll * cos_pitch,
     )
     return View(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey), wedge
 

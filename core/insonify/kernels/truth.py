@@ -13,25 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bins import FIXED_POINT, accumulate
+from insonify.kernels.bodies import divide_cell, facet_energies, launch_angle, meet_facet, part_material, range_at
 from insonify.kernels.jit import fused, kernel
-from insonify.kernels.pieces import Surface, next_open, slant
+from insonify.kernels.pieces import slant
 from insonify.kernels.scatter import strength
-from insonify.kernels.solids import (
-    EDGE,
-    FACETS,
-    NEVER,
-    distance_along,
-    facet_energies,
-    horizon_at,
-    range_at,
-    shade_bed,
-    shade_facet,
-)
-from insonify.kernels.sweep import aim_plane, sweep_plane
+from insonify.kernels.screen import NOBODY, next_open
+from insonify.kernels.sections import NEVER
+from insonify.kernels.sweep import aim_plane, in_sight_from, surface_of, sweep_plane
 from insonify.kernels.types import LIGHT
-from insonify.kernels.wedge import beam_share, strip_width
 
-NOBODY = -1
 # In bins: a piece counts in every bin that it touches within rounding, so that no heard bin is nobody's.
 ROUNDING = 1e-3
 POINT = 1e-6  # in bins; what is shorter lies in one
@@ -77,19 +67,19 @@ def empty_ledger(contributors: int, bins: int) -> Ledger:
 
 
 @kernel
-def find_truth(problem, poses, planes, profile, heard, covers, ledger, found):
+def find_truth(problem, poses, planes, profile, heard, screen, ledger, found):
     """Tell what every bin of every ping shows; return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(problem.bins + 2, np.int64)
     intensity = np.zeros(problem.bins, np.float32)
     for ping in range(poses.x.size):
         for side in range(2):
             for plane in range(planes.azimuth.size):
-                view, wedge = aim_plane(poses, ping, side, planes, plane, problem.half_width)
-                covering, count = sweep_plane(problem, view, wedge, planes.reach[plane], profile, covers, heard, bins)
-                if covering < 0:
-                    return covering
-                _note_bed(profile, count, problem, wedge, view, covers, covering, heard, ledger)
-                _note_solids(profile, count, heard.horizon, problem, wedge, view, covers, covering, ledger)
+                view, wedge = aim_plane(problem, poses, ping, side, planes, plane)
+                cells, count = sweep_plane(problem, view, wedge, planes.reach[plane], profile, screen, heard, bins)
+                if cells < 0:
+                    return cells
+                _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger)
+                _note_bodies(profile, count, heard.horizon, problem, wedge, view, screen, cells, ledger)
             accumulate(bins, problem.range_factor, intensity)
             _conclude(ledger, intensity, found, ping, side)
     return 0
@@ -146,57 +136,41 @@ def _note(ledger, who, k, energy, x, cosine):
 
 
 @kernel
-def _note_bed(profile, count, problem, wedge, view, covers, covering, heard, ledger):
+def _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger):
     """Enter all that is heard of a profile, and mark where bed lies out of sight."""
     for i in range(count - 1):
-        surface, who = _surface(profile, i, problem.reflectivity), profile.material[i]
+        surface, who = surface_of(profile, i, problem.reflectivity, wedge, heard), profile.material[i]
         x_from, x_to = profile.x[i], profile.x[i + 1]
         if heard.cut[i]:
             _meet(ledger, who)
-            start = _in_sight_from(surface, x_from, x_to, heard.launch[i], heard.horizon[i])
-            _note_cut(ledger, who, surface, x_from, start, x_to, problem, wedge, view, covers, covering)
+            start = in_sight_from(surface, x_from, x_to, heard.launch[i], heard.horizon[i])
+            _note_cut(ledger, who, surface, x_from, start, x_to, screen, cells, problem.law, problem.bin_length)
         elif heard.energy[i] != 0.0:
             _meet(ledger, who)
             near, far, density = heard.r[i], heard.r[i + 1], abs(heard.energy[i])
             _note_even(ledger, who, surface, x_from, x_to, near, far, density, problem.bin_length)
         elif not heard.launch[i + 1] > heard.horizon[i]:
-            _mark_hidden(surface, x_from, x_to, wedge, problem.bin_length, ledger.hidden)
-
-
-@fused
-def _surface(profile, i, reflectivity):
-    """Segment i by itself."""
-    row, slope = profile.material[i], profile.slope[i]
-    diffuse, specular, shininess = reflectivity[row, 0], reflectivity[row, 1], reflectivity[row, 2]
-    return Surface(profile.z[i] - slope * profile.x[i], slope, profile.area[i], diffuse, specular, shininess)
-
-
-@fused
-def _in_sight_from(surface, x_from, x_to, launch, horizon):
-    """Ground range from which a segment rises above the horizon: offset / x + slope = horizon."""
-    if horizon > launch:
-        return min(max(surface.offset / (horizon - surface.slope), x_from), x_to)
-    return x_from
+            _mark_hidden(surface, x_from, x_to, problem.bin_length, ledger.hidden)
 
 
 @kernel
-def _note_cut(ledger, who, surface, x_from, start, x_to, problem, wedge, view, covers, covering):
+def _note_cut(ledger, who, surface, x_from, start, x_to, screen, cells, law, bin_length):
     """Enter the open parts of a segment that rises into sight at ``start``, and mark those between."""
     seen_to = x_from
-    low, high = shade_bed(surface, start, x_to, view, problem.solids, covers, covering)
+    low, high = launch_angle(surface, start), launch_angle(surface, x_to)
     while low < high:
-        opened, closed = next_open(covers.low, covers.high, covers.in_front, covering, low, high)
+        opened, closed = next_open(screen, cells, surface, low, high)
         if opened >= high:
             break
         start = start if opened <= low else max(range_at(surface, opened), start)
         stop = x_to if closed >= high else min(range_at(surface, closed), x_to)
-        _mark_hidden(surface, seen_to, start, wedge, problem.bin_length, ledger.hidden)
+        _mark_hidden(surface, seen_to, start, bin_length, ledger.hidden)
         # Slant range falls towards the foot of the perpendicular and grows beyond it.
         foot = _foot(surface, start, stop)
-        _note_piece(ledger, who, surface, start, foot, wedge, problem.law, problem.bin_length)
-        _note_piece(ledger, who, surface, foot, stop, wedge, problem.law, problem.bin_length)
+        _note_piece(ledger, who, surface, start, foot, law, bin_length)
+        _note_piece(ledger, who, surface, foot, stop, law, bin_length)
         low, start, seen_to = closed, stop, stop
-    _mark_hidden(surface, seen_to, x_to, wedge, problem.bin_length, ledger.hidden)
+    _mark_hidden(surface, seen_to, x_to, bin_length, ledger.hidden)
 
 
 @fused
@@ -206,10 +180,10 @@ def _foot(surface, x_from, x_to):
 
 
 @kernel
-def _mark_hidden(surface, x_from, x_to, wedge, bin_length, hidden):
+def _mark_hidden(surface, x_from, x_to, bin_length, hidden):
     """Mark the bins spanned by a part of a segment that is out of sight, if the beam takes it in."""
     start, stop = slant(surface, x_from), slant(surface, x_to)
-    if x_to > x_from and beam_share(x_from, start, wedge) > 0.0:
+    if x_to > x_from and surface.weight + surface.weight_rate * 0.5 * (x_from + x_to) > 0.0:
         nearest = slant(surface, _foot(surface, x_from, x_to))
         first, last = _touched(nearest, max(start, stop), 1.0 / bin_length, hidden.size, -ROUNDING)
         hidden[first:last] = True
@@ -233,7 +207,7 @@ def _note_even(ledger, who, surface, x_from, x_to, near, far, density, bin_lengt
 
 
 @kernel
-def _note_piece(ledger, who, surface, x_from, x_to, wedge, law, bin_length):
+def _note_piece(ledger, who, surface, x_from, x_to, law, bin_length):
     """Enter a piece along which slant range grows or falls, bin by bin."""
     if not x_to > x_from:
         return
@@ -250,10 +224,8 @@ def _note_piece(ledger, who, surface, x_from, x_to, wedge, law, bin_length):
         r = slant(surface, x)
         cosine = -surface.offset / (r * stretch)
         energy = FIXED_POINT * strength(cosine, surface.diffuse, surface.specular, surface.shininess, law)
-        if law == LIGHT:
-            energy *= beam_share(x, r, wedge) * max(stop - start, 0.0) / bin_length
-        else:
-            energy *= stretch * strip_width(x, r, wedge) * abs(b - a)
+        energy *= surface.weight + surface.weight_rate * x
+        energy *= max(stop - start, 0.0) / bin_length if law == LIGHT else stretch * abs(b - a)
         _note(ledger, who, k, energy, x, cosine)
 
 
@@ -268,41 +240,28 @@ def _at_slant(surface, r, outward):
 
 
 @kernel
-def _note_solids(profile, knots, horizon, problem, wedge, view, covers, count, ledger):
-    """Enter what every body in the plane sends back, facet by facet, as the sweep deposits it."""
-    solids = problem.solids
-    for own in range(count):
-        k = covers.solid[own]
-        who = problem.reflectivity.shape[0] + solids.target[k]
-        _meet(ledger, who)
-        middle, half = 0.5 * (covers.low[own] + covers.high[own]), 0.5 * (covers.high[own] - covers.low[own])
-        half *= 1.0 - EDGE
-        start = middle - half
-        for facet in range(FACETS):
-            stop = middle - half * math.cos(math.pi * (facet + 1) / FACETS)
-            centre, _ = distance_along(solids, k, view, 0.5 * (start + stop))
-            ridge = horizon_at(profile, knots, horizon, centre * math.cos(0.5 * (start + stop)))
-            low = max(start, math.atan(ridge))
-            shade_facet(own, low, stop, solids, view, covers, count)
-            while low < stop:
-                opened, low = next_open(covers.low, covers.high, covers.in_front, count, low, stop)
-                if opened < low:
-                    _note_facet(ledger, who, k, opened, low, problem, wedge, view)
-            start = stop
-
-
-@kernel
-def _note_facet(ledger, who, k, start, stop, problem, wedge, view):
-    """Enter one open facet of body k; its middle stands for its place."""
-    angle = 0.5 * (start + stop)
-    near, _ = distance_along(problem.solids, k, view, start)
-    far, _ = distance_along(problem.solids, k, view, stop)
-    centre, cosine = distance_along(problem.solids, k, view, angle)
-    if near < NEVER and far < NEVER and centre < NEVER:
-        first, second = facet_energies(k, start, stop, near, centre, far, cosine, problem, wedge)
-        x = centre * math.cos(angle)
-        _note_half(ledger, who, near, centre, first, x, cosine, problem.bin_length)
-        _note_half(ledger, who, centre, far, second, x, cosine, problem.bin_length)
+def _note_bodies(profile, knots, horizon, problem, wedge, view, screen, cells, ledger):
+    """Enter what the nearest body in every cell sends back, facet by facet, as the sweep deposits it."""
+    bodies = problem.solids.shape.size
+    for cell in range(cells):
+        p = screen.part[cell]
+        if p == NOBODY:
+            continue
+        body = screen.body[p]
+        target = problem.solids.target[body] if body < bodies else problem.mesh.target[body - bodies]
+        who = problem.reflectivity.shape[0] + target
+        facets, start, step = divide_cell(profile, knots, horizon, problem, view, screen, cell)
+        if facets > 0:
+            _meet(ledger, who)
+        for facet in range(facets):
+            low = start + facet * step
+            near, centre, far, cosine = meet_facet(problem, view, screen, p, low, low + step)
+            if near < NEVER and far < NEVER and centre < NEVER:
+                row = part_material(problem, screen, p)
+                first, second = facet_energies(row, low, low + step, near, centre, far, cosine, problem, wedge)
+                x = centre * math.cos(low + 0.5 * step)
+                _note_half(ledger, who, near, centre, first, x, cosine, problem.bin_length)
+                _note_half(ledger, who, centre, far, second, x, cosine, problem.bin_length)
 
 
 @fused

@@ -5,53 +5,107 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from insonify.kernels.beam import heard_between, vertical_sensitivity
 from insonify.kernels.jit import fused
+from insonify.kernels.types import EVERY_GRAZING, LIGHT
 
+FADING = 0.3  # of the near field, by which the far field takes over
 BENT = 0.3  # sin φ up to which azimuths are proportional to it, to 1 %
 
 
 class Wedge(NamedTuple):
     """One plane of a beam: a wedge of azimuths on either hand of it."""
 
-    s_low: float  # |sin φ| where the wedge begins
+    s_low: float  # |sin φ| where the wedge begins; with a pattern sin φ itself, positive towards the bow
     s_high: float  # and where it ends
     angle: float  # azimuth it stands for, rad; 0 marks a knife
     far_angle: float  # azimuth it stands for in the far field, where it widens with the cone; 0 for an outer plane
-    near_field: float  # ground range at which the far field begins, m
+    near_field: float  # ground range beyond which the far field takes over, m
     s_beam: float  # sin of half the beamwidth
     span: float  # azimuth of the whole beam in the far field, rad
+    tabled: bool  # whether a pattern takes the place of the top-hat
+    ahead_level: float  # the fish's axis: its level part
+    ahead_up: float  # and its part upwards
+    side_x: float  # the fish's own side and up, as parts of the plane's x and z
+    side_z: float
+    up_x: float
+    up_z: float
+
+
+@fused
+def weight(x, z, r, wedge, pattern, law):
+    """Tell what a plane stands for at ground range x, height z, slant range r: the factor its beam puts on an echo.
+
+    Law `sonar`: the along-track width in metres, less where the beam is less sensitive; 1 m for a knife. Law `light`:
+    the share of the beam, for it averages.
+    """
+    if wedge.tabled:
+        return _pattern_weight(x, z, r, wedge, pattern, law)
+    if wedge.angle == 0.0:
+        return 1.0
+    return _beam_share(x, r, wedge) if law == LIGHT else strip_width(x, r, wedge)
 
 
 @fused
 def strip_width(x, r, wedge):
-    """Along-track width that a plane stands for at ground range x, slant range r; 1 m for a knife.
+    """Along-track width that a plane of a top-hat stands for.
 
     A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner wedges stretch with it, nearer
-    by each counts by the share of its azimuths that the cone takes in.
+    by each counts by the share of its azimuths that the cone takes in. Both add up to the whole beam, and so does
+    what lies between them: over a stretch of range one passes into the other.
     """
-    if wedge.angle == 0.0:
-        return 1.0
-    if x > wedge.near_field:
+    far = far_share(x, wedge)
+    if far == 1.0:
         return r * wedge.far_angle
-    return x * wedge.angle * taken_in(wedge.s_beam * r / x, wedge)
+    if x <= 0.0:
+        return 0.0
+    near = x * wedge.angle * _taken_in(wedge.s_beam * r / x, wedge)
+    return near + far * (r * wedge.far_angle - near)
 
 
 @fused
-def beam_share(x, r, wedge):
-    """Share of the beam's azimuths at that place which the plane stands for; law `light` averages with it."""
-    if wedge.angle == 0.0:
-        return 1.0
-    if x > wedge.near_field:
-        return wedge.far_angle / wedge.span
-    reach = min(wedge.s_beam * r / x, 1.0)
-    return wedge.angle * taken_in(reach, wedge) / (2.0 * math.asin(reach))
+def far_share(x, wedge):
+    """How far the far field has taken over at a ground range."""
+    return min(max((x / wedge.near_field - 1.0) * (1.0 / FADING), 0.0), 1.0)
 
 
 @fused
-def taken_in(reach, wedge):
+def _beam_share(x, r, wedge):
+    """Share of a top-hat's azimuths at that place which the plane stands for."""
+    reach = min(wedge.s_beam * r / max(x, 1e-9), 1.0)
+    near = wedge.angle * _taken_in(reach, wedge) / (2.0 * math.asin(reach))
+    return near + far_share(x, wedge) * (wedge.far_angle / wedge.span - near)
+
+
+@fused
+def _taken_in(reach, wedge):
     """Share of a wedge's azimuths within |sin φ| <= reach."""
     if wedge.s_high > BENT:
         share = (math.asin(min(reach, 1.0)) - math.asin(wedge.s_low)) / wedge.angle
     else:
         share = (reach - wedge.s_low) / (wedge.s_high - wedge.s_low)
     return min(max(share, 0.0), 1.0)
+
+
+@fused
+def _pattern_weight(x, z, r, wedge, pattern, law):
+    """Likewise for a beam with a pattern, of a fish that may pitch and roll.
+
+    Along the plane of azimuth φ, s = cos p cos θ sin φ + sin p sin θ is the part of the direction along the fish's
+    axis; the mean of the pattern over the wedge is its integral over s between the wedge's borders.
+    """
+    c, s = x / r, z / r
+    level, tip = wedge.ahead_level * c, wedge.ahead_up * s
+    heard = 1.0
+    if pattern.vertical != EVERY_GRAZING:
+        heard = vertical_sensitivity(pattern, wedge.side_x * c + wedge.side_z * s, wedge.up_x * c + wedge.up_z * s)
+    if wedge.angle == 0.0 or heard == 0.0:
+        return heard
+    span = level * (wedge.s_high - wedge.s_low)
+    if span <= 0.0:
+        return 0.0
+    share = heard_between(pattern, level * wedge.s_low + tip, level * wedge.s_high + tip, r) / span
+    if law != LIGHT:
+        return heard * share * x * wedge.angle
+    whole = heard_between(pattern, tip - level, tip + level, r) / level
+    return heard * share * wedge.angle / whole if whole > 0.0 else 0.0

@@ -7,15 +7,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.screen import empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
-from insonify.kernels.solids import empty_covers
 from insonify.kernels.sweep import Planes, empty_heard, sweep_pings
 from insonify.kernels.types import Poses, Problem
+from insonify.kernels.wedge import FADING
 from insonify.scene import SceneError
 from insonify.tracers.parallel import in_parallel
 
 # Up to this multiple of the altitude the beam's cone is followed azimuth by azimuth; beyond it, where cos θ > 0.9,
-# the inner planes stretch with it.
+# the inner planes begin to stretch with it.
 NEAR_FIELD = 2.0647
 # Inner planes lie this much further out than the half width divided among them: in the far field a plane at azimuth φ
 # stands for the beam direction φ cos θ, with cos θ between 0.9 and 1.
@@ -54,7 +55,7 @@ def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | No
 
     def block(first: int, last: int) -> int:
         part = Poses(*(column[first:last] for column in poses))
-        room = empty_profile(capacity), empty_heard(capacity), empty_covers(problem.solids.shape.size)
+        room = empty_profile(capacity), empty_heard(capacity), empty_screen(problem.solids, problem.mesh)
         return sweep_pings(problem, part, beam, *room, out[first:last])
 
     refuse_sonar_inside(problem, in_parallel(block, poses.x.size, threads))
@@ -110,7 +111,7 @@ def beam_planes(half_width: float, planes: int, height: float, reach: float) -> 
     # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer wedge by the height.
     beyond = np.maximum(low**2 - s_beam**2, 1e-30)
     # A little further, for the segment that crosses the border counts by its middle.
-    outer_reach = 1.02 * np.minimum(height * s_beam / np.sqrt(beyond), near_field)
+    outer_reach = 1.02 * np.minimum(height * s_beam / np.sqrt(beyond), (1.0 + FADING) * near_field)
     columns = (
         0.5 * (azimuths[:-1] + azimuths[1:]),
         low,

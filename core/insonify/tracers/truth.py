@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.screen import NOBODY, empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
-from insonify.kernels.solids import empty_covers
 from insonify.kernels.sweep import empty_heard
-from insonify.kernels.truth import NOBODY, Found, empty_found, empty_ledger, find_truth, part_of
+from insonify.kernels.truth import Found, empty_found, empty_ledger, find_truth, part_of
 from insonify.kernels.types import BED, Poses, Problem
 from insonify.tracers.parallel import in_parallel
 from insonify.tracers.sweep import beam_planes, refuse_sonar_inside
@@ -74,13 +74,13 @@ def trace_truth(problem: Problem, poses: Poses, *, planes: int = 16, threads: in
     """
     reach = problem.bins * problem.bin_length
     beam = beam_planes(problem.half_width, planes, float(poses.z.max(initial=0.0)) - problem.bed.low, reach)
-    capacity, solids = profile_capacity(reach, problem.bed.spacing), problem.solids
-    contributors = problem.reflectivity.shape[0] + int(solids.target.max(initial=-1)) + 1
+    capacity = profile_capacity(reach, problem.bed.spacing)
+    contributors = problem.reflectivity.shape[0] + _targets(problem)
     found = empty_found(poses.x.size, problem.bins)
 
     def block(first: int, last: int) -> int:
         part = Poses(*(column[first:last] for column in poses))
-        room = empty_profile(capacity), empty_heard(capacity), empty_covers(solids.shape.size)
+        room = empty_profile(capacity), empty_heard(capacity), empty_screen(problem.solids, problem.mesh)
         ledger = empty_ledger(contributors, problem.bins)
         return find_truth(problem, part, beam, *room, ledger, part_of(found, first, last))
 
@@ -88,12 +88,18 @@ def trace_truth(problem: Problem, poses: Poses, *, planes: int = 16, threads: in
     return _in_words_of_the_scene(problem, found)
 
 
+def _targets(problem: Problem) -> int:
+    """Count the declared targets."""
+    return 1 + max(int(bodies.target.max(initial=-1)) for bodies in (problem.solids, problem.mesh))
+
+
 def _in_words_of_the_scene(problem: Problem, found: Found) -> Truth:
     """Turn contributors into targets and materials, radians into degrees."""
-    rows, solids = problem.reflectivity.shape[0], problem.solids
+    rows = problem.reflectivity.shape[0]
     is_target, heard = found.contributor >= rows, found.contributor != NOBODY
-    material_of = np.arange(rows + int(solids.target.max(initial=-1)) + 1)
-    material_of[rows + solids.target] = solids.material
+    material_of = np.arange(rows + _targets(problem))
+    for bodies in (problem.solids, problem.mesh):
+        material_of[rows + bodies.target] = bodies.material
     return Truth(
         target_id=np.where(is_target, found.contributor - rows, np.where(heard, BED, NOTHING)).astype(np.int16),
         material=np.where(heard, material_of[found.contributor], NO_MATERIAL).astype(np.int16),

@@ -1,0 +1,260 @@
+"""Targets as one plane shows them to the sonar: a row of cells of launch angle, each with what is nearest in it.
+
+A plane cuts a convex body in one figure and a triangle in one straight line, its *parts*. Between neighbouring ends of
+parts the same parts lie before and behind one another, so that asking in the middle of a cell answers for all of it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.jit import fused, kernel
+from insonify.kernels.sections import DOWN, NEVER, UP, reached, section
+from insonify.kernels.shapes import meet_solid
+from insonify.kernels.types import Mesh, Solids
+
+FACETS = 64  # cells of a convex body alone in its plane, closer together towards its edges
+EDGE = 1e-9  # share of an interval by which the outermost cells of a body end inside it, to be sure to meet it
+SAME = 1e-9  # rad; ends of parts closer together are one
+NOBODY = -1
+
+
+class Screen(NamedTuple):
+    """Parts, then cells; arrays are longer than their numbers."""
+
+    body: NDArray[np.int64]  # row of the solids, or beyond them the triangle, of each part
+    low: NDArray[np.float64]  # launch angle above the horizontal at which the part begins, rad
+    high: NDArray[np.float64]  # and ends
+    line: NDArray[np.float64]  # (parts, 4) of a triangle's part: ground range and height above the sonar of its ends
+    edge: NDArray[np.float64]  # launch angles at which cells begin; the last one ends the last cell
+    part: NDArray[np.int64]  # part nearest in each cell, or NOBODY
+    distance: NDArray[np.float64]  # to it along the middle of the cell, infinite where there is none
+
+
+def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
+    """Make room for all that a plane may cut of a scene."""
+    bodies, triangles = solids.shape.size, mesh.target.size
+    parts, cells = bodies + triangles, bodies * (FACETS + 1) + 2 * triangles + 1
+    return Screen(
+        np.zeros(parts, np.int64),
+        np.zeros(parts),
+        np.zeros(parts),
+        np.zeros((parts, 4)),
+        np.zeros(cells),
+        np.zeros(cells, np.int64),
+        np.zeros(cells),
+    )
+
+
+@fused
+def fill_screen(problem, view, reach, screen):
+    """Collect what a plane cuts; return the number of cells, -1 - k if the sonar is inside body k."""
+    parts = _cut_solids(problem.solids, view, reach, screen)
+    if parts < 0:
+        return parts
+    solid_parts = parts
+    if problem.mesh.target.size > 0:
+        parts = cut_mesh(problem.mesh, problem.solids.shape.size, view, reach, screen, parts)
+    if parts == 0:
+        return 0
+    return _fill_cells(problem, view, screen, solid_parts, parts)
+
+
+@fused
+def _cut_solids(solids, view, reach, screen):
+    parts = 0
+    for k in range(solids.shape.size):
+        if reached(solids, k, view, reach):
+            status, low, high = section(solids, k, view)
+            if status < 0:
+                return -1 - k
+            if status > 0:
+                screen.body[parts], screen.low[parts], screen.high[parts] = k, low, high
+                parts += 1
+    return parts
+
+
+@kernel
+def cut_mesh(mesh, first_body, view, reach, screen, parts):
+    """Add the lines in which a plane cuts the triangles ahead of the sonar; return the number of parts."""
+    node = 0
+    while node < mesh.skip.size:
+        if not _crossed(mesh.low[node], mesh.high[node], view, reach):
+            node = mesh.skip[node]
+            continue
+        for k in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
+            parts = _cut_triangle(mesh.corners[k], first_body + k, view, screen, parts)
+        node += 1
+    return parts
+
+
+@fused
+def _crossed(low, high, view, reach):
+    """Whether a plane may cut a box ahead of the sonar, within reach."""
+    cx, cy = 0.5 * (low[0] + high[0]) - view.x, 0.5 * (low[1] + high[1]) - view.y
+    hx, hy = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])
+    wide, long = hx * abs(view.ey) + hy * abs(view.ex), hx * abs(view.ex) + hy * abs(view.ey)
+    across, along = cx * view.ey - cy * view.ex, cx * view.ex + cy * view.ey
+    return abs(across) <= wide and -long <= along <= reach + long
+
+
+@fused
+def _cut_triangle(corners, body, view, screen, parts):
+    """Add the line in which the plane cuts one triangle, if it does."""
+    ends = 0
+    for k in range(3):
+        following = k + 1 if k < 2 else 0
+        here, there = _across(corners[k], view), _across(corners[following], view)
+        if (here < 0.0) == (there < 0.0):
+            continue
+        # From the negative side to the positive: both triangles at an edge find the same point to the last bit.
+        a, b = (k, following) if here < 0.0 else (following, k)
+        below, above = min(here, there), max(here, there)
+        share = below / (below - above)
+        px = corners[a, 0] + (corners[b, 0] - corners[a, 0]) * share - view.x
+        py = corners[a, 1] + (corners[b, 1] - corners[a, 1]) * share - view.y
+        screen.line[parts, 2 * ends] = px * view.ex + py * view.ey
+        screen.line[parts, 2 * ends + 1] = corners[a, 2] + (corners[b, 2] - corners[a, 2]) * share - view.z
+        ends += 1
+        if ends == 2:
+            break
+    if ends < 2 or not _keep_ahead(screen.line[parts]):
+        return parts
+    line = screen.line[parts]
+    one, other = math.atan2(line[1], line[0]), math.atan2(line[3], line[2])
+    if abs(one - other) <= SAME:
+        return parts  # seen edge-on
+    screen.body[parts], screen.low[parts], screen.high[parts] = body, min(one, other), max(one, other)
+    return parts + 1
+
+
+@fused
+def _across(corner, view):
+    """Signed distance of a corner from the plane."""
+    return (corner[0] - view.x) * view.ey - (corner[1] - view.y) * view.ex
+
+
+@fused
+def _keep_ahead(line):
+    """Cut off what lies behind the sonar; whether anything is left."""
+    if line[0] <= 0.0 and line[2] <= 0.0:
+        return False
+    if line[0] < 0.0:
+        line[1] -= line[0] * (line[3] - line[1]) / (line[2] - line[0])
+        line[0] = 0.0
+    elif line[2] < 0.0:
+        line[3] -= line[2] * (line[1] - line[3]) / (line[0] - line[2])
+        line[2] = 0.0
+    return True
+
+
+@kernel
+def _fill_cells(problem, view, screen, solid_parts, parts):
+    """Divide the screen at the ends of parts, find the nearest in every cell; return the number of cells."""
+    count = 0
+    for p in range(solid_parts):
+        middle, half = 0.5 * (screen.low[p] + screen.high[p]), 0.5 * (screen.high[p] - screen.low[p])
+        half *= 1.0 - EDGE
+        for facet in range(FACETS + 1):
+            screen.edge[count] = middle - half * math.cos(math.pi * facet / FACETS)
+            count += 1
+    for p in range(solid_parts, parts):
+        screen.edge[count], screen.edge[count + 1] = screen.low[p], screen.high[p]
+        count += 2
+    if parts > 1:
+        screen.edge[:count] = np.sort(screen.edge[:count])
+    cells = _merged(screen.edge[:count]) - 1
+    for cell in range(cells):
+        screen.part[cell], screen.distance[cell] = NOBODY, math.inf
+    for p in range(parts):
+        cell = find_cell(screen, cells, screen.low[p])
+        while cell < cells and screen.edge[cell] < screen.high[p]:
+            middle = 0.5 * (screen.edge[cell] + screen.edge[cell + 1])
+            if screen.low[p] < middle < screen.high[p]:
+                distance, _ = meet_part(problem, view, screen, p, middle)
+                # Where two touch the first is heard.
+                if distance < screen.distance[cell]:
+                    screen.part[cell], screen.distance[cell] = p, distance
+            cell += 1
+    return cells
+
+
+@fused
+def _merged(edge):
+    """Drop edges that follow too closely, in place; return how many are left."""
+    kept = 0
+    for k in range(1, edge.size):
+        if edge[k] - edge[kept] > SAME:
+            kept += 1
+            edge[kept] = edge[k]
+    return kept + 1
+
+
+@fused
+def find_cell(screen, cells, angle):
+    """Cell that an angle lies in, the nearest one if in none."""
+    return min(max(np.searchsorted(screen.edge[: cells + 1], angle, side="right") - 1, 0), cells - 1)
+
+
+@fused
+def meet_part(problem, view, screen, p, angle):
+    """Distance to a part along a launch angle, and the cosine of the incidence there; infinite if missed."""
+    c, s = math.cos(angle), math.sin(angle)
+    body, bodies = screen.body[p], problem.solids.shape.size
+    if body < bodies:
+        distance, nx, ny, nz = meet_solid(problem.solids, body, view.x, view.y, view.z, c * view.ex, c * view.ey, s)
+        return distance, -(c * (nx * view.ex + ny * view.ey) + nz * s)
+    normal = problem.mesh.normal[body - bodies]
+    # Sheets are heard from both sides.
+    return line_distance(screen, p, c, s), abs(c * (normal[0] * view.ex + normal[1] * view.ey) + normal[2] * s)
+
+
+@fused
+def line_distance(screen, p, c, s):
+    """Distance to the line of a triangle's part along the direction (c, s)."""
+    x, z = screen.line[p, 0], screen.line[p, 1]
+    dx, dz = screen.line[p, 2] - x, screen.line[p, 3] - z
+    distance = (x * dz - z * dx) / (c * dz - s * dx)
+    return distance if distance > 0.0 else math.inf
+
+
+@fused
+def hidden_slopes(screen, cells):
+    """Slopes between which any body may hide the bed."""
+    if cells <= 0:
+        return NEVER, -NEVER
+    low, high = screen.edge[0], screen.edge[cells]
+    # The outermost cells of a body end a hair inside it.
+    return (
+        math.tan(low) * (1.0 + math.copysign(EDGE, -low)) if low > DOWN else -NEVER,
+        math.tan(high) * (1.0 + math.copysign(EDGE, high)) if high < UP else NEVER,
+    )
+
+
+@fused
+def next_open(screen, cells, surface, start, stop):
+    """Return the first stretch of launch angles in [start, stop] in which a segment of the bed is not hidden."""
+    cell = np.searchsorted(screen.edge[: cells + 1], start, side="right") - 1 if cells > 0 else -1
+    while start < stop and _hides(screen, cells, cell, surface, start, stop):
+        cell += 1
+        start = screen.edge[cell]
+    end = min(start, stop)
+    while end < stop:
+        cell += 1
+        end = screen.edge[cell] if cell <= cells and cells > 0 else stop
+        if _hides(screen, cells, cell, surface, end, stop):
+            break
+    return min(start, stop), min(end, stop)
+
+
+@fused
+def _hides(screen, cells, cell, surface, start, stop):
+    """Whether what is nearest in a cell lies before the bed, in the part of the cell within [start, stop]."""
+    if cell < 0 or cell >= cells or screen.part[cell] == NOBODY:
+        return False
+    middle = 0.5 * (max(start, screen.edge[cell]) + min(stop, screen.edge[cell + 1]))
+    return screen.distance[cell] < surface.offset / (math.sin(middle) - surface.slope * math.cos(middle))
