@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -10,12 +11,12 @@ from insonify.kernels.bins import FIXED_POINT, spread
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import FINE, deposit_piece
 from insonify.kernels.scatter import strength
-from insonify.kernels.screen import NOBODY, meet_part, next_open
+from insonify.kernels.screen import NOBODY, meet_part, middle_of, next_open
 from insonify.kernels.sections import NEVER
 from insonify.kernels.types import LIGHT
 from insonify.kernels.wedge import weight
 
-MOST_FACETS = 64
+MOST_FACETS = 64.0
 
 
 @kernel
@@ -44,94 +45,122 @@ def range_at(surface, angle):
     return surface.offset / (math.tan(angle) - surface.slope)
 
 
+class Facet(NamedTuple):
+    """A small part of a body, wholly heard."""
+
+    angle: float  # that it fills, rad
+    cosine: float  # of the launch angle of its middle
+    sine: float
+    near: float  # distances along its beginning, its middle and its end
+    centre: float
+    far: float
+    incidence: float  # cosine of the incidence in the middle
+
+
 @kernel
 def deposit_bodies(profile, knots, horizon, problem, wedge, view, screen, cells, bins):
     """Deposit what the nearest body in every cell sends back, less what the bed hides."""
-    last, per_bin = bins.size - 2, 1.0 / problem.bin_length
+    # Taking an array out of the problem costs more than a facet: out of the loop with them.
+    solids, mesh, table, pattern = problem.solids, problem.mesh, problem.reflectivity, problem.pattern
+    law, bin_length, part = problem.law, problem.bin_length, screen.part
     for cell in range(cells):
-        p = screen.part[cell]
-        if p == NOBODY:
+        if part[cell] == NOBODY:
             continue
-        facets, start, step = divide_cell(profile, knots, horizon, problem, view, screen, cell)
-        for facet in range(facets):
-            low = start + facet * step
-            near, centre, far, cos_incidence = meet_facet(problem, view, screen, p, low, low + step)
-            if near < NEVER and far < NEVER and centre < NEVER:
-                first, second = facet_energies(
-                    part_material(problem, screen, p), low, low + step, near, centre, far, cos_incidence, problem, wedge
-                )
-                spread(bins, near * per_bin, centre * per_bin, first, last)
-                spread(bins, centre * per_bin, far * per_bin, second, last)
+        row = part_material(solids, mesh, screen, part[cell])
+        facet = whole_cell(screen, cell)
+        facets = facets_in(facet)
+        ridge = horizon_at(profile.x, profile.z, knots, horizon, facet.centre * facet.cosine)
+        if facets == 1 and not ridge * screen.cosine[cell] > screen.sine[cell]:
+            _deposit_facet(facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins)
+        else:
+            start = max(screen.edge[cell], math.atan(ridge))
+            _deposit_divided(
+                solids, mesh, table, wedge, view, screen, cell, start, facets, pattern, law, bin_length, bins
+            )
 
 
 @fused
-def divide_cell(profile, knots, horizon, problem, view, screen, cell):
-    """Facets that a cell is divided into, where they begin and how wide each is; none where the bed hides it all.
-
-    A triangle can be long against its range, and then not one density will do.
-    """
-    start, stop = screen.edge[cell], screen.edge[cell + 1]
-    middle = 0.5 * (start + stop)
-    ridge = horizon_at(profile, knots, horizon, screen.distance[cell] * math.cos(middle))
-    if ridge > -NEVER:
-        start = max(start, math.atan(ridge))
-    if start >= stop:
-        return 0, start, 0.0
-    facets = 1
-    p = screen.part[cell]
-    if screen.body[p] >= problem.solids.shape.size:
-        near, _ = meet_part(problem, view, screen, p, start)
-        far, _ = meet_part(problem, view, screen, p, stop)
-        nearest = min(near, far)
-        # Sides and angle between them give the length.
-        squared = (far - near) * (far - near) + near * far * (stop - start) * (stop - start)
-        if nearest < NEVER and squared > (FINE * nearest) * (FINE * nearest):
-            facets = int(min(math.sqrt(squared) / (FINE * nearest) + 1.0, float(MOST_FACETS)))
-    return facets, start, (stop - start) / facets
+def whole_cell(screen, cell):
+    """Return a cell as one facet."""
+    c, s = middle_of(screen, cell)
+    angle = screen.edge[cell + 1] - screen.edge[cell]
+    return Facet(angle, c, s, screen.near[cell], screen.distance[cell], screen.far[cell], screen.incidence[cell])
 
 
 @fused
-def meet_facet(problem, view, screen, p, start, stop):
-    """Distances to a part at the beginning, the middle and the end of a facet, and the cosine of the incidence."""
-    near, _ = meet_part(problem, view, screen, p, start)
-    centre, cos_incidence = meet_part(problem, view, screen, p, 0.5 * (start + stop))
-    far, _ = meet_part(problem, view, screen, p, stop)
-    return near, centre, far, cos_incidence
+def facets_in(facet):
+    """How many facets a cell is divided into: one that is long against its range has not one density."""
+    nearest = min(facet.near, facet.far)
+    # Two sides and the angle between them give the third.
+    along = facet.far - facet.near
+    squared = along * along + facet.near * facet.far * facet.angle * facet.angle
+    if not FINE * FINE * nearest * nearest < squared < NEVER:
+        return 1
+    return int(min(math.sqrt(squared) / (FINE * nearest) + 1.0, MOST_FACETS))
+
+
+@kernel
+def _deposit_divided(solids, mesh, table, wedge, view, screen, cell, start, facets, pattern, law, bin_length, bins):
+    """Deposit a cell from a launch angle on, facet by facet."""
+    row = part_material(solids, mesh, screen, screen.part[cell])
+    step = (screen.edge[cell + 1] - start) / facets
+    for k in range(facets if step > 0.0 else 0):
+        facet = meet_facet(solids, mesh.normal, view, screen, screen.part[cell], start + k * step, step)
+        _deposit_facet(facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins)
 
 
 @fused
-def part_material(problem, screen, p):
+def meet_facet(solids, normals, view, screen, p, low, angle):
+    """Meet a part along the beginning, the middle and the end of a facet."""
+    near, _ = meet_part(solids, normals, view, screen, p, math.cos(low), math.sin(low))
+    c, s = math.cos(low + 0.5 * angle), math.sin(low + 0.5 * angle)
+    centre, incidence = meet_part(solids, normals, view, screen, p, c, s)
+    far, _ = meet_part(solids, normals, view, screen, p, math.cos(low + angle), math.sin(low + angle))
+    return Facet(angle, c, s, near, centre, far, incidence)
+
+
+@fused
+def _deposit_facet(facet, diffuse, specular, shininess, wedge, pattern, law, bin_length, bins):
+    """Deposit one facet; its ends give the slant ranges, its middle the strength."""
+    if not (facet.near < NEVER and facet.far < NEVER and facet.centre < NEVER):
+        return
+    first, second = facet_energies(facet, diffuse, specular, shininess, wedge, pattern, law, bin_length)
+    last, per_bin = bins.size - 2, 1.0 / bin_length
+    spread(bins, facet.near * per_bin, facet.centre * per_bin, first, last)
+    spread(bins, facet.centre * per_bin, facet.far * per_bin, second, last)
+
+
+@fused
+def part_material(solids, mesh, screen, p):
     """Row of the reflectivity table that a part is made of."""
-    body, bodies = screen.body[p], problem.solids.shape.size
-    return problem.solids.material[body] if body < bodies else problem.mesh.material[body - bodies]
+    body, bodies = screen.body[p], solids.shape.size
+    return solids.material[body] if body < bodies else mesh.material[body - bodies]
 
 
 @fused
-def facet_energies(row, start, stop, near, centre, far, cos_incidence, problem, wedge):
+def facet_energies(facet, diffuse, specular, shininess, wedge, pattern, law, bin_length):
     """Energies of a facet, in fixed-point units, on either hand of its middle."""
-    diffuse, specular = problem.reflectivity[row, 0], problem.reflectivity[row, 1]
-    value = strength(cos_incidence, diffuse, specular, problem.reflectivity[row, 2], problem.law)
-    angle = 0.5 * (start + stop)
-    x, z = centre * math.cos(angle), centre * math.sin(angle)
-    value *= weight(x, z, centre, wedge, problem.pattern, problem.law)
-    if problem.law == LIGHT:
-        density = value / problem.bin_length * FIXED_POINT
-        return density * abs(centre - near), density * abs(far - centre)
+    value = strength(facet.incidence, diffuse, specular, shininess, law)
+    x, z = facet.centre * facet.cosine, facet.centre * facet.sine
+    value *= weight(x, z, facet.centre, wedge, pattern, law)
+    if law == LIGHT:
+        density = value / bin_length * FIXED_POINT
+        return density * abs(facet.centre - facet.near), density * abs(facet.far - facet.centre)
     # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
-    half = 0.5 * value * centre * (stop - start) / max(cos_incidence, 1e-6) * FIXED_POINT
+    half = 0.5 * value * facet.centre * facet.angle / max(facet.incidence, 1e-6) * FIXED_POINT
     return half, half
 
 
 @fused
-def horizon_at(profile, knots, horizon, x):
+def horizon_at(ground_range, height, knots, horizon, x):
     """Greatest slope of the bed up to ground range x."""
-    if knots == 0 or x < profile.x[0]:
+    if knots == 0 or x < ground_range[0]:
         return -NEVER
-    i = np.searchsorted(profile.x[:knots], x, side="right") - 1
+    i = np.searchsorted(ground_range[:knots], x, side="right") - 1
     ridge = horizon[i]
     if i + 1 < knots and x > 0.0:
-        share = (x - profile.x[i]) / (profile.x[i + 1] - profile.x[i])
-        slope = (profile.z[i] + share * (profile.z[i + 1] - profile.z[i])) / x
+        share = (x - ground_range[i]) / (ground_range[i + 1] - ground_range[i])
+        slope = (height[i] + share * (height[i + 1] - height[i])) / x
         if slope > ridge:
             ridge = slope
     return ridge

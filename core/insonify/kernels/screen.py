@@ -20,6 +20,7 @@ from insonify.kernels.types import Mesh, Solids
 FACETS = 64  # cells of a convex body alone in its plane, closer together towards its edges
 EDGE = 1e-9  # share of an interval by which the outermost cells of a body end inside it, to be sure to meet it
 SAME = 1e-9  # rad; ends of parts closer together are one
+SPREAD = np.cos(np.pi * np.arange(FACETS + 1) / FACETS)
 NOBODY = -1
 
 
@@ -31,8 +32,13 @@ class Screen(NamedTuple):
     high: NDArray[np.float64]  # and ends
     line: NDArray[np.float64]  # (parts, 4) of a triangle's part: ground range and height above the sonar of its ends
     edge: NDArray[np.float64]  # launch angles at which cells begin; the last one ends the last cell
+    cosine: NDArray[np.float64]  # of the edges
+    sine: NDArray[np.float64]
     part: NDArray[np.int64]  # part nearest in each cell, or NOBODY
     distance: NDArray[np.float64]  # to it along the middle of the cell, infinite where there is none
+    incidence: NDArray[np.float64]  # cosine of the incidence there
+    near: NDArray[np.float64]  # distance to it along the edge where the cell begins
+    far: NDArray[np.float64]  # and where it ends
 
 
 def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
@@ -44,9 +50,9 @@ def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
         np.zeros(parts),
         np.zeros(parts),
         np.zeros((parts, 4)),
-        np.zeros(cells),
+        *np.zeros((3, cells)),
         np.zeros(cells, np.int64),
-        np.zeros(cells),
+        *np.zeros((4, cells)),
     )
 
 
@@ -155,32 +161,60 @@ def _keep_ahead(line):
 @kernel
 def _fill_cells(problem, view, screen, solid_parts, parts):
     """Divide the screen at the ends of parts, find the nearest in every cell; return the number of cells."""
+    solids, normals = problem.solids, problem.mesh.normal
     count = 0
     for p in range(solid_parts):
         middle, half = 0.5 * (screen.low[p] + screen.high[p]), 0.5 * (screen.high[p] - screen.low[p])
         half *= 1.0 - EDGE
         for facet in range(FACETS + 1):
-            screen.edge[count] = middle - half * math.cos(math.pi * facet / FACETS)
+            screen.edge[count] = middle - half * SPREAD[facet]
             count += 1
     for p in range(solid_parts, parts):
         screen.edge[count], screen.edge[count + 1] = screen.low[p], screen.high[p]
         count += 2
     if parts > 1:
-        screen.edge[:count] = np.sort(screen.edge[:count])
-    cells = _merged(screen.edge[:count]) - 1
+        screen.edge[:count].sort()
+        count = _merged(screen.edge[:count])
+    for k in range(count):
+        screen.cosine[k], screen.sine[k] = math.cos(screen.edge[k]), math.sin(screen.edge[k])
+    cells = count - 1
     for cell in range(cells):
         screen.part[cell], screen.distance[cell] = NOBODY, math.inf
     for p in range(parts):
-        cell = find_cell(screen, cells, screen.low[p])
+        cell = _first_cell(screen, cells, p)
         while cell < cells and screen.edge[cell] < screen.high[p]:
-            middle = 0.5 * (screen.edge[cell] + screen.edge[cell + 1])
-            if screen.low[p] < middle < screen.high[p]:
-                distance, _ = meet_part(problem, view, screen, p, middle)
+            if screen.low[p] < 0.5 * (screen.edge[cell] + screen.edge[cell + 1]) < screen.high[p]:
+                c, s = middle_of(screen, cell)
+                distance, incidence = meet_part(solids, normals, view, screen, p, c, s)
                 # Where two touch the first is heard.
                 if distance < screen.distance[cell]:
-                    screen.part[cell], screen.distance[cell] = p, distance
+                    screen.part[cell], screen.distance[cell], screen.incidence[cell] = p, distance, incidence
+            cell += 1
+    for p in range(parts):
+        cell = _first_cell(screen, cells, p)
+        while cell < cells and screen.edge[cell] < screen.high[p]:
+            if screen.part[cell] == p:
+                c, s = screen.cosine[cell], screen.sine[cell]
+                screen.near[cell], _ = meet_part(solids, normals, view, screen, p, c, s)
+                c, s = screen.cosine[cell + 1], screen.sine[cell + 1]
+                screen.far[cell], _ = meet_part(solids, normals, view, screen, p, c, s)
             cell += 1
     return cells
+
+
+@fused
+def _first_cell(screen, cells, p):
+    """Cell in which a part begins."""
+    return max(np.searchsorted(screen.edge[: cells + 1], screen.low[p], side="right") - 1, 0)
+
+
+@fused
+def middle_of(screen, cell):
+    """Direction of the middle of a cell, (cosine, sine) of its launch angle."""
+    c = screen.cosine[cell] + screen.cosine[cell + 1]
+    s = screen.sine[cell] + screen.sine[cell + 1]
+    norm = 1.0 / math.sqrt(c * c + s * s)
+    return c * norm, s * norm
 
 
 @fused
@@ -195,26 +229,20 @@ def _merged(edge):
 
 
 @fused
-def find_cell(screen, cells, angle):
-    """Cell that an angle lies in, the nearest one if in none."""
-    return min(max(np.searchsorted(screen.edge[: cells + 1], angle, side="right") - 1, 0), cells - 1)
-
-
-@fused
-def meet_part(problem, view, screen, p, angle):
-    """Distance to a part along a launch angle, and the cosine of the incidence there; infinite if missed."""
-    c, s = math.cos(angle), math.sin(angle)
-    body, bodies = screen.body[p], problem.solids.shape.size
+def meet_part(solids, normals, view, screen, p, c, s):
+    """Distance to a part in the direction (c, s), and the cosine of the incidence there; infinite if missed."""
+    body, bodies = screen.body[p], solids.shape.size
     if body < bodies:
-        distance, nx, ny, nz = meet_solid(problem.solids, body, view.x, view.y, view.z, c * view.ex, c * view.ey, s)
+        distance, nx, ny, nz = meet_solid(solids, body, view.x, view.y, view.z, c * view.ex, c * view.ey, s)
         return distance, -(c * (nx * view.ex + ny * view.ey) + nz * s)
-    normal = problem.mesh.normal[body - bodies]
+    k = body - bodies
     # Sheets are heard from both sides.
-    return line_distance(screen, p, c, s), abs(c * (normal[0] * view.ex + normal[1] * view.ey) + normal[2] * s)
+    cosine = abs(c * (normals[k, 0] * view.ex + normals[k, 1] * view.ey) + normals[k, 2] * s)
+    return _line_distance(screen, p, c, s), cosine
 
 
 @fused
-def line_distance(screen, p, c, s):
+def _line_distance(screen, p, c, s):
     """Distance to the line of a triangle's part along the direction (c, s)."""
     x, z = screen.line[p, 0], screen.line[p, 1]
     dx, dz = screen.line[p, 2] - x, screen.line[p, 3] - z
@@ -256,5 +284,8 @@ def _hides(screen, cells, cell, surface, start, stop):
     """Whether what is nearest in a cell lies before the bed, in the part of the cell within [start, stop]."""
     if cell < 0 or cell >= cells or screen.part[cell] == NOBODY:
         return False
-    middle = 0.5 * (max(start, screen.edge[cell]) + min(stop, screen.edge[cell + 1]))
-    return screen.distance[cell] < surface.offset / (math.sin(middle) - surface.slope * math.cos(middle))
+    c, s = middle_of(screen, cell)
+    if start > screen.edge[cell] or stop < screen.edge[cell + 1]:
+        middle = 0.5 * (max(start, screen.edge[cell]) + min(stop, screen.edge[cell + 1]))
+        c, s = math.cos(middle), math.sin(middle)
+    return screen.distance[cell] < surface.offset / (s - surface.slope * c)

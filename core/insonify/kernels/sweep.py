@@ -156,17 +156,20 @@ def _weigh(x, z, r, wedge, pattern, law, out):
         for i in range(x.size):
             out[i] = weight(x[i], z[i], r[i], wedge, pattern, law)
         return
-    # As `strip_width` has it, far field and near field apart for the vector units.
+    # As `strip_width` has it, near, between and far apart for the vector units.
     near = min(np.searchsorted(x, wedge.near_field, side="right"), x.size)
     far = min(np.searchsorted(x, wedge.near_field * (1.0 + FADING), side="right"), x.size)
     for i in range(far, x.size):
         out[i] = r[i] * wedge.far_angle
-    first = 0
     if wedge.s_high <= wedge.s_beam:
-        first = near
         for i in range(near):
             out[i] = x[i] * wedge.angle
-    for i in range(first, far):
+        per_metre = 1.0 / (FADING * wedge.near_field)
+        for i in range(near, far):
+            width = x[i] * wedge.angle
+            out[i] = width + (x[i] - wedge.near_field) * per_metre * (r[i] * wedge.far_angle - width)
+        return
+    for i in range(far):
         out[i] = strip_width(x[i], r[i], wedge)
 
 

@@ -13,7 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bins import FIXED_POINT, accumulate
-from insonify.kernels.bodies import divide_cell, facet_energies, launch_angle, meet_facet, part_material, range_at
+from insonify.kernels.bodies import (
+    facet_energies,
+    facets_in,
+    horizon_at,
+    launch_angle,
+    meet_facet,
+    part_material,
+    range_at,
+    whole_cell,
+)
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import slant
 from insonify.kernels.scatter import strength
@@ -242,26 +251,30 @@ def _at_slant(surface, r, outward):
 @kernel
 def _note_bodies(profile, knots, horizon, problem, wedge, view, screen, cells, ledger):
     """Enter what the nearest body in every cell sends back, facet by facet, as the sweep deposits it."""
-    bodies = problem.solids.shape.size
+    solids, mesh, table, pattern = problem.solids, problem.mesh, problem.reflectivity, problem.pattern
+    law, bin_length, bodies = problem.law, problem.bin_length, solids.shape.size
     for cell in range(cells):
         p = screen.part[cell]
         if p == NOBODY:
             continue
-        body = screen.body[p]
-        target = problem.solids.target[body] if body < bodies else problem.mesh.target[body - bodies]
-        who = problem.reflectivity.shape[0] + target
-        facets, start, step = divide_cell(profile, knots, horizon, problem, view, screen, cell)
-        if facets > 0:
+        body, row = screen.body[p], part_material(solids, mesh, screen, p)
+        who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
+        facet = whole_cell(screen, cell)
+        facets = facets_in(facet)
+        ridge = horizon_at(profile.x, profile.z, knots, horizon, facet.centre * facet.cosine)
+        start = max(screen.edge[cell], math.atan(ridge))
+        step = (screen.edge[cell + 1] - start) / facets
+        if step > 0.0:
             _meet(ledger, who)
-        for facet in range(facets):
-            low = start + facet * step
-            near, centre, far, cosine = meet_facet(problem, view, screen, p, low, low + step)
-            if near < NEVER and far < NEVER and centre < NEVER:
-                row = part_material(problem, screen, p)
-                first, second = facet_energies(row, low, low + step, near, centre, far, cosine, problem, wedge)
-                x = centre * math.cos(low + 0.5 * step)
-                _note_half(ledger, who, near, centre, first, x, cosine, problem.bin_length)
-                _note_half(ledger, who, centre, far, second, x, cosine, problem.bin_length)
+        for k in range(facets if step > 0.0 else 0):
+            facet = meet_facet(solids, mesh.normal, view, screen, p, start + k * step, step)
+            if facet.near < NEVER and facet.far < NEVER and facet.centre < NEVER:
+                first, second = facet_energies(
+                    facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length
+                )
+                x = facet.centre * facet.cosine
+                _note_half(ledger, who, facet.near, facet.centre, first, x, facet.incidence, bin_length)
+                _note_half(ledger, who, facet.centre, facet.far, second, x, facet.incidence, bin_length)
 
 
 @fused
