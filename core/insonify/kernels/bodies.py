@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from insonify.kernels.bins import FIXED_POINT, spread
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import FINE, deposit_piece
 from insonify.kernels.scatter import strength
-from insonify.kernels.screen import NOBODY, meet_part, middle_of, next_open
+from insonify.kernels.screen import NOBODY, halfway, load_part, meet_part, next_open
 from insonify.kernels.sections import NEVER
 from insonify.kernels.types import LIGHT
 from insonify.kernels.wedge import weight
@@ -20,11 +18,11 @@ MOST_FACETS = 64.0
 
 
 @kernel
-def deposit_open(surface, x_from, x_to, screen, cells, law, bin_length, bins):
+def deposit_open(surface, x_from, x_to, cover, law, bin_length, bins):
     """Deposit what no body hides of a segment of the bed, between two ground ranges."""
     low, high = launch_angle(surface, x_from), launch_angle(surface, x_to)
     while low < high:
-        opened, closed = next_open(screen, cells, surface, low, high)
+        opened, closed = next_open(cover, surface, low, high)
         if opened >= high:
             return
         start = x_from if opened <= low else range_at(surface, opened)
@@ -63,28 +61,23 @@ def deposit_bodies(profile, knots, horizon, problem, wedge, view, screen, cells,
     # Taking an array out of the problem costs more than a facet: out of the loop with them.
     solids, mesh, table, pattern = problem.solids, problem.mesh, problem.reflectivity, problem.pattern
     law, bin_length, part = problem.law, problem.bin_length, screen.part
+    edge, cosine, sine = screen.edge, screen.cosine, screen.sine
+    near, distance, far, incidence = screen.near, screen.distance, screen.far, screen.incidence
+    x, z, knot = profile.x, profile.z, -1
     for cell in range(cells):
         if part[cell] == NOBODY:
             continue
         row = part_material(solids, mesh, screen, part[cell])
-        facet = whole_cell(screen, cell)
-        facets = facets_in(facet)
-        ridge = horizon_at(profile.x, profile.z, knots, horizon, facet.centre * facet.cosine)
-        if facets == 1 and not ridge * screen.cosine[cell] > screen.sine[cell]:
+        c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+        facet = Facet(edge[cell + 1] - edge[cell], c, s, near[cell], distance[cell], far[cell], incidence[cell])
+        # Neighbouring cells mostly meet neighbouring places.
+        knot = knot_before(x, knots, facet.centre * c, knot)
+        facets, ridge = facets_in(facet), horizon_at(x, z, knots, horizon, knot, facet.centre * c)
+        if facets == 1 and not ridge * cosine[cell] > sine[cell]:
             _deposit_facet(facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins)
         else:
-            start = max(screen.edge[cell], math.atan(ridge))
-            _deposit_divided(
-                solids, mesh, table, wedge, view, screen, cell, start, facets, pattern, law, bin_length, bins
-            )
-
-
-@fused
-def whole_cell(screen, cell):
-    """Return a cell as one facet."""
-    c, s = middle_of(screen, cell)
-    angle = screen.edge[cell + 1] - screen.edge[cell]
-    return Facet(angle, c, s, screen.near[cell], screen.distance[cell], screen.far[cell], screen.incidence[cell])
+            start, room = max(edge[cell], math.atan(ridge)), (law, bin_length, bins)
+            _deposit_divided(solids, mesh, table, wedge, view, screen, cell, start, facets, pattern, *room)
 
 
 @fused
@@ -104,18 +97,20 @@ def _deposit_divided(solids, mesh, table, wedge, view, screen, cell, start, face
     """Deposit a cell from a launch angle on, facet by facet."""
     row = part_material(solids, mesh, screen, screen.part[cell])
     step = (screen.edge[cell + 1] - start) / facets
+    p = screen.part[cell]
+    part = load_part(solids, mesh, view, screen.body[p], screen.line[p])
     for k in range(facets if step > 0.0 else 0):
-        facet = meet_facet(solids, mesh.normal, view, screen, screen.part[cell], start + k * step, step)
+        facet = meet_facet(part, start + k * step, step)
         _deposit_facet(facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins)
 
 
 @fused
-def meet_facet(solids, normals, view, screen, p, low, angle):
+def meet_facet(part, low, angle):
     """Meet a part along the beginning, the middle and the end of a facet."""
-    near, _ = meet_part(solids, normals, view, screen, p, math.cos(low), math.sin(low))
+    near, _ = meet_part(part, math.cos(low), math.sin(low))
     c, s = math.cos(low + 0.5 * angle), math.sin(low + 0.5 * angle)
-    centre, incidence = meet_part(solids, normals, view, screen, p, c, s)
-    far, _ = meet_part(solids, normals, view, screen, p, math.cos(low + angle), math.sin(low + angle))
+    centre, incidence = meet_part(part, c, s)
+    far, _ = meet_part(part, math.cos(low + angle), math.sin(low + angle))
     return Facet(angle, c, s, near, centre, far, incidence)
 
 
@@ -152,11 +147,20 @@ def facet_energies(facet, diffuse, specular, shininess, wedge, pattern, law, bin
 
 
 @fused
-def horizon_at(ground_range, height, knots, horizon, x):
-    """Greatest slope of the bed up to ground range x."""
-    if knots == 0 or x < ground_range[0]:
+def knot_before(ground_range, knots, x, i):
+    """Last knot at or before ground range x, looked for from knot i on; -1 if there is none."""
+    while i + 1 < knots and ground_range[i + 1] <= x:
+        i += 1
+    while i >= 0 and ground_range[i] > x:
+        i -= 1
+    return i
+
+
+@fused
+def horizon_at(ground_range, height, knots, horizon, i, x):
+    """Greatest slope of the bed up to ground range x, which lies beyond knot i and not beyond the next."""
+    if i < 0:
         return -NEVER
-    i = np.searchsorted(ground_range[:knots], x, side="right") - 1
     ridge = horizon[i]
     if i + 1 < knots and x > 0.0:
         share = (x - ground_range[i]) / (ground_range[i + 1] - ground_range[i])

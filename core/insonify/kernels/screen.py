@@ -14,14 +14,32 @@ from numpy.typing import NDArray
 
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.sections import DOWN, NEVER, UP, reached, section
-from insonify.kernels.shapes import meet_solid
-from insonify.kernels.types import Mesh, Solids
+from insonify.kernels.shapes import cross_frustum, cross_sphere, frustum_normal
+from insonify.kernels.types import SPHERE, Mesh, Solids
 
 FACETS = 64  # cells of a convex body alone in its plane, closer together towards its edges
 EDGE = 1e-9  # share of an interval by which the outermost cells of a body end inside it, to be sure to meet it
 SAME = 1e-9  # rad; ends of parts closer together are one
 SPREAD = np.cos(np.pi * np.arange(FACETS + 1) / FACETS)
 NOBODY = -1
+TRIANGLE = 2  # beside SPHERE and FRUSTUM
+
+
+class Part(NamedTuple):
+    """One part by itself: numbers alone, for tables handed from function to function cost more than the geometry."""
+
+    kind: int  # SPHERE, FRUSTUM or TRIANGLE
+    x: float  # centre of a sphere, or of a frustum's first end, from the sonar; of a triangle's line
+    y: float  # one end in the plane, x the ground range
+    z: float
+    ax: float  # axis of a frustum; from that end of a line to the other
+    ay: float
+    az: float
+    length: float
+    radius: float
+    taper: float
+    level_x: float  # the plane's azimuth; of a triangle, its normal's level part and upward part in the plane
+    level_y: float
 
 
 class Screen(NamedTuple):
@@ -161,7 +179,24 @@ def _keep_ahead(line):
 @kernel
 def _fill_cells(problem, view, screen, solid_parts, parts):
     """Divide the screen at the ends of parts, find the nearest in every cell; return the number of cells."""
-    solids, normals = problem.solids, problem.mesh.normal
+    cells = _divide(screen, solid_parts, parts)
+    for p in range(parts):
+        part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
+        first = _first_cell(screen.edge[: cells + 1], screen.low[p])
+        ends = screen.low[p], screen.high[p]
+        edge, cosine, sine = screen.edge, screen.cosine, screen.sine
+        _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, screen.part, screen.distance, screen.incidence)
+    for p in range(parts):
+        part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
+        first = _first_cell(screen.edge[: cells + 1], screen.low[p])
+        last, edge, cosine, sine = screen.high[p], screen.edge, screen.cosine, screen.sine
+        _measure(p, part, first, cells, last, edge, cosine, sine, screen.part, screen.near, screen.far)
+    return cells
+
+
+@fused
+def _divide(screen, solid_parts, parts):
+    """Lay the edges of the cells; return the number of cells, all empty."""
     count = 0
     for p in range(solid_parts):
         middle, half = 0.5 * (screen.low[p] + screen.high[p]), 0.5 * (screen.high[p] - screen.low[p])
@@ -175,46 +210,55 @@ def _fill_cells(problem, view, screen, solid_parts, parts):
     if parts > 1:
         screen.edge[:count].sort()
         count = _merged(screen.edge[:count])
-    for k in range(count):
-        screen.cosine[k], screen.sine[k] = math.cos(screen.edge[k]), math.sin(screen.edge[k])
-    cells = count - 1
-    for cell in range(cells):
-        screen.part[cell], screen.distance[cell] = NOBODY, math.inf
-    for p in range(parts):
-        cell = _first_cell(screen, cells, p)
-        while cell < cells and screen.edge[cell] < screen.high[p]:
-            if screen.low[p] < 0.5 * (screen.edge[cell] + screen.edge[cell + 1]) < screen.high[p]:
-                c, s = middle_of(screen, cell)
-                distance, incidence = meet_part(solids, normals, view, screen, p, c, s)
-                # Where two touch the first is heard.
-                if distance < screen.distance[cell]:
-                    screen.part[cell], screen.distance[cell], screen.incidence[cell] = p, distance, incidence
-            cell += 1
-    for p in range(parts):
-        cell = _first_cell(screen, cells, p)
-        while cell < cells and screen.edge[cell] < screen.high[p]:
-            if screen.part[cell] == p:
-                c, s = screen.cosine[cell], screen.sine[cell]
-                screen.near[cell], _ = meet_part(solids, normals, view, screen, p, c, s)
-                c, s = screen.cosine[cell + 1], screen.sine[cell + 1]
-                screen.far[cell], _ = meet_part(solids, normals, view, screen, p, c, s)
-            cell += 1
-    return cells
+    _directions(screen.edge[:count], screen.cosine, screen.sine)
+    screen.part[: count - 1] = NOBODY
+    screen.distance[: count - 1] = math.inf
+    return count - 1
 
 
 @fused
-def _first_cell(screen, cells, p):
+def _directions(edge, cosine, sine):
+    for k in range(edge.size):
+        cosine[k], sine[k] = math.cos(edge[k]), math.sin(edge[k])
+
+
+@fused
+def _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, nearest, distance, incidence):
+    """Enter a part in the cells where nothing nearer is; where two touch the first is heard."""
+    low, high = ends
+    cell = first
+    while cell < cells and edge[cell] < high:
+        if low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
+            c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+            here, cos_incidence = meet_part(part, c, s)
+            if here < distance[cell]:
+                nearest[cell], distance[cell], incidence[cell] = p, here, cos_incidence
+        cell += 1
+
+
+@fused
+def _measure(p, part, first, cells, high, edge, cosine, sine, nearest, near, far):
+    """Measure the distances to a part along the edges of the cells in which it is the nearest."""
+    cell = first
+    while cell < cells and edge[cell] < high:
+        if nearest[cell] == p:
+            near[cell], _ = meet_part(part, cosine[cell], sine[cell])
+            far[cell], _ = meet_part(part, cosine[cell + 1], sine[cell + 1])
+        cell += 1
+
+
+@fused
+def _first_cell(edge, low):
     """Cell in which a part begins."""
-    return max(np.searchsorted(screen.edge[: cells + 1], screen.low[p], side="right") - 1, 0)
+    return max(np.searchsorted(edge, low, side="right") - 1, 0)
 
 
 @fused
-def middle_of(screen, cell):
-    """Direction of the middle of a cell, (cosine, sine) of its launch angle."""
-    c = screen.cosine[cell] + screen.cosine[cell + 1]
-    s = screen.sine[cell] + screen.sine[cell + 1]
-    norm = 1.0 / math.sqrt(c * c + s * s)
-    return c * norm, s * norm
+def halfway(c_from, s_from, c_to, s_to):
+    """Direction (cosine, sine) between two others."""
+    c, s = c_from + c_to, s_from + s_to
+    per_norm = 1.0 / math.sqrt(c * c + s * s)
+    return c * per_norm, s * per_norm
 
 
 @fused
@@ -229,25 +273,49 @@ def _merged(edge):
 
 
 @fused
-def meet_part(solids, normals, view, screen, p, c, s):
-    """Distance to a part in the direction (c, s), and the cosine of the incidence there; infinite if missed."""
-    body, bodies = screen.body[p], solids.shape.size
-    if body < bodies:
-        distance, nx, ny, nz = meet_solid(solids, body, view.x, view.y, view.z, c * view.ex, c * view.ey, s)
-        return distance, -(c * (nx * view.ex + ny * view.ey) + nz * s)
-    k = body - bodies
-    # Sheets are heard from both sides.
-    cosine = abs(c * (normals[k, 0] * view.ex + normals[k, 1] * view.ey) + normals[k, 2] * s)
-    return _line_distance(screen, p, c, s), cosine
+def load_part(solids, mesh, view, body, line):
+    """Take out of the tables what a part is like, from where the sonar stands."""
+    k = body - solids.shape.size
+    if k >= 0:
+        level = mesh.normal[k, 0] * view.ex + mesh.normal[k, 1] * view.ey
+        dx, dz = line[2] - line[0], line[3] - line[1]
+        return Part(TRIANGLE, line[0], 0.0, line[1], dx, 0.0, dz, 0.0, 0.0, 0.0, level, mesh.normal[k, 2])
+    return Part(
+        solids.shape[body],
+        solids.start[body, 0] - view.x,
+        solids.start[body, 1] - view.y,
+        solids.start[body, 2] - view.z,
+        solids.axis[body, 0],
+        solids.axis[body, 1],
+        solids.axis[body, 2],
+        solids.length[body],
+        solids.radius[body],
+        solids.taper[body],
+        view.ex,
+        view.ey,
+    )
 
 
 @fused
-def _line_distance(screen, p, c, s):
-    """Distance to the line of a triangle's part along the direction (c, s)."""
-    x, z = screen.line[p, 0], screen.line[p, 1]
-    dx, dz = screen.line[p, 2] - x, screen.line[p, 3] - z
-    distance = (x * dz - z * dx) / (c * dz - s * dx)
-    return distance if distance > 0.0 else math.inf
+def meet_part(part, c, s):
+    """Distance to a part in the direction (c, s), and the cosine of the incidence there; infinite if missed."""
+    if part.kind == TRIANGLE:
+        distance = (part.x * part.az - part.z * part.ax) / (c * part.az - s * part.ax)
+        # Sheets are heard from both sides.
+        return (distance if distance > 0.0 else math.inf), abs(c * part.level_x + s * part.level_y)
+    dx, dy = c * part.level_x, c * part.level_y
+    if part.kind == SPHERE:
+        distance, _ = cross_sphere(part.x, part.y, part.z, part.radius, dx, dy, s)
+        inwards = (part.x * dx + part.y * dy + part.z * s - distance) / part.radius
+        return (distance if distance > 0.0 else math.inf), inwards
+    distance, face, _, _ = cross_frustum(
+        part.x, part.y, part.z, part.ax, part.ay, part.az, part.length, part.radius, part.taper, dx, dy, s
+    )
+    if not 0.0 < distance < math.inf:
+        return math.inf, 0.0
+    px, py, pz = distance * dx - part.x, distance * dy - part.y, distance * s - part.z
+    nx, ny, nz = frustum_normal(px, py, pz, part.ax, part.ay, part.az, part.radius, part.taper, face)
+    return distance, -(nx * dx + ny * dy + nz * s)
 
 
 @fused
@@ -263,29 +331,46 @@ def hidden_slopes(screen, cells):
     )
 
 
+class Cover(NamedTuple):
+    """What of a screen the bed behind it needs to know; arrays as long as its edges."""
+
+    edge: NDArray[np.float64]
+    cosine: NDArray[np.float64]
+    sine: NDArray[np.float64]
+    distance: NDArray[np.float64]
+
+
 @fused
-def next_open(screen, cells, surface, start, stop):
+def cover_of(screen, cells):
+    """Return what hides the bed; without cells, nothing does."""
+    n = cells + 1 if cells > 0 else 0
+    return Cover(screen.edge[:n], screen.cosine[:n], screen.sine[:n], screen.distance[:n])
+
+
+@fused
+def next_open(cover, surface, start, stop):
     """Return the first stretch of launch angles in [start, stop] in which a segment of the bed is not hidden."""
-    cell = np.searchsorted(screen.edge[: cells + 1], start, side="right") - 1 if cells > 0 else -1
-    while start < stop and _hides(screen, cells, cell, surface, start, stop):
+    edge, cosine, sine, distance = cover.edge, cover.cosine, cover.sine, cover.distance
+    cell = np.searchsorted(edge, start, side="right") - 1
+    while start < stop and _hides(edge, cosine, sine, distance, cell, surface, start, stop):
         cell += 1
-        start = screen.edge[cell]
+        start = edge[cell]
     end = min(start, stop)
     while end < stop:
         cell += 1
-        end = screen.edge[cell] if cell <= cells and cells > 0 else stop
-        if _hides(screen, cells, cell, surface, end, stop):
+        end = edge[cell] if cell < edge.size else stop
+        if _hides(edge, cosine, sine, distance, cell, surface, end, stop):
             break
     return min(start, stop), min(end, stop)
 
 
 @fused
-def _hides(screen, cells, cell, surface, start, stop):
+def _hides(edge, cosine, sine, distance, cell, surface, start, stop):
     """Whether what is nearest in a cell lies before the bed, in the part of the cell within [start, stop]."""
-    if cell < 0 or cell >= cells or screen.part[cell] == NOBODY:
+    if cell < 0 or cell >= edge.size - 1 or distance[cell] == math.inf:
         return False
-    c, s = middle_of(screen, cell)
-    if start > screen.edge[cell] or stop < screen.edge[cell + 1]:
-        middle = 0.5 * (max(start, screen.edge[cell]) + min(stop, screen.edge[cell + 1]))
+    c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+    if start > edge[cell] or stop < edge[cell + 1]:
+        middle = 0.5 * (max(start, edge[cell]) + min(stop, edge[cell + 1]))
         c, s = math.cos(middle), math.sin(middle)
-    return screen.distance[cell] < surface.offset / (s - surface.slope * c)
+    return distance[cell] < surface.offset / (s - surface.slope * c)

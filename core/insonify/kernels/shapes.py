@@ -42,10 +42,10 @@ def _cross_solid(solids, k, x, y, z, dx, dy, dz):
     """Where a line comes into body k and goes out of it: (distance, face, distance, face)."""
     cx, cy, cz = solids.start[k, 0] - x, solids.start[k, 1] - y, solids.start[k, 2] - z
     if solids.shape[k] == SPHERE:
-        near, far = _cross_sphere(cx, cy, cz, solids.radius[k], dx, dy, dz)
+        near, far = cross_sphere(cx, cy, cz, solids.radius[k], dx, dy, dz)
         return near, SIDE, far, SIDE
     ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
-    return _cross_frustum(cx, cy, cz, ax, ay, az, solids.length[k], solids.radius[k], solids.taper[k], dx, dy, dz)
+    return cross_frustum(cx, cy, cz, ax, ay, az, solids.length[k], solids.radius[k], solids.taper[k], dx, dy, dz)
 
 
 @fused
@@ -55,11 +55,11 @@ def _normal(solids, k, face, x, y, z):
     if solids.shape[k] == SPHERE:
         return px / solids.radius[k], py / solids.radius[k], pz / solids.radius[k]
     ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
-    return _frustum_normal(px, py, pz, ax, ay, az, solids.radius[k], solids.taper[k], face)
+    return frustum_normal(px, py, pz, ax, ay, az, solids.radius[k], solids.taper[k], face)
 
 
 @kernel
-def _cross_sphere(cx, cy, cz, radius, dx, dy, dz):
+def cross_sphere(cx, cy, cz, radius, dx, dy, dz):
     """Distances at which a line comes into a sphere and goes out of it."""
     along = cx * dx + cy * dy + cz * dz
     # The perpendicular, not c² − along², keeps its digits far away.
@@ -72,7 +72,7 @@ def _cross_sphere(cx, cy, cz, radius, dx, dy, dz):
 
 
 @kernel
-def _cross_frustum(cx, cy, cz, ax, ay, az, length, radius, taper, dx, dy, dz):
+def cross_frustum(cx, cy, cz, ax, ay, az, length, radius, taper, dx, dy, dz):
     """Where a line comes into a frustum and goes out of it: (distance, face, distance, face).
 
     A frustum is what a cone and a slab have in common, and so is the stretch of any line inside it: at the rim no ray
@@ -135,7 +135,7 @@ def _inside_cone(ex, ey, ez, px, py, pz, radius, growth):
 
 
 @kernel
-def _frustum_normal(px, py, pz, ax, ay, az, radius, taper, face):
+def frustum_normal(px, py, pz, ax, ay, az, radius, taper, face):
     """Outward unit normal of a frustum's face at a point counted from the middle of its first end."""
     if face != SIDE:
         return face * ax, face * ay, face * az

@@ -19,7 +19,7 @@ from insonify.kernels.bodies import deposit_bodies, deposit_open
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import FINE, Surface, deposit_piece
 from insonify.kernels.scatter import INVERSE_PI, gloss
-from insonify.kernels.screen import fill_screen, hidden_slopes
+from insonify.kernels.screen import cover_of, fill_screen, hidden_slopes
 from insonify.kernels.sections import View
 from insonify.kernels.slice import slice_bed
 from insonify.kernels.types import LIGHT, PORT
@@ -277,6 +277,7 @@ def deposit(profile, count, problem, wedge, screen, cells, heard, bins):
     Neighbours heard whole share one event at their common knot.
     """
     last, per_bin = bins.size - 2, 1.0 / problem.bin_length
+    cover = cover_of(screen, cells)
     # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
     _steps(count - 1, heard.energy, heard.early)
     _split(count, heard.r, per_bin, heard.early, heard.late)
@@ -291,7 +292,7 @@ def deposit(profile, count, problem, wedge, screen, cells, heard, bins):
             if cells == 0:
                 deposit_piece(surface, start, profile.x[i + 1], problem.law, problem.bin_length, bins)
             else:
-                deposit_open(surface, start, profile.x[i + 1], screen, cells, problem.law, problem.bin_length, bins)
+                deposit_open(surface, start, profile.x[i + 1], cover, problem.law, problem.bin_length, bins)
 
 
 @fused

@@ -14,19 +14,20 @@ from numpy.typing import NDArray
 
 from insonify.kernels.bins import FIXED_POINT, accumulate
 from insonify.kernels.bodies import (
+    Facet,
     facet_energies,
     facets_in,
     horizon_at,
+    knot_before,
     launch_angle,
     meet_facet,
     part_material,
     range_at,
-    whole_cell,
 )
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import slant
 from insonify.kernels.scatter import strength
-from insonify.kernels.screen import NOBODY, next_open
+from insonify.kernels.screen import NOBODY, cover_of, halfway, load_part, next_open
 from insonify.kernels.sections import NEVER
 from insonify.kernels.sweep import aim_plane, in_sight_from, surface_of, sweep_plane
 from insonify.kernels.types import LIGHT
@@ -147,13 +148,14 @@ def _note(ledger, who, k, energy, x, cosine):
 @kernel
 def _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger):
     """Enter all that is heard of a profile, and mark where bed lies out of sight."""
+    cover = cover_of(screen, cells)
     for i in range(count - 1):
         surface, who = surface_of(profile, i, problem.reflectivity, wedge, heard), profile.material[i]
         x_from, x_to = profile.x[i], profile.x[i + 1]
         if heard.cut[i]:
             _meet(ledger, who)
             start = in_sight_from(surface, x_from, x_to, heard.launch[i], heard.horizon[i])
-            _note_cut(ledger, who, surface, x_from, start, x_to, screen, cells, problem.law, problem.bin_length)
+            _note_cut(ledger, who, surface, x_from, start, x_to, cover, problem.law, problem.bin_length)
         elif heard.energy[i] != 0.0:
             _meet(ledger, who)
             near, far, density = heard.r[i], heard.r[i + 1], abs(heard.energy[i])
@@ -163,12 +165,12 @@ def _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger):
 
 
 @kernel
-def _note_cut(ledger, who, surface, x_from, start, x_to, screen, cells, law, bin_length):
+def _note_cut(ledger, who, surface, x_from, start, x_to, cover, law, bin_length):
     """Enter the open parts of a segment that rises into sight at ``start``, and mark those between."""
     seen_to = x_from
     low, high = launch_angle(surface, start), launch_angle(surface, x_to)
     while low < high:
-        opened, closed = next_open(screen, cells, surface, low, high)
+        opened, closed = next_open(cover, surface, low, high)
         if opened >= high:
             break
         start = start if opened <= low else max(range_at(surface, opened), start)
@@ -253,21 +255,28 @@ def _note_bodies(profile, knots, horizon, problem, wedge, view, screen, cells, l
     """Enter what the nearest body in every cell sends back, facet by facet, as the sweep deposits it."""
     solids, mesh, table, pattern = problem.solids, problem.mesh, problem.reflectivity, problem.pattern
     law, bin_length, bodies = problem.law, problem.bin_length, solids.shape.size
+    knot = -1
     for cell in range(cells):
         p = screen.part[cell]
         if p == NOBODY:
             continue
         body, row = screen.body[p], part_material(solids, mesh, screen, p)
         who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
-        facet = whole_cell(screen, cell)
-        facets = facets_in(facet)
-        ridge = horizon_at(profile.x, profile.z, knots, horizon, facet.centre * facet.cosine)
+        c, s = halfway(screen.cosine[cell], screen.sine[cell], screen.cosine[cell + 1], screen.sine[cell + 1])
+        angle = screen.edge[cell + 1] - screen.edge[cell]
+        facets = facets_in(
+            Facet(angle, c, s, screen.near[cell], screen.distance[cell], screen.far[cell], screen.incidence[cell])
+        )
+        ground_range = screen.distance[cell] * c
+        knot = knot_before(profile.x, knots, ground_range, knot)
+        ridge = horizon_at(profile.x, profile.z, knots, horizon, knot, ground_range)
         start = max(screen.edge[cell], math.atan(ridge))
         step = (screen.edge[cell + 1] - start) / facets
         if step > 0.0:
             _meet(ledger, who)
+        part = load_part(solids, mesh, view, body, screen.line[p])
         for k in range(facets if step > 0.0 else 0):
-            facet = meet_facet(solids, mesh.normal, view, screen, p, start + k * step, step)
+            facet = meet_facet(part, start + k * step, step)
             if facet.near < NEVER and facet.far < NEVER and facet.centre < NEVER:
                 first, second = facet_energies(
                     facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length
