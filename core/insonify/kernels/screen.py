@@ -63,15 +63,10 @@ def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
     """Make room for all that a plane may cut of a scene."""
     bodies, triangles = solids.shape.size, mesh.target.size
     parts, cells = bodies + triangles, bodies * (FACETS + 1) + 2 * triangles + 1
-    return Screen(
-        np.zeros(parts, np.int64),
-        np.zeros(parts),
-        np.zeros(parts),
-        np.zeros((parts, 4)),
-        *np.zeros((3, cells)),
-        np.zeros(cells, np.int64),
-        *np.zeros((4, cells)),
-    )
+    low, high = np.zeros((2, parts))
+    edge, cosine, sine, distance, incidence, near, far = np.zeros((7, cells))
+    body, part = np.zeros(parts, np.int64), np.zeros(cells, np.int64)
+    return Screen(body, low, high, np.zeros((parts, 4)), edge, cosine, sine, part, distance, incidence, near, far)
 
 
 @fused

@@ -59,8 +59,10 @@ class Heard(NamedTuple):
 
 def empty_heard(capacity: int) -> Heard:
     """Make room for profiles of up to ``capacity`` knots."""
-    floats = [np.zeros(capacity, np.float32) for _ in range(8)]
-    return Heard(np.zeros(capacity), *floats, np.zeros(capacity, np.bool_), *np.zeros((2, capacity), np.int64))
+    launch, horizon, weight, cos_squared, scale, energy, power, base = np.zeros((8, capacity), np.float32)
+    r, cut = np.zeros(capacity), np.zeros(capacity, np.bool_)
+    early, late = np.zeros((2, capacity), np.int64)
+    return Heard(r, launch, horizon, weight, cos_squared, scale, energy, power, base, cut, early, late)
 
 
 @fused

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.beam import heard_between, vertical_sensitivity
+from insonify.kernels.beam import heard_angle, heard_between, vertical_sensitivity, widest_extent
 from insonify.kernels.jit import fused
 from insonify.kernels.types import EVERY_GRAZING, LIGHT
 
@@ -107,5 +107,8 @@ def _pattern_weight(x, z, r, wedge, pattern, law):
     share = heard_between(pattern, level * wedge.s_low + tip, level * wedge.s_high + tip, r) / span
     if law != LIGHT:
         return heard * share * x * wedge.angle
-    whole = heard_between(pattern, tip - level, tip + level, r) / level
+    if widest_extent(pattern) < BENT * level:
+        whole = heard_between(pattern, tip - level, tip + level, r) / level
+    else:
+        whole = heard_angle(pattern, level, tip, r)
     return heard * share * wedge.angle / whole if whole > 0.0 else 0.0
