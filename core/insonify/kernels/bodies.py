@@ -46,7 +46,8 @@ def range_at(surface, angle):
 class Facet(NamedTuple):
     """A small part of a body, wholly heard."""
 
-    angle: float  # that it fills, rad
+    low: float  # launch angle at which it begins, rad
+    high: float  # and ends
     cosine: float  # of the launch angle of its middle
     sine: float
     near: float  # distances along its beginning, its middle and its end
@@ -69,15 +70,32 @@ def deposit_bodies(profile, knots, horizon, problem, wedge, view, screen, cells,
             continue
         row = part_material(solids, mesh, screen, part[cell])
         c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-        facet = Facet(edge[cell + 1] - edge[cell], c, s, near[cell], distance[cell], far[cell], incidence[cell])
+        facet = Facet(edge[cell], edge[cell + 1], c, s, near[cell], distance[cell], far[cell], incidence[cell])
+        facets = facets_in(facet)
         # Neighbouring cells mostly meet neighbouring places.
         knot = knot_before(x, knots, facet.centre * c, knot)
-        facets, ridge = facets_in(facet), horizon_at(x, z, knots, horizon, knot, facet.centre * c)
-        if facets == 1 and not ridge * cosine[cell] > sine[cell]:
+        ridge = horizon_at(x, z, knots, horizon, knot, facet.centre * c)
+        if facets == 1 and ridge * cosine[cell] <= sine[cell]:
             _deposit_facet(facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins)
-        else:
-            start, room = max(edge[cell], math.atan(ridge)), (law, bin_length, bins)
-            _deposit_divided(solids, mesh, table, wedge, view, screen, cell, start, facets, pattern, *room)
+            continue
+        whole = load_part(solids, mesh, view, screen.body[part[cell]], screen.line[part[cell]])
+        for k in range(facets):
+            facet = open_facet(whole, edge[cell], edge[cell + 1], k, facets, x, z, knots, horizon, knot)
+            _deposit_facet(facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins)
+
+
+@fused
+def open_facet(part, low, high, k, facets, x, z, knots, horizon, knot):
+    """Facet k of so many in a cell, less what the bed hides of it; empty if it hides all."""
+    step = (high - low) / facets
+    start, stop = low + k * step, low + (k + 1) * step
+    facet = meet_facet(part, start, stop)
+    level = facet.centre * facet.cosine
+    ridge = horizon_at(x, z, knots, horizon, knot_before(x, knots, level, knot), level)
+    opened = math.atan(ridge) if ridge > -NEVER else start
+    if opened <= start:
+        return facet
+    return meet_facet(part, min(opened, stop), stop)
 
 
 @fused
@@ -86,38 +104,32 @@ def facets_in(facet):
     nearest = min(facet.near, facet.far)
     # Two sides and the angle between them give the third.
     along = facet.far - facet.near
-    squared = along * along + facet.near * facet.far * facet.angle * facet.angle
+    squared = along * along + facet.near * facet.far * (facet.high - facet.low) ** 2
     if not FINE * FINE * nearest * nearest < squared < NEVER:
         return 1
     return int(min(math.sqrt(squared) / (FINE * nearest) + 1.0, MOST_FACETS))
 
 
-@kernel
-def _deposit_divided(solids, mesh, table, wedge, view, screen, cell, start, facets, pattern, law, bin_length, bins):
-    """Deposit a cell from a launch angle on, facet by facet."""
-    row = part_material(solids, mesh, screen, screen.part[cell])
-    step = (screen.edge[cell + 1] - start) / facets
-    p = screen.part[cell]
-    part = load_part(solids, mesh, view, screen.body[p], screen.line[p])
-    for k in range(facets if step > 0.0 else 0):
-        facet = meet_facet(part, start + k * step, step)
-        _deposit_facet(facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins)
+@fused
+def meet_facet(part, low, high):
+    """Meet a part along the beginning, the middle and the end of a facet."""
+    near, _ = meet_part(part, math.cos(low), math.sin(low))
+    c, s = math.cos(0.5 * (low + high)), math.sin(0.5 * (low + high))
+    centre, incidence = meet_part(part, c, s)
+    far, _ = meet_part(part, math.cos(high), math.sin(high))
+    return Facet(low, high, c, s, near, centre, far, incidence)
 
 
 @fused
-def meet_facet(part, low, angle):
-    """Meet a part along the beginning, the middle and the end of a facet."""
-    near, _ = meet_part(part, math.cos(low), math.sin(low))
-    c, s = math.cos(low + 0.5 * angle), math.sin(low + 0.5 * angle)
-    centre, incidence = meet_part(part, c, s)
-    far, _ = meet_part(part, math.cos(low + angle), math.sin(low + angle))
-    return Facet(angle, c, s, near, centre, far, incidence)
+def is_met(facet):
+    """Whether there is anything of a facet, all of it met."""
+    return facet.low < facet.high and max(facet.near, facet.far, facet.centre) < NEVER
 
 
 @fused
 def _deposit_facet(facet, diffuse, specular, shininess, wedge, pattern, law, bin_length, bins):
     """Deposit one facet; its ends give the slant ranges, its middle the strength."""
-    if not (facet.near < NEVER and facet.far < NEVER and facet.centre < NEVER):
+    if not is_met(facet):
         return
     first, second = facet_energies(facet, diffuse, specular, shininess, wedge, pattern, law, bin_length)
     last, per_bin = bins.size - 2, 1.0 / bin_length
@@ -142,7 +154,7 @@ def facet_energies(facet, diffuse, specular, shininess, wedge, pattern, law, bin
         density = value / bin_length * FIXED_POINT
         return density * abs(facet.centre - facet.near), density * abs(facet.far - facet.centre)
     # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
-    half = 0.5 * value * facet.centre * facet.angle / max(facet.incidence, 1e-6) * FIXED_POINT
+    half = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6) * FIXED_POINT
     return half, half
 
 

@@ -62,7 +62,7 @@ class Screen(NamedTuple):
 def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
     """Make room for all that a plane may cut of a scene."""
     bodies, triangles = solids.shape.size, mesh.target.size
-    parts, cells = bodies + triangles, bodies * (FACETS + 1) + 2 * triangles + 1
+    parts, cells = bodies + triangles, bodies * (FACETS + 1) + 3 * triangles + 1
     low, high = np.zeros((2, parts))
     edge, cosine, sine, distance, incidence, near, far = np.zeros((7, cells))
     body, part = np.zeros(parts, np.int64), np.zeros(cells, np.int64)
@@ -173,7 +173,7 @@ def _keep_ahead(line):
 
 @kernel
 def _fill_cells(problem, view, screen, solid_parts, parts):
-    """Divide the screen at the ends of parts, find the nearest in every cell; return the number of cells."""
+    """Divide the screen at the ends and feet of parts, find the nearest in every cell; return the number of cells."""
     cells = _divide(screen, solid_parts, parts)
     for p in range(parts):
         part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
@@ -200,8 +200,10 @@ def _divide(screen, solid_parts, parts):
             screen.edge[count] = middle - half * SPREAD[facet]
             count += 1
     for p in range(solid_parts, parts):
-        screen.edge[count], screen.edge[count + 1] = screen.low[p], screen.high[p]
-        count += 2
+        # Slant range falls towards the foot of the perpendicular and grows beyond it.
+        foot = min(max(_foot(screen.line[p]), screen.low[p]), screen.high[p])
+        screen.edge[count], screen.edge[count + 1], screen.edge[count + 2] = screen.low[p], foot, screen.high[p]
+        count += 3
     if parts > 1:
         screen.edge[:count].sort()
         count = _merged(screen.edge[:count])
@@ -209,6 +211,13 @@ def _divide(screen, solid_parts, parts):
     screen.part[: count - 1] = NOBODY
     screen.distance[: count - 1] = math.inf
     return count - 1
+
+
+@fused
+def _foot(line):
+    """Launch angle at right angles to a line."""
+    dx, dz = line[2] - line[0], line[3] - line[1]
+    return math.atan2(-dx, dz) if dz >= 0.0 else math.atan2(dx, -dz)
 
 
 @fused
@@ -330,42 +339,42 @@ class Cover(NamedTuple):
     """What of a screen the bed behind it needs to know; arrays as long as its edges."""
 
     edge: NDArray[np.float64]
-    cosine: NDArray[np.float64]
-    sine: NDArray[np.float64]
-    distance: NDArray[np.float64]
+    near: NDArray[np.float64]
+    far: NDArray[np.float64]
+    part: NDArray[np.int64]
 
 
 @fused
 def cover_of(screen, cells):
     """Return what hides the bed; without cells, nothing does."""
     n = cells + 1 if cells > 0 else 0
-    return Cover(screen.edge[:n], screen.cosine[:n], screen.sine[:n], screen.distance[:n])
+    return Cover(screen.edge[:n], screen.near[:n], screen.far[:n], screen.part[:n])
 
 
 @fused
 def next_open(cover, surface, start, stop):
     """Return the first stretch of launch angles in [start, stop] in which a segment of the bed is not hidden."""
-    edge, cosine, sine, distance = cover.edge, cover.cosine, cover.sine, cover.distance
+    edge, near, far, part = cover.edge, cover.near, cover.far, cover.part
     cell = np.searchsorted(edge, start, side="right") - 1
-    while start < stop and _hides(edge, cosine, sine, distance, cell, surface, start, stop):
+    while start < stop and _hides(edge, near, far, part, cell, surface, start, stop):
         cell += 1
         start = edge[cell]
     end = min(start, stop)
     while end < stop:
         cell += 1
         end = edge[cell] if cell < edge.size else stop
-        if _hides(edge, cosine, sine, distance, cell, surface, end, stop):
+        if _hides(edge, near, far, part, cell, surface, end, stop):
             break
     return min(start, stop), min(end, stop)
 
 
 @fused
-def _hides(edge, cosine, sine, distance, cell, surface, start, stop):
+def _hides(edge, near, far, part, cell, surface, start, stop):
     """Whether what is nearest in a cell lies before the bed, in the part of the cell within [start, stop]."""
-    if cell < 0 or cell >= edge.size - 1 or distance[cell] == math.inf:
+    if cell < 0 or cell >= edge.size - 1 or part[cell] == NOBODY:
         return False
-    c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-    if start > edge[cell] or stop < edge[cell + 1]:
-        middle = 0.5 * (max(start, edge[cell]) + min(stop, edge[cell + 1]))
-        c, s = math.cos(middle), math.sin(middle)
-    return distance[cell] < surface.offset / (s - surface.slope * c)
+    low, high = edge[cell], edge[cell + 1]
+    angle = 0.5 * (max(start, low) + min(stop, high))
+    # Along a straight line one over the distance is linear in the direction.
+    nearness = (math.sin(high - angle) / near[cell] + math.sin(angle - low) / far[cell]) / math.sin(high - low)
+    return nearness * surface.offset < math.sin(angle) - surface.slope * math.cos(angle)

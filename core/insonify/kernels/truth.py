@@ -17,10 +17,10 @@ from insonify.kernels.bodies import (
     Facet,
     facet_energies,
     facets_in,
-    horizon_at,
+    is_met,
     knot_before,
     launch_angle,
-    meet_facet,
+    open_facet,
     part_material,
     range_at,
 )
@@ -28,7 +28,6 @@ from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import slant
 from insonify.kernels.scatter import strength
 from insonify.kernels.screen import NOBODY, cover_of, halfway, load_part, next_open
-from insonify.kernels.sections import NEVER
 from insonify.kernels.sweep import aim_plane, in_sight_from, surface_of, sweep_plane
 from insonify.kernels.types import LIGHT
 
@@ -263,21 +262,14 @@ def _note_bodies(profile, knots, horizon, problem, wedge, view, screen, cells, l
         body, row = screen.body[p], part_material(solids, mesh, screen, p)
         who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
         c, s = halfway(screen.cosine[cell], screen.sine[cell], screen.cosine[cell + 1], screen.sine[cell + 1])
-        angle = screen.edge[cell + 1] - screen.edge[cell]
-        facets = facets_in(
-            Facet(angle, c, s, screen.near[cell], screen.distance[cell], screen.far[cell], screen.incidence[cell])
-        )
-        ground_range = screen.distance[cell] * c
-        knot = knot_before(profile.x, knots, ground_range, knot)
-        ridge = horizon_at(profile.x, profile.z, knots, horizon, knot, ground_range)
-        start = max(screen.edge[cell], math.atan(ridge))
-        step = (screen.edge[cell + 1] - start) / facets
-        if step > 0.0:
-            _meet(ledger, who)
+        low, high, distance = screen.edge[cell], screen.edge[cell + 1], screen.distance[cell]
+        facets = facets_in(Facet(low, high, c, s, screen.near[cell], distance, screen.far[cell], 1.0))
+        knot = knot_before(profile.x, knots, distance * c, knot)
         part = load_part(solids, mesh, view, body, screen.line[p])
-        for k in range(facets if step > 0.0 else 0):
-            facet = meet_facet(part, start + k * step, step)
-            if facet.near < NEVER and facet.far < NEVER and facet.centre < NEVER:
+        for k in range(facets):
+            facet = open_facet(part, low, high, k, facets, profile.x, profile.z, knots, horizon, knot)
+            if is_met(facet):
+                _meet(ledger, who)
                 first, second = facet_energies(
                     facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length
                 )
