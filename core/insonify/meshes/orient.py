@@ -23,9 +23,7 @@ def outward(corners: NDArray[np.float64]) -> NDArray[np.float64]:
         and one that has only one side, as a Möbius strip, its own.
     """
     n = len(corners)
-    _, vertex = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
-    faces = vertex.reshape(n, 3)
-    first, second, alike = _neighbours(faces)
+    first, second, alike = _neighbours(_numbered(corners.reshape(-1, 3)).reshape(n, 3))
     surface = _components(first, second, n)
     flipped = _flips(first, second, alike, surface)
     wound = np.where(flipped[:, None, None], corners[:, ::-1], corners)
@@ -34,13 +32,23 @@ def outward(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(inside_out[surface][:, None, None], wound[:, ::-1], wound)
 
 
+def _numbered(points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Give equal points the same number, from 0."""
+    order = np.lexsort(points.T)
+    is_new = np.any(np.diff(points[order], axis=0) != 0.0, axis=1)
+    number = np.empty(len(points), dtype=np.int64)
+    number[order] = np.concatenate([[0], np.cumsum(is_new)])
+    return number
+
+
 def _neighbours(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
     """Pairs of triangles that alone share an edge, and whether they are wound alike: along it in opposite senses."""
-    edges = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
-    forward = edges[:, 0] < edges[:, 1]
-    _, edge, times = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(edge.ravel(), kind="stable")
-    pairs = order[times[edge.ravel()[order]] == 2].reshape(-1, 2)
+    begin, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    forward = begin < end
+    edge = np.minimum(begin, end) * (faces.max() + 1) + np.maximum(begin, end)
+    _, edge, times = np.unique(edge, return_inverse=True, return_counts=True)
+    order = np.argsort(edge, kind="stable")
+    pairs = order[times[edge[order]] == 2].reshape(-1, 2)
     return pairs[:, 0] // 3, pairs[:, 1] // 3, forward[pairs[:, 0]] != forward[pairs[:, 1]]
 
 
