@@ -79,19 +79,27 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
         raise SceneError(f"tolerance: {tolerance!r} is not above 0; give a share such as 0.03")
     if method not in METHODS:
         raise SceneError(f"method: {method!r} is not known; choose one of {', '.join(METHODS)}")
+    bounces = scene.sonar.bounces
+    if bounces > 0 and method in ("sweep", "march"):
+        raise SceneError(f"sonar.bounces: the {method} does not follow {bounces} of them; set it to 0 or use rays")
     if method == "march":
         step = scene.seabed.spacing * min(1.0, tolerance / 0.03)
         reason = f"asked for; steps of {step:.3g} m, {scene.sonar.bins} rays a side"
         return Plan("march", {"step": step, "rays": scene.sonar.bins}, (("march", reason),))
-    if method == "rays":
-        error, order = FAN_RAYS if isinstance(scene.sonar.beam, Fan) else KNIFE_RAYS
-        rays = max(1000, math.ceil(1000.0 * (error / tolerance) ** (1.0 / order)))
-        reason = f"asked for; {rays} rays a side, error about {100 * error * (1000 / rays) ** order:.2g} %"
-        return Plan("rays", {"rays": rays}, (("rays", reason),))
+    if method == "rays" or bounces > 0:
+        return _rays(scene, tolerance, "asked for" if method == "rays" else f"{bounces} bounces need single rays")
     chosen = "asked for" if method == "sweep" else "a height field and convex targets: nothing needs single rays"
     planes, why = _planes(scene, tolerance)
     across = (f"{planes} plane{'s' * (planes > 1)}", why)
     return Plan("sweep", {"planes": planes}, (("sweep", chosen), across, *_tow(scene)))
+
+
+def _rays(scene: Scene, tolerance: float, chosen: str) -> Plan:
+    """As many rays as the tolerance asks for."""
+    error, order = FAN_RAYS if isinstance(scene.sonar.beam, Fan) else KNIFE_RAYS
+    rays = max(1000, math.ceil(1000.0 * (error / tolerance) ** (1.0 / order)))
+    reason = f"{chosen}; {rays} rays a side, error about {100 * error * (1000 / rays) ** order:.2g} %"
+    return Plan("rays", {"rays": rays}, (("rays", reason),))
 
 
 def _tow(scene: Scene) -> tuple[tuple[str, str], ...]:

@@ -167,6 +167,7 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "sonar.bins": ({}, {"sonar.bins": 100}),
     "sonar.ping_rate": ({}, {"sonar.ping_rate": 5.0}),
     "sonar.law": ({}, {"sonar.law": "light"}),
+    "sonar.bounces": ({}, {"sonar.bounces": 1}),
     "track.start": ({}, {"track.start": [0.5, 0.0]}),
     "track.heading": ({}, {"track.heading": 10.0}),
     "track.altitude": ({}, {"track.altitude": 8.0}),

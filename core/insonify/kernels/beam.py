@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from insonify.kernels.jit import fused
-from insonify.kernels.types import TOP_HAT
+from insonify.kernels.types import EVERY_GRAZING, LIGHT, TOP_HAT
 
 SLICES = 16  # of the azimuths over which a pattern is averaged
 
@@ -158,3 +158,19 @@ def vertical_sensitivity(pattern, side, up):
     if pattern.vertical == TOP_HAT:
         return 1.0 if abs(off) <= 1.0 else 0.0
     return 2.0 ** (-off * off * (2.0 if pattern.two_way else 1.0))
+
+
+@fused
+def heard(pattern, beam, fan, law, dx, dy, dz, r):
+    """Sensitivity of a pattern in a direction of the world; law `light` averages over its azimuths."""
+    value = 1.0
+    if pattern.vertical != EVERY_GRAZING:
+        side = dx * beam.own_x + dy * beam.own_y + dz * beam.own_z
+        value = vertical_sensitivity(pattern, side, dx * beam.up_x + dy * beam.up_y + dz * beam.up_z)
+    if not fan or value == 0.0:
+        return value
+    value *= sensitivity(pattern, dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z, r)
+    if law != LIGHT or value == 0.0:
+        return value
+    cos_pitch, cos_elevation = math.sqrt(1.0 - beam.axis_z * beam.axis_z), math.sqrt(dx * dx + dy * dy)
+    return value / heard_angle(pattern, cos_pitch * cos_elevation, beam.axis_z * dz, r)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from insonify.kernels.beam import pick_azimuth, widest_extent
 from insonify.kernels.jit import fused, kernel
-from insonify.kernels.shapes import widest
-from insonify.kernels.types import LIGHT, PORT, SPHERE
+from insonify.kernels.shapes import widest, within
+from insonify.kernels.types import LIGHT, PORT
 
 AIM_STEPS = 64.0  # per radian
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -236,11 +236,6 @@ def highest_elevation(summit, nearest, farthest):
 def inside_body(solids, x, y, z):
     """Row of the body that a point is inside, -1 if none."""
     for k in range(solids.shape.size):
-        px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
-        ax, ay, az = solids.axis[k]
-        along = px * ax + py * ay + pz * az
-        if solids.shape[k] != SPHERE and not 0.0 <= along <= solids.length[k]:
-            continue
-        if px * px + py * py + pz * pz - along * along <= (solids.radius[k] + solids.taper[k] * along) ** 2:
+        if within(solids, k, x, y, z):
             return k
     return -1

@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 
-from insonify.kernels.beam import heard_angle, sensitivity, vertical_sensitivity
-from insonify.kernels.jit import fused, kernel
+from insonify.kernels.beam import heard
+from insonify.kernels.bounce import add_ghosts
+from insonify.kernels.jit import kernel
 from insonify.kernels.launch import Launch, aim, gather, highest_elevation, inside_body, make_beam, turn
 from insonify.kernels.march import march_hits
 from insonify.kernels.scatter import strength
-from insonify.kernels.types import EVERY_GRAZING, LIGHT, PORT
+from insonify.kernels.types import LIGHT, PORT
 from insonify.kernels.walk import NOTHING, Bundle, Hits, first_hits
 
 
@@ -46,6 +47,8 @@ def trace_pings(problem, poses, rays, step, out):
             else:
                 first_hits(problem.bed, problem.solids, near, count, problem.mesh, bundle, reach, hits)
             deposit(problem, beam, bundle, hits, launch.weight, sums)
+            if problem.bounces > 0:
+                add_ghosts(problem, beam, bundle, hits, launch.weight, sums)
             # What depends on range alone comes after the sum.
             for k in range(problem.bins):
                 out[ping, side, k] = sums[k] * problem.range_factor[k]
@@ -102,22 +105,6 @@ def deposit(problem, beam, bundle, hits, weight, sums):
         if problem.pattern.tabled:
             value *= heard(problem.pattern, beam, fan, law, dx, dy, dz, distance)
         sums[b] += value
-
-
-@fused
-def heard(pattern, beam, fan, law, dx, dy, dz, r):
-    """Sensitivity of a pattern in a direction of the world; law `light` averages over its azimuths."""
-    value = 1.0
-    if pattern.vertical != EVERY_GRAZING:
-        side = dx * beam.own_x + dy * beam.own_y + dz * beam.own_z
-        value = vertical_sensitivity(pattern, side, dx * beam.up_x + dy * beam.up_y + dz * beam.up_z)
-    if not fan or value == 0.0:
-        return value
-    value *= sensitivity(pattern, dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z, r)
-    if law != LIGHT or value == 0.0:
-        return value
-    cos_pitch, cos_elevation = math.sqrt(1.0 - beam.axis_z * beam.axis_z), math.sqrt(dx * dx + dy * dy)
-    return value / heard_angle(pattern, cos_pitch * cos_elevation, beam.axis_z * dz, r)
 
 
 @kernel

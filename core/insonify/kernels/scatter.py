@@ -1,6 +1,7 @@
 """How surfaces scatter: the one home of the Lambert and Phong formulas.
 
-Everything is monostatic: sound leaves and returns along one line, at incidence α to the surface's normal.
+Sound that leaves and returns along one line, at incidence α to the surface's normal, has the shorter formulas; what
+comes one way and leaves another has `bistatic`.
 """
 
 from __future__ import annotations
@@ -16,7 +17,12 @@ INVERSE_PI = 1.0 / math.pi
 @fused
 def lobe(cos_squared, shininess):
     """Phong's max(0, R·V)ⁿ; monostatic, R·V = cos 2α = 2 cos²α − 1."""
-    mirrored = 2.0 * cos_squared - 1.0
+    return phong(2.0 * cos_squared - 1.0, shininess)
+
+
+@fused
+def phong(mirrored, shininess):
+    """Phong's max(0, R·V)ⁿ, from R·V."""
     if mirrored <= 0.0:
         return 0.0
     whole = int(shininess)
@@ -62,3 +68,18 @@ def strength(cos_incidence, diffuse, specular, shininess, law):
     if law == LIGHT:
         return radiance(cos_incidence, diffuse, specular, shininess)
     return backscatter(cos_incidence, diffuse, specular, shininess)
+
+
+@fused
+def bistatic(cos_in, cos_out, mirrored, diffuse, specular, shininess, law):
+    """Radiance or cross-section of unit area between two directions, ``mirrored`` being R·V.
+
+    I = k_d cos α_in + k_s max(0, R·V)ⁿ, or σ = cos α_in cos α_out (k_d/π + k_s (n+2)/(2π) max(0, R·V)ⁿ), which is the
+    same both ways.
+    """
+    if cos_in <= 0.0 or cos_out <= 0.0:
+        return 0.0
+    shine = specular * phong(mirrored, shininess)
+    if law == LIGHT:
+        return diffuse * cos_in + shine
+    return cos_in * cos_out * (diffuse + 0.5 * (shininess + 2.0) * shine) * INVERSE_PI

@@ -38,6 +38,16 @@ def widest(solids, k):
 
 
 @fused
+def within(solids, k, x, y, z):
+    """Tell whether a point is inside body k."""
+    px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
+    along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
+    if solids.shape[k] != SPHERE and not 0.0 <= along <= solids.length[k]:
+        return False
+    return px * px + py * py + pz * pz - along * along <= (solids.radius[k] + solids.taper[k] * along) ** 2
+
+
+@fused
 def _cross_solid(solids, k, x, y, z, dx, dy, dz):
     """Where a line comes into body k and goes out of it: (distance, face, distance, face)."""
     cx, cy, cz = solids.start[k, 0] - x, solids.start[k, 1] - y, solids.start[k, 2] - z

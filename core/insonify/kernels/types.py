@@ -110,6 +110,7 @@ class Problem(NamedTuple):
     bins: int  # per side
     bin_length: float  # true slant range that one bin spans, m
     range_factor: NDArray[np.float64]  # (bins,) spreading and absorption at the bin centres
+    bounces: int = 0  # mirror-like bounces followed after the first echo
 
 
 class Poses(NamedTuple):

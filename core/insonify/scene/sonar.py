@@ -103,3 +103,6 @@ class Sonar(Declaration):
     law: Literal["sonar", "light"] = parameter(
         "sonar", description="energy of the insonified area, or the paper's radiance per ray"
     )
+    bounces: int = parameter(
+        0, description="mirror-like bounces and passages followed after the first echo", ge=0, le=16, slider=(0, 8)
+    )

@@ -40,6 +40,7 @@ def make_problem(scene: Scene, ground: Ground) -> Problem:
         bins=sonar.bins,
         bin_length=bin_length,
         range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),
+        bounces=sonar.bounces,
     )
 
 

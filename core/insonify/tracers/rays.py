@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from insonify.kernels.bounce import follow_paths
 from insonify.kernels.rays import cast_rays, empty_hits, trace_pings
 from insonify.kernels.types import BED, Poses, Problem
 from insonify.kernels.walk import NOTHING, Bundle
@@ -66,16 +70,75 @@ def cast(
     normal : (n, 3) float64
         Outward unit normal of the surface, zero where nothing is hit.
     """
+    bundle = _bundle(origins, directions)
+    hits = empty_hits(bundle.x.size)
+    cast_rays(problem, bundle, problem.bins * problem.bin_length if reach is None else float(reach), hits)
+    return hits.distance, _targets(problem)[hits.body], np.column_stack([hits.nx, hits.ny, hits.nz])
+
+
+class Paths(NamedTuple):
+    """Every hit of followed rays, ray by ray; the parts of a split one after the other, the mirrored first.
+
+    Attributes
+    ----------
+    ray : (n,) int64
+        Number of the ray.
+    bounce : (n,) int64
+        Bounces and passages before this hit.
+    position : (n, 3) float64
+        Of the hit: local x and y, height above the datum, in metres.
+    length : (n,) float64
+        Of the path up to here, in metres of water that take as long.
+    throughput : (n,) float64
+        Share of the ray's energy that arrives.
+    what : (n,) int64
+        Index of the target, or ``BED`` (-1).
+    """
+
+    ray: NDArray[np.int64]
+    bounce: NDArray[np.int64]
+    position: NDArray[np.float64]
+    length: NDArray[np.float64]
+    throughput: NDArray[np.float64]
+    what: NDArray[np.int64]
+
+
+def follow(
+    problem: Problem, origins: ArrayLike, directions: ArrayLike, bounces: int, *, reach: float = math.inf
+) -> Paths:
+    """Follow rays through mirrors and bodies.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    origins, directions : (n, 3) array_like
+        Where the rays start, in the water, and where they go; as in `cast`.
+    bounces : int
+        Bounces and passages after which a path ends.
+    reach : float
+        Metres of water after which it ends too.
+
+    Returns
+    -------
+    Paths
+    """
+    whole, real = follow_paths(problem._replace(bounces=int(bounces)), _bundle(origins, directions), float(reach))
+    return Paths(whole[0], whole[1], np.ascontiguousarray(real[:3].T), real[3], real[4], _targets(problem)[whole[2]])
+
+
+def _bundle(origins: ArrayLike, directions: ArrayLike) -> Bundle:
+    """Pack rays that broadcast together, directions of any length."""
     starts, ways = np.broadcast_arrays(
         np.atleast_2d(np.asarray(origins, dtype=np.float64)), np.atleast_2d(np.asarray(directions, dtype=np.float64))
     )
     ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-    bundle = Bundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
-    hits = empty_hits(len(starts))
-    cast_rays(problem, bundle, problem.bins * problem.bin_length if reach is None else float(reach), hits)
-    # The last element stands for the bed, the one before it for nothing.
-    targets = np.concatenate([problem.solids.target, problem.mesh.target, [NOTHING, BED]])
-    return hits.distance, targets[hits.body], np.column_stack([hits.nx, hits.ny, hits.nz])
+    return Bundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
+
+
+def _targets(problem: Problem) -> NDArray[np.int64]:
+    """Index of the target of every body; the last element stands for the bed, the one before it for nothing."""
+    return np.concatenate([problem.solids.target, problem.mesh.target, [NOTHING, BED]])
 
 
 def trace_rays(problem: Problem, poses: Poses, rays: int, step: float, threads: int | None) -> NDArray[np.float32]:

@@ -1,0 +1,251 @@
+"""Rays that go on after their first hit: mirrors, lenses and the ghosts they bring, in closed form."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import icosphere, mesh_of, poses_of, problem_of, rough
+from insonify.kernels.jit import kernel
+from insonify.kernels.scatter import bistatic, strength
+from insonify.kernels.types import BED, LIGHT, SONAR
+from insonify.plan import plan
+from insonify.scene import SceneError, edit, load_scene
+from insonify.tracers import rays
+
+DEEP = np.full((2, 2), -1e6)  # a bed out of the way
+SHINY = (0.5, 0.4, 7.0)
+WALL = [(-99.0, 20.0, -99.0), (99.0, 20.0, -99.0), (99.0, 20.0, 99.0), (-99.0, 20.0, 99.0)]
+QUAD = [(0, 1, 2), (0, 2, 3)]
+CUBE = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float) - 0.5
+CUBE_FACES = [
+    f for a, b, c, d in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    for f in ((a, b, c), (a, c, d))
+]  # fmt: skip
+
+
+def scene_of(interface, *, mesh=None, mesh_material=0, **options):
+    """A problem out of whose way the bed is, with the interface of each material."""
+    if mesh is not None:
+        mesh = mesh._replace(material=np.full(len(mesh.material), mesh_material))
+    options = {"reflectivity": [(0.0, 0.0, 1.0)] * len(interface), "bins": 700, **options}
+    return problem_of(DEEP, periodic=True, mesh=mesh, **options)._replace(interface=np.array(interface, dtype=float))
+
+
+def test_two_facing_mirrors():
+    # Seven metres apart, slantwise between them: the gain is the product of the coefficients, range by range.
+    walls = mesh_of([*np.array(WALL) - (0, 20, 0), *np.array(WALL) - (0, 13, 0)], [*QUAD, (4, 5, 6), (4, 6, 7)])
+    problem = scene_of([(0.9, 1.0), (0.7, 1.0)])._replace(
+        mesh=walls._replace(material=np.where(walls.corners[:, 0, 1] == 0.0, 0, 1))
+    )
+    paths = rays.follow(problem, (0.0, 3.0, 0.0), (0.4, 1.0, 0.1), 9)
+    k = np.arange(10)
+    assert paths.bounce.tolist() == k.tolist()
+    np.testing.assert_allclose(paths.length, (4.0 + 7.0 * k) * math.sqrt(1.17), rtol=1e-9)
+    np.testing.assert_allclose(paths.position[:, 1], np.where(k % 2 == 0, 7.0, 0.0), atol=1e-8)
+    np.testing.assert_allclose(paths.position[:, 0], 0.4 * (4.0 + 7.0 * k), rtol=1e-8)
+    np.testing.assert_allclose(paths.throughput, 0.49 ** ((k + 1) // 2) * 0.81 ** (k // 2), rtol=1e-12)
+
+
+@pytest.mark.parametrize("reflection", [0.5, 0.9, 1.0])
+def test_a_closed_furnace(reflection):
+    # Inside a closed surface of albedo a all hits together carry 1 + a + a² + … : 1 / (1 − a) but for a^depth.
+    rng = np.random.default_rng(1)
+    problem = scene_of([(reflection, 1.0)], mesh=mesh_of(*icosphere(2, 5.0)))
+    paths = rays.follow(problem, rng.uniform(-2, 2, (200, 3)), rng.normal(size=(200, 3)), 16)
+    a, carried = reflection**2, np.bincount(paths.ray, paths.throughput)
+    depth = np.searchsorted(-(a ** np.arange(17)), -1e-6, side="right")  # the faintest are dropped
+    np.testing.assert_allclose(carried, (a ** np.arange(depth)).sum(), rtol=1e-9)
+    if a < 1.0:
+        np.testing.assert_allclose(carried, 1.0 / (1.0 - a), rtol=2.0 * a**depth / (1.0 - a) + 1e-9)
+
+
+def test_energy_is_neither_made_nor_lost_where_nothing_absorbs():
+    # Perfect walls around bodies of all kinds: what a hit reflects and what it lets through are all that came.
+    rng = np.random.default_rng(2)
+    bodies = [((2.0, 0.0, 0.0), 1.0), ((-3.0, -1.0, 0.0), (-1.0, -2.0, 1.0), 0.4, 0.9), ((0.0, 2.0, -2.0), 0.7)]
+    room, box = icosphere(2, 6.0), CUBE * 1.5 + (0.0, 0.0, 2.5)
+    mesh = mesh_of([*room[0], *box], [*room[1].tolist(), *(np.array(CUBE_FACES) + len(room[0])).tolist()], target=7)
+    problem = scene_of([(0.6, 1.6), (1.0, 1.0), (0.3, 0.6)], solids=bodies)
+    outside = np.linalg.norm(mesh.corners, axis=2).min(axis=1) > 5.9
+    problem = problem._replace(
+        mesh=mesh._replace(material=np.where(outside, 1, 2), target=np.where(outside, 8, 7)),
+        solids=problem.solids._replace(material=np.array([0, 2, 0])),
+    )
+    origins = rng.uniform(-4, 4, (600, 3))
+    from_water = rays.cast(problem, origins, (0, 0, 1))[1] == 8
+    paths = rays.follow(problem, origins[from_water], rng.normal(size=(from_water.sum(), 3)), 5)
+    carried = np.zeros((from_water.sum(), 6))
+    np.add.at(carried, (paths.ray, paths.bounce), paths.throughput)
+    assert (carried <= 1.0 + 1e-12).all()
+    # What is lost is what was dropped for being faint.
+    assert np.median(carried[:, -1]) > 0.999
+    assert (carried[:, 2] > 0.999).mean() > 0.9
+
+
+def test_a_lens_by_snell_and_by_its_focus():
+    # A ball of speed ratio 2/3 (n = 1.5) focuses rays near its axis n R / (2 (n − 1)) = 1.5 R behind its middle.
+    problem = scene_of([(0.2, 2.0 / 3.0)], solids=[((0.0, 0.0, 0.0), 1.0)])
+    problem = problem._replace(bed=problem.bed._replace(heights=np.full((2, 2), -3.0, np.float32), low=-3.0, high=-3.0))
+    offsets = np.array([1e-3, 1e-2, 0.3, 0.7])
+    paths = rays.follow(problem, np.column_stack([offsets, 0 * offsets, 0 * offsets + 4.0]), (0, 0, -1), 2)
+    on_ball = np.abs(np.linalg.norm(paths.position, axis=1) - 1.0) < 1e-9
+    through = np.flatnonzero((paths.bounce == 2) & (paths.what == BED))
+    landed, left = paths.position[through], paths.position[(paths.bounce == 1) & on_ball]
+    np.testing.assert_array_equal(paths.ray[through], np.arange(4))
+    # By hand: the chord turns by β − α at either face, sin β = sin α / n.
+    alpha = np.arcsin(offsets)
+    beta = np.arcsin(offsets / 1.5)
+    place = alpha - 2.0 * beta
+    np.testing.assert_allclose(left[:, 0], -np.sin(place), atol=1e-9)
+    np.testing.assert_allclose(left[:, 2], -np.cos(place), atol=1e-9)
+    turned = 2.0 * (alpha - beta)
+    np.testing.assert_allclose(landed[:, 0], left[:, 0] - (left[:, 2] + 3.0) * np.tan(turned), atol=1e-9)
+    # Inside a metre takes 1.5 times as long as in water.
+    lengths = 4.0 - np.cos(alpha) + 1.5 * 2.0 * np.cos(beta) + (left[:, 2] + 3.0) / np.cos(turned)
+    np.testing.assert_allclose(paths.length[through], lengths, rtol=1e-9)
+    np.testing.assert_allclose(paths.throughput[through], 0.96**2, rtol=1e-12)
+    focus = left[:, 2] - left[:, 0] * (landed[:, 2] - left[:, 2]) / (landed[:, 0] - left[:, 0])
+    assert -focus[0] == pytest.approx(1.5, rel=1e-5)
+    assert -focus[1] == pytest.approx(1.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (500_000.0, 5_800_000.0, 0.0)])
+def test_a_slab_shifts_a_ray_and_steel_turns_it_back(shift):
+    # A closed box of triangles: in and out again parallel; beyond the critical angle everything is reflected.
+    box, bound = mesh_of(CUBE * (40.0, 40.0, 2.0) + shift, CUBE_FACES), 1e-10 if shift[0] == 0.0 else 1e-6
+    for speeds, sine, passes in ((1.5, 0.3, True), (0.7, 0.6, True), (3.9, 0.3, False)):
+        problem = scene_of([(0.8, speeds)], mesh=box)
+        start = np.add(shift, (0.1, 0.2, 4.0))
+        direction = np.array([sine, 0.0, -math.sqrt(1.0 - sine**2)])
+        paths = rays.follow(problem, start, direction, 1)
+        inside = paths.position[paths.bounce == 1]
+        if not passes:
+            assert not len(inside)
+            continue
+        slope = speeds * sine / math.sqrt(1.0 - (speeds * sine) ** 2)
+        step = 2.0 * slope
+        np.testing.assert_allclose(inside[0] - paths.position[0], (step, 0.0, -2.0), atol=bound)
+        assert paths.length[1] - paths.length[0] == pytest.approx(math.hypot(step, 2.0) / speeds, abs=bound)
+        assert paths.throughput[1] == pytest.approx(1.0 - 0.64, abs=1e-12)
+
+
+def test_a_chain_of_cylinders_is_one_body():
+    # A bent pipe: the ball in its elbow and the flat ends inside it are no surfaces to a ray within.
+    elbow = [((-4.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5), ((0.0, 0.0, 0.0), (3.0, 2.0, 0.0), 0.5), ((0.0, 0.0, 0.0), 0.5)]
+    problem = scene_of([(0.5, 1.0)], solids=elbow)
+    problem = problem._replace(solids=problem.solids._replace(target=np.zeros(3, dtype=np.int64)))
+    paths = rays.follow(problem, (-6.0, 0.0, 0.1), (1.0, 0.02, 0.0), 1)
+    assert paths.bounce.tolist() == [0, 1]
+    np.testing.assert_allclose(paths.position[0, 0], -4.0, atol=1e-12)
+    assert paths.position[1, 0] > 0.4
+
+
+def circle_cut(image, sonar, centre, radius, law, mixed, problem):
+    """Ghosts of a circle in the athwart plane by a dense sum along it, (bins,); image and sonar as (y, z)."""
+    psi = np.linspace(-math.pi, math.pi, 2_000_001)
+    normal = np.column_stack([np.cos(psi), np.sin(psi)])
+    point = centre + radius * normal
+    s, r = (np.linalg.norm(point - eye, axis=1) for eye in (image, sonar))
+    cos_s, cos_r = (((eye - point) * normal).sum(1) / d for eye, d in ((image, s), (sonar, r)))
+    if not mixed:
+        r, cos_r = s, cos_s
+    away = (((image - point) * ((sonar if mixed else image) - point)).sum(1)) / (s * r)
+    mirrored = np.maximum(2.0 * cos_s * cos_r - away, 0.0) ** SHINY[2]
+    seen = (cos_s > 0.0) & (cos_r > 0.0)
+    ways = 2.0 if mixed else 1.0
+    ranges = 0.5 * (s + r)
+    if law == LIGHT:
+        value = SHINY[0] * (cos_s + cos_r) * ways / 2.0 + ways * SHINY[1] * mirrored
+        value *= np.abs(np.gradient(ranges)) / problem.bin_length
+    else:
+        sigma = cos_s * cos_r / math.pi * (SHINY[0] + SHINY[1] * (SHINY[2] + 2.0) / 2.0 * mirrored)
+        value = ways * sigma * ranges**4 / (s * r) ** 2 * radius * (psi[1] - psi[0])
+    return np.bincount((ranges[seen] / problem.bin_length).astype(int), value[seen], problem.bins)[: problem.bins]
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_ghosts_of_a_ball_before_a_mirror(law):
+    # The wall at y = 20 shows the ball to an image of the sonar at y = 40: straight echo, mixed and retro ghost.
+    centre, radius, gain = np.array([12.0, 4.0]), 0.8, 0.9
+    problem = scene_of(
+        [(1.0, 1.0), (gain, 1.0)], solids=[((0.0, *centre), radius)], mesh=mesh_of(WALL, QUAD), mesh_material=1,
+        law=law, reflectivity=[SHINY, (0.0, 0.0, 1.0)], bins=350, bin_length=0.1,
+    )  # fmt: skip
+    sonar, image = np.array([0.0, 10.0]), np.array([40.0, 10.0])
+    record = rays.trace(problem._replace(bounces=1), poses_of(0.0, 0.0, 10.0), rays=1 << 18)[0, 0]
+    direct = rays.trace(problem, poses_of(0.0, 0.0, 10.0), rays=1 << 18)[0, 0]
+    mixed, retro = (circle_cut(image, sonar, centre, radius, law, m, problem) for m in (True, False))
+    ghosts = record.astype(float) - direct
+    first = np.flatnonzero(ghosts > 1e-6 * ghosts.max())[0] * 0.1
+    assert first == pytest.approx(np.flatnonzero(mixed)[0] * 0.1, abs=0.11)
+    assert int((np.linalg.norm(image - centre) - radius) / 0.1) == np.flatnonzero(retro)[0]
+    np.testing.assert_array_equal(ghosts[: np.flatnonzero(mixed)[0]], 0.0)
+    # Law `light` counts dR of rays that graze the ball as much as any; such rays are few.
+    bounds = (0.05 if law == LIGHT else 0.01), 0.01
+    for expected, bound in zip((gain**2 * mixed, gain**4 * retro), bounds):
+        window = slice(np.flatnonzero(expected)[0] - 2, np.flatnonzero(expected)[-1] + 3)
+        assert np.linalg.norm(ghosts[window] - expected[window]) < bound * np.linalg.norm(expected)
+    assert ghosts.sum() == pytest.approx((gain**2 * mixed + gain**4 * retro).sum(), rel=0.01)
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_the_retro_ghost_is_what_an_image_of_the_sonar_hears(law):
+    # In a fan, over rough ground and a ball: the record from behind a perfect mirror, without the mirror.
+    heights = np.roll(rough(64, 64, 0.2, seed=4), 16, axis=0)
+    options = {"periodic": True, "half_width": math.radians(3.0), "law": law, "bins": 240, "bin_length": 0.25}
+    options |= {"solids": [((0.3, 14.0, 2.0), 1.0)], "reflectivity": [SHINY, (0.0, 0.0, 1.0)]}
+    bare = problem_of(heights, 0.5, **options)._replace(interface=np.array([[0.0, 1.0], [1.0, 1.0]]))
+    wall = mesh_of(WALL, QUAD)
+    mirror = bare._replace(mesh=wall._replace(material=np.ones(2, np.int64)))
+    pose, image = poses_of(0.0, 0.0, 9.0), poses_of(0.0, 40.0, 9.0, math.pi)
+    with_ghosts = rays.trace(mirror._replace(bounces=1), pose, rays=1 << 16)[0, 0].astype(float)
+    with_ghosts -= rays.trace(mirror, pose, rays=1 << 16)[0, 0]
+    # A turned fish behind the wall hears to port what the mirror shows.
+    heard = rays.trace(bare, image, rays=1 << 16)[0, 0]
+    straight = rays.trace(mirror, pose, rays=1 << 16)[0, 0]
+    late = slice(170, 240)  # beyond the mixed ghosts of what lies before the wall
+    assert straight[late].sum() == 0.0
+    ranges = (np.arange(240) + 0.5) * 0.25
+    assert ranges[170] > 40.0
+    assert np.linalg.norm(with_ghosts[late] - heard[late]) < 0.05 * np.linalg.norm(heard[late])
+
+
+def test_nothing_changes_where_nothing_goes_on():
+    problem = problem_of(rough(64, 64, 0.2), 0.5, periodic=True, half_width=0.02)
+    poses = poses_of(np.arange(12) * 0.3, 0.0, 8.0)
+    once = rays.trace(problem, poses, rays=400)
+    np.testing.assert_array_equal(once, rays.trace(problem._replace(bounces=4), poses, rays=400))
+    ball = problem._replace(interface=np.array([[0.5, 1.2]]), bounces=3)
+    one, other = (rays.trace(ball, poses, rays=400, threads=n) for n in (1, 3))
+    np.testing.assert_array_equal(one, other)
+    assert (one >= once).all()
+    assert (one > once).any()
+
+
+@kernel
+def both_strengths(cosines, shininess, law, out):
+    """Monostatic and bistatic strength of one and the same way."""
+    for k in range(cosines.size):
+        c = cosines[k]
+        out[k, 0] = strength(c, 0.3, 0.6, shininess, law)
+        out[k, 1] = bistatic(c, c, 2.0 * c * c - 1.0, 0.3, 0.6, shininess, law)
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+@pytest.mark.parametrize("shininess", [1.0, 5.0, 7.5])
+def test_bistatic_strength_of_one_way_is_the_monostatic(law, shininess):
+    out = np.empty((101, 2))
+    both_strengths(np.linspace(-0.1, 1.0, 101), shininess, law, out)
+    np.testing.assert_allclose(out[:, 0], out[:, 1], rtol=1e-14)
+
+
+def test_bounces_ask_for_rays():
+    scene = edit(load_scene("default"), {"sonar.bounces": 2})
+    assert plan(scene).method == "rays"
+    assert "2 bounces" in plan(scene).lines()[0]
+    for method in ("sweep", "march"):
+        with pytest.raises(SceneError, match=r"sonar\.bounces"):
+            plan(scene, method=method)
