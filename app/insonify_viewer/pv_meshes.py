@@ -94,13 +94,27 @@ def bed_mesh() -> Any:
     return mesh
 
 
-def targets_mesh(solids: Solids, mesh: Mesh) -> Any:
-    """Return the targets as one surface; far more of them than one can see are left out."""
+def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:
+    """Return the targets as one surface; far more of them than one can see are left out.
+
+    Parameters
+    ----------
+    solids, mesh : Solids, Mesh
+        What they are made of.
+    colours : (targets, 3) uint8
+        Of each target.
+
+    Returns
+    -------
+    PolyData
+        With the ``colour`` of every face.
+    """
     parts: list[Any] = []
     if len(mesh.corners):
         corners = mesh.corners.reshape(-1, 3)
         faces: Any = np.arange(len(corners)).reshape(-1, 3)
         parts.append(pv.PolyData.from_regular_faces(corners, faces))
+        parts[0].cell_data["colour"] = colours[mesh.target]
     for row in range(min(len(solids.shape), MAX_SOLIDS)):
         start, axis = solids.start[row], solids.axis[row]
         length, radius = float(solids.length[row]), float(solids.radius[row])
@@ -109,6 +123,7 @@ def targets_mesh(solids: Solids, mesh: Mesh) -> Any:
             parts.append(frustum_mesh(start, start + length * axis, radius, last_radius))
         else:
             parts.append(pv.Sphere(center=start, radius=radius, theta_resolution=ROUND, phi_resolution=20))
+        parts[-1].cell_data["colour"] = np.tile(colours[solids.target[row]], (parts[-1].n_cells, 1))
     return pv.merge(parts).extract_surface(algorithm=None) if parts else pv.PolyData()
 
 

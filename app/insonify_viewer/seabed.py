@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from insonify_viewer.pv_meshes import BedPatch
 
     _Bed = tuple[Ground, tuple[float, float], float]
-    _Bodies = tuple[Solids, Mesh]
+    _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
     from insonify_viewer.views.seabed_view import SeabedView
 
 
@@ -64,12 +64,13 @@ class Seabed:
         if self._view is None:
             return
         from insonify_viewer.pv_meshes import path_pings, window_centre
+        from insonify_viewer.shading import target_colours
 
         sent = np.array([ping], dtype=np.int64)
         pose, line = simulation.poses(sent), simulation.line(sent)
         reach = simulation.problem.bins * simulation.problem.bin_length
         ground, bed = simulation.ground, (simulation.ground, window_centre(line, reach), reach)
-        bodies = (simulation.problem.solids, simulation.problem.mesh)
+        bodies = (simulation.problem.solids, simulation.problem.mesh, target_colours(simulation.scene))
         if self._bed != bed or not _same(self._bodies, bodies):
             self._bed, self._bodies = bed, bodies
             self._bake(bed, bodies)
@@ -136,4 +137,5 @@ def _same(first: _Bodies | None, second: _Bodies) -> bool:
     """Whether two sets of targets look the same."""
     if first is None or first[0] is second[0]:
         return first is not None
-    return all(np.array_equal(a, b) for ours, theirs in zip(first, second) for a, b in zip(ours, theirs))
+    bodies = [*zip(first[0], second[0]), *zip(first[1], second[1])]
+    return np.array_equal(first[2], second[2]) and all(np.array_equal(a, b) for a, b in bodies)

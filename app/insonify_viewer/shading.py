@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from insonify.scene.materials import MATERIALS
 
 if TYPE_CHECKING:
+    from insonify.scene import Scene
     from insonify.terrain.ground import Ground
 
 FOG = (0.345, 0.570, 0.655)
@@ -26,11 +27,18 @@ COLOURS = {
     "mirror": (0.80, 0.84, 0.88),
 }
 LAMP = np.array([-0.50, 0.55, 0.67]) / np.linalg.norm([-0.50, 0.55, 0.67])
+LIT = 1.3  # of targets, which stand out from the bed
 SLOPE_SHOWN = 0.42
 EXAGGERATION = (0.5, 15.0)
 FADE = (0.55, 0.98)
 DARK = 1e-6  # diffuse share below which a material counts as black
 TONES = (0.3, 2.5)  # of diffuse shares over the usual, shown
+
+
+def target_colours(scene: Scene) -> NDArray[np.uint8]:
+    """Return the colours of a scene's targets by their materials' names, (targets, 3) uint8."""
+    colours = np.array([COLOURS[target.material.name] for target in scene.targets]).reshape(-1, 3)
+    return np.asarray(255.0 * np.minimum(colours * LIT, 1.0), dtype=np.uint8)
 
 
 def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: int) -> NDArray[np.uint8]:

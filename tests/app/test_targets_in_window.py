@@ -13,6 +13,7 @@ from insonify.scene import Scene, SceneError, edit, resources
 from insonify_viewer.parameters import sections_of
 from insonify_viewer.placing import new_target
 from insonify_viewer.pv_meshes import frustum_mesh, targets_mesh
+from insonify_viewer.shading import target_colours
 from insonify_viewer.views.main_window import TARGETS
 from insonify_viewer.views.parameter_rows import FileRow
 
@@ -151,11 +152,16 @@ def test_the_drawn_targets_are_where_the_traced_ones_are(small: Scene) -> None:
 
     box = {"kind": "box", "position": [5.0, 20.0], "size": [3.0, 2.0, 1.0], "heading": 90.0}
     cone = {"kind": "cone", "position": [15.0, 20.0], "radius": 2.0, "height": 1.0}
-    problem = StandIn(edit(small, {"targets": [box, cone]}), 0.03).problem
-    low, high = np.array(targets_mesh(problem.solids, problem.mesh).bounds).reshape(3, 2).T
+    scene = edit(small, {"targets": [box, {**cone, "material": "rock"}]})
+    problem = StandIn(scene, 0.03).problem
+    drawn = targets_mesh(problem.solids, problem.mesh, target_colours(scene))
+    low, high = np.array(drawn.bounds).reshape(3, 2).T
     np.testing.assert_allclose(low[:2], [4.0, 18.0], atol=0.03)
     np.testing.assert_allclose(high[:2], [17.0, 22.0], atol=0.03)
-    assert targets_mesh(problem.solids, problem.mesh._replace(corners=np.zeros((0, 3, 3)))).n_points > 0
+    # Every face has the colour of its own target's material.
+    steel, rock = target_colours(scene)
+    expected = np.where((np.asarray(drawn.cell_centers().points)[:, 0] < 10.0)[:, None], steel, rock)
+    np.testing.assert_array_equal(drawn.cell_data["colour"], expected)
 
 
 def test_a_cone_is_drawn_outside_out() -> None:

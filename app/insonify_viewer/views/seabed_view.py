@@ -128,7 +128,9 @@ class SeabedView(QWidget):
         blank = np.zeros((2, 2, 3), np.uint8)
         self._bed_actor = plotter.add_mesh(self._bed, texture=pv.Texture(blank), lighting=False, **add)
         shiny: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.7, "specular": 0.25}
-        self._targets_actor = plotter.add_mesh(pv.Sphere(), color="#a9b4be", **shiny, **add)
+        ball = pv.Sphere()
+        ball.cell_data["colour"] = np.zeros((ball.n_cells, 3), np.uint8)
+        self._targets_actor = plotter.add_mesh(ball, scalars="colour", rgb=True, **shiny, **add)
         self._fish_actor = plotter.add_mesh(pv_meshes.fish_mesh(1.0), color="#ffc83d", **shiny, **add)
         self._cable_actor = plotter.add_mesh(pv_meshes.cable_mesh(1.0), color="#23333f", line_width=1.5, **add)
         self._path_actor = plotter.add_mesh(
