@@ -34,7 +34,7 @@ def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """
     complete: Changes = {}
     remarks = []
-    for rule in (_ping_rate, _sonar_height, _spectrum, _named_numbers, _shares, _material_map, _dunes, _sum):
+    for rule in (_ping_rate, _sonar_height, _spectrum, _named_numbers, _shares, _material_map, _dunes, _sum, _law):
         extra, remark = rule(scene, changes)
         complete |= extra
         if remark:
@@ -117,6 +117,13 @@ def _at(scene: Scene, path: str) -> Any:
         is_position = isinstance(place, tuple) and step.isdigit() and int(step) < len(place)
         place = place[int(step)] if is_position else getattr(place, step, None)
     return place
+
+
+def _law(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Leave out what light does not know."""
+    if changes.get("sonar.law") != "light" or scene.receiver.reverberation.kind == "none":
+        return {}, ""
+    return {"receiver.reverberation": "none"}, "reverberation left out: light knows no water"
 
 
 def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:

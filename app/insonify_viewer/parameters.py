@@ -13,8 +13,10 @@ from pydantic.fields import FieldInfo
 from insonify.scene import Scene
 from insonify.scene.edit import kind_name, models_of
 from insonify.scene.materials import MATERIALS, Material
+from insonify.scene.receiver import PowerTvg
 from insonify.scene.seabed import Dem, Fractal
 from insonify.scene.targets import Pipe, Target
+from insonify.sound.absorption import NEPER_PER_DB, absorption_coefficient
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
 PAIR_NAMES = {"peaks": ("fx", "fy"), "gap": ("along", "height"), "position": ("x", "y", "z"), "start": ("x", "y")}
@@ -275,6 +277,9 @@ def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | Non
         return part.exponents[1 if name == "beta_y" else 0]
     if isinstance(part, Pipe):
         return 0.0  # a pitch
+    if isinstance(part, PowerTvg):
+        depth = scene.seabed.depth - scene.altitude
+        return absorption_coefficient(scene.water.absorption, scene.sonar.frequency, depth) * 1e3 / NEPER_PER_DB
     values = {
         "altitude": scene.altitude,
         "depth": scene.seabed.depth - scene.altitude,

@@ -153,6 +153,18 @@ def test_diffuse_and_specular_share_what_arrives(default: Scene) -> None:
     assert "specular share lowered to 0.2" in sentences[-1]
 
 
+def test_light_leaves_the_water_out(default: Scene) -> None:
+    session = Session(edit(default, {"receiver.reverberation": "volume"}))
+    assert session.settle({"sonar.law": "light"})
+    assert session.scene.sonar.law == "light"
+    assert session.scene.receiver.reverberation.kind == "none"
+
+
+def test_the_gain_shows_the_absorption_it_makes_good(default: Scene) -> None:
+    scene = edit(default, {"receiver.tvg": "power", "water.absorption": 97.0})
+    assert parameters(scene)["receiver.tvg.absorption"].value == pytest.approx(97.0)
+
+
 def test_sliders_end_where_the_scene_does(default: Scene) -> None:
     found = parameters(default)
     assert found["sonar.ping_rate"].slider == (0.5, 15.0)

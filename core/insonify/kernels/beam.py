@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.jit import fused
+from insonify.kernels.jit import fused, kernel
 from insonify.kernels.types import EVERY_GRAZING, LIGHT, TOP_HAT
 
 SLICES = 16  # of the azimuths over which a pattern is averaged
@@ -174,3 +174,17 @@ def heard(pattern, beam, fan, law, dx, dy, dz, r):
         return value
     cos_pitch, cos_elevation = math.sqrt(1.0 - beam.axis_z * beam.axis_z), math.sqrt(dx * dx + dy * dy)
     return value / heard_angle(pattern, cos_pitch * cos_elevation, beam.axis_z * dz, r)
+
+
+@kernel
+def ring_angles(pattern, x, r, out):
+    """Azimuth that a level fish's beam takes in, by its sensitivity, of rings at ground ranges x and slant ranges r."""
+    for k in range(x.size):
+        out[k] = heard_angle(pattern, x[k] / r[k], 0.0, r[k]) if x[k] > 0.0 else 0.0
+
+
+@kernel
+def vertical_sensitivities(pattern, elevation, out):
+    """Sensitivity of the vertical beam of a level fish at elevations above the horizontal, in radians."""
+    for k in range(elevation.size):
+        out[k] = vertical_sensitivity(pattern, math.cos(elevation[k]), math.sin(elevation[k]))

@@ -147,13 +147,14 @@ def transform(field, table, first, per_octave, place):
     for ping in range(pings):
         for side in range(sides):
             for k in range(bins):
-                column = (math.log2(max(field[ping, side, k], np.float32(1e-30))) - first) * per_octave
+                octave = math.log(max(field[ping, side, k], np.float32(1e-30))) * (np.float32(1.0) / LN_2)
+                column = (octave - np.float32(first)) * np.float32(per_octave)
                 low = min(max(int(column), 0), columns - 2)
                 row = min(int(place[ping, side, k]), table.shape[0] - 2)
-                part, above = column - low, place[ping, side, k] - row
+                part, above = column - np.float32(low), place[ping, side, k] - np.float32(row)
                 here = table[row, low] + part * (table[row, low + 1] - table[row, low])
                 there = table[row + 1, low] + part * (table[row + 1, low + 1] - table[row + 1, low])
-                field[ping, side, k] = 2.0 ** (here + above * (there - here))
+                field[ping, side, k] = math.exp(LN_2 * (here + above * (there - here)))
 
 
 @kernel

@@ -15,7 +15,7 @@ from insonify.kernels.types import Problem
 from insonify.receive.fields import Field, make_field
 from insonify.scene import Scene
 from insonify.scene.receiver import K, NoSpeckle
-from insonify.sound.cell import along_track_angle, bin_centres
+from insonify.sound.cell import along_track_angle, bin_centres, coherence_angle
 from insonify.sound.pulses import coherent_taps, pulse_taps
 
 SPECKLE_STREAM, TEXTURE_STREAM = 1000, 2000
@@ -91,9 +91,9 @@ def make_speckle(scene: Scene, problem: Problem) -> Speckle | None:
 
     Along range, scatterers interfere as far as the pulse reaches. Along the track two pings d apart hear the same
     scatterers at an angle φ with phases 2kdφ apart, so that their amplitudes correlate as the transform of the beam's
-    two-way energy, sin(kdθ)/(kdθ) for a fan (van Cittert and Zernike; Goodman, Speckle Phenomena in Optics, §4.5):
-    ∫|ρ|² = λ/2θ, half an array's length at any range. The strength of the bed itself has no phase: it stays the same
-    as long as cells overlap, rθ along the track.
+    two-way energy, sin(kdθ)/(kdθ) for a fan (the theorem of van Cittert and Zernike; Goodman, Speckle Phenomena in
+    Optics): ∫|ρ|² = λ/2θ, half an array's length at any range. The strength of the bed itself has no phase: it stays
+    the same as long as cells overlap, rθ along the track.
     """
     declared = scene.receiver.speckle
     if isinstance(declared, NoSpeckle):
@@ -101,12 +101,11 @@ def make_speckle(scene: Scene, problem: Problem) -> Speckle | None:
     speed, pulse = scene.water.sound_speed, scene.sonar.pulse
     taps = coherent_taps(pulse, speed, problem.bin_length)
     advance = scene.track.speed / scene.sonar.ping_rate
-    angle = along_track_angle(problem)
     wavelength = speed / scene.sonar.frequency
-    field = make_field(scene.seed, SPECKLE_STREAM, taps, 0.5 * wavelength / angle / advance)
+    field = make_field(scene.seed, SPECKLE_STREAM, taps, 0.5 * wavelength / coherence_angle(problem) / advance)
     if not isinstance(declared, K):
         return Speckle(field, declared.looks, None)
-    width = angle * bin_centres(problem)
+    width = along_track_angle(problem) * bin_centres(problem)
     length = float(pulse_taps(pulse, speed, problem.bin_length).weights.sum()) * problem.bin_length
     growth = np.ones(problem.bins) if declared.cell is None else width * length / declared.cell
     texture = Texture(make_field(scene.seed, TEXTURE_STREAM, taps, width / advance), declared.shape, growth)

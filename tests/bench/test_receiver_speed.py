@@ -1,0 +1,52 @@
+"""What each effect of the receiver costs, printed: run with `pytest -m bench -s tests/bench`."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+from insonify.accuracy import time_calls
+from insonify.receive import receive
+from insonify.scene import edit, load_scene
+from insonify.simulate import prepare
+from insonify.tracers.parallel import in_parallel
+
+pytestmark = pytest.mark.bench
+PINGS = np.arange(512)
+K = {"kind": "k", "shape": 2.0}
+EFFECTS = {
+    "tone of 1.5 bins": {},
+    "ideal pulse": {"sonar.pulse": "ideal"},
+    "chirp of 1 ms (31 taps)": {"sonar.pulse": "chirp"},
+    "Rayleigh": {"receiver.speckle": "rayleigh"},
+    "Rayleigh, pings 5 mm apart": {"receiver.speckle": "rayleigh", "track.speed": 0.05},
+    "Rayleigh, 4 looks": {"receiver.speckle": {"kind": "rayleigh", "looks": 4}},
+    "K": {"receiver.speckle": K},
+    "fluctuation": {"receiver.fluctuation": {"kind": "lognormal", "travel_time": 1e-4}},
+    "reverberation": {"receiver.reverberation": "both"},
+    "noise": {"receiver.noise": "ambient"},
+    "TVG": {"receiver.tvg": "power"},
+}
+
+
+def test_what_each_effect_costs(capsys):
+    calls = {}
+    for name, changes in EFFECTS.items():
+        simulation = prepare(edit(load_scene("default"), changes))
+        traced = simulation.intensity(PINGS)
+
+        def call(ready=simulation.reception, traced=traced):
+            in_parallel(lambda first, last: receive(ready, traced[first:last], PINGS[first:last]), PINGS.size, 2)
+
+        calls[name] = call
+    timings = time_calls(calls, rounds=7)
+    base = timings["tone of 1.5 bins"].median
+    for name, timing in timings.items():
+        added = 1e6 * (timing.median - base) / PINGS.size
+        with capsys.disabled():
+            sys.stdout.write(
+                f"\n{name}: {1e3 * timing.median:.1f} ms for {PINGS.size} pings × 2 × 1000 bins on two threads"
+                f" ({added:+.1f} µs a ping)"
+            )
