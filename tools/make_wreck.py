@@ -58,7 +58,9 @@ def loft(outer: Points, inner: Points) -> Part:
 def side(hand: int, first: float, last: float, low: float = BURIED, cut: float = 0.0) -> Part:
     """Make a stretch of the ship's side; ``hand`` is +1 for port; ``cut`` is what has rusted off its top."""
     x = np.linspace(first, last, max(int((last - first) / 0.35), 2) + 1)
-    torn = cut + 0.05 * np.sin(7.3 * x) + 0.04 * np.sin(17.1 * x + hand)
+    # Rust takes plates in steps, and frays what it leaves.
+    wear = np.random.default_rng(abs(int(100 * first)) + hand)
+    torn = cut + np.repeat(wear.exponential(0.07, x.size // 4 + 1), 4)[: x.size] + wear.uniform(0.0, 0.06, x.size)
     share = np.linspace(0.0, 1.0, 4)
     z = low + (sheer(x) - torn - low)[:, None] * share
     outward = (0.78 + 0.22 * (z - BURIED) / (sheer(x)[:, None] - BURIED)) * half_breadth(x)[:, None]  # she flares
@@ -116,12 +118,13 @@ def frames() -> list[Part]:
 
 def bulwark() -> list[Part]:
     """Rail on stanchions above the port side and part of starboard: what throws the ladder in the shadow."""
-    parts = []
+    parts, wear = [], np.random.default_rng(7)
     for hand, first, last in ((1, -8.0, 3.5), (1, 5.0, 9.5), (-1, -2.5, 4.0)):
-        x = np.arange(first, last, 1.1)
-        tops = np.stack([x, hand * (half_breadth(x) - 0.06), sheer(x) + 0.32], axis=1)
-        parts += [rod(top - [0, 0, 0.6], top, 0.06, faces=6) for top in tops]
-        parts += [rod(a, b, 0.07, faces=6) for a, b in pairwise(tops)]
+        x = np.arange(first, last, 1.1) + wear.uniform(-0.2, 0.2, len(np.arange(first, last, 1.1)))
+        up = 0.32 - np.where(wear.uniform(size=x.size) < 0.25, wear.uniform(0.1, 0.25, x.size), 0.0)  # some are bent
+        tops = np.stack([x, hand * (half_breadth(x) - 0.06), sheer(x) + up], axis=1)
+        parts += [rod(top - [0, 0, 0.6], top, 0.05, faces=6) for top in tops]
+        parts += [rod(a, b, 0.06, faces=6) for a, b in pairwise(tops)]
     return parts
 
 
@@ -137,7 +140,7 @@ def beams() -> list[Part]:
 def wreckage(rng: np.random.Generator) -> list[Part]:
     """Heap up the deck abaft: planks and plates over the remains of the engine room."""
     parts = []
-    for _ in range(46):
+    for _ in range(70):
         x = rng.uniform(-11.2, -3.2)
         y = rng.uniform(-0.85, 0.85) * float(half_breadth(x))
         z = rng.uniform(0.0, 0.75) * (1.0 - 0.3 * (x + 11.0) / 8.0)
