@@ -37,8 +37,13 @@ def test_the_bed_is_as_alike_as_the_real_ones_even_patches(scene):
     assert -0.5 < bed.across.slope() < -0.05
 
 
+def test_the_shadows_are_as_deep_as_the_real_ones(scene):
+    # 24.7 dB in the real recording.
+    assert likeness(simulate(scene)).shadow_depth == pytest.approx(25.0, abs=4.0)
+
+
 def test_the_mast_throws_its_shadow_to_the_last_bin(scene):
-    heard = prepare(scene, method="rays", tolerance=0.2).intensity(MAST)[:, STARBOARD, 620:]
+    heard = prepare(scene).intensity(MAST)[:, STARBOARD, 620:]
     far = 10.0 * np.log10(heard.reshape(len(MAST), 4, -1).mean(axis=2))  # four stretches of range
     dark = far < np.median(far, axis=0) - 12.0
     assert (dark.sum(axis=0) >= 3).all()
@@ -49,7 +54,7 @@ def test_the_mast_throws_its_shadow_to_the_last_bin(scene):
 def test_hull_and_mast_are_in_the_record(scene):
     without = edit(scene, {"targets": []})
     pings = np.arange(240, 300, 4)
-    a, b = (prepare(s, method="rays", tolerance=0.2).intensity(pings)[:, STARBOARD] for s in (scene, without))
+    a, b = (prepare(s).intensity(pings)[:, STARBOARD] for s in (scene, without))
     ratio = 10.0 * np.log10(a.mean(axis=0) / b.mean(axis=0))
     assert ratio[170:450].max() > 6.0  # the sides
     assert ratio[400:560].min() < -15.0  # the shadow beyond
