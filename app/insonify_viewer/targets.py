@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from insonify.scene import SceneError, plain
@@ -46,6 +47,8 @@ class Targets:
         path = self._files.ask_for_mesh() if kind == "mesh" else ""
         simulation, top = self.simulation, self._window.waterfall.top
         if simulation is not None and (path or kind != "mesh"):
+            if path:
+                self._window.say(f"reading {Path(path).name} …")
             self._simulator.send(lambda: new_target(simulation, self._session.scene, kind, top, path), self._put)
 
     def remove(self, path: str) -> None:

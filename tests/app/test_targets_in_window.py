@@ -26,7 +26,8 @@ def add(viewer: Any, kind: str, qtbot: Any) -> Any:
     before = len(viewer.session.scene.targets)
     action = next(a for a in viewer.window.targets.menu().actions() if a.data() == kind)
     action.trigger()
-    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == before + 1)
+    # A mesh imports its reader first.
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == before + 1, timeout=60000)
     return viewer.session.scene.targets[-1]
 
 
@@ -89,7 +90,7 @@ def test_a_wrong_mesh_is_said_and_nothing_added(
     pick_file(monkeypatch, str(tmp_path / "empty.obj"))
     viewer = open_viewer(small)
     viewer.window.target_wanted.emit("mesh")
-    qtbot.waitUntil(lambda: "holds no triangles" in viewer.window._sentence.text())
+    qtbot.waitUntil(lambda: "holds no triangles" in viewer.window._sentence.text(), timeout=60000)
     assert viewer.session.scene == small
 
 
