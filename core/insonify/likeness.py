@@ -22,6 +22,7 @@ BEYOND = 1.4  # altitudes
 PATCH = 16  # pings and bins of a patch
 EVENEST = 0.25  # share of the patches that count as even
 SEGMENT = 128  # samples of a segment whose spectrum is taken
+ENOUGH = 20_000  # segments that settle a spectrum
 DARK = -10.0  # dB below the median from which a block is a shadow
 BLOCK = (4, 16)  # pings and bins of such a block
 FEWEST = 1e-3  # share of all blocks; fewer are chance, not shadows
@@ -131,8 +132,9 @@ def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: floa
     if amplitude.shape[-1] < SEGMENT or not step > 0.0:
         return None
     starts = (..., slice(None, None, SEGMENT // 2), slice(None))
-    whole = sliding_window_view(bed, SEGMENT, axis=-1)[starts].all(axis=-1)
-    segments = sliding_window_view(amplitude, SEGMENT, axis=-1)[starts][whole].astype(np.float64)
+    whole = np.nonzero(sliding_window_view(bed, SEGMENT, axis=-1)[starts].all(axis=-1))
+    some = tuple(index[:: len(index) // ENOUGH + 1] for index in whole)
+    segments = sliding_window_view(amplitude, SEGMENT, axis=-1)[starts][some].astype(np.float64)
     mean = segments.mean(axis=-1)
     segments = segments[mean > 0.0] / mean[mean > 0.0, None]
     if len(segments) == 0:
