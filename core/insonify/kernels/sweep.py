@@ -26,6 +26,7 @@ from insonify.kernels.types import LIGHT, PORT
 from insonify.kernels.wedge import FADING, Wedge, strip_width, weight
 
 NADIR = -1e30  # slope of a ray straight down
+LOWEST = 1e-3  # m, for a height of a sonar that is below all of the bed
 
 
 class Planes(NamedTuple):
@@ -36,8 +37,8 @@ class Planes(NamedTuple):
     s_high: NDArray[np.float64]
     angle: NDArray[np.float64]
     far_angle: NDArray[np.float64]
-    near_field: NDArray[np.float64]
-    reach: NDArray[np.float64]  # ground range to which the beam hears anything of the plane, m
+    near_field: NDArray[np.float64]  # per metre of the sonar's height above the lowest bed
+    reach: NDArray[np.float64]  # ground range to which the beam hears anything of the plane, likewise
 
 
 class Heard(NamedTuple):
@@ -363,8 +364,8 @@ def sweep_pings(problem, poses, planes, profile, heard, screen, out):
     for ping in range(poses.x.size):
         for side in range(2):
             for plane in range(planes.azimuth.size):
-                view, wedge = aim_plane(problem, poses, ping, side, planes, plane)
-                status, _ = sweep_plane(problem, view, wedge, planes.reach[plane], profile, screen, heard, bins)
+                view, wedge, reach = aim_plane(problem, poses, ping, side, planes, plane)
+                status, _ = sweep_plane(problem, view, wedge, reach, profile, screen, heard, bins)
                 if status < 0:
                     return status
             accumulate(bins, problem.range_factor, out[ping, side])
@@ -373,7 +374,8 @@ def sweep_pings(problem, poses, planes, profile, heard, screen, out):
 
 @fused
 def aim_plane(problem, poses, ping, side, planes, plane):
-    """Where one plane of a ping's beam lies, and what it stands for."""
+    """Where one plane of a ping's beam lies, what it stands for, and how far the ping hears anything of it."""
+    height = max(poses.z[ping] - problem.bed.low, LOWEST)
     ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
     abeam = 1.0 if side == PORT else -1.0
     # Abeam, turned towards the bow by the plane's azimuth.
@@ -387,7 +389,7 @@ def aim_plane(problem, poses, ping, side, planes, plane):
         planes.s_high[plane],
         planes.angle[plane],
         planes.far_angle[plane],
-        planes.near_field[plane],
+        planes.near_field[plane] * height,
         math.sin(problem.half_width),
         2.0 * problem.half_width,
         problem.pattern.tabled,
@@ -398,7 +400,8 @@ def aim_plane(problem, poses, ping, side, planes, plane):
         -cos_roll * sin_pitch * s - sin_roll * c,
         cos_roll * cos_pitch,
     )
-    return View(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey), wedge
+    view = View(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
+    return view, wedge, min(planes.reach[plane] * height, problem.bins * problem.bin_length)
 
 
 @fused

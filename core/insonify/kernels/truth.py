@@ -83,8 +83,8 @@ def find_truth(problem, poses, planes, profile, heard, screen, ledger, found):
     for ping in range(poses.x.size):
         for side in range(2):
             for plane in range(planes.azimuth.size):
-                view, wedge = aim_plane(problem, poses, ping, side, planes, plane)
-                cells, count = sweep_plane(problem, view, wedge, planes.reach[plane], profile, screen, heard, bins)
+                view, wedge, reach = aim_plane(problem, poses, ping, side, planes, plane)
+                cells, count = sweep_plane(problem, view, wedge, reach, profile, screen, heard, bins)
                 if cells < 0:
                     return cells
                 _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger)

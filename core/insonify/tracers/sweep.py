@@ -49,7 +49,7 @@ def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | No
         If the sonar runs into a target.
     """
     reach = problem.bins * problem.bin_length
-    beam = beam_planes(problem.half_width, planes, float(poses.z.max(initial=0.0)) - problem.bed.low, reach)
+    beam = beam_planes(problem.half_width, planes)
     capacity = profile_capacity(reach, problem.bed.spacing)
     out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
 
@@ -76,7 +76,7 @@ def refuse_sonar_inside(problem: Problem, statuses: list[int]) -> None:
             raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
 
 
-def beam_planes(half_width: float, planes: int, height: float, reach: float) -> Planes:
+def beam_planes(half_width: float, planes: int) -> Planes:
     """Place the planes of a beam.
 
     Parameters
@@ -85,21 +85,17 @@ def beam_planes(half_width: float, planes: int, height: float, reach: float) -> 
         Of the fan, in radians; 0 for a knife.
     planes : int
         Planes across the fan's far field, made even, so that they come in pairs about athwart.
-    height : float
-        Of the sonar above the lowest bed, in metres.
-    reach : float
-        Greatest slant range, in metres.
 
     Returns
     -------
     Planes
         Inner planes at equal steps across the beam, then outer ones in growing steps towards the bow and the stern:
-        near nadir a beam is a cone that takes in all azimuths. Each reaches only as far as the beam hears it.
+        near nadir a beam is a cone that takes in all azimuths. Each reaches only as far as the beam hears it; lengths
+        are per metre of the sonar's height above the lowest bed, so that every ping has planes of its own.
     """
     if half_width <= 0.0:
-        return Planes(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, reach)))
+        return Planes(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
     s_beam = math.sin(half_width)
-    near_field = NEAR_FIELD * height
     pairs = max(1, (planes + 1) // 2)
     inner = np.linspace(0.0, SPLAY * half_width, pairs + 1)
     edges = [math.sin(SPLAY * half_width)]
@@ -111,15 +107,15 @@ def beam_planes(half_width: float, planes: int, height: float, reach: float) -> 
     # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer wedge by the height.
     beyond = np.maximum(low**2 - s_beam**2, 1e-30)
     # A little further, for the segment that crosses the border counts by its middle.
-    outer_reach = 1.02 * np.minimum(height * s_beam / np.sqrt(beyond), (1.0 + FADING) * near_field)
+    outer_reach = 1.02 * np.minimum(s_beam / np.sqrt(beyond), (1.0 + FADING) * NEAR_FIELD)
     columns = (
         0.5 * (azimuths[:-1] + azimuths[1:]),
         low,
         high,
         np.diff(azimuths),
         np.where(is_inner, half_width / pairs, 0.0),
-        np.full(low.size, near_field),
-        np.where(is_inner, reach, np.minimum(outer_reach, reach)),
+        np.full(low.size, NEAR_FIELD),
+        np.where(is_inner, math.inf, outer_reach),
     )
     mirrored = [np.concatenate([column, column]) for column in columns]
     mirrored[0][low.size :] *= -1.0

@@ -73,7 +73,7 @@ def trace_truth(problem: Problem, poses: Poses, *, planes: int = 16, threads: in
         If the sonar runs into a target.
     """
     reach = problem.bins * problem.bin_length
-    beam = beam_planes(problem.half_width, planes, float(poses.z.max(initial=0.0)) - problem.bed.low, reach)
+    beam = beam_planes(problem.half_width, planes)
     capacity = profile_capacity(reach, problem.bed.spacing)
     contributors = problem.reflectivity.shape[0] + _targets(problem)
     found = empty_found(poses.x.size, problem.bins)
