@@ -97,11 +97,13 @@ def weave(pings, spacing, nodes, start, per_bin, real, imaginary, out_real, out_
     ``start`` is each ping's first row of nodes, ``per_bin`` the triangle's steepness in every bin, 1 / half width.
     """
     bins = per_bin.size
-    squares = np.empty(bins, np.float32)
+    squares, gentlest = np.empty(bins, np.float32), per_bin.min()
     for ping in range(pings.size):
         squares[:] = 0.0
         for row in range(start[ping], min(start[ping] + MOST_NODES, nodes.size)):
             distance = np.float32(abs(pings[ping] - nodes[row] * spacing))
+            if distance * gentlest >= 1.0:
+                continue
             for k in range(bins):
                 weight = max(np.float32(0.0), np.float32(1.0) - distance * per_bin[k])
                 squares[k] += weight * weight
