@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from beds import icosphere, mesh_of, poses_of, problem_of, rough
+from insonify.kernels.bounce import _arrive, _meet_next, _set_out, _split
 from insonify.kernels.jit import kernel
 from insonify.kernels.scatter import bistatic, strength
 from insonify.kernels.types import BED, LIGHT, SONAR
 from insonify.plan import plan
 from insonify.scene import SceneError, edit, load_scene
+from insonify.simulate import prepare
 from insonify.tracers import rays
 
 DEEP = np.full((2, 2), -1e6)  # a bed out of the way
@@ -143,6 +145,55 @@ def test_a_chain_of_cylinders_is_one_body():
     assert paths.position[1, 0] > 0.4
 
 
+@kernel
+def last_edges(problem, bundle, through, out):
+    """Follow each ray, passing on where ``through`` says so and mirrored elsewhere: where it ends, and its edges."""
+    for k in range(bundle.x.size):
+        path = _set_out(bundle, k)
+        for passes in through:
+            meeting = _meet_next(problem, path, 1e3)
+            path = _arrive(problem, path, meeting)
+            waiting = [path]
+            waiting.pop()
+            _split(problem, path, meeting, 1e9, waiting)
+            path = waiting[0] if passes else waiting[-1]
+        path = _arrive(problem, path, _meet_next(problem, path, 1e3))
+        out[k, 0], out[k, 1], out[k, 2] = path.x, path.y, path.z
+        out[k, 3], out[k, 4], out[k, 5] = path.up.x, path.up.y, path.up.z
+        out[k, 6], out[k, 7], out[k, 8] = path.across.x, path.across.y, path.across.z
+
+
+@pytest.mark.parametrize(
+    ("body", "through"),
+    [
+        (((0.0, 12.0, 4.0), 1.5), [False]),
+        (((0.0, 12.0, 4.0), 1.5), [True, True]),
+        (((0.0, 12.0, 4.0), 1.5), [True, False, True]),
+        (((-3.0, 12.0, 4.0), (4.0, 12.5, 4.4), 1.5), [False]),
+        (((-3.0, 12.0, 4.0), (4.0, 12.5, 4.4), 1.5), [True, True]),
+        (((0.0, 12.0, 6.0), (0.3, 12.5, 1.0), 0.9, 2.6), [False]),
+        (((0.0, 12.0, 6.0), (0.3, 12.5, 1.0), 0.9, 2.6), [True, True]),
+    ],
+)
+def test_the_edges_of_a_tube_are_what_neighbouring_rays_show(body, through):
+    # Off and through balls, pipes and cones, onto the walls and the floor of a room around them.
+    room = mesh_of(CUBE * 60.0, CUBE_FACES)
+    problem = scene_of([(0.5, 0.8), (1.0, 1.0)], solids=[body], mesh=room, mesh_material=1)._replace(bounces=9)
+    elevation, azimuth, step = -0.44, 1.53, 1e-5
+    angles = [(0, 0), (step, 0), (-step, 0), (0, step), (0, -step)]
+    ways = [
+        (math.cos(elevation + e) * math.cos(azimuth + a), math.cos(elevation + e) * math.sin(azimuth + a),
+         math.sin(elevation + e))
+        for e, a in angles
+    ]  # fmt: skip
+    out = np.empty((5, 9))
+    last_edges(problem, rays._bundle((0.0, 0.0, 10.0), ways), np.array(through), out)
+    up = (out[1, :3] - out[2, :3]) / (2.0 * step)
+    across = (out[3, :3] - out[4, :3]) / (2.0 * step) / math.cos(elevation)
+    np.testing.assert_allclose(out[0, 3:6], up, rtol=1e-5, atol=1e-5 * np.abs(up).max())
+    np.testing.assert_allclose(out[0, 6:9], across, rtol=1e-5, atol=1e-5 * np.abs(across).max())
+
+
 def circle_cut(image, sonar, centre, radius, law, mixed, problem):
     """Ghosts of a circle in the athwart plane by a dense sum along it, (bins,); image and sonar as (y, z)."""
     psi = np.linspace(-math.pi, math.pi, 2_000_001)
@@ -249,3 +300,21 @@ def test_bounces_ask_for_rays():
     for method in ("sweep", "march"):
         with pytest.raises(SceneError, match=r"sonar\.bounces"):
             plan(scene, method=method)
+
+
+def test_figure_1_hears_its_ball_three_times():
+    # The mirror's face is at y = 26.9 and the ball at (20, 0.8): the sonar's image is at y = 53.8, ten metres up.
+    scene = edit(load_scene("figure-1"), {"sonar.pulse": "ideal", "sonar.bounces": 1})
+    mirrored, straight = (
+        prepare(edit(scene, {"sonar.bounces": n}), method="rays", tolerance=0.1).intensity(np.array([50]))[0, 0]
+        for n in (1, 0)
+    )
+    angle = np.linspace(0.0, 2.0 * math.pi, 100_001)
+    place = np.array([20.0, 0.8]) + 0.8 * np.column_stack([np.cos(angle), np.sin(angle)])
+    near, far = np.linalg.norm(place - (0.0, 10.0), axis=1), np.linalg.norm(place - (53.8, 10.0), axis=1)
+    lit = ((place - (20.0, 0.8)) * ((0.0, 10.0) - place)).sum(1) > 0.0
+    lit_by_mirror = ((place - (20.0, 0.8)) * ((53.8, 10.0) - place)).sum(1) > 0.0
+    mixed = (0.5 * (near + far))[lit & lit_by_mirror].min()
+    for first, record in ((near.min(), straight), (mixed, mirrored - straight), (far.min(), mirrored - straight)):
+        bin_ = int(first / 0.06)
+        assert record[bin_ : bin_ + 2].max() > 3.0 * record[bin_ - 6 : bin_ - 1].max()

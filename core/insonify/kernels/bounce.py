@@ -3,19 +3,21 @@
 At every hit the energy splits: R0² goes on as in a mirror, 1 − R0² refracts into a closed body by Snell's law with the
 body's speed ratio ν, or is lost in the bed; beyond the critical angle all of it is reflected. A path X of length s,
 on which a metre inside a body counts 1/ν because the record counts time, carries the share w of its energy to a point
-P. Two ghosts of P come back, where d_X is the way X arrives, α_X its incidence and σ the bistatic strength:
+P. There a tube of solid angle dΩ covers dA = a dΩ, where a follows from the tube's edges, through curved mirrors and
+lenses too; it is s² / cos α on the far side of flat ones. Where d_X is the way X arrives, α its incidence and σ the
+bistatic strength, P receives w / (a cos α) per area across X, and two ghosts of it come back:
 
-- *retro*, out along X and back along it, at range s. A flat mirror shows P to an image of the sonar at distance s, so
-  that a tube of solid angle dΩ lights dA = s² dΩ / cos α_X, and w² σ(d_X, d_X) dA / s⁴ returns;
+- *retro*, out along X and back along it, at range s: σ(d_X, d_X) dA w² / (a cos α)²;
 - *mixed*, out along X and straight back over the distance r, and the other way round, at range R = (s + r) / 2:
-  2 w σ(d_X, d_D) dA / (s² r²), if P sees the sonar.
+  2 σ(d_X, d_D) dA w / (a cos α r²), if P sees the sonar. Here a cancels: what a tube carries is kept.
 
-The record's range factor, 1/R⁴ and absorption over 2R, comes after the sum as for every echo, so that here the two are
-w² σ dA and 2 w σ dA R⁴ / (s² r²). Law `light` spreads nothing: a ray stands for the step of range that P makes as its
-elevation grows, |(d_X + d_D) · dP| / 2, where dP follows from the elevation's own direction, turned like the ray.
+The record's range factor, 1/R⁴ and absorption over 2R, comes after the sum as for every echo, so that the two enter as
+w² σ s⁴ dΩ / (a cos² α) and 2 w σ R⁴ dΩ / (r² cos α). At a caustic, where a vanishes, it counts as no less than a share
+of s². Law `light` spreads nothing: a ray stands for the step of range that P makes as its elevation grows,
+|(d_X + d_D) · dP| / 2. A knife, 1 m wide at all ranges, knows the tube's width in elevation alone.
 
-How curved mirrors and refraction widen or focus a tube is not followed: s² dΩ is that of flat ones. A surface scatters
-to the water alone; meeting the side of a mesh that faces inwards from the water turns a ray but lets nothing through.
+A surface scatters to the water alone, the bed's cells are flat mirrors, and the side of a mesh that faces inwards from
+the water turns a ray but lets nothing through.
 """
 
 from __future__ import annotations
@@ -30,18 +32,20 @@ from insonify.kernels.jit import fused, kernel
 from insonify.kernels.scatter import bistatic
 from insonify.kernels.shapes import leave_solid, meet_solid, within
 from insonify.kernels.triangles import NO_TRIANGLE, facing, meet_mesh
+from insonify.kernels.tube import Edge, area, bend_of, land, reflect, refract, rise, turn_across
 from insonify.kernels.types import BED, LIGHT
 from insonify.kernels.walk import NOTHING, Ray, meet_bed
 
 WATER = -3  # where a path is that is in no body
 OFFSET = 1e-13  # of all lengths, by which a path starts off the surface it leaves
+CAUSTIC = 0.01  # of the area of a tube that nothing focuses: no less is counted
 FAINTEST = 1e-6  # share of energy below which a path is dropped
 KNIFE = 0.5  # m, half the along-track width of a knife
 MOST_PARTS = 64  # bodies of one target that a path may cross at a stretch
 
 
 class Path(NamedTuple):
-    """A path on its way: its last corner, where it goes from there, and what it carries."""
+    """A path on its way: where it is, at its last corner or arrived at the next surface, and what it carries."""
 
     x: float
     y: float
@@ -49,9 +53,8 @@ class Path(NamedTuple):
     dx: float
     dy: float
     dz: float
-    ex: float  # the way its end moves as its elevation at the sonar grows
-    ey: float
-    ez: float
+    up: Edge  # how it moves as its elevation at the sonar grows
+    across: Edge  # and at right angles to that
     length: float  # m of water that take as long as it has taken
     share: float  # of the energy that set out
     bounce: int
@@ -89,21 +92,23 @@ def add_ghosts(problem, beam, bundle, hits, weight, sums):
     for k in range(weight.size):
         if hits.body[k] == NOTHING or weight[k] == 0.0:
             continue
-        start = _set_out(bundle, k)
-        waiting = [start]
+        meeting = Meeting(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
+        path = _arrive(problem, _set_out(bundle, k), meeting)
+        waiting = [path]
         waiting.pop()
-        _split(problem, start, _as_meeting(hits, k), 2.0 * reach, waiting)
+        _split(problem, path, meeting, 2.0 * reach, waiting)
         if len(waiting) == 0:
             continue
         out = 1.0
         if problem.pattern.tabled:
-            out = heard(problem.pattern, beam, fan, problem.law, start.dx, start.dy, start.dz, hits.distance[k])
+            out = heard(problem.pattern, beam, fan, problem.law, path.dx, path.dy, path.dz, path.length)
         while len(waiting) > 0:
             path = waiting.pop()
             # Beyond twice the range even a mixed ghost comes too late.
             meeting = _meet_next(problem, path, 2.0 * reach - path.length)
             if meeting.body == NOTHING:
                 continue
+            path = _arrive(problem, path, meeting)
             if path.inside == WATER:
                 _add_retro(problem, fan, out * weight[k], path, meeting, sums)
                 _add_mixed(problem, beam, fan, out, weight[k], path, meeting, sums)
@@ -122,9 +127,8 @@ def follow_paths(problem, bundle, reach):
             meeting = _meet_next(problem, path, reach - path.length)
             if meeting.body == NOTHING:
                 continue
-            x, y, z = _end(path, meeting)
-            length = path.length + meeting.distance * _slowness(problem, path)
-            steps.append(Step(k, path.bounce, x, y, z, length, path.share, meeting.body))
+            path = _arrive(problem, path, meeting)
+            steps.append(Step(k, path.bounce, path.x, path.y, path.z, path.length, path.share, meeting.body))
             _split(problem, path, meeting, reach, waiting)
     whole, real = np.empty((3, len(steps)), np.int64), np.empty((5, len(steps)))
     for n, step in enumerate(steps):
@@ -138,21 +142,21 @@ def follow_paths(problem, bundle, reach):
 def _set_out(bundle, k):
     """Ray k as a path that begins."""
     dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
-    level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
-    ex, ey = -dz * dx / level, -dz * dy / level
-    return Path(bundle.x[k], bundle.y[k], bundle.z[k], dx, dy, dz, ex, ey, level, 0.0, 1.0, 0, WATER)
+    up, across = rise(dx, dy, dz), turn_across(dx, dy)
+    return Path(bundle.x[k], bundle.y[k], bundle.z[k], dx, dy, dz, up, across, 0.0, 1.0, 0, WATER)
 
 
 @fused
-def _as_meeting(hits, k):
-    return Meeting(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
-
-
-@fused
-def _end(path, meeting):
-    """Where a path meets what it meets."""
-    t = meeting.distance
-    return path.x + t * path.dx, path.y + t * path.dy, path.z + t * path.dz
+def _arrive(problem, path, meeting):
+    """Go to where a path meets what it meets."""
+    t, nx, ny, nz = meeting.distance, meeting.nx, meeting.ny, meeting.nz
+    dx, dy, dz = path.dx, path.dy, path.dz
+    up, across = land(path.up, t, dx, dy, dz, nx, ny, nz), land(path.across, t, dx, dy, dz, nx, ny, nz)
+    length = path.length + t * _slowness(problem, path)
+    return Path(
+        path.x + t * dx, path.y + t * dy, path.z + t * dz, dx, dy, dz, up, across, length, path.share, path.bounce,
+        path.inside,
+    )  # fmt: skip
 
 
 @fused
@@ -177,42 +181,58 @@ def _material(problem, body):
 @kernel
 def _split(problem, path, meeting, longest, waiting):
     """Queue what goes on from a hit: the mirrored part, and the refracted one if there is a closed body."""
-    length = path.length + meeting.distance * _slowness(problem, path)
-    if path.bounce >= problem.bounces or length >= longest:
+    if path.bounce >= problem.bounces or path.length >= longest:
         return
-    x, y, z = _end(path, meeting)
-    nx, ny, nz = meeting.nx, meeting.ny, meeting.nz
-    cosine = -(nx * path.dx + ny * path.dy + nz * path.dz)
+    cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
     mirrored = problem.interface[meeting.material, 0] ** 2
-    off = _clear_of(x, y, z, length)
     if _lets_through(problem, path, meeting):
-        into = path.inside == WATER
-        speeds = problem.interface[meeting.material, 1] if into else 1.0 / problem.interface[meeting.material, 1]
+        ratio = problem.interface[meeting.material, 1]
+        speeds = ratio if path.inside == WATER else 1.0 / ratio
         root = 1.0 - speeds * speeds * (1.0 - cosine * cosine)
         if root <= 0.0:
             mirrored = 1.0
         elif path.share * (1.0 - mirrored) >= FAINTEST:
-            # Snell's law in vectors.
-            bend = speeds * cosine - math.sqrt(root)
-            dx, dy, dz = speeds * path.dx + bend * nx, speeds * path.dy + bend * ny, speeds * path.dz + bend * nz
-            along = path.ex * dx + path.ey * dy + path.ez * dz
-            waiting.append(
-                Path(
-                    x - off * nx, y - off * ny, z - off * nz, dx, dy, dz,
-                    path.ex - along * dx, path.ey - along * dy, path.ez - along * dz,
-                    length, path.share * (1.0 - mirrored), path.bounce + 1, meeting.body if into else WATER,
-                )
-            )  # fmt: skip
+            waiting.append(_refracted(problem, path, meeting, cosine, speeds, math.sqrt(root), 1.0 - mirrored))
     if path.share * mirrored >= FAINTEST:
-        turn = 2.0 * (nx * path.ex + ny * path.ey + nz * path.ez)
-        waiting.append(
-            Path(
-                x + off * nx, y + off * ny, z + off * nz,
-                path.dx + 2.0 * cosine * nx, path.dy + 2.0 * cosine * ny, path.dz + 2.0 * cosine * nz,
-                path.ex - turn * nx, path.ey - turn * ny, path.ez - turn * nz,
-                length, path.share * mirrored, path.bounce + 1, path.inside if path.inside == WATER else meeting.body,
-            )
-        )  # fmt: skip
+        waiting.append(_mirrored(problem, path, meeting, cosine, mirrored))
+
+
+@fused
+def _mirrored(problem, path, meeting, cosine, share):
+    """Turn a path that has arrived as a mirror does."""
+    nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
+    off = _clear_of(path.x, path.y, path.z, path.length)
+    up = reflect(path.up, cosine, dx, dy, dz, nx, ny, nz, _bend(problem, path, path.up, meeting))
+    across = reflect(path.across, cosine, dx, dy, dz, nx, ny, nz, _bend(problem, path, path.across, meeting))
+    return Path(
+        path.x + off * nx, path.y + off * ny, path.z + off * nz,
+        dx + 2.0 * cosine * nx, dy + 2.0 * cosine * ny, dz + 2.0 * cosine * nz, up, across,
+        path.length, path.share * share, path.bounce + 1, path.inside if path.inside == WATER else meeting.body,
+    )  # fmt: skip
+
+
+@fused
+def _refracted(problem, path, meeting, cosine, speeds, root, share):
+    """Pass a path that has arrived into a body, or out of it: Snell's law in vectors."""
+    nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
+    off = _clear_of(path.x, path.y, path.z, path.length)
+    bend = speeds * cosine - root
+    bent, bent_across = _bend(problem, path, path.up, meeting), _bend(problem, path, path.across, meeting)
+    up = refract(path.up, cosine, speeds, root, dx, dy, dz, nx, ny, nz, bent)
+    across = refract(path.across, cosine, speeds, root, dx, dy, dz, nx, ny, nz, bent_across)
+    return Path(
+        path.x - off * nx, path.y - off * ny, path.z - off * nz,
+        speeds * dx + bend * nx, speeds * dy + bend * ny, speeds * dz + bend * nz, up, across,
+        path.length, path.share * share, path.bounce + 1, meeting.body if path.inside == WATER else WATER,
+    )  # fmt: skip
+
+
+@fused
+def _bend(problem, path, edge, meeting):
+    """How the normal moves with an edge's place: facets and cells are flat."""
+    if not 0 <= meeting.body < problem.solids.shape.size:
+        return 0.0, 0.0, 0.0
+    return bend_of(problem.solids, meeting.body, edge, path.x, path.y, path.z, meeting.nx, meeting.ny, meeting.nz)
 
 
 @fused
@@ -305,56 +325,52 @@ def _leave_mesh(problem, path):
 
 @fused
 def _add_retro(problem, fan, weight, path, meeting, sums):
-    """Add what returns along the path itself."""
-    length = path.length + meeting.distance
-    b = int(length / problem.bin_length)
-    nx, ny, nz = meeting.nx, meeting.ny, meeting.nz
-    cosine = -(nx * path.dx + ny * path.dy + nz * path.dz)
+    """Add what returns along the path itself, of one that has arrived."""
+    b = int(path.length / problem.bin_length)
+    cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
     if b >= sums.size or cosine <= 0.0:
         return
     row = problem.reflectivity[meeting.material]
     value = bistatic(cosine, cosine, 2.0 * cosine * cosine - 1.0, row[0], row[1], row[2], problem.law)
-    value *= path.share * path.share * weight * length / cosine
+    value *= path.share * path.share * weight
+    up, squared = path.up, path.length * path.length
     if problem.law == LIGHT:
-        value *= abs(nx * path.ex + ny * path.ey + nz * path.ez) / problem.bin_length
+        value *= abs(up.x * path.dx + up.y * path.dy + up.z * path.dz) / problem.bin_length
     elif fan:
-        value *= length
+        value *= squared * squared / (cosine * max(area(up, path.across) * cosine, CAUSTIC * squared))
+    else:
+        width = math.sqrt(up.x * up.x + up.y * up.y + up.z * up.z)
+        value *= squared / (cosine * max(width * cosine, CAUSTIC * path.length))
     sums[b] += value
 
 
 @fused
 def _add_mixed(problem, beam, fan, out, weight, path, meeting, sums):
-    """Add what goes out along the path and straight back, and the other way round."""
-    x, y, z = _end(path, meeting)
-    sx, sy, sz = x - beam.x, y - beam.y, z - beam.z
-    r = math.sqrt(sx * sx + sy * sy + sz * sz)
-    length = path.length + meeting.distance
-    b = int(0.5 * (length + r) / problem.bin_length)
-    nx, ny, nz = meeting.nx, meeting.ny, meeting.nz
-    cosine, straight = -(nx * path.dx + ny * path.dy + nz * path.dz), -(nx * sx + ny * sy + nz * sz) / r
+    """Add what goes out along the path, one that has arrived, and straight back, and the other way round."""
+    sx, sy, sz = path.x - beam.x, path.y - beam.y, path.z - beam.z
+    r, nx, ny, nz = math.sqrt(sx * sx + sy * sy + sz * sz), meeting.nx, meeting.ny, meeting.nz
+    sx, sy, sz, distance = sx / r, sy / r, sz / r, 0.5 * (path.length + r)
+    b = int(distance / problem.bin_length)
+    cosine, straight = -(nx * path.dx + ny * path.dy + nz * path.dz), -(nx * sx + ny * sy + nz * sz)
     if b >= sums.size or cosine <= 0.0 or straight <= 0.0:
         return
-    sx, sy, sz = sx / r, sy / r, sz / r
     passed = _both_ways(problem, beam, fan, out, sx, sy, sz, r)
     if passed == 0.0:
         return
-    off = _clear_of(x, y, z, length)
-    if meet_any(problem, x + off * nx, y + off * ny, z + off * nz, -sx, -sy, -sz, r).body != NOTHING:
+    off = _clear_of(path.x, path.y, path.z, path.length)
+    blocker = meet_any(problem, path.x + off * nx, path.y + off * ny, path.z + off * nz, -sx, -sy, -sz, r)
+    if blocker.body != NOTHING:
         return
-    row = problem.reflectivity[meeting.material]
+    row, up = problem.reflectivity[meeting.material], path.up
     mirrored = 2.0 * cosine * straight - (sx * path.dx + sy * path.dy + sz * path.dz)
     value = bistatic(cosine, straight, mirrored, row[0], row[1], row[2], problem.law)
     value += bistatic(straight, cosine, mirrored, row[0], row[1], row[2], problem.law)
-    value *= path.share * passed * weight * length / cosine
+    value *= path.share * passed * weight
     if problem.law == LIGHT:
-        # How fast R grows with the elevation.
-        lean = (nx * path.ex + ny * path.ey + nz * path.ez) / cosine
-        px, py, pz = path.ex + lean * path.dx, path.ey + lean * path.dy, path.ez + lean * path.dz
-        rate = px * (path.dx + sx) + py * (path.dy + sy) + pz * (path.dz + sz)
-        value *= 0.5 * abs(rate) * cosine / problem.bin_length
+        rate = up.x * (path.dx + sx) + up.y * (path.dy + sy) + up.z * (path.dz + sz)
+        value *= 0.5 * abs(rate) / problem.bin_length
     else:
-        ratio = (0.5 * (length + r)) ** 2 / (length * r)
-        value *= ratio * ratio * (length if fan else 1.0)
+        value *= (distance * distance / r) ** 2 / (cosine * (1.0 if fan else path.length))
     sums[b] += value
 
 
