@@ -16,7 +16,7 @@ from insonify.tracers import sweep
 FLAT = np.zeros((4, 4))
 MATERIAL = Reflectivity(0.6, 0.3, 5.0)
 ALTITUDE = 10.02
-NEAR_FIELD_END = ALTITUDE * math.hypot(1.0, sweep.NEAR_FIELD)
+NEAR_FIELD_END = ALTITUDE * math.hypot(1.0, planes.NEAR_FIELD)
 
 
 def flat(**options):

@@ -19,23 +19,44 @@ def sensitivity(pattern, s, r):
 
 
 @fused
-def heard_between(pattern, s_low, s_high, r):
-    """Integral of the sensitivity over s between two values, at slant range r."""
-    row, share = _row(pattern, r)
-    heard = _integral(pattern, row, s_high) - _integral(pattern, row, s_low)
+def heard_between(centre, extent, integral, first_range, per_octave, s_low, s_high, r):
+    """Integral of the sensitivity over s between two values, at slant range r.
+
+    It takes the pattern's parts, for taking one out costs more than a look into the table.
+    """
+    row, share = _place(extent, first_range, per_octave, r)
+    heard = _step(centre, extent[row], integral, row, s_low, s_high)
     if share > 0.0:
-        above = _integral(pattern, row + 1, s_high) - _integral(pattern, row + 1, s_low)
-        heard += share * (above - heard)
+        heard += share * (_step(centre, extent[row + 1], integral, row + 1, s_low, s_high) - heard)
     return heard
+
+
+@fused
+def _step(centre, extent, integral, row, s_low, s_high):
+    """Difference of one row's integral between two values of s."""
+    last = integral.shape[1] - 1
+    scale = last / (2.0 * extent)
+    low = min(max((s_low - centre + extent) * scale, 0.0), float(last))
+    high = min(max((s_high - centre + extent) * scale, 0.0), float(last))
+    if low >= high:
+        return 0.0
+    i, j = min(int(low), last - 1), min(int(high), last - 1)
+    below = integral[row, i] + (low - i) * (integral[row, i + 1] - integral[row, i])
+    return integral[row, j] + (high - j) * (integral[row, j + 1] - integral[row, j]) - below
 
 
 @fused
 def _row(pattern, r):
     """Row of the table that a slant range falls in, and how far it is on its way to the next."""
-    last = pattern.extent.size - 1
-    if last == 0 or r <= pattern.first_range:
+    return _place(pattern.extent, pattern.first_range, pattern.per_octave, r)
+
+
+@fused
+def _place(extent, first_range, per_octave, r):
+    last = extent.size - 1
+    if last == 0 or r <= first_range:
         return 0, 0.0
-    place = min(math.log2(r / pattern.first_range) * pattern.per_octave, float(last))
+    place = min(math.log2(r / first_range) * per_octave, float(last))
     row = min(int(place), last - 1)
     return row, place - row
 
@@ -138,11 +159,14 @@ def heard_angle(pattern, level, tip, r):
     low = math.asin(min(max((pattern.centre - extent - tip) / level, -1.0), 1.0))
     high = math.asin(min(max((pattern.centre + extent - tip) / level, -1.0), 1.0))
     step, total, before = (high - low) / SLICES, 0.0, math.sin(low)
+    centre, first_range, per_octave = pattern.centre, pattern.first_range, pattern.per_octave
+    extents, integral = pattern.extent, pattern.integral
     for k in range(SLICES):
         after = math.sin(low + (k + 1) * step)
         if after > before:
-            mean = heard_between(pattern, level * before + tip, level * after + tip, r) / (level * (after - before))
-            total += mean * step
+            s_low, s_high = level * before + tip, level * after + tip
+            heard = heard_between(centre, extents, integral, first_range, per_octave, s_low, s_high, r)
+            total += heard / (s_high - s_low) * step
         before = after
     return total
 

@@ -22,8 +22,8 @@ from insonify.kernels.scatter import INVERSE_PI, gloss
 from insonify.kernels.screen import cover_of, fill_screen, hidden_slopes
 from insonify.kernels.sections import View
 from insonify.kernels.slice import slice_bed
-from insonify.kernels.types import LIGHT, PORT
-from insonify.kernels.wedge import FADING, Wedge, strip_width, weight
+from insonify.kernels.types import EVERY_GRAZING, LIGHT, PORT
+from insonify.kernels.wedge import FADING, Wedge, pattern_width, strip_width, vertical_weight, weight
 
 NADIR = -1e30  # slope of a ray straight down
 LOWEST = 1e-3  # m, for a height of a sonar that is below all of the bed
@@ -155,9 +155,16 @@ def _sonar_energies(segments, cos_squared, scale, energy):
 @fused
 def _weigh(x, z, r, wedge, pattern, law, out):
     """Tell what the plane stands for at each knot."""
-    if wedge.tabled or law == LIGHT:
+    if law == LIGHT or (wedge.tabled and wedge.angle == 0.0):
         for i in range(x.size):
             out[i] = weight(x[i], z[i], r[i], wedge, pattern, law)
+        return
+    if wedge.tabled:
+        parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
+        _weigh_pattern(x, z, r, wedge, *parts, out)
+        if pattern.vertical != EVERY_GRAZING:
+            for i in range(x.size):
+                out[i] *= vertical_weight(x[i] / r[i], z[i] / r[i], wedge, pattern)
         return
     # As `strip_width` has it, near, between and far apart for the vector units.
     near = min(np.searchsorted(x, wedge.near_field, side="right"), x.size)
@@ -174,6 +181,12 @@ def _weigh(x, z, r, wedge, pattern, law, out):
         return
     for i in range(far):
         out[i] = strip_width(x[i], r[i], wedge)
+
+
+@fused
+def _weigh_pattern(x, z, r, wedge, centre, extent, integral, first_range, per_octave, out):
+    for i in range(x.size):
+        out[i] = pattern_width(x[i], z[i], r[i], wedge, centre, extent, integral, first_range, per_octave)
 
 
 @fused

@@ -89,26 +89,43 @@ def _taken_in(reach, wedge):
 
 @fused
 def _pattern_weight(x, z, r, wedge, pattern, law):
-    """Likewise for a beam with a pattern, of a fish that may pitch and roll.
+    """Likewise for a beam with a pattern, of a fish that may pitch and roll."""
+    heard = vertical_weight(x / r, z / r, wedge, pattern)
+    if wedge.angle == 0.0 or heard == 0.0:
+        return heard
+    centre, extent, integral = pattern.centre, pattern.extent, pattern.integral
+    first_range, per_octave = pattern.first_range, pattern.per_octave
+    width = pattern_width(x, z, r, wedge, centre, extent, integral, first_range, per_octave)
+    if law != LIGHT:
+        return heard * width
+    # Law `light` averages over all that the beam hears there.
+    level, tip = wedge.ahead_level * x / r, wedge.ahead_up * z / r
+    if widest_extent(pattern) < BENT * level:
+        ends = tip - level, tip + level
+        whole = heard_between(centre, extent, integral, first_range, per_octave, ends[0], ends[1], r) / level
+    else:
+        whole = heard_angle(pattern, level, tip, r)
+    return heard * width / (x * whole) if whole > 0.0 else 0.0
+
+
+@fused
+def vertical_weight(c, s, wedge, pattern):
+    """Sensitivity of the vertical beam along a plane, in the direction (c, s)."""
+    if pattern.vertical == EVERY_GRAZING:
+        return 1.0
+    return vertical_sensitivity(pattern, wedge.side_x * c + wedge.side_z * s, wedge.up_x * c + wedge.up_z * s)
+
+
+@fused
+def pattern_width(x, z, r, wedge, centre, extent, integral, first_range, per_octave):
+    """Along-track width that a plane of a pattern stands for.
 
     Along the plane of azimuth φ, s = cos p cos θ sin φ + sin p sin θ is the part of the direction along the fish's
     axis; the mean of the pattern over the wedge is its integral over s between the wedge's borders.
     """
-    c, s = x / r, z / r
-    level, tip = wedge.ahead_level * c, wedge.ahead_up * s
-    heard = 1.0
-    if pattern.vertical != EVERY_GRAZING:
-        heard = vertical_sensitivity(pattern, wedge.side_x * c + wedge.side_z * s, wedge.up_x * c + wedge.up_z * s)
-    if wedge.angle == 0.0 or heard == 0.0:
-        return heard
+    level, tip = wedge.ahead_level * x / r, wedge.ahead_up * z / r
     span = level * (wedge.s_high - wedge.s_low)
     if span <= 0.0:
         return 0.0
-    share = heard_between(pattern, level * wedge.s_low + tip, level * wedge.s_high + tip, r) / span
-    if law != LIGHT:
-        return heard * share * x * wedge.angle
-    if widest_extent(pattern) < BENT * level:
-        whole = heard_between(pattern, tip - level, tip + level, r) / level
-    else:
-        whole = heard_angle(pattern, level, tip, r)
-    return heard * share * wedge.angle / whole if whole > 0.0 else 0.0
+    s_low, s_high = level * wedge.s_low + tip, level * wedge.s_high + tip
+    return x * wedge.angle * heard_between(centre, extent, integral, first_range, per_octave, s_low, s_high, r) / span

@@ -15,7 +15,20 @@ class Knife(Choice):
     kind: Literal["knife"] = "knife"
 
 
-class Fan(Choice):
+class Aimed(Choice):
+    """A beam with a direction."""
+
+    squint: float = parameter(
+        0.0,
+        unit="°",
+        description="angle by which the beam is turned towards the bow",
+        ge=-45.0,
+        le=45.0,
+        slider=(-10.0, 10.0),
+    )
+
+
+class Fan(Aimed):
     """A top-hat beam, one-way full width; the cell widens with range."""
 
     kind: Literal["fan"] = "fan"
@@ -24,10 +37,56 @@ class Fan(Choice):
     )
 
 
+class Gaussian(Aimed):
+    """A bell-shaped beam without sidelobes."""
+
+    kind: Literal["gaussian"] = "gaussian"
+    width: float = parameter(
+        1.0, unit="°", description="one-way full beamwidth to -3 dB", gt=0.0, le=60.0, slider=(0.1, 10.0), log=True
+    )
+    two_way: bool = parameter(True, description="whether sound passes the beam going and coming, or once")
+
+
+class LineArray(Aimed):
+    """The beam of a line of transducers, with its sidelobes, wider than far away within its near field."""
+
+    kind: Literal["array"] = "array"
+    length: float = parameter(
+        0.5, unit="m", description="length of the array along the fish", gt=0.0, le=20.0, slider=(0.1, 2.0), log=True
+    )
+    taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
+        "uniform", description="weight of the elements; a tapered array has lower sidelobes and a wider beam"
+    )
+    two_way: bool = parameter(True, description="whether sound passes the beam going and coming, or once")
+
+
 class Uniform(Choice):
     """Equal sensitivity at every grazing angle."""
 
     kind: Literal["uniform"] = "uniform"
+
+
+class Tilted(Choice):
+    """A vertical beam with an axis."""
+
+    width: float = parameter(
+        50.0, unit="°", description="one-way full width; to -3 dB of a gaussian", gt=0.0, le=170.0, slider=(5.0, 90.0)
+    )
+    tilt: float = parameter(
+        30.0, unit="°", description="depression of the axis below the level fish", ge=-90.0, le=90.0, slider=(0.0, 60.0)
+    )
+
+
+class VerticalFan(Tilted):
+    """A vertical top-hat: all within its width, nothing beyond."""
+
+    kind: Literal["fan"] = "fan"
+
+
+class VerticalGaussian(Tilted):
+    """A bell-shaped vertical beam."""
+
+    kind: Literal["gaussian"] = "gaussian"
 
 
 class Ideal(Choice):
@@ -70,7 +129,17 @@ class Chirp(Choice):
 
 
 Beam = Annotated[
-    Annotated[Knife, Tag("knife")] | Annotated[Fan, Tag("fan")], Discriminator(lambda value: kind_of(value, "fan"))
+    Annotated[Knife, Tag("knife")]
+    | Annotated[Fan, Tag("fan")]
+    | Annotated[Gaussian, Tag("gaussian")]
+    | Annotated[LineArray, Tag("array")],
+    Discriminator(lambda value: kind_of(value, "fan")),
+]
+Vertical = Annotated[
+    Annotated[Uniform, Tag("uniform")]
+    | Annotated[VerticalFan, Tag("fan")]
+    | Annotated[VerticalGaussian, Tag("gaussian")],
+    Discriminator(lambda value: kind_of(value, "uniform")),
 ]
 Pulse = Annotated[
     Annotated[Ideal, Tag("ideal")] | Annotated[Tone, Tag("tone")] | Annotated[Chirp, Tag("chirp")],
@@ -85,7 +154,7 @@ class Sonar(Declaration):
         400e3, unit="Hz", description="carrier frequency", ge=1e3, le=2e6, slider=(5e4, 1.2e6), log=True
     )
     beam: Beam = parameter(Fan(), description="horizontal beam")
-    vertical: Uniform = parameter(Uniform(), description="vertical beam")
+    vertical: Vertical = parameter(Uniform(), description="vertical beam")
     pulse: Pulse = parameter(Tone(), description="transmitted pulse")
     range: float = parameter(
         50.0, unit="m", description="slant range of the last bin", gt=0.0, le=1e4, slider=(10.0, 200.0), log=True

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.beam import ring_angles, vertical_sensitivities
+from insonify.kernels.beam import vertical_sensitivities
 from insonify.kernels.types import EVERY_GRAZING, Problem
 from insonify.sound.flat_bed import along_track_width
 
@@ -92,12 +92,7 @@ def surface_echo(problem: Problem, depth: float) -> Curve:
     edges = np.maximum(np.arange(problem.bins + 1) * problem.bin_length, height)
     x = np.sqrt(edges**2 - height**2)
     centre, r = 0.5 * (x[1:] + x[:-1]), np.maximum(0.5 * (edges[1:] + edges[:-1]), 1e-9)
-    if problem.half_width > 0.0 and problem.pattern.tabled:
-        width = np.empty(problem.bins)
-        ring_angles(problem.pattern, centre, r, width)
-        width *= centre
-    else:
-        width = along_track_width(problem.half_width, centre, r)
+    width = along_track_width(problem, centre, r)
     return width * _vertical(problem, np.arcsin(np.minimum(height / r, 1.0))) * np.diff(x) * problem.range_factor
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.beam import ring_angles
 from insonify.kernels.types import LIGHT, Problem
 from insonify.scene.materials import Reflectivity
 
@@ -12,7 +13,7 @@ LAMBERT = Reflectivity(1.0, 0.0, 1.0)
 
 
 def flat_bed_curve(problem: Problem, altitude: float, reflectivity: Reflectivity | None = None) -> NDArray[np.float64]:
-    """Record of a level bed.
+    """Record of a level bed, heard by a level fish at every grazing angle alike.
 
     Parameters
     ----------
@@ -41,18 +42,20 @@ def flat_bed_curve(problem: Problem, altitude: float, reflectivity: Reflectivity
         return np.where(heard, shade * (far - near) / problem.bin_length, 0.0) * problem.range_factor
     sigma = cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored)
     x = 0.5 * (x_near + x_far)
-    return np.where(heard, sigma * (x_far - x_near) * along_track_width(problem.half_width, x, r), 0.0) * (
-        problem.range_factor
-    )
+    return np.where(heard, sigma * (x_far - x_near) * along_track_width(problem, x, r), 0.0) * (problem.range_factor)
 
 
-def along_track_width(half_width: float, x: NDArray[np.float64], r: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Arc of the bed inside the beam at ground range ``x`` and slant range ``r``, in metres.
+def along_track_width(problem: Problem, x: NDArray[np.float64], r: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Arc of a level bed that the beam takes in at ground range ``x`` and slant range ``r``, in metres.
 
-    The beam is a cone about the track: |sin φ_b| = cos θ |sin φ| stays within sin(half width), so that near nadir
-    it takes in all azimuths. A knife is 1 m wide by definition.
+    A beam is a cone about the track: of a top-hat |sin φ_b| = cos θ |sin φ| stays within sin(half width), so that near
+    nadir it takes in all azimuths; a pattern weighs them. A knife is 1 m wide by definition.
     """
-    if half_width <= 0.0:
+    if problem.half_width <= 0.0:
         return np.ones_like(x)
-    reach = np.sin(half_width) * r / np.maximum(x, 1e-300)
+    if problem.pattern.tabled:
+        angles = np.empty_like(x)
+        ring_angles(problem.pattern, x, r, angles)
+        return x * angles
+    reach = np.sin(problem.half_width) * r / np.maximum(x, 1e-300)
     return 2.0 * x * np.arcsin(np.minimum(reach, 1.0))

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.types import LIGHT, SONAR, Bed, Problem, plain_pattern
+from insonify.kernels.types import LIGHT, SONAR, Bed, Problem
 from insonify.scene import Scene
-from insonify.scene.sonar import Fan
 from insonify.sound.absorption import absorption_coefficient
+from insonify.sound.beams import make_pattern
 from insonify.terrain.ground import Ground
 from insonify.tracers.bodies import make_bodies
 from insonify.tracers.poses import sonar_height
@@ -26,6 +24,7 @@ def make_problem(scene: Scene, ground: Ground) -> Problem:
     """
     solids, mesh, reflectivities = make_bodies(scene, ground)
     sonar = scene.sonar
+    half_width, pattern = make_pattern(scene)
     bin_length = sonar.range / sonar.bins / scene.water.range_scale
     centres = (np.arange(sonar.bins, dtype=np.float64) + 0.5) * np.float64(bin_length)
     return Problem(
@@ -35,8 +34,8 @@ def make_problem(scene: Scene, ground: Ground) -> Problem:
         reflectivity=np.array([row[:3] for row in reflectivities], dtype=np.float64),
         interface=np.array([(row.reflection, row.speed_ratio) for row in reflectivities], dtype=np.float64),
         law=SONAR if sonar.law == "sonar" else LIGHT,
-        half_width=math.radians(sonar.beam.width) / 2.0 if isinstance(sonar.beam, Fan) else 0.0,
-        pattern=plain_pattern(),
+        half_width=half_width,
+        pattern=pattern,
         bins=sonar.bins,
         bin_length=bin_length,
         range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),

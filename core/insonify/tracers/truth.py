@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from insonify.kernels.screen import NOBODY, empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
-from insonify.kernels.sweep import empty_heard
+from insonify.kernels.sweep import Planes, empty_heard
 from insonify.kernels.truth import Found, empty_found, empty_ledger, find_truth, part_of
 from insonify.kernels.types import BED, Poses, Problem
 from insonify.tracers.parallel import in_parallel
-from insonify.tracers.sweep import beam_planes, refuse_sonar_inside
+from insonify.tracers.planes import lay_planes, take
+from insonify.tracers.sweep import refuse_sonar_inside
 
 NOTHING = -2  # target of a bin in which nothing is heard
 NO_MATERIAL = -1
@@ -72,20 +73,28 @@ def trace_truth(problem: Problem, poses: Poses, *, planes: int = 16, threads: in
     SceneError
         If the sonar runs into a target.
     """
-    reach = problem.bins * problem.bin_length
-    beam = beam_planes(problem.half_width, planes)
-    capacity = profile_capacity(reach, problem.bed.spacing)
+    found = empty_found(poses.x.size, problem.bins)
+    for places, beam in lay_planes(problem, poses, planes):
+        some = _find(problem, take(poses, places), beam, threads)
+        for whole, part in zip(found, some):
+            whole[places] = part
+    return _in_words_of_the_scene(problem, found)
+
+
+def _find(problem: Problem, poses: Poses, beam: Planes, threads: int | None) -> Found:
+    """Find what the bins of pings show that share their planes."""
+    capacity = profile_capacity(problem.bins * problem.bin_length, problem.bed.spacing)
     contributors = problem.reflectivity.shape[0] + _targets(problem)
     found = empty_found(poses.x.size, problem.bins)
 
     def block(first: int, last: int) -> int:
-        part = Poses(*(column[first:last] for column in poses))
+        part = take(poses, slice(first, last))
         room = empty_profile(capacity), empty_heard(capacity), empty_screen(problem.solids, problem.mesh)
         ledger = empty_ledger(contributors, problem.bins)
         return find_truth(problem, part, beam, *room, ledger, part_of(found, first, last))
 
     refuse_sonar_inside(problem, in_parallel(block, poses.x.size, threads))
-    return _in_words_of_the_scene(problem, found)
+    return found
 
 
 def _targets(problem: Problem) -> int:

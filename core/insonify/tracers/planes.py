@@ -1,0 +1,213 @@
+"""Where the planes of a beam lie, what azimuths each stands for, and how far out it is heard."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.sweep import LOWEST, Planes
+from insonify.kernels.types import Poses, Problem
+from insonify.kernels.wedge import FADING
+
+# Up to this multiple of the altitude the beam's cone is followed azimuth by azimuth; beyond it, where cos θ > 0.9,
+# the inner planes begin to stretch with it.
+NEAR_FIELD = 2.0647
+# Inner planes lie this much further out than the half width divided among them: in the far field a plane at azimuth φ
+# stands for the beam direction φ cos θ, with cos θ between 0.9 and 1.
+SPLAY = 1.04
+OUTER_RATIO = 1.4  # of one outer wedge's end to its beginning
+# Nearer than twice the altitude planes may lie farther apart, for there a bin holds more of the bed: up to this share
+# of their number times their spacing.
+COARSER = 0.2
+SIDELOBE_STEP = 2.0  # spacing of the planes across sidelobes, in that of the main lobe
+SIDELOBE_GROWTH = 0.25  # and its growth, as a share of the distance from the main lobe
+HEIGHTS_PER_OCTAVE = 16.0  # to which heights are rounded up
+PITCH_STEP = 0.5  # to which pitches are rounded, in half widths of the main lobe
+MOST_EDGES = 512  # on one hand, whatever is asked for
+GROUND_RANGES = 256  # at which the beam's azimuths are looked at
+
+
+def lay_planes(problem: Problem, poses: Poses, planes: int) -> list[tuple[NDArray[np.int64], Planes]]:
+    """Lay the planes of a problem's beam.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    poses : Poses
+        Where the sonar is and how it lies.
+    planes : int
+        Planes across the main lobe.
+
+    Returns
+    -------
+    list of ((m,) int64, Planes)
+        Pings that share their planes, by their places among the poses. Heights are rounded up and pitches to a part
+        of the beam, so that a ping's planes depend on the ping alone and a level tow needs one set.
+    """
+    if not problem.pattern.tabled or problem.half_width <= 0.0:
+        return [(np.arange(poses.x.size), beam_planes(problem.half_width, planes))]
+    step = PITCH_STEP * problem.half_width
+    kinds, which = np.unique(
+        np.column_stack(
+            [
+                np.ceil(np.log2(np.maximum(poses.z - problem.bed.low, LOWEST)) * HEIGHTS_PER_OCTAVE),
+                np.round(poses.pitch / step),
+                np.where(poses.pitch != 0.0, 0.5, 0.0),
+            ]
+        ),
+        axis=0,
+        return_inverse=True,
+    )
+    laid = []
+    for number, (height, pitch, spread) in enumerate(kinds):
+        pitches = step * np.unique([pitch - spread, pitch + spread])
+        beam = pattern_planes(problem, planes, 2.0 ** (height / HEIGHTS_PER_OCTAVE), pitches)
+        laid.append((np.flatnonzero(which.ravel() == number), beam))
+    return laid
+
+
+def take(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
+    """Return some of the poses."""
+    return Poses(*(np.ascontiguousarray(column[places]) for column in poses))
+
+
+def beam_planes(half_width: float, planes: int) -> Planes:
+    """Place the planes of a beam.
+
+    Parameters
+    ----------
+    half_width : float
+        Of the fan, in radians; 0 for a knife.
+    planes : int
+        Planes across the fan's far field, made even, so that they come in pairs about athwart.
+
+    Returns
+    -------
+    Planes
+        Inner planes at equal steps across the beam, then outer ones in growing steps towards the bow and the stern:
+        near nadir a beam is a cone that takes in all azimuths. Each reaches only as far as the beam hears it; lengths
+        are per metre of the sonar's height above the lowest bed, so that every ping has planes of its own.
+    """
+    if half_width <= 0.0:
+        return Planes(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
+    s_beam = math.sin(half_width)
+    pairs = max(1, (planes + 1) // 2)
+    inner = np.linspace(0.0, SPLAY * half_width, pairs + 1)
+    edges = [math.sin(SPLAY * half_width)]
+    while edges[-1] < 1.0:
+        edges.append(min(1.0, edges[-1] * OUTER_RATIO))
+    azimuths = np.concatenate([inner, np.arcsin(edges[1:])])
+    low, high = np.sin(azimuths[:-1]), np.sin(azimuths[1:])
+    is_inner = np.arange(low.size) < pairs
+    # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer wedge by the height.
+    beyond = np.maximum(low**2 - s_beam**2, 1e-30)
+    # A little further, for the segment that crosses the border counts by its middle.
+    outer_reach = 1.02 * np.minimum(s_beam / np.sqrt(beyond), (1.0 + FADING) * NEAR_FIELD)
+    columns = (
+        0.5 * (azimuths[:-1] + azimuths[1:]),
+        low,
+        high,
+        np.diff(azimuths),
+        np.where(is_inner, half_width / pairs, 0.0),
+        np.full(low.size, NEAR_FIELD),
+        np.where(is_inner, math.inf, outer_reach),
+    )
+    mirrored = [np.concatenate([column, column]) for column in columns]
+    mirrored[0][low.size :] *= -1.0
+    return Planes(*mirrored)
+
+
+def pattern_planes(problem: Problem, planes: int, height: float, pitches: NDArray[np.float64]) -> Planes:
+    """Place the planes of a beam with a pattern, which may be turned, tipped and wider near by.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its beam and range apply.
+    planes : int
+        Planes across the main lobe.
+    height : float
+        Greatest height of the sonar above the lowest bed, in metres.
+    pitches : (n,) float64
+        Least and greatest pitch of the fish, in radians.
+
+    Returns
+    -------
+    Planes
+        Edges laid from the beam's far end outwards on both hands. Each step is the main lobe's width divided by the
+        planes, at the farthest place where the lobe takes in that azimuth; across sidelobes steps grow. Lengths are
+        per metre of height.
+    """
+    cone = _Cone(problem, height, pitches)
+    start = math.asin(min(max(problem.pattern.centre, -1.0), 1.0))
+    edges = [*reversed(_edges(cone, start, -1.0, planes)), start, *_edges(cone, start, 1.0, planes)]
+    azimuths = np.array(edges)
+    low, high = azimuths[:-1], azimuths[1:]
+    reaches = np.array([cone.heard_to(a, b) for a, b in zip(low, high)])
+    heard = reaches > 0.0
+    low, high, reaches = low[heard], high[heard], reaches[heard]
+    return Planes(
+        azimuth=0.5 * (low + high),
+        s_low=np.sin(low),
+        s_high=np.sin(high),
+        angle=high - low,
+        far_angle=np.zeros(low.size),
+        near_field=np.full(low.size, math.inf),
+        reach=reaches / (height * 2.0 ** (-1.0 / HEIGHTS_PER_OCTAVE)),
+    )
+
+
+def _edges(cone: _Cone, start: float, way: float, planes: int) -> list[float]:
+    """Edges of the wedges from an azimuth to the bow or the stern."""
+    edges: list[float] = []
+    azimuth = start
+    while way * azimuth < math.pi / 2.0 and len(edges) < MOST_EDGES:
+        azimuth += way * cone.step(azimuth, planes)
+        azimuth = min(max(azimuth, -math.pi / 2.0), math.pi / 2.0)
+        edges.append(azimuth)
+    return edges
+
+
+class _Cone:
+    """Azimuths that a beam takes in, ground range by ground range, over a level bed.
+
+    There s = cos p · sin φ · x/r − sin p · h/r.
+    """
+
+    def __init__(self, problem: Problem, height: float, pitches: NDArray[np.float64]) -> None:
+        pattern, main, reach = problem.pattern, math.sin(problem.half_width), problem.bins * problem.bin_length
+        farthest = math.sqrt(max(reach**2 - height**2, (0.1 * height) ** 2))
+        self.height, self.main = height, main
+        self.x = np.geomspace(0.01 * min(height, farthest), farthest, GROUND_RANGES)
+        r = np.hypot(self.x, height)
+        row = np.log2(np.maximum(r / pattern.first_range, 1.0)) * pattern.per_octave
+        extent = np.interp(row, np.arange(pattern.extent.size), pattern.extent)
+        per_sine = r / (np.cos(pitches)[:, None] * self.x)
+        self.centre = pattern.centre * per_sine + np.tan(pitches)[:, None] * height / self.x
+        self.main_half, self.half = main * per_sine, extent * per_sine
+
+    def step(self, azimuth: float, planes: int) -> float:
+        """Width of the wedge that begins at an azimuth."""
+        off = np.abs(math.sin(azimuth) - self.centre)
+        taken = np.flatnonzero((off <= self.main_half * 1.001).any(axis=0))
+        cosine = max(math.cos(azimuth), 0.05)
+        if taken.size:
+            at = taken[-1]
+            coarser = min(max(2.0 * self.height / self.x[at], 1.0), max(COARSER * planes, 1.0))
+            return float(2.0 * self.main_half[:, at].min() / planes * coarser / cosine)
+        beyond = float((off - self.main_half).min())
+        return float(max(SIDELOBE_STEP * 2.0 * self.main / planes, SIDELOBE_GROWTH * beyond) / cosine)
+
+    def heard_to(self, low: float, high: float) -> float:
+        """Ground range to which anything of a wedge is heard; 0 if nothing is."""
+        sine_low, sine_high = math.sin(low), math.sin(high)
+        heard = ((sine_high >= self.centre - self.half) & (sine_low <= self.centre + self.half)).any(axis=0)
+        places = np.flatnonzero(heard)
+        if places.size == 0:
+            return 0.0
+        last = int(places[-1])
+        # A little further, for the segment that crosses the border counts too; the slice ends at the range itself.
+        return float(self.x[min(last + 2, self.x.size - 1)] * (1.0 if last + 2 < self.x.size else 1.1))
