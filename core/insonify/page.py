@@ -17,7 +17,6 @@ from insonify.look import Look
 from insonify.picture import colours, contrast, palette
 from insonify.records.atomic import replacing
 from insonify.scene import Scene
-from insonify.scene.sonar import Fan
 from insonify.sheet import Sheet
 
 DPI = 100
@@ -181,10 +180,10 @@ def _headings(figure: Figure, whole: tuple[int, int], width: int, look: Look, ca
 
 def scene_caption(scene: Scene, look: Look) -> Caption:
     """Say how a simulated record was made."""
-    beam, sonar = scene.sonar.beam, scene.sonar
+    sonar = scene.sonar
     parts = [
         _tow(scene),
-        f"fan {beam.width:g}°" if isinstance(beam, Fan) else "knife-edge beam",
+        sonar.beam.words,
         f"{sonar.frequency / 1e3:g} kHz",
         f"{sonar.bins} bins of {100.0 * sonar.range / sonar.bins:.3g} cm",
         f"ping every {100.0 * scene.track.speed / sonar.ping_rate:.3g} cm",

@@ -9,8 +9,9 @@ from typing import Any
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import Material
 from insonify.scene.seabed import Flat, Fractal
-from insonify.scene.sonar import Fan
+from insonify.scene.sonar import Knife
 from insonify.scene.targets import AnyTarget, Box, MeshFile
+from insonify.sound.beams import main_lobe
 
 METHODS = ("auto", "sweep", "march", "rays")
 MOST_PLANES = 64
@@ -20,6 +21,7 @@ ERROR_AT_ONE_CELL, LAW_BETA, LAW_RMS = 0.012, 1.2, 0.4
 BETA_PER_DECADE = 0.4
 # Likewise for targets, whose glint is narrow: with planes one radius apart.
 ERROR_AT_ONE_RADIUS = 0.18
+THIN = 0.15  # m, radius of the thin parts of a mesh, which it does not tell before it is read
 # A bed that no β describes (measured heights, patches of material) counts as this smooth.
 OTHER_BETA = 1.4
 # Error law of single rays over a rough bed, at 1000 rays a side, and its order: a fan spreads them over two angles.
@@ -88,7 +90,7 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
         return Plan("march", {"step": step, "rays": scene.sonar.bins}, (("march", reason),))
     if method == "rays" or bounces > 0:
         return _rays(scene, tolerance, "asked for" if method == "rays" else f"{bounces} bounces need single rays")
-    chosen = "asked for" if method == "sweep" else "a height field and convex targets: nothing needs single rays"
+    chosen = "asked for" if method == "sweep" else "a height field and first echoes: nothing needs single rays"
     planes, why = _planes(scene, tolerance)
     across = (f"{planes} plane{'s' * (planes > 1)}", why)
     return Plan("sweep", {"planes": planes}, (("sweep", chosen), across, *_tow(scene)))
@@ -96,7 +98,7 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
 
 def _rays(scene: Scene, tolerance: float, chosen: str) -> Plan:
     """As many rays as the tolerance asks for."""
-    error, order = FAN_RAYS if isinstance(scene.sonar.beam, Fan) else KNIFE_RAYS
+    error, order = KNIFE_RAYS if isinstance(scene.sonar.beam, Knife) else FAN_RAYS
     rays = max(1000, math.ceil(1000.0 * (error / tolerance) ** (1.0 / order)))
     reason = f"{chosen}; {rays} rays a side, error about {100 * error * (1000 / rays) ** order:.2g} %"
     return Plan("rays", {"rays": rays}, (("rays", reason),))
@@ -117,10 +119,10 @@ def _tow(scene: Scene) -> tuple[tuple[str, str], ...]:
 def _planes(scene: Scene, tolerance: float) -> tuple[int, str]:
     """Planes across the beam, and why."""
     beam = scene.sonar.beam
-    if not isinstance(beam, Fan):
+    if isinstance(beam, Knife):
         return 1, "a knife beam has no width"
-    width = 2.0 * scene.sonar.range * math.sin(math.radians(beam.width) / 2.0)
-    broad = f"a beam of {beam.width:g}° is {width:.3g} m wide at {scene.sonar.range:g} m"
+    width = 2.0 * scene.sonar.range * math.sin(main_lobe(scene.sonar, scene.water.sound_speed))
+    broad = f"the main lobe of a {beam.words} is {width:.3g} m wide at {scene.sonar.range:g} m"
     demands = [*_bed_demand(scene, width), *_target_demands(scene, width)]
     if not demands:
         return 2, f"{broad}, over a bed without detail"
@@ -149,12 +151,11 @@ def _target_demands(scene: Scene, width: float) -> list[tuple[float, str]]:
     return [
         (ERROR_AT_ONE_RADIUS * (width / radius) ** 2, f"target {number} has a radius of {radius:.3g} m")
         for number, radius in enumerate(map(_radius, scene.targets))
-        if radius is not None
     ]
 
 
-def _radius(target: AnyTarget) -> float | None:
-    """Radius of a target, half the smallest side of a box; a mesh does not tell before it is read."""
+def _radius(target: AnyTarget) -> float:
+    """Radius of a target, half the smallest side of a box, what the thin parts of a mesh are taken to have."""
     if isinstance(target, Box):
         return min(target.size) / 2.0
-    return None if isinstance(target, MeshFile) else target.radius
+    return THIN if isinstance(target, MeshFile) else target.radius

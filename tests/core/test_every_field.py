@@ -44,6 +44,8 @@ PATTERN = {"seabed.material": {"kind": "pattern", "of": ["silt", "rock"], "shape
 PICTURE = {"seabed.material": {"kind": "image", "path": "PICTURE", "of": ["silt", "rock"], "width": 12.0}}
 DARK, BRIGHT = {"diffuse": 0.3, "specular": 0.0}, {"diffuse": 0.5, "specular": 0.0}
 MIMIC = {"seabed.relief": {"kind": "mimic", "of": {"of": [DARK, BRIGHT]}, "altitude": 7.0, "reach": 30.0}}
+BELL = {"sonar.beam": {"kind": "gaussian", "width": 4.0}}
+ARRAY = {"sonar.beam": {"kind": "array", "length": 0.1}}
 NUMBERS = {"water.absorption": 50.0}
 SEA = {"water.absorption": "francois_garrison"}
 CHIRP = {"sonar.pulse": {"kind": "chirp", "bandwidth": 6e3}}
@@ -68,8 +70,9 @@ def _of_motions(path: str, needs: dict) -> dict[str, tuple[dict, dict]]:
         return needs | {key.replace("track.motion", place): value for key, value in changes.items()}
 
     found = {}
-    for kind in ("sway", "heave", "yaw"):
-        swinging = within({"track.motion": {"kind": kind, "amplitude": 2.0}})
+    for kind in ("sway", "heave", "yaw", "pitch", "roll"):
+        # A roll is heard by a vertical beam alone.
+        swinging = within({"track.motion": {"kind": kind, "amplitude": 2.0}}) | {"sonar.vertical": "gaussian"}
         for name, value in (("amplitude", 3.0), ("period", 4.0), ("phase", 90.0)):
             found[f"{path}[{kind}].{name}"] = (swinging, {f"{place}.{name}": value})
     for name, value in (("rate", -20.0), ("begin", 0.4), ("duration", 0.3)):
@@ -158,6 +161,19 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "sonar.frequency": (SEA, {"sonar.frequency": 100e3}),
     "sonar.beam": ({}, {"sonar.beam": "knife"}),
     "sonar.beam[fan].width": ({}, {"sonar.beam.width": 3.0}),
+    "sonar.beam[fan].squint": ({}, {"sonar.beam.squint": 3.0}),
+    "sonar.beam[gaussian].width": (BELL, {"sonar.beam.width": 3.0}),
+    "sonar.beam[gaussian].squint": (BELL, {"sonar.beam.squint": 3.0}),
+    "sonar.beam[gaussian].two_way": (BELL, {"sonar.beam.two_way": False}),
+    "sonar.beam[array].length": (ARRAY, {"sonar.beam.length": 0.2}),
+    "sonar.beam[array].taper": (ARRAY, {"sonar.beam.taper": "hamming"}),
+    "sonar.beam[array].squint": (ARRAY, {"sonar.beam.squint": 3.0}),
+    "sonar.beam[array].two_way": (ARRAY, {"sonar.beam.two_way": False}),
+    "sonar.vertical": ({}, {"sonar.vertical": "gaussian"}),
+    "sonar.vertical[fan].width": ({"sonar.vertical": "fan"}, {"sonar.vertical.width": 40.0}),
+    "sonar.vertical[fan].tilt": ({"sonar.vertical": "fan"}, {"sonar.vertical.tilt": 40.0}),
+    "sonar.vertical[gaussian].width": ({"sonar.vertical": "gaussian"}, {"sonar.vertical.width": 40.0}),
+    "sonar.vertical[gaussian].tilt": ({"sonar.vertical": "gaussian"}, {"sonar.vertical.tilt": 40.0}),
     "sonar.pulse": ({}, {"sonar.pulse": "ideal"}),
     "sonar.pulse[tone].duration": ({}, {"sonar.pulse.duration": 2e-4}),
     "sonar.pulse[chirp].duration": ({**CHIRP, "sonar.pulse.window": "uniform"}, {"sonar.pulse.duration": 3e-4}),
@@ -241,7 +257,6 @@ CHANGES |= {
 }
 PART = "a part that is all its own fields"
 ONE = "there is only one choice yet"
-LEVEL = "stands in the record's attitude; the tracers take the fish for level"
 WHY_NOT = {
     "schema_version": "says how the file is to be read",
     "title": "is for people; it stands in the record's attributes",
@@ -257,13 +272,6 @@ WHY_NOT = {
     "seabed.relief[mimic].of[pattern].of[uniform].name": "is for numbers not given; dunes have but a diffuse share",
     "seabed.relief[mimic].of[pattern].of[uniform].specular": "is 0: no slope imitates a mirror lobe",
     "seabed.relief[mimic].of[pattern].of[uniform].shininess": "is that of a mirror lobe, and dunes have none",
-    "sonar.vertical": ONE,
-    **{
-        f"{motion}[{kind}].{name}": LEVEL
-        for motion in ("track.motion", "track.motion[sum].of")
-        for kind in ("pitch", "roll")
-        for name in ("amplitude", "period", "phase")
-    },
     "water.surface": ONE,
 }
 # Fields of every material, wherever it is.

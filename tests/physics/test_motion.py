@@ -76,3 +76,16 @@ def test_blocks_of_any_size_make_the_same_record():
     for block in (1, 7):
         parts = list(simulate_blocks(scene, block=block, truth=True))
         xr.testing.assert_identical(xr.concat(parts, "ping_time", combine_attrs="override"), whole)
+
+
+@pytest.mark.parametrize("method", ["sweep", "rays"])
+def test_pitch_moves_an_echo_along_the_track(method):
+    # With the bow up by 10 degrees the plane of the beam meets the bed so far ahead of a fish 10 m above it.
+    ahead = (10.0 - 0.3) * math.tan(math.radians(10.0))
+    ball = {"kind": "sphere", "position": [10.0, 20.0], "radius": 0.3}
+    pitch = {"kind": "pitch", "amplitude": 10.0, "period": 1e5, "phase": 90.0}
+    for motion, shift in (("straight", 0.0), (pitch, -ahead)):
+        scene = towed(motion, pings=40, **{"track.start": [8.0 + shift, 0.0], "track.speed": 1.0, "targets": [ball]})
+        echo = [simulate(one, method=method, tolerance=0.2).intensity for one in (scene, edit(scene, {"targets": []}))]
+        energy = (echo[0] - echo[1]).sel(channel="port").clip(min=0.0).sum("range_sample").values
+        assert np.average(np.arange(40), weights=energy) * 0.1 + 8.0 + shift == pytest.approx(10.0 + shift, abs=0.06)

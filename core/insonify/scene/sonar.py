@@ -10,9 +10,14 @@ from insonify.scene.base import Choice, Declaration, kind_of, parameter
 
 
 class Knife(Choice):
-    """A beam without width: one line across the track, 1 m wide by definition."""
+    """A beam without width: one upright line across the track, 1 m wide by definition."""
 
     kind: Literal["knife"] = "knife"
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return "knife-edge beam"
 
 
 class Aimed(Choice):
@@ -27,6 +32,9 @@ class Aimed(Choice):
         slider=(-10.0, 10.0),
     )
 
+    def _named(self, name: str) -> str:
+        return f"{name}, squint {self.squint:g}°" if self.squint else name
+
 
 class Fan(Aimed):
     """A top-hat beam, one-way full width; the cell widens with range."""
@@ -35,6 +43,11 @@ class Fan(Aimed):
     width: float = parameter(
         1.0, unit="°", description="one-way full beamwidth", gt=0.0, le=60.0, slider=(0.1, 10.0), log=True
     )
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return self._named(f"fan {self.width:g}°")
 
 
 class Gaussian(Aimed):
@@ -45,6 +58,11 @@ class Gaussian(Aimed):
         1.0, unit="°", description="one-way full beamwidth to -3 dB", gt=0.0, le=60.0, slider=(0.1, 10.0), log=True
     )
     two_way: bool = parameter(True, description="whether sound passes the beam going and coming, or once")
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return self._named(f"gaussian {self.width:g}° {'two' if self.two_way else 'one'}-way")
 
 
 class LineArray(Aimed):
@@ -58,6 +76,11 @@ class LineArray(Aimed):
         "uniform", description="weight of the elements; a tapered array has lower sidelobes and a wider beam"
     )
     two_way: bool = parameter(True, description="whether sound passes the beam going and coming, or once")
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return self._named(f"{self.taper} array of {self.length:g} m {'two' if self.two_way else 'one'}-way")
 
 
 class Uniform(Choice):

@@ -6,8 +6,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import czt
-from scipy.signal.windows import taylor
 
 from insonify.kernels.types import EVERY_GRAZING, GAUSSIAN, TOP_HAT, Pattern, plain_pattern
 from insonify.scene import Scene
@@ -137,6 +135,8 @@ def array_table(
         |∫ w(u) exp(−ik(us − u²/2r)) du|², Fresnel's approximation about the array's middle, the square of it
         for two ways; 1 on the axis far away.
     """
+    from scipy.signal import czt  # takes longer to import than a preview takes to trace
+
     length, first_range = beam.length, beam.length
     # Beyond some ten times L²/λ the waves are flat.
     farthest = max(min(reach, 16.0 * length * length / wavelength), 2.0 * first_range)
@@ -165,6 +165,8 @@ def _taper(name: str) -> NDArray[np.float64]:
     if name == "hamming":
         return 0.54 + 0.46 * np.cos(2.0 * np.pi * u)
     if name == "taylor":
+        from scipy.signal.windows import taylor
+
         return np.asarray(taylor(ELEMENTS, TAYLOR_NEARLY_EQUAL, TAYLOR_SIDELOBES, norm=False))
     return np.ones(ELEMENTS)
 
