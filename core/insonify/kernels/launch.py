@@ -91,12 +91,12 @@ def _on_grid(component):
 
 
 @kernel
-def aim(launch, problem, height, top, reach, pitch):
-    """Aim all rays of a side.
+def aim(launch, height, top, reach, half_width, law, spreads):
+    """Aim all rays of a side; athwart where a pattern ``spreads`` them later.
 
     ``height`` of the sonar above the mean bed, ``top`` the highest elevation there is to see (radians, up positive).
     """
-    n, law = launch.up.size, problem.law
+    n = launch.up.size
     level = height > 0.0 and height < reach
     lowest = -math.asin(height / reach) if level else -0.5 * math.pi
     main = n - _upper_rays(n, height, reach, lowest, top) if level else 0
@@ -109,12 +109,12 @@ def aim(launch, problem, height, top, reach, pitch):
         shallow = math.asin(height / r_far)
         # Exactly a step of slant range on a level bed for law `light`, exactly the angle for law `sonar`.
         angle = (r_far - r_near) * math.tan(theta) / r if law == LIGHT else steep - shallow
-        _send(launch, k, problem, pitch, -theta, angle, height / r_near - height / r_far, r)
+        _send(launch, k, -theta, angle, height / r_near - height / r_far, half_width, law, spreads)
     step = (top - lowest) / max(n - main, 1)
     for k in range(main, n):
         low = lowest + (k - main) * step
         band = math.sin(low + step) - math.sin(low)
-        _send(launch, k, problem, pitch, low + 0.5 * step, step, band, reach)
+        _send(launch, k, low + 0.5 * step, step, band, half_width, law, spreads)
 
 
 @kernel
@@ -127,27 +127,39 @@ def _upper_rays(n, height, reach, lowest, top):
     return min(n // 2, math.ceil(n * equivalent / (equivalent + reach - height)))
 
 
-@fused
-def _send(launch, k, problem, pitch, elevation, angle, band, r):
-    """Set ray k: its elevation, the angle it stands for, the difference of sin(elevation) over that, its likely range.
-
-    Law `light` averages over the beam, a pattern's when it is heard; law `sonar` integrates it.
-    """
-    c, s, half_width = math.cos(elevation), math.sin(elevation), problem.half_width
-    place = (k + 1) * GOLDEN
-    place -= math.floor(place)
-    weight = angle if problem.law == LIGHT or half_width <= 0.0 else band
-    if problem.pattern.tabled and half_width > 0.0:
-        level, tip = math.cos(pitch) * c, math.sin(pitch) * s
-        azimuth, stands_for = pick_azimuth(problem.pattern, level, tip, r, place)
-        weight *= stands_for
-    else:
+@kernel
+def _send(launch, k, elevation, angle, band, half_width, law, spreads):
+    """Set ray k: its elevation, the angle it stands for and the difference of sin(elevation) over that angle."""
+    c, s = math.cos(elevation), math.sin(elevation)
+    # Law `light` averages over the beam, law `sonar` integrates it.
+    weight = angle if law == LIGHT or half_width <= 0.0 else band
+    azimuth = 0.0
+    if not spreads:
         widest = cone_azimuth(c, half_width)
-        azimuth = widest * (2.0 * place - 1.0)
-        if problem.law != LIGHT and half_width > 0.0:
+        azimuth = widest * (2.0 * _place(k) - 1.0)
+        if law != LIGHT and half_width > 0.0:
             weight *= 2.0 * widest
     launch.ahead[k], launch.abeam[k], launch.up[k] = c * math.sin(azimuth), c * math.cos(azimuth), s
     launch.weight[k] = weight
+
+
+@fused
+def _place(k):
+    """Place of ray k within the beam, in [0, 1)."""
+    place = (k + 1) * GOLDEN
+    return place - math.floor(place)
+
+
+@kernel
+def spread_rays(launch, pattern, height, reach, pitch):
+    """Spread rays that lie athwart over the azimuths of a pattern."""
+    for k in range(launch.up.size):
+        c, s = launch.abeam[k], launch.up[k]
+        # Where it meets a level bed, if it does.
+        r = min(-height / s, reach) if s < 0.0 < height else reach
+        azimuth, stands_for = pick_azimuth(pattern, math.cos(pitch) * c, math.sin(pitch) * s, r, _place(k))
+        launch.ahead[k], launch.abeam[k] = c * math.sin(azimuth), c * math.cos(azimuth)
+        launch.weight[k] *= stands_for
 
 
 @kernel

@@ -9,7 +9,7 @@ import numpy as np
 from insonify.kernels.beam import heard
 from insonify.kernels.bounce import add_ghosts
 from insonify.kernels.jit import kernel
-from insonify.kernels.launch import Launch, aim, gather, highest_elevation, inside_body, make_beam, turn
+from insonify.kernels.launch import Launch, aim, gather, highest_elevation, inside_body, make_beam, spread_rays, turn
 from insonify.kernels.march import march_hits
 from insonify.kernels.scatter import strength
 from insonify.kernels.types import LIGHT, PORT
@@ -25,8 +25,9 @@ def trace_pings(problem, poses, rays, step, out):
     port, starboard = empty_launch(rays), empty_launch(rays)
     bundle, hits = empty_bundle(rays), empty_hits(rays)
     near = np.empty(problem.solids.shape.size, np.int64)
-    sums = np.empty(problem.bins)
-    reach = problem.bins * problem.bin_length
+    weighed, sums = np.empty(rays), np.empty(problem.bins)
+    reach, fan = problem.bins * problem.bin_length, problem.half_width > 0.0
+    spreads = fan and problem.pattern.tabled
     aimed_at = np.full((2, 3), math.nan)
     for ping in range(poses.x.size):
         z, pitch = poses.z[ping], poses.pitch[ping]
@@ -39,14 +40,19 @@ def trace_pings(problem, poses, rays, step, out):
             top = max(top, highest_elevation(problem.bed.high - z, 0.0, reach))
             launch = port if side == PORT else starboard
             if z != aimed_at[side, 0] or top != aimed_at[side, 1] or pitch != aimed_at[side, 2]:
-                aim(launch, problem, z, top, reach, pitch)
+                aim(launch, z, top, reach, problem.half_width, problem.law, spreads)
+                if spreads:
+                    spread_rays(launch, problem.pattern, z, reach, pitch)
                 aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, top, pitch
             turn(launch, beam, bundle)
             if step > 0.0:
                 march_hits(problem.bed, problem.solids, near, count, problem.mesh, bundle, reach, step, hits)
             else:
                 first_hits(problem.bed, problem.solids, near, count, problem.mesh, bundle, reach, hits)
-            deposit(problem, beam, bundle, hits, launch.weight, sums)
+            weight = launch.weight
+            if problem.pattern.tabled:
+                weight = weigh(problem, beam, bundle, hits, launch.weight, weighed)
+            deposit(bundle, hits, weight, problem.reflectivity, problem.law, fan, problem.bin_length, sums)
             if problem.bounces > 0:
                 add_ghosts(problem, beam, bundle, hits, launch.weight, sums)
             # What depends on range alone comes after the sum.
@@ -81,15 +87,26 @@ def empty_hits(n):
 
 
 @kernel
-def deposit(problem, beam, bundle, hits, weight, sums):
+def weigh(problem, beam, bundle, hits, weight, weighed):
+    """Weigh rays by how the beam's pattern hears their hits."""
+    for k in range(weight.size):
+        weighed[k] = 0.0
+        if hits.body[k] != NOTHING:
+            dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
+            fan = problem.half_width > 0.0
+            weighed[k] = weight[k] * heard(problem.pattern, beam, fan, problem.law, dx, dy, dz, hits.distance[k])
+    return weighed
+
+
+@kernel
+def deposit(bundle, hits, weight, reflectivity, law, fan, bin_length, sums):
     """Sum what the hits return into time bins."""
-    law, fan, reflectivity = problem.law, problem.half_width > 0.0, problem.reflectivity
     sums[:] = 0.0
     for k in range(weight.size):
         if hits.body[k] == NOTHING:
             continue
         distance = hits.distance[k]
-        b = int(distance / problem.bin_length)
+        b = int(distance / bin_length)
         dx, dy, dz, nx, ny, nz = bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.nx[k], hits.ny[k], hits.nz[k]
         cos_incidence = -(nx * dx + ny * dy + nz * dz)
         # A surface exactly edge-on returns nothing.
@@ -99,11 +116,9 @@ def deposit(problem, beam, bundle, hits, weight, sums):
         value = strength(cos_incidence, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
         value *= weight[k] * distance / cos_incidence
         if law == LIGHT:
-            value *= _tilt(dx, dy, dz, nx, ny, nz) / problem.bin_length
+            value *= _tilt(dx, dy, dz, nx, ny, nz) / bin_length
         elif fan:
             value *= distance
-        if problem.pattern.tabled:
-            value *= heard(problem.pattern, beam, fan, law, dx, dy, dz, distance)
         sums[b] += value
 
 

@@ -74,7 +74,8 @@ class Cell(NamedTuple):
 def first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
     """Find what each ray meets first within ``reach``: bed, mesh, or one of the first ``count`` bodies in ``near``."""
     meet_bodies(solids, near, count, bundle, reach, hits)
-    meet_meshes(solids, mesh, bundle, reach, hits)
+    if mesh.skip.size > 0:
+        meet_meshes(solids, mesh, bundle, reach, hits)
     for k in range(bundle.x.size):
         ray = Ray(bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k])
         limit = min(hits.distance[k], reach)
