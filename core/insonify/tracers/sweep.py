@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.hear import empty_heard
 from insonify.kernels.screen import empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
-from insonify.kernels.sweep import Planes, empty_heard, sweep_pings
+from insonify.kernels.sweep import Planes, sweep_pings
 from insonify.kernels.types import Poses, Problem
 from insonify.scene import SceneError
 from insonify.tracers.parallel import in_parallel

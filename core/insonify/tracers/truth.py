@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.hear import empty_heard
 from insonify.kernels.screen import NOBODY, empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
-from insonify.kernels.sweep import Planes, empty_heard
+from insonify.kernels.sweep import Planes
 from insonify.kernels.truth import Found, empty_found, empty_ledger, find_truth, part_of
 from insonify.kernels.types import BED, Poses, Problem
 from insonify.tracers.parallel import in_parallel
