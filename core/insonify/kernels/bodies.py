@@ -7,14 +7,16 @@ from typing import NamedTuple
 
 from insonify.kernels.bins import FIXED_POINT, spread
 from insonify.kernels.jit import fused, kernel
+from insonify.kernels.parts import load_part, meet_part
 from insonify.kernels.pieces import FINE, deposit_piece
 from insonify.kernels.scatter import strength
-from insonify.kernels.screen import NOBODY, halfway, load_part, meet_part, next_open
+from insonify.kernels.screen import NOBODY, halfway, next_open
 from insonify.kernels.sections import NEVER
 from insonify.kernels.types import LIGHT
 from insonify.kernels.wedge import weight
 
 MOST_FACETS = 64.0
+HALVINGS = 10  # that find where a facet comes out of the bed
 
 
 @kernel
@@ -73,8 +75,9 @@ def deposit_bodies(profile, knots, horizon, problem, wedge, view, screen, cells,
         facet = Facet(edge[cell], edge[cell + 1], c, s, near[cell], distance[cell], far[cell], incidence[cell])
         facets = facets_in(facet)
         # Neighbouring cells mostly meet neighbouring places.
-        knot = knot_before(x, knots, facet.centre * c, knot)
-        ridge = horizon_at(x, z, knots, horizon, knot, facet.centre * c)
+        farthest = max(facet.near * cosine[cell], facet.far * cosine[cell + 1])
+        knot = knot_before(x, knots, farthest, knot)
+        ridge = horizon_at(x, z, knots, horizon, knot, farthest)
         if facets == 1 and ridge * cosine[cell] <= sine[cell]:
             _deposit_facet(facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins)
             continue
@@ -90,12 +93,26 @@ def open_facet(part, low, high, k, facets, x, z, knots, horizon, knot):
     step = (high - low) / facets
     start, stop = low + k * step, low + (k + 1) * step
     facet = meet_facet(part, start, stop)
-    level = facet.centre * facet.cosine
-    ridge = horizon_at(x, z, knots, horizon, knot_before(x, knots, level, knot), level)
-    opened = math.atan(ridge) if ridge > -NEVER else start
-    if opened <= start:
-        return facet
-    return meet_facet(part, min(opened, stop), stop)
+    risen = _is_clear(facet.near, start, x, z, knots, horizon, knot)
+    if risen == _is_clear(facet.far, stop, x, z, knots, horizon, knot):
+        return facet if risen else meet_facet(part, stop, stop)
+    clear, hidden = (start, stop) if risen else (stop, start)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (clear + hidden)
+        distance = meet_part(part, math.cos(middle), math.sin(middle))[0]
+        if _is_clear(distance, middle, x, z, knots, horizon, knot):
+            clear = middle
+        else:
+            hidden = middle
+    return meet_facet(part, start, clear) if risen else meet_facet(part, clear, stop)
+
+
+@fused
+def _is_clear(distance, angle, x, z, knots, horizon, knot):
+    """Whether a place above the bed is in sight of the sonar, at a distance and a launch angle."""
+    c, s = math.cos(angle), math.sin(angle)
+    level = distance * c
+    return horizon_at(x, z, knots, horizon, knot_before(x, knots, level, knot), level) * c <= s
 
 
 @fused

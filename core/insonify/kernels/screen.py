@@ -13,33 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.jit import fused, kernel
+from insonify.kernels.parts import foot_of, load_part, meet_part, nearest_of
 from insonify.kernels.sections import DOWN, NEVER, UP, reached, section
-from insonify.kernels.shapes import cross_frustum, cross_sphere, frustum_normal
-from insonify.kernels.types import SPHERE, Mesh, Solids
+from insonify.kernels.types import Mesh, Solids
 
 FACETS = 64  # cells of a convex body alone in its plane, closer together towards its edges
+RIMS = 4  # at most, that a plane cuts of one body
 EDGE = 1e-9  # share of an interval by which the outermost cells of a body end inside it, to be sure to meet it
+CROSSED = 1e-5  # share of a distance by which a part must come before another to cross it
 SAME = 1e-9  # rad; ends of parts closer together are one
 SPREAD = np.cos(np.pi * np.arange(FACETS + 1) / FACETS)
 NOBODY = -1
-TRIANGLE = 2  # beside SPHERE and FRUSTUM
-
-
-class Part(NamedTuple):
-    """One part by itself: numbers alone, for tables handed from function to function cost more than the geometry."""
-
-    kind: int  # SPHERE, FRUSTUM or TRIANGLE
-    x: float  # centre of a sphere, or of a frustum's first end, from the sonar; of a triangle's line
-    y: float  # one end in the plane, x the ground range
-    z: float
-    ax: float  # axis of a frustum; from that end of a line to the other
-    ay: float
-    az: float
-    length: float
-    radius: float
-    taper: float
-    level_x: float  # the plane's azimuth; of a triangle, its normal's level part and upward part in the plane
-    level_y: float
 
 
 class Screen(NamedTuple):
@@ -49,6 +33,7 @@ class Screen(NamedTuple):
     low: NDArray[np.float64]  # launch angle above the horizontal at which the part begins, rad
     high: NDArray[np.float64]  # and ends
     line: NDArray[np.float64]  # (parts, 4) of a triangle's part: ground range and height above the sonar of its ends
+    rim: NDArray[np.float64]  # (bodies, 4) of a body's part: launch angles at which one face ends and another begins
     edge: NDArray[np.float64]  # launch angles at which cells begin; the last one ends the last cell
     cosine: NDArray[np.float64]  # of the edges
     sine: NDArray[np.float64]
@@ -57,16 +42,19 @@ class Screen(NamedTuple):
     incidence: NDArray[np.float64]  # cosine of the incidence there
     near: NDArray[np.float64]  # distance to it along the edge where the cell begins
     far: NDArray[np.float64]  # and where it ends
+    level: NDArray[np.float64]  # one over the distance, nearly so if it is curved, is level · cos θ + rise · sin θ
+    rise: NDArray[np.float64]
 
 
 def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
     """Make room for all that a plane may cut of a scene."""
     bodies, triangles = solids.shape.size, mesh.target.size
-    parts, cells = bodies + triangles, bodies * (FACETS + 1) + 3 * triangles + 1
+    parts, cells = bodies + triangles, bodies * (FACETS + 3 + RIMS) + 5 * triangles + 1
     low, high = np.zeros((2, parts))
-    edge, cosine, sine, distance, incidence, near, far = np.zeros((7, cells))
+    edge, cosine, sine, distance, incidence, near, far, level, rise = np.zeros((9, cells))
     body, part = np.zeros(parts, np.int64), np.zeros(cells, np.int64)
-    return Screen(body, low, high, np.zeros((parts, 4)), edge, cosine, sine, part, distance, incidence, near, far)
+    line, rim = np.zeros((parts, 4)), np.zeros((bodies, RIMS))
+    return Screen(body, low, high, line, rim, edge, cosine, sine, part, distance, incidence, near, far, level, rise)
 
 
 @fused
@@ -88,7 +76,7 @@ def _cut_solids(solids, view, reach, screen):
     parts = 0
     for k in range(solids.shape.size):
         if reached(solids, k, view, reach):
-            status, low, high = section(solids, k, view)
+            status, low, high = section(solids, k, view, screen.rim[parts])
             if status < 0:
                 return -1 - k
             if status > 0:
@@ -173,8 +161,60 @@ def _keep_ahead(line):
 
 @kernel
 def _fill_cells(problem, view, screen, solid_parts, parts):
-    """Divide the screen at the ends and feet of parts, find the nearest in every cell; return the number of cells."""
-    cells = _divide(screen, solid_parts, parts)
+    """Divide the screen where parts end, turn or cross, find the nearest in every cell; return the number of cells."""
+    edges = _lay_edges(screen, solid_parts, parts)
+    cells = 0
+    for crossings_known in (False, True):
+        cells = _divide(screen, edges, parts > 1 or edges > FACETS + 1)
+        _look(problem, view, screen, parts, cells)
+        edges = cells + 1
+        if not crossings_known and parts > 1:
+            edges = _add_crossings(problem, view, screen, solid_parts, parts, cells)
+        if edges == cells + 1:
+            break
+    _tell_nearness(cells, screen.part, screen.cosine, screen.sine, screen.near, screen.far, screen.level, screen.rise)
+    return cells
+
+
+@fused
+def _lay_edges(screen, solid_parts, parts):
+    """Lay the edges of all parts, in no order; return their number."""
+    count = 0
+    for p in range(solid_parts):
+        middle, half = 0.5 * (screen.low[p] + screen.high[p]), 0.5 * (screen.high[p] - screen.low[p])
+        half *= 1.0 - EDGE
+        for facet in range(FACETS + 1):
+            screen.edge[count] = middle - half * SPREAD[facet]
+            count += 1
+        # Incidence jumps at a rim.
+        for angle in screen.rim[p]:
+            if abs(angle - middle) < half:
+                screen.edge[count] = angle
+                count += 1
+    for p in range(solid_parts, parts):
+        # Slant range falls towards the foot of the perpendicular and grows beyond it.
+        foot = min(max(foot_of(screen.line[p]), screen.low[p]), screen.high[p])
+        screen.edge[count], screen.edge[count + 1], screen.edge[count + 2] = screen.low[p], foot, screen.high[p]
+        count += 3
+    return count
+
+
+@fused
+def _divide(screen, edges, mixed):
+    """Put edges in order if they are mixed; return the number of cells between them, all empty."""
+    count = edges
+    if mixed:
+        screen.edge[:edges].sort()
+        count = _merged(screen.edge[:edges])
+    _directions(screen.edge[:count], screen.cosine, screen.sine)
+    screen.part[: count - 1] = NOBODY
+    screen.distance[: count - 1] = math.inf
+    return count - 1
+
+
+@fused
+def _look(problem, view, screen, parts, cells):
+    """Find the part that is nearest in every cell and the distances to it."""
     for p in range(parts):
         part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
         first = _first_cell(screen.edge[: cells + 1], screen.low[p])
@@ -186,38 +226,55 @@ def _fill_cells(problem, view, screen, solid_parts, parts):
         first = _first_cell(screen.edge[: cells + 1], screen.low[p])
         last, edge, cosine, sine = screen.high[p], screen.edge, screen.cosine, screen.sine
         _measure(p, part, first, cells, last, edge, cosine, sine, screen.part, screen.near, screen.far)
-    return cells
 
 
 @fused
-def _divide(screen, solid_parts, parts):
-    """Lay the edges of the cells; return the number of cells, all empty."""
-    count = 0
-    for p in range(solid_parts):
-        middle, half = 0.5 * (screen.low[p] + screen.high[p]), 0.5 * (screen.high[p] - screen.low[p])
-        half *= 1.0 - EDGE
-        for facet in range(FACETS + 1):
-            screen.edge[count] = middle - half * SPREAD[facet]
-            count += 1
-    for p in range(solid_parts, parts):
-        # Slant range falls towards the foot of the perpendicular and grows beyond it.
-        foot = min(max(_foot(screen.line[p]), screen.low[p]), screen.high[p])
-        screen.edge[count], screen.edge[count + 1], screen.edge[count + 2] = screen.low[p], foot, screen.high[p]
-        count += 3
-    if parts > 1:
-        screen.edge[:count].sort()
-        count = _merged(screen.edge[:count])
-    _directions(screen.edge[:count], screen.cosine, screen.sine)
-    screen.part[: count - 1] = NOBODY
-    screen.distance[: count - 1] = math.inf
-    return count - 1
+def _add_crossings(problem, view, screen, solid_parts, parts, cells):
+    """Add an edge wherever a part comes before the one that is nearest in a cell's middle; return their number."""
+    edges = cells + 1
+    for p in range(parts):
+        nearest = nearest_of(screen.line[p]) if p >= solid_parts else 0.0
+        part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
+        first = _first_cell(screen.edge[: cells + 1], screen.low[p])
+        ends, edge, cosine, sine = (screen.low[p], screen.high[p]), screen.edge, screen.cosine, screen.sine
+        near, middle, far = screen.near, screen.distance, screen.far
+        edges = _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, screen.part, near, middle, far, edges)
+    return edges
 
 
 @fused
-def _foot(line):
-    """Launch angle at right angles to a line."""
-    dx, dz = line[2] - line[0], line[3] - line[1]
-    return math.atan2(-dx, dz) if dz >= 0.0 else math.atan2(dx, -dz)
+def _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, before, near, middle, far, edges):
+    """Likewise for one part, no point of which is nearer than ``nearest``."""
+    low, high = ends
+    cell = first
+    while cell < cells and edge[cell] < high:
+        covers = low < 0.5 * (edge[cell] + edge[cell + 1]) < high
+        if covers and before[cell] != p and nearest < max(near[cell], far[cell]):
+            c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+            here, half = meet_part(part, c, s)[0], 0.5 * (edge[cell + 1] - edge[cell])
+            for k in range(2):
+                there = meet_part(part, cosine[cell + k], sine[cell + k])[0]
+                other = near[cell] if k == 0 else far[cell]
+                if there < other * (1.0 - CROSSED) and edges < edge.size:
+                    # One over the distance along a straight line is linear in the direction, and so is its lead.
+                    lead, lag = 1.0 / there - 1.0 / other, 1.0 / middle[cell] - 1.0 / here
+                    turned = math.atan2(lead * math.sin(half), lead * math.cos(half) + lag)
+                    edge[edges] = edge[cell] + turned if k == 0 else edge[cell + 1] - turned
+                    edges += 1
+        cell += 1
+    return edges
+
+
+@fused
+def _tell_nearness(cells, part, cosine, sine, near, far, level, rise):
+    """Tell one over the distance to what is nearest as a linear function of the direction; 0 where there is nothing."""
+    for cell in range(cells):
+        level[cell], rise[cell] = 0.0, 0.0
+        if part[cell] != NOBODY:
+            c_low, s_low, c_high, s_high = cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1]
+            per_sine = 1.0 / (s_high * c_low - c_high * s_low)
+            level[cell] = (s_high / near[cell] - s_low / far[cell]) * per_sine
+            rise[cell] = (c_low / far[cell] - c_high / near[cell]) * per_sine
 
 
 @fused
@@ -277,52 +334,6 @@ def _merged(edge):
 
 
 @fused
-def load_part(solids, mesh, view, body, line):
-    """Take out of the tables what a part is like, from where the sonar stands."""
-    k = body - solids.shape.size
-    if k >= 0:
-        level = mesh.normal[k, 0] * view.ex + mesh.normal[k, 1] * view.ey
-        dx, dz = line[2] - line[0], line[3] - line[1]
-        return Part(TRIANGLE, line[0], 0.0, line[1], dx, 0.0, dz, 0.0, 0.0, 0.0, level, mesh.normal[k, 2])
-    return Part(
-        solids.shape[body],
-        solids.start[body, 0] - view.x,
-        solids.start[body, 1] - view.y,
-        solids.start[body, 2] - view.z,
-        solids.axis[body, 0],
-        solids.axis[body, 1],
-        solids.axis[body, 2],
-        solids.length[body],
-        solids.radius[body],
-        solids.taper[body],
-        view.ex,
-        view.ey,
-    )
-
-
-@fused
-def meet_part(part, c, s):
-    """Distance to a part in the direction (c, s), and the cosine of the incidence there; infinite if missed."""
-    if part.kind == TRIANGLE:
-        distance = (part.x * part.az - part.z * part.ax) / (c * part.az - s * part.ax)
-        # Sheets are heard from both sides.
-        return (distance if distance > 0.0 else math.inf), abs(c * part.level_x + s * part.level_y)
-    dx, dy = c * part.level_x, c * part.level_y
-    if part.kind == SPHERE:
-        distance, _ = cross_sphere(part.x, part.y, part.z, part.radius, dx, dy, s)
-        inwards = (part.x * dx + part.y * dy + part.z * s - distance) / part.radius
-        return (distance if distance > 0.0 else math.inf), inwards
-    distance, face, _, _ = cross_frustum(
-        part.x, part.y, part.z, part.ax, part.ay, part.az, part.length, part.radius, part.taper, dx, dy, s
-    )
-    if not 0.0 < distance < math.inf:
-        return math.inf, 0.0
-    px, py, pz = distance * dx - part.x, distance * dy - part.y, distance * s - part.z
-    nx, ny, nz = frustum_normal(px, py, pz, part.ax, part.ay, part.az, part.radius, part.taper, face)
-    return distance, -(nx * dx + ny * dy + nz * s)
-
-
-@fused
 def hidden_slopes(screen, cells):
     """Slopes between which any body may hide the bed."""
     if cells <= 0:
@@ -336,45 +347,47 @@ def hidden_slopes(screen, cells):
 
 
 class Cover(NamedTuple):
-    """What of a screen the bed behind it needs to know; arrays as long as its edges."""
+    """What of a screen the bed behind it needs to know."""
 
-    edge: NDArray[np.float64]
-    near: NDArray[np.float64]
-    far: NDArray[np.float64]
-    part: NDArray[np.int64]
+    edge: NDArray[np.float64]  # (cells + 1,), empty without cells
+    level: NDArray[np.float64]
+    rise: NDArray[np.float64]
 
 
 @fused
 def cover_of(screen, cells):
     """Return what hides the bed; without cells, nothing does."""
     n = cells + 1 if cells > 0 else 0
-    return Cover(screen.edge[:n], screen.near[:n], screen.far[:n], screen.part[:n])
+    return Cover(screen.edge[:n], screen.level[:n], screen.rise[:n])
 
 
 @fused
 def next_open(cover, surface, start, stop):
     """Return the first stretch of launch angles in [start, stop] in which a segment of the bed is not hidden."""
-    edge, near, far, part = cover.edge, cover.near, cover.far, cover.part
+    edge, level, rise = cover.edge, cover.level, cover.rise
     cell = np.searchsorted(edge, start, side="right") - 1
-    while start < stop and _hides(edge, near, far, part, cell, surface, start, stop):
-        cell += 1
-        start = edge[cell]
-    end = min(start, stop)
-    while end < stop:
-        cell += 1
-        end = edge[cell] if cell < edge.size else stop
-        if _hides(edge, near, far, part, cell, surface, end, stop):
+    opened, closed = stop, stop
+    while start < stop:
+        end = min(edge[cell + 1], stop) if cell + 1 < edge.size else stop
+        low, high = _open_part(edge, level, rise, cell, surface, start, end)
+        if opened < stop and low > start:
             break
-    return min(start, stop), min(end, stop)
+        if low < high:
+            opened, closed = min(opened, low), high
+            if high < end:
+                break
+        start, cell = end, cell + 1
+    return opened, closed
 
 
 @fused
-def _hides(edge, near, far, part, cell, surface, start, stop):
-    """Whether what is nearest in a cell lies before the bed, in the part of the cell within [start, stop]."""
-    if cell < 0 or cell >= edge.size - 1 or part[cell] == NOBODY:
-        return False
-    low, high = edge[cell], edge[cell + 1]
-    angle = 0.5 * (max(start, low) + min(stop, high))
-    # Along a straight line one over the distance is linear in the direction.
-    nearness = (math.sin(high - angle) / near[cell] + math.sin(angle - low) / far[cell]) / math.sin(high - low)
-    return nearness * surface.offset < math.sin(angle) - surface.slope * math.cos(angle)
+def _open_part(edge, level, rise, cell, surface, start, end):
+    """Part of a stretch of launch angles within one cell in which the bed is nearer than what is nearest there."""
+    if cell < 0 or cell >= edge.size - 1:
+        return start, end
+    # The bed's own nearness is (sin θ − slope · cos θ) / offset, and offset < 0 where it is in sight.
+    constant, rate = level[cell] * surface.offset + surface.slope, rise[cell] * surface.offset - 1.0
+    if rate == 0.0:
+        return (start, end) if constant >= 0.0 else (end, end)
+    border = math.atan(-constant / rate)
+    return (max(start, border), end) if rate > 0.0 else (start, min(end, border))

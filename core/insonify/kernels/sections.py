@@ -26,15 +26,19 @@ class View(NamedTuple):
 
 
 @fused
-def section(solids, k, view):
-    """Interval of launch angles that body k fills ahead: status 1; 0 if none, -1 if the sonar is inside."""
+def section(solids, k, view, rim):
+    """Interval of launch angles that body k fills ahead: status 1; 0 if none, -1 if the sonar is inside.
+
+    ``rim`` (4) takes the launch angles at which an end of a frustum meets its side, NEVER where there are fewer.
+    """
+    rim[:] = NEVER
     radius, length, taper = solids.radius[k], solids.length[k], solids.taper[k]
     cx, cy, cz = solids.start[k, 0] - view.x, solids.start[k, 1] - view.y, solids.start[k, 2] - view.z
     if solids.shape[k] == SPHERE:
         across = cx * view.ey - cy * view.ex
         return _sphere_section(cx * view.ex + cy * view.ey, cz, radius * radius - across * across)
     ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
-    return _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, view.ex, view.ey)
+    return _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, view.ex, view.ey, rim)
 
 
 @fused
@@ -62,7 +66,7 @@ def _sphere_section(along, height, radius_squared):
 
 
 @kernel
-def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey):
+def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey, rim):
     """Interval of a conic between two end planes: its extremes are tangents and corners."""
     # Axial and perpendicular parts of the plane's directions e (azimuth) and k (up), and of the centre.
     ae, ak = ax * ex + ay * ey, az
@@ -74,7 +78,7 @@ def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey):
     if across <= here * here and 0.0 <= -ac <= length:
         return -1, 0.0, 0.0
     angles = np.empty(6)
-    count = _tangents(
+    tangents = _tangents(
         ae,
         ak,
         ac,
@@ -89,11 +93,12 @@ def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey):
         angles,
     )
     # Corners: where the end planes' lines leave the conic.
-    count = _corners(ae, ak, ac, ec, kc, ee, ek, kk, across - radius * radius, angles, count)
+    count = _corners(ae, ak, ac, ec, kc, ee, ek, kk, across - radius * radius, angles, tangents)
     last = radius + taper * length
     count = _corners(ae, ak, ac + length, ec, kc, ee, ek, kk, across - last * last, angles, count)
     if count < 2:
         return 0, 0.0, 0.0
+    rim[: count - tangents] = angles[tangents:count]
     # Angles count from a direction into the figure, so that none wraps.
     sx, sy = 0.0, 0.0
     for k in range(count):

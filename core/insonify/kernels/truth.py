@@ -25,9 +25,10 @@ from insonify.kernels.bodies import (
     range_at,
 )
 from insonify.kernels.jit import fused, kernel
+from insonify.kernels.parts import load_part
 from insonify.kernels.pieces import slant
 from insonify.kernels.scatter import strength
-from insonify.kernels.screen import NOBODY, cover_of, halfway, load_part, next_open
+from insonify.kernels.screen import NOBODY, cover_of, halfway, next_open
 from insonify.kernels.sweep import aim_plane, in_sight_from, surface_of, sweep_plane
 from insonify.kernels.types import LIGHT
 
