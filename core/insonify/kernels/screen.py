@@ -370,7 +370,7 @@ def next_open(cover, surface, start, stop):
     while start < stop:
         end = min(edge[cell + 1], stop) if cell + 1 < edge.size else stop
         low, high = _open_part(edge, level, rise, cell, surface, start, end)
-        if opened < stop and low > start:
+        if opened < stop and not low == start < high:
             break
         if low < high:
             opened, closed = min(opened, low), high

@@ -1,0 +1,88 @@
+"""Parts of a screen that cross, turn a corner or come out of the bed: light along straight lines has a closed form.
+
+Of a line at distance d from the sonar a Lambert surface returns the radiance d/r, and ∫ d/r dr = d ln(r₂/r₁).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import poses_of, problem_of
+from insonify.kernels.tree import make_mesh
+from insonify.kernels.types import LIGHT
+from insonify.tracers import rays, sweep
+from insonify.tracers.shapes import block
+
+HEIGHT = 10.0
+POSE = poses_of(0.0, 0.0, HEIGHT)  # heading along x, so that y is the ground range to port
+NO_BED = np.full((4, 4), -500.0)
+
+
+def lit(problem):
+    """Radiance times slant range, all bins of the port side together."""
+    return float(sweep.trace(problem, POSE)[0, 0].sum(dtype=float)) * problem.bin_length
+
+
+def line(start, end):
+    """∫ of the radiance of a line between two points (ground range, height)."""
+    (x0, z0), (x1, z1) = (start[0], start[1] - HEIGHT), (end[0], end[1] - HEIGHT)
+    distance = abs(x0 * z1 - x1 * z0) / math.hypot(x1 - x0, z1 - z0)
+    return distance * abs(math.log(math.hypot(x1, z1) / math.hypot(x0, z0)))
+
+
+def mesh(*blocks):
+    corners = np.concatenate([block(size) + np.array(centre) for size, centre in blocks])
+    rows = np.zeros(len(corners), np.int64)
+    return make_mesh(corners, rows, rows)
+
+
+def scene(heights=NO_BED, **options):
+    return problem_of(heights, 100.0, x0=-150.0, y0=-150.0, law=LIGHT, bins=800, bin_length=0.05, **options)
+
+
+@pytest.mark.parametrize("level", [9.0, 5.0, 0.0])
+def test_a_cylinder_seen_end_on_turns_at_its_rim(level):
+    # Through its axis a plane cuts it in a rectangle: the end, then the top.
+    problem = scene(solids=[((0.0, 20.0, level - 1.0), (0.0, 26.0, level - 1.0), 1.0)])
+    expected = line((20.0, level - 2.0), (20.0, level)) + line((20.0, level), (26.0, level))
+    assert lit(problem) == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_mast_that_runs_into_a_deck_is_heard_from_the_deck_on():
+    problem = scene(mesh=mesh(((9.0, 4.0, 2.0), (0.0, 22.0, 5.0)), ((9.0, 0.2, 3.3), (0.0, 22.0, 6.35))))
+    # The top of the mast hides all of the deck behind it.
+    corners = [(20.0, 4.0), (20.0, 6.0), (21.9, 6.0), (21.9, 8.0), (22.1, 8.0)]
+    assert lit(problem) == pytest.approx(sum(map(line, corners, corners[1:])), rel=1e-4)
+
+
+def test_two_balls_one_in_the_other_part_where_they_cross():
+    problem = scene(solids=[((0.0, 20.0, 5.0), 1.0), ((0.0, 20.3, 5.9), 0.8)])
+    right = rays.trace(problem, POSE, rays=1 << 20)[0, 0]
+    record = sweep.trace(problem, POSE)[0, 0]
+    assert np.abs(record - right).max() < 0.01 * right.max()
+    assert record.sum() == pytest.approx(right.sum(), rel=3e-3)
+
+
+@pytest.mark.parametrize("thick", [1e-3, 4.0])
+def test_a_ramp_comes_out_of_the_bed_where_they_cross(thick):
+    # One long segment of bed, one long face that rises out of it at 22 m and ends at 26 m.
+    turn = math.atan(0.25)
+    top = np.array([0.0, 22.0, 0.0])
+    corners = block((9.0, 2.0 * math.hypot(4.0, 1.0), thick)) - [0.0, 0.0, 0.5 * thick]
+    c, s = math.cos(turn), math.sin(turn)
+    corners = corners @ np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]]) + top
+    rows = np.zeros(len(corners), np.int64)
+    problem = scene(np.zeros((4, 4)), mesh=make_mesh(corners, rows, rows))
+    reach = problem.bins * problem.bin_length
+    far = math.sqrt(reach**2 - HEIGHT**2)
+    expected = line((0.0, 0.0), (22.0, 0.0)) + line((22.0, 0.0), (26.0, 1.0))
+    expected += line((26.0 * HEIGHT / (HEIGHT - 1.0), 0.0), (far, 0.0))
+    assert lit(problem) == pytest.approx(expected, rel=2e-5)
+    record = sweep.trace(problem, POSE)[0, 0]
+    border = int(math.hypot(22.0, HEIGHT) / 0.05)
+    near = np.array([HEIGHT / r for r in (np.arange(border) + 0.5) * 0.05])[400:]
+    # A piece of one density is up to 2 % of its range long.
+    np.testing.assert_allclose(record[400:border], near, rtol=6e-3)
