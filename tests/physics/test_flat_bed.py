@@ -12,12 +12,12 @@ from insonify.kernels.types import LIGHT, SONAR
 from insonify.scene.materials import Reflectivity
 from insonify.sound.flat_bed import flat_bed_curve
 from insonify.tracers import sweep
-from insonify.tracers.planes import NEAR_FIELD
+from insonify.tracers.planes import FORESHORTENED
 
 FLAT = np.zeros((4, 4))
 MATERIAL = Reflectivity(0.6, 0.3, 5.0)
 ALTITUDE = 10.02
-NEAR_FIELD_END = ALTITUDE * math.hypot(1.0, NEAR_FIELD)
+NEAR_FIELD_END = ALTITUDE / math.sqrt(1.0 - (1.0 - FORESHORTENED) ** 2)
 
 
 def flat(**options):

@@ -11,13 +11,13 @@ from insonify.kernels.sweep import LOWEST, Planes
 from insonify.kernels.types import Poses, Problem
 from insonify.kernels.wedge import FADING
 
-# Up to this multiple of the altitude the beam's cone is followed azimuth by azimuth; beyond it, where cos θ > 0.9,
-# the inner planes begin to stretch with it.
-NEAR_FIELD = 2.0647
-# Inner planes lie this much further out than the half width divided among them: in the far field a plane at azimuth φ
-# stands for the beam direction φ cos θ, with cos θ between 0.9 and 1.
-SPLAY = 1.04
-OUTER_RATIO = 1.4  # of one outer wedge's end to its beginning
+FEW = 8  # pairs of planes; with more than these all that is rough about a fan's planes shrinks as they come closer
+# Up to where cos θ reaches 1 - FORESHORTENED the beam's cone is followed azimuth by azimuth; beyond it the inner planes
+# begin to stretch with it: a plane at azimuth φ stands for the beam direction φ cos θ.
+FORESHORTENED = 0.1
+SPLAY = 0.4  # of that, by which inner planes lie further out than the half width divided among them
+OUTER_GROWTH = 0.4  # from an outer wedge's beginning to its end, as a share
+WIDENING = 1.1  # of that from wedge to wedge: with many planes the first are about as narrow as the inner ones
 # Nearer than twice the altitude planes may lie farther apart, for there a bin holds more of the bed: up to this share
 # of their number times their spacing.
 COARSER = 0.2
@@ -95,24 +95,29 @@ def beam_planes(half_width: float, planes: int) -> Planes:
         return Planes(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
     s_beam = math.sin(half_width)
     pairs = max(1, (planes + 1) // 2)
-    inner = np.linspace(0.0, SPLAY * half_width, pairs + 1)
-    edges = [math.sin(SPLAY * half_width)]
+    rough = min(FEW / pairs, 1.0)
+    level = 1.0 - FORESHORTENED * rough * rough
+    near_field = level / math.sqrt(1.0 - level * level)
+    splayed = (1.0 + SPLAY * (1.0 - level)) * half_width
+    inner = np.linspace(0.0, splayed, pairs + 1)
+    edges, growth = [math.sin(splayed)], OUTER_GROWTH * rough * rough
     while edges[-1] < 1.0:
-        edges.append(min(1.0, edges[-1] * OUTER_RATIO))
+        edges.append(min(1.0, edges[-1] * (1.0 + growth)))
+        growth = min(WIDENING * growth, OUTER_GROWTH * rough)
     azimuths = np.concatenate([inner, np.arcsin(edges[1:])])
     low, high = np.sin(azimuths[:-1]), np.sin(azimuths[1:])
     is_inner = np.arange(low.size) < pairs
     # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer wedge by the height.
     beyond = np.maximum(low**2 - s_beam**2, 1e-30)
     # A little further, for the segment that crosses the border counts by its middle.
-    outer_reach = 1.02 * np.minimum(s_beam / np.sqrt(beyond), (1.0 + FADING) * NEAR_FIELD)
+    outer_reach = 1.02 * np.minimum(s_beam / np.sqrt(beyond), (1.0 + FADING) * near_field)
     columns = (
         0.5 * (azimuths[:-1] + azimuths[1:]),
         low,
         high,
         np.diff(azimuths),
         np.where(is_inner, half_width / pairs, 0.0),
-        np.full(low.size, NEAR_FIELD),
+        np.full(low.size, near_field),
         np.where(is_inner, math.inf, outer_reach),
     )
     mirrored = [np.concatenate([column, column]) for column in columns]
