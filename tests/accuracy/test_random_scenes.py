@@ -1,0 +1,112 @@
+"""The sweep over random scenes full of targets that hide one another, judged by rays.
+
+Errors are shares of the record beyond 1.4 altitudes and over all bins. The judge has noise of its own: *moved* is how
+far the last doubling of the rays moved their record, and about half of that is left in it. Shadow edges are where the
+reference goes dark or lit for at least two bins.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from insonify.accuracy import Errors, compare, flat_bed_curves, reference
+from insonify.kernels.types import Poses, Problem
+from insonify.scene import Scene
+from insonify.simulate import prepare
+from insonify.tracers import sweep
+from random_scenes import random_scene
+
+PLANES = 64  # of a fan
+ALL = range(50)
+QUICK = (0, 3, 20, 21, 26, 28, 31, 37, 39, 47)
+DARK, LIT = 0.005, 0.1  # of the median of what is heard; what lies between is an edge too faint to have a place
+SPAN = 2  # bins that a stretch must last
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One scene, and how far the sweep is from rays."""
+
+    scene: Scene
+    triangles: int
+    errors: Errors
+    moved: float
+    edges: np.ndarray  # bins by which the sweep misses each edge of a shadow
+
+    def line(self) -> str:
+        beam, relief = self.scene.sonar.beam, self.scene.seabed.relief
+        kinds = " ".join(target.kind for target in self.scene.targets)
+        worst = f"{len(self.edges):3d} edges, worst {self.edges.max(initial=0)} bins"
+        return (
+            f"{self.scene.title:9} {beam.kind:5} {self.scene.sonar.law:5} {relief.kind:7} "
+            f"{self.scene.altitude:4.1f} m {self.triangles:5d} triangles: {100 * self.errors.beyond:5.2f} % beyond, "
+            f"{100 * self.errors.all_bins:5.2f} % in all, rays moved {100 * self.moved:4.2f} %, {worst}; {kinds}"
+        )
+
+
+def judge(seed: int, folder: Path, tolerance: float) -> Judged:
+    """Trace a random scene by the sweep and by rays that have settled to a tolerance."""
+    scene, pings = random_scene(seed, folder)
+    simulation = prepare(scene)
+    problem, poses = simulation.problem, simulation.poses(pings)
+    right, moved = reference(problem, poses, tolerance=tolerance)
+    record = sweep.trace(problem, poses, planes=PLANES)
+    errors = compare(problem, poses, record, right)
+    return Judged(scene, problem.mesh.target.size, errors, moved, missed_edges(problem, poses, record, right))
+
+
+def missed_edges(problem: Problem, poses: Poses, record: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Bins by which a record misses each edge of a shadow in its reference."""
+    curves = flat_bed_curves(problem, poses)
+    missed = []
+    for a, b, curve in zip(record, right, curves):
+        heard = curve[0] > 0.0
+        a, b = a[:, heard] / curve[0, heard], b[:, heard] / curve[0, heard]
+        typical = np.median(b[b > 0.0])
+        for one, other in zip(a / typical, b / typical):
+            missed += [*_missed(one, other), *_missed(one[::-1], other[::-1])]
+    return np.array(missed, dtype=int)
+
+
+def _missed(record: np.ndarray, right: np.ndarray) -> list[int]:
+    """Likewise for the places of one line where a shadow ends."""
+    ends = [
+        k
+        for k in range(SPAN, right.size - SPAN)
+        if (right[k - SPAN : k] < DARK).all() and right[k] >= DARK and (right[k + 1 : k + 1 + SPAN] > LIT).all()
+    ]
+    risen = 1 + np.flatnonzero((record[:-1] < DARK) & (record[1:] >= DARK))
+    return [int(np.abs(risen - k).min(initial=right.size)) for k in ends]
+
+
+@pytest.mark.parametrize("seed", QUICK)
+def test_the_sweep_is_what_rays_say(seed, tmp_path):
+    judged = judge(seed, tmp_path, 0.003)
+    assert judged.errors.beyond < 0.012, judged.line()
+    assert judged.errors.dark_leakage < 1e-3
+    assert judged.edges.max(initial=0) <= 1, judged.line()
+
+
+@pytest.mark.bench
+def test_fifty_random_scenes(capsys, tmp_path):
+    all_judged = []
+    for seed in ALL:
+        judged = judge(seed, tmp_path, 0.001)
+        all_judged.append(judged)
+        with capsys.disabled():
+            sys.stdout.write(f"\n{judged.line()}")
+    errors = np.array([judged.errors.beyond for judged in all_judged])
+    edges = np.concatenate([judged.edges for judged in all_judged])
+    with capsys.disabled():
+        sys.stdout.write(
+            f"\nmedian {100 * np.median(errors):.2f} %, worst {100 * errors.max():.2f} % (rays' own noise included); "
+            f"{100 * (edges <= 1).mean():.1f} % of {edges.size} edges of shadows within a bin, worst {edges.max()}"
+        )
+    assert np.median(errors) < 0.006
+    assert errors.max() < 0.02
+    assert (edges <= 1).mean() > 0.99
