@@ -8,6 +8,7 @@ from typing import Any
 
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import Material
+from insonify.scene.receiver import Coherent
 from insonify.scene.seabed import Flat, Fractal
 from insonify.scene.sonar import Knife
 from insonify.scene.targets import AnyTarget, Box, MeshFile
@@ -84,6 +85,9 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
     bounces = scene.sonar.bounces
     if bounces > 0 and method in ("sweep", "march"):
         raise SceneError(f"sonar.bounces: the {method} does not follow {bounces} of them; set it to 0 or use rays")
+    if isinstance(scene.receiver.speckle, Coherent) and (bounces > 0 or method in ("march", "rays")):
+        other = f"bounces, of which sonar.bounces asks for {bounces}" if bounces > 0 else f"the method {method!r}"
+        raise SceneError(f"receiver.speckle: 'coherent' is heard by the sweep, not by {other}; take another speckle")
     if method == "march":
         step = scene.seabed.spacing * min(1.0, tolerance / 0.03)
         reason = f"asked for; steps of {step:.3g} m, {scene.sonar.bins} rays a side"
@@ -93,7 +97,7 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
     chosen = "asked for" if method == "sweep" else "a height field and first echoes: nothing needs single rays"
     planes, why = _planes(scene, tolerance)
     across = (f"{planes} plane{'s' * (planes > 1)}", why)
-    return Plan("sweep", {"planes": planes}, (("sweep", chosen), across, *_tow(scene)))
+    return Plan("sweep", {"planes": planes}, (("sweep", chosen), across, *_speckle(scene), *_tow(scene)))
 
 
 def _rays(scene: Scene, tolerance: float, chosen: str) -> Plan:
@@ -102,6 +106,13 @@ def _rays(scene: Scene, tolerance: float, chosen: str) -> Plan:
     rays = max(1000, math.ceil(1000.0 * (error / tolerance) ** (1.0 / order)))
     reason = f"{chosen}; {rays} rays a side, error about {100 * error * (1000 / rays) ** order:.2g} %"
     return Plan("rays", {"rays": rays}, (("rays", reason),))
+
+
+def _speckle(scene: Scene) -> tuple[tuple[str, str], ...]:
+    """Say what coherent speckle costs; nothing of speckle that costs little."""
+    if not isinstance(scene.receiver.speckle, Coherent):
+        return ()
+    return (("scatterers", "coherent speckle adds up every one in the beam, which takes most of the time"),)
 
 
 def _tow(scene: Scene) -> tuple[tuple[str, str], ...]:

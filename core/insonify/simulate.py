@@ -17,6 +17,7 @@ from insonify.scene import Scene, scene_to_toml
 from insonify.scene.receiver import K
 from insonify.terrain import Ground, build_ground
 from insonify.tracers import march, rays, sweep
+from insonify.tracers.coherent import Interference, make_interference
 from insonify.tracers.line import Line, line_at
 from insonify.tracers.parallel import in_parallel
 from insonify.tracers.poses import bed_beneath, make_poses
@@ -54,6 +55,8 @@ class Simulation:
         What becomes of the echoes.
     spiky : Problem or None
         Likewise, with every material's echo divided by the shape of its K speckle; None where that is of no account.
+    interference : Interference or None
+        Scatterers to be heard one by one; None where speckle is not made of them.
     """
 
     scene: Scene
@@ -62,6 +65,7 @@ class Simulation:
     problem: Problem
     reception: Reception
     spiky: Problem | None
+    interference: Interference | None
 
     def poses(self, pings: NDArray[np.int64]) -> Poses:
         """Return where the sonar is at the given pings; beyond the track's last the tow goes on."""
@@ -89,7 +93,8 @@ class Simulation:
             Linear intensity, port first; each ping is a function of the scene and its number alone.
         """
         pings = np.asarray(pings, dtype=np.int64)
-        trace, poses = TRACERS[self.plan.method], self.poses(pings)
+        trace = TRACERS[self.plan.method] if self.interference is None else self.interference.trace
+        poses = self.poses(pings)
         traced = trace(self.problem, poses, **self.plan.settings)
         spiky = None if self.spiky is None else trace(self.spiky, poses, **self.plan.settings)
 
@@ -129,7 +134,8 @@ def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> S
     ground = build_ground(scene)
     problem = make_problem(scene, ground)
     reception = _make_reception(scene, ground, problem)
-    return Simulation(scene, chosen, ground, problem, reception, _spiky(scene, ground, problem))
+    spiky, interference = _spiky(scene, ground, problem), make_interference(scene, problem)
+    return Simulation(scene, chosen, ground, problem, reception, spiky, interference)
 
 
 def _spiky(scene: Scene, ground: Ground, problem: Problem) -> Problem | None:

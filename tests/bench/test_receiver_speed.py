@@ -50,3 +50,22 @@ def test_what_each_effect_costs(capsys):
                 f"\n{name}: {1e3 * timing.median:.1f} ms for {PINGS.size} pings × 2 × 1000 bins on two threads"
                 f" ({added:+.1f} µs a ping)"
             )
+
+
+def test_what_coherent_speckle_costs(capsys):
+    pings = PINGS[:64]
+    for density in (None, 100.0, 10.0):
+        speckle = {"kind": "coherent", "density": density}
+        simulation = prepare(edit(load_scene("default"), {"receiver.speckle": speckle}))
+        waves, problem, poses = simulation.interference, simulation.problem, simulation.poses(pings)
+        assert waves is not None
+
+        def call(waves=waves, problem=problem, poses=poses, planes=simulation.plan.planes):
+            waves.trace(problem, poses, planes=planes, threads=1)
+
+        timing = time_calls({"coherent": call}, rounds=5)["coherent"]
+        with capsys.disabled():
+            sys.stdout.write(
+                f"\ncoherent, {waves.scatterers.density:.0f} scatterers a m²: "
+                f"{1e3 * timing.median / pings.size:.2f} ms a ping on one thread"
+            )

@@ -51,6 +51,7 @@ SEA = {"water.absorption": "francois_garrison"}
 CHIRP = {"sonar.pulse": {"kind": "chirp", "bandwidth": 6e3}}
 RAYLEIGH = {"receiver.speckle": "rayleigh"}
 K = {"receiver.speckle": "k"}
+COHERENT = {"receiver.speckle": "coherent"}
 FLUCTUATION = {"receiver.fluctuation": "lognormal"}
 VOLUME = {"receiver.reverberation": {"kind": "volume", "volume_strength": -30.0}}
 SURFACE = {"receiver.reverberation": "surface", **BY_DEPTH}
@@ -199,6 +200,7 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "receiver.speckle[rayleigh].looks": (RAYLEIGH, {"receiver.speckle.looks": 2}),
     "receiver.speckle[k].shape": (K, {"receiver.speckle.shape": 1.0}),
     "receiver.speckle[k].looks": (K, {"receiver.speckle.looks": 2}),
+    "receiver.speckle[coherent].density": (COHERENT, {"receiver.speckle.density": 50.0}),
     "receiver.speckle[k].cell": (K, {"receiver.speckle.cell": 0.01}),
     "receiver.fluctuation": ({}, FLUCTUATION),
     "receiver.fluctuation[lognormal].level": (FLUCTUATION, {"receiver.fluctuation.level": 3.0}),

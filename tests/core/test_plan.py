@@ -90,6 +90,17 @@ def test_a_method_asked_for_is_taken_and_explained(method):
     assert all(len(line) < 200 and "\n" not in line for line in chosen.lines())
 
 
+def test_scatterers_that_interfere_are_swept_or_refused():
+    coherent = edit(DEFAULT, {"receiver.speckle": "coherent"})
+    assert plan(coherent).method == "sweep"
+    assert any(choice == "scatterers" for choice, _ in plan(coherent).reasons)
+    for method in ("march", "rays"):
+        with pytest.raises(SceneError, match=rf"^receiver\.speckle: 'coherent' .* '{method}'; take another speckle$"):
+            plan(coherent, method=method)
+    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' .* sonar\.bounces asks for 2; take"):
+        plan(edit(coherent, {"sonar.bounces": 2}))
+
+
 def test_a_finer_tolerance_takes_more_rays_and_shorter_steps():
     assert plan(DEFAULT, 0.001, method="rays").settings["rays"] > plan(DEFAULT, 0.1, method="rays").settings["rays"]
     assert plan(DEFAULT, 0.001, method="march").settings["step"] < plan(DEFAULT, 0.1, method="march").settings["step"]

@@ -35,6 +35,8 @@ WRONG = [
     ({"track.pings": 0}, ["track.pings", "0", "at least 1"]),
     ({"water.sound_speed": 15}, ["water.sound_speed", "15", "at least 1300"]),
     ({"water.absorption": "lots"}, ["water.absorption", "lots"]),
+    ({"receiver.speckle": "coherent", "sonar.law": "light"}, ["coherent", "light", "'sonar'"]),
+    ({"receiver.speckle": "coherent", "sonar.beam": "knife"}, ["coherent", "knife", "fan"]),
     ({"receiver.speckle": "glitter"}, ["receiver.speckle", "glitter", "rayleigh"]),
     ({"seed": -1}, ["seed", "-1", "at least 0"]),
     ({"wind": 3}, ["wind", "unknown key"]),

@@ -190,7 +190,7 @@ def gather(solids, mesh, beam, near):
         cz = solids.start[k, 2] + middle * solids.axis[k, 2] - beam.z
         bound = middle + widest(solids, k)
         distance = math.sqrt(cx * cx + cy * cy + cz * cz)
-        if not _touches(beam, cx, cy, cz, distance, bound):
+        if not touches(beam, cx, cy, cz, distance, bound):
             continue
         near[count] = k
         count += 1
@@ -202,7 +202,7 @@ def gather(solids, mesh, beam, near):
 
 
 @fused
-def _touches(beam, cx, cy, cz, distance, bound):
+def touches(beam, cx, cy, cz, distance, bound):
     """Whether a beam can touch a ball, its centre counted from the sonar."""
     along = cx * beam.axis_x + cy * beam.axis_y + cz * beam.axis_z
     if along - bound > beam.s_high * (distance + math.copysign(bound, beam.s_high)):
@@ -224,7 +224,7 @@ def _highest_of_mesh(mesh, beam, top):
         cz = mesh.low[node, 2] + wz - beam.z
         bound, distance = math.sqrt(wx * wx + wy * wy + wz * wz), math.sqrt(cx * cx + cy * cy + cz * cz)
         highest = top
-        if _touches(beam, cx, cy, cz, distance, bound):
+        if touches(beam, cx, cy, cz, distance, bound):
             farthest = min(distance + bound, beam.reach)
             highest = highest_elevation(cz + wz, max(distance - bound, 0.0), farthest)
         if highest <= top:

@@ -14,6 +14,7 @@ from insonify.receive.fluctuation import Fluctuation, make_fluctuation
 from insonify.receive.levels import noise_level, power, reverberation, time_varied_gain
 from insonify.receive.speckle import Speckle, make_speckle
 from insonify.scene import Scene
+from insonify.scene.receiver import Coherent
 from insonify.sound.flat_bed import flat_bed_curve
 from insonify.sound.pulses import Taps, coherent_taps, pulse_taps
 
@@ -34,6 +35,8 @@ class Reception:
         Mean intensity of what the water and its surface echo.
     fluctuation, speckle : Fluctuation, Speckle or None
         None where the scene has none.
+    coherent : bool
+        Whether what is traced has been through the pulse and is speckled already, scatterer by scatterer.
     source : float
         Intensity of the source at 1 m.
     noise : float
@@ -48,6 +51,7 @@ class Reception:
     reverberation: Curve
     fluctuation: Fluctuation | None
     speckle: Speckle | None
+    coherent: bool
     source: float
     noise: float
     noise_field: Field
@@ -88,6 +92,7 @@ def make_reception(scene: Scene, problem: Problem, *, altitude: float, depth: fl
         reverberation=_through(taps, water[None, None])[0, 0].astype(np.float64),
         fluctuation=make_fluctuation(scene, problem),
         speckle=make_speckle(scene, problem),
+        coherent=isinstance(scene.receiver.speckle, Coherent),
         source=source,
         noise=noise,
         noise_field=make_field(scene.seed, NOISE_STREAM, coherent, np.zeros(problem.bins)),
@@ -103,7 +108,7 @@ def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], spik
     reception : Reception
         From `make_reception`.
     traced : (n, 2, bins) float32
-        Intensity of an ideal pulse.
+        Intensity of an ideal pulse, or of scatterers that have interfered.
     pings : (n,) int64
         Their numbers.
     spiky : (n, 2, bins) float32, optional
@@ -115,14 +120,7 @@ def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], spik
     (n, 2, bins) float32
         Intensity as received; the traced array itself where nothing applies.
     """
-    record = _delayed(reception, traced, pings)
-    if reception.speckle is not None:
-        inverse_shape: Record | None = None
-        if spiky is not None:
-            # The mean of 1/ν over what a bin hears.
-            weighted = _delayed(reception, spiky, pings, reception.speckle.inverse_shape)
-            inverse_shape = np.divide(weighted, record, out=np.zeros_like(record), where=record > 0.0)
-        record = record * reception.speckle.factors(pings, inverse_shape)
+    record = _speckled(reception, traced, pings, spiky)
     if reception.fluctuation is not None:
         record = record * reception.fluctuation.gains(pings)
     if reception.source != 1.0:
@@ -132,6 +130,29 @@ def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], spik
     if (reception.gain != 1.0).any():
         record = record * reception.gain.astype(np.float32)
     return record
+
+
+def _speckled(reception: Reception, traced: Record, pings: NDArray[np.int64], spiky: Record | None) -> Record:
+    """Let the pulse lengthen every echo, and multiply what comes of it by speckle, unless waves have done both."""
+    if reception.coherent:
+        return _interfered(reception, traced, pings)
+    record = _delayed(reception, traced, pings)
+    if reception.speckle is None:
+        return record
+    inverse_shape: Record | None = None
+    if spiky is not None:
+        # The mean of 1/ν over what a bin hears.
+        weighted = _delayed(reception, spiky, pings, reception.speckle.inverse_shape)
+        inverse_shape = np.divide(weighted, record, out=np.zeros_like(record), where=record > 0.0)
+    return record * reception.speckle.factors(pings, inverse_shape)
+
+
+def _interfered(reception: Reception, traced: Record, pings: NDArray[np.int64]) -> Record:
+    """Add the energy of the water's own speckled echo, and let the water delay it all."""
+    record = traced
+    if reception.speckle is not None and reception.reverberation.any():
+        record = record + reception.reverberation.astype(np.float32) * reception.speckle.factors(pings)
+    return record if reception.fluctuation is None else reception.fluctuation.shifted(record, pings)
 
 
 def _through(taps: Taps, traced: Record) -> Record:

@@ -14,7 +14,7 @@ from insonify.kernels.fields import transform
 from insonify.kernels.types import Problem
 from insonify.receive.fields import Field, make_field
 from insonify.scene import Scene
-from insonify.scene.receiver import K, NoSpeckle
+from insonify.scene.receiver import Coherent, K, NoSpeckle
 from insonify.sound.cell import along_track_angle, bin_centres, coherence_angle
 from insonify.sound.pulses import coherent_taps, pulse_taps
 
@@ -103,6 +103,8 @@ def make_speckle(scene: Scene, problem: Problem) -> Speckle | None:
     advance = scene.track.speed / scene.sonar.ping_rate
     wavelength = speed / scene.sonar.frequency
     field = make_field(scene.seed, SPECKLE_STREAM, taps, 0.5 * wavelength / coherence_angle(problem) / advance)
+    if isinstance(declared, Coherent):
+        return Speckle(field, 1, None)  # of the water; the bed's own scatterers interfere one by one
     if not isinstance(declared, K):
         return Speckle(field, declared.looks, None)
     width = along_track_angle(problem) * bin_centres(problem)

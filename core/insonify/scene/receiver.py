@@ -47,8 +47,26 @@ class K(Choice):
     )
 
 
+class Coherent(Choice):
+    """Every patch of bed and target carries scatterers whose echoes interfere; slow, and by the sweep alone."""
+
+    kind: Literal["coherent"] = "coherent"
+    density: float | None = parameter(
+        None,
+        unit="1/m²",
+        description="scatterers per area, on average; 32 in a cell at half the range when left out",
+        gt=0.0,
+        le=1e6,
+        slider=(1.0, 1e4),
+        log=True,
+    )
+
+
 Speckle = Annotated[
-    Annotated[NoSpeckle, Tag("none")] | Annotated[Rayleigh, Tag("rayleigh")] | Annotated[K, Tag("k")],
+    Annotated[NoSpeckle, Tag("none")]
+    | Annotated[Rayleigh, Tag("rayleigh")]
+    | Annotated[K, Tag("k")]
+    | Annotated[Coherent, Tag("coherent")],
     Discriminator(lambda value: kind_of(value, "none")),
 ]
 

@@ -7,9 +7,9 @@ from typing import Literal
 from pydantic import model_validator
 
 from insonify.scene.base import Declaration, parameter
-from insonify.scene.receiver import Receiver
+from insonify.scene.receiver import Coherent, Receiver
 from insonify.scene.seabed import Dem, Seabed
-from insonify.scene.sonar import Sonar
+from insonify.scene.sonar import Knife, Sonar
 from insonify.scene.targets import AnyTarget
 from insonify.scene.track import Track
 from insonify.scene.water import Water
@@ -86,6 +86,22 @@ class Scene(Declaration):
             raise ValueError(
                 f"receiver.reverberation {self.receiver.reverberation.kind!r} is energy of water and surface, which "
                 "the light of sonar.law 'light' does not have; take law 'sonar' or leave the reverberation out"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _scatterers_interfere(self) -> Scene:
+        if not isinstance(self.receiver.speckle, Coherent):
+            return self
+        if self.sonar.law == "light":
+            raise ValueError(
+                "receiver.speckle 'coherent' adds up waves, which the light of sonar.law 'light' is not made of; "
+                "take law 'sonar' or another speckle"
+            )
+        if isinstance(self.sonar.beam, Knife):
+            raise ValueError(
+                "receiver.speckle 'coherent' hears the scatterers within the beam, and sonar.beam 'knife' has no width "
+                "that any could lie in; take a fan or another speckle"
             )
         return self
 

@@ -1,0 +1,160 @@
+"""Single scatterers whose waves interfere: where the sweep says what is in sight, speckle comes about by itself."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from insonify.kernels.coherent import Pulse, Scatterers, empty_line, interfere_pings
+from insonify.kernels.sight import empty_sight
+from insonify.kernels.slice import empty_profile, profile_capacity
+from insonify.kernels.sweep import Planes
+from insonify.kernels.types import Poses, Problem
+from insonify.scene import Scene, SceneError
+from insonify.scene.receiver import Coherent
+from insonify.scene.sonar import Ideal, Tone
+from insonify.scene.sonar import Pulse as DeclaredPulse
+from insonify.sound.cell import along_track_angle, bin_centres
+from insonify.sound.pulses import envelope, pulse_taps
+from insonify.tracers.parallel import in_parallel
+from insonify.tracers.planes import lay_planes, take
+from insonify.tracers.skin import make_skin
+from insonify.tracers.sweep import Record, refuse_sonar_inside
+
+IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
+MOST = 1e7  # scatterers of one ping
+RESOLVED = 8  # cells of the line, at least, per resolution cell of the pulse
+
+
+@dataclass(frozen=True, eq=False)
+class Interference:
+    """What the scatterers of a scene need beyond what every tracer knows.
+
+    Attributes
+    ----------
+    scatterers : Scatterers
+        How they are strewn.
+    pulse : Pulse
+        What of them is heard at once.
+    """
+
+    scatterers: Scatterers
+    pulse: Pulse
+
+    def trace(self, problem: Problem, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Record:
+        """Trace pings scatterer by scatterer.
+
+        Parameters
+        ----------
+        problem : Problem
+            The scene as kernels see it.
+        poses : Poses
+            Where the sonar is, n pings.
+        planes : int
+            Planes across the beam that tell what of the bed is in sight.
+        threads : int, optional
+            Threads to use, all cores when left out. The result does not depend on it.
+
+        Returns
+        -------
+        (n, 2, bins) float32
+            Intensity of the two channels, port first, as the pulse hears it.
+
+        Raises
+        ------
+        SceneError
+            If the sonar runs into a target.
+        """
+        beyond = math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
+        further = _lengthened(problem, beyond)
+        capacity = profile_capacity(further.bins * further.bin_length, problem.bed.spacing)
+        out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
+        for places, laid in lay_planes(further, poses, planes):
+            some, beam = take(poses, places), _in_order(laid)
+            traced = np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
+
+            def block(first: int, last: int, some: Poses = some, beam: Planes = beam, traced: Record = traced) -> int:
+                part, sight = take(some, slice(first, last)), empty_sight(beam.azimuth, capacity)
+                room = empty_profile(capacity), sight, empty_line(further.bins, self.pulse)
+                return interfere_pings(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
+
+            refuse_sonar_inside(problem, in_parallel(block, places.size, threads))
+            out[places] = traced
+        return out
+
+
+def make_interference(scene: Scene, problem: Problem) -> Interference | None:
+    """Strew the scatterers of a scene; None if its speckle is of another kind.
+
+    Raises
+    ------
+    SceneError
+        If there are more of them than can be heard one by one.
+    """
+    declared = scene.receiver.speckle
+    if not isinstance(declared, Coherent):
+        return None
+    speed, pulse = scene.water.sound_speed, scene.sonar.pulse
+    width = along_track_angle(problem) * bin_centres(problem)
+    length = float(pulse_taps(pulse, speed, problem.bin_length).weights.sum()) * problem.bin_length
+    density = declared.density or IN_A_CELL / (float(width[problem.bins // 2]) * length)
+    count = 2.0 * density * float(width.sum()) * problem.bin_length
+    if count > MOST:
+        raise SceneError(
+            f"receiver.speckle.density: {density:.3g} scatterers per m² make {count:.2g} in the beam of a ping; "
+            f"lower it to {density * MOST / count:.2g} or shorten sonar.range"
+        )
+    per_wave = 2.0 * scene.sonar.frequency / speed
+    skin = make_skin(problem.solids, problem.mesh)
+    return Interference(
+        Scatterers(scene.seed, density, per_wave, skin), heard_at_once(pulse, speed, problem.bin_length)
+    )
+
+
+def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float) -> Pulse:
+    """Lay a pulse over a line of waves.
+
+    Parameters
+    ----------
+    pulse : Ideal, Tone or Chirp
+    sound_speed : float
+        m/s.
+    bin_length : float
+        True slant range of a bin, in metres.
+
+    Returns
+    -------
+    Pulse
+        One sample a bin, or several where a bin is longer than the pulse resolves, so that nothing goes unheard; the
+        squares of its taps sum to the pulse's equivalent length. An ideal pulse is one bin long.
+    """
+    resolution = bin_length
+    if not isinstance(pulse, Ideal):
+        resolution = 0.5 * sound_speed * (pulse.duration if isinstance(pulse, Tone) else 1.0 / pulse.bandwidth)
+    samples = math.ceil(bin_length / resolution * (1.0 - 1e-9))
+    # An even number: the sample lies in the middle.
+    cells = 2 * math.ceil(0.5 * RESOLVED * bin_length / samples / resolution)
+    step = bin_length / samples / cells
+    if isinstance(pulse, Ideal):
+        return Pulse(1, cells, np.full(cells, 1.0), cells // 2)
+    reach = math.ceil(0.5 * sound_speed * pulse.duration / step)
+    # A tone is heard after it has come, a chirp on either hand of it.
+    late = np.arange(reach if isinstance(pulse, Tone) else 2 * reach, dtype=np.float64)
+    amplitudes = envelope(pulse, (reach - 0.5 - late) * step, sound_speed)
+    energy = float(pulse_taps(pulse, sound_speed, bin_length).weights.sum()) * bin_length
+    amplitudes *= math.sqrt(energy / (float((amplitudes**2).sum()) * step))
+    return Pulse(samples, cells, amplitudes, reach)
+
+
+def _lengthened(problem: Problem, bins: int) -> Problem:
+    """Let the problem go on beyond its last bin as it is there."""
+    factor = np.concatenate([problem.range_factor, np.repeat(problem.range_factor[-1:], bins)])
+    return problem._replace(bins=problem.bins + bins, range_factor=factor)
+
+
+def _in_order(planes: Planes) -> Planes:
+    """Bring planes into the order of their azimuths."""
+    order = np.argsort(planes.azimuth)
+    return Planes(*(np.ascontiguousarray(column[order]) for column in planes))

@@ -1,0 +1,322 @@
+"""Speckle that scatterers make by themselves: its mean, its distribution and how far it keeps together."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from beds import gaussian_pattern, icosphere, mesh_of, poses_of, problem_of, rough
+from insonify.kernels.coherent import Scatterers
+from insonify.kernels.echo import lengthen
+from insonify.scene import SceneError, edit, load_scene
+from insonify.scene.sonar import Chirp, Ideal, Tone
+from insonify.simulate import prepare
+from insonify.sound.pulses import envelope, pulse_taps
+from insonify.tracers import rays, sweep
+from insonify.tracers.coherent import Interference, heard_at_once
+from insonify.tracers.skin import make_skin
+
+SPEED, FREQUENCY = 1500.0, 400e3
+WAVELENGTH = SPEED / FREQUENCY
+BINS, BIN_LENGTH, HEIGHT = 400, 0.05, 5.0
+HALF_WIDTH = math.radians(0.5)
+TONE = Tone(kind="tone", duration=1e-4)  # 1.5 bins
+
+
+def even(**changes):
+    """A level bed that repeats."""
+    return problem_of(
+        np.zeros((4, 4)), periodic=True, bins=BINS, bin_length=BIN_LENGTH, half_width=HALF_WIDTH, **changes
+    )
+
+
+def interference(problem, *, density=1000.0, pulse=TONE, seed=1):
+    scatterers = Scatterers(seed, density, 2.0 / WAVELENGTH, make_skin(problem.solids, problem.mesh))
+    return Interference(scatterers, heard_at_once(pulse, SPEED, problem.bin_length))
+
+
+def record(problem, poses, *, planes=8, **settings):
+    """Intensities as float64, (n, 2, bins)."""
+    return interference(problem, **settings).trace(problem, poses, planes=planes).astype(float)
+
+
+def mean_record(problem, poses, pulse=TONE, planes=64):
+    """What the sweep and the pulse make of the same scene."""
+    return lengthened(sweep.trace(problem, poses, planes=planes), pulse, problem)
+
+
+def lengthened(traced, pulse, problem):
+    """Let a pulse lengthen every echo."""
+    taps = pulse_taps(pulse, SPEED, problem.bin_length)
+    out = np.zeros_like(traced)
+    lengthen(traced, taps.weights.astype(np.float32), taps.before, out)
+    return out.astype(float)
+
+
+def far_apart(count, **changes):
+    """Pings that share no scatterer."""
+    return poses_of(1.7 * np.arange(count), 0.0, HEIGHT, **changes)
+
+
+def cells(bins, length=0.075):
+    """Areas that those bins hear of a level bed, m²."""
+    r = (bins + 0.5) * BIN_LENGTH - 0.5 * length
+    return 2.0 * math.sin(HALF_WIDTH) * r * length * r / np.sqrt(r**2 - HEIGHT**2)
+
+
+def normalised(bins, pings=400, **settings):
+    """Intensities over their mean, (pings, 2, bins)."""
+    problem = even()
+    mean = mean_record(problem, far_apart(1))
+    return (record(problem, far_apart(pings), **settings)[:, :, bins]) / mean[:, :, bins]
+
+
+FAR = np.arange(120, BINS)
+
+
+def test_many_scatterers_make_it_exponential():
+    intensity = normalised(FAR[::4], pings=250, density=4000.0)  # 100 and more in a cell
+    n = intensity.size
+    assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(n))
+    amplitude = np.sqrt(intensity)
+    # CV = √(4/π − 1) = 0.523; its estimate scatters by 0.47/√n, and 150 scatterers still add 0.4 %.
+    assert amplitude.std() / amplitude.mean() == pytest.approx(
+        math.sqrt(4.0 / math.pi - 1.0), abs=0.002 + 3 * 0.47 / n**0.5
+    )
+    assert stats.kstest(intensity[::4, :, ::2].ravel(), "expon").statistic < 1.95 / math.sqrt(n / 8)
+
+
+@pytest.mark.parametrize("density", [30.0, 100.0, 400.0])
+def test_few_scatterers_make_it_spikier_as_k_speckle_of_their_number(density):
+    # Of Poisson numbers N of Gaussian amplitudes, E I² = 2 (1 + 1/⟨N⟩): var/mean² is that of K speckle of shape ⟨N⟩.
+    bins = FAR[::4]
+    intensity, number = normalised(bins, density=density), density * cells(bins)
+    expected = 1.0 + 2.0 / number
+    found = intensity.var(axis=(0, 1))
+    # The squares scatter as those of K speckle do; E I⁴ = 24 (1 + 1/ν)(1 + 2/ν)(1 + 3/ν).
+    fourth = 24.0 * (1.0 + 1.0 / number) * (1.0 + 2.0 / number) * (1.0 + 3.0 / number)
+    sigma = math.sqrt(((fourth - (expected + 1.0) ** 2) / (expected + 1.0) ** 2).mean() / intensity.size)
+    assert ((found + 1.0) / (expected + 1.0)).mean() == pytest.approx(1.0, abs=3.5 * sigma)
+
+
+def correlation(intensity, lag, axis):
+    """Correlation of energies so many samples apart."""
+    centred = np.moveaxis(intensity - 1.0, axis, 0)
+    return (centred[lag:] * centred[: len(centred) - lag]).mean() / (centred**2).mean()
+
+
+@pytest.mark.parametrize("pulse", [Tone(duration=2e-4), Chirp(duration=1e-3, bandwidth=6e3)])
+def test_neighbouring_bins_correlate_as_the_pulse_covers_both(pulse):
+    problem = even()
+    mean = mean_record(problem, far_apart(1), pulse)
+    intensity = (record(problem, far_apart(250), pulse=pulse, density=2000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
+    fine = 200
+    shape = envelope(pulse, np.arange(-20 * fine, 20 * fine) * BIN_LENGTH / fine, SPEED)
+    n = intensity.size / 3.0
+    for lag in range(1, 5):
+        # The envelope's own correlation.
+        expected = ((shape[lag * fine :] * shape[: -lag * fine]).sum() / (shape**2).sum()) ** 2
+        # A cell of the line is an eighth of the pulse's resolution.
+        assert correlation(intensity, lag, 2) == pytest.approx(expected, abs=0.02 + 4.0 / math.sqrt(n))
+
+
+def test_bins_of_an_ideal_pulse_are_independent():
+    problem = even()
+    mean = mean_record(problem, far_apart(1), Ideal())
+    intensity = (record(problem, far_apart(250), pulse=Ideal(), density=2000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
+    assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(intensity.size))
+    assert abs(correlation(intensity, 1, 2)) < 4.0 / math.sqrt(intensity.size)
+
+
+def test_a_bin_longer_than_the_pulse_averages_looks_and_keeps_the_mean():
+    pulse = Tone(duration=2.5e-5)  # 3/8 of a bin: three samples
+    problem = even()
+    mean = mean_record(problem, far_apart(1), pulse)
+    intensity = (record(problem, far_apart(250), pulse=pulse, density=6000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
+    n = intensity.size
+    assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(3.0 * n))
+    # Samples a third of a bin apart share 1/9 of a pulse: (1 + 2 · (2/3)(1/9)²)/3; and few scatterers add 2/N a sample.
+    number = 6000.0 * cells(np.arange(140, BINS), 0.0375 / 2.0).mean()
+    assert intensity.var() == pytest.approx((1.0 + 4.0 / 243.0 + 2.0 / number) / 3.0, rel=0.03)
+
+
+@pytest.mark.parametrize(("half_width", "heading"), [(HALF_WIDTH, 0.0), (HALF_WIDTH, 0.7), (0.5 * HALF_WIDTH, 0.0)])
+def test_pings_decorrelate_as_van_cittert_and_zernike_have_it(half_width, heading):
+    # Pings d apart hear a scatterer at an angle φ with phases 2kdφ apart, if it is in the beams of both: of angles in
+    # all θ they share θ − d/r, so that ρ = (1 − d/rθ) sinc(2d(θ − d/r)/λ). How many there are has no phase: of N in a
+    # cell, the covariance 2/N goes as what is shared.
+    step = 0.01
+    along = step * np.arange(600)
+    poses = poses_of(along * math.cos(heading), along * math.sin(heading), HEIGHT, heading)
+    problem = even()._replace(half_width=half_width)
+    mean = mean_record(problem, poses_of(0.0, 0.0, HEIGHT, heading))
+    intensity = (record(problem, poses, density=1000.0) / np.maximum(mean, 1e-30))[:, :, 240:]
+    theta, r = 2.0 * math.sin(half_width), (np.arange(240, BINS) + 0.5) * BIN_LENGTH - 0.0375
+    number = 1000.0 * cells(np.arange(240, BINS)) * theta / (2.0 * math.sin(HALF_WIDTH))
+    n = intensity.size / (0.5 * WAVELENGTH / theta / step) / 1.3
+    for lag in (1, 4, 7, 10, 15, 20, 30):
+        d = lag * step
+        shared = np.maximum(1.0 - d / (r * theta), 0.0)
+        waves = (shared * np.sinc(2.0 * d * theta * shared / WAVELENGTH)) ** 2
+        expected = (waves + 2.0 * shared / number).mean() / (1.0 + 2.0 / number).mean()
+        assert correlation(intensity, lag, 0) == pytest.approx(expected, abs=3.0 / math.sqrt(n)), lag
+
+
+def scene(**changes):
+    """A rough bed with a sphere, a leaning pipe and a mesh, some of them in another's shadow."""
+    vertices, faces = icosphere(2, 0.6, (6.0, -9.0, 0.5))
+    return problem_of(
+        rough(64, 64, rms=0.15),
+        0.25,
+        periodic=True,
+        solids=[((3.0, 8.0, 0.6), 0.8), ((4.0, 11.0, 0.3), (9.0, 13.0, 1.2), 0.5)],
+        mesh=mesh_of(vertices, faces, target=2),
+        bins=BINS,
+        bin_length=BIN_LENGTH,
+        reflectivity=((0.3, 0.2, 6.0),),
+        spreading=True,
+        **{"half_width": 3.0 * HALF_WIDTH} | changes,
+    )
+
+
+def pass_by(count=30, **changes):
+    """Pings past it all, oblique to the grid."""
+    along = np.linspace(-1.0, 12.0, count)
+    return poses_of(along, 0.05 * along, HEIGHT, 0.05, **changes)
+
+
+SQUINTING = gaussian_pattern(0.04, squint=0.15, vertical=2, tilt=0.5, vertical_width=0.9)
+
+
+@pytest.mark.parametrize("pulse", [TONE, Chirp(duration=5e-4, bandwidth=2e4)], ids=["tone", "chirp"])
+def test_its_mean_over_all_scatterers_is_the_sweeps_record(pulse):
+    problem, poses = scene(), pass_by()
+    agrees(problem, poses, mean_record(problem, poses, pulse), pulse)
+
+
+def test_its_mean_is_the_exact_record_for_a_squinting_pattern_of_a_pitched_and_rolled_fish():
+    problem = scene(pattern=SQUINTING, half_width=0.08)
+    poses = pass_by(pitch=0.05, roll=-0.2)
+    agrees(problem, poses, lengthened(rays.trace(problem, poses, rays=8000), TONE, problem), TONE)
+
+
+def agrees(problem, poses, wanted, pulse):
+    """Assert that the mean over seeds is the record wanted, in all and stretch by stretch of half a metre."""
+    found = np.mean(
+        [record(problem, poses, planes=64, seed=seed, density=200.0, pulse=pulse) for seed in range(10)], axis=0
+    )
+    found, wanted = (values[:, :, 100:].reshape(poses.x.size, 2, 30, 10).sum(axis=3) for values in (found, wanted))
+    assert found.sum() / wanted.sum() == pytest.approx(1.0, abs=0.03)
+    loud = wanted > 1e-3 * wanted.max()
+    ratio = found[loud] / wanted[loud]
+    # Some seven samples a stretch, ten seeds: 12 % each, and more where a shadow's edge is.
+    assert np.median(ratio) == pytest.approx(1.0, abs=0.03)
+    assert np.quantile(abs(ratio - 1.0), 0.9) < 0.3
+
+
+def test_shadows_are_dark():
+    problem, poses = scene(), pass_by(12)
+    lit = mean_record(problem, poses, Ideal())
+    # Dark with their neighbours, over which the planes and the scatterers themselves may disagree.
+    dark = np.stack([np.roll(lit, k, axis=2) for k in range(-3, 4)]).max(axis=0) == 0.0
+    dark[:, :, :110] = False
+    assert dark.sum() > 200
+    found = record(problem, poses, pulse=Ideal(), planes=64)
+    assert found[dark].sum() < 1e-4 * found[lit > 0.0].mean() * dark.sum()
+
+
+def test_every_ping_is_a_function_of_its_pose_alone():
+    problem, poses = scene(), pass_by(20)
+    waves = interference(problem)
+    whole = waves.trace(problem, poses, planes=8, threads=2)
+    backwards = type(poses)(*(column[::-1].copy() for column in poses))
+    np.testing.assert_array_equal(waves.trace(problem, backwards, planes=8, threads=1)[::-1], whole)
+
+
+def test_a_longer_record_begins_as_a_shorter_one():
+    problem = even()
+    short = problem._replace(bins=200, range_factor=problem.range_factor[:200])
+    for pulse in (TONE, Chirp(duration=5e-4, bandwidth=2e4)):
+        one, other = (record(p, far_apart(4), pulse=pulse) for p in (problem, short))
+        np.testing.assert_allclose(other, one[:, :, :200], rtol=1e-6, atol=1e-12)
+
+
+def test_the_track_may_lie_anywhere_on_a_bed_that_ends():
+    problem = problem_of(np.zeros((5, 30)), 1.0, bins=200, bin_length=0.1, half_width=HALF_WIDTH)
+    beside = record(problem, poses_of([-40.0, 15.0, 15.0], [2.0, -6.0, 2.0], HEIGHT))
+    assert not beside[0].any()
+    assert not beside[1, 1].any()  # to starboard there is nothing
+    first, last = math.hypot(6.0, HEIGHT), math.hypot(10.0, HEIGHT)
+    heard = np.flatnonzero(beside[1, 0]) * 0.1
+    assert first - 0.15 < heard.min() < first + 0.3
+    assert last - 0.3 < heard.max() < last + 0.2
+
+
+@pytest.mark.parametrize("kind", ["sphere", "cylinder", "cone", "mesh"])
+def test_a_body_alone_echoes_as_loud_as_the_sweep_has_it(kind):
+    # High over a bed out of range.
+    bodies = {
+        "sphere": [((0.0, 12.0, 20.0), 1.5)],
+        "cylinder": [((-3.0, 10.0, 20.0), (3.0, 12.0, 21.0), 0.8)],
+        "cone": [((0.0, 10.0, 19.0), (0.5, 12.0, 21.0), 1.5, 0.2)],
+    }
+    mesh = mesh_of(*icosphere(1, 1.5, (0.0, 12.0, 20.0))) if kind == "mesh" else None
+    problem = problem_of(
+        np.full((4, 4), -100.0), 10.0, periodic=True, solids=bodies.get(kind, ()), mesh=mesh, bins=BINS,
+        bin_length=BIN_LENGTH, half_width=2.0 * HALF_WIDTH,
+    )  # fmt: skip
+    poses = poses_of(np.linspace(-0.6, 0.6, 5), 0.0, 22.0)
+    wanted = mean_record(problem, poses).sum()
+    found = np.mean([record(problem, poses, seed=seed, density=150.0).sum() for seed in range(60)])
+    # 10 to 20 samples of range a ping, 300 pings of which neighbours share some.
+    assert found / wanted == pytest.approx(1.0, abs=0.06)
+
+
+def test_skin_has_the_area_of_the_bodies():
+    problem = problem_of(
+        np.zeros((4, 4)),
+        solids=[
+            ((0.0, 0.0, 0.0), 2.0),
+            ((0.0, 0.0, 0.0), (3.0, 4.0, 0.0), 0.5),
+            ((0.0, 0.0, 0.0), (0.0, 0.0, 4.0), 3.0, 0.0),
+        ],
+        mesh=mesh_of([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 6.0, 0.0]], [[0, 1, 2]], target=3),
+    )
+    skin = make_skin(problem.solids, problem.mesh)
+    areas = [skin.area[skin.target == target].sum() for target in range(4)]
+    np.testing.assert_allclose(
+        areas, [16.0 * math.pi, math.pi * 5.0 + 0.5 * math.pi, 15.0 * math.pi + 9.0 * math.pi, 24.0]
+    )
+    assert [np.sort(skin.number[skin.target == t]).tolist() == list(range((skin.target == t).sum())) for t in range(4)]
+
+
+def test_more_scatterers_than_can_be_heard_are_refused():
+    declared = edit(load_scene("default"), {"receiver.speckle": {"kind": "coherent", "density": 1e6}})
+    with pytest.raises(SceneError, match=r"^receiver\.speckle\.density: 1e\+06 scatterers .* lower it to "):
+        prepare(declared)
+
+
+def test_the_rest_of_the_receiver_goes_on_as_for_other_speckle():
+    changes = {
+        "targets": [],
+        "seabed.relief": "flat",
+        "receiver.reverberation": {"kind": "volume", "volume_strength": -40.0},
+        "receiver.fluctuation": {"kind": "lognormal", "level": 1.0},
+        "receiver.noise": {"kind": "ambient", "level": -110.0},
+        "receiver.tvg": "power",
+        "sonar.bins": 500,
+        "track.speed": 8.0,
+    }
+    pings = np.arange(0, 1200, 8)
+    coherent, rayleigh = (
+        prepare(edit(load_scene("default"), changes | {"receiver.speckle": kind})).intensity(pings).astype(float)
+        for kind in ("coherent", "rayleigh")
+    )
+    # Water alone, bed in water, noise: the same means stretch by stretch.
+    stretches = [values.mean(axis=(0, 1)).reshape(20, 25).mean(axis=1) for values in (coherent, rayleigh)]
+    np.testing.assert_allclose(stretches[0], stretches[1], rtol=0.1)
+    # Where the water is heard alone it has the very same speckle.
+    np.testing.assert_allclose(coherent[:, :, 20:90], rayleigh[:, :, 20:90], rtol=1e-5)
