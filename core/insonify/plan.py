@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from insonify.scene import Scene, SceneError
@@ -82,12 +82,18 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
         raise SceneError(f"tolerance: {tolerance!r} is not above 0; give a share such as 0.03")
     if method not in METHODS:
         raise SceneError(f"method: {method!r} is not known; choose one of {', '.join(METHODS)}")
-    bounces = scene.sonar.bounces
-    if bounces > 0 and method in ("sweep", "march"):
+    if (bounces := scene.sonar.bounces) > 0 and method in ("sweep", "march"):
         raise SceneError(f"sonar.bounces: the {method} does not follow {bounces} of them; set it to 0 or use rays")
     if isinstance(scene.receiver.speckle, Coherent) and (bounces > 0 or method in ("march", "rays")):
         other = f"bounces, of which sonar.bounces asks for {bounces}" if bounces > 0 else f"the method {method!r}"
         raise SceneError(f"receiver.speckle: 'coherent' is heard by the sweep, not by {other}; take another speckle")
+    chosen = _method(scene, tolerance, method)
+    return replace(chosen, reasons=(*chosen.reasons, *_pings(scene)))
+
+
+def _method(scene: Scene, tolerance: float, method: str) -> Plan:
+    """Pick the tracer and what it is called with."""
+    bounces = scene.sonar.bounces
     if method == "march":
         step = scene.seabed.spacing * min(1.0, tolerance / 0.03)
         reason = f"asked for; steps of {step:.3g} m, {scene.sonar.bins} rays a side"
@@ -124,6 +130,21 @@ def _tow(scene: Scene) -> tuple[tuple[str, str], ...]:
             ", ".join(scene.track.kinds),
             "each ping from its own place and heading; while one is out the fish stands still",
         ),
+    )
+
+
+def _pings(scene: Scene) -> tuple[tuple[str, str], ...]:
+    """Say where pings lie farther apart than the beam is wide, for a target there can be missed."""
+    apart = scene.track.speed / scene.sonar.ping_rate
+    if isinstance(scene.sonar.beam, Knife):
+        return (("pings", f"{apart:.3g} m apart; a knife-edge beam misses what is narrower"),)
+    # Nearer than this the beam is narrower than the way between two pings; nothing lies nearer than the bed.
+    covered = apart / (2.0 * math.sin(main_lobe(scene.sonar, scene.water.sound_speed)))
+    if covered <= scene.altitude:
+        return ()
+    nearer = f"nearer than {covered:.3g} m" if covered < scene.sonar.range else "at every range"
+    return (
+        ("pings", f"{apart:.3g} m apart, more than the beam is wide {nearer}; what is narrower can be missed there"),
     )
 
 

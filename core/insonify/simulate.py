@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from insonify.kernels.types import Poses, Problem
 from insonify.plan import Plan, plan
 from insonify.receive import Reception, make_reception, receive
-from insonify.scene import Scene, scene_to_toml
+from insonify.scene import Scene, SceneError, scene_to_toml
 from insonify.scene.receiver import K
 from insonify.terrain import Ground, build_ground
 from insonify.tracers import march, rays, sweep
@@ -132,10 +132,26 @@ def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> S
     """
     chosen = plan(scene, tolerance, method=method)
     ground = build_ground(scene)
+    _refuse_silence(scene, ground)
     problem = make_problem(scene, ground)
     reception = _make_reception(scene, ground, problem)
     spiky, interference = _spiky(scene, ground, problem), make_interference(scene, problem)
     return Simulation(scene, chosen, ground, problem, reception, spiky, interference)
+
+
+def _refuse_silence(scene: Scene, ground: Ground) -> None:
+    """Refuse a tow that never comes within range of a bed that ends somewhere, unless a target may be heard."""
+    if ground.periodic or scene.targets:
+        return
+    line = line_at(scene, np.unique(np.linspace(0, scene.track.pings - 1, 512).astype(np.int64)))
+    ny, nx = ground.heights.shape
+    x1, y1 = ground.x0 + (nx - 1) * ground.spacing, ground.y0 + (ny - 1) * ground.spacing
+    away = np.hypot(line.x - np.clip(line.x, ground.x0, x1), line.y - np.clip(line.y, ground.y0, y1))
+    if (away > scene.sonar.range).all():
+        raise SceneError(
+            f"track.start: from {list(scene.track.start)} the tow never comes within {scene.sonar.range:g} m "
+            f"of the bed (x from {ground.x0:g} to {x1:g} m, y from {ground.y0:g} to {y1:g} m); start it over the bed"
+        )
 
 
 def _spiky(scene: Scene, ground: Ground, problem: Problem) -> Problem | None:

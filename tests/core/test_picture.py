@@ -113,6 +113,14 @@ def test_a_constant_bed_lies_in_the_middle_and_apart_from_its_shadow():
     assert 80 < shown[0, 0] < 200
 
 
+def test_a_strong_material_keeps_its_texture_and_a_strong_target_darkens_nothing():
+    silt, sand, rock = (np.full(400, level, dtype=np.float32) for level in (0.1, 0.3, 0.7))
+    shown = tones(np.concatenate([silt, silt, sand, rock]), contrast(np.concatenate([silt, silt, sand, rock])))
+    assert 0 < shown[0] < shown[900] < shown[-1] < 230
+    target = np.full(20, 50.0, dtype=np.float32)
+    assert contrast(np.concatenate([silt, target]))[1] < 0.3
+
+
 def test_gain_brightens_by_decibels():
     amplitude = np.array([0.25], dtype=np.float32)
     assert tones(amplitude, (0.0, 1.0), gain=20 * np.log10(2)) == tones(2 * amplitude, (0.0, 1.0))

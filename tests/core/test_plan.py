@@ -115,3 +115,20 @@ def test_a_tolerance_that_is_no_share_is_refused(tolerance):
 def test_an_unknown_method_is_refused():
     with pytest.raises(SceneError, match=r"^method: 'magic' is not known; choose one of auto, sweep, march, rays$"):
         plan(DEFAULT, method="magic")
+
+
+def test_pings_farther_apart_than_the_beam_is_wide_are_remarked_on():
+    sparse = edit(DEFAULT, {"track.speed": 20.0})
+    assert any("at every range" in line for line in plan(sparse).lines())
+    near = next(line for line in plan(DEFAULT).lines() if line.startswith("pings"))
+    assert f"nearer than {0.2 / (2 * math.sin(math.radians(0.5))):.3g} m" in near
+    dense = edit(DEFAULT, {"track.speed": 1.0})
+    assert not any(line.startswith("pings") for line in plan(dense).lines())
+
+
+def test_a_tow_that_never_comes_near_the_bed_is_refused():
+    away = edit(load_scene("real-bed"), {"track.start": [900.0, 0.0], "track.pings": 4})
+    with pytest.raises(
+        SceneError, match=r"^track\.start: .* never comes within 75 m of the bed.*start it over the bed$"
+    ):
+        prepare(away)
