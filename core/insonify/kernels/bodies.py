@@ -6,11 +6,12 @@ import math
 from typing import NamedTuple
 
 from insonify.kernels.bins import FIXED_POINT, spread
+from insonify.kernels.cover import next_open
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.parts import load_part, meet_part
 from insonify.kernels.pieces import FINE, deposit_piece
 from insonify.kernels.scatter import strength
-from insonify.kernels.screen import NOBODY, halfway, next_open
+from insonify.kernels.screen import NOBODY, halfway
 from insonify.kernels.sections import NEVER
 from insonify.kernels.types import LIGHT
 from insonify.kernels.wedge import weight

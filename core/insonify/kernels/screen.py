@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.parts import foot_of, load_part, meet_part, nearest_of
-from insonify.kernels.sections import DOWN, NEVER, UP, reached, section
+from insonify.kernels.sections import reached, section
 from insonify.kernels.types import Mesh, Solids
 
 FACETS = 64  # cells of a convex body alone in its plane, closer together towards its edges
@@ -34,6 +34,7 @@ class Screen(NamedTuple):
     high: NDArray[np.float64]  # and ends
     line: NDArray[np.float64]  # (parts, 4) of a triangle's part: ground range and height above the sonar of its ends
     rim: NDArray[np.float64]  # (bodies, 4) of a body's part: launch angles at which one face ends and another begins
+    first: NDArray[np.int64]  # cell in which a part begins
     edge: NDArray[np.float64]  # launch angles at which cells begin; the last one ends the last cell
     cosine: NDArray[np.float64]  # of the edges
     sine: NDArray[np.float64]
@@ -52,9 +53,11 @@ def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
     parts, cells = bodies + triangles, bodies * (FACETS + 3 + RIMS) + 5 * triangles + 1
     low, high = np.zeros((2, parts))
     edge, cosine, sine, distance, incidence, near, far, level, rise = np.zeros((9, cells))
-    body, part = np.zeros(parts, np.int64), np.zeros(cells, np.int64)
+    body, first, part = np.zeros(parts, np.int64), np.zeros(parts, np.int64), np.zeros(cells, np.int64)
     line, rim = np.zeros((parts, 4)), np.zeros((bodies, RIMS))
-    return Screen(body, low, high, line, rim, edge, cosine, sine, part, distance, incidence, near, far, level, rise)
+    return Screen(
+        body, low, high, line, rim, first, edge, cosine, sine, part, distance, incidence, near, far, level, rise
+    )
 
 
 @fused
@@ -217,13 +220,14 @@ def _look(problem, view, screen, parts, cells):
     """Find the part that is nearest in every cell and the distances to it."""
     for p in range(parts):
         part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
-        first = _first_cell(screen.edge[: cells + 1], screen.low[p])
+        first = max(np.searchsorted(screen.edge[: cells + 1], screen.low[p], side="right") - 1, 0)
+        screen.first[p] = first
         ends = screen.low[p], screen.high[p]
         edge, cosine, sine = screen.edge, screen.cosine, screen.sine
         _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, screen.part, screen.distance, screen.incidence)
     for p in range(parts):
         part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
-        first = _first_cell(screen.edge[: cells + 1], screen.low[p])
+        first = screen.first[p]
         last, edge, cosine, sine = screen.high[p], screen.edge, screen.cosine, screen.sine
         _measure(p, part, first, cells, last, edge, cosine, sine, screen.part, screen.near, screen.far)
 
@@ -231,20 +235,32 @@ def _look(problem, view, screen, parts, cells):
 @fused
 def _add_crossings(problem, view, screen, solid_parts, parts, cells):
     """Add an edge wherever a part comes before the one that is nearest in a cell's middle; return their number."""
-    edges = cells + 1
+    edges, edge, cosine, sine = cells + 1, screen.edge, screen.cosine, screen.sine
+    near, middle, far = screen.near, screen.distance, screen.far
     for p in range(parts):
         nearest = nearest_of(screen.line[p]) if p >= solid_parts else 0.0
+        first, ends = screen.first[p], (screen.low[p], screen.high[p])
+        if _is_behind(p, nearest, first, cells, ends[1], edge, screen.part, near, far):
+            continue
         part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
-        first = _first_cell(screen.edge[: cells + 1], screen.low[p])
-        ends, edge, cosine, sine = (screen.low[p], screen.high[p]), screen.edge, screen.cosine, screen.sine
-        near, middle, far = screen.near, screen.distance, screen.far
         edges = _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, screen.part, near, middle, far, edges)
     return edges
 
 
 @fused
+def _is_behind(p, nearest, first, cells, high, edge, before, near, far):
+    """Whether a part, no point of which is nearer than ``nearest``, lies behind all that is nearest in its cells."""
+    cell = first
+    while cell < cells and edge[cell] < high:
+        if before[cell] != p and nearest < max(near[cell], far[cell]):
+            return False
+        cell += 1
+    return True
+
+
+@fused
 def _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, before, near, middle, far, edges):
-    """Likewise for one part, no point of which is nearer than ``nearest``."""
+    """Likewise for one part."""
     low, high = ends
     cell = first
     while cell < cells and edge[cell] < high:
@@ -269,12 +285,11 @@ def _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, before, nea
 def _tell_nearness(cells, part, cosine, sine, near, far, level, rise):
     """Tell one over the distance to what is nearest as a linear function of the direction; 0 where there is nothing."""
     for cell in range(cells):
-        level[cell], rise[cell] = 0.0, 0.0
-        if part[cell] != NOBODY:
-            c_low, s_low, c_high, s_high = cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1]
-            per_sine = 1.0 / (s_high * c_low - c_high * s_low)
-            level[cell] = (s_high / near[cell] - s_low / far[cell]) * per_sine
-            rise[cell] = (c_low / far[cell] - c_high / near[cell]) * per_sine
+        c_low, s_low, c_high, s_high = cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1]
+        share, held = 1.0 / (s_high * c_low - c_high * s_low), part[cell] != NOBODY
+        per_near, per_far = share / near[cell], share / far[cell]
+        level[cell] = s_high * per_near - s_low * per_far if held else 0.0
+        rise[cell] = c_low * per_far - c_high * per_near if held else 0.0
 
 
 @fused
@@ -309,12 +324,6 @@ def _measure(p, part, first, cells, high, edge, cosine, sine, nearest, near, far
 
 
 @fused
-def _first_cell(edge, low):
-    """Cell in which a part begins."""
-    return max(np.searchsorted(edge, low, side="right") - 1, 0)
-
-
-@fused
 def halfway(c_from, s_from, c_to, s_to):
     """Direction (cosine, sine) between two others."""
     c, s = c_from + c_to, s_from + s_to
@@ -331,63 +340,3 @@ def _merged(edge):
             kept += 1
             edge[kept] = edge[k]
     return kept + 1
-
-
-@fused
-def hidden_slopes(screen, cells):
-    """Slopes between which any body may hide the bed."""
-    if cells <= 0:
-        return NEVER, -NEVER
-    low, high = screen.edge[0], screen.edge[cells]
-    # The outermost cells of a body end a hair inside it.
-    return (
-        math.tan(low) * (1.0 + math.copysign(EDGE, -low)) if low > DOWN else -NEVER,
-        math.tan(high) * (1.0 + math.copysign(EDGE, high)) if high < UP else NEVER,
-    )
-
-
-class Cover(NamedTuple):
-    """What of a screen the bed behind it needs to know."""
-
-    edge: NDArray[np.float64]  # (cells + 1,), empty without cells
-    level: NDArray[np.float64]
-    rise: NDArray[np.float64]
-
-
-@fused
-def cover_of(screen, cells):
-    """Return what hides the bed; without cells, nothing does."""
-    n = cells + 1 if cells > 0 else 0
-    return Cover(screen.edge[:n], screen.level[:n], screen.rise[:n])
-
-
-@fused
-def next_open(cover, surface, start, stop):
-    """Return the first stretch of launch angles in [start, stop] in which a segment of the bed is not hidden."""
-    edge, level, rise = cover.edge, cover.level, cover.rise
-    cell = np.searchsorted(edge, start, side="right") - 1
-    opened, closed = stop, stop
-    while start < stop:
-        end = min(edge[cell + 1], stop) if cell + 1 < edge.size else stop
-        low, high = _open_part(edge, level, rise, cell, surface, start, end)
-        if opened < stop and not low == start < high:
-            break
-        if low < high:
-            opened, closed = min(opened, low), high
-            if high < end:
-                break
-        start, cell = end, cell + 1
-    return opened, closed
-
-
-@fused
-def _open_part(edge, level, rise, cell, surface, start, end):
-    """Part of a stretch of launch angles within one cell in which the bed is nearer than what is nearest there."""
-    if cell < 0 or cell >= edge.size - 1:
-        return start, end
-    # The bed's own nearness is (sin θ − slope · cos θ) / offset, and offset < 0 where it is in sight.
-    constant, rate = level[cell] * surface.offset + surface.slope, rise[cell] * surface.offset - 1.0
-    if rate == 0.0:
-        return (start, end) if constant >= 0.0 else (end, end)
-    border = math.atan(-constant / rate)
-    return (max(start, border), end) if rate > 0.0 else (start, min(end, border))

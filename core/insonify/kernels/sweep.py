@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from insonify.kernels.bins import accumulate
 from insonify.kernels.bodies import deposit_bodies, deposit_open
+from insonify.kernels.cover import cover_of, hidden_slopes
 from insonify.kernels.hear import hear
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import Surface, deposit_piece
-from insonify.kernels.screen import cover_of, fill_screen, hidden_slopes
+from insonify.kernels.screen import fill_screen
 from insonify.kernels.sections import View
 from insonify.kernels.slice import slice_bed
 from insonify.kernels.types import PORT

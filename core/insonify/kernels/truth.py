@@ -24,11 +24,12 @@ from insonify.kernels.bodies import (
     part_material,
     range_at,
 )
+from insonify.kernels.cover import cover_of, next_open
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.parts import load_part
 from insonify.kernels.pieces import slant
 from insonify.kernels.scatter import strength
-from insonify.kernels.screen import NOBODY, cover_of, halfway, next_open
+from insonify.kernels.screen import NOBODY, halfway
 from insonify.kernels.sweep import aim_plane, in_sight_from, surface_of, sweep_plane
 from insonify.kernels.types import LIGHT
 
