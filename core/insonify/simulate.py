@@ -123,7 +123,16 @@ class Simulation:
 
 
 def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> Simulation:
-    """Plan a scene and build its ground.
+    """Plan a scene, build its ground and make its receiver ready.
+
+    Parameters
+    ----------
+    scene, method, tolerance
+        As in `simulate`.
+
+    Returns
+    -------
+    Simulation
 
     Raises
     ------
@@ -226,10 +235,17 @@ def simulate_blocks(
 ) -> Iterator[xr.Dataset]:
     """Simulate a scene's record block by block, so that memory does not grow with its length.
 
+    Parameters
+    ----------
+    scene, method, tolerance, truth
+        As in `simulate`.
+    block : int
+        Pings at a time.
+
     Yields
     ------
     Dataset
-        Successive pings; parameters as in `simulate`, ``block`` pings at a time.
+        Successive pings.
     """
     simulation = prepare(scene, method=method, tolerance=tolerance)
     attributes = {

@@ -49,9 +49,10 @@ def make_pattern(scene: Scene) -> tuple[float, Pattern]:
     if isinstance(beam, (Knife, Fan)) and not (aimed or tilts or is_vertical):
         return half_width, plain_pattern()
     centre = 0.0 if isinstance(beam, Knife) else math.sin(math.radians(beam.squint))
-    first_range, extent, energy = 1.0, *_one_row(beam, half_width)
     if isinstance(beam, LineArray):
         first_range, extent, energy = array_table(beam, scene.water.sound_speed / sonar.frequency, sonar.range)
+    else:
+        first_range, extent, energy = 1.0, *_one_row(beam, half_width)
     vertical, tilt, s_vertical = _vertical(sonar)
     return half_width, Pattern(
         tabled=True,
@@ -90,17 +91,15 @@ def _passes(two_way: bool) -> float:
     return 2.0 if two_way else 1.0
 
 
-def _one_row(beam: Knife | Fan | Gaussian | LineArray, half_width: float) -> tuple[NDArray[np.float64], ...]:
+def _one_row(beam: Knife | Fan | Gaussian, half_width: float) -> tuple[NDArray[np.float64], ...]:
     """Extent and sensitivity of a beam that is the same at every range."""
-    s_half = math.sin(half_width)
     if isinstance(beam, Gaussian):
         # b = 2^(−(2φ/w)²) falls to a half at half the width.
         s_three_decibels, passes = math.sin(math.radians(beam.width) / 2.0), _passes(beam.two_way)
         extent = min(s_three_decibels * math.sqrt(math.log2(1.0 / FAINT) / passes), 1.0)
         s = np.linspace(-extent, extent, COLUMNS)
         return np.array([extent]), np.exp2(-passes * (s / s_three_decibels) ** 2)[None, :]
-    # The borders lie half a column out, where the rise of the integral between two columns ends.
-    extent = max(s_half, 1e-9)
+    extent = max(math.sin(half_width), 1e-9)  # a knife has none, but a row spans something
     return np.array([extent]), np.ones((1, COLUMNS))
 
 

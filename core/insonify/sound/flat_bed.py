@@ -42,7 +42,7 @@ def flat_bed_curve(problem: Problem, altitude: float, reflectivity: Reflectivity
         return np.where(heard, shade * (far - near) / problem.bin_length, 0.0) * problem.range_factor
     sigma = cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored)
     x = 0.5 * (x_near + x_far)
-    return np.where(heard, sigma * (x_far - x_near) * along_track_width(problem, x, r), 0.0) * (problem.range_factor)
+    return np.where(heard, sigma * (x_far - x_near) * along_track_width(problem, x, r), 0.0) * problem.range_factor
 
 
 def along_track_width(problem: Problem, x: NDArray[np.float64], r: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -7,7 +7,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, UnidentifiedImageError
 
 from insonify.scene import SceneError
 from insonify.scene.materials import ImageMap
@@ -77,6 +76,8 @@ def _kept_rows(path: str, version: tuple[int, int], count: int) -> Map:
 
 def _read(path: str) -> tuple[NDArray[np.integer], int | None]:
     """Pixels from the top row, and how many grey levels they tell apart; None for numbers of a palette."""
+    from PIL import Image, UnidentifiedImageError  # which only beds with a picture pay for
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", Image.DecompressionBombWarning)

@@ -36,6 +36,20 @@ def make_bodies(scene: Scene, ground: Ground) -> tuple[Solids, Mesh, list[Reflec
     return _solids(shapes, before), _mesh(shapes, before), [*ground.reflectivities, *materials]
 
 
+def refuse_sonar_inside(solids: Solids, statuses: list[int]) -> None:
+    """Raise if a kernel met the sonar inside a body, which it tells by -1 - the body's row.
+
+    Raises
+    ------
+    SceneError
+        If a status is below 0.
+    """
+    for status in statuses:
+        if status < 0:
+            target = int(solids.target[-1 - status])
+            raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
+
+
 def _solids(shapes: list[Shape], before: int) -> Solids:
     """Lay the analytic bodies of all targets out, whose materials follow those before."""
     rows = [solid for shape in shapes for solid in shape.solids]

@@ -18,10 +18,12 @@ from insonify.scene.sonar import Ideal, Tone
 from insonify.scene.sonar import Pulse as DeclaredPulse
 from insonify.sound.cell import along_track_angle, bin_centres
 from insonify.sound.pulses import envelope, pulse_taps
+from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
-from insonify.tracers.planes import lay_planes, take
+from insonify.tracers.planes import lay_planes
+from insonify.tracers.poses import take
 from insonify.tracers.skin import make_skin
-from insonify.tracers.sweep import Record, refuse_sonar_inside
+from insonify.tracers.sweep import Record
 
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
@@ -80,7 +82,7 @@ class Interference:
                 room = empty_profile(capacity), sight, empty_line(further.bins, self.pulse)
                 return interfere_pings(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
 
-            refuse_sonar_inside(problem, in_parallel(block, places.size, threads))
+            refuse_sonar_inside(problem.solids, in_parallel(block, places.size, threads))
             out[places] = traced
         return out
 

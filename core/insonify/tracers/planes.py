@@ -69,11 +69,6 @@ def lay_planes(problem: Problem, poses: Poses, planes: int) -> list[tuple[NDArra
     return laid
 
 
-def take(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
-    """Return some of the poses."""
-    return Poses(*(np.ascontiguousarray(column[places]) for column in poses))
-
-
 def beam_planes(half_width: float, planes: int) -> Planes:
     """Place the planes of a beam.
 

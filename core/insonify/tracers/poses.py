@@ -57,6 +57,11 @@ def make_poses(scene: Scene, ground: Ground, pings: NDArray[np.int64]) -> Poses:
     )
 
 
+def take(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
+    """Return some of the poses."""
+    return Poses(*(np.ascontiguousarray(column[places]) for column in poses))
+
+
 def bed_beneath(scene: Scene, ground: Ground, pings: NDArray[np.int64]) -> NDArray[np.float64]:
     """Height of the bed under the line as a fish can follow it: a mean over one altitude to either side.
 

@@ -13,7 +13,9 @@ from insonify.kernels.rays import cast_rays, empty_hits, trace_pings
 from insonify.kernels.types import BED, Poses, Problem
 from insonify.kernels.walk import NOTHING, Bundle
 from insonify.scene import SceneError
+from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
+from insonify.tracers.poses import take
 
 WALK = 0.0  # in place of a step
 
@@ -148,11 +150,8 @@ def trace_rays(problem: Problem, poses: Poses, rays: int, step: float, threads: 
     out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
 
     def block(first: int, last: int) -> int:
-        part = Poses(*(column[first:last] for column in poses))
+        part = take(poses, slice(first, last))
         return int(trace_pings(problem, part, int(rays), float(step), out[first:last]))
 
-    for status in in_parallel(block, poses.x.size, threads):
-        if status < 0:
-            target = int(problem.solids.target[-1 - status])
-            raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
+    refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
     return out

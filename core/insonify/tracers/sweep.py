@@ -10,9 +10,10 @@ from insonify.kernels.screen import empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
 from insonify.kernels.sweep import Planes, sweep_pings
 from insonify.kernels.types import Poses, Problem
-from insonify.scene import SceneError
+from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
-from insonify.tracers.planes import lay_planes, take
+from insonify.tracers.planes import lay_planes
+from insonify.tracers.poses import take
 
 Record = NDArray[np.float32]
 
@@ -52,21 +53,7 @@ def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | No
             room = empty_profile(capacity), empty_heard(capacity), empty_screen(problem.solids, problem.mesh)
             return sweep_pings(problem, part, beam, *room, traced[first:last])
 
-        refuse_sonar_inside(problem, in_parallel(block, places.size, threads))
+        refuse_sonar_inside(problem.solids, in_parallel(block, places.size, threads))
         if traced is not out:
             out[places] = traced
     return out
-
-
-def refuse_sonar_inside(problem: Problem, statuses: list[int]) -> None:
-    """Raise if a kernel met the sonar inside a body, which it tells by -1 - the body's row.
-
-    Raises
-    ------
-    SceneError
-        If a status is below 0.
-    """
-    for status in statuses:
-        if status < 0:
-            target = int(problem.solids.target[-1 - status])
-            raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")

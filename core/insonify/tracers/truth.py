@@ -13,9 +13,10 @@ from insonify.kernels.slice import empty_profile, profile_capacity
 from insonify.kernels.sweep import Planes
 from insonify.kernels.truth import Found, empty_found, empty_ledger, find_truth, part_of
 from insonify.kernels.types import BED, Poses, Problem
+from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
-from insonify.tracers.planes import lay_planes, take
-from insonify.tracers.sweep import refuse_sonar_inside
+from insonify.tracers.planes import lay_planes
+from insonify.tracers.poses import take
 
 NOTHING = -2  # target of a bin in which nothing is heard
 NO_MATERIAL = -1
@@ -94,7 +95,7 @@ def _find(problem: Problem, poses: Poses, beam: Planes, threads: int | None) -> 
         ledger = empty_ledger(contributors, problem.bins)
         return find_truth(problem, part, beam, *room, ledger, part_of(found, first, last))
 
-    refuse_sonar_inside(problem, in_parallel(block, poses.x.size, threads))
+    refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
     return found
 
 
