@@ -20,10 +20,10 @@ from insonify.kernels.types import (
     Poses,
     Problem,
     Solids,
-    empty_mesh,
     plain_pattern,
 )
 
+NO_MESH = make_mesh(np.zeros((0, 3, 3)), np.zeros(0, np.int64), np.zeros(0, np.int64))
 Sphere = tuple[tuple[float, float, float], float]  # centre, radius
 Cylinder = tuple[tuple[float, float, float], tuple[float, float, float], float]  # ends of the axis, radius
 Frustum = tuple[tuple[float, float, float], tuple[float, float, float], float, float]  # and the radius of its last end
@@ -163,7 +163,7 @@ def problem_of(
     return Problem(
         bed=bed_of(heights, spacing, x0=x0, y0=y0, periodic=periodic),
         solids=solids_of(solids),
-        mesh=mesh or empty_mesh(),
+        mesh=mesh or NO_MESH,
         reflectivity=np.array(reflectivity, dtype=np.float64),
         interface=np.tile([0.0, 1.0], (len(reflectivity), 1)),
         law=law,

@@ -52,7 +52,15 @@ def _row(pattern, r):
 
 
 @fused
+def _column(pattern, row, s):
+    """Column of one row that s falls at, whole or not; beyond its ends outside the table."""
+    extent = pattern.extent[row]
+    return (s - pattern.centre + extent) / (2.0 * extent) * (pattern.energy.shape[1] - 1)
+
+
+@fused
 def _place(extent, first_range, per_octave, r):
+    """Row for a slant range and the way on to the next, from the pattern's parts."""
     last = extent.size - 1
     if last == 0 or r <= first_range:
         return 0, 0.0
@@ -64,9 +72,7 @@ def _place(extent, first_range, per_octave, r):
 @fused
 def _integral(pattern, row, s):
     """Integral of one row up to s."""
-    columns = pattern.integral.shape[1]
-    extent = pattern.extent[row]
-    place = (s - pattern.centre + extent) / (2.0 * extent) * (columns - 1)
+    columns, place = pattern.integral.shape[1], _column(pattern, row, s)
     if place <= 0.0:
         return 0.0
     if place >= columns - 1:
@@ -78,9 +84,7 @@ def _integral(pattern, row, s):
 @fused
 def _energy(pattern, row, s):
     """Sensitivity of one row at s, nothing beyond its extent."""
-    columns = pattern.energy.shape[1]
-    extent = pattern.extent[row]
-    place = (s - pattern.centre + extent) / (2.0 * extent) * (columns - 1)
+    columns, place = pattern.energy.shape[1], _column(pattern, row, s)
     if not 0.0 <= place <= columns - 1:
         return 0.0
     k = min(int(place), columns - 2)
@@ -143,13 +147,11 @@ def _where_integral(pattern, row, value):
 @fused
 def _mean_energy(pattern, row, s):
     """Mean sensitivity of one row over the column that s falls in: the slope of its integral."""
-    columns = pattern.integral.shape[1]
-    extent = pattern.extent[row]
-    place = (s - pattern.centre + extent) / (2.0 * extent) * (columns - 1)
+    columns, place = pattern.integral.shape[1], _column(pattern, row, s)
     if not 0.0 <= place <= columns - 1:
         return 0.0
     k = min(int(place), columns - 2)
-    return (pattern.integral[row, k + 1] - pattern.integral[row, k]) * (columns - 1) / (2.0 * extent)
+    return (pattern.integral[row, k + 1] - pattern.integral[row, k]) * (columns - 1) / (2.0 * pattern.extent[row])
 
 
 @fused

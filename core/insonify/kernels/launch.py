@@ -1,8 +1,9 @@
 """Where rays are sent and what each stands for.
 
 On a level bed the rays of the main stratum hit at equal steps of slant range; a second stratum takes the elevations
-above it, up to the highest thing there is to see. Across a fan beam azimuths follow the golden ratio, over the exact
-width of the cone |sin φ_b| = cos θ |sin φ| <= sin(w/2) at each elevation.
+above it, up to the highest thing there is to see. Across a beam azimuths follow the golden ratio: of a level top-hat
+over the exact width of the cone |sin φ_b| = cos θ |sin φ| <= sin(w/2) at each elevation, of any other half evenly over
+all that is heard, half as the pattern has it.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from insonify.kernels.beam import pick_azimuth, widest_extent
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.shapes import widest, within
+from insonify.kernels.slice import on_grid
 from insonify.kernels.types import LIGHT, PORT
 
 AIM_STEPS = 64.0  # per radian
@@ -58,8 +60,7 @@ class Launch(NamedTuple):
 @fused
 def make_beam(problem, poses, ping, side):
     """Point one side of one ping: its own axes after heading, pitch (bow up), then roll (port up)."""
-    # Without rounding dust a track along the grid stays on it.
-    ahead_x, ahead_y = _on_grid(math.cos(poses.heading[ping])), _on_grid(math.sin(poses.heading[ping]))
+    ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
     to_side = 1.0 if side == PORT else -1.0
     x, y, z, reach = poses.x[ping], poses.y[ping], poses.z[ping], problem.bins * problem.bin_length
     if not problem.pattern.tabled:
@@ -82,12 +83,6 @@ def make_beam(problem, poses, ping, side):
         x, y, z, ahead_x, ahead_y, -to_side * ahead_y, to_side * ahead_x, axis_x, axis_y, axis_z, s_low, s_high,
         to_side * own_x, to_side * own_y, to_side * sin_r * cos_p, up_x, up_y, cos_r * cos_p, reach,
     )  # fmt: skip
-
-
-@fused
-def _on_grid(component):
-    """Direction component with rounding dust removed."""
-    return 0.0 if abs(component) < 1e-12 else component
 
 
 @kernel

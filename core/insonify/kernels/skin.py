@@ -21,9 +21,7 @@ class Skin(NamedTuple):
     body: NDArray[np.int64]  # (n,) row of the solids; of a FACE, of the triangles
     target: NDArray[np.int64]  # (n,) index of the declared target
     number: NDArray[np.int64]  # (n,) of the patch among those of its target
-    low: NDArray[
-        np.float64
-    ]  # (n,) a belt begins there, in metres along the axis (of a sphere upwards, from its centre)
+    low: NDArray[np.float64]  # (n,) where a belt begins, m along the axis (of a sphere upwards, from its centre)
     high: NDArray[np.float64]  # (n,) and ends
     corners: NDArray[np.float64]  # (n, 3, 3) of a triangle
     area: NDArray[np.float64]  # (n,) m²

@@ -153,6 +153,12 @@ def _halve(x, z, across, eu, segments):
 
 
 @fused
+def on_grid(component):
+    """Direction component with rounding dust removed, so that a track along the grid stays on it."""
+    return 0.0 if abs(component) < 1e-12 else component
+
+
+@fused
 def wrapped(index, size):
     """Index of a node on a bed that repeats; the whole number within [0, size)."""
     if 0 <= index < size:

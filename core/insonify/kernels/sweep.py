@@ -22,7 +22,7 @@ from insonify.kernels.jit import fused, kernel
 from insonify.kernels.pieces import Surface, deposit_piece
 from insonify.kernels.screen import fill_screen
 from insonify.kernels.sections import View
-from insonify.kernels.slice import slice_bed
+from insonify.kernels.slice import on_grid, slice_bed
 from insonify.kernels.types import PORT
 from insonify.kernels.wedge import Wedge
 
@@ -175,9 +175,3 @@ def aim_plane(problem, poses, ping, side, planes, plane):
     )
     view = View(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
     return view, wedge, min(planes.reach[plane] * height, problem.bins * problem.bin_length)
-
-
-@fused
-def on_grid(component):
-    """Direction component with rounding dust removed, so that a track along the grid stays on it."""
-    return 0.0 if abs(component) < 1e-12 else component

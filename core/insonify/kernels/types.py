@@ -6,7 +6,7 @@ scene's own local coordinates.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,12 +64,6 @@ class Mesh(NamedTuple):
     held: NDArray[np.int64]  # (nodes,) triangles of a leaf, 0 for an inner node
 
 
-def empty_mesh() -> Mesh:
-    """Return the mesh of a scene that has none."""
-    none, rows = np.zeros((0, 3)), np.zeros(0, np.int64)
-    return Mesh(np.zeros((0, 3, 3)), none, rows, rows, none, none, rows, rows, rows)
-
-
 class Pattern(NamedTuple):
     """How sensitive the beam is by direction, there and back.
 
@@ -122,6 +116,3 @@ class Poses(NamedTuple):
     heading: NDArray[np.float64]  # (n,) rad, counter-clockwise from +x; port is to the left
     pitch: NDArray[np.float64]  # (n,) rad, bow up
     roll: NDArray[np.float64]  # (n,) rad, port up
-
-
-Array = NDArray[Any]
