@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.types import Poses, Problem
+from insonify.layout import ACROSS, coordinates, labels, platform
 from insonify.plan import Plan, plan
 from insonify.receive import Reception, make_reception, receive
 from insonify.scene import Scene, SceneError, scene_to_toml
@@ -32,9 +33,7 @@ TRACERS: dict[str, Callable[..., NDArray[np.float32]]] = {
     "march": march.trace,
     "rays": rays.trace,
 }
-CHANNELS = ("port", "starboard")
 BLOCK = 64
-ACROSS = ("channel", "ping_time", "range_sample")
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,24 +263,11 @@ def _dataset(simulation: Simulation, pings: NDArray[np.int64], attributes: dict[
     import xarray as xr
 
     scene, sonar, poses = simulation.scene, simulation.scene.sonar, simulation.poses(pings)
-    record = {"intensity": (simulation.intensity(pings), "1", "echo intensity, linear, before display gain")}
     slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
-    reference_speed = scene.water.reference_speed or scene.water.sound_speed
+    intensity = np.moveaxis(simulation.intensity(pings), 1, 0)
     dataset = xr.Dataset(
-        {
-            name: (ACROSS, np.moveaxis(values, 1, 0), _labels(unit, text))
-            for name, (values, unit, text) in record.items()
-        },
-        {
-            "channel": list(CHANNELS),
-            "ping_time": ("ping_time", pings / sonar.ping_rate, _labels("s", "time since the first ping")),
-            "slant_range": ("range_sample", slant_range, _labels("m", "one-way slant range of the bin's centre")),
-            "travel_time": (
-                "range_sample",
-                2.0 * slant_range / reference_speed,
-                _labels("s", "two-way travel time"),
-            ),
-        },
+        {"intensity": (ACROSS, intensity, labels("1", "echo intensity, linear, before display gain"))},
+        coordinates(pings / sonar.ping_rate, slant_range, scene.water.reference_speed or scene.water.sound_speed),
         attributes,
     )
     dataset = dataset.assign(_platform(simulation, poses))
@@ -297,11 +283,11 @@ def _truth(simulation: Simulation, pings: NDArray[np.int64]) -> dict[str, Any]:
         "target_id": _flags("greatest contributor of the bin", ["nothing", "bed", *targets], found.target_id.dtype, -2),
         "material": _flags("material of that contributor", ["nothing", *materials], found.material.dtype, -1),
         "shadow": {"long_name": "whether bed lies there, hidden, and nothing is heard"},
-        "ground_range": _labels("m", "ground range of that contributor's strongest piece"),
-        "incidence": _labels("degree", "incidence on that piece, from its normal"),
+        "ground_range": labels("m", "ground range of that contributor's strongest piece"),
+        "incidence": labels("degree", "incidence on that piece, from its normal"),
         "path": _flags("how the sound went", ["none", "direct"], found.path.dtype, -1),
     }
-    return {name: (ACROSS, np.moveaxis(getattr(found, name), 1, 0), labels) for name, labels in attributes.items()}
+    return {name: (ACROSS, np.moveaxis(getattr(found, name), 1, 0), told) for name, told in attributes.items()}
 
 
 def _flags(text: str, meanings: list[str], dtype: np.dtype[Any], first: int) -> dict[str, Any]:
@@ -313,17 +299,11 @@ def _flags(text: str, meanings: list[str], dtype: np.dtype[Any], first: int) -> 
 def _platform(simulation: Simulation, poses: Poses) -> dict[str, Any]:
     """Where the sonar was, one number a ping."""
     ground = simulation.ground
-    columns = {
-        "platform_x": (poses.x, "m", "position along x"),
-        "platform_y": (poses.y, "m", "position along y"),
-        "platform_depth": (-(poses.z + ground.datum), "m", "depth below the surface"),
-        "platform_altitude": (poses.z - ground.height_at(poses.x, poses.y), "m", "height above the bed beneath"),
-        "platform_heading": (np.degrees(poses.heading), "degree", "heading, counter-clockwise from +x"),
-        "platform_pitch": (np.degrees(poses.pitch), "degree", "pitch, bow up"),
-        "platform_roll": (np.degrees(poses.roll), "degree", "roll, port up"),
-    }
-    return {name: ("ping_time", values, _labels(unit, text)) for name, (values, unit, text) in columns.items()}
-
-
-def _labels(unit: str, text: str) -> dict[str, str]:
-    return {"units": unit, "long_name": text}
+    columns = (
+        poses.x,
+        poses.y,
+        -(poses.z + ground.datum),
+        poses.z - ground.height_at(poses.x, poses.y),
+        *map(np.degrees, (poses.heading, poses.pitch, poses.roll)),
+    )
+    return platform(columns)

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from insonify.layout import ACROSS
 from insonify.records.xtf import read_xtf
 from insonify.scene import SceneError
 
-ACROSS = ("channel", "ping_time", "range_sample")
 NEEDED = ("intensity", "slant_range", "platform_x", "platform_y", "platform_altitude")
 
 

@@ -15,7 +15,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from insonify.records.xtf_track import platform, seconds
+from insonify.layout import ACROSS, coordinates, labels, platform
+from insonify.records.xtf_track import platform_columns, seconds
 from insonify.scene import SceneError
 
 SIDES = {1: 0, 2: 1}  # TypeOfChannel -> row: port, starboard
@@ -179,10 +180,8 @@ def _dataset(path: Path, header: Any, pings: list[_Ping]) -> xr.Dataset:
     """Lay the pings out on one grid of slant range, the most usual."""
     channels = [side for ping in pings for side in ping.sides.values()]
     bin_length = sorted(side.slant_range / side.amplitude.size for side in channels)[len(channels) // 2]
-    bins, most = (
-        max(round(side.slant_range / bin_length) for side in channels),
-        max(side.amplitude.size for side in channels),
-    )
+    bins = max(round(side.slant_range / bin_length) for side in channels)
+    most = max(side.amplitude.size for side in channels)
     if bins > WIDEST * most:
         raise _refusal(
             path, f"has slant ranges up to {bins * bin_length:.3g} m in bins of {bin_length:.3g} m", "export it again"
@@ -191,22 +190,15 @@ def _dataset(path: Path, header: Any, pings: list[_Ping]) -> xr.Dataset:
     for number, ping in enumerate(pings):
         for side, channel in ping.sides.items():
             _lay(amplitude[side, number], channel, bin_length)
-    times = seconds([ping.header for ping in pings])
+    headers = [ping.header for ping in pings]
+    times = seconds(headers)
+    columns = platform_columns(header, headers, times)
     slant_range = (np.arange(bins) + 0.5) * bin_length
     return xr.Dataset(
-        {"intensity": (("channel", "ping_time", "range_sample"), amplitude**2, _labels("1", "square of the samples"))},
-        {
-            "channel": ["port", "starboard"],
-            "ping_time": ("ping_time", times, _labels("s", "time since the first ping")),
-            "slant_range": ("range_sample", slant_range, _labels("m", "one-way slant range of the bin's centre")),
-            "travel_time": (
-                "range_sample",
-                2.0 * slant_range / channels[0].sound_speed,
-                _labels("s", "two-way travel time"),
-            ),
-        },
+        {"intensity": (ACROSS, amplitude**2, labels("1", "square of the samples"))},
+        coordinates(times, slant_range, channels[0].sound_speed),
         {"title": path.name, "frequency": _frequency(header)},
-    ).assign(platform(header, [ping.header for ping in pings], times))
+    ).assign(platform(columns))
 
 
 def _lay(row: NDArray[np.float32], channel: _Channel, bin_length: float) -> None:
@@ -224,10 +216,6 @@ def _frequency(header: Any) -> float:
     given = (float(info.Frequency) for info in header.ChanInfo if info.TypeOfChannel in SIDES)
     frequency = next(given, 0.0)
     return 1e3 * frequency if 0.0 < frequency < 1e4 else frequency
-
-
-def _labels(unit: str, text: str) -> dict[str, str]:
-    return {"units": unit, "long_name": text}
 
 
 def _refusal(path: Path, wrong: str, remedy: str) -> SceneError:

@@ -12,15 +12,6 @@ DEGREES = 3  # of NavUnits; others are metres
 EARTH = 6_378_137.0, 6.694380e-3  # semi-major axis in m and squared eccentricity of WGS 84
 FARTHEST = 1e8  # m, of any map's coordinates
 KNOT = 1852.0 / 3600.0  # m/s
-COLUMNS = {
-    "platform_x": ("m", "position along x, east of the first fix"),
-    "platform_y": ("m", "position along y, north of the first fix"),
-    "platform_depth": ("m", "depth below the surface"),
-    "platform_altitude": ("m", "height above the bed beneath"),
-    "platform_heading": ("degree", "heading, counter-clockwise from +x"),
-    "platform_pitch": ("degree", "pitch, bow up"),
-    "platform_roll": ("degree", "roll, port up"),
-}
 
 
 def seconds(headers: list[Any]) -> NDArray[np.float64]:
@@ -48,8 +39,8 @@ def seconds(headers: list[Any]) -> NDArray[np.float64]:
     return np.unwrap(clock, period=DAY) - clock[0]
 
 
-def platform(header: Any, headers: list[Any], times: NDArray[np.float64]) -> dict[str, Any]:
-    """Return the platform's variables for a Dataset along ``ping_time``.
+def platform_columns(header: Any, headers: list[Any], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """Tell where the sonar was at every ping.
 
     Parameters
     ----------
@@ -62,9 +53,10 @@ def platform(header: Any, headers: list[Any], times: NDArray[np.float64]) -> dic
 
     Returns
     -------
-    dict
-        Pings without telemetry take that of their neighbours; quantities never told are NaN, and a track without
-        positions runs straight along +y by the speed recorded.
+    tuple of (n,) float64
+        In the order and the units of ``layout.PLATFORM``, x and y from the first fix. Pings without telemetry take that
+        of their neighbours; quantities never told are NaN, and a track without positions runs straight along +y by the
+        speed recorded.
     """
     names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
     told = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
@@ -73,24 +65,18 @@ def platform(header: Any, headers: list[Any], times: NDArray[np.float64]) -> dic
     pitch, roll = _column(headers, "SensorPitch"), _column(headers, "SensorRoll")
     x, y = _positions(header, headers, times)
     heading = 90.0 - np.degrees(np.unwrap(np.radians(_filled(compass, told & (compass != 0.0)))))
-    values = (
+    return (
         x, y, _filled(depth, depth > 0.0), _filled(height, height > 0.0),
         (heading + 180.0) % 360.0 - 180.0, _filled(pitch, told), _filled(roll, told),
     )  # fmt: skip
-    return {
-        name: ("ping_time", column, {"units": unit, "long_name": text})
-        for (name, (unit, text)), column in zip(COLUMNS.items(), values)
-    }
 
 
 def _positions(
     header: Any, headers: list[Any], times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Metres east and north of the first fix."""
-    x, y = (
-        _told(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf),
-        _told(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf),
-    )
+    x = _told(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
+    y = _told(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
     limit = 180.0 if header.NavUnits == DEGREES else FARTHEST
     fixed = ((x != 0.0) | (y != 0.0)) & (np.abs(x) <= limit) & (np.abs(y) <= limit)
     if not fixed.any():
