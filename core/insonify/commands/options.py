@@ -9,12 +9,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from insonify.plan import METHODS
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
 
 if TYPE_CHECKING:
     import xarray as xr
 
-METHODS = ("auto", "sweep", "march", "rays")
 RECORDS = (".xtf", ".nc", ".npz")  # files that hold a record, not a scene
 
 
