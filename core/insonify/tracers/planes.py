@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +24,7 @@ WIDENING = 1.1  # of that from wedge to wedge: with many planes the first are ab
 # of their number times their spacing.
 COARSER = 0.2
 SIDELOBE_STEP = 2.0  # spacing of the planes across sidelobes, in that of the main lobe
-SIDELOBE_GROWTH = 0.25  # and its growth, as a share of the distance from the main lobe
+SIDELOBE_GROWTH = 0.25  # and its growth, as a share of the distance from the main lobe, over a bed without targets
 HEIGHTS_PER_OCTAVE = 16.0  # to which heights are rounded up
 PITCH_STEP = 0.5  # to which pitches are rounded, in half widths of the main lobe
 MOST_EDGES = 512  # on one hand, whatever is asked for
@@ -138,11 +140,39 @@ def pattern_planes(problem: Problem, planes: int, height: float, pitches: NDArra
     -------
     Planes
         Edges laid from the beam's far end outwards on both hands. Each step is the main lobe's width divided by the
-        planes, at the farthest place where the lobe takes in that azimuth; across sidelobes steps grow. Lengths are
-        per metre of height.
+        planes, at the farthest place where the lobe takes in that azimuth. Across sidelobes steps are twice as wide,
+        and grow if there are no targets that could fall between. Lengths are per metre of height.
     """
-    cone = _Cone(problem, height, pitches)
-    start = math.asin(min(max(problem.pattern.centre, -1.0), 1.0))
+    pattern = problem.pattern
+    outline = _Outline(
+        centre=pattern.centre,
+        extent=tuple(pattern.extent.tolist()),
+        first_range=pattern.first_range,
+        per_octave=pattern.per_octave,
+        main=math.sin(problem.half_width),
+        reach=problem.bins * problem.bin_length,
+        targets=problem.solids.shape.size + problem.mesh.target.size > 0,
+    )
+    return _lay(outline, planes, height, tuple(pitches.tolist()))
+
+
+class _Outline(NamedTuple):
+    """What of a scene the planes of its pattern depend on."""
+
+    centre: float
+    extent: tuple[float, ...]
+    first_range: float
+    per_octave: float
+    main: float  # sine of half the main lobe
+    reach: float  # m
+    targets: bool  # whether there are any
+
+
+@lru_cache(maxsize=1024)
+def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ...]) -> Planes:
+    """Lay the planes of an outline; they stay the same while other things of a scene are edited."""
+    cone = _Cone(outline, height, np.array(pitches))
+    start = math.asin(min(max(outline.centre, -1.0), 1.0))
     edges = [*reversed(_edges(cone, start, -1.0, planes)), start, *_edges(cone, start, 1.0, planes)]
     azimuths = np.array(edges)
     low, high = azimuths[:-1], azimuths[1:]
@@ -177,29 +207,36 @@ class _Cone:
     There s = cos p · sin φ · x/r − sin p · h/r.
     """
 
-    def __init__(self, problem: Problem, height: float, pitches: NDArray[np.float64]) -> None:
-        pattern, main, reach = problem.pattern, math.sin(problem.half_width), problem.bins * problem.bin_length
-        farthest = math.sqrt(max(reach**2 - height**2, (0.1 * height) ** 2))
-        self.height, self.main = height, main
+    def __init__(self, outline: _Outline, height: float, pitches: NDArray[np.float64]) -> None:
+        farthest = math.sqrt(max(outline.reach**2 - height**2, (0.1 * height) ** 2))
+        self.height, self.main, self.targets = height, outline.main, outline.targets
         self.x = np.geomspace(0.01 * min(height, farthest), farthest, GROUND_RANGES)
         r = np.hypot(self.x, height)
-        row = np.log2(np.maximum(r / pattern.first_range, 1.0)) * pattern.per_octave
-        extent = np.interp(row, np.arange(pattern.extent.size), pattern.extent)
+        row = np.log2(np.maximum(r / outline.first_range, 1.0)) * outline.per_octave
+        extent = np.interp(row, np.arange(len(outline.extent)), outline.extent)
         per_sine = r / (np.cos(pitches)[:, None] * self.x)
-        self.centre = pattern.centre * per_sine + np.tan(pitches)[:, None] * height / self.x
-        self.main_half, self.half = main * per_sine, extent * per_sine
+        self.centre = outline.centre * per_sine + np.tan(pitches)[:, None] * height / self.x
+        self.main_half, self.half = outline.main * per_sine, extent * per_sine
 
     def step(self, azimuth: float, planes: int) -> float:
         """Width of the wedge that begins at an azimuth."""
         off = np.abs(math.sin(azimuth) - self.centre)
-        taken = np.flatnonzero((off <= self.main_half * 1.001).any(axis=0))
         cosine = max(math.cos(azimuth), 0.05)
-        if taken.size:
-            at = taken[-1]
-            coarser = min(max(2.0 * self.height / self.x[at], 1.0), max(COARSER * planes, 1.0))
-            return float(2.0 * self.main_half[:, at].min() / planes * coarser / cosine)
-        beyond = float((off - self.main_half).min())
-        return float(max(SIDELOBE_STEP * 2.0 * self.main / planes, SIDELOBE_GROWTH * beyond) / cosine)
+        taken = np.flatnonzero((off <= self.main_half * 1.001).any(axis=0))
+        if not taken.size:
+            growth = 0.0 if self.targets else SIDELOBE_GROWTH
+            return float(max(SIDELOBE_STEP * 2.0 * self.main / planes, growth * (off - self.main_half).min()) / cosine)
+        step = self._main_step(taken[-1], planes)
+        heard = np.flatnonzero((off <= self.half).any(axis=0))
+        if self.targets and heard.size:
+            # Sidelobes hear farther out than the main lobe takes in this azimuth, and a target there may be small.
+            step = min(step, SIDELOBE_STEP * self._main_step(heard[-1], planes))
+        return step / cosine
+
+    def _main_step(self, at: int, planes: int) -> float:
+        """Spacing of the planes across the main lobe at one of the ground ranges."""
+        coarser = min(max(2.0 * self.height / self.x[at], 1.0), max(COARSER * planes, 1.0))
+        return float(2.0 * self.main_half[:, at].min() / planes * coarser)
 
     def heard_to(self, low: float, high: float) -> float:
         """Ground range to which anything of a wedge is heard; 0 if nothing is."""
