@@ -1,0 +1,294 @@
+"""Beams against what is printed of them: widths, sidelobes, near field, and what they do to a record."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import poses_of, problem_of
+from insonify.scene import edit, load_scene
+from insonify.scene.sonar import LineArray
+from insonify.simulate import prepare, simulate
+from insonify.sound.beams import _taper, array_table, make_pattern
+from insonify.tracers import sweep
+from insonify.tracers.planes import pattern_planes
+
+WAVELENGTH = 1500.0 / 400e3
+LENGTH = 0.5
+LEVEL = edit(
+    load_scene("default"),
+    {
+        "seabed.relief": "flat",
+        "targets": [],
+        "sonar.pulse": "ideal",
+        "sonar.range": 48.0,
+        "sonar.bins": 480,
+        "water.sound_speed": 1500.0,
+    },
+)
+
+
+def sines(extent, columns):
+    return np.linspace(-extent, extent, columns)
+
+
+def width_at_half(s, energy):
+    """Full width between the outermost places where the energy passes half its greatest value."""
+    above = np.flatnonzero(energy >= 0.5 * energy.max())
+    first, last = above[0], above[-1]
+    half = 0.5 * energy.max()
+    left = np.interp(half, energy[first - 1 : first + 1], s[first - 1 : first + 1])
+    right = np.interp(-half, -energy[last : last + 2], s[last : last + 2])
+    return right - left
+
+
+def sidelobe(energy):
+    """Greatest value beyond the first minimum on the bow's side, in dB below the axis."""
+    half = energy[energy.size // 2 :]
+    first_null = int(np.argmax(np.diff(half) > 0.0))
+    return 10.0 * math.log10(half[first_null:].max() / half[0])
+
+
+@pytest.mark.parametrize(
+    ("taper", "one_way", "both_ways", "decibels"),
+    [
+        ("uniform", 0.886, 0.638, -13.26),
+        ("cosine", 1.189, 0.851, -23.0),
+        ("hamming", 1.304, 0.929, -42.7),
+        ("taylor", 1.125, 0.804, -30.0),
+    ],
+)
+def test_far_patterns_are_as_printed(taper, one_way, both_ways, decibels):
+    for two_way, width in ((False, one_way), (True, both_ways)):
+        beam = LineArray(length=LENGTH, taper=taper, two_way=two_way)
+        _, extent, energy = array_table(beam, WAVELENGTH, 1e5)
+        s = sines(extent[-1], energy.shape[1])
+        assert width_at_half(s, energy[-1]) * LENGTH / WAVELENGTH == pytest.approx(width, abs=0.004)
+        # Taylor's design of so few equal sidelobes comes out at -30.3 dB.
+        passes = 2.0 if two_way else 1.0
+        assert sidelobe(energy[-1]) == pytest.approx(passes * decibels, abs=0.35 * passes)
+
+
+@pytest.mark.parametrize("row", [0, 9, 20])
+@pytest.mark.parametrize("taper", ["uniform", "taylor"])
+def test_the_near_field_is_the_integral_over_the_array(taper, row):
+    beam = LineArray(length=LENGTH, taper=taper, two_way=False)
+    first_range, extent, energy = array_table(beam, WAVELENGTH, 400.0)
+    r = first_range * 2.0 ** (row / 4.0)
+    u = (np.arange(8192) + 0.5) / 8192 - 0.5
+    weights = np.interp(u, (np.arange(1024) + 0.5) / 1024 - 0.5, _taper(taper))
+    place, s = u * LENGTH, sines(extent[row], energy.shape[1])[::16]
+    phase = 2.0 * math.pi / WAVELENGTH * (place**2 / (2.0 * r) - s[:, None] * place)
+    direct = np.abs((weights * np.exp(1j * phase)).sum(axis=1) / weights.sum()) ** 2
+    # As near as r = L the phase turns by 0.4 rad from one of its 1024 elements to the next.
+    np.testing.assert_allclose(energy[row, ::16], direct, atol=(1e-3 if row == 0 else 1e-4) * direct.max())
+
+
+def test_the_cell_along_the_track_is_the_array_near_by_and_the_beam_far_away():
+    beam = LineArray(length=LENGTH, two_way=False)
+    first_range, extent, energy = array_table(beam, WAVELENGTH, 4.0 * LENGTH**2 / WAVELENGTH)
+    ranges = first_range * 2.0 ** (np.arange(extent.size) / 4.0)
+    cells = [r * width_at_half(sines(e, b.size), b) for r, e, b in zip(ranges, extent, energy, strict=True)]
+    far = ranges * 0.886 * WAVELENGTH / LENGTH
+    ratio = np.array(cells) / np.maximum(LENGTH, far)
+    # The widest lobe of Fresnel's fringes narrows to 0.36 of this, the focus of an unfocused array at r = 0.3 L²/λ.
+    assert ratio.max() < 1.08
+    assert ratio.min() > 0.35
+    np.testing.assert_allclose(ratio[:8], 1.0, atol=0.125)
+    np.testing.assert_allclose(ratio[ranges > 2.0 * LENGTH**2 / WAVELENGTH], 1.0, atol=0.02)
+
+
+@pytest.mark.parametrize("taper", ["uniform", "cosine", "hamming", "taylor"])
+def test_curvature_moves_energy_and_makes_none(taper):
+    # Parseval: ∫ b ds = λ ∫ w² du / (∫ w du)² whatever the curvature; what lies beyond the table is under 1 %.
+    _, extent, energy = array_table(LineArray(length=LENGTH, taper=taper, two_way=False), WAVELENGTH, 200.0)
+    whole = np.trapezoid(energy, axis=1) * 2.0 * extent / (energy.shape[1] - 1)
+    weights = _taper(taper)
+    expected = WAVELENGTH / LENGTH * (weights**2).mean() / weights.mean() ** 2
+    np.testing.assert_allclose(whole, expected, rtol=0.01)
+
+
+@pytest.mark.parametrize(("two_way", "times"), [(False, 1.0), (True, math.sqrt(0.5))])
+def test_a_gaussian_is_as_wide_as_it_says(two_way, times):
+    beam = {"kind": "gaussian", "width": 2.0, "two_way": two_way}
+    _, pattern = make_pattern(edit(LEVEL, {"sonar.beam": beam}))
+    width = width_at_half(sines(pattern.extent[0], pattern.energy.shape[1]), pattern.energy[0])
+    assert width == pytest.approx(2.0 * math.sin(math.radians(1.0)) * times, rel=1e-3)
+
+
+def test_a_top_hat_from_a_table_is_the_fan():
+    # Planes lie elsewhere for a fan with a squint, be it ever so small; on a smooth bed that makes no odds.
+    fan = edit(LEVEL, {"sonar.beam": {"kind": "fan", "width": 2.5}, "track.pings": 1})
+    plain = simulate(fan).intensity.values
+    tabled = simulate(edit(fan, {"sonar.beam.squint": 1e-6})).intensity.values
+    np.testing.assert_allclose(tabled[..., 110:], plain[..., 110:], rtol=5e-3)
+
+
+ALTITUDE = 4.0
+
+
+def pair_profile(simulation, slant, separation=1.0, radius=0.15, planes=256):
+    """Energy of two balls on a bed all but black, a ping every 5 cm from beyond one to beyond the other."""
+    x = math.sqrt(slant**2 - ALTITUDE**2)
+    bodies = [((s * separation / 2.0, -x, 0.0), radius) for s in (-1.0, 1.0)]
+    given = simulation.problem
+    problem = problem_of(
+        np.zeros((8, 8)),
+        16.0,
+        periodic=True,
+        solids=bodies,
+        half_width=given.half_width,
+        pattern=given.pattern,
+        bins=given.bins,
+        bin_length=given.bin_length,
+        reflectivity=[(1e-9, 0.0, 1.0), (1.0, 0.0, 1.0)],
+    )
+    problem = problem._replace(solids=problem.solids._replace(material=np.ones(2, np.int64)))
+    along = np.arange(-14, 15) * 0.05
+    record = sweep.trace(problem, poses_of(along, 0.0, ALTITUDE), planes=planes)
+    return record[:, 1].sum(axis=1, dtype=float)
+
+
+def dip_between(simulation, slant):
+    profile = pair_profile(simulation, slant)
+    return 1.0 - profile[profile.size // 2] / profile.max()
+
+
+# A sinc² of 2.5 degrees to -3 dB at 1 MHz; its far field begins at 0.6 m.
+SHORT = math.degrees(0.88589 * 1500.0 / 1e6) / 2.5
+
+
+@pytest.mark.parametrize(
+    ("beam", "merged", "no_dip"),
+    [
+        ({"kind": "fan", "width": 2.5}, 22.9, 22.9),
+        ({"kind": "fan", "width": 2.5, "squint": 1e-6}, 22.9, 22.9),
+        ({"kind": "gaussian", "width": 2.5, "two_way": False}, 26.5, 27.0),
+        ({"kind": "gaussian", "width": 2.5}, 37.5, 38.2),
+        ({"kind": "array", "length": SHORT, "two_way": False}, 24.2, 24.5),
+        ({"kind": "array", "length": SHORT}, 35.3, 35.8),
+    ],
+)
+def test_a_pair_merges_where_figure_4_has_it(beam, merged, no_dip):
+    simulation = prepare(edit(LEVEL, {"sonar.beam": beam, "sonar.frequency": 1e6}))
+    assert dip_between(simulation, 0.97 * merged) > 1e-3
+    assert dip_between(simulation, 1.03 * merged) < 1e-3
+    assert dip_between(simulation, 0.97 * no_dip) > 1e-3
+    assert dip_between(simulation, 1.03 * no_dip) < 2e-4
+
+
+def test_a_knife_never_merges_a_pair():
+    simulation = prepare(edit(LEVEL, {"sonar.beam": "knife"}))
+    for slant in (10.0, 30.0, 47.0):
+        assert dip_between(simulation, slant) > 0.99
+
+
+@pytest.mark.parametrize("across", [25.0, -25.0])
+def test_squint_moves_an_echo_by_the_tangent(across):
+    side = 0 if across > 0.0 else 1
+    for squint in (-5.0, 8.0):
+        shift = math.hypot(across, 10.0) * math.tan(math.radians(squint))
+        scene = edit(
+            LEVEL,
+            {
+                "sonar.beam": {"kind": "gaussian", "width": 1.0, "squint": squint},
+                "targets": [{"kind": "sphere", "position": [0.0, across], "radius": 0.3}],
+                "track.altitude": 10.0,
+                "track.speed": 1.0,
+                "track.pings": 40,
+                "track.start": [-2.0 - shift, 0.0],
+            },
+        )
+        echo, bare = (simulate(one).intensity.values[side] for one in (scene, edit(scene, {"targets": []})))
+        energy = np.maximum(echo - bare, 0.0).sum(axis=1)
+        assert np.average(np.arange(40), weights=energy) * 0.1 - 2.0 == pytest.approx(0.0, abs=0.05)
+
+
+def level_record(vertical, **changes):
+    return simulate(edit(LEVEL, {"sonar.vertical": vertical, "track.pings": 1, **changes})).intensity.values[:, 0]
+
+
+def grazing():
+    return np.arcsin(np.minimum(10.0 / ((np.arange(480) + 0.5) * 0.1), 1.0))
+
+
+def test_a_vertical_top_hat_hears_what_is_within_it_and_nothing_else():
+    record, bare = level_record({"kind": "fan", "width": 30.0, "tilt": 30.0}), level_record("uniform")
+    off = np.abs(np.degrees(grazing()) - 30.0)
+    assert not record[:, off > 16.0].any()
+    inside = (off < 14.0) & (bare[0] > 0.0)
+    np.testing.assert_allclose(record[:, inside], bare[:, inside], rtol=3e-3)
+
+
+@pytest.mark.parametrize(("two_way", "passes"), [(False, 1.0), (True, 2.0)])
+def test_a_vertical_gaussian_weighs_a_level_bed_by_its_value(two_way, passes):
+    beam = {"kind": "gaussian", "width": 1.0, "two_way": two_way}
+    vertical = {"kind": "gaussian", "width": 40.0, "tilt": 25.0}
+    record, bare = level_record(vertical, **{"sonar.beam": beam}), level_record("uniform", **{"sonar.beam": beam})
+    off = np.sin(grazing() - math.radians(25.0)) / math.sin(math.radians(20.0))
+    far = slice(120, 480)
+    np.testing.assert_allclose(
+        record[:, far] / bare[:, far], np.tile(2.0 ** (-passes * off**2), (2, 1))[:, far], rtol=0.01
+    )
+
+
+def test_roll_tilts_one_side_up_and_the_other_down():
+    vertical = {"kind": "gaussian", "width": 40.0, "tilt": 25.0}
+    rolled = level_record(
+        vertical, **{"track.motion": {"kind": "roll", "amplitude": 8.0, "period": 1e5, "phase": 90.0}}
+    )
+    bare = level_record("uniform")
+    far = slice(120, 480)
+    for side, tilt in ((0, 17.0), (1, 33.0)):  # port up
+        off = np.sin(grazing() - math.radians(tilt)) / math.sin(math.radians(20.0))
+        np.testing.assert_allclose(rolled[side, far] / bare[side, far], 2.0 ** (-2.0 * off[far] ** 2), rtol=0.01)
+
+
+def single_profile(simulation, slant, along, planes=64, radius=0.3):
+    """Energy of one ball at the origin's abeam by the fish's place along the track."""
+    x = math.sqrt(slant**2 - ALTITUDE**2)
+    given = simulation.problem
+    problem = problem_of(
+        np.zeros((8, 8)), 16.0, periodic=True, solids=[((0.0, -x, 0.0), radius)], half_width=given.half_width,
+        pattern=given.pattern, bins=given.bins, bin_length=given.bin_length,
+        reflectivity=[(1e-9, 0.0, 1.0), (1.0, 0.0, 1.0)],
+    )  # fmt: skip
+    problem = problem._replace(solids=problem.solids._replace(material=np.ones(1, np.int64)))
+    record = sweep.trace(problem, poses_of(along, 0.0, ALTITUDE), planes=planes)
+    return record[:, 1].sum(axis=1, dtype=float)
+
+
+@pytest.mark.parametrize(("two_way", "decibels"), [(False, -13.26), (True, -26.52)])
+def test_a_ball_is_heard_in_the_sidelobes_as_the_pattern_has_them(two_way, decibels):
+    # A far-field array of 3 degrees, as many planes as its plan lays; the sidelobes pass the ball without a comb.
+    radius, slant, length, wavelength = 0.3, 30.0, 0.025, 1.5e-3
+    changes = {"sonar.beam": {"kind": "array", "length": length, "two_way": two_way}, "sonar.frequency": 1e6}
+    ball = {"kind": "sphere", "position": [0.0, -29.0], "radius": radius}
+    planes = prepare(edit(LEVEL, changes | {"targets": [ball]})).plan.planes
+    along = np.arange(0.0, 8.0, 0.1)
+    profile = single_profile(prepare(edit(LEVEL, changes)), slant, along, planes, radius)
+    # A Lambert ball sends back (1 - (y/a)²)^1.5 along its own length.
+    y = np.linspace(-radius, radius, 41)[1:-1]
+    share = (1.0 - (y / radius) ** 2) ** 1.5
+    place = along[:, None] + y
+    pattern = np.sinc(length / wavelength * place / np.hypot(slant, place)) ** (4 if two_way else 2)
+    expected = (pattern * share).sum(axis=1) / (pattern[0] * share).sum()
+    heard = expected > 1e-3
+    error = 10.0 * np.log10(profile[heard] / profile[0] / expected[heard])
+    assert np.sqrt((error**2).mean()) < 0.5
+    assert np.abs(error).max() < 2.0
+    first_sidelobe = profile[(along > 2.0) & (along < 3.5)].max() / profile[0]
+    assert 10.0 * math.log10(first_sidelobe) == pytest.approx(decibels, abs=0.7)
+
+
+def test_only_targets_lay_planes_across_sidelobes():
+    scene = edit(LEVEL, {"sonar.beam": {"kind": "array", "length": 0.3}})
+    ball = {"kind": "sphere", "position": [0.0, -29.0], "radius": 0.3}
+    laid = [
+        pattern_planes(prepare(one).problem, 16, 10.0, np.zeros(1)).azimuth.size
+        for one in (scene, edit(scene, {"targets": [ball]}))
+    ]
+    assert laid[0] < 60
+    assert laid[0] < laid[1] < 120
