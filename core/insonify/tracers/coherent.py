@@ -6,9 +6,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.kernels.coherent import Pulse, Scatterers, empty_line, interfere_pings
 from insonify.kernels.sight import empty_sight
+from insonify.kernels.skin import Skin
 from insonify.kernels.slice import empty_profile, profile_capacity
 from insonify.kernels.sweep import Planes
 from insonify.kernels.types import Poses, Problem
@@ -27,6 +29,7 @@ from insonify.tracers.sweep import Record
 
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
+FAINT = 1e-3  # share of the beam's energy that may go unheard
 RESOLVED = 8  # cells of the line, at least, per resolution cell of the pulse
 
 
@@ -70,7 +73,7 @@ class Interference:
             If the sonar runs into a target.
         """
         beyond = math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
-        further = _lengthened(problem, beyond)
+        further = _narrowed(_lengthened(problem, beyond), self.scatterers.skin, poses)
         capacity = profile_capacity(further.bins * further.bin_length, problem.bed.spacing)
         out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
         for places, laid in lay_planes(further, poses, planes):
@@ -154,6 +157,40 @@ def _lengthened(problem: Problem, bins: int) -> Problem:
     """Let the problem go on beyond its last bin as it is there."""
     factor = np.concatenate([problem.range_factor, np.repeat(problem.range_factor[-1:], bins)])
     return problem._replace(bins=problem.bins + bins, range_factor=factor)
+
+
+def _narrowed(problem: Problem, skin: Skin, poses: Poses) -> Problem:
+    """Leave out of a pattern where there are many scatterers but next to nothing is heard: nearer than all and far off.
+
+    Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than others.
+    """
+    pattern = problem.pattern
+    if not pattern.tabled or poses.z.size == 0:
+        return problem
+    top = max(problem.bed.high, float((skin.centre[:, 2] + skin.bound).max(initial=-math.inf)))
+    nearest = max(float(poses.z.min()) - top, pattern.first_range)
+    first = min(int(math.log2(nearest / pattern.first_range) * pattern.per_octave), pattern.extent.size - 1)
+    extent, energy, integral = (
+        np.array(rows)
+        for rows in zip(
+            *(_without_faint_sidelobes(*row) for row in zip(pattern.extent, pattern.energy, pattern.integral))
+        )
+    )
+    # No scatterer reads those: each ping stays what it is, whatever others are traced with it.
+    extent[:first] = extent[first]
+    return problem._replace(pattern=pattern._replace(extent=extent, energy=energy, integral=integral))
+
+
+def _without_faint_sidelobes(
+    extent: float, energy: NDArray[np.float64], integral: NDArray[np.float64]
+) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+    """Draw one row of a pattern over the directions that hold nearly all of its energy."""
+    place = np.linspace(-1.0, 1.0, energy.size)
+    within = np.interp(place, place, integral) - np.interp(-place, place, integral)
+    # At least three columns, and the first that holds enough on both hands.
+    half = max(float(place[np.argmax(within >= (1.0 - FAINT) * integral[-1])]), 2.0 / energy.size)
+    inner = np.interp(half * place, place, integral)
+    return half * extent, np.interp(half * place, place, energy), inner - inner[0]
 
 
 def _in_order(planes: Planes) -> Planes:
