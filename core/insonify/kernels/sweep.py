@@ -55,31 +55,34 @@ def deposit(profile, count, problem, wedge, screen, cells, heard, bins):
         k = min(max(int(heard.r[i] * per_bin), 0), last)
         bins[k] += heard.early[i]
         bins[k + 1] += heard.late[i]
+    # Taking an array out of a tuple of them costs as much as a piece: out of the loops with them.
+    x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
+    weights, launch, horizon, cut = heard.weight, heard.launch, heard.horizon, heard.cut
+    table, law, bin_length = problem.reflectivity, problem.law, problem.bin_length
     if cells == 0:
         for i in range(count - 1):
-            if heard.cut[i]:
-                surface = surface_of(profile, i, problem.reflectivity, wedge, heard)
-                start = in_sight_from(surface, profile.x[i], profile.x[i + 1], heard.launch[i], heard.horizon[i])
-                deposit_piece(surface, start, profile.x[i + 1], problem.law, problem.bin_length, bins)
+            if cut[i]:
+                surface = surface_of(i, x, z, slope, area, material, weights, table, wedge)
+                start = in_sight_from(surface, x[i], x[i + 1], launch[i], horizon[i])
+                deposit_piece(surface, start, x[i + 1], law, bin_length, bins)
         return
     cover = cover_of(screen, cells)
     for i in range(count - 1):
-        if heard.cut[i]:
-            surface = surface_of(profile, i, problem.reflectivity, wedge, heard)
-            start = in_sight_from(surface, profile.x[i], profile.x[i + 1], heard.launch[i], heard.horizon[i])
-            deposit_open(surface, start, profile.x[i + 1], cover, problem.law, problem.bin_length, bins)
+        if cut[i]:
+            surface = surface_of(i, x, z, slope, area, material, weights, table, wedge)
+            start = in_sight_from(surface, x[i], x[i + 1], launch[i], horizon[i])
+            deposit_open(surface, start, x[i + 1], cover, law, bin_length, bins)
 
 
 @fused
-def surface_of(profile, i, reflectivity, wedge, heard):
-    """Segment i by itself."""
-    row, slope, x = profile.material[i], profile.slope[i], profile.x[i]
+def surface_of(i, x, z, slope, area, material, weights, table, wedge):
+    """Segment i of a profile by itself."""
+    row, rise = material[i], slope[i]
     at_nadir, rate = 1.0, 0.0
     if wedge.angle > 0.0 or wedge.tabled:
-        rate = (np.float64(heard.weight[i + 1]) - heard.weight[i]) / (profile.x[i + 1] - x)
-        at_nadir = heard.weight[i] - rate * x
-    diffuse, specular, shininess = reflectivity[row, 0], reflectivity[row, 1], reflectivity[row, 2]
-    return Surface(profile.z[i] - slope * x, slope, profile.area[i], at_nadir, rate, diffuse, specular, shininess)
+        rate = (np.float64(weights[i + 1]) - weights[i]) / (x[i + 1] - x[i])
+        at_nadir = weights[i] - rate * x[i]
+    return Surface(z[i] - rise * x[i], rise, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
 
 
 @fused

@@ -150,8 +150,11 @@ def _note(ledger, who, k, energy, x, cosine):
 def _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger):
     """Enter all that is heard of a profile, and mark where bed lies out of sight."""
     cover = cover_of(screen, cells)
+    x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
+    weights = heard.weight
     for i in range(count - 1):
-        surface, who = surface_of(profile, i, problem.reflectivity, wedge, heard), profile.material[i]
+        surface = surface_of(i, x, z, slope, area, material, weights, problem.reflectivity, wedge)
+        who = material[i]
         x_from, x_to = profile.x[i], profile.x[i + 1]
         if heard.cut[i]:
             _meet(ledger, who)
