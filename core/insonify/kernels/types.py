@@ -90,6 +90,24 @@ def plain_pattern() -> Pattern:
     return Pattern(False, 0.0, one[0], one, one, 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
 
 
+class Water(NamedTuple):
+    """Speed of sound: linear between nodes of height and between stations, constant beyond the outermost of both."""
+
+    bent: bool  # whether sound bends; if not, the reference speed holds everywhere
+    height: NDArray[np.float64]  # (n,) nodes, ascending, m
+    speed: NDArray[np.float64]  # (stations, n) m/s
+    station: NDArray[np.float64]  # (stations,) places along the axis, ascending, m; layered water has one
+    axis_x: float  # level unit vector along which the stations lie
+    axis_y: float
+    reference: float  # speed at the sonar: slant range is one-way travel time times this, m/s
+    surface: float  # height of the sea surface, m
+
+
+def still_water(speed: float = 1500.0, surface: float = 0.0) -> Water:
+    """Return water of one speed, in which sound goes straight."""
+    return Water(False, np.zeros(1), np.full((1, 1), speed), np.zeros(1), 1.0, 0.0, speed, surface)
+
+
 class Problem(NamedTuple):
     """A scene as every tracer takes it."""
 
@@ -105,6 +123,7 @@ class Problem(NamedTuple):
     bin_length: float  # true slant range that one bin spans, m
     range_factor: NDArray[np.float64]  # (bins,) spreading and absorption at the bin centres
     bounces: int = 0  # mirror-like bounces followed after the first echo
+    water: Water = still_water()
 
 
 class Poses(NamedTuple):

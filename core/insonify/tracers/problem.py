@@ -9,6 +9,7 @@ from insonify.kernels.types import LIGHT, SONAR, Bed, Problem
 from insonify.scene import Scene
 from insonify.sound.absorption import absorption_coefficient
 from insonify.sound.beams import make_pattern
+from insonify.sound.water import make_water
 from insonify.terrain.ground import Ground
 from insonify.tracers.bodies import make_bodies
 from insonify.tracers.poses import sonar_height
@@ -40,6 +41,7 @@ def make_problem(scene: Scene, ground: Ground) -> Problem:
         bin_length=bin_length,
         range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),
         bounces=sonar.bounces,
+        water=make_water(scene, ground.datum),
     )
 
 
