@@ -1,0 +1,236 @@
+"""Rays through layered water: in each layer speed is linear in height, so that a ray is an arc of a circle.
+
+An arc is told by its *tangents* T: the tangents at its two ends meet, and T is the sum of their lengths. With κ the
+curvature, s the arc's length, u0 and u1 the directions at its ends,
+
+    T = 2 tan(κs/2) / κ,   displacement = T (u0 + u1)/2,   ∫c ds = T (c0 + c1)/2,
+
+so that nothing is divided by the gradient, rays may be vertical, and vertices are no places apart. κ = gξ with g the
+gradient and ξ = cosθ/c Snell's constant; θ is positive upwards, and κ is positive for rays that bend down.
+
+The ray tube follows Červený's p and q: q is the distance across the ray between rays launched 1 rad apart, so that
+intensity over that at 1 m is cosθ0 / (x |q|).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.jit import fused
+
+# How a step ends: at a node of the water, at the range or the height it was told, or never.
+NODE, RANGE, LOW, HIGH, ENDLESS = 0, 1, 2, 3, 4
+SNAP = 1e-9  # a ray within this of a node is on it, m
+GRAZING = 1e-7  # sine below which an interface that kicks the tube is taken as if met at this angle
+
+
+class Ray(NamedTuple):
+    """Where a ray is, in its own vertical plane."""
+
+    x: float  # ground range, m
+    z: float  # height, m
+    cosine: float  # of its direction above the horizontal
+    sine: float
+    speed: float  # of sound here, m/s
+    time: float  # travelled, s
+    p: float  # slowness across the ray by which q grows, s/m
+    q: float  # distance across the ray per launch angle, m/rad
+    grazed: bool  # whether it met a jump of the gradient so flatly that p and q are capped
+
+
+@fused
+def layer_below(height, z):
+    """Find the highest node at or below z, within a snap; -1 below all."""
+    low, high = 0, height.size
+    while low < high:
+        middle = (low + high) // 2
+        if height[middle] <= z + SNAP:
+            low = middle + 1
+        else:
+            high = middle
+    return low - 1
+
+
+@fused
+def gradient_above(height, speed, k):
+    """dc/dz between nodes k and k + 1, 0 beyond the outermost, 1/s."""
+    if k < 0 or k >= height.size - 1:
+        return 0.0
+    return (speed[k + 1] - speed[k]) / (height[k + 1] - height[k])
+
+
+@fused
+def speed_at(height, speed, z):
+    """Speed of sound at a height, m/s."""
+    k = layer_below(height, z)
+    if k < 0:
+        return speed[0]
+    return speed[k] + gradient_above(height, speed, k) * max(z - height[k], 0.0)
+
+
+@fused
+def launch_ray(height, speed, z, cosine, sine):
+    """Start a ray at height z and ground range 0."""
+    c = speed_at(height, speed, z)
+    return Ray(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
+
+
+@fused
+def step(height, speed, ray, x_end, low, high):
+    """Follow a ray to the next node of the water, to range ``x_end``, or to height ``low`` or ``high``.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of layered water, ascending.
+    ray : Ray
+        Where it is: between ``low`` and ``high``, and not beyond ``x_end``.
+    x_end, low, high : float
+        Limits; infinite ones are none.
+
+    Returns
+    -------
+    status : int
+        NODE, RANGE, LOW or HIGH, by what was met first; ENDLESS if the ray meets none of them.
+    ray : Ray
+        There. At a node it has entered the next layer; at ``low`` and ``high`` it has not, though a node be there.
+    """
+    layer, g, floor, ceiling = layer_of(height, speed, ray)
+    level, s1, tangents = reach_level(ray, g, max(floor, low), min(ceiling, high))
+    by_range = reach_range(ray, g, x_end)
+    if by_range <= tangents:
+        if by_range == math.inf:
+            return ENDLESS, ray
+        there = end_at_range(ray, g, by_range, x_end)
+        if level == low or level == high or abs(there.z - level) > SNAP:
+            return RANGE, there
+        # The next step will take it to be on the node.
+        return RANGE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
+    c1 = ray.speed + g * (level - ray.z)
+    there = follow(ray, g, tangents, ray.cosine / ray.speed * c1, s1, c1, level)
+    if level == low:
+        return LOW, there
+    if level == high:
+        return HIGH, there
+    return NODE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
+
+
+@fused
+def layer_of(height, speed, ray):
+    """Find the layer a ray goes on in: the node below it, its gradient, floor and ceiling."""
+    k = layer_below(height, ray.z)
+    g = gradient_above(height, speed, k)
+    on_node = k >= 0 and ray.z - height[k] <= SNAP
+    # A ray on a node belongs to the side it heads for, a level one to the side it bends to.
+    if on_node and (ray.sine < 0.0 or (ray.sine == 0.0 and g >= 0.0)):
+        under = gradient_above(height, speed, k - 1)
+        if ray.sine == 0.0 and under <= 0.0:
+            # Sound is slowest here: a level ray stays on the node.
+            return k, 0.0, -math.inf, math.inf
+        k, g = k - 1, under
+    floor, ceiling = -math.inf, math.inf
+    if k >= 0:
+        floor = height[k]
+    if k < height.size - 1:
+        ceiling = height[k + 1]
+    return k, g, floor, ceiling
+
+
+@fused
+def reach_level(ray, g, floor, ceiling):
+    """Find which border of a layer a ray meets, the sine of its direction there, and the tangents of the arc to it."""
+    s0, c0 = ray.sine, ray.speed
+    xi = ray.cosine / c0
+    up = s0 > 0.0 or (s0 == 0.0 and g < 0.0)
+    level = ceiling if up else floor
+    if s0 == 0.0 and (g == 0.0 or xi == 0.0):
+        return level, 0.0, math.inf
+    if math.isinf(level):
+        return level, s0, math.inf
+    dz = level - ray.z
+    square = s0 * s0 - xi * xi * g * dz * (2.0 * c0 + g * dz)
+    if square >= 0.0 and s0 != 0.0:
+        s1 = math.copysign(math.sqrt(square), s0)
+        return level, s1, 2.0 * dz / (s0 + s1)
+    if square < 0.0:
+        # It turns before that border and comes back to the other.
+        level = floor if up else ceiling
+        dz = level - ray.z
+        square = max(s0 * s0 - xi * xi * g * dz * (2.0 * c0 + g * dz), 0.0)
+        up = not up
+    s1 = math.sqrt(square) if up else -math.sqrt(square)
+    return level, s1, 2.0 * (s0 - s1) / (g * xi * xi * (2.0 * c0 + g * dz))
+
+
+@fused
+def reach_range(ray, g, x_end):
+    """Tangents of the arc to a range; infinite if it is never met."""
+    dx = x_end - ray.x
+    if dx <= 0.0:
+        return 0.0
+    if math.isinf(dx) or ray.cosine <= 0.0:
+        return math.inf
+    bend = g * ray.cosine / ray.speed
+    square = ray.cosine * ray.cosine + bend * dx * (2.0 * ray.sine - bend * dx)
+    if square < 0.0:
+        return math.inf
+    return 2.0 * dx / (ray.cosine + math.sqrt(square))
+
+
+@fused
+def end_at_range(ray, g, tangents, x_end):
+    """Follow an arc of known tangents that ends at range ``x_end``."""
+    turn = 0.5 * g * ray.cosine / ray.speed * tangents  # tan(κs/2)
+    s1 = (ray.sine * (1.0 - turn * turn) - 2.0 * turn * ray.cosine) / (1.0 + turn * turn)
+    z1 = ray.z + 0.5 * tangents * (ray.sine + s1)
+    c1 = ray.speed + g * (z1 - ray.z)
+    there = follow(ray, g, tangents, ray.cosine / ray.speed * c1, s1, c1, z1)
+    return Ray(x_end, there.z, there.cosine, there.sine, there.speed, there.time, there.p, there.q, there.grazed)
+
+
+@fused
+def follow(ray, g, tangents, cosine, sine, speed, z):
+    """Carry range, time and tube along an arc whose other end's direction, speed and height are known."""
+    turn = 0.5 * g * ray.cosine / ray.speed * tangents
+    x = ray.x + 0.5 * tangents * (ray.cosine + cosine)
+    # Of the chord D = T cos(κs/2), squared, over the speeds at its ends.
+    chord = tangents * tangents / ((1.0 + turn * turn) * ray.speed * speed)
+    time = ray.time + math.sqrt(chord) * asinh_ratio(0.25 * g * g * chord)
+    q = ray.q + ray.p * 0.5 * tangents * (ray.speed + speed)
+    return Ray(x, z, cosine, sine, speed, time, ray.p, q, ray.grazed)
+
+
+@fused
+def asinh_ratio(square):
+    """asinh(y)/y of y², 1 at 0."""
+    if square < 1e-3:
+        series = -5.0 / 112.0 + square * (35.0 / 1152.0)
+        return 1.0 + square * (-1.0 / 6.0 + square * (3.0 / 40.0 + square * series))
+    y = math.sqrt(square)
+    return math.asinh(y) / y
+
+
+@fused
+def cross(height, speed, ray, node):
+    """Let a ray that has come to a node enter the layer beyond it: the jump of the gradient bends the tube."""
+    jump = gradient_above(height, speed, node) - gradient_above(height, speed, node - 1)
+    return kick_tube(ray, height[node], speed[node], ray.sine, -jump)
+
+
+@fused
+def mirror(ray, g):
+    """Send a ray back from a level surface; ``g`` is the gradient on the ray's side of it.
+
+    q keeps its sign, as if the ray went on into mirrored water.
+    """
+    return kick_tube(ray, ray.z, ray.speed, -ray.sine, 2.0 * g if ray.sine > 0.0 else -2.0 * g)
+
+
+@fused
+def kick_tube(ray, z, speed, sine, fall):
+    """Bend the tube at a level interface where dc/dz, upwards, falls by ``fall``, 1/s, whichever way the ray goes."""
+    xi = ray.cosine / speed
+    p = ray.p + ray.q * xi * xi * fall / max(abs(sine), GRAZING)
+    grazed = ray.grazed or (abs(sine) < GRAZING and fall != 0.0 and ray.q != 0.0)
+    return Ray(ray.x, z, ray.cosine, sine, speed, ray.time, p, ray.q, grazed)

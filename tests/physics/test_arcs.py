@@ -1,0 +1,83 @@
+"""Rays through layered water against closed forms and printed numbers."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import pytest
+
+from insonify.kernels.arcs import HIGH, LOW, RANGE
+from insonify.kernels.eigenrays import FOUND
+from water import gradient, joined, layers, shot
+
+BELLHOP = Path(__file__).parents[3] / "shared/data/bellhop"
+LAYERED = layers([0, 10, 20, 60], [1520, 1520, 1500, 1498])
+
+
+def rows(name):
+    if not BELLHOP.is_dir():
+        pytest.skip(f"{BELLHOP} is absent")
+    with (BELLHOP / name).open() as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.mark.parametrize(
+    ("degrees", "x", "time", "q"),
+    [
+        (2.0, 475.430622, 0.3179804118, 863.1684),
+        (10.0, 239.228222, 0.1632912097, 211.6164),
+        (60.0, 31.281329, 0.0421014320, 62.3989),
+    ],
+)
+def test_a_ray_through_layers_meets_the_bed_as_printed(degrees, x, time, q):
+    status, ray = shot(LAYERED, 5.0, degrees, bottom=60.0)
+    assert status == LOW
+    assert ray.x == pytest.approx(x, abs=6e-7)
+    assert ray.time == pytest.approx(time, abs=6e-11)
+    assert ray.q == pytest.approx(q, abs=6e-5)
+
+
+def test_rays_through_layers_are_the_exact_ones_beside_bellhop():
+    for row in rows("layered_bottom_hits.csv"):
+        _, ray = shot(LAYERED, 5.0, float(row["launch_deg_down"]), bottom=60.0)
+        assert ray.x == pytest.approx(float(row["r_exact_m"]), abs=1e-8)
+        assert ray.time == pytest.approx(float(row["t_exact_s"]), abs=1e-12)
+        assert ray.q == pytest.approx(float(row["q_exact_m_per_rad"]), rel=1e-11)
+        assert math.degrees(math.asin(-ray.sine)) == pytest.approx(float(row["grazing_deg_exact"]), abs=1e-10)
+
+
+def test_rays_through_one_gradient_are_the_exact_ones_beside_bellhop():
+    water = gradient(1500.0, 0.05)
+    for row in rows("linear_ray_points.csv"):
+        status, ray = shot(water, 500.0, float(row["launch_deg_down"]), x_end=float(row["r_m"]))
+        assert status == RANGE
+        assert -ray.z == pytest.approx(float(row["z_exact_m"]), abs=1e-6)
+        assert ray.time == pytest.approx(float(row["t_exact_s"]), abs=1e-9)
+        assert ray.q == pytest.approx(float(row["q_exact_abs_m_per_rad"]), rel=1e-9)
+
+
+def test_a_ray_turns_and_comes_back_after_a_cycle():
+    water = gradient(1500.0, 0.016)
+    status, ray = shot(water, 0.0, 5.0, surface=0.0)
+    assert status == HIGH
+    assert ray.x == pytest.approx(16404.1244, abs=6e-5)
+    assert ray.time == pytest.approx(10.92217950, abs=6e-9)
+    _, ray = shot(water, 0.0, 5.0, x_end=ray.x / 2)
+    assert ray.x == pytest.approx(8202.0622, abs=6e-5)
+    assert -ray.z == pytest.approx(358.1098, abs=6e-5)
+    assert ray.sine == pytest.approx(0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("slope", "degrees", "time"), [(-0.5, 10.35189837, 0.068211383364), (0.5, 12.26160208, 0.067758190053)]
+)
+def test_the_ray_between_two_points_is_as_printed(slope, degrees, time):
+    c0, x, dz = 1500.0, 100.0, 20.0
+    status, ray, angle = joined(gradient(c0, slope, 40.0), 0.0, x, dz)
+    assert status == FOUND
+    assert angle == pytest.approx(degrees, abs=6e-9)
+    assert ray.time == pytest.approx(time, abs=6e-13)
+    c1 = c0 + slope * dz
+    assert ray.time == pytest.approx(math.acosh(1 + slope**2 * (x**2 + dz**2) / (2 * c0 * c1)) / abs(slope), abs=1e-12)

@@ -1,0 +1,50 @@
+"""Waters of tests, and rays through them one at a time."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.arcs import launch_ray, step
+from insonify.kernels.eigenrays import eigenray, shoot
+from insonify.kernels.jit import kernel
+
+NO_FLOOR, NO_CEILING = -math.inf, math.inf
+
+
+def layers(depths, speeds):
+    """Nodes as kernels take them, heights above the sea surface ascending."""
+    return -np.array(depths, float)[::-1], np.array(speeds, float)[::-1].copy()
+
+
+def gradient(speed, per_metre, depth=1e5):
+    """Water of one gradient over depth."""
+    return layers([0.0, depth], [speed, speed + per_metre * depth])
+
+
+@kernel
+def launched(height, speed, z, cosine, sine):
+    return launch_ray(height, speed, z, cosine, sine)
+
+
+@kernel
+def stepped(height, speed, ray, x_end, low, high):
+    return step(height, speed, ray, x_end, low, high)
+
+
+def downward(water, depth, degrees):
+    """A ray launched at so many degrees below the horizontal."""
+    angle = math.radians(degrees)
+    return launched(*water, -depth, math.cos(angle), -math.sin(angle))
+
+
+def shot(water, depth, degrees, x_end=math.inf, bottom=math.inf, surface=NO_CEILING):
+    """Follow a ray to a range or a bottom."""
+    return shoot(*water, downward(water, depth, degrees), x_end, -bottom, surface)
+
+
+def joined(water, depth, x, to_depth):
+    """The ray between two points, and its launch angle below the horizontal in degrees."""
+    status, ray = eigenray(*water, -depth, -to_depth, x, NO_FLOOR, NO_CEILING)
+    return status, ray, math.degrees(math.atan2(-ray.sine0, ray.cosine0))
