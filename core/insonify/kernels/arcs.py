@@ -98,7 +98,7 @@ def step(height, speed, ray, x_end, low, high):
     """
     layer, g, floor, ceiling = layer_of(height, speed, ray)
     level, s1, tangents = reach_level(ray, g, max(floor, low), min(ceiling, high))
-    by_range = reach_range(ray, g, x_end)
+    by_range, _ = crossing(ray.cosine, -ray.sine, x_end - ray.x, g * ray.cosine / ray.speed)
     if by_range <= tangents:
         if by_range == math.inf:
             return ENDLESS, ray
@@ -140,42 +140,52 @@ def layer_of(height, speed, ray):
 @fused
 def reach_level(ray, g, floor, ceiling):
     """Find which border of a layer a ray meets, the sine of its direction there, and the tangents of the arc to it."""
-    s0, c0 = ray.sine, ray.speed
-    xi = ray.cosine / c0
-    up = s0 > 0.0 or (s0 == 0.0 and g < 0.0)
-    level = ceiling if up else floor
-    if s0 == 0.0 and (g == 0.0 or xi == 0.0):
-        return level, 0.0, math.inf
-    if math.isinf(level):
-        return level, s0, math.inf
-    dz = level - ray.z
-    square = s0 * s0 - xi * xi * g * dz * (2.0 * c0 + g * dz)
-    if square >= 0.0 and s0 != 0.0:
-        s1 = math.copysign(math.sqrt(square), s0)
-        return level, s1, 2.0 * dz / (s0 + s1)
-    if square < 0.0:
-        # It turns before that border and comes back to the other.
-        level = floor if up else ceiling
-        dz = level - ray.z
-        square = max(s0 * s0 - xi * xi * g * dz * (2.0 * c0 + g * dz), 0.0)
-        up = not up
-    s1 = math.sqrt(square) if up else -math.sqrt(square)
-    return level, s1, 2.0 * (s0 - s1) / (g * xi * xi * (2.0 * c0 + g * dz))
+    bend = g * ray.cosine / ray.speed
+    up = ray.sine > 0.0 or (ray.sine == 0.0 and g < 0.0)
+    if up:
+        tangents, s1 = crossing(ray.sine, ray.cosine, ceiling - ray.z, bend)
+        if tangents < math.inf or math.isinf(ceiling):
+            return ceiling, s1, tangents
+    # It goes down, or turns below the ceiling.
+    tangents, s1 = crossing(-ray.sine, -ray.cosine, ray.z - floor, bend)
+    if up or tangents < math.inf or math.isinf(floor):
+        return floor, -s1, tangents
+    tangents, s1 = crossing(ray.sine, ray.cosine, ceiling - ray.z, bend)
+    return ceiling, s1, tangents
 
 
 @fused
-def reach_range(ray, g, x_end):
-    """Tangents of the arc to a range; infinite if it is never met."""
-    dx = x_end - ray.x
-    if dx <= 0.0:
-        return 0.0
-    if math.isinf(dx) or ray.cosine <= 0.0:
-        return math.inf
-    bend = g * ray.cosine / ray.speed
-    square = ray.cosine * ray.cosine + bend * dx * (2.0 * ray.sine - bend * dx)
+def crossing(along, across, distance, bend):
+    """Tangents of the arc from a ray to a line ahead, and the part of its direction there that leads over the line.
+
+    Parameters
+    ----------
+    along, across : float
+        Parts, over the line, of the ray's direction and of the direction 90° to the left of it.
+    distance : float
+        To the line, m.
+    bend : float
+        Curvature κ, positive to the right, 1/m.
+
+    Returns
+    -------
+    tangents, along : float
+        Infinite tangents if the arc never gets there.
+    """
+    if math.isinf(distance):
+        return math.inf, 0.0
+    d = max(distance, 0.0)
+    # d = T (along + along1)/2 at either end of the arc: a quadratic in T, solved without a difference of near equals.
+    fall = bend * (2.0 * across + d * bend)
+    square = along * along - d * fall
     if square < 0.0:
-        return math.inf
-    return 2.0 * dx / (ray.cosine + math.sqrt(square))
+        return math.inf, 0.0
+    there = math.sqrt(square)
+    if along > 0.0:
+        return 2.0 * d / (along + there), there
+    if fall < 0.0:
+        return 2.0 * (along - there) / fall, there
+    return math.inf, 0.0
 
 
 @fused
@@ -219,11 +229,15 @@ def cross(height, speed, ray, node):
 
 
 @fused
-def mirror(ray, g):
-    """Send a ray back from a level surface; ``g`` is the gradient on the ray's side of it.
+def mirror(height, speed, ray):
+    """Send a ray back from a level surface that it has come to.
 
-    q keeps its sign, as if the ray went on into mirrored water.
+    q keeps its sign, as if the ray went on into mirrored water: seen from outside, the tube has changed sides.
     """
+    k = layer_below(height, ray.z)
+    if ray.sine > 0.0 and k >= 0 and ray.z - height[k] <= SNAP:
+        k -= 1
+    g = gradient_above(height, speed, k)
     return kick_tube(ray, ray.z, ray.speed, -ray.sine, 2.0 * g if ray.sine > 0.0 else -2.0 * g)
 
 
