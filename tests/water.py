@@ -9,6 +9,9 @@ import numpy as np
 from insonify.kernels.arcs import launch_ray, step
 from insonify.kernels.eigenrays import eigenray, shoot
 from insonify.kernels.jit import kernel
+from insonify.kernels.paths import Limits
+from insonify.kernels.types import Water
+from insonify.sound.rays import follow_paths
 
 NO_FLOOR, NO_CEILING = -math.inf, math.inf
 
@@ -48,3 +51,16 @@ def joined(water, depth, x, to_depth):
     """The ray between two points, and its launch angle below the horizontal in degrees."""
     status, ray = eigenray(*water, -depth, -to_depth, x, NO_FLOOR, NO_CEILING)
     return status, ray, math.degrees(math.atan2(-ray.sine0, ray.cosine0))
+
+
+def water_of(height, speed, station=(0.0,)):
+    """Lay water out as tracers take it, below a sea surface at height 0."""
+    speed = np.atleast_2d(np.asarray(speed, float))
+    return Water(True, np.asarray(height, float), speed, np.asarray(station, float), 1.0, 0.0, 1500.0, 0.0)
+
+
+def followed(water, depth, degrees, ranges, bottom=math.inf, surface=NO_CEILING, mirrored=False):
+    """Follow rays launched at so many degrees below the horizontal, to the last of some ranges."""
+    ranges = np.asarray(ranges, float)
+    limits = Limits(float(ranges[-1]), -float(bottom), surface, False, mirrored)
+    return follow_paths(water, -float(depth), -np.radians(np.atleast_1d(degrees).astype(float)), ranges, limits)

@@ -99,21 +99,26 @@ def step(height, speed, ray, x_end, low, high):
     layer, g, floor, ceiling = layer_of(height, speed, ray)
     level, s1, tangents = reach_level(ray, g, max(floor, low), min(ceiling, high))
     by_range, _ = crossing(ray.cosine, -ray.sine, x_end - ray.x, g * ray.cosine / ray.speed)
-    if by_range <= tangents:
-        if by_range == math.inf:
-            return ENDLESS, ray
-        there = end_at_range(ray, g, by_range, x_end)
-        if level == low or level == high or abs(there.z - level) > SNAP:
-            return RANGE, there
-        # The next step will take it to be on the node.
-        return RANGE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
-    c1 = ray.speed + g * (level - ray.z)
-    there = follow(ray, g, tangents, ray.cosine / ray.speed * c1, s1, c1, level)
-    if level == low:
-        return LOW, there
-    if level == high:
-        return HIGH, there
-    return NODE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
+    if by_range == math.inf and tangents == math.inf:
+        return ENDLESS, ray
+    if by_range > tangents:
+        there = land(ray, g, tangents, level, s1)
+        if level == low:
+            return LOW, there
+        if level == high:
+            return HIGH, there
+        return NODE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
+    there = at_range(follow(ray, 0.0, g, by_range), x_end)
+    if level == low or level == high or abs(there.z - level) > SNAP:
+        return RANGE, there
+    # The next step will take it to be on the node.
+    return RANGE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
+
+
+@fused
+def at_range(ray, x):
+    """Put a ray exactly where it was to end."""
+    return Ray(x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
 
 
 @fused
@@ -189,26 +194,35 @@ def crossing(along, across, distance, bend):
 
 
 @fused
-def end_at_range(ray, g, tangents, x_end):
-    """Follow an arc of known tangents that ends at range ``x_end``."""
-    turn = 0.5 * g * ray.cosine / ray.speed * tangents  # tan(κs/2)
-    s1 = (ray.sine * (1.0 - turn * turn) - 2.0 * turn * ray.cosine) / (1.0 + turn * turn)
-    z1 = ray.z + 0.5 * tangents * (ray.sine + s1)
-    c1 = ray.speed + g * (z1 - ray.z)
-    there = follow(ray, g, tangents, ray.cosine / ray.speed * c1, s1, c1, z1)
-    return Ray(x_end, there.z, there.cosine, there.sine, there.speed, there.time, there.p, there.q, there.grazed)
+def follow(ray, gx, gz, tangents):
+    """Follow an arc of known tangents where speed has the gradient ``gx`` along range and ``gz`` upwards, 1/s."""
+    turn = 0.5 * tangents * (ray.cosine * gz - ray.sine * gx) / ray.speed  # tan(κs/2)
+    over = 1.0 / (1.0 + turn * turn)
+    cosine = (ray.cosine * (1.0 - turn * turn) + 2.0 * turn * ray.sine) * over
+    sine = (ray.sine * (1.0 - turn * turn) - 2.0 * turn * ray.cosine) * over
+    dx, dz = 0.5 * tangents * (ray.cosine + cosine), 0.5 * tangents * (ray.sine + sine)
+    speed = ray.speed + gx * dx + gz * dz
+    time, q = spend(ray, gx * gx + gz * gz, turn, tangents, speed)
+    return Ray(ray.x + dx, ray.z + dz, cosine, sine, speed, time, ray.p, q, ray.grazed)
 
 
 @fused
-def follow(ray, g, tangents, cosine, sine, speed, z):
-    """Carry range, time and tube along an arc whose other end's direction, speed and height are known."""
-    turn = 0.5 * g * ray.cosine / ray.speed * tangents
+def land(ray, g, tangents, level, sine):
+    """Follow an arc of layered water whose other end's height and direction are known."""
+    speed = ray.speed + g * (level - ray.z)
+    cosine = ray.cosine / ray.speed * speed
+    time, q = spend(ray, g * g, 0.5 * tangents * g * ray.cosine / ray.speed, tangents, speed)
     x = ray.x + 0.5 * tangents * (ray.cosine + cosine)
+    return Ray(x, level, cosine, sine, speed, time, ray.p, q, ray.grazed)
+
+
+@fused
+def spend(ray, square, turn, tangents, speed):
+    """Time and q at the other end of an arc, by the squared gradient, tan(κs/2), T, and the speed there."""
     # Of the chord D = T cos(κs/2), squared, over the speeds at its ends.
     chord = tangents * tangents / ((1.0 + turn * turn) * ray.speed * speed)
-    time = ray.time + math.sqrt(chord) * asinh_ratio(0.25 * g * g * chord)
-    q = ray.q + ray.p * 0.5 * tangents * (ray.speed + speed)
-    return Ray(x, z, cosine, sine, speed, time, ray.p, q, ray.grazed)
+    time = ray.time + math.sqrt(chord) * asinh_ratio(0.25 * square * chord)
+    return time, ray.q + ray.p * 0.5 * tangents * (ray.speed + speed)
 
 
 @fused
@@ -225,26 +239,38 @@ def asinh_ratio(square):
 def cross(height, speed, ray, node):
     """Let a ray that has come to a node enter the layer beyond it: the jump of the gradient bends the tube."""
     jump = gradient_above(height, speed, node) - gradient_above(height, speed, node - 1)
-    return kick_tube(ray, height[node], speed[node], ray.sine, -jump)
+    there = Ray(ray.x, height[node], ray.cosine, ray.sine, speed[node], ray.time, ray.p, ray.q, ray.grazed)
+    return kick_tube(there, -jump)
 
 
 @fused
-def mirror(height, speed, ray):
-    """Send a ray back from a level surface that it has come to.
+def mirror(ray, g):
+    """Send a ray back from a level surface; ``g`` is dc/dz on its side of it.
 
     q keeps its sign, as if the ray went on into mirrored water: seen from outside, the tube has changed sides.
     """
-    k = layer_below(height, ray.z)
-    if ray.sine > 0.0 and k >= 0 and ray.z - height[k] <= SNAP:
-        k -= 1
-    g = gradient_above(height, speed, k)
-    return kick_tube(ray, ray.z, ray.speed, -ray.sine, 2.0 * g if ray.sine > 0.0 else -2.0 * g)
+    there = kick_tube(ray, 2.0 * g if ray.sine > 0.0 else -2.0 * g)
+    return Ray(there.x, there.z, there.cosine, -there.sine, there.speed, there.time, there.p, there.q, there.grazed)
 
 
 @fused
-def kick_tube(ray, z, speed, sine, fall):
-    """Bend the tube at a level interface where dc/dz, upwards, falls by ``fall``, 1/s, whichever way the ray goes."""
-    xi = ray.cosine / speed
-    p = ray.p + ray.q * xi * xi * fall / max(abs(sine), GRAZING)
-    grazed = ray.grazed or (abs(sine) < GRAZING and fall != 0.0 and ray.q != 0.0)
-    return Ray(ray.x, z, ray.cosine, sine, speed, ray.time, p, ray.q, grazed)
+def gradient_behind(height, speed, ray):
+    """dc/dz on the side that a ray comes from, up or down, 1/s."""
+    k = layer_below(height, ray.z)
+    on_node = k >= 0 and ray.z - height[k] <= SNAP
+    return gradient_above(height, speed, k - 1 if on_node and ray.sine > 0.0 else k)
+
+
+@fused
+def kick_tube(ray, fall):
+    """Bend the tube at a level interface where dc/dz falls upwards by ``fall``, 1/s, whichever way the ray goes."""
+    flat = abs(ray.sine) < GRAZING
+    return bend_tube(ray, fall * ray.cosine * ray.cosine / max(abs(ray.sine), GRAZING), flat)
+
+
+@fused
+def bend_tube(ray, strength, flat):
+    """Bend the tube at a jump of the gradient; where the ray meets it flatly, that is capped and said."""
+    p = ray.p + ray.q * strength / (ray.speed * ray.speed)
+    grazed = ray.grazed or (flat and ray.q * strength != 0.0)
+    return Ray(ray.x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, p, ray.q, grazed)

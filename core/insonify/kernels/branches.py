@@ -19,6 +19,7 @@ from insonify.kernels.arcs import (
     SNAP,
     cross,
     gradient_above,
+    gradient_behind,
     launch_ray,
     layer_below,
     layer_of,
@@ -155,7 +156,7 @@ def trace_crossings(height, speed, span, angle, rows):
             continue
         if tops + bottoms > span.reflections:
             return
-        ray = mirror(height, speed, ray)
+        ray = mirror(ray, gradient_behind(height, speed, ray))
 
 
 @fused
