@@ -104,12 +104,12 @@ def aim(launch, height, top, reach, half_width, law, spreads):
         shallow = math.asin(height / r_far)
         # Exactly a step of slant range on a level bed for law `light`, exactly the angle for law `sonar`.
         angle = (r_far - r_near) * math.tan(theta) / r if law == LIGHT else steep - shallow
-        _send(launch, k, -theta, angle, height / r_near - height / r_far, half_width, law, spreads)
+        send(launch, k, -theta, angle, height / r_near - height / r_far, half_width, law, spreads)
     step = (top - lowest) / max(n - main, 1)
     for k in range(main, n):
         low = lowest + (k - main) * step
         band = math.sin(low + step) - math.sin(low)
-        _send(launch, k, low + 0.5 * step, step, band, half_width, law, spreads)
+        send(launch, k, low + 0.5 * step, step, band, half_width, law, spreads)
 
 
 @kernel
@@ -123,7 +123,7 @@ def _upper_rays(n, height, reach, lowest, top):
 
 
 @kernel
-def _send(launch, k, elevation, angle, band, half_width, law, spreads):
+def send(launch, k, elevation, angle, band, half_width, law, spreads):
     """Set ray k: its elevation, the angle it stands for and the difference of sin(elevation) over that angle."""
     c, s = math.cos(elevation), math.sin(elevation)
     # Law `light` averages over the beam, law `sonar` integrates it.

@@ -27,15 +27,11 @@ def march_hits(bed, solids, near, count, mesh, bundle, reach, step, hits):
         ray = Ray(bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k])
         before, triangle = meet_mesh(mesh, ray.x, ray.y, ray.z, ray.dx, ray.dy, ray.dz, reach)
         distance, body = _march(bed, solids, near, count, ray, ceiling, before, step)
-        material, nx, ny, nz = 0, 0.0, 0.0, 0.0
         if triangle >= 0 and before < distance:
             distance, body, material = before, solids.shape.size + triangle, mesh.material[triangle]
             nx, ny, nz = facing(mesh, triangle, ray.dx, ray.dy, ray.dz)
-        elif body == BED:
-            material, nx, ny, nz = _bed_surface(bed, ray, distance)
-        elif body != NOTHING:
-            material = solids.material[body]
-            nx, ny, nz = _body_normal(solids, body, ray, distance)
+        else:
+            material, nx, ny, nz = _surface(bed, solids, ray, distance, body)
         hits.distance[k], hits.body[k], hits.material[k] = distance, body, material
         hits.nx[k], hits.ny[k], hits.nz[k] = nx, ny, nz
 
@@ -44,26 +40,53 @@ def march_hits(bed, solids, near, count, mesh, bundle, reach, step, hits):
 def _march(bed, solids, near, count, ray, ceiling, reach, step):
     """Distance to the hit and the body hit, of one ray."""
     first, last = _samples(ray, ceiling, reach, step)
-    best, body = math.inf, NOTHING
     before = _clearance(bed, ray, (first - 1) * step)
     for k in range(first, last + 1):
-        t = k * step
-        after = _clearance(bed, ray, t)
-        if after <= 0.0:
-            share = before / (before - after) if 0.0 < before < math.inf else 1.0
-            best, body = t - (1.0 - share) * step, BED
-        for m in range(count):
-            depth = _distance(solids, near[m], ray, t)
-            if depth <= 0.0:
-                outside = _distance(solids, near[m], ray, t - step)
-                share = outside / (outside - depth) if outside > 0.0 else 0.0
-                distance = t - (1.0 - share) * step
-                if distance < best:
-                    best, body = distance, near[m]
+        distance, body, before = _feel(bed, solids, near, count, ray, before, k * step, step)
         if body != NOTHING:
-            break
-        before = after
-    return best, body
+            return distance, body
+    return math.inf, NOTHING
+
+
+@fused
+def _feel(bed, solids, near, count, ray, before, t, step):
+    """Feel for what the sample at distance t is in: where it began since the last one, the body, and the clearance.
+
+    ``before`` is the clearance above the bed of the last sample, a step nearer.
+    """
+    best, body = math.inf, NOTHING
+    after = _clearance(bed, ray, t)
+    if after <= 0.0:
+        share = before / (before - after) if 0.0 < before < math.inf else 1.0
+        best, body = t - (1.0 - share) * step, BED
+    for m in range(count):
+        depth = _distance(solids, near[m], ray, t)
+        if depth <= 0.0:
+            outside = _distance(solids, near[m], ray, t - step)
+            share = outside / (outside - depth) if outside > 0.0 else 0.0
+            distance = t - (1.0 - share) * step
+            if distance < best:
+                best, body = distance, near[m]
+    return best, body, after
+
+
+@fused
+def march_chord(bed, solids, near, count, ray, length):
+    """Meet what is at the end of one step of a ray: (distance, body, material, nx, ny, nz)."""
+    distance, body, _ = _feel(bed, solids, near, count, ray, _clearance(bed, ray, 0.0), length, length)
+    material, nx, ny, nz = _surface(bed, solids, ray, distance, body)
+    return distance, body, material, nx, ny, nz
+
+
+@fused
+def _surface(bed, solids, ray, distance, body):
+    """Material and normal of what a ray meets at a distance."""
+    if body == NOTHING:
+        return 0, 0.0, 0.0, 0.0
+    if body == BED:
+        return _bed_surface(bed, ray, distance)
+    nx, ny, nz = _body_normal(solids, body, ray, distance)
+    return solids.material[body], nx, ny, nz
 
 
 @kernel

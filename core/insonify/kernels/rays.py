@@ -116,14 +116,14 @@ def deposit(bundle, hits, weight, reflectivity, law, fan, bin_length, sums):
         value = strength(cos_incidence, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
         value *= weight[k] * distance / cos_incidence
         if law == LIGHT:
-            value *= _tilt(dx, dy, dz, nx, ny, nz) / bin_length
+            value *= tilt(dx, dy, dz, nx, ny, nz) / bin_length
         elif fan:
             value *= distance
         sums[b] += value
 
 
 @kernel
-def _tilt(dx, dy, dz, nx, ny, nz):
+def tilt(dx, dy, dz, nx, ny, nz):
     """|n·e| with e the way a growing elevation moves a ray: on the surface dr/dθ = r |n·e| / cos α."""
     level = math.sqrt(dx * dx + dy * dy)
     if level == 0.0:

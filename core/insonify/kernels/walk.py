@@ -104,7 +104,10 @@ def meet_bodies(solids, near, count, bundle, reach, hits):
 
 @fused
 def meet_bed(bed, ray, reach):
-    """Meet the bed from above: (distance, material, nx, ny, nz), the distance infinite if the ray misses."""
+    """Meet the bed from above: (distance, material, nx, ny, nz).
+
+    The distance is infinite if the ray misses, NaN if it ends inside the bed: begins there, or comes in from the side.
+    """
     ny, nx = bed.heights.shape
     u0, v0 = (ray.x - bed.x0) / bed.spacing, (ray.y - bed.y0) / bed.spacing
     du, dv = ray.dx / bed.spacing, ray.dy / bed.spacing
@@ -132,7 +135,7 @@ def meet_bed(bed, ray, reach):
             if not known:
                 above = _clearance(cell, u0 + start * du - i, v0 + start * dv - j, ray.z + start * ray.dz)
                 if above < -skin:
-                    return math.inf, 0, 0.0, 0.0, 0.0
+                    return math.nan, 0, 0.0, 0.0, 0.0
                 above, known = max(above, skin), True
             span = stop - start
             share = first_root(above, after, -cell.d * du * dv * span * span)

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from insonify.kernels.bends import bent_hits, empty_arrivals
+from insonify.kernels.bent import trace_bent_pings
 from insonify.kernels.bounce import follow_paths
 from insonify.kernels.rays import cast_rays, empty_hits, trace_pings
 from insonify.kernels.types import BED, Poses, Problem
@@ -50,7 +52,7 @@ def trace(problem: Problem, poses: Poses, *, rays: int = 4000, threads: int | No
 def cast(
     problem: Problem, origins: ArrayLike, directions: ArrayLike, *, reach: float | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
-    """Find the first thing that each ray meets.
+    """Find the first thing that each ray meets, along arcs where the water bends sound.
 
     Parameters
     ----------
@@ -61,12 +63,12 @@ def cast(
     directions : (n, 3) array_like
         Where they go; of any length but zero.
     reach : float, optional
-        Metres after which a ray ends; the sonar's range when left out.
+        Slant range after which a ray ends; the sonar's own when left out.
 
     Returns
     -------
     distance : (n,) float64
-        Metres to the hit, infinite where there is none.
+        Slant range of the hit in metres: travel time by the speed at the sonar. Infinite where there is none.
     what : (n,) int64
         Index of the target, ``BED`` (-1), or -2 for nothing.
     normal : (n, 3) float64
@@ -74,7 +76,11 @@ def cast(
     """
     bundle = _bundle(origins, directions)
     hits = empty_hits(bundle.x.size)
-    cast_rays(problem, bundle, problem.bins * problem.bin_length if reach is None else float(reach), hits)
+    farthest = problem.bins * problem.bin_length if reach is None else float(reach)
+    if problem.water.bent:
+        bent_hits(problem, bundle, farthest, WALK, hits, empty_arrivals(bundle.x.size))
+    else:
+        cast_rays(problem, bundle, farthest, hits)
     return hits.distance, _targets(problem)[hits.body], np.column_stack([hits.nx, hits.ny, hits.nz])
 
 
@@ -147,11 +153,12 @@ def trace_rays(problem: Problem, poses: Poses, rays: int, step: float, threads: 
     """Trace pings by the walk, or by a march if ``step`` is positive; pings are shared among threads."""
     if rays < 1:
         raise SceneError(f"rays: {rays} is too few; give at least 1 ray per side")
+    trace = trace_bent_pings if problem.water.bent else trace_pings
     out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
 
     def block(first: int, last: int) -> int:
         part = take(poses, slice(first, last))
-        return int(trace_pings(problem, part, int(rays), float(step), out[first:last]))
+        return int(trace(problem, part, int(rays), float(step), out[first:last]))
 
     refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
     return out

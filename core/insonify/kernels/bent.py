@@ -1,0 +1,119 @@
+"""Pings through water that bends rays: what comes back from hits along arcs.
+
+A ray that stands for the solid angle dΩ lands on q x / cosθ0 · dΩ / cos α of a surface, q being the width of its tube
+in elevation and x / cosθ0 that across; one way its intensity is I = cosθ0 / (x |q|) of that at 1 m, and the way back is
+the way out. So it returns σ dA I² = σ dΩ I / cos α. A knife is 1 m wide along the track: σ q dθ I² / cos α. Law `light`
+spreads nothing: a ray stands for the step of slant range that its landing makes as its elevation grows. In still water
+q = x / cosθ0 = r.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.bends import bent_hits, clear_of_nodes, empty_arrivals
+from insonify.kernels.jit import kernel
+from insonify.kernels.launch import inside_body, make_beam, spread_rays, touches, turn
+from insonify.kernels.pilots import Sea, aim_bent
+from insonify.kernels.rays import empty_bundle, empty_hits, empty_launch, tilt, weigh
+from insonify.kernels.scatter import strength
+from insonify.kernels.shapes import widest
+from insonify.kernels.types import LIGHT, PORT
+from insonify.kernels.walk import NOTHING
+
+SLACK = 0.1  # of its distance, by which a body may be beside a beam of straight rays and yet be heard
+
+
+@kernel
+def trace_bent_pings(problem, poses, rays, march, out):
+    """Trace all pings into ``out`` (pings, 2, bins) with ``rays`` a side: a walk along arcs, or a march if that is > 0.
+
+    Return -1 - k if the sonar is inside body k, else 0.
+    """
+    port, starboard = empty_launch(rays), empty_launch(rays)
+    bundle, hits, arrivals = empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
+    weighed, sums = np.empty(rays), np.empty(problem.bins)
+    reach, fan, water = problem.bins * problem.bin_length, problem.half_width > 0.0, problem.water
+    spreads = fan and problem.pattern.tabled
+    aimed_at = np.full((2, 3), math.nan)
+    for ping in range(poses.x.size):
+        z, pitch = poses.z[ping], poses.pitch[ping]
+        body = inside_body(problem.solids, poses.x[ping], poses.y[ping], z)
+        if body >= 0:
+            return -1 - body
+        for side in range(2):
+            beam = make_beam(problem, poses, ping, side)
+            launch = port if side == PORT else starboard
+            ceiling = clear_of_nodes(water.height, _highest(problem, beam))
+            if z != aimed_at[side, 0] or ceiling != aimed_at[side, 1] or pitch != aimed_at[side, 2]:
+                sea = Sea(water.height, water.speed[0], water.surface, ceiling, reach, water.reference)
+                aim_bent(launch, sea, z, problem.half_width, problem.law, spreads)
+                if spreads:
+                    spread_rays(launch, problem.pattern, z, reach, pitch)
+                aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, ceiling, pitch
+            turn(launch, beam, bundle)
+            bent_hits(problem, bundle, reach, march, hits, arrivals)
+            weight = launch.weight
+            if problem.pattern.tabled:
+                weight = weigh(problem, beam, bundle, hits, launch.weight, weighed)
+            deposit_bent(problem, hits, arrivals, weight, sums)
+            # What depends on range alone comes after the sum.
+            for k in range(problem.bins):
+                out[ping, side, k] = sums[k] * problem.range_factor[k]
+    return 0
+
+
+@kernel
+def _highest(problem, beam):
+    """Height of the highest thing that a beam may meet."""
+    solids, mesh, top = problem.solids, problem.mesh, problem.bed.high
+    for k in range(solids.shape.size):
+        middle, radius = 0.5 * solids.length[k], widest(solids, k)
+        cx = solids.start[k, 0] + middle * solids.axis[k, 0] - beam.x
+        cy = solids.start[k, 1] + middle * solids.axis[k, 1] - beam.y
+        z = solids.start[k, 2] + middle * solids.axis[k, 2]
+        if _may_touch(beam, cx, cy, z - beam.z, middle + radius):
+            top = max(top, z + middle * abs(solids.axis[k, 2]) + radius)
+    if mesh.skip.size > 0:
+        wx, wy = 0.5 * (mesh.high[0, 0] - mesh.low[0, 0]), 0.5 * (mesh.high[0, 1] - mesh.low[0, 1])
+        wz, z = 0.5 * (mesh.high[0, 2] - mesh.low[0, 2]), 0.5 * (mesh.high[0, 2] + mesh.low[0, 2])
+        cx, cy = mesh.low[0, 0] + wx - beam.x, mesh.low[0, 1] + wy - beam.y
+        if _may_touch(beam, cx, cy, z - beam.z, math.sqrt(wx * wx + wy * wy + wz * wz)):
+            top = max(top, mesh.high[0, 2])
+    return top
+
+
+@kernel
+def _may_touch(beam, cx, cy, cz, bound):
+    """Whether a beam of bent rays may touch a ball, its centre counted from the sonar."""
+    distance = math.sqrt(cx * cx + cy * cy + cz * cz)
+    return touches(beam, cx, cy, cz, distance, bound + SLACK * distance)
+
+
+@kernel
+def deposit_bent(problem, hits, arrivals, weight, sums):
+    """Sum what the hits return into time bins; the range factor, which holds 1/r⁴, comes after."""
+    fan, law, reference = problem.half_width > 0.0, problem.law, problem.water.reference
+    sums[:] = 0.0
+    for k in range(weight.size):
+        if hits.body[k] == NOTHING:
+            continue
+        distance = hits.distance[k]
+        b = int(distance / problem.bin_length)
+        dx, dy, dz = arrivals.dx[k], arrivals.dy[k], arrivals.dz[k]
+        nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
+        cos_incidence = -(nx * dx + ny * dy + nz * dz)
+        # A surface exactly edge-on returns nothing.
+        if b >= sums.size or cos_incidence <= 0.0:
+            continue
+        row = problem.reflectivity[hits.material[k]]
+        value = strength(cos_incidence, row[0], row[1], row[2], law) * weight[k] / cos_incidence
+        tube, spread = arrivals.tube[k], arrivals.spread[k]
+        if law == LIGHT:
+            value *= reference / arrivals.speed[k] * tube * tilt(dx, dy, dz, nx, ny, nz) / problem.bin_length
+        else:
+            intensity = distance * distance / (tube * spread)  # beside still water's
+            value *= distance * distance * intensity if fan else tube * intensity * intensity
+        sums[b] += value

@@ -1,0 +1,319 @@
+"""Rays along arcs over a bed and among targets: closed forms, integrals done by hand, a slow walk in tiny steps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import naive
+from beds import icosphere, mesh_of, poses_of, problem_of, rough
+from insonify.kernels.bends import bent_hits, empty_arrivals
+from insonify.kernels.rays import empty_hits
+from insonify.kernels.types import BED, LIGHT, SONAR, Water, still_water
+from insonify.kernels.walk import Bundle
+from insonify.scene.materials import Reflectivity
+from insonify.tracers import march, rays
+
+FLAT = np.zeros((8, 8))
+FAN = math.radians(1.25)
+MATERIAL = Reflectivity(0.6, 0.3, 5.0)
+SURFACE = 100.0
+# Heights and speeds of a steep thermocline above the bed.
+THERMOCLINE = ([0.0, 6.0, 8.0, 11.0, 25.0], [1489.0, 1490.0, 1493.0, 1500.0, 1501.0])
+
+
+def layered(height, speed, reference, surface=SURFACE):
+    return Water(True, np.array(height, float), np.array([speed], float), np.zeros(1), 1.0, 0.0, reference, surface)
+
+
+def gradient(g, z, c=1500.0, surface=SURFACE):
+    """Water whose speed is c at height z and rises by g per metre from -5 m to the surface."""
+    return layered([-5.0, surface], [c + g * (-5.0 - z), c + g * (surface - z)], c, surface)
+
+
+def thermocline(z=20.0):
+    height, speed = THERMOCLINE
+    return layered(height, speed, float(np.interp(z, height, speed)))
+
+
+def flat(water, **options):
+    return problem_of(FLAT, 4.0, periodic=True, **options)._replace(water=water)
+
+
+def downwards(angles, azimuth=0.3):
+    angles = np.radians(angles)
+    level = np.cos(angles)
+    return np.column_stack([level * math.cos(azimuth), level * math.sin(azimuth), -np.sin(angles)])
+
+
+def land(problem, start, directions, reach=1000.0):
+    """All that is known of the first hits."""
+    columns = np.broadcast_arrays(*start, *np.asarray(directions, float).T)
+    bundle = Bundle(*(np.ascontiguousarray(column, dtype=float) for column in columns))
+    hits, arrivals = empty_hits(bundle.x.size), empty_arrivals(bundle.x.size)
+    bent_hits(problem, bundle, reach, 0.0, hits, arrivals)
+    return hits, arrivals
+
+
+@pytest.mark.parametrize("g", [-5.0, -0.5, -1e-9, 0.0, 1e-9, 0.5, 5.0])
+def test_arcs_of_one_gradient_land_where_circles_do(g):
+    problem = flat(gradient(g, 10.0))
+    angles = np.linspace(0.5, 89.5, 90)
+    found, what, _ = rays.cast(problem, (3.0, -2.0, 10.0), downwards(angles), reach=300.0)
+    xi, s0, c1 = np.cos(np.radians(angles)) / 1500.0, np.sin(np.radians(angles)), 1500.0 - 10.0 * g
+    square = s0**2 + xi**2 * g * 10.0 * (1500.0 + c1)  # physics: s1² = s0² − ξ² g Δz (c0 + c1)
+    x = np.full(angles.size, 1e4)
+    lands = square >= 0.0
+    x[lands] = xi[lands] * 10.0 * (1500.0 + c1) / (s0[lands] + np.sqrt(square[lands]))
+    distance = np.hypot(x, 10.0)
+    y = abs(g) * distance / (2.0 * math.sqrt(1500.0 * c1))
+    expected = distance * math.sqrt(1500.0 / c1) * (np.arcsinh(y) / y if abs(g) > 1e-6 else 1.0)
+    lands &= expected < 300.0
+    assert (what == np.where(lands, BED, -2)).all()
+    np.testing.assert_allclose(found[lands], expected[lands], atol=1e-5)
+
+
+def test_layers_land_as_printed():
+    # Depth 0, 10, 20 and 60 m, sonar at 5 m: range, time and width of the tube, by hand.
+    water = layered([0.0, 40.0, 50.0, 60.0], [1498.0, 1500.0, 1520.0, 1520.0], 1520.0, surface=60.0)
+    hits, arrivals = land(flat(water), (0.0, 0.0, 55.0), downwards([2.0, 10.0, 60.0]))
+    np.testing.assert_allclose(hits.distance / 1520.0, [0.3179804118, 0.1632912097, 0.0421014320], atol=1e-9)
+    x = arrivals.spread * np.cos(np.radians([2.0, 10.0, 60.0]))
+    np.testing.assert_allclose(x, [475.430622, 239.228222, 31.281329], atol=1e-4)
+    np.testing.assert_allclose(arrivals.tube, [863.1684, 211.6164, 62.3989], rtol=1e-6)
+
+
+def test_water_that_hardly_bends_is_still_water():
+    rng = np.random.default_rng(1)
+    bodies = [((10.0, 3.0, 0.5), 1.0), ((5.0, -4.0, 0.2), (9.0, -6.0, 1.0), 0.4)]
+    vertices, faces = icosphere(2, 1.0, (-8.0, 2.0, 0.5))
+    problem = problem_of(rough(64, 64), 0.5, periodic=True, solids=bodies, mesh=mesh_of(vertices, faces))
+    ways = rng.normal(size=(4000, 3))
+    ways[:, 2] = -0.5 * np.abs(ways[:, 2])
+    one = rays.cast(problem._replace(water=still_water(1500.0, SURFACE)), (0.0, 0.0, 5.0), ways)
+    other = rays.cast(problem._replace(water=gradient(0.0, 5.0)), (0.0, 0.0, 5.0), ways)
+    assert (one[1] == other[1]).all()
+    assert set(np.unique(one[1])) == {-2, BED, 0, 1}
+    hit = one[1] != -2
+    np.testing.assert_allclose(other[0][hit], one[0][hit], rtol=1e-13)
+    np.testing.assert_allclose(other[2], one[2], atol=1e-9)
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+@pytest.mark.parametrize("half_width", [0.0, FAN])
+def test_its_records_are_still_waters(law, half_width):
+    problem = flat(still_water(1500.0, SURFACE), law=law, half_width=half_width, reflectivity=[MATERIAL], bins=500)
+    poses = poses_of(3.0, 5.0, 10.0, 0.7)
+    still = rays.trace(problem, poses, rays=200_000)
+    bent = rays.trace(problem._replace(water=gradient(0.0, 10.0)), poses, rays=200_000)
+    np.testing.assert_allclose(bent[0, :, 210:].sum(), still[0, :, 210:].sum(), rtol=1e-4)
+    # A bin of some four hundred rays has one more or less.
+    np.testing.assert_allclose(bent[..., 210:], still[..., 210:], rtol=0.02)
+
+
+@pytest.mark.parametrize(("g", "farthest"), [(0.05, 1095.63), (0.5, 346.99), (5.0, 111.36)])
+def test_the_bed_is_unseen_beyond_where_rays_turn(g, farthest):
+    # Faster below: a ray that comes down flatter turns before the bed.
+    problem = flat(gradient(-g, 20.0), bins=2400, bin_length=0.5)
+    record = rays.trace(problem, poses_of(0.0, 0.0, 20.0), rays=4000)[0, 0]
+    c_bed = 1500.0 + 20.0 * g
+    time = math.acosh(1.0 + g * g * (farthest**2 + 400.0) / (2.0 * 1500.0 * c_bed)) / g
+    lit = np.flatnonzero(record)
+    assert (lit[-1] + 1) * 0.5 == pytest.approx(1500.0 * time, abs=0.5)
+    assert record[40 : lit[-1]].all()
+
+
+@pytest.mark.parametrize(("g", "farthest"), [(0.1, 1642.35), (0.5, 733.01)])
+def test_or_beyond_the_ray_that_grazes_the_surface(g, farthest):
+    # Slower below, sonar 10 m below the surface and 30 m above the bed; what passes the surface is gone.
+    water = layered([-5.0, 40.0], [1500.0 - 45.0 * g, 1500.0], 1500.0 - 10.0 * g, surface=40.0)
+    problem = flat(water, bins=4000, bin_length=0.5)
+    record = rays.trace(problem, poses_of(0.0, 0.0, 30.0), rays=4000)[0, 0]
+    c_bed = 1500.0 - 40.0 * g
+    time = math.acosh(1.0 + g * g * (farthest**2 + 900.0) / (2.0 * water.reference * c_bed)) / g
+    lit = np.flatnonzero(record)
+    assert (lit[-1] + 1) * 0.5 == pytest.approx(water.reference * time, abs=0.5)
+    assert record[60 : lit[-1]].all()
+
+
+def integrated(water, z, law, half_width, bins, bin_length, rays=40_000, slabs=400):
+    """A level bed's record by integrals over height, ray by ray: nothing of arcs or tubes."""
+    step = 1e-6
+    angles = np.arcsin(z / np.linspace(z * (1 + 1e-9), 1.2 * bins * bin_length, rays + 1))[::-1]
+    middle = 0.5 * (angles[1:] + angles[:-1])
+    heights = (np.arange(slabs) + 0.5) * z / slabs
+    speeds = np.interp(heights, water.height, water.speed[0])
+    c0, c1 = np.interp(z, water.height, water.speed[0]), np.interp(0.0, water.height, water.speed[0])
+
+    def go(angle):
+        x, time = np.zeros(angle.size), np.zeros(angle.size)
+        for c in speeds:
+            cosine = np.cos(angle) * c / c0
+            sine = np.sqrt(1.0 - np.minimum(cosine**2, 1.0 - 1e-12))
+            x += cosine / sine * z / slabs
+            time += z / slabs / (c * sine)
+        return x, time
+
+    (x, time), (before, _), (after, _) = go(middle), go(middle - step), go(middle + step)
+    cosine = np.cos(middle)
+    sine = np.sqrt(1.0 - np.minimum((cosine * c1 / c0) ** 2, 1.0))
+    q = np.abs(after - before) / (2.0 * step) * sine
+    intensity, width = cosine / (x * q), 1.0
+    r, lobe = water.reference * time, np.maximum(2.0 * sine**2 - 1.0, 0.0) ** MATERIAL.shininess
+    ground = np.abs(after - before) / (2.0 * step) * np.diff(angles)
+    if law == LIGHT:
+        value = (MATERIAL.diffuse * sine + MATERIAL.specular * lobe) / bin_length
+        value *= water.reference / c1 * ground * cosine * c1 / c0
+    else:
+        if half_width > 0.0:
+            width = 2.0 * np.arcsin(np.minimum(math.sin(half_width) / cosine, 1.0)) * x
+        mirror = MATERIAL.specular * (MATERIAL.shininess + 2.0) / (2.0 * math.pi) * lobe
+        value = sine**2 * (MATERIAL.diffuse / math.pi + mirror) * ground * width * (intensity * r * r) ** 2
+    return np.bincount((r / bin_length).astype(int), value, 4 * bins)[:bins]
+
+
+@pytest.mark.parametrize(
+    ("law", "half_width", "water"),
+    [
+        (SONAR, FAN, thermocline()),
+        (SONAR, FAN, gradient(-0.3, 20.0)),
+        (SONAR, FAN, gradient(0.5, 20.0)),
+        (SONAR, 0.0, thermocline()),
+        (LIGHT, 0.0, thermocline()),
+    ],
+)
+def test_levels_of_a_flat_bed_are_their_integrals(law, half_width, water):
+    problem = flat(water, law=law, half_width=half_width, reflectivity=[MATERIAL], bins=120, bin_length=0.5)
+    record = rays.trace(problem, poses_of(3.0, 5.0, 20.0, 0.7), rays=100_000)[0, 0]
+    expected = integrated(water, 20.0, law, half_width, 120, 0.5)
+    level = 10.0 * np.log10(record[42:] / expected[42:])
+    assert np.abs(level).max() < 0.05
+    assert abs(level.mean()) < 0.005
+
+
+def crawl(problem, start, direction, reach, step=0.02):
+    """Slant range of a ray's first hit by the midpoint rule in tiny steps, and what it is."""
+    water, bed = problem.water, problem.bed
+    level = math.hypot(direction[0], direction[1])
+    ahead = np.array([direction[0], direction[1], 0.0]) / level
+    x, z, angle, time = 0.0, start[2], math.atan2(direction[2], level), 0.0
+
+    def speed(z):
+        return float(np.interp(z, water.height, water.speed[0]))
+
+    def gradient_at(z):
+        return (speed(z + 1e-6) - speed(z - 1e-6)) / 2e-6
+
+    def found(x, z):
+        point = np.array(start) + x * ahead
+        point[2] = z
+        for k in range(problem.solids.shape.size):
+            if naive.body_depth(problem.solids, k, point) <= 0.0:
+                return k
+        return BED if z <= naive.height(bed, point[0], point[1]) else -2
+
+    while water.reference * time < reach:
+        half = angle - 0.5 * step * gradient_at(z) * math.cos(angle) / speed(z)
+        mz = z + 0.5 * step * math.sin(half)
+        later = angle - step * gradient_at(mz) * math.cos(half) / speed(mz)
+        nx, nz = x + step * math.cos(half), z + step * math.sin(half)
+        what = found(nx, nz)
+        if what != -2:
+            share = 0.5
+            for k in range(2, 30):
+                inside = found(x + share * (nx - x), z + share * (nz - z)) != -2
+                share += -(0.5**k) if inside else 0.5**k
+            return water.reference * (time + share * step / speed(mz)), what
+        x, z, angle, time = nx, nz, later, time + step / speed(mz)
+    return math.inf, -2
+
+
+def test_first_hits_are_those_of_a_crawl():
+    height, speed = [-1.0, 1.0, 2.0, 4.0, 8.0], [1480.0, 1482.0, 1490.0, 1500.0, 1501.0]
+    bodies = [((14.0, 0.5, 1.2), 1.0), ((22.0, -3.0, 0.6), (22.0, 3.0, 1.0), 0.7), ((30.0, 0.0, 3.0), 0.8)]
+    problem = problem_of(rough(64, 64, rms=0.15), 0.5, periodic=True, solids=bodies)
+    problem = problem._replace(water=layered(height, speed, 1500.0))
+    start, reach = (0.3, 0.2, 4.5), 60.0
+    angles = np.concatenate([np.linspace(1.0, 30.0, 30), np.linspace(-6.0, 1.0, 14)])
+    ways = downwards(angles, azimuth=0.02)
+    found, what, _ = rays.cast(problem, start, ways, reach=reach)
+    crawled = [crawl(problem, start, way, reach) for way in ways]
+    expected, kinds = np.array([c[0] for c in crawled]), np.array([c[1] for c in crawled])
+    assert set(kinds) == {-2, BED, 0, 1, 2}
+    assert (what == kinds).mean() > 0.97  # but for rays that just graze something
+    same = (what == kinds) & (what != -2)
+    # Where a ray comes in at a degree or two, a tenth of a millimetre of height is several of range.
+    np.testing.assert_allclose(found[same], expected[same], atol=0.01)
+    assert np.median(np.abs(found[same] - expected[same])) < 5e-4
+
+
+def test_sound_goes_back_the_way_it_came():
+    water, start = thermocline(), (1.0, 2.0, 20.0)
+    sonar = ((1.0, 2.0, 20.0), 0.05)
+    problem = problem_of(rough(64, 64, rms=0.1), 1.0, periodic=True, solids=[sonar])._replace(water=water)
+    ways = downwards(np.linspace(8.0, 80.0, 30), azimuth=1.1)
+    outside = np.array(start) + 0.051 * ways
+    bundle = Bundle(*(np.ascontiguousarray(column) for column in (*outside.T, *ways.T)))
+    hits, arrivals = empty_hits(30), empty_arrivals(30)
+    bent_hits(problem, bundle, 300.0, 0.0, hits, arrivals)
+    assert (hits.body == BED).all()
+    way = np.column_stack([arrivals.dx, arrivals.dy, arrivals.dz])
+    x = arrivals.spread * np.hypot(ways[:, 0], ways[:, 1])
+    places = outside + x[:, None] * np.array([math.cos(1.1), math.sin(1.1), 0.0])
+    places[:, 2] = [naive.height(problem.bed, *place[:2]) + 1e-3 for place in places]
+    back, what, _ = rays.cast(problem, places, -way, reach=300.0)
+    assert (what == 0).all()
+    np.testing.assert_allclose(back, hits.distance, atol=0.02)
+
+
+def test_a_mesh_is_met_as_the_ball_it_stands_for():
+    water, centre = thermocline(), (40.0, 0.0, 8.0)
+    vertices, faces = icosphere(5, 2.0, centre)
+    ball = problem_of(FLAT, 8.0, periodic=True, solids=[(centre, 2.0)])._replace(water=water)
+    mesh = problem_of(FLAT, 8.0, periodic=True, mesh=mesh_of(vertices, faces))._replace(water=water)
+    ways = downwards(np.linspace(10.0, 24.0, 400), azimuth=0.0)
+    one, other = rays.cast(ball, (0.0, 0.0, 20.0), ways), rays.cast(mesh, (0.0, 0.0, 20.0), ways)
+    assert (one[1] == other[1]).mean() > 0.98
+    both = (one[1] == 0) & (other[1] == 0)
+    assert both.sum() > 50
+    assert np.median(np.abs(one[0][both] - other[0][both])) < 0.005
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_the_march_goes_along_the_same_arcs(law):
+    problem = flat(thermocline(), law=law, half_width=FAN, bins=400, bin_length=0.2)
+    poses = poses_of(1.0, 2.0, 20.0, 0.3)
+    one, other = march.trace(problem, poses, step=0.5, rays=8000), rays.trace(problem, poses, rays=8000)
+    # A level bed is linear along a chord: one interpolation finds it, and no bin has more than a ray too many.
+    np.testing.assert_allclose(one, other, rtol=0.06)
+    assert one.sum() == pytest.approx(other.sum(), rel=1e-4)
+
+
+def test_what_is_inside_the_bed_meets_nothing():
+    problem = flat(gradient(0.5, 10.0))
+    _, what, _ = rays.cast(problem, (0.0, 0.0, -1.0), downwards([-80.0, -10.0, 0.0, 10.0, 80.0]))
+    assert (what == -2).all()
+
+
+def test_straight_down_is_a_straight_line():
+    water = thermocline()
+    found, what, _ = rays.cast(flat(water), (0.0, 0.0, 20.0), (0.0, 0.0, -1.0))
+    height, speed = map(np.array, THERMOCLINE)
+    z = np.concatenate([height[height < 20.0], [20.0]])
+    c = np.interp(z, height, speed)
+    time = np.sum(np.diff(z) * np.log(c[1:] / c[:-1]) / np.diff(c))
+    assert what[0] == BED
+    assert found[0] == pytest.approx(water.reference * time, abs=1e-9)
+
+
+def test_records_do_not_depend_on_threads():
+    height, speed = THERMOCLINE
+    problem = problem_of(rough(64, 64), 0.5, periodic=True, half_width=FAN, bins=200, bin_length=0.3)
+    problem = problem._replace(water=layered(height, speed, 1500.0))
+    poses = poses_of(np.arange(20.0), 0.0, 20.0 + 0.1 * np.sin(np.arange(20.0)))
+    whole = rays.trace(problem, poses, rays=500, threads=1)
+    assert (rays.trace(problem, poses, rays=500, threads=3) == whole).all()
+    alone = rays.trace(problem, type(poses)(*(column[7:8] for column in poses)), rays=500)
+    assert (alone[0] == whole[7]).all()
