@@ -13,6 +13,7 @@ from insonify.kernels.bends import bent_hits, empty_arrivals
 from insonify.kernels.rays import empty_hits
 from insonify.kernels.types import BED, LIGHT, SONAR, Water, still_water
 from insonify.kernels.walk import Bundle
+from insonify.scene import SceneError
 from insonify.scene.materials import Reflectivity
 from insonify.tracers import march, rays
 
@@ -317,3 +318,11 @@ def test_records_do_not_depend_on_threads():
     assert (rays.trace(problem, poses, rays=500, threads=3) == whole).all()
     alone = rays.trace(problem, type(poses)(*(column[7:8] for column in poses)), rays=500)
     assert (alone[0] == whole[7]).all()
+
+
+def test_bounces_are_refused():
+    problem = flat(thermocline())
+    with pytest.raises(SceneError, match=r"sonar\.bounces: 2 of them are followed along straight lines"):
+        rays.trace(problem._replace(bounces=2), poses_of(0.0, 0.0, 20.0))
+    with pytest.raises(SceneError, match=r"sonar\.bounces"):
+        rays.follow(problem, (0.0, 0.0, 20.0), (0.0, 1.0, -1.0), 1)

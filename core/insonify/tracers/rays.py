@@ -73,7 +73,13 @@ def cast(
         Index of the target, ``BED`` (-1), or -2 for nothing.
     normal : (n, 3) float64
         Outward unit normal of the surface, zero where nothing is hit.
+
+    Raises
+    ------
+    SceneError
+        If the speed of sound depends on more than depth.
     """
+    _refuse_bends(problem, 0)
     bundle = _bundle(origins, directions)
     hits = empty_hits(bundle.x.size)
     farthest = problem.bins * problem.bin_length if reach is None else float(reach)
@@ -130,7 +136,13 @@ def follow(
     Returns
     -------
     Paths
+
+    Raises
+    ------
+    SceneError
+        If the water bends sound: bounces are followed along straight lines alone.
     """
+    _refuse_bends(problem, bounces)
     whole, real = follow_paths(problem._replace(bounces=int(bounces)), _bundle(origins, directions), float(reach))
     return Paths(whole[0], whole[1], np.ascontiguousarray(real[:3].T), real[3], real[4], _targets(problem)[whole[2]])
 
@@ -153,6 +165,7 @@ def trace_rays(problem: Problem, poses: Poses, rays: int, step: float, threads: 
     """Trace pings by the walk, or by a march if ``step`` is positive; pings are shared among threads."""
     if rays < 1:
         raise SceneError(f"rays: {rays} is too few; give at least 1 ray per side")
+    _refuse_bends(problem, problem.bounces)
     trace = trace_bent_pings if problem.water.bent else trace_pings
     out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
 
@@ -162,3 +175,16 @@ def trace_rays(problem: Problem, poses: Poses, rays: int, step: float, threads: 
 
     refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
     return out
+
+
+def _refuse_bends(problem: Problem, bounces: int) -> None:
+    """Refuse what rays cannot do along arcs."""
+    if not problem.water.bent:
+        return
+    if bounces > 0:
+        raise SceneError(
+            f"sonar.bounces: {bounces} of them are followed along straight lines, and this water bends sound; "
+            "set it to 0 or water.kind to uniform"
+        )
+    if problem.water.station.size > 1:
+        raise SceneError("water.kind: rays bend in water that differs by depth alone, not in a section; take a profile")
