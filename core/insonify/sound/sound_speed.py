@@ -1,0 +1,57 @@
+"""Speed of sound in sea water from its temperature, salinity and depth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Values = NDArray[np.float64]
+# Where on Earth a scene lies is not known: pressure as in the middle latitudes, salts as in the open ocean.
+LATITUDE = 45.0
+
+
+def paper(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
+    """Speed of sound after the paper, section 2, where 0.55 t² is misprinted for 0.055 t².
+
+    Parameters
+    ----------
+    temperature, salinity, depth : array_like
+        °C, practical salinity, metres.
+
+    Returns
+    -------
+    float64 array
+        m/s.
+    """
+    t, s, d = _floats(temperature, salinity, depth)
+    return np.asarray(1449.0 + 4.6 * t - 0.055 * t**2 + 0.0003 * t**3 + (1.39 - 0.012 * t) * (s - 35.0) + d / 61.0)
+
+
+def mackenzie(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
+    """Speed of sound after Mackenzie, J. Acoust. Soc. Am. 70 (1981); the same arguments as `paper`."""
+    t, s, d = _floats(temperature, salinity, depth)
+    of_temperature = 1448.96 + 4.591 * t - 5.304e-2 * t**2 + 2.374e-4 * t**3
+    of_depth = 1.630e-2 * d + 1.675e-7 * d**2 - 7.139e-13 * t * d**3
+    return np.asarray(of_temperature + of_depth + (1.340 - 1.025e-2 * t) * (s - 35.0))
+
+
+def teos10(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
+    """Speed of sound by TEOS-10, the equation of state of sea water, exact form; the same arguments as `paper`."""
+    import gsw  # a fifth of a second, which scenes without hydrography need not wait for
+
+    t, s, d = _floats(temperature, salinity, depth)
+    pressure = gsw.p_from_z(-d, LATITUDE)
+    return np.asarray(gsw.sound_speed_t_exact(gsw.SA_from_SP(s, pressure, 0.0, 0.0), t, pressure), dtype=np.float64)
+
+
+def _floats(*values: ArrayLike) -> tuple[Values, ...]:
+    return tuple(np.asarray(value, dtype=np.float64) for value in values)
+
+
+EQUATIONS: dict[str, Callable[[ArrayLike, ArrayLike, ArrayLike], Values]] = {
+    "paper": paper,
+    "mackenzie": mackenzie,
+    "teos10": teos10,
+}
