@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -18,7 +18,15 @@ class Declaration(BaseModel):
 
 
 class Choice(Declaration):
-    """A declaration picked by its ``kind``; a bare name stands for ``{ kind = name }``."""
+    """A declaration picked by its ``kind``; a bare name stands for ``{ kind = name }``.
+
+    Attributes
+    ----------
+    table : frozenset of str
+        Fields that are the columns of one table: another kind takes over all of them or none.
+    """
+
+    table: ClassVar[frozenset[str]] = frozenset()
 
     @model_validator(mode="before")
     @classmethod

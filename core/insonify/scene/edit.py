@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from insonify.scene.base import SceneError
+from insonify.scene.base import Choice, SceneError
 from insonify.scene.scene import Scene
 
 
@@ -50,9 +50,14 @@ def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """
     values = plain(scene)
     # A kind decides which fields exist, so kinds go first whatever the order given.
-    for path in sorted(changes, key=lambda path: not path.endswith("kind")):
+    kinds = [path for path in changes if path.endswith("kind")]
+    for path in kinds:
         _put(values, path, changes[path])
-    return build(_drop_foreign_fields(values))
+    values = _drop_foreign_fields(values)
+    for path, value in changes.items():
+        if path not in kinds:
+            _put(values, path, value)
+    return build(values)
 
 
 def read_setting(text: str) -> tuple[str, Any]:
@@ -86,13 +91,21 @@ def _put(values: dict[str, Any], path: str, value: Any) -> None:
     elif value is None:
         place.pop(last, None)
     elif last == "kind" and place.get("kind") not in (None, value):
-        place["kind"] = _Switched(value)
+        place["kind"] = _Switched(value, place["kind"])
     else:
         place[last] = value
 
 
 class _Switched(str):
-    """A kind just changed: fields of the old kind that the new one lacks may be dropped."""
+    """A kind just changed: fields of the one before that the new one lacks are dropped."""
+
+    before: str
+
+    def __new__(cls, kind: str, before: str) -> _Switched:
+        """Make a name that remembers the one it took the place of."""
+        switched = super().__new__(cls, kind)
+        switched.before = before
+        return switched
 
 
 def _child(place: Any, key: str, path: str) -> Any:
@@ -122,15 +135,30 @@ def _shared_fields(value: Any, parent: type[BaseModel], key: str) -> Any:
     if not isinstance(value, dict):
         return value
     kind = value.get("kind")
-    model = next((model for model in models if kind_name(model) == kind), models[0] if models else None)
+    model = _model_of_kind(models, kind) or (models[0] if models else None)
     if model is None:
         return value
-    kept = {
-        name: _shared_fields(child, model, name)
-        for name, child in value.items()
-        if not isinstance(kind, _Switched) or name in model.model_fields
-    }
+    foreign = _foreign_fields(models, model, kind) if isinstance(kind, _Switched) else frozenset()
+    kept = {name: _shared_fields(child, model, name) for name, child in value.items() if name not in foreign}
     return kept | {"kind": str(kind)} if isinstance(kind, _Switched) else kept
+
+
+def _foreign_fields(models: list[type[BaseModel]], model: type[BaseModel], kind: _Switched) -> frozenset[str]:
+    """Fields of the kind before that the new one lacks, or that are columns of another table."""
+    before = _model_of_kind(models, kind.before)
+    if before is None:
+        return frozenset()
+    lacking = frozenset(before.model_fields.keys() - model.model_fields.keys())
+    old, new = _table(before), _table(model)
+    return lacking if old == new else lacking | old | new
+
+
+def _table(model: type[BaseModel]) -> frozenset[str]:
+    return model.table if issubclass(model, Choice) else frozenset()
+
+
+def _model_of_kind(models: list[type[BaseModel]], kind: Any) -> type[BaseModel] | None:
+    return next((model for model in models if kind_name(model) == kind), None)
 
 
 def kind_name(model: type[BaseModel]) -> str | None:
@@ -205,7 +233,7 @@ def _path(location: tuple[int | str, ...]) -> str:
             if tagged:
                 model = tagged
                 continue
-            if "[" in step or step in ("float", "int", "str"):
+            if "[" in step or step.removeprefix("constrained-") in ("float", "int", "str"):
                 continue
         parts.append(str(step))
         if isinstance(step, str):
