@@ -6,12 +6,14 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from insonify.scene import Scene
+from insonify.scene import Scene, SceneError, edit
 from insonify.scene.materials import MATERIALS, Material, PatternMap, Reflectivity
 from insonify.scene.motion import Straight, Sum
 from insonify.scene.seabed import Fractal, Mimic
+from insonify.sound.water import speed_at_sonar
 
 Changes = dict[str, Any]
+SLOWEST = 1e-3  # Hz, a rate of pings that any range allows
 SWINGS = ("sway", "heave", "yaw", "pitch", "roll")
 
 
@@ -44,11 +46,13 @@ def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
 
 def _ping_rate(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Leave echoes from the full range the time to return."""
-    reach = changes.get("sonar.range", scene.sonar.range)
-    speed = changes.get("water.sound_speed", scene.water.sound_speed)
-    if not {"sonar.range", "water.sound_speed"} & set(changes) or not _positive(reach) or not _positive(speed):
+    if not any(path.startswith(("sonar.range", "water", "track")) for path in changes):
         return {}, ""
-    fastest = speed / (2.0 * reach)
+    try:
+        after = edit(scene, {**changes, "sonar.ping_rate": SLOWEST})
+        reach, fastest = after.sonar.range, speed_at_sonar(after) / (2.0 * after.sonar.range)
+    except SceneError:
+        return {}, ""  # which the change itself will say
     if scene.sonar.ping_rate <= fastest:
         return {}, ""
     # Three digits, never rounded up.

@@ -10,13 +10,15 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from insonify.scene import Scene
+from insonify.scene import Scene, SceneError
 from insonify.scene.edit import kind_name, models_of
 from insonify.scene.materials import MATERIALS, Material
 from insonify.scene.receiver import PowerTvg
 from insonify.scene.seabed import Dem, Fractal
 from insonify.scene.targets import Pipe, Target
+from insonify.scene.water import AnyWater
 from insonify.sound.absorption import NEPER_PER_DB, absorption_coefficient
+from insonify.sound.water import speed_at_sonar
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
 PAIR_NAMES = {"peaks": ("fx", "fy"), "gap": ("along", "height"), "position": ("x", "y", "z"), "start": ("x", "y")}
@@ -24,6 +26,7 @@ SIDES = ("length", "width", "height")
 # Fields of a target in the order they are shown, after what tells its shape.
 POSED_LAST = ("heading", "pitch", "roll", "gap", "material")
 PLACE_REACH = 100.0
+USUAL_SPEED = 1500.0  # m/s, while a cast cannot be read
 
 
 @dataclass(frozen=True)
@@ -141,6 +144,8 @@ def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Para
     names = [name for name in type(part).model_fields if name != "kind" and not _stands_aside(part, name, path)]
     if isinstance(part, Target):
         names.sort(key=lambda name: POSED_LAST.index(name) if name in POSED_LAST else -1)
+    if isinstance(part, AnyWater):
+        names.sort(key=lambda name: name in AnyWater.model_fields)  # its speed first
     return tuple(parameter for name in names for parameter in _of_field(scene, part, name, path, indent))
 
 
@@ -248,14 +253,24 @@ def _neighbours(stations: tuple[tuple[float, float], ...], index: int) -> tuple[
 
 def _most(scene: Scene, path: str) -> float:
     """Largest value that the rest of the scene allows."""
-    limits = {"sonar.ping_rate": scene.water.sound_speed / (2.0 * scene.sonar.range)}
+    limits = {"sonar.ping_rate": known_speed(scene) / (2.0 * scene.sonar.range)}
     if not isinstance(scene.seabed.relief, Dem):
         limits |= {"track.altitude": scene.seabed.depth, "track.depth": 0.999 * scene.seabed.depth}
     return limits.get(path, math.inf)
 
 
+def known_speed(scene: Scene) -> float:
+    """Speed of sound at the sonar in m/s, or a usual one while the water is of a cast that cannot be read."""
+    try:
+        return speed_at_sonar(scene)
+    except SceneError:
+        return USUAL_SPEED
+
+
 def _stands_aside(part: BaseModel, name: str, path: str) -> bool:
-    """Whether a field has no say with the others as they are."""
+    """Whether a field has no say with the others as they are, or is a column of a table that is shown as a curve."""
+    if isinstance(part, AnyWater) and name in part.table and isinstance(getattr(part, name), tuple):
+        return True
     if path.startswith("seabed.relief.of"):  # dunes lie along the track and pass for what scatters evenly
         return name == "heading" or (isinstance(part, Material) and name not in ("name", "diffuse"))
     if isinstance(part, Fractal):
@@ -283,6 +298,6 @@ def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | Non
     values = {
         "altitude": scene.altitude,
         "depth": scene.seabed.depth - scene.altitude,
-        "reference_speed": scene.water.sound_speed,
+        "reference_speed": known_speed(scene),
     }
     return values.get(name)

@@ -46,7 +46,7 @@ def place_of(simulation: Simulation, mark: Mark) -> tuple[float, float | None, P
     height = float(pose.z[0]) - (0.0 if math.isnan(below) else below)
     # With the bow up the plane of the beam leans forward, and meets the bed ahead of the fish.
     ahead = height * math.tan(float(pose.pitch[0]))
-    true_slant = slant / simulation.scene.water.range_scale
+    true_slant = (mark.bin + 0.5) * simulation.problem.bin_length
     if true_slant < math.hypot(height, ahead):
         return slant, None, None
     across = math.sqrt(true_slant**2 - height**2 - ahead**2)

@@ -13,6 +13,7 @@ from insonify.scene.seabed import Flat, Fractal
 from insonify.scene.sonar import Knife
 from insonify.scene.targets import AnyTarget, Box, MeshFile
 from insonify.sound.beams import main_lobe
+from insonify.sound.water import speed_at_sonar
 
 METHODS = ("auto", "sweep", "march", "rays")
 MOST_PLANES = 64
@@ -139,7 +140,7 @@ def _pings(scene: Scene) -> tuple[tuple[str, str], ...]:
     if isinstance(scene.sonar.beam, Knife):
         return (("pings", f"{apart:.3g} m apart; a knife-edge beam misses what is narrower"),)
     # Nearer than this the beam is narrower than the way between two pings; nothing lies nearer than the bed.
-    covered = apart / (2.0 * math.sin(main_lobe(scene.sonar, scene.water.sound_speed)))
+    covered = apart / (2.0 * math.sin(main_lobe(scene.sonar, speed_at_sonar(scene))))
     if covered <= scene.altitude:
         return ()
     nearer = f"nearer than {covered:.3g} m" if covered < scene.sonar.range else "at every range"
@@ -153,7 +154,7 @@ def _planes(scene: Scene, tolerance: float) -> tuple[int, str]:
     beam = scene.sonar.beam
     if isinstance(beam, Knife):
         return 1, "a knife beam has no width"
-    width = 2.0 * scene.sonar.range * math.sin(main_lobe(scene.sonar, scene.water.sound_speed))
+    width = 2.0 * scene.sonar.range * math.sin(main_lobe(scene.sonar, speed_at_sonar(scene)))
     broad = f"the main lobe of a {beam.words} is {width:.3g} m wide at {scene.sonar.range:g} m"
     demands = [*_bed_demand(scene, width), *_target_demands(scene, width)]
     if not demands:

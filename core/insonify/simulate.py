@@ -16,6 +16,7 @@ from insonify.plan import Plan, plan
 from insonify.receive import Reception, make_reception, receive
 from insonify.scene import Scene, SceneError, scene_to_toml
 from insonify.scene.receiver import K
+from insonify.sound.water import recording_speed
 from insonify.terrain import Ground, build_ground
 from insonify.tracers import march, rays, sweep
 from insonify.tracers.coherent import Interference, make_interference
@@ -142,6 +143,7 @@ def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> S
     ground = build_ground(scene)
     _refuse_silence(scene, ground)
     problem = make_problem(scene, ground)
+    _refuse_bent_sound(scene, problem)
     reception = _make_reception(scene, ground, problem)
     spiky, interference = _spiky(scene, ground, problem), make_interference(scene, problem)
     return Simulation(scene, chosen, ground, problem, reception, spiky, interference)
@@ -159,6 +161,15 @@ def _refuse_silence(scene: Scene, ground: Ground) -> None:
         raise SceneError(
             f"track.start: from {list(scene.track.start)} the tow never comes within {scene.sonar.range:g} m "
             f"of the bed (x from {ground.x0:g} to {x1:g} m, y from {ground.y0:g} to {y1:g} m); start it over the bed"
+        )
+
+
+def _refuse_bent_sound(scene: Scene, problem: Problem) -> None:
+    """Refuse water in which sound does not go straight."""
+    if problem.water.bent:
+        raise SceneError(
+            f"water.kind: in {scene.water.kind!r} water sound bends, which no method follows; take kind 'uniform', or "
+            "one speed for all depths"
         )
 
 
@@ -267,7 +278,7 @@ def _dataset(simulation: Simulation, pings: NDArray[np.int64], attributes: dict[
     intensity = np.moveaxis(simulation.intensity(pings), 1, 0)
     dataset = xr.Dataset(
         {"intensity": (ACROSS, intensity, labels("1", "echo intensity, linear, before display gain"))},
-        coordinates(pings / sonar.ping_rate, slant_range, scene.water.reference_speed or scene.water.sound_speed),
+        coordinates(pings / sonar.ping_rate, slant_range, recording_speed(scene, simulation.ground.datum)),
         attributes,
     )
     dataset = dataset.assign(_platform(simulation, poses))

@@ -113,7 +113,7 @@ def test_curvature_moves_energy_and_makes_none(taper):
 @pytest.mark.parametrize(("two_way", "times"), [(False, 1.0), (True, math.sqrt(0.5))])
 def test_a_gaussian_is_as_wide_as_it_says(two_way, times):
     beam = {"kind": "gaussian", "width": 2.0, "two_way": two_way}
-    _, pattern = make_pattern(edit(LEVEL, {"sonar.beam": beam}))
+    _, pattern = make_pattern(edit(LEVEL, {"sonar.beam": beam}), 1500.0)
     width = width_at_half(sines(pattern.extent[0], pattern.energy.shape[1]), pattern.energy[0])
     assert width == pytest.approx(2.0 * math.sin(math.radians(1.0)) * times, rel=1e-3)
 

@@ -71,5 +71,5 @@ def make_fluctuation(scene: Scene, problem: Problem) -> Fluctuation | None:
         seed=scene.seed,
         half_width=max(pings / TRIANGLE_TIME, 0.5),
         spread=declared.level * math.log(10.0) / 10.0,
-        delay=0.5 * scene.water.sound_speed * declared.travel_time / problem.bin_length,
+        delay=0.5 * problem.water.reference * declared.travel_time / problem.bin_length,
     )

@@ -78,7 +78,7 @@ def make_reception(scene: Scene, problem: Problem, *, altitude: float, depth: fl
     -------
     Reception
     """
-    speed, pulse = scene.water.sound_speed, scene.sonar.pulse
+    speed, pulse = problem.water.reference, scene.sonar.pulse
     taps = pulse_taps(pulse, speed, problem.bin_length)
     if problem.law == LIGHT:
         # The paper's radiance stays what it is, however long the pulse.

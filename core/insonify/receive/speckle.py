@@ -98,7 +98,7 @@ def make_speckle(scene: Scene, problem: Problem) -> Speckle | None:
     declared = scene.receiver.speckle
     if isinstance(declared, NoSpeckle):
         return None
-    speed, pulse = scene.water.sound_speed, scene.sonar.pulse
+    speed, pulse = problem.water.reference, scene.sonar.pulse
     taps = coherent_taps(pulse, speed, problem.bin_length)
     advance = scene.track.speed / scene.sonar.ping_rate
     wavelength = speed / scene.sonar.frequency

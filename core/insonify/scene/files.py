@@ -85,6 +85,15 @@ def scene_to_toml(scene: Scene) -> str:
     return tomli_w.dumps(plain(scene))
 
 
+def file_version(path: str) -> tuple[int, int]:
+    """Tell one content of a file from the next; zeros for what is not a file, which the reader refuses."""
+    file = Path(path)
+    if not file.is_file():
+        return 0, 0
+    status = file.stat()
+    return status.st_mtime_ns, status.st_size
+
+
 def _with_paths_beside(source: Path, value: Any) -> Any:
     """Take every relative ``path`` of a scene from the scene's folder."""
     if isinstance(value, list):

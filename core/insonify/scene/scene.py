@@ -12,7 +12,7 @@ from insonify.scene.seabed import Dem, Seabed
 from insonify.scene.sonar import Knife, Sonar
 from insonify.scene.targets import AnyTarget
 from insonify.scene.track import Track
-from insonify.scene.water import Water
+from insonify.scene.water import UniformWater, Water
 
 DEFAULT_ALTITUDE = 10.0
 SCHEMA = 1
@@ -37,19 +37,16 @@ class Scene(Declaration):
     world: World = parameter(World(), description="place on Earth")
     seabed: Seabed = parameter(Seabed(), description="the bed")
     targets: tuple[AnyTarget, ...] = parameter((), description="things on the bed")
-    water: Water = parameter(Water(), description="the water")
+    water: Water = parameter(UniformWater(), description="the water")
     sonar: Sonar = parameter(Sonar(), description="the sonar")
     track: Track = parameter(Track(), description="the tow")
     receiver: Receiver = parameter(Receiver(), description="the receiver")
 
     @model_validator(mode="after")
     def _ping_rate_fits_the_range(self) -> Scene:
-        fastest = self.water.sound_speed / (2.0 * self.sonar.range)
-        if self.sonar.ping_rate > fastest:
-            raise ValueError(
-                f"sonar.ping_rate {self.sonar.ping_rate:g} Hz leaves no time for echoes from {self.sonar.range:g} m; "
-                f"lower it to {fastest:.4g} Hz or shorten sonar.range"
-            )
+        # Other waters tell their speed once they are laid out.
+        if isinstance(self.water, UniformWater):
+            self.sonar.refuse_haste(self.water.sound_speed)
         return self
 
     @model_validator(mode="after")

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Tag, model_validator
 
-from insonify.scene.base import Choice, Declaration, kind_of, parameter
+from insonify.scene.base import Choice, Declaration, SceneError, kind_of, parameter
 
 
 class Knife(Choice):
@@ -198,3 +198,22 @@ class Sonar(Declaration):
     bounces: int = parameter(
         0, description="mirror-like bounces and passages followed after the first echo", ge=0, le=16, slider=(0, 8)
     )
+
+    def refuse_haste(self, sound_speed: float) -> None:
+        """Refuse pings that follow each other before echoes from the whole range are back.
+
+        Parameters
+        ----------
+        sound_speed : float
+            Of the water at the sonar, in m/s.
+
+        Raises
+        ------
+        SceneError
+        """
+        fastest = sound_speed / (2.0 * self.range)
+        if self.ping_rate > fastest:
+            raise SceneError(
+                f"sonar.ping_rate {self.ping_rate:g} Hz leaves no time for echoes from {self.range:g} m; "
+                f"lower it to {fastest:.4g} Hz or shorten sonar.range"
+            )

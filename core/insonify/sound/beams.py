@@ -25,13 +25,15 @@ TILTING = {"pitch", "roll", "recorded"}  # motions in which a fish does not stay
 FAR = 0.4  # share of the range at which an array's main lobe is taken to be as wide as there
 
 
-def make_pattern(scene: Scene) -> tuple[float, Pattern]:
+def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, Pattern]:
     """Pack a scene's beam for the tracers.
 
     Parameters
     ----------
     scene : Scene
-        Its sonar, sound speed and motion apply.
+        Its sonar and motion apply.
+    sound_speed : float
+        At the sonar, in m/s.
 
     Returns
     -------
@@ -42,7 +44,7 @@ def make_pattern(scene: Scene) -> tuple[float, Pattern]:
     """
     sonar = scene.sonar
     beam = sonar.beam
-    half_width = main_lobe(sonar, scene.water.sound_speed)
+    half_width = main_lobe(sonar, sound_speed)
     aimed = not isinstance(beam, Knife) and beam.squint != 0.0
     tilts = not isinstance(beam, Knife) and bool(TILTING.intersection(scene.track.kinds))
     is_vertical = isinstance(sonar.vertical, (VerticalFan, VerticalGaussian))
@@ -50,7 +52,7 @@ def make_pattern(scene: Scene) -> tuple[float, Pattern]:
         return half_width, plain_pattern()
     centre = 0.0 if isinstance(beam, Knife) else math.sin(math.radians(beam.squint))
     if isinstance(beam, LineArray):
-        first_range, extent, energy = array_table(beam, scene.water.sound_speed / sonar.frequency, sonar.range)
+        first_range, extent, energy = array_table(beam, sound_speed / sonar.frequency, sonar.range)
     else:
         first_range, extent, energy = 1.0, *_one_row(beam, half_width)
     vertical, tilt, s_vertical = _vertical(sonar)

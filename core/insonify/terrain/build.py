@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError
+from insonify.scene.files import file_version
 from insonify.scene.materials import ImageMap, Material, MaterialMap, PatternMap
 from insonify.scene.seabed import Dem, Fractal, Mimic, Seabed
 from insonify.terrain.ground import Ground
 from insonify.terrain.inverse import mimicking_heights
 from insonify.terrain.lattice import Lattice, Map
 from insonify.terrain.materials import material_indices, material_table
-from insonify.terrain.measured import file_version, measured_bed
+from insonify.terrain.measured import measured_bed
 from insonify.terrain.patterns import pattern_shape
 from insonify.terrain.pictures import picture_shape
 from insonify.terrain.spectra import synthesise

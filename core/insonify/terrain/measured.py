@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.beds import Grid, read_grid
+from insonify.scene.files import file_version
 from insonify.scene.seabed import Dem
 
 SQUARE = 1e-6  # relative difference of spacings that still counts as square
@@ -55,15 +55,6 @@ def measured_bed(dem: Dem, spacing: float, origin: tuple[float, float] | None) -
         # Map coordinates reach millions of metres: subtract before anything becomes float32.
         x0, y0 = grid.corner[0] - origin[0], grid.corner[1] - origin[1]
     return Measured(grid.heights * dem.scale + dem.datum, step, x0, y0)
-
-
-def file_version(path: str) -> tuple[int, int]:
-    """Tell one content of a file from the next; zeros for what is not a file, which the reader refuses."""
-    file = Path(path)
-    if not file.is_file():
-        return 0, 0
-    status = file.stat()
-    return status.st_mtime_ns, status.st_size
 
 
 @lru_cache(maxsize=2)

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import SceneError
+from insonify.scene.files import file_version
 from insonify.scene.materials import ImageMap
 from insonify.terrain.lattice import Lattice, Map
-from insonify.terrain.measured import file_version
 
 # Grey levels of Pillow's modes; colours are turned into the grey that an eye sees.
 LEVELS = {"1": 2, "L": 256, "I": 65536, "I;16": 65536, "I;16B": 65536, "I;16L": 65536}

@@ -101,7 +101,7 @@ def make_interference(scene: Scene, problem: Problem) -> Interference | None:
     declared = scene.receiver.speckle
     if not isinstance(declared, Coherent):
         return None
-    speed, pulse = scene.water.sound_speed, scene.sonar.pulse
+    speed, pulse = problem.water.reference, scene.sonar.pulse
     width = along_track_angle(problem) * bin_centres(problem)
     length = float(pulse_taps(pulse, speed, problem.bin_length).weights.sum()) * problem.bin_length
     density = declared.density or IN_A_CELL / (float(width[problem.bins // 2]) * length)

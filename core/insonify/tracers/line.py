@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError
+from insonify.scene.files import file_version
 from insonify.scene.motion import Recorded, Turn
 from insonify.scene.track import Track
-from insonify.terrain.measured import file_version
 from insonify.tows import RecordedTow, read_tow
 
 Column = NDArray[np.float64]

@@ -9,7 +9,7 @@ from insonify.kernels.types import LIGHT, SONAR, Bed, Problem
 from insonify.scene import Scene
 from insonify.sound.absorption import absorption_coefficient
 from insonify.sound.beams import make_pattern
-from insonify.sound.water import make_water
+from insonify.sound.water import make_water, recording_speed
 from insonify.terrain.ground import Ground
 from insonify.tracers.bodies import make_bodies
 from insonify.tracers.poses import sonar_height
@@ -21,15 +21,18 @@ def make_problem(scene: Scene, ground: Ground) -> Problem:
     Raises
     ------
     SceneError
-        If a target lies where there is no bed to carry it.
+        If a target lies where there is no bed to carry it, or a cast cannot be read.
     """
     solids, mesh, reflectivities = make_bodies(scene, ground)
     sonar = scene.sonar
-    half_width, pattern = make_pattern(scene)
-    bin_length = sonar.range / sonar.bins / scene.water.range_scale
+    bed = make_bed(ground)
+    water = make_water(scene, ground.datum, bed.low)
+    sonar.refuse_haste(water.reference)
+    half_width, pattern = make_pattern(scene, water.reference)
+    bin_length = sonar.range / sonar.bins / (recording_speed(scene, ground.datum) / water.reference)
     centres = (np.arange(sonar.bins, dtype=np.float64) + 0.5) * np.float64(bin_length)
     return Problem(
-        bed=make_bed(ground),
+        bed=bed,
         solids=solids,
         mesh=mesh,
         reflectivity=np.array([row[:3] for row in reflectivities], dtype=np.float64),
@@ -41,7 +44,7 @@ def make_problem(scene: Scene, ground: Ground) -> Problem:
         bin_length=bin_length,
         range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),
         bounces=sonar.bounces,
-        water=make_water(scene, ground.datum),
+        water=water,
     )
 
 

@@ -1,0 +1,81 @@
+"""Curves as few straight pieces: all that tracers know of a profile."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Values = NDArray[np.float64]
+FINER = 0.1  # share of the tolerance to which a curve is sampled before it is thinned
+MOST_PARTS = 4096  # of one interval between knots
+
+
+def straightened(curve: Callable[[Values], Values], knots: Values, tolerance: float) -> tuple[Values, Values]:
+    """Approximate a curve by straight pieces.
+
+    Parameters
+    ----------
+    curve : callable
+        From places to values, smooth between the knots.
+    knots : (k,) float64
+        Increasing; where the curve may have a kink.
+    tolerance : float
+        Greatest distance in value between curve and pieces.
+
+    Returns
+    -------
+    places, values : (n,) float64
+        Ends of the pieces, on the curve; among them the first and the last knot.
+    """
+    parts = [_sampled(curve, low, high, FINER * tolerance) for low, high in itertools.pairwise(knots)]
+    places = np.concatenate([*(part[:-1] for part in parts), knots[-1:]])
+    values = curve(places)
+    kept = thinned(places, values, (1.0 - FINER) * tolerance)
+    return places[kept], values[kept]
+
+
+def _sampled(curve: Callable[[Values], Values], low: float, high: float, tolerance: float) -> Values:
+    """Cut an interval into as many equal parts as keep chords within the tolerance."""
+    parts = 1
+    while True:
+        ends = np.linspace(low, high, parts + 1)
+        within = np.linspace(low, high, 8 * parts + 1)
+        error = float(np.abs(np.interp(within, ends, curve(ends)) - curve(within)).max())
+        if error <= tolerance or parts >= MOST_PARTS:
+            return ends
+        # The error of a chord falls as the square of its length.
+        parts = min(max(parts + 1, int(np.ceil(parts * np.sqrt(error / tolerance)))), MOST_PARTS)
+
+
+def thinned(places: Values, values: Values, tolerance: float) -> NDArray[np.int64]:
+    """Choose points whose straight connections pass all others within the tolerance.
+
+    Parameters
+    ----------
+    places : (n,) float64
+        Increasing.
+    values : (n,) float64
+    tolerance : float
+        Greatest distance in value.
+
+    Returns
+    -------
+    (m,) int64
+        Indices, the first and the last among them (Douglas and Peucker, Cartographica 10 (1973)).
+    """
+    kept = np.zeros(places.size, dtype=bool)
+    kept[[0, -1]] = True
+    pending = [(0, places.size - 1)]
+    while pending:
+        first, last = pending.pop()
+        inner = slice(first + 1, last)
+        chord = np.interp(places[inner], places[[first, last]], values[[first, last]])
+        away = np.abs(values[inner] - chord)
+        if away.size and away.max() > tolerance:
+            worst = first + 1 + int(away.argmax())
+            kept[worst] = True
+            pending += [(first, worst), (worst, last)]
+    return np.flatnonzero(kept)

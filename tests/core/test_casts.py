@@ -1,0 +1,222 @@
+"""Measured casts: what is read, what is left out, what is refused."""
+
+from pathlib import Path
+
+import gsw
+import numpy as np
+import pytest
+
+from insonify.casts import read_cast
+from insonify.scene import SceneError, edit, load_scene
+from insonify.scene.water import CastWater
+from insonify.sound.layers import lay_out
+from insonify.sound.sound_speed import EQUATIONS
+
+REAL = Path(__file__).parents[3] / "shared" / "data" / "casts"
+SEABIRD = """* Sea-Bird SBE19plus  Data File:
+# nquan = {count}
+{names}
+# bad_flag = -9.990e-29
+*END*
+{rows}
+"""
+
+
+def seabird(path, names, rows):
+    lines = [f"# name {number} = {name}" for number, name in enumerate(names)]
+    table = "\n".join("".join(f"{cell:11.6g}" for cell in row) for row in rows)
+    path.write_text(SEABIRD.format(count=len(names), names="\n".join(lines), rows=table))
+    return str(path)
+
+
+def text(path, content):
+    path.write_text(content)
+    return str(path)
+
+
+def real(name):
+    path = REAL / name
+    if not path.is_file():
+        pytest.skip(f"{path} is not here")
+    return str(path)
+
+
+def test_a_kongsberg_profile_is_taken_as_it_is():
+    cast = read_cast(real("20120321_224205.asvp"))
+    assert cast.depth.size == 35
+    np.testing.assert_array_equal(cast.depth[:3], [0.0, 6.87, 10.0])
+    np.testing.assert_array_equal(cast.sound_speed[[0, 1, -1]], [1531.4, 1531.4, 1675.82])
+
+
+def test_a_profile_with_noise_at_the_surface_becomes_steps():
+    cast = read_cast(real("assvt13246_d26.svp"))
+    assert (np.diff(cast.depth) > 0.25).all()
+    assert cast.depth.size == 18
+    assert cast.sound_speed[0] == pytest.approx(np.mean([1524.07, 1523.95, 1524.19, 1524.03, 1524.10, 1524.03,
+                                                         1524.12, 1523.98, 1523.85]))  # fmt: skip
+
+
+def test_a_table_without_names_shows_what_it_holds():
+    cast = read_cast(real("7-30cast2.csv"))
+    assert cast.depth[[0, -1]].tolist() == [0.9, 24.4]
+    assert cast.sound_speed[[0, -1]].tolist() == [1504.3, 1497.4]
+    assert cast.temperature is None
+
+
+def test_a_seabird_cast_leaves_out_soak_and_way_up():
+    cast = read_cast(real("Hotin.cnv"))
+    # The pump runs from 1.25 m on; before, the salinity rises from -3.9 to 33.6.
+    assert cast.salinity.min() > 34.2
+    assert cast.depth[0] <= 1.5
+    assert cast.depth[-1] == pytest.approx(14.0)
+    speed = lay_out(CastWater(path=real("Hotin.cnv"))).speed
+    assert 1478.0 < speed.min() < speed.max() < 1480.0
+
+
+def test_a_seabird_cast_without_salinity_has_it_from_conductivity():
+    cast = read_cast(real("PIRA001.cnv"))
+    np.testing.assert_allclose(cast.salinity, 36.32, atol=0.01)  # the western tropical Atlantic
+    np.testing.assert_allclose(cast.temperature, 27.05, atol=0.01)
+    speed = lay_out(CastWater(path=real("PIRA001.cnv"))).speed
+    np.testing.assert_allclose(speed, 1540.55, atol=0.1)
+
+
+@pytest.mark.parametrize(
+    "name", ["20120321_224205.asvp", "7-30cast2.csv", "Hotin.cnv", "PIRA001.cnv", "assvt13246_d26.svp"]
+)
+@pytest.mark.parametrize("interpolation", ["linear", "pchip"])
+def test_few_points_keep_to_a_real_cast(name, interpolation):
+    path = real(name)
+    cast, layers = read_cast(path), lay_out(CastWater(path=path, interpolation=interpolation))
+    speed = cast.sound_speed
+    if speed is None:
+        speed = EQUATIONS["teos10"](cast.temperature, cast.salinity, cast.depth)
+    assert np.abs(layers.speed_at(0.0, 0.0, cast.depth) - speed).max() <= 0.0201
+    assert (np.diff(layers.depth) > 0.0).all()
+
+
+def test_soak_raise_and_way_up_are_told_from_the_descent(tmp_path):
+    # Down to 8 m, a minute's wait, up to 1 m, down to 30 m, up; the water of the first way is not the water's own.
+    depth = np.concatenate([np.arange(0.2, 8, 0.2), np.full(240, 8.0), np.arange(8, 1, -0.2), np.arange(1, 30, 0.2)])
+    depth = np.concatenate([depth, depth[:-20:-1], np.arange(26, 0, -0.2)])
+    rows = len(depth)
+    salinity = np.where(np.arange(rows) < 290, 20.0, 35.0)
+    salinity[int(depth.argmax()) + 1 :] = 30.0
+    names = ["timeS: Time", "depSM: Depth [salt water, m]", "t090C: Temperature", "sal00: Salinity", "flag: flag"]
+    table = np.column_stack([0.25 * np.arange(rows), depth, np.full(rows, 12.0), salinity, np.zeros(rows)])
+    cast = read_cast(seabird(tmp_path / "cast.cnv", names, table))
+    np.testing.assert_array_equal(cast.salinity, 35.0)
+    assert cast.depth[0] < 1.5
+    assert cast.depth[-1] > 29.0
+
+
+def test_flagged_and_missing_scans_are_left_out(tmp_path):
+    names = ["prDM: Pressure, Digiquartz [db]", "t068C: Temperature", "sal00: Salinity", "svCM: Velocity", "flag: flag"]
+    bad = -9.99e-29
+    rows = [(d, 10.0024, 35.0, 1500.0 + d, 0.0) for d in range(1, 21)]
+    rows[4] = (5, 10.0, 35.0, 9999.0, bad)
+    rows[9] = (10, 10.0, 35.0, bad, 0.0)
+    rows[14] = (-9.99e-29, 10.0, 35.0, 9999.0, 0.0)
+    cast = read_cast(seabird(tmp_path / "cast.cnv", names, rows))
+    assert cast.depth.size == 17
+    assert cast.sound_speed.max() == 1520.0
+    np.testing.assert_allclose(cast.depth[0], -gsw.z_from_p(1.0, 45.0))
+    np.testing.assert_allclose(cast.temperature, 10.0, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "depth,sound_speed,temperature",
+        "Depth (m);Sound Velocity (m/s);Temp",
+        '"Depth [m]","Sound Speed","T"',
+        "DEPTH\tSV\tt",
+        "depth speed temperature",
+    ],
+)
+def test_columns_go_by_their_names(tmp_path, header):
+    mark = next((mark for mark in ",;\t" if mark in header), " ")
+    rows = [mark.join(map(str, row)) for row in ((0, 1510, 15), (5, 1505, 12), (9, 1500, 10))]
+    cast = read_cast(text(tmp_path / "cast.csv", "\n".join(["# a note", header, *rows, ""])))
+    np.testing.assert_array_equal(cast.depth, [0.0, 5.0, 9.0])
+    np.testing.assert_array_equal(cast.sound_speed, [1510.0, 1505.0, 1500.0])
+
+
+def test_unsorted_and_repeated_depths_become_one_profile(tmp_path):
+    rng = np.random.default_rng(3)
+    depth = rng.uniform(0.0, 20.0, 400).round(1)
+    lines = [f"{d},{1500 - 2 * d}" for d in depth]
+    cast = read_cast(text(tmp_path / "cast.csv", "\n".join(["depth,speed", *lines])))
+    assert (np.diff(cast.depth) > 0.0).all()
+    np.testing.assert_allclose(cast.sound_speed, 1500.0 - 2.0 * cast.depth)  # means keep a gradient
+
+
+def test_a_caris_profile_is_read(tmp_path):
+    content = "[SVP_VERSION_2]\ncast.svp\nSection 2013-246 17:44:19 40:29:11.40 -74:07:46.80\n0.5 1524.0\n9.0 1519.4\n"
+    cast = read_cast(text(tmp_path / "cast.svp", content))
+    np.testing.assert_array_equal(cast.depth, [0.5, 9.0])
+    with pytest.raises(SceneError, match="holds 2 casts; keep one of its sections"):
+        read_cast(text(tmp_path / "two.svp", content + content))
+
+
+def test_the_equation_takes_precedence_when_given(tmp_path):
+    path = text(tmp_path / "cast.csv", "depth,sound_speed,temperature,salinity\n0,1500,10,35\n20,1501,10,35\n")
+    np.testing.assert_array_equal(lay_out(CastWater(path=path)).speed, [[1500.0, 1501.0]])
+    by_paper = lay_out(CastWater(path=path, equation="paper")).speed
+    np.testing.assert_allclose(by_paper, [[1489.8, 1489.8 + 20.0 / 61.0]])
+
+
+def test_a_file_written_anew_is_read_anew(tmp_path):
+    path = text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
+    before = lay_out(CastWater(path=path)).speed[0, 0]
+    text(tmp_path / "cast.csv", "depth,speed\n0,1490\n20,1501.5\n")
+    assert (before, lay_out(CastWater(path=path)).speed[0, 0]) == (1500.0, 1490.0)
+
+
+def test_a_cast_lies_beside_its_scene(tmp_path):
+    text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
+    scene = text(tmp_path / "scene.toml", 'water = { kind = "cast", path = "cast.csv" }\n')
+    assert lay_out(load_scene(scene).water).speed.tolist() == [[1500.0, 1501.0]]
+
+
+WRONG = [
+    ("cast.xls", "", ["not a format known here", ".cnv"]),
+    ("cast.csv", "", ["holds no table"]),
+    ("cast.csv", "depth,speed\n", ["holds no table"]),
+    ("cast.csv", "depth,colour\n1,2\n2,3\n", ["neither the speed of sound nor", "sound_speed"]),
+    ("cast.csv", "place,speed\n1,1500\n2,1501\n", ["tells no depth"]),
+    ("cast.csv", "1,2\n2,3\n", ["no columns that look like sound speed", "names of the columns"]),
+    ("cast.csv", "1,1500,1501\n2,1500,1501\n", ["2 columns that look like sound speed"]),
+    ("cast.csv", "depth,speed\n1,1500\n", ["1 usable depths of 1 rows"]),
+    ("cast.csv", "depth,speed\n1,1500\n1.1,1500\n1.2,nan\n", ["1 usable depths of 3 rows"]),
+    ("cast.csv", "depth,speed\n1,1500\n20,15\n", ["15 m/s at 20 m", "mend"]),
+    ("cast.svp", "all headings\n", ["no rows of depth and sound speed"]),
+    ("cast.cnv", "depth,speed\n1,1500\n", ["names no columns"]),
+    ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 x\n", ["no numbers in line 4"]),
+    ("cast.cnv", "# name 0 = depSM: Depth\n# name 1 = svCM: Velocity\n*END*\n  1 2 3\n", ["3 columns in line 4"]),
+]
+
+
+@pytest.mark.parametrize(("name", "content", "words"), WRONG)
+def test_what_is_no_cast_is_refused_in_one_sentence(tmp_path, name, content, words):
+    path = text(tmp_path / name, content)
+    with pytest.raises(SceneError) as caught:
+        lay_out(CastWater(path=path))
+    sentence = str(caught.value)
+    assert "\n" not in sentence
+    for word in ["water.path", path, *words]:
+        assert word in sentence
+
+
+def test_an_equation_without_its_columns_is_refused(tmp_path):
+    path = text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
+    with pytest.raises(SceneError, match=r"water.equation: 'paper' needs temperature and salinity"):
+        lay_out(CastWater(path=path, equation="paper"))
+
+
+def test_a_missing_cast_is_named_before_anything_is_traced():
+    from insonify.simulate import prepare
+
+    scene = edit(load_scene("default"), {"water": {"kind": "cast", "path": "nowhere.cnv"}})
+    with pytest.raises(SceneError, match=r"water.path: 'nowhere.cnv' does not exist"):
+        prepare(scene)
