@@ -1,4 +1,4 @@
-"""What the viewer adds to the ``insonify`` command; Qt is imported only when it runs."""
+"""What the viewer adds to the ``insonify`` command; libraries that draw are imported only when it runs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from insonify.commands.options import add_scene, chosen_scene
+from insonify.commands.options import add_scene, chosen_scene, output, say
 from insonify.scene import SceneError
 from insonify_viewer.display import why_no_window
 
@@ -16,11 +16,20 @@ FALLBACK = "insonify.png"
 
 
 def register(subparsers: Any) -> None:
-    """Add ``view`` to the sub-commands of ``insonify``."""
+    """Add ``view`` and ``light`` to the sub-commands of ``insonify``."""
     parser = subparsers.add_parser("view", help="open the viewer", description="Open the viewer on a scene.")
     add_scene(parser, optional=True)
     parser.add_argument("--snapshot", metavar="PNG", help="draw the window into a picture instead of opening it")
     parser.set_defaults(run=run)
+    light = subparsers.add_parser(
+        "light",
+        help="draw a scene as light shows it, with the lamp at the sonar",
+        description="Draw the seabed and what lies on it, lit by a lamp at the sonar half way along the tow, with the "
+        "scene's own materials (Lambert and Phong) and hard shadows.",
+    )
+    add_scene(light)
+    light.add_argument("-o", "--output", required=True, metavar="OUT", help="picture to write: .png")
+    light.set_defaults(run=run_light)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -52,6 +61,24 @@ def run(arguments: argparse.Namespace) -> int:
     draw_window(scene, path)
     if arguments.snapshot is None:
         sys.stdout.write(f"No window can be opened ({reason}), so it was drawn into {path}.\n")
+    return 0
+
+
+def run_light(arguments: argparse.Namespace) -> int:
+    """Draw a scene as light shows it.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    path = output(arguments.output, (".png",))
+    scene = chosen_scene(arguments)
+    from insonify.simulate import prepare
+    from insonify_viewer.light_page import write_light
+
+    width, height = write_light(path, prepare(scene))
+    say(f"{path}: {width} x {height} pixels")
     return 0
 
 

@@ -26,6 +26,7 @@ COLOURS = {
     "steel": (0.50, 0.52, 0.55),
     "mirror": (0.80, 0.84, 0.88),
 }
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue
 LAMP = np.array([-0.50, 0.55, 0.67]) / np.linalg.norm([-0.50, 0.55, 0.67])
 LIT = 1.3  # of targets, which stand out from the bed
 SLOPE_SHOWN = 0.42
@@ -39,6 +40,12 @@ def target_colours(scene: Scene) -> NDArray[np.uint8]:
     """Return the colours of a scene's targets by their materials' names, (targets, 3) uint8."""
     colours = np.array([COLOURS[target.material.name] for target in scene.targets]).reshape(-1, 3)
     return np.asarray(255.0 * np.minimum(colours * LIT, 1.0), dtype=np.uint8)
+
+
+def hues(rows: tuple[str, ...]) -> NDArray[np.float64]:
+    """Return the linear colours of rows of the material table, (n, 3), of luminance 1."""
+    linear = np.array([sum(share * np.array(COLOURS[name]) for name, share in _shares(row)) for row in rows]) ** 2.2
+    return np.asarray(linear / (linear @ LUMINANCE)[:, np.newaxis])
 
 
 def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: int) -> NDArray[np.uint8]:
