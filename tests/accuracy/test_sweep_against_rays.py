@@ -66,7 +66,7 @@ def test_planes_converge_in_second_order():
         ("default", {"sonar.beam": "knife", "targets": [], "track.heading": 30.0}, 0.012, 0.012),
         ("default", {"targets": [], "track.heading": 30.0}, 0.012, 0.015),
         ("real-bed", {"sonar.beam": "knife"}, 0.01, 0.01),
-        ("figure-4-fan", {"targets": []}, 0.012, 0.015),
+        ("figure-4b", {"targets": []}, 0.012, 0.015),
     ],
 )
 def test_bundled_scenes_are_as_near_as_said(name, changes, beyond, all_bins):
@@ -99,7 +99,7 @@ def test_the_sweep_is_nearer_than_what_it_replaces():
 def test_small_bright_balls_enter_and_leave_the_beam_where_they_must():
     # Planes stand still while the cone's edge bends by a few per cent of its width: the flank of a ball's echo moves
     # along the track by at most that, and its sum over the pings that pass it stays.
-    simulation = prepare(load_scene("figure-4-fan"))
+    simulation = prepare(load_scene("figure-4b"))
     pings = np.arange(150, 320)
     right = rays.trace(simulation.problem, simulation.poses(pings), rays=1 << 16)
     record = sweep.trace(simulation.problem, simulation.poses(pings), planes=64)

@@ -41,7 +41,7 @@ def test_snapshot_without_a_display(tmp_path: Path) -> None:
 
 
 def test_no_display_draws_the_window_and_says_so(tmp_path: Path) -> None:
-    ended = run("figure-4-knife", *SMALL, cwd=tmp_path)
+    ended = run("figure-4a", *SMALL, cwd=tmp_path)
     assert ended.returncode == 0
     assert ended.stderr == ""
     assert ended.stdout.count("\n") == 1

@@ -71,6 +71,20 @@ def test_scenes_lists_names_and_titles(capsys):
     assert load_scene("pipe-span").title in lines[list(bundled_scenes()).index("pipe-span")]
 
 
+def test_scenes_says_what_some_of_them_show(capsys):
+    assert main(["scenes", "figure-2a", "wreck"]) == 0
+    said = capsys.readouterr().out
+    assert max(map(len, said.splitlines())) <= 96
+    for scene in map(load_scene, ("figure-2a", "wreck")):
+        assert scene.title in said.splitlines()
+        assert " ".join(scene.description.split()) in " ".join(said.split())
+
+
+def test_scenes_knows_no_others(capsys):
+    assert main(["scenes", "atlantis"]) == 2
+    assert "no such file" in capsys.readouterr().err
+
+
 def test_plan_names_the_method(capsys):
     assert main(["plan", "default"]) == 0
     assert capsys.readouterr().out.startswith("sweep")

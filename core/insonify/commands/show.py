@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import textwrap
 from typing import Any
 
 from insonify.commands.options import add_method, add_scene, chosen_scene, say
-from insonify.scene import bundled_scenes, load_scene
+from insonify.scene import Scene, bundled_scenes, load_scene
+
+LINE = 96  # characters
 
 
 def register(subparsers: Any) -> None:
@@ -20,9 +23,18 @@ def register(subparsers: Any) -> None:
     add_method(plan)
     plan.set_defaults(run=run_plan)
     scenes = subparsers.add_parser(
-        "scenes", help="list the bundled scenes", description="List the scenes that come with insonify."
+        "scenes",
+        help="list the bundled scenes, or say what they show",
+        description="List the scenes that come with insonify; of those named, say what they show and what to move.",
     )
+    scenes.add_argument("names", nargs="*", metavar="NAME", help="a bundled scene, or a TOML file")
     scenes.set_defaults(run=run_scenes)
+
+
+def about(scene: Scene) -> str:
+    """Say what a scene shows and what to move, in lines that fit a terminal."""
+    paragraph = " ".join(scene.description.split())
+    return "\n".join([scene.title, *textwrap.wrap(paragraph, LINE, initial_indent="  ", subsequent_indent="  ")])
 
 
 def run_plan(arguments: argparse.Namespace) -> int:
@@ -41,13 +53,16 @@ def run_plan(arguments: argparse.Namespace) -> int:
 
 
 def run_scenes(arguments: argparse.Namespace) -> int:
-    """Print names and titles.
+    """Print names and titles of all scenes, or the descriptions of some.
 
     Returns
     -------
     int
         Exit code.
     """
+    if arguments.names:
+        say("\n\n".join(about(load_scene(name)) for name in arguments.names))
+        return 0
     names = bundled_scenes()
     width = max(map(len, names), default=0)
     for name in names:
