@@ -280,3 +280,38 @@ def plumb_rays(height, speed, span, edges, found):
                     found[count] = row
                     count += 1
     return count
+
+
+@kernel
+def find_lit(height, speed, span, lit):
+    """Find the ranges at which rays come to a height.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of the water, ascending.
+    span : Span
+        Of any range: all are looked at.
+    lit : ndarray, shape (m, orders, 2)
+        Filled with the least and greatest range of the rays between two critical angles that come for the first,
+        second ... time, m; infinite where none does. m must be at least twice the nodes plus 10.
+    """
+    lit[:] = math.inf
+    everywhere = Span(span.z_from, span.z_to, math.inf, span.low, span.high, span.reflections)
+    edges, orders = critical_angles(height, speed, span), lit.shape[1]
+    rows, row = np.empty((SAMPLES, orders, COLUMNS)), np.empty((orders, COLUMNS))
+    for e in range(edges.size - 1):
+        inset = 1e-12 * (edges[e + 1] - edges[e])
+        for i in range(SAMPLES):
+            share = 0.5 * (1.0 - math.cos(math.pi * i / (SAMPLES - 1)))
+            angle = edges[e] + inset + share * (edges[e + 1] - edges[e] - 2.0 * inset)
+            trace_crossings(height, speed, everywhere, angle, rows[i])
+        for order in range(orders):
+            least, most = rows[:, order, X].min(), rows[:, order, X].max()
+            for i in range(SAMPLES - 1):
+                a, b = rows[i, order], rows[i + 1, order]
+                if math.isinf(a[X]) or math.isinf(b[X]) or growth(a) * growth(b) >= 0.0:
+                    continue
+                x = past_extremum(height, speed, everywhere, order, a, b, row)[X]
+                least, most = min(least, x), max(most, x)
+            lit[e, order, 0], lit[e, order, 1] = least, most

@@ -26,7 +26,8 @@ class Points(NamedTuple):
     time: NDArray[np.float64]
     q: NDArray[np.float64]  # signed as by `arcs.mirror`
     grazed: NDArray[np.bool_]  # whether q is capped
-    tops: NDArray[np.int64]  # times the surface has sent the ray back
+    turns: NDArray[np.int64]  # times the ray has turned in the water
+    tops: NDArray[np.int64]  # times the surface has sent it back
     bottoms: NDArray[np.int64]  # and the bed
 
 
@@ -70,20 +71,23 @@ def trace_paths(water, plane, z0, angles, ranges, limits, points, ends):
             ray = launch_ray(height, speed[0], z0, cosine, sine)
         else:
             ray = launch_across(height, speed, station, plane, z0, cosine, sine)
-        count, tops, bottoms, ends[n] = 0, 0, 0, TRAPPED
+        count, turns, tops, bottoms, ends[n] = 0, 0, 0, 0, TRAPPED
         for _ in range(STEPS):
             if count < ranges.size and ray.x >= ranges[count]:
-                write(points, n, count, ray, tops, bottoms)
+                write(points, n, count, ray, turns, tops, bottoms)
                 count += 1
                 continue
             if ray.x >= limits.x:
                 ends[n] = AT_RANGE
                 break
             x_end = ranges[count] if count < ranges.size else limits.x
+            sine = ray.sine
             if station.size == 1:
                 status, ray = step(height, speed[0], ray, x_end, limits.low, limits.high)
             else:
                 status, ray = step_across(height, speed, station, plane, ray, x_end, limits.low, limits.high)
+            if ray.sine * sine < 0.0:
+                turns += 1
             if status == NODE or status == RANGE:
                 continue
             if (status == LOW and limits.from_bed) or (status == HIGH and limits.from_surface):
@@ -96,13 +100,13 @@ def trace_paths(water, plane, z0, angles, ranges, limits, points, ends):
             ends[n] = NOWHERE
             if status == LOW or status == HIGH:
                 ends[n] = ON_BED if status == LOW else AT_SURFACE
-                write(points, n, count, ray, tops, bottoms)
+                write(points, n, count, ray, turns, tops, bottoms)
             break
 
 
 @fused
-def write(points, n, k, ray, tops, bottoms):
+def write(points, n, k, ray, turns, tops, bottoms):
     """Keep a point."""
     points.x[n, k], points.z[n, k], points.cosine[n, k], points.sine[n, k] = ray.x, ray.z, ray.cosine, ray.sine
     points.time[n, k], points.q[n, k], points.grazed[n, k] = ray.time, ray.q, ray.grazed
-    points.tops[n, k], points.bottoms[n, k] = tops, bottoms
+    points.turns[n, k], points.tops[n, k], points.bottoms[n, k] = turns, tops, bottoms

@@ -1,20 +1,26 @@
-"""Rays through water, as a person asks for them: paths, the rays between two points, and where no sound gets."""
+"""Rays through water laid out for the kernels: their paths, those that join two points, and where no sound gets."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.branches import (
+    ANGLE,BOTTOMS,COLUMNS,COSINE,GRAZED,SINE,TIME,TOPS,TUBE,TURNS,X,Span, find_eigenrays, find_lit)
 from insonify.kernels.cells import Plane
 from insonify.kernels.paths import Limits, Points, trace_paths
 from insonify.kernels.types import Water
 
 Values = NDArray[np.float64]
-ENDS = ("range", "bottom", "surface", "nowhere", "trapped")
-POINTS = 201  # along a path, when no ranges are asked for
+ROOM = 64  # for rays that join two points, and for the times that one ray comes to a height
+FAN = 4000  # rays sent through a section to find those that join two points
+HALVINGS = 60  # of the angle between two rays of that fan
+SEAM = 1e-5  # of the farthest range looked at: two lit stretches this close are one
+CLOSE = 1e-6  # m by which a ray that joins two points may miss: more, and it is the brink of a shadow
 ALONG_STATIONS = Plane(0.0, 1.0)
 
 
@@ -41,8 +47,128 @@ def follow_paths(water: Water, height: float, angles: Values, ranges: Values, li
     """
     shape = (angles.size, ranges.size + 1)
     x, z, cosine, sine, time, q = (np.full(shape, math.nan) for _ in range(6))
-    tops, bottoms = np.zeros(shape, np.int64), np.zeros(shape, np.int64)
-    points = Points(x, z, cosine, sine, time, q, np.zeros(shape, np.bool_), tops, bottoms)
+    turns, tops, bottoms = (np.zeros(shape, np.int64) for _ in range(3))
+    points = Points(x, z, cosine, sine, time, q, np.zeros(shape, np.bool_), turns, tops, bottoms)
     ends = np.zeros(angles.size, np.int64)
     trace_paths(water, ALONG_STATIONS, height, angles, ranges, limits, points, ends)
     return points, ends
+
+
+def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, high: float, most: int) -> Values:
+    """Find the rays between two points.
+
+    Parameters
+    ----------
+    water : Water
+        Of one station, or rays run along the line of its stations.
+    z_from, z_to : float
+        Heights, in metres; the first at place 0 along the line of stations.
+    x : float
+        Ground range between them, in metres.
+    low, high : float
+        Heights at which rays are reflected, in metres; infinite ones are none.
+    most : int
+        Reflections that a ray may have.
+
+    Returns
+    -------
+    (n, COLUMNS) float64
+        As by `kernels.branches`, by launch angle, radians above the horizontal.
+    """
+    span = Span(float(z_from), float(z_to), float(x), float(low), float(high), int(most))
+    if water.station.size > 1:
+        return _join_across(water, span)
+    room = ROOM
+    while True:
+        found = np.zeros((room, COLUMNS))
+        count = find_eigenrays(water.height, water.speed[0], span, found)
+        if count < room:
+            return found[np.argsort(found[:count, ANGLE], kind="stable")]
+        room *= 2
+
+
+def _join_across(water: Water, span: Span) -> Values:
+    """Find the rays between two points of a section: by a fan, halved where the point lies between two of its rays."""
+    heights = np.linspace(*np.sort([span.z_from, span.z_to]), FAN // 2) + np.linspace(-1.0, 1.0, FAN // 2) * span.x
+    angles = np.union1d(np.arctan2(heights - span.z_from, span.x), np.linspace(-0.5, 0.5, FAN // 2 + 2)[1:-1] * math.pi)
+    fan = _arrive(water, span, angles)
+    first, last = fan[:-1], fan[1:]
+    between = _miss(span, first) * _miss(span, last) < 0.0
+    # A ray just missed, and the next one again: about an extremum of the height two more may hide.
+    near = ~between & (_rise(first) * _miss(span, first) < 0.0) & (_rise(last) * _miss(span, last) > 0.0)
+    extremum = _halve(water, span, first[near], last[near], _rise)
+    a = np.concatenate([first[between], first[near], extremum])
+    b = np.concatenate([last[between], extremum, last[near]])
+    held = _miss(span, a) * _miss(span, b) < 0.0
+    found = _halve(water, span, a[held], b[held], lambda rows: _miss(span, rows))
+    found = found[np.abs(_miss(span, found)) < CLOSE]
+    return found[np.argsort(found[:, ANGLE], kind="stable")]
+
+
+def _arrive(water: Water, span: Span, angles: Values) -> Values:
+    """Send rays to the range of a point; column X holds their height there, NaN for those that do not come."""
+    mirrored = span.reflections > 0
+    limits = Limits(span.x, span.low, span.high, mirrored, mirrored)
+    points, _ = follow_paths(water, span.z_from, angles, np.array([span.x]), limits)
+    rows = np.empty((angles.size, COLUMNS))
+    rows[:, ANGLE] = angles
+    kept = {X: points.z, TIME: points.time, COSINE: points.cosine, SINE: points.sine, TUBE: points.q}
+    counted = {TURNS: points.turns, TOPS: points.tops, BOTTOMS: points.bottoms, GRAZED: points.grazed}
+    for column, values in (kept | counted).items():
+        rows[:, column] = values[:, 0]
+    # What ends before has its end for first point.
+    rows[(points.x[:, 0] != span.x) | (rows[:, TOPS] + rows[:, BOTTOMS] > span.reflections), X] = math.nan
+    return rows
+
+
+def _miss(span: Span, rows: Values) -> Values:
+    """Height of rays above the point, in metres."""
+    return rows[:, X] - span.z_to
+
+
+def _rise(rows: Values) -> Values:
+    """dz/dθ0 of their height, in m/rad."""
+    mirrored = (rows[:, TOPS] + rows[:, BOTTOMS]) % 2 == 1
+    return np.where(mirrored, -1.0, 1.0) * rows[:, TUBE] / rows[:, COSINE]
+
+
+def _halve(water: Water, span: Span, a: Values, b: Values, value: Callable[[Values], Values]) -> Values:
+    """Find the rays between ``a`` and ``b`` at which a value of them changes its sign."""
+    first, last, sign = a[:, ANGLE], b[:, ANGLE], np.sign(value(a))
+    for _ in range(HALVINGS):
+        middle = 0.5 * (first + last)
+        before = np.sign(value(_arrive(water, span, middle))) == sign
+        first, last = np.where(before, middle, first), np.where(before, last, middle)
+    return _arrive(water, span, 0.5 * (first + last))
+
+
+def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: float, farthest: float) -> Values:
+    """Find the ranges at which no direct ray comes to a height in layered water.
+
+    Parameters
+    ----------
+    water : Water
+        Of one station.
+    z_from, z_to, low, high : float
+        As in `join_points`; rays end at ``low`` and ``high``.
+    farthest : float
+        Ground range up to which is looked, in metres.
+
+    Returns
+    -------
+    (n, 2) float64
+        Beginning and end of each shadow, in metres, ascending.
+    """
+    span = Span(float(z_from), float(z_to), math.inf, float(low), float(high), 0)
+    lit = np.full((2 * water.height.size + 10, ROOM, 2), math.inf)
+    find_lit(water.height, water.speed[0], span, lit)
+    pieces = lit.reshape(-1, 2)
+    shadows, reached = [], 0.0
+    for begin, end in pieces[np.argsort(pieces[:, 0], kind="stable")]:
+        # Rays on either side of a critical angle come to the same place, but for rounding.
+        if begin > reached + SEAM * farthest:
+            shadows.append((reached, min(begin, farthest)))
+        reached = max(reached, end)
+        if reached >= farthest:
+            break
+    return np.array([shadow for shadow in shadows if shadow[0] < farthest]).reshape(-1, 2)
