@@ -11,10 +11,13 @@ _HOMES = {
     "Scene": "scene",
     "SceneError": "scene",
     "chart": "chart",
+    "eigenrays": "sound.paths",
     "load_scene": "scene",
     "plan": "plan",
     "prepare": "simulate",
+    "ray_paths": "sound.paths",
     "relief": "terrain",
+    "shadow_zones": "sound.paths",
     "simulate": "simulate",
     "simulate_blocks": "simulate",
 }

@@ -10,7 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.branches import (
-    ANGLE,BOTTOMS,COLUMNS,COSINE,GRAZED,SINE,TIME,TOPS,TUBE,TURNS,X,Span, find_eigenrays, find_lit)
+    ANGLE,
+    BOTTOMS,
+    COLUMNS,
+    COSINE,
+    GRAZED,
+    SINE,
+    TIME,
+    TOPS,
+    TUBE,
+    TURNS,
+    Span,
+    X,
+    find_eigenrays,
+    find_lit,
+)
 from insonify.kernels.cells import Plane
 from insonify.kernels.paths import Limits, Points, trace_paths
 from insonify.kernels.types import Water
@@ -89,26 +103,39 @@ def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, 
 
 def _join_across(water: Water, span: Span) -> Values:
     """Find the rays between two points of a section: by a fan, halved where the point lies between two of its rays."""
-    heights = np.linspace(*np.sort([span.z_from, span.z_to]), FAN // 2) + np.linspace(-1.0, 1.0, FAN // 2) * span.x
+    lower, upper = sorted((span.z_from, span.z_to))
+    heights = np.linspace(lower - span.x, upper + span.x, FAN // 2)
     angles = np.union1d(np.arctan2(heights - span.z_from, span.x), np.linspace(-0.5, 0.5, FAN // 2 + 2)[1:-1] * math.pi)
     fan = _arrive(water, span, angles)
     first, last = fan[:-1], fan[1:]
-    between = _miss(span, first) * _miss(span, last) < 0.0
-    # A ray just missed, and the next one again: about an extremum of the height two more may hide.
-    near = ~between & (_rise(first) * _miss(span, first) < 0.0) & (_rise(last) * _miss(span, last) > 0.0)
-    extremum = _halve(water, span, first[near], last[near], _rise)
-    a = np.concatenate([first[between], first[near], extremum])
-    b = np.concatenate([last[between], extremum, last[near]])
-    held = _miss(span, a) * _miss(span, b) < 0.0
-    found = _halve(water, span, a[held], b[held], lambda rows: _miss(span, rows))
-    found = found[np.abs(_miss(span, found)) < CLOSE]
+    between = _parted(_miss(span, first), _miss(span, last))
+    # About an extremum of the height two more may hide.
+    nears = _rise(span, first) * _miss(span, first) < 0.0
+    leaves = _rise(span, last) * _miss(span, last) > 0.0
+    hidden = ~between & nears & leaves
+    extremum = _halve(water, span, first[hidden], last[hidden], _rise)
+    a, b = (
+        np.concatenate([first[between], first[hidden], extremum]),
+        np.concatenate([last[between], extremum, last[hidden]]),
+    )
+    held = _parted(_miss(span, a), _miss(span, b))
+    found = _halve(water, span, a[held], b[held], _miss)
+    few = found[:, TOPS] + found[:, BOTTOMS] <= span.reflections
+    found = found[few & (np.abs(_miss(span, found)) < CLOSE)]
+    found[:, X] = span.x
     return found[np.argsort(found[:, ANGLE], kind="stable")]
+
+
+def _parted(a: Values, b: Values) -> NDArray[np.bool_]:
+    """Whether one of two is above 0 and the other is not; never for NaN."""
+    return np.isfinite(a) & np.isfinite(b) & ((a > 0.0) != (b > 0.0))
 
 
 def _arrive(water: Water, span: Span, angles: Values) -> Values:
     """Send rays to the range of a point; column X holds their height there, NaN for those that do not come."""
-    mirrored = span.reflections > 0
-    limits = Limits(span.x, span.low, span.high, mirrored, mirrored)
+    # A point at an end of the water lies between rays that are sent back before it and behind it.
+    most = span.reflections + (span.z_to in (span.low, span.high))
+    limits = Limits(span.x, span.low, span.high, most > 0, most > 0)
     points, _ = follow_paths(water, span.z_from, angles, np.array([span.x]), limits)
     rows = np.empty((angles.size, COLUMNS))
     rows[:, ANGLE] = angles
@@ -117,29 +144,40 @@ def _arrive(water: Water, span: Span, angles: Values) -> Values:
     for column, values in (kept | counted).items():
         rows[:, column] = values[:, 0]
     # What ends before has its end for first point.
-    rows[(points.x[:, 0] != span.x) | (rows[:, TOPS] + rows[:, BOTTOMS] > span.reflections), X] = math.nan
+    rows[(points.x[:, 0] != span.x) | (rows[:, TOPS] + rows[:, BOTTOMS] > most), X] = math.nan
     return rows
 
 
 def _miss(span: Span, rows: Values) -> Values:
-    """Height of rays above the point, in metres."""
-    return rows[:, X] - span.z_to
+    """Height of rays above the point, in metres; beyond an end of the water on which it lies, if they went on."""
+    return _onwards(span, rows) * (rows[:, X] - span.z_to)
 
 
-def _rise(rows: Values) -> Values:
-    """dz/dθ0 of their height, in m/rad."""
+def _rise(span: Span, rows: Values) -> Values:
+    """dz/dθ0 of that height, in m/rad."""
     mirrored = (rows[:, TOPS] + rows[:, BOTTOMS]) % 2 == 1
-    return np.where(mirrored, -1.0, 1.0) * rows[:, TUBE] / rows[:, COSINE]
+    return _onwards(span, rows) * np.where(mirrored, -1.0, 1.0) * rows[:, TUBE] / rows[:, COSINE]
 
 
-def _halve(water: Water, span: Span, a: Values, b: Values, value: Callable[[Values], Values]) -> Values:
-    """Find the rays between ``a`` and ``b`` at which a value of them changes its sign."""
-    first, last, sign = a[:, ANGLE], b[:, ANGLE], np.sign(value(a))
+def _onwards(span: Span, rows: Values) -> Values:
+    """-1 for rays that an end of the water with the point on it has turned upside down, otherwise 1."""
+    if span.z_to == span.low:
+        return 1.0 - 2.0 * (rows[:, BOTTOMS] % 2)
+    if span.z_to == span.high:
+        return 1.0 - 2.0 * (rows[:, TOPS] % 2)
+    return np.ones(len(rows))
+
+
+def _halve(water: Water, span: Span, a: Values, b: Values, value: Callable[[Span, Values], Values]) -> Values:
+    """Find the rays between ``a`` and ``b`` at which a value of them changes its sign: those less often reflected."""
+    above = value(span, a) > 0.0
+    first, last = a.copy(), b.copy()
     for _ in range(HALVINGS):
-        middle = 0.5 * (first + last)
-        before = np.sign(value(_arrive(water, span, middle))) == sign
-        first, last = np.where(before, middle, first), np.where(before, last, middle)
-    return _arrive(water, span, 0.5 * (first + last))
+        middle = _arrive(water, span, 0.5 * (first[:, ANGLE] + last[:, ANGLE]))
+        before = (value(span, middle) > 0.0) == above
+        first[before], last[~before] = middle[before], middle[~before]
+    fewer = first[:, TOPS] + first[:, BOTTOMS] <= last[:, TOPS] + last[:, BOTTOMS]
+    return np.where(fewer[:, None], first, last)
 
 
 def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: float, farthest: float) -> Values:
