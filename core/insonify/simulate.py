@@ -143,7 +143,7 @@ def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> S
     ground = build_ground(scene)
     _refuse_silence(scene, ground)
     problem = make_problem(scene, ground)
-    _refuse_bent_sound(scene, problem)
+    _refuse_bent_sound(scene, problem, chosen)
     reception = _make_reception(scene, ground, problem)
     spiky, interference = _spiky(scene, ground, problem), make_interference(scene, problem)
     return Simulation(scene, chosen, ground, problem, reception, spiky, interference)
@@ -164,12 +164,12 @@ def _refuse_silence(scene: Scene, ground: Ground) -> None:
         )
 
 
-def _refuse_bent_sound(scene: Scene, problem: Problem) -> None:
-    """Refuse water in which sound does not go straight."""
-    if problem.water.bent:
+def _refuse_bent_sound(scene: Scene, problem: Problem, chosen: Plan) -> None:
+    """Refuse water in which sound does not go straight, to the sweep."""
+    if problem.water.bent and chosen.method == "sweep":
         raise SceneError(
-            f"water.kind: in {scene.water.kind!r} water sound bends, which no method follows; take kind 'uniform', or "
-            "one speed for all depths"
+            f"water.kind: in {scene.water.kind!r} water sound bends, which the sweep does not follow; take the method "
+            "'rays', or kind 'uniform'"
         )
 
 

@@ -320,6 +320,40 @@ def test_records_do_not_depend_on_threads():
     assert (alone[0] == whole[7]).all()
 
 
+def test_a_section_that_is_the_same_everywhere_is_layers():
+    water, speed = thermocline(), THERMOCLINE[1]
+    section = water._replace(
+        speed=np.tile(speed, (3, 1)), station=np.array([-20.0, 7.0, 31.0]), axis_x=math.cos(0.4), axis_y=math.sin(0.4)
+    )
+    ball = ((30.0, 8.0, 2.0), 1.5)
+    problem = problem_of(rough(64, 64), 1.0, periodic=True, solids=[ball], half_width=FAN, bins=200, bin_length=0.4)
+    ways = downwards(np.concatenate([np.linspace(-3.0, 80.0, 300), np.linspace(20.0, 35.0, 100)]), azimuth=0.26)
+    one = rays.cast(problem._replace(water=water), (0.0, 0.0, 20.0), ways)
+    other = rays.cast(problem._replace(water=section), (0.0, 0.0, 20.0), ways)
+    assert set(one[1]) == {-2, BED, 0}
+    assert (one[1] == other[1]).all()
+    hit = one[1] != -2
+    np.testing.assert_allclose(other[0][hit], one[0][hit], atol=1e-3)
+    poses = poses_of(0.0, 0.0, 20.0, 0.3)
+    layers, same = (rays.trace(problem._replace(water=w), poses, rays=2000) for w in (water, section))
+    np.testing.assert_allclose(same.sum(), layers.sum(), rtol=1e-3)
+
+
+def test_of_a_section_each_ray_feels_what_lies_in_its_plane():
+    station, height = np.array([-300.0, -40.0, 25.0, 300.0]), np.array([-5.0, 3.0, 12.0, 100.0])
+    gx, gz, azimuth = 0.3, 0.2, 0.9
+    speed = 1500.0 + gx * station[:, None] + gz * height
+    water = Water(True, height, speed, station, 1.0, 0.0, 1504.0, SURFACE)
+    hits, arrivals = land(flat(water), (10.0, 5.0, 20.0), downwards(np.linspace(5.0, 85.0, 41), azimuth), 300.0)
+    x = arrivals.spread * np.cos(np.radians(np.linspace(5.0, 85.0, 41)))
+    # In the plane the gradient is even, and the time between two points is that along a circle.
+    g = math.hypot(gx * math.cos(azimuth), gz)
+    here, there = 1500.0 + gx * 10.0 + gz * 20.0, 1500.0 + gx * (10.0 + x * math.cos(azimuth))
+    assert (hits.body == BED).all()
+    time = np.arccosh(1.0 + g * g * (x**2 + 400.0) / (2.0 * here * there)) / g
+    np.testing.assert_allclose(hits.distance, 1504.0 * time, atol=1e-6)
+
+
 def test_bounces_are_refused():
     problem = flat(thermocline())
     with pytest.raises(SceneError, match=r"sonar\.bounces: 2 of them are followed along straight lines"):

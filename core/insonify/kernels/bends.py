@@ -1,9 +1,10 @@
 """Rays that water bends: what each meets first along the arcs it goes, and how it arrives there.
 
-A ray stays in the vertical plane it is sent in; horizontal refraction is left out. Above everything it goes from node
-to node of the water in one step; from there on each arc is cut into chords so short that they leave it by no more than
-a share of a millimetre, and each chord asks what it meets as a straight ray does. From the hit on the arc itself is
-taken again: time, direction and the width of the ray tube are its own.
+A ray stays in the vertical plane it is sent in: of water that differs along a line it feels what lies in that plane;
+horizontal refraction is left out. Above everything it goes from node to node of the water in one step; from there on
+each arc is cut into chords so short that they leave it by no more than a share of a millimetre, and each chord asks
+what it meets as a straight ray does. From the hit on the arc itself is taken again: time, direction and the width of
+the ray tube are its own.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.arcs import ENDLESS, HIGH, LOW, RANGE, launch_ray, step
+from insonify.kernels.cells import Plane, launch_across, step_across
 from insonify.kernels.jit import kernel
 from insonify.kernels.march import march_chord
 from insonify.kernels.shapes import meet_solid, widest
@@ -42,7 +44,7 @@ class Arrivals(NamedTuple):
     speed: NDArray[np.float64]  # of sound there, m/s
 
 
-class Plane(NamedTuple):
+class Course(NamedTuple):
     """The vertical plane of a ray: the ground place of its start and the level unit vector it is sent along."""
 
     x: float
@@ -81,31 +83,53 @@ def bent_hits(problem, bundle, reach, march, hits, arrivals):
     The distance of a hit is its slant range: time by the speed at the sonar.
     """
     water, solids, mesh = problem.water, problem.solids, problem.mesh
-    height, speed = water.height, water.speed[0]
     latest = reach / water.reference
-    farthest = latest * speed.max()
+    farthest = latest * water.speed.max()
     near = np.empty(solids.shape.size, np.int64)
     for k in range(bundle.x.size):
         level = math.sqrt(bundle.dx[k] ** 2 + bundle.dy[k] ** 2)
-        plane = Plane(bundle.x[k], bundle.y[k], 1.0, 0.0)
+        course = Course(bundle.x[k], bundle.y[k], 1.0, 0.0)
         if level > 0.0:
-            plane = Plane(bundle.x[k], bundle.y[k], bundle.dx[k] / level, bundle.dy[k] / level)
-        count, floor, ceiling = _within_plane(solids, plane, problem.bed.low, problem.bed.high, near)
+            course = Course(bundle.x[k], bundle.y[k], bundle.dx[k] / level, bundle.dy[k] / level)
+        count, floor, ceiling = _on_course(solids, course, problem.bed.low, problem.bed.high, near)
         if mesh.skip.size > 0:
             floor, ceiling = min(floor, mesh.low[0, 2]), max(ceiling, mesh.high[0, 2])
-        limits = Limits(floor - CLEAR, clear_of_nodes(height, ceiling), farthest, latest)
+        limits = Limits(floor - CLEAR, clear_of_nodes(water.height, ceiling), farthest, latest)
         hits.distance[k], hits.body[k], hits.material[k] = math.inf, NOTHING, 0
         hits.nx[k], hits.ny[k], hits.nz[k] = 0.0, 0.0, 0.0
-        ray = launch_ray(height, speed, bundle.z[k], level, bundle.dz[k])
-        chord, ray = _land(problem, height, speed, near, count, plane, limits, ray, march)
+        plane = plane_of(water, course.x, course.y, course.ahead_x, course.ahead_y)
+        ray = set_out(water, plane, bundle.z[k], level, bundle.dz[k])
+        chord, ray = _land(problem, near, count, course, plane, limits, ray, march)
         if not chord.distance < math.inf or ray.time > latest:
             continue
         hits.distance[k], hits.body[k], hits.material[k] = ray.time * water.reference, chord.body, chord.material
         hits.nx[k], hits.ny[k], hits.nz[k] = chord.nx, chord.ny, chord.nz
-        arrivals.dx[k], arrivals.dy[k] = ray.cosine * plane.ahead_x, ray.cosine * plane.ahead_y
+        arrivals.dx[k], arrivals.dy[k] = ray.cosine * course.ahead_x, ray.cosine * course.ahead_y
         arrivals.dz[k], arrivals.speed[k] = ray.sine, ray.speed
         spread = ray.x / level if level > 0.0 else abs(ray.q)
         arrivals.tube[k], arrivals.spread[k] = max(abs(ray.q), CAUSTIC * spread), spread
+
+
+@fused
+def plane_of(water, x, y, ahead_x, ahead_y):
+    """Lay the vertical plane of a ray through the water's stations."""
+    return Plane(x * water.axis_x + y * water.axis_y, ahead_x * water.axis_x + ahead_y * water.axis_y)
+
+
+@kernel
+def set_out(water, plane, z, cosine, sine):
+    """Start a ray at height z."""
+    if water.station.size > 1:
+        return launch_across(water.height, water.speed, water.station, plane, z, cosine, sine)
+    return launch_ray(water.height, water.speed[0], z, cosine, sine)
+
+
+@fused
+def go_on(height, speed, station, plane, ray, x_end, low, high):
+    """Follow a ray to the next border in the water, to range ``x_end``, or to height ``low`` or ``high``."""
+    if station.size > 1:
+        return step_across(height, speed, station, plane, ray, x_end, low, high)
+    return step(height, speed[0], ray, x_end, low, high)
 
 
 @kernel
@@ -125,15 +149,15 @@ def clear_of_nodes(height, ceiling):
 
 
 @fused
-def _within_plane(solids, plane, low, high, near):
-    """List the bodies that a ray's plane may cross; widen the heights between which there is anything."""
+def _on_course(solids, course, low, high, near):
+    """List the bodies that a ray's course may cross; widen the heights between which there is anything."""
     count = 0
     for k in range(solids.shape.size):
         middle, radius = 0.5 * solids.length[k], widest(solids, k)
-        cx = solids.start[k, 0] + middle * solids.axis[k, 0] - plane.x
-        cy = solids.start[k, 1] + middle * solids.axis[k, 1] - plane.y
+        cx = solids.start[k, 0] + middle * solids.axis[k, 0] - course.x
+        cy = solids.start[k, 1] + middle * solids.axis[k, 1] - course.y
         bound = middle + radius
-        off, ahead = cy * plane.ahead_x - cx * plane.ahead_y, cx * plane.ahead_x + cy * plane.ahead_y
+        off, ahead = cy * course.ahead_x - cx * course.ahead_y, cx * course.ahead_x + cy * course.ahead_y
         if abs(off) > bound or ahead < -bound:
             continue
         near[count] = k
@@ -144,19 +168,20 @@ def _within_plane(solids, plane, low, high, near):
 
 
 @fused
-def _land(problem, height, speed, near, count, plane, limits, ray, march):
+def _land(problem, near, count, course, plane, limits, ray, march):
     """Follow a ray to the first thing it meets: what it is, and the ray as it arrives there."""
     surface = problem.water.surface
+    height, speed, station = problem.water.height, problem.water.speed, problem.water.station
     for _ in range(MOST_ARCS):
         above = ray.z > limits.ceiling or (ray.z == limits.ceiling and ray.sine > 0.0)
         low, high = (limits.ceiling, surface) if above else (limits.floor, limits.ceiling)
-        status, after = step(height, speed, ray, limits.x_end, low, high)
+        status, after = go_on(height, speed, station, plane, ray, limits.x_end, low, high)
         if status == ENDLESS:
             break
         if not above:
-            chord = _meet_arc(problem, near, count, plane, ray, after, march)
+            chord = _meet_arc(problem, near, count, course, ray, after, march)
             if chord.distance < math.inf:
-                return chord, _arrive(height, speed, ray, chord)
+                return chord, _arrive(height, speed, station, plane, ray, chord)
             if chord.distance != chord.distance:
                 break
         gone = status == (HIGH if above else LOW)
@@ -167,7 +192,7 @@ def _land(problem, height, speed, near, count, plane, limits, ray, march):
 
 
 @kernel
-def _arrive(height, speed, ray, chord):
+def _arrive(height, speed, station, plane, ray, chord):
     """Follow the arc on which a chord has met something to that place."""
     low, high, x_end = -math.inf, math.inf, math.inf
     if not chord.steep:
@@ -176,11 +201,11 @@ def _arrive(height, speed, ray, chord):
         low = chord.z
     else:
         high = chord.z
-    return step(height, speed, ray, x_end, low, high)[1]
+    return go_on(height, speed, station, plane, ray, x_end, low, high)[1]
 
 
 @fused
-def _meet_arc(problem, near, count, plane, ray, after, march):
+def _meet_arc(problem, near, count, course, ray, after, march):
     """Meet the first thing along an arc, by its chords."""
     x, z = ray.x, ray.z
     dx, dz = after.x - x, after.z - z
@@ -199,8 +224,8 @@ def _meet_arc(problem, near, count, plane, ray, after, march):
     dx, dz = ray.cosine * c - ray.sine * s, ray.sine * c + ray.cosine * s
     c, s = c * c - s * s, 2.0 * c * s
     for _ in range(chords):
-        gx, gy = plane.x + x * plane.ahead_x, plane.y + x * plane.ahead_y
-        way = Ray(gx, gy, z, dx * plane.ahead_x, dx * plane.ahead_y, dz)
+        gx, gy = course.x + x * course.ahead_x, course.y + x * course.ahead_y
+        way = Ray(gx, gy, z, dx * course.ahead_x, dx * course.ahead_y, dz)
         distance, body, material, nx, ny, nz = _meet_chord(problem, near, count, way, length, march)
         if not distance == math.inf:
             steep = abs(dz) > abs(dx)

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.bends import bent_hits, clear_of_nodes, empty_arrivals
+from insonify.kernels.bends import bent_hits, clear_of_nodes, empty_arrivals, plane_of
 from insonify.kernels.jit import kernel
 from insonify.kernels.launch import inside_body, make_beam, spread_rays, touches, turn
 from insonify.kernels.pilots import Sea, aim_bent
@@ -47,9 +47,10 @@ def trace_bent_pings(problem, poses, rays, march, out):
             beam = make_beam(problem, poses, ping, side)
             launch = port if side == PORT else starboard
             ceiling = clear_of_nodes(water.height, _highest(problem, beam))
-            if z != aimed_at[side, 0] or ceiling != aimed_at[side, 1] or pitch != aimed_at[side, 2]:
-                sea = Sea(water.height, water.speed[0], water.surface, ceiling, reach, water.reference)
-                aim_bent(launch, sea, z, problem.half_width, problem.law, spreads)
+            aimed = z == aimed_at[side, 0] and ceiling == aimed_at[side, 1] and pitch == aimed_at[side, 2]
+            if not aimed or water.station.size > 1:
+                plane = plane_of(water, beam.x, beam.y, beam.side_x, beam.side_y)
+                aim_bent(launch, Sea(water, plane, ceiling, reach), z, problem.half_width, problem.law, spreads)
                 if spreads:
                     spread_rays(launch, problem.pattern, z, reach, pitch)
                 aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, ceiling, pitch

@@ -11,12 +11,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from insonify.kernels.arcs import ENDLESS, HIGH, LOW, RANGE, launch_ray, step
-from insonify.kernels.bends import MOST_ARCS
+from insonify.kernels.arcs import ENDLESS, HIGH, LOW, RANGE
+from insonify.kernels.bends import MOST_ARCS, go_on, set_out
+from insonify.kernels.cells import Plane
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.launch import send
+from insonify.kernels.types import Water
 
 PILOTS = 256
 CROWD = 6.0  # the first pilots lie closest about the horizontal, where a degree turns into the most metres
@@ -26,14 +27,12 @@ MOST_PILOTS = 8192
 
 
 class Sea(NamedTuple):
-    """The water of one ping's rays and where there is anything to hit."""
+    """What the rays of one side run through, athwart, and how high there is anything to hit."""
 
-    height: NDArray[np.float64]  # (n,) nodes
-    speed: NDArray[np.float64]  # (n,) m/s
-    surface: float  # m
+    water: Water
+    plane: Plane
     ceiling: float  # m, height of the highest thing
     reach: float  # m, slant range
-    reference: float  # m/s, turns time into slant range
 
 
 class Pilot(NamedTuple):
@@ -156,20 +155,21 @@ def _reach_share(angle, share, wanted, i, before):
 @kernel
 def _send_pilot(sea, z, elevation):
     """Send a pilot down to the mean bed."""
-    ray = launch_ray(sea.height, sea.speed, z, math.cos(elevation), math.sin(elevation))
-    latest = sea.reach / sea.reference
-    x_end, level = latest * sea.speed.max(), min(0.0, sea.ceiling)
+    water, plane = sea.water, sea.plane
+    ray = set_out(water, plane, z, math.cos(elevation), math.sin(elevation))
+    latest = sea.reach / water.reference
+    x_end, level = latest * water.speed.max(), min(0.0, sea.ceiling)
     near = False
     for _ in range(MOST_ARCS):
         above = ray.z > sea.ceiling or (ray.z == sea.ceiling and ray.sine > 0.0)
         near = near or not above
         if not above and ray.z <= level:
             break
-        low, high = (sea.ceiling, sea.surface) if above else (level, sea.ceiling)
-        status, after = step(sea.height, sea.speed, ray, x_end, low, high)
+        low, high = (sea.ceiling, water.surface) if above else (level, sea.ceiling)
+        status, after = go_on(water.height, water.speed, water.station, plane, ray, x_end, low, high)
         if status == ENDLESS or status == RANGE or after.time > latest or (above and status == HIGH):
             break
         if not above and status == LOW:
-            return Pilot(elevation, near, after.time * sea.reference)
+            return Pilot(elevation, near, after.time * water.reference)
         ray = after
     return Pilot(elevation, near, math.inf)

@@ -73,13 +73,7 @@ def cast(
         Index of the target, ``BED`` (-1), or -2 for nothing.
     normal : (n, 3) float64
         Outward unit normal of the surface, zero where nothing is hit.
-
-    Raises
-    ------
-    SceneError
-        If the speed of sound depends on more than depth.
     """
-    _refuse_bends(problem, 0)
     bundle = _bundle(origins, directions)
     hits = empty_hits(bundle.x.size)
     farthest = problem.bins * problem.bin_length if reach is None else float(reach)
@@ -178,13 +172,9 @@ def trace_rays(problem: Problem, poses: Poses, rays: int, step: float, threads: 
 
 
 def _refuse_bends(problem: Problem, bounces: int) -> None:
-    """Refuse what rays cannot do along arcs."""
-    if not problem.water.bent:
-        return
-    if bounces > 0:
+    """Refuse to follow bounces along arcs."""
+    if problem.water.bent and bounces > 0:
         raise SceneError(
             f"sonar.bounces: {bounces} of them are followed along straight lines, and this water bends sound; "
             "set it to 0 or water.kind to uniform"
         )
-    if problem.water.station.size > 1:
-        raise SceneError("water.kind: rays bend in water that differs by depth alone, not in a section; take a profile")
