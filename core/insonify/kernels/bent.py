@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.bends import bent_hits, clear_of_nodes, empty_arrivals, plane_of
+from insonify.kernels.bends import Course, bent_hits, clear_of_nodes, empty_arrivals, plane_of
 from insonify.kernels.jit import kernel
 from insonify.kernels.launch import inside_body, make_beam, spread_rays, touches, turn
 from insonify.kernels.pilots import Sea, aim_bent
@@ -49,7 +49,7 @@ def trace_bent_pings(problem, poses, rays, march, out):
             ceiling = clear_of_nodes(water.height, _highest(problem, beam))
             aimed = z == aimed_at[side, 0] and ceiling == aimed_at[side, 1] and pitch == aimed_at[side, 2]
             if not aimed or water.station.size > 1:
-                plane = plane_of(water, beam.x, beam.y, beam.side_x, beam.side_y)
+                plane = plane_of(water.axis_x, water.axis_y, Course(beam.x, beam.y, beam.side_x, beam.side_y))
                 aim_bent(launch, Sea(water, plane, ceiling, reach), z, problem.half_width, problem.law, spreads)
                 if spreads:
                     spread_rays(launch, problem.pattern, z, reach, pitch)

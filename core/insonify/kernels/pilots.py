@@ -156,7 +156,7 @@ def _reach_share(angle, share, wanted, i, before):
 def _send_pilot(sea, z, elevation):
     """Send a pilot down to the mean bed."""
     water, plane = sea.water, sea.plane
-    ray = set_out(water, plane, z, math.cos(elevation), math.sin(elevation))
+    ray = set_out(water.height, water.speed, water.station, plane, z, math.cos(elevation), math.sin(elevation))
     latest = sea.reach / water.reference
     x_end, level = latest * water.speed.max(), min(0.0, sea.ceiling)
     near = False
