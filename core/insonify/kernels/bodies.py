@@ -8,6 +8,7 @@ from typing import NamedTuple
 from insonify.kernels.bins import FIXED_POINT, spread
 from insonify.kernels.cover import next_open
 from insonify.kernels.jit import fused, kernel
+from insonify.kernels.lens import lens_of
 from insonify.kernels.parts import load_part, meet_part
 from insonify.kernels.pieces import FINE, deposit_piece
 from insonify.kernels.scatter import strength
@@ -67,11 +68,13 @@ def deposit_bodies(profile, knots, horizon, problem, wedge, view, screen, cells,
     law, bin_length, part = problem.law, problem.bin_length, screen.part
     edge, cosine, sine = screen.edge, screen.cosine, screen.sine
     near, distance, far, incidence = screen.near, screen.distance, screen.far, screen.incidence
-    x, z, knot = profile.x, profile.z, -1
+    x, z, lenses, knot = profile.x, profile.z, screen.lens, -1
     for cell in range(cells):
         if part[cell] == NOBODY:
             continue
         row = part_material(solids, mesh, screen, part[cell])
+        lens = lens_of(wedge.bent, lenses[part[cell]])
+        gain = lens.gain
         c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
         facet = Facet(edge[cell], edge[cell + 1], c, s, near[cell], distance[cell], far[cell], incidence[cell])
         facets = facets_in(facet)
@@ -80,12 +83,16 @@ def deposit_bodies(profile, knots, horizon, problem, wedge, view, screen, cells,
         knot = knot_before(x, knots, farthest, knot)
         ridge = horizon_at(x, z, knots, horizon, knot, farthest)
         if facets == 1 and ridge * cosine[cell] <= sine[cell]:
-            _deposit_facet(facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins)
+            _deposit_facet(
+                facet, gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins
+            )
             continue
-        whole = load_part(solids, mesh, view, screen.body[part[cell]], screen.line[part[cell]])
+        whole = load_part(solids, mesh, view, screen.body[part[cell]], screen.line[part[cell]], lens)
         for k in range(facets):
             facet = open_facet(whole, edge[cell], edge[cell + 1], k, facets, x, z, knots, horizon, knot)
-            _deposit_facet(facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins)
+            _deposit_facet(
+                facet, gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins
+            )
 
 
 @fused
@@ -145,11 +152,11 @@ def is_met(facet):
 
 
 @fused
-def _deposit_facet(facet, diffuse, specular, shininess, wedge, pattern, law, bin_length, bins):
+def _deposit_facet(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length, bins):
     """Deposit one facet; its ends give the slant ranges, its middle the strength."""
     if not is_met(facet):
         return
-    first, second = facet_energies(facet, diffuse, specular, shininess, wedge, pattern, law, bin_length)
+    first, second = facet_energies(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length)
     last, per_bin = bins.size - 2, 1.0 / bin_length
     spread(bins, facet.near * per_bin, facet.centre * per_bin, first, last)
     spread(bins, facet.centre * per_bin, facet.far * per_bin, second, last)
@@ -163,11 +170,11 @@ def part_material(solids, mesh, screen, p):
 
 
 @fused
-def facet_energies(facet, diffuse, specular, shininess, wedge, pattern, law, bin_length):
+def facet_energies(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length):
     """Energies of a facet, in fixed-point units, on either hand of its middle."""
     value = strength(facet.incidence, diffuse, specular, shininess, law)
     x, z = facet.centre * facet.cosine, facet.centre * facet.sine
-    value *= weight(x, z, facet.centre, wedge, pattern, law)
+    value *= gain * weight(x, z, facet.centre, wedge, pattern, law)
     if law == LIGHT:
         density = value / bin_length * FIXED_POINT
         return density * abs(facet.centre - facet.near), density * abs(facet.far - facet.centre)

@@ -64,8 +64,10 @@ def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
     else:
         _sonar_scales(segments, x, area, heard.r, problem.bin_length, heard.scale)
         _sonar_energies(segments, heard.cos_squared, heard.scale, heard.energy)
-    if wedge.angle > 0.0 or wedge.tabled:
+    if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
         _weigh(x[:count], z, heard.r, wedge, problem.pattern, problem.law, heard.weight)
+        if wedge.bent and problem.law != LIGHT:
+            _amplify(count, profile.gain, heard.weight)
         _multiply(segments, heard.weight, heard.scale, heard.energy)
     _colour(segments, profile.material, problem.reflectivity, problem.bed.mapped, heard.energy)
     _add_gloss(segments, profile.material, problem.reflectivity, problem.bed.mapped, problem.law, heard)
@@ -135,7 +137,7 @@ def _sonar_energies(segments, cos_squared, scale, energy):
 @fused
 def _weigh(x, z, r, wedge, pattern, law, out):
     """Tell what the plane stands for at each knot."""
-    if law == LIGHT or (wedge.tabled and wedge.angle == 0.0):
+    if law == LIGHT or wedge.angle == 0.0:
         for i in range(x.size):
             out[i] = weight(x[i], z[i], r[i], wedge, pattern, law)
         return
@@ -167,6 +169,12 @@ def _weigh(x, z, r, wedge, pattern, law, out):
 def _weigh_pattern(x, z, r, wedge, centre, extent, integral, first_range, per_octave, out):
     for i in range(x.size):
         out[i] = pattern_width(x[i], z[i], r[i], wedge, centre, extent, integral, first_range, per_octave)
+
+
+@fused
+def _amplify(count, gain, weights):
+    for i in range(count):
+        weights[i] *= gain[i]
 
 
 @fused

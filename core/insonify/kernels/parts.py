@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from insonify.kernels.jit import fused
+from insonify.kernels.lens import Lens, arriving, seen_from
 from insonify.kernels.shapes import cross_frustum, cross_sphere, frustum_normal
 from insonify.kernels.types import SPHERE
 
@@ -28,16 +29,23 @@ class Part(NamedTuple):
     taper: float
     level_x: float  # the plane's azimuth; of a triangle, its normal's level part and upward part in the plane
     level_y: float
+    lens: Lens  # through which it is seen
 
 
 @fused
-def load_part(solids, mesh, view, body, line):
-    """Take out of the tables what a part is like, from where the sonar stands."""
+def load_part(solids, mesh, view, body, line, lens):
+    """Take out of the tables what a part is like, from where the sonar stands or seems to."""
     k = body - solids.shape.size
     if k >= 0:
-        level = mesh.normal[k, 0] * view.ex + mesh.normal[k, 1] * view.ey
+        level, up = mesh.normal[k, 0] * view.ex + mesh.normal[k, 1] * view.ey, mesh.normal[k, 2]
+        if lens.bent:
+            # Back by as much as the ray has turned, so that its launch angle tells the incidence.
+            c, s = lens.arrival_cosine, lens.arrival_sine
+            level, up = level * c + up * s, up * c - level * s
         dx, dz = line[2] - line[0], line[3] - line[1]
-        return Part(TRIANGLE, line[0], 0.0, line[1], dx, 0.0, dz, 0.0, 0.0, 0.0, level, mesh.normal[k, 2])
+        return Part(TRIANGLE, line[0], 0.0, line[1], dx, 0.0, dz, 0.0, 0.0, 0.0, level, up, lens)
+    if lens.bent:
+        view = seen_from(lens, view)
     return Part(
         solids.shape[body],
         solids.start[body, 0] - view.x,
@@ -51,12 +59,23 @@ def load_part(solids, mesh, view, body, line):
         solids.taper[body],
         view.ex,
         view.ey,
+        lens,
     )
 
 
 @fused
 def meet_part(part, c, s):
-    """Distance to a part in the direction (c, s), and the cosine of the incidence there; infinite if missed."""
+    """Slant range of a part in the direction (c, s), and the cosine of the incidence there; infinite if missed."""
+    through = part.lens.bent and part.kind != TRIANGLE
+    if through:
+        c, s = arriving(part.lens, c, s)
+    distance, incidence = _meet(part, c, s)
+    return (part.lens.offset + part.lens.gauge * distance if through else distance), incidence
+
+
+@fused
+def _meet(part, c, s):
+    """Likewise, from where the sonar seems to be."""
     if part.kind == TRIANGLE:
         distance = (part.x * part.az - part.z * part.ax) / (c * part.az - s * part.ax)
         # Sheets are heard from both sides.

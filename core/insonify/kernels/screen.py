@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.jit import fused, kernel
+from insonify.kernels.lens import FIELDS, bend_parts, lens_of
 from insonify.kernels.parts import foot_of, load_part, meet_part, nearest_of
 from insonify.kernels.sections import reached, section
 from insonify.kernels.types import Mesh, Solids
@@ -33,6 +34,7 @@ class Screen(NamedTuple):
     low: NDArray[np.float64]  # launch angle above the horizontal at which the part begins, rad
     high: NDArray[np.float64]  # and ends
     line: NDArray[np.float64]  # (parts, 4) of a triangle's part: ground range and height above the sonar of its ends
+    lens: NDArray[np.float64]  # (parts, 11) what the water makes of a part, if it bends sound
     rim: NDArray[np.float64]  # (bodies, 4) of a body's part: launch angles at which one face ends and another begins
     first: NDArray[np.int64]  # cell in which a part begins
     edge: NDArray[np.float64]  # launch angles at which cells begin; the last one ends the last cell
@@ -54,14 +56,14 @@ def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
     low, high = np.zeros((2, parts))
     edge, cosine, sine, distance, incidence, near, far, level, rise = np.zeros((9, cells))
     body, first, part = np.zeros(parts, np.int64), np.zeros(parts, np.int64), np.zeros(cells, np.int64)
-    line, rim = np.zeros((parts, 4)), np.zeros((bodies, RIMS))
+    line, lens, rim = np.zeros((parts, 4)), np.zeros((parts, FIELDS)), np.zeros((bodies, RIMS))
     return Screen(
-        body, low, high, line, rim, first, edge, cosine, sine, part, distance, incidence, near, far, level, rise
+        body, low, high, line, lens, rim, first, edge, cosine, sine, part, distance, incidence, near, far, level, rise
     )
 
 
 @fused
-def fill_screen(problem, view, reach, screen):
+def fill_screen(problem, view, wedge, reach, sheet, table, screen):
     """Collect what a plane cuts; return the number of cells, -1 - k if the sonar is inside body k."""
     parts = _cut_solids(problem.solids, view, reach, screen)
     if parts < 0:
@@ -69,9 +71,11 @@ def fill_screen(problem, view, reach, screen):
     solid_parts = parts
     if problem.mesh.target.size > 0:
         parts = cut_mesh(problem.mesh, problem.solids.shape.size, view, reach, screen, parts)
+    if wedge.bent and parts > 0:
+        solid_parts, parts = bend_parts(problem, view, wedge.angle == 0.0, table, sheet, screen, solid_parts, parts)
     if parts == 0:
         return 0
-    return _fill_cells(problem, view, screen, solid_parts, parts)
+    return _fill_cells(problem, view, wedge.bent, screen, solid_parts, parts)
 
 
 @fused
@@ -163,16 +167,16 @@ def _keep_ahead(line):
 
 
 @kernel
-def _fill_cells(problem, view, screen, solid_parts, parts):
+def _fill_cells(problem, view, bent, screen, solid_parts, parts):
     """Divide the screen where parts end, turn or cross, find the nearest in every cell; return the number of cells."""
     edges = _lay_edges(screen, solid_parts, parts)
     cells = 0
     for crossings_known in (False, True):
         cells = _divide(screen, edges, parts > 1 or edges > FACETS + 1)
-        _look(problem, view, screen, parts, cells)
+        _look(problem, view, bent, screen, parts, cells)
         edges = cells + 1
         if not crossings_known and parts > 1:
-            edges = _add_crossings(problem, view, screen, solid_parts, parts, cells)
+            edges = _add_crossings(problem, view, bent, screen, solid_parts, parts, cells)
         if edges == cells + 1:
             break
     _tell_nearness(cells, screen.part, screen.cosine, screen.sine, screen.near, screen.far, screen.level, screen.rise)
@@ -216,24 +220,26 @@ def _divide(screen, edges, mixed):
 
 
 @fused
-def _look(problem, view, screen, parts, cells):
+def _look(problem, view, bent, screen, parts, cells):
     """Find the part that is nearest in every cell and the distances to it."""
     for p in range(parts):
-        part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
+        lens = lens_of(bent, screen.lens[p])
+        part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p], lens)
         first = max(np.searchsorted(screen.edge[: cells + 1], screen.low[p], side="right") - 1, 0)
         screen.first[p] = first
         ends = screen.low[p], screen.high[p]
         edge, cosine, sine = screen.edge, screen.cosine, screen.sine
         _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, screen.part, screen.distance, screen.incidence)
     for p in range(parts):
-        part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
+        lens = lens_of(bent, screen.lens[p])
+        part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p], lens)
         first = screen.first[p]
         last, edge, cosine, sine = screen.high[p], screen.edge, screen.cosine, screen.sine
         _measure(p, part, first, cells, last, edge, cosine, sine, screen.part, screen.near, screen.far)
 
 
 @fused
-def _add_crossings(problem, view, screen, solid_parts, parts, cells):
+def _add_crossings(problem, view, bent, screen, solid_parts, parts, cells):
     """Add an edge wherever a part comes before the one that is nearest in a cell's middle; return their number."""
     edges, edge, cosine, sine = cells + 1, screen.edge, screen.cosine, screen.sine
     near, middle, far = screen.near, screen.distance, screen.far
@@ -242,7 +248,8 @@ def _add_crossings(problem, view, screen, solid_parts, parts, cells):
         first, ends = screen.first[p], (screen.low[p], screen.high[p])
         if _is_behind(p, nearest, first, cells, ends[1], edge, screen.part, near, far):
             continue
-        part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p])
+        lens = lens_of(bent, screen.lens[p])
+        part = load_part(problem.solids, problem.mesh, view, screen.body[p], screen.line[p], lens)
         edges = _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, screen.part, near, middle, far, edges)
     return edges
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.bending import straight_sheet
 from insonify.kernels.hear import NADIR
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.slice import slice_bed
@@ -33,7 +34,7 @@ def empty_sight(azimuth: NDArray[np.float64], capacity: int) -> Sight:
 def look(problem, poses, ping, side, planes, profile, sight):
     """Let all planes of one side look out."""
     for plane in range(planes.azimuth.size):
-        view, _, reach = aim_plane(problem, poses, ping, side, planes, plane)
+        view, _, reach = aim_plane(problem, poses, ping, side, planes, plane, straight_sheet())
         knots = slice_bed(problem.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
         sight.reach[plane] = reach
         sight.marked[plane] = _mark(knots, profile.x, profile.z, profile.area, sight.edges[plane])

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.bending import bend_profile, turn_to
 from insonify.kernels.bins import accumulate
 from insonify.kernels.bodies import deposit_bodies, deposit_open
 from insonify.kernels.cover import cover_of, hidden_slopes
@@ -79,7 +80,7 @@ def surface_of(i, x, z, slope, area, material, weights, table, wedge):
     """Segment i of a profile by itself."""
     row, rise = material[i], slope[i]
     at_nadir, rate = 1.0, 0.0
-    if wedge.angle > 0.0 or wedge.tabled:
+    if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
         rate = (np.float64(weights[i + 1]) - weights[i]) / (x[i + 1] - x[i])
         at_nadir = weights[i] - rate * x[i]
     return Surface(z[i] - rise * x[i], rise, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
@@ -114,18 +115,30 @@ def _split(count, r, per_bin, early, late):
 
 
 @fused
-def sweep_plane(problem, view, wedge, reach, profile, screen, heard, bins):
+def sweep_plane(problem, view, wedge, reach, sheet, table, profile, screen, heard, bins):
     """Slice one plane, hear it, deposit it; return the cells of its screen and its knots.
+
+    The profile is left as it seems through the water.
 
     In place of the number of cells comes -1 - k if the sonar is inside body k.
     """
     # A scene without bodies does not even ask: that alone costs some 0.3 µs a plane.
-    cells = fill_screen(problem, view, reach, screen) if screen.body.size > 0 else 0
+    cells = fill_screen(problem, view, wedge, reach, sheet, table, screen) if screen.body.size > 0 else 0
     if cells < 0:
         return cells, 0
     hidden_from, hidden_to = hidden_slopes(screen, cells)
     count = slice_bed(problem.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
     if count > 1:
+        if wedge.bent:
+            x, z, slope, area, level, gain = (
+                profile.x,
+                profile.z,
+                profile.slope,
+                profile.area,
+                profile.level,
+                profile.gain,
+            )
+            bend_profile(table, sheet, wedge.angle == 0.0, x, z, slope, area, level, gain, count)
         hear(profile, count, problem, wedge, hidden_from, hidden_to, heard)
         deposit(profile, count, problem, wedge, screen, cells, heard, bins)
     if cells > 0:
@@ -134,14 +147,15 @@ def sweep_plane(problem, view, wedge, reach, profile, screen, heard, bins):
 
 
 @kernel
-def sweep_pings(problem, poses, planes, profile, heard, screen, out):
+def sweep_pings(problem, poses, planes, bending, table, profile, heard, screen, out):
     """Sweep every plane of every ping into ``out`` (pings, 2, bins); return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(problem.bins + 2, np.int64)
     for ping in range(poses.x.size):
+        sheet = turn_to(bending, poses.z[ping], table)
         for side in range(2):
             for plane in range(planes.azimuth.size):
-                view, wedge, reach = aim_plane(problem, poses, ping, side, planes, plane)
-                status, _ = sweep_plane(problem, view, wedge, reach, profile, screen, heard, bins)
+                view, wedge, reach = aim_plane(problem, poses, ping, side, planes, plane, sheet)
+                status, _ = sweep_plane(problem, view, wedge, reach, sheet, table, profile, screen, heard, bins)
                 if status < 0:
                     return status
             accumulate(bins, problem.range_factor, out[ping, side])
@@ -149,7 +163,7 @@ def sweep_pings(problem, poses, planes, profile, heard, screen, out):
 
 
 @fused
-def aim_plane(problem, poses, ping, side, planes, plane):
+def aim_plane(problem, poses, ping, side, planes, plane, sheet):
     """Where one plane of a ping's beam lies, what it stands for, and how far the ping hears anything of it."""
     height = max(poses.z[ping] - problem.bed.low, LOWEST)
     ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
@@ -169,6 +183,7 @@ def aim_plane(problem, poses, ping, side, planes, plane):
         math.sin(problem.half_width),
         2.0 * problem.half_width,
         problem.pattern.tabled,
+        sheet.bent,
         cos_pitch,
         sin_pitch,
         cos_roll * c - sin_roll * sin_pitch * s,
@@ -177,4 +192,4 @@ def aim_plane(problem, poses, ping, side, planes, plane):
         cos_roll * cos_pitch,
     )
     view = View(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
-    return view, wedge, min(planes.reach[plane] * height, problem.bins * problem.bin_length)
+    return view, wedge, sheet.stretch * min(planes.reach[plane] * height, problem.bins * problem.bin_length)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.bending import turn_to
 from insonify.kernels.bins import FIXED_POINT, accumulate
 from insonify.kernels.bodies import (
     Facet,
@@ -26,6 +27,7 @@ from insonify.kernels.bodies import (
 )
 from insonify.kernels.cover import cover_of, next_open
 from insonify.kernels.jit import fused, kernel
+from insonify.kernels.lens import lens_of
 from insonify.kernels.parts import load_part
 from insonify.kernels.pieces import slant
 from insonify.kernels.scatter import strength
@@ -78,15 +80,16 @@ def empty_ledger(contributors: int, bins: int) -> Ledger:
 
 
 @kernel
-def find_truth(problem, poses, planes, profile, heard, screen, ledger, found):
+def find_truth(problem, poses, planes, bending, table, profile, heard, screen, ledger, found):
     """Tell what every bin of every ping shows; return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(problem.bins + 2, np.int64)
     intensity = np.zeros(problem.bins, np.float32)
     for ping in range(poses.x.size):
+        sheet = turn_to(bending, poses.z[ping], table)
         for side in range(2):
             for plane in range(planes.azimuth.size):
-                view, wedge, reach = aim_plane(problem, poses, ping, side, planes, plane)
-                cells, count = sweep_plane(problem, view, wedge, reach, profile, screen, heard, bins)
+                view, wedge, reach = aim_plane(problem, poses, ping, side, planes, plane, sheet)
+                cells, count = sweep_plane(problem, view, wedge, reach, sheet, table, profile, screen, heard, bins)
                 if cells < 0:
                     return cells
                 _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger)
@@ -151,25 +154,25 @@ def _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger):
     """Enter all that is heard of a profile, and mark where bed lies out of sight."""
     cover = cover_of(screen, cells)
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
-    weights = heard.weight
+    weights, levels = heard.weight, profile.level
     for i in range(count - 1):
         surface = surface_of(i, x, z, slope, area, material, weights, problem.reflectivity, wedge)
-        who = material[i]
+        who, level = material[i], 0.5 * (levels[i] + levels[i + 1]) if wedge.bent else 1.0
         x_from, x_to = profile.x[i], profile.x[i + 1]
         if heard.cut[i]:
             _meet(ledger, who)
             start = in_sight_from(surface, x_from, x_to, heard.launch[i], heard.horizon[i])
-            _note_cut(ledger, who, surface, x_from, start, x_to, cover, problem.law, problem.bin_length)
+            _note_cut(ledger, who, surface, level, x_from, start, x_to, cover, problem.law, problem.bin_length)
         elif heard.energy[i] != 0.0:
             _meet(ledger, who)
             near, far, density = heard.r[i], heard.r[i + 1], abs(heard.energy[i])
-            _note_even(ledger, who, surface, x_from, x_to, near, far, density, problem.bin_length)
+            _note_even(ledger, who, surface, level, x_from, x_to, near, far, density, problem.bin_length)
         elif not heard.launch[i + 1] > heard.horizon[i]:
             _mark_hidden(surface, x_from, x_to, problem.bin_length, ledger.hidden)
 
 
 @kernel
-def _note_cut(ledger, who, surface, x_from, start, x_to, cover, law, bin_length):
+def _note_cut(ledger, who, surface, level, x_from, start, x_to, cover, law, bin_length):
     """Enter the open parts of a segment that rises into sight at ``start``, and mark those between."""
     seen_to = x_from
     low, high = launch_angle(surface, start), launch_angle(surface, x_to)
@@ -182,8 +185,8 @@ def _note_cut(ledger, who, surface, x_from, start, x_to, cover, law, bin_length)
         _mark_hidden(surface, seen_to, start, bin_length, ledger.hidden)
         # Slant range falls towards the foot of the perpendicular and grows beyond it.
         foot = _foot(surface, start, stop)
-        _note_piece(ledger, who, surface, start, foot, law, bin_length)
-        _note_piece(ledger, who, surface, foot, stop, law, bin_length)
+        _note_piece(ledger, who, surface, level, start, foot, law, bin_length)
+        _note_piece(ledger, who, surface, level, foot, stop, law, bin_length)
         low, start, seen_to = closed, stop, stop
     _mark_hidden(surface, seen_to, x_to, bin_length, ledger.hidden)
 
@@ -205,7 +208,7 @@ def _mark_hidden(surface, x_from, x_to, bin_length, hidden):
 
 
 @fused
-def _note_even(ledger, who, surface, x_from, x_to, near, far, density, bin_length):
+def _note_even(ledger, who, surface, level, x_from, x_to, near, far, density, bin_length):
     """Enter a short segment whose energy is spread evenly over its slant range."""
     energy, strongest, per_bin = ledger.energy[who], ledger.strongest[who], 1.0 / bin_length
     a, b = min(near, far), max(near, far)
@@ -217,12 +220,12 @@ def _note_even(ledger, who, surface, x_from, x_to, near, far, density, bin_lengt
         if part > strongest[k]:
             r = 0.5 * (start + stop)
             strongest[k] = part
-            ledger.x[who, k] = x_from + (x_to - x_from) * (r - near) / (far - near)
+            ledger.x[who, k] = (x_from + (x_to - x_from) * (r - near) / (far - near)) / level
             ledger.cosine[who, k] = -surface.offset / (r * math.sqrt(surface.area))
 
 
 @kernel
-def _note_piece(ledger, who, surface, x_from, x_to, law, bin_length):
+def _note_piece(ledger, who, surface, level, x_from, x_to, law, bin_length):
     """Enter a piece along which slant range grows or falls, bin by bin."""
     if not x_to > x_from:
         return
@@ -241,7 +244,7 @@ def _note_piece(ledger, who, surface, x_from, x_to, law, bin_length):
         energy = FIXED_POINT * strength(cosine, surface.diffuse, surface.specular, surface.shininess, law)
         energy *= surface.weight + surface.weight_rate * x
         energy *= max(stop - start, 0.0) / bin_length if law == LIGHT else stretch * abs(b - a)
-        _note(ledger, who, k, energy, x, cosine)
+        _note(ledger, who, k, energy, x / level, cosine)
 
 
 @fused
@@ -270,15 +273,16 @@ def _note_bodies(profile, knots, horizon, problem, wedge, view, screen, cells, l
         low, high, distance = screen.edge[cell], screen.edge[cell + 1], screen.distance[cell]
         facets = facets_in(Facet(low, high, c, s, screen.near[cell], distance, screen.far[cell], 1.0))
         knot = knot_before(profile.x, knots, distance * c, knot)
-        part = load_part(solids, mesh, view, body, screen.line[p])
+        lens = lens_of(wedge.bent, screen.lens[p])
+        part = load_part(solids, mesh, view, body, screen.line[p], lens)
         for k in range(facets):
             facet = open_facet(part, low, high, k, facets, profile.x, profile.z, knots, horizon, knot)
             if is_met(facet):
                 _meet(ledger, who)
                 first, second = facet_energies(
-                    facet, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length
+                    facet, lens.gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length
                 )
-                x = facet.centre * facet.cosine
+                x = facet.centre * facet.cosine / lens.level
                 _note_half(ledger, who, facet.near, facet.centre, first, x, facet.incidence, bin_length)
                 _note_half(ledger, who, facet.centre, facet.far, second, x, facet.incidence, bin_length)
 

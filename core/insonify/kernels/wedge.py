@@ -24,6 +24,7 @@ class Wedge(NamedTuple):
     s_beam: float  # sin of half the beamwidth
     span: float  # azimuth of the whole beam in the far field, rad
     tabled: bool  # whether a pattern takes the place of the top-hat
+    bent: bool  # whether sound goes along arcs
     ahead_level: float  # the fish's axis: its level part
     ahead_up: float  # and its part upwards
     side_x: float  # the fish's own side and up, as parts of the plane's x and z

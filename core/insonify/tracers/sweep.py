@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.bending import empty_table
 from insonify.kernels.hear import empty_heard
 from insonify.kernels.screen import empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
 from insonify.kernels.sweep import Planes, sweep_pings
 from insonify.kernels.types import Poses, Problem
+from insonify.tracers.bending import make_bending
 from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
 from insonify.tracers.planes import lay_planes
@@ -42,7 +44,8 @@ def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | No
     SceneError
         If the sonar runs into a target.
     """
-    capacity = profile_capacity(problem.bins * problem.bin_length, problem.bed.spacing)
+    bending, _ = make_bending(problem, poses)
+    capacity = profile_capacity(bending.stretch * problem.bins * problem.bin_length, problem.bed.spacing)
     out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
     for places, beam in lay_planes(problem, poses, planes):
         some = take(poses, places)
@@ -51,7 +54,7 @@ def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | No
         def block(first: int, last: int, some: Poses = some, beam: Planes = beam, traced: Record = traced) -> int:
             part = take(some, slice(first, last))
             room = empty_profile(capacity), empty_heard(capacity), empty_screen(problem.solids, problem.mesh)
-            return sweep_pings(problem, part, beam, *room, traced[first:last])
+            return sweep_pings(problem, part, beam, bending, empty_table(bending), *room, traced[first:last])
 
         refuse_sonar_inside(problem.solids, in_parallel(block, places.size, threads))
         if traced is not out:

@@ -7,12 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.bending import Bending, empty_table
 from insonify.kernels.hear import empty_heard
 from insonify.kernels.screen import NOBODY, empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
 from insonify.kernels.sweep import Planes
 from insonify.kernels.truth import Found, empty_found, empty_ledger, find_truth, part_of
 from insonify.kernels.types import BED, Poses, Problem
+from insonify.tracers.bending import make_bending
 from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
 from insonify.tracers.planes import lay_planes
@@ -76,16 +78,17 @@ def trace_truth(problem: Problem, poses: Poses, *, planes: int = 16, threads: in
         If the sonar runs into a target.
     """
     found = empty_found(poses.x.size, problem.bins)
+    bending, _ = make_bending(problem, poses)
     for places, beam in lay_planes(problem, poses, planes):
-        some = _find(problem, take(poses, places), beam, threads)
+        some = _find(problem, take(poses, places), beam, bending, threads)
         for whole, part in zip(found, some):
             whole[places] = part
     return _in_words_of_the_scene(problem, found)
 
 
-def _find(problem: Problem, poses: Poses, beam: Planes, threads: int | None) -> Found:
+def _find(problem: Problem, poses: Poses, beam: Planes, bending: Bending, threads: int | None) -> Found:
     """Find what the bins of pings show that share their planes."""
-    capacity = profile_capacity(problem.bins * problem.bin_length, problem.bed.spacing)
+    capacity = profile_capacity(bending.stretch * problem.bins * problem.bin_length, problem.bed.spacing)
     contributors = problem.reflectivity.shape[0] + _targets(problem)
     found = empty_found(poses.x.size, problem.bins)
 
@@ -93,7 +96,9 @@ def _find(problem: Problem, poses: Poses, beam: Planes, threads: int | None) -> 
         part = take(poses, slice(first, last))
         room = empty_profile(capacity), empty_heard(capacity), empty_screen(problem.solids, problem.mesh)
         ledger = empty_ledger(contributors, problem.bins)
-        return find_truth(problem, part, beam, *room, ledger, part_of(found, first, last))
+        return find_truth(
+            problem, part, beam, bending, empty_table(bending), *room, ledger, part_of(found, first, last)
+        )
 
     refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
     return found
