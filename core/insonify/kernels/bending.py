@@ -142,19 +142,76 @@ def bend_profile(table, sheet, one_wide, x, z, slope, area, level, gain, count):
     count : int
         Knots.
     """
+    _correct(table, sheet, x, z, level, gain, count)
+    if _leans_over(x, level, count):
+        _keep_upright(x, level, count)
+    _tilt(x, z, level, gain, slope, area, count)
+    _amplify(x, level, gain, one_wide, count)
+
+
+@fused
+def _correct(table, sheet, x, z, level, tube, count):
+    """Read LEVEL and TUBE at the knots of a profile and apply RISE."""
+    right, top, last_column, last_row = sheet.columns - 1.0, sheet.rows - 1.0, sheet.columns - 2, sheet.rows - 2
+    low, per_row, per_column = sheet.low, sheet.per_row, sheet.per_column
+    column, row = -1, -1
+    wide, high, tall = _bilinear(table, 0, 0, LEVEL), _bilinear(table, 0, 0, RISE), _bilinear(table, 0, 0, TUBE)
+    for k in range(count):
+        u, v = min(x[k] * per_column, right), (z[k] - low) * per_row
+        v = min(v if v > 0.0 else 0.0, top)  # NaN, a hole in the bed, compares false
+        i, j = min(int(u), last_column), min(int(v), last_row)
+        if i != column or j != row:
+            # Neighbouring knots mostly share a cell: what is known of it stays in registers.
+            column, row = i, j
+            wide, high, tall = _bilinear(table, j, i, LEVEL), _bilinear(table, j, i, RISE), _bilinear(table, j, i, TUBE)
+        fu, fv = np.float32(u - i), np.float32(v - j)
+        level[k] = wide[0] + fu * wide[1] + fv * (wide[2] + fu * wide[3])
+        tube[k] = tall[0] + fu * tall[1] + fv * (tall[2] + fu * tall[3])
+        z[k] += high[0] + fu * high[1] + fv * (high[2] + fu * high[3])
+
+
+@fused
+def _bilinear(table, j, i, what):
+    """Coefficients of 1, u, v and uv within a cell."""
+    here, right, up, across = table[j, i, what], table[j, i + 1, what], table[j + 1, i, what], table[j + 1, i + 1, what]
+    return here, right - here, up - here, across - up - right + here
+
+
+@fused
+def _leans_over(x, level, count):
+    """Whether any wall, so steep that the water matters, would hang over as it seems."""
+    leaning = 0
+    for k in range(count - 1):
+        run = x[k + 1] - x[k]
+        leaning += run + (x[k + 1] * level[k + 1] - x[k] * level[k]) < UPRIGHT * run
+    return leaning > 0
+
+
+@fused
+def _keep_upright(x, level, count):
+    """Let every knot seem a little beyond the one before it."""
+    for k in range(1, count):
+        least = x[k - 1] * (1.0 + level[k - 1]) + 2.0 * UPRIGHT * (x[k] - x[k - 1])
+        level[k] = max(level[k], np.float32(least / x[k] - 1.0))
+
+
+@fused
+def _tilt(x, z, level, tube, slope, area, count):
+    """Give the segments the slopes they seem to have, and the areas that leave their incidence as it is."""
+    two = np.float32(2.0)
+    for k in range(count - 1):
+        run = x[k + 1] - x[k]
+        per_run = np.float32(1.0) / np.float32(run + (x[k + 1] * level[k + 1] - x[k] * level[k]))
+        slope[k] = np.float32(z[k + 1] - z[k]) * per_run
+        widened = two * np.float32(run) * per_run / (two + tube[k] + tube[k + 1])
+        area[k] *= widened * widened
+
+
+@fused
+def _amplify(x, level, gain, one_wide, count):
+    """Put the knots where they seem to be, and turn TUBE into the gain."""
     one = np.float32(1.0)
-    x_before, z_before, true_before, tube_before = 0.0, 0.0, 0.0, one
-    for i in range(count):
-        correction, rise, tube, _ = look_up(table, sheet, x[i], z[i])
-        true, wide, tube = x[i], one + correction, one + tube
-        x_here, z_here = true + true * correction, z[i] + rise
-        if i > 0:
-            # A wall so steep that it would hang over as it seems stays upright.
-            x_here = max(x_here, x_before + UPRIGHT * (true - true_before))
-            run = np.float32(1.0 / (x_here - x_before))
-            slope[i - 1] = np.float32(z_here - z_before) * run
-            widened = np.float32(2.0) * np.float32(true - true_before) * run / (tube_before + tube)
-            area[i - 1] *= widened * widened
-        x[i], z[i], level[i] = x_here, z_here, wide
-        gain[i] = (wide * wide if one_wide else wide) / tube
-        x_before, z_before, true_before, tube_before = x_here, z_here, true, tube
+    for k in range(count):
+        x[k] += x[k] * level[k]
+        level[k] = one + level[k]
+        gain[k] = (level[k] * level[k] if one_wide else level[k]) / (one + gain[k])

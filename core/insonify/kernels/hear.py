@@ -137,6 +137,10 @@ def _sonar_energies(segments, cos_squared, scale, energy):
 @fused
 def _weigh(x, z, r, wedge, pattern, law, out):
     """Tell what the plane stands for at each knot."""
+    if wedge.angle == 0.0 and not wedge.tabled:
+        for i in range(x.size):
+            out[i] = 1.0  # a knife
+        return
     if law == LIGHT or wedge.angle == 0.0:
         for i in range(x.size):
             out[i] = weight(x[i], z[i], r[i], wedge, pattern, law)
