@@ -35,7 +35,7 @@ def make_bending(problem: Problem, poses: Poses) -> tuple[Bending, NDArray[np.bo
     Parameters
     ----------
     problem : Problem
-        The scene as kernels see it; its water has one station.
+        The scene as kernels see it.
     poses : Poses
         Where the sonar is, n pings.
 
@@ -44,10 +44,13 @@ def make_bending(problem: Problem, poses: Poses) -> tuple[Bending, NDArray[np.bo
     bending : Bending
         Tables at whole steps of height, so that each ping's depend on its own height alone.
     folded : (n,) bool
-        Pings from whose height some place is reached by no ray or by several: tables do not hold for them.
+        Pings for which no tables hold: some place is reached by no ray or by several, or the water differs along the
+        level.
     """
     if not problem.water.bent or poses.z.size == 0:
         return no_bending(), np.zeros(poses.z.size, np.bool_)
+    if problem.water.station.size > 1:
+        return no_bending(), np.ones(poses.z.size, np.bool_)
     height, speed = _continued(problem)
     stretch = max(float(speed[height >= problem.bed.low].max()) / problem.water.reference, 1.0)
     extent = _extent_of(problem, stretch)

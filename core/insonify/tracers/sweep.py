@@ -1,4 +1,7 @@
-"""The sweep: a few planes cut the scene, one running horizon a plane tells what is heard."""
+"""The sweep: a few planes cut the scene, one running horizon a plane tells what is heard.
+
+Through layered water it goes by tables; pings for which none hold are traced by rays.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +19,14 @@ from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
 from insonify.tracers.planes import lay_planes
 from insonify.tracers.poses import take
+from insonify.tracers.rays import trace as trace_rays
 
 Record = NDArray[np.float32]
 
 
-def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | None = None) -> NDArray[np.float32]:
+def trace(
+    problem: Problem, poses: Poses, *, planes: int = 16, rays: int = 4000, threads: int | None = None
+) -> NDArray[np.float32]:
     """Trace pings by the sweep.
 
     Parameters
@@ -31,6 +37,8 @@ def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | No
         Where the sonar is, n pings.
     planes : int
         Planes across a fan beam; a knife has one.
+    rays : int
+        Rays per side of pings from which bent sound comes to some places along several ways, or to none.
     threads : int, optional
         Threads to use, all cores when left out. The result does not depend on it.
 
@@ -44,10 +52,14 @@ def trace(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | No
     SceneError
         If the sonar runs into a target.
     """
-    bending, _ = make_bending(problem, poses)
+    bending, folded = make_bending(problem, poses)
     capacity = profile_capacity(bending.stretch * problem.bins * problem.bin_length, problem.bed.spacing)
     out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
-    for places, beam in lay_planes(problem, poses, planes):
+    if folded.any():
+        out[folded] = trace_rays(problem, take(poses, np.flatnonzero(folded)), rays=rays, threads=threads)
+    clear = np.flatnonzero(~folded)
+    for among, beam in lay_planes(problem, take(poses, clear), planes):
+        places = clear[among]
         some = take(poses, places)
         traced = out if places.size == poses.x.size else np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
 

@@ -14,6 +14,7 @@ from insonify.kernels.slice import empty_profile, profile_capacity
 from insonify.kernels.sweep import Planes
 from insonify.kernels.truth import Found, empty_found, empty_ledger, find_truth, part_of
 from insonify.kernels.types import BED, Poses, Problem
+from insonify.scene import SceneError
 from insonify.tracers.bending import make_bending
 from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
@@ -75,10 +76,15 @@ def trace_truth(problem: Problem, poses: Poses, *, planes: int = 16, threads: in
     Raises
     ------
     SceneError
-        If the sonar runs into a target.
+        If the sonar runs into a target, or bent sound comes to some places along several ways or none.
     """
     found = empty_found(poses.x.size, problem.bins)
-    bending, _ = make_bending(problem, poses)
+    bending, folded = make_bending(problem, poses)
+    if folded.any():
+        raise SceneError(
+            "truth: sound comes to some places along several ways or none, of which it cannot tell; leave truth out, "
+            "shorten sonar.range or take water.kind 'uniform'"
+        )
     for places, beam in lay_planes(problem, poses, planes):
         some = _find(problem, take(poses, places), beam, bending, threads)
         for whole, part in zip(found, some):
