@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from insonify.scene import Scene, SceneError, edit
+from insonify.scene.fractal import Fractal
 from insonify.scene.materials import MATERIALS, Material, PatternMap, Reflectivity
 from insonify.scene.motion import Straight, Sum
-from insonify.scene.seabed import Fractal, Mimic
+from insonify.scene.reliefs import Mimic
 from insonify.sound.water import speed_at_sonar
 
 Changes = dict[str, Any]

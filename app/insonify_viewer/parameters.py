@@ -12,9 +12,10 @@ from pydantic.fields import FieldInfo
 
 from insonify.scene import Scene, SceneError
 from insonify.scene.edit import kind_name, models_of
+from insonify.scene.fractal import Fractal
 from insonify.scene.materials import MATERIALS, Material
 from insonify.scene.receiver import PowerTvg
-from insonify.scene.seabed import Dem, Fractal
+from insonify.scene.reliefs import Dem
 from insonify.scene.targets import Pipe, Target
 from insonify.scene.water import AnyWater
 from insonify.sound.absorption import NEPER_PER_DB, absorption_coefficient

@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from insonify.scene import Scene, SceneError
+from insonify.scene.fractal import Fractal
 from insonify.scene.materials import Material
 from insonify.scene.receiver import Coherent
-from insonify.scene.seabed import Flat, Fractal
+from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
 from insonify.scene.targets import AnyTarget, Box, MeshFile
 from insonify.sound.beams import main_lobe

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from insonify.scene.seabed import Fractal, Seabed
+from insonify.scene.fractal import Fractal
+from insonify.scene.seabed import Seabed
 from insonify.terrain import relief
 from insonify.terrain.spectra import coefficients, frequencies, power_spectrum, synthesise, variance
 

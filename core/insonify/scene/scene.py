@@ -8,7 +8,8 @@ from pydantic import model_validator
 
 from insonify.scene.base import Declaration, parameter
 from insonify.scene.receiver import Coherent, Receiver
-from insonify.scene.seabed import Dem, Seabed
+from insonify.scene.reliefs import Dem
+from insonify.scene.seabed import Seabed
 from insonify.scene.sonar import Knife, Sonar
 from insonify.scene.targets import AnyTarget
 from insonify.scene.track import Track

@@ -2,151 +2,64 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Discriminator, Tag, field_validator, model_validator
+from pydantic import Discriminator, Tag, model_validator
 
 from insonify.scene.base import Choice, Declaration, kind_of, parameter
-from insonify.scene.materials import Material, MaterialMap, PatternMap
+from insonify.scene.fractal import Fractal
+from insonify.scene.made import Made, MadeAnywhere
+from insonify.scene.materials import Material, MaterialMap
+from insonify.scene.reliefs import Dem, Flat, Mimic
+from insonify.scene.ripples import Ripples
+from insonify.scene.roughness import Autocorrelated, Cascade, PowerLaw, VonKarman
 
-Peak = tuple[float, float]
 MOST_CELLS = 16384  # a side, of a made bed
+HIGHEST_PEAK = 0.9  # of the Nyquist frequency, on endless ground
+
+AnyMade = Fractal | PowerLaw | VonKarman | Ripples | Cascade | Autocorrelated
+Part = Annotated[
+    Annotated[Fractal, Tag("fractal")]
+    | Annotated[PowerLaw, Tag("power_law")]
+    | Annotated[VonKarman, Tag("von_karman")]
+    | Annotated[Ripples, Tag("ripples")]
+    | Annotated[Cascade, Tag("cascade")]
+    | Annotated[Autocorrelated, Tag("autocorrelation")],
+    Discriminator(lambda value: kind_of(value, "fractal")),
+]
 
 
-class Flat(Choice):
-    """A level bed without relief."""
+class Sum(Choice):
+    """Several reliefs on one bed, independent of one another."""
 
-    kind: Literal["flat"] = "flat"
-
-
-class Fractal(Choice):
-    """Filtered noise with spectral peaks: Models 1 to 3 of the paper."""
-
-    kind: Literal["fractal"] = "fractal"
-    beta: float | None = parameter(
-        None,
-        description="amplitude exponent of the spectrum; larger is smoother (1.4 if left out)",
-        ge=0.0,
-        lt=5.0,
-        slider=(0.0, 3.0),
+    kind: Literal["sum"] = "sum"
+    of: tuple[Part, ...] = parameter(
+        description="the reliefs; all repeat after the same period, or none does", min_length=1, max_length=16
     )
-    beta_x: float | None = parameter(
-        None, description="exponent along the first axis (Model 3)", ge=0.0, lt=5.0, slider=(0.0, 3.0)
-    )
-    beta_y: float | None = parameter(
-        None, description="exponent along the second axis (Model 3)", ge=0.0, lt=5.0, slider=(0.0, 3.0)
-    )
-    peaks: tuple[Peak, ...] = parameter(
-        ((0.0, 0.0),),
-        unit="cycles/period",
-        description="spectral peaks [fx, fy]",
-        min_length=1,
-        max_length=16,
-        slider=(-64.0, 64.0),
-    )
-    period: float = parameter(
-        102.4,
-        unit="m",
-        description="length after which the bed repeats",
-        gt=0.0,
-        le=1e6,
-        slider=(12.8, 409.6),
-        log=True,
-    )
-    rms: float = parameter(
-        0.05, unit="m", description="rms height over a period", ge=0.0, le=1e4, slider=(0.001, 1.0), log=True
-    )
-    quadrants: Literal[1, 4] = parameter(1, description="put each peak in one quadrant, or mirror it into all four")
-    combine: Literal["rms", "max"] = parameter("rms", description="how overlapping peaks combine")
-    decay: Literal["isotropic", "separable", "rotated", "elliptic"] = parameter(
-        "isotropic", description="shape of the decay away from a peak (the last three need beta_x and beta_y)"
-    )
-    clamp: Literal["hard", "soft"] = parameter("hard", description="how the spectrum levels off at its peaks")
-    coefficients: Literal["phase", "gaussian"] = parameter(
-        "phase", description="random phases alone (exact spectrum), or Gaussian coefficients"
-    )
-
-    @field_validator("peaks", mode="before")
-    @classmethod
-    def _one_pair(cls, peaks: Any) -> Any:
-        is_pair = isinstance(peaks, (list, tuple)) and len(peaks) == 2 and not isinstance(peaks[0], (list, tuple))
-        return [peaks] if is_pair else peaks
 
     @model_validator(mode="after")
-    def _exponents_agree(self) -> Fractal:
-        if (self.beta_x is None) != (self.beta_y is None):
-            raise ValueError("beta_x and beta_y come together; give both or neither")
-        if self.beta is not None and self.beta_x is not None:
-            raise ValueError("give beta, or beta_x with beta_y, not both")
-        if self.decay != "isotropic" and self.beta_x is None:
-            raise ValueError(f'decay "{self.decay}" needs beta_x and beta_y; add them or use decay = "isotropic"')
-        if self.decay == "isotropic" and self.beta_x is not None:
-            raise ValueError('beta_x and beta_y need decay = "separable", "rotated" or "elliptic"')
-        return self
-
-    @property
-    def exponents(self) -> tuple[float, float]:
-        """Exponents along the two axes; equal for an isotropic decay."""
-        if self.beta_x is not None and self.beta_y is not None:
-            return self.beta_x, self.beta_y
-        beta = 1.4 if self.beta is None else self.beta
-        return beta, beta
-
-
-class Dem(Choice):
-    """A measured bed: a grid of heights from a file."""
-
-    kind: Literal["dem"] = "dem"
-    path: str = parameter(description="GeoTIFF, BAG, .npy or .npz grid of heights (positive up)", min_length=1)
-    datum: float = parameter(0.0, unit="m", description="added to every height of the file", ge=-2e4, le=2e4)
-    scale: float = parameter(1.0, description="multiplies every height, before the datum is added", gt=0.0, le=1e3)
-
-
-class Mimic(Choice):
-    """Dunes of one material that record as a level bed of stripes or waves does, from one line and one height.
-
-    The line is the x axis, the dunes lie along it, and the material is the seabed's own: its diffuse share must be
-    the mean of the pattern's for the records to be equal.
-    """
-
-    kind: Literal["mimic"] = "mimic"
-    of: PatternMap = parameter(
-        PatternMap(
-            of=(Material(diffuse=0.3, specular=0.0), Material(diffuse=0.5, specular=0.0)), shape="waves", period=16.0
-        ),
-        description="pattern that the dunes pass for; its materials scatter evenly, without a mirror lobe",
-    )
-    altitude: float = parameter(
-        15.0,
-        unit="m",
-        description="height above the mean bed from which nothing tells them apart",
-        gt=0.0,
-        le=1e4,
-        slider=(5.0, 50.0),
-    )
-    reach: float = parameter(
-        51.2,
-        unit="m",
-        description="distance to either side up to which they pass; twice that on, the bed repeats",
-        gt=0.0,
-        le=1e5,
-        slider=(10.0, 200.0),
-        log=True,
-    )
-    law: Literal["light", "sonar"] = parameter("light", description="law under which they pass; that of sonar.law")
-
-    @model_validator(mode="after")
-    def _one_dimension(self) -> Mimic:
-        if self.of.shape == "checks" or self.of.heading != 0.0:
-            raise ValueError('of must lie along the track; give it shape = "stripes" or "waves" and heading = 0')
-        if any(material.reflectivity.specular > 0.0 for material in self.of.of):
-            raise ValueError("of holds a material with a mirror lobe, which no slope can imitate; set its specular = 0")
+    def _parts_repeat_together(self) -> Sum:
+        first = self.of[0]
+        for part in self.of[1:]:
+            if part.period != first.period:
+                raise ValueError(
+                    f"of repeats after {first.period:g} m in one part and after {part.period:g} m in another; "
+                    "give all the same period"
+                )
+            if part.endless != first.endless:
+                raise ValueError("of is endless in one part and repeats in another; give all the same extent")
         return self
 
 
 Relief = Annotated[
     Annotated[Flat, Tag("flat")]
     | Annotated[Fractal, Tag("fractal")]
+    | Annotated[PowerLaw, Tag("power_law")]
+    | Annotated[VonKarman, Tag("von_karman")]
+    | Annotated[Ripples, Tag("ripples")]
+    | Annotated[Cascade, Tag("cascade")]
+    | Annotated[Autocorrelated, Tag("autocorrelation")]
+    | Annotated[Sum, Tag("sum")]
     | Annotated[Dem, Tag("dem")]
     | Annotated[Mimic, Tag("mimic")],
     Discriminator(lambda value: kind_of(value, "flat")),
@@ -166,23 +79,56 @@ class Seabed(Declaration):
     material: MaterialMap = parameter(Material(), description="what the bed is made of")
 
     @model_validator(mode="after")
-    def _peaks_fit_the_grid(self) -> Seabed:
-        relief = self.relief
-        if not isinstance(relief, Fractal):
-            return self
+    def _made_bed_fits_the_grid(self) -> Seabed:
+        for part in self.made:
+            cells = part.period / self.spacing
+            if cells > MOST_CELLS and not part.endless:
+                endless = ', or take extent = "endless"' if isinstance(part, MadeAnywhere) else ""
+                raise ValueError(
+                    f"relief.period {part.period:g} m at spacing {self.spacing:g} m makes {cells:.0f} cells a side; "
+                    f"shorten the period or widen the spacing to stay within {MOST_CELLS}{endless}"
+                )
+            if isinstance(part, Fractal):
+                self._check_peaks(part)
+            if isinstance(part, Ripples):
+                self._check_wavelength(part)
+        return self
+
+    def _check_peaks(self, relief: Fractal) -> None:
+        """Refuse peaks that the grid cannot hold."""
         cells = relief.period / self.spacing
-        if cells > MOST_CELLS:
-            raise ValueError(
-                f"relief.period {relief.period:g} m at spacing {self.spacing:g} m makes {cells:.0f} cells a side; "
-                f"shorten the period or widen the spacing to stay within {MOST_CELLS}"
-            )
-        nyquist = round(cells) / 2
+        nyquist = HIGHEST_PEAK * cells / 2 if relief.endless else round(cells) / 2
         if any(max(abs(fx), abs(fy)) > 0 and max(abs(fx), abs(fy)) >= nyquist for fx, fy in relief.peaks):
+            what = f"{HIGHEST_PEAK:g} of the Nyquist frequency," if relief.endless else "the Nyquist frequency of"
             raise ValueError(
-                f"relief.peaks {[list(peak) for peak in relief.peaks]} reach the Nyquist frequency of {nyquist:g} "
+                f"relief.peaks {[list(peak) for peak in relief.peaks]} reach {what} {nyquist:g} "
                 f"cycles per period; keep below it or lessen spacing {self.spacing:g} m"
             )
-        return self
+
+    def _check_wavelength(self, relief: Ripples) -> None:
+        """Refuse ripples that the grid or the period cannot hold."""
+        if relief.wavelength <= 3.0 * self.spacing:
+            raise ValueError(
+                f"relief.wavelength {relief.wavelength:g} m spans no more than 3 cells of spacing {self.spacing:g} m; "
+                "lengthen it or lessen the spacing"
+            )
+        if 2.0 * relief.wavelength > relief.period and not relief.endless:
+            raise ValueError(
+                f"relief.wavelength {relief.wavelength:g} m fits less than twice into period {relief.period:g} m; "
+                "shorten it or lengthen the period"
+            )
+
+    @property
+    def made(self) -> tuple[AnyMade, ...]:
+        """The random reliefs that add up to the bed; none of a bed that is not random."""
+        if isinstance(self.relief, Sum):
+            return self.relief.of
+        return (self.relief,) if isinstance(self.relief, Made) else ()
+
+    @property
+    def endless(self) -> bool:
+        """Whether the bed never repeats and never ends."""
+        return any(part.endless for part in self.made)
 
     @model_validator(mode="after")
     def _dunes_pass_by_themselves(self) -> Seabed:

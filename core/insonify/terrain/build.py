@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from insonify.scene import Scene, SceneError
 from insonify.scene.files import file_version
 from insonify.scene.materials import ImageMap, Material, MaterialMap, PatternMap
-from insonify.scene.seabed import Dem, Fractal, Mimic, Seabed
+from insonify.scene.reliefs import Dem, Mimic
+from insonify.scene.seabed import AnyMade, Seabed
 from insonify.terrain.ground import Ground
 from insonify.terrain.inverse import mimicking_heights
 from insonify.terrain.lattice import Lattice, Map
@@ -18,7 +19,7 @@ from insonify.terrain.materials import material_indices, material_table
 from insonify.terrain.measured import measured_bed
 from insonify.terrain.patterns import pattern_shape
 from insonify.terrain.pictures import picture_shape
-from insonify.terrain.spectra import synthesise
+from insonify.terrain.synthesis import made_heights
 
 # A level bed has no period of its own: a few cells will do unless a map of materials needs room.
 FLAT_CELLS = 4
@@ -57,18 +58,18 @@ def build_ground(scene: Scene) -> Ground:
     )
 
 
-def fractal_cells(fractal: Fractal, spacing: float) -> int:
-    """Cells a side of one period of fractal relief.
+def made_cells(period: float, spacing: float) -> int:
+    """Cells a side of one period of made relief.
 
     Raises
     ------
     SceneError
         If they are too few to hold a wave.
     """
-    cells = round(fractal.period / spacing)
+    cells = round(period / spacing)
     if cells < FEWEST_CELLS:
         raise SceneError(
-            f"seabed.relief.period: {fractal.period:g} m spans {cells} cells of seabed.spacing {spacing:g} m and "
+            f"seabed.relief.period: {period:g} m spans {cells} cells of seabed.spacing {spacing:g} m and "
             f"holds no wave; lengthen it to at least {FEWEST_CELLS} cells"
         )
     return cells
@@ -79,8 +80,8 @@ def _heights(scene: Scene) -> Heights:
     relief = seabed.relief
     if isinstance(relief, Dem):
         return _kept_dem(relief, file_version(relief.path), seabed.spacing, scene.world.origin)
-    if isinstance(relief, Fractal):
-        return *_kept_fractal(relief, seabed.spacing, scene.seed), -seabed.depth
+    if seabed.made:
+        return *_kept_made(seabed.made, seabed.spacing, scene.seed), -seabed.depth
     if isinstance(relief, Mimic):
         return *_kept_mimic(relief, seabed.spacing), -seabed.depth
     return *_flat(seabed), -seabed.depth
@@ -103,11 +104,12 @@ def _flat_shape(material: MaterialMap, spacing: float) -> tuple[int, int]:
 
 
 @lru_cache(maxsize=2)
-def _kept_fractal(fractal: Fractal, spacing: float, seed: int) -> tuple[NDArray[np.float32], Lattice]:
-    cells = fractal_cells(fractal, spacing)
+def _kept_made(parts: tuple[AnyMade, ...], spacing: float, seed: int) -> tuple[NDArray[np.float32], Lattice]:
+    period = parts[0].period
+    cells = made_cells(period, spacing)
     shape = (cells, cells)
     # The period is kept to the letter; where it is no whole number of cells, the spacing gives way.
-    return synthesise(fractal, shape, shape, seed).astype(np.float32), Lattice(shape, fractal.period / cells)
+    return made_heights(parts, shape, shape, seed).astype(np.float32), Lattice(shape, period / cells)
 
 
 @lru_cache(maxsize=2)

@@ -6,11 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.seabed import Dem, Fractal, Mimic, Seabed
-from insonify.terrain.build import FLAT_CELLS, build_ground, fractal_cells
+from insonify.scene.reliefs import Dem, Mimic
+from insonify.scene.seabed import Seabed
+from insonify.terrain.build import FLAT_CELLS, build_ground, made_cells
 from insonify.terrain.inverse import mimicking_heights
 from insonify.terrain.measured import measured_bed
-from insonify.terrain.spectra import Field, synthesise
+from insonify.terrain.spectra import Field
+from insonify.terrain.synthesis import made_heights
 
 
 def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 1) -> Field:
@@ -36,9 +38,9 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
     SceneError
         If a shape is asked of a measured bed, which has its own, or if the bed cannot be made.
     """
-    if isinstance(seabed.relief, Fractal):
-        cells = fractal_cells(seabed.relief, seabed.spacing)
-        return synthesise(seabed.relief, shape or (cells, cells), (cells, cells), seed)
+    if seabed.made:
+        cells = made_cells(seabed.made[0].period, seabed.spacing)
+        return made_heights(seabed.made, shape or (cells, cells), (cells, cells), seed)
     if isinstance(seabed.relief, Dem):
         if shape is not None:
             raise SceneError(f"shape: {shape} cannot be given to a measured bed, which has its own grid; leave it out")

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from insonify.beds import Grid, read_grid
 from insonify.scene.files import file_version
-from insonify.scene.seabed import Dem
+from insonify.scene.reliefs import Dem
 
 SQUARE = 1e-6  # relative difference of spacings that still counts as square
 

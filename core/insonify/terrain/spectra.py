@@ -15,14 +15,15 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from insonify.kernels.hashing import wave_noise
-from insonify.scene.seabed import Fractal
+from insonify.scene.fractal import Fractal
 
 Shape = tuple[int, int]
 Field = NDArray[np.float64]
 Waves = NDArray[np.complex128]
 
-# Two purposes never share random numbers.
-RELIEF, MATERIAL_BANDS, MATERIAL_PATCHES = 1, 2, 3
+# Two purposes never share random numbers, nor do two parts of a sum.
+RELIEF, MATERIAL_BANDS, MATERIAL_PATCHES, MASK = 1, 2, 3, 4
+PART = 1 << 20
 
 # Noise larger than this is made anew rather than kept: 2048 squared takes 34 MB.
 KEPT_CELLS = 2048**2
@@ -62,7 +63,7 @@ def synthesise(fractal: Fractal, shape: Shape, reference: Shape, seed: int, stre
 
 def coefficients(fractal: Fractal, shape: Shape, seed: int, stream: int = RELIEF) -> Waves:
     """Coefficients of the waves, (ny, nx // 2 + 1), before they are scaled to the rms."""
-    noise = _noise(seed, stream, shape, fractal.coefficients == "gaussian")
+    noise = wave_coefficients(seed, stream, shape, gaussian=fractal.coefficients == "gaussian")
     waves = np.empty_like(noise)
     fx, fy = frequencies(shape)
     for first in range(0, shape[0], ROWS):
@@ -161,7 +162,7 @@ def _elliptic(along: Field, across: Field, beta_x: float, beta_y: float, hard: b
     return np.asarray(0.5 * reach if hard else 1.0 + reach) ** -beta
 
 
-def _noise(seed: int, stream: int, shape: Shape, gaussian: bool) -> Waves:
+def wave_coefficients(seed: int, stream: int, shape: Shape, *, gaussian: bool) -> Waves:
     """Coefficients before the filter, kept so that a change of the spectrum costs the filter alone."""
     make = _kept_noise if shape[0] * shape[1] <= KEPT_CELLS else _kept_noise.__wrapped__
     return make(seed, stream, shape, gaussian)

@@ -1,0 +1,148 @@
+"""Heights of made relief over one period: Gaussian fields of any spectrum, and what is made of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from insonify.scene.fractal import Fractal
+from insonify.scene.made import Patchy
+from insonify.scene.ripples import Ripples
+from insonify.scene.roughness import Autocorrelated, Cascade, PowerLaw, VonKarman
+from insonify.scene.seabed import AnyMade
+from insonify.terrain.densities import (
+    Density,
+    autocorrelated,
+    mask_density,
+    power_law,
+    ripple_band,
+    ripple_wave,
+    turned,
+    von_karman,
+)
+from insonify.terrain.shapes import mask_share, shaped_ripples
+from insonify.terrain.spectra import (
+    MASK,
+    PART,
+    RELIEF,
+    WORKERS,
+    Field,
+    Shape,
+    Waves,
+    frequencies,
+    synthesise,
+    variance,
+    wave_coefficients,
+)
+
+LONGEST_WAVES = 0.35  # cycles per period that a band spreads at least, so that some wave lies in it
+
+
+def made_heights(parts: tuple[AnyMade, ...], shape: Shape, reference: Shape, seed: int) -> Field:
+    """Heights of one period of the sum of several reliefs.
+
+    Parameters
+    ----------
+    parts : tuple of relief
+        All of one period; each takes random numbers of its own.
+    shape : (ny, nx)
+        Samples per period along y and x.
+    reference : (ny, nx)
+        Grid on which every rms holds exactly.
+    seed : int
+        What the landscape derives from.
+
+    Returns
+    -------
+    (ny, nx) float64
+        Metres above the mean bed, exactly periodic.
+    """
+    total = np.zeros(shape)
+    for number, part in enumerate(parts):
+        heights = _unmasked(part, shape, reference, seed, RELIEF + PART * number)
+        if isinstance(part.mask, Patchy):
+            heights *= _mask(part.mask, part.period, shape, seed, MASK + PART * number)
+        total += heights
+    return total if len(parts) > 1 else heights
+
+
+def _unmasked(relief: AnyMade, shape: Shape, reference: Shape, seed: int, stream: int) -> Field:
+    """Heights of one relief, everywhere."""
+    if isinstance(relief, Fractal):
+        return synthesise(relief, shape, reference, seed, stream)
+    if isinstance(relief, Ripples):
+        return _ripples(relief, shape, seed, stream)
+    if isinstance(relief, PowerLaw):
+        return _field(_waves(power_law(relief), relief.period, shape, seed, stream), shape)
+    heights = _unscaled(relief, shape, seed, stream)
+    scaled = heights if shape == reference else _unscaled(relief, reference, seed, stream)
+    power = float(np.mean(scaled**2))
+    return heights * (relief.rms / math.sqrt(power)) if power > 0.0 else heights
+
+
+def _unscaled(relief: VonKarman | Autocorrelated | Cascade, shape: Shape, seed: int, stream: int) -> Field:
+    """Heights before they are brought to their rms.
+
+    Those told by their autocorrelation have it exactly: random phases alone.
+    """
+    if isinstance(relief, Cascade):
+        return _cascade(relief, shape, seed, stream)
+    if isinstance(relief, VonKarman):
+        return _field(_waves(von_karman(relief), relief.period, shape, seed, stream), shape)
+    waves = _waves(autocorrelated(relief), relief.period, shape, seed, stream, gaussian=False)
+    return _field(waves, shape)
+
+
+def _waves(density: Density, period: float, shape: Shape, seed: int, stream: int, *, gaussian: bool = True) -> Waves:
+    """Waves of a spectral density: each holds what lies within half a cycle per period of it."""
+    fx, fy = frequencies(shape)
+    noise = wave_coefficients(seed, stream, shape, gaussian=gaussian)
+    return np.asarray(noise * (np.sqrt(density(fx / period, fy / period)) / period))
+
+
+def _field(waves: Waves, shape: Shape) -> Field:
+    return np.asarray(scipy.fft.irfft2(waves, s=shape, norm="forward", workers=WORKERS))
+
+
+def _ripples(ripples: Ripples, shape: Shape, seed: int, stream: int) -> Field:
+    """Shape the phase of the analytic signal of a narrow band of waves."""
+    band, wave = ripple_band(ripples, LONGEST_WAVES / ripples.period), ripple_wave(ripples)
+
+    def about_both(fx: Field, fy: Field) -> Field:
+        return band(fx - wave[0], fy - wave[1]) + band(fx + wave[0], fy + wave[1])
+
+    waves = _waves(about_both, ripples.period, shape, seed, stream)
+    # A quarter of a wave on: the Hilbert transform in the direction in which the ripples follow one another.
+    _, across = turned(*frequencies(shape), ripples.heading)
+    real, imaginary = _field(waves, shape), _field(-1j * np.sign(across) * waves, shape)
+    level = math.sqrt(2.0 * variance(waves, shape))
+    return shaped_ripples(ripples, real, imaginary, level)
+
+
+def _cascade(cascade: Cascade, shape: Shape, seed: int, stream: int) -> Field:
+    """Lognormal flux whose logarithm has the density C₁/(πf²), integrated by f^−H (Schertzer and Lovejoy 1987).
+
+    A density C₁/(πf²) over the octaves down to a resolution λ has the variance 2 C₁ ln λ, so that the moments of the
+    flux are ⟨φ^q⟩ = λ^K(q) with K(q) = C₁(q² − q).
+    """
+    fx, fy = frequencies(shape)
+    squared = fx**2 + fy**2
+    squared[0, 0] = np.inf
+    noise = wave_coefficients(seed, stream, shape, gaussian=True)
+    logarithm = _field(noise * np.sqrt(cascade.intermittency / (math.pi * squared)), shape)
+    if cascade.intermittency == 0.0:
+        return _field(noise * squared ** (-0.5 * (cascade.hurst + 1.0)), shape)
+    waves = scipy.fft.rfft2(np.exp(logarithm), norm="forward", workers=WORKERS)
+    waves *= (noise != 0.0) * squared ** (-0.5 * cascade.hurst)
+    return _field(waves, shape)
+
+
+def _mask(mask: Patchy, period: float, shape: Shape, seed: int, stream: int) -> NDArray[np.float64]:
+    """Share of the relief that a mask lets be, 0 to 1."""
+    waves = _waves(mask_density(mask, LONGEST_WAVES / period), period, shape, seed, stream)
+    field = _field(waves, shape) / math.sqrt(variance(waves, shape))
+    # The patches cover their share of the very period, not of what periods are like in the mean.
+    return mask_share(mask, field, float(np.quantile(field, 1.0 - mask.share)))
