@@ -19,6 +19,7 @@ from PySide6.QtWidgets import QApplication
 
 from insonify.picture import PALETTES, contrast, palette
 from insonify.scene import Scene, SceneError
+from insonify.terrain import EndlessGround
 from insonify_viewer.parameters import sections_of
 from insonify_viewer.readout import leaves, readout
 from insonify_viewer.record import Record
@@ -294,12 +295,15 @@ class Viewer(QObject):
             self._ask()
 
     def _stop_at_the_edge(self) -> None:
-        """Pause where a measured bed ends; over a periodic one the tow goes on for ever."""
-        if self._answer is None or self._answer.simulation.ground.periodic:
+        """Pause where a measured bed ends; over a made one the tow goes on for ever."""
+        if self._answer is None:
             return
         simulation = self._answer.simulation
+        ground = simulation.ground
+        if isinstance(ground, EndlessGround) or ground.periodic:
+            return
         pose = simulation.poses(np.array([self.tow.newest - 1, self.tow.newest], dtype=np.int64))
-        if leaves(simulation.ground, pose):
+        if leaves(ground, pose):
             self.run(False)
             self.window.say("the tow has left the measured bed and is paused")
 

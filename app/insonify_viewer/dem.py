@@ -37,10 +37,11 @@ def scene_over_dem(scene: Scene, path: str) -> Scene:
         If the file cannot be read as a grid of heights.
     """
     from insonify.sound.water import speed_at_sonar
-    from insonify.terrain.build import build_ground
+    from insonify.terrain import EndlessGround, build_ground
 
     bare = edit(scene, {"seabed.relief": {"kind": "dem", "path": path}, "targets": []})
     ground = build_ground(bare)
+    assert not isinstance(ground, EndlessGround)  # measured beds end
     x, y, length = _crossing(ground)
     reach = _two_digits(min(SHARE * min(ground.heights.shape) * ground.spacing, LONGEST_RANGE))
     rate = min(scene.sonar.ping_rate, _two_digits(0.95 * speed_at_sonar(bare, ground.datum) / (2.0 * reach)))

@@ -15,7 +15,7 @@ from insonify_viewer.shading import bed_image, sampled
 
 if TYPE_CHECKING:
     from insonify.kernels.types import Mesh, Poses, Problem, Solids
-    from insonify.terrain.ground import Ground
+    from insonify.terrain import AnyGround
     from insonify.tracers.line import Line
 
 MESH_NODES = 256
@@ -57,12 +57,12 @@ def window_centre(line: Line, reach: float) -> tuple[float, float]:
     return round(x / step) * step, round(y / step) * step
 
 
-def bed_patch(ground: Ground, centre: tuple[float, float], reach: float) -> BedPatch:
+def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float) -> BedPatch:
     """Bake the bed within a window.
 
     Parameters
     ----------
-    ground : Ground
+    bed : AnyGround
         Heights and materials.
     centre : (float, float)
         Middle of the window, in local metres.
@@ -75,6 +75,7 @@ def bed_patch(ground: Ground, centre: tuple[float, float], reach: float) -> BedP
         A place without a bed lies at the lowest height, in the colour of the water.
     """
     half = WINDOW * reach / 2.0
+    ground = bed.around(centre, half)
     x = np.linspace(centre[0] - half, centre[0] + half, MESH_NODES)
     y = np.linspace(centre[1] - half, centre[1] + half, MESH_NODES)
     z = sampled(ground, x, y)
@@ -200,12 +201,12 @@ class Fan:
         self.footprint = pv.PolyData(np.zeros((2 * n, 3), np.float32), faces=quads.ravel())
         self.footprint.point_data["colour"] = np.full((2 * n, 3), 255, np.uint8)
 
-    def move(self, ground: Ground, problem: Problem, pose: Poses, tones: NDArray[np.float32]) -> None:
+    def move(self, ground: AnyGround, problem: Problem, pose: Poses, tones: NDArray[np.float32]) -> None:
         """Follow the sonar.
 
         Parameters
         ----------
-        ground : Ground
+        ground : AnyGround
             Where the fan meets the bed.
         problem : Problem
             For range and beam width.
@@ -235,7 +236,7 @@ def heard_colours(tones: NDArray[np.float32]) -> NDArray[np.uint8]:
     return np.asarray((dark + tones[:, None] * (bright - dark)).astype(np.uint8))
 
 
-def scan_line(ground: Ground, problem: Problem, pose: Poses) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def scan_line(ground: AnyGround, problem: Problem, pose: Poses) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Points of the bed across the track, far port to far starboard, and their slant ranges.
 
     Returns
@@ -257,7 +258,7 @@ def scan_line(ground: Ground, problem: Problem, pose: Poses) -> tuple[NDArray[np
     return np.column_stack([x, y, z]), np.hypot(np.hypot(across, ahead), pose.z[0] - z)
 
 
-def bed_below(ground: Ground, pose: Poses) -> float:
+def bed_below(ground: AnyGround, pose: Poses) -> float:
     """Height of the bed under the sonar; the mean where there is none."""
     height = float(ground.height_at(pose.x[:1], pose.y[:1])[0])
     return 0.0 if math.isnan(height) else height

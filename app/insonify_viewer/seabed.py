@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 
     from insonify.kernels.types import Mesh, Solids
     from insonify.simulate import Simulation
-    from insonify.terrain.ground import Ground
+    from insonify.terrain import AnyGround
     from insonify_viewer.pv_meshes import BedPatch
 
-    _Bed = tuple[Ground, tuple[float, float], float]
+    _Bed = tuple[AnyGround, tuple[float, float], float]
     _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
     from insonify_viewer.views.seabed_view import SeabedView
 

@@ -17,19 +17,21 @@ from insonify.receive import Reception, make_reception, receive
 from insonify.scene import Scene, SceneError, scene_to_toml
 from insonify.scene.receiver import K
 from insonify.sound.water import recording_speed
-from insonify.terrain import Ground, build_ground
+from insonify.terrain import AnyGround, EndlessGround, build_ground
 from insonify.tracers import march, rays, sweep
 from insonify.tracers.coherent import Interference, make_interference
 from insonify.tracers.line import Line, line_at
 from insonify.tracers.parallel import in_parallel
-from insonify.tracers.poses import bed_beneath, make_poses
+from insonify.tracers.poses import bed_beneath, make_poses, take
 from insonify.tracers.problem import make_problem
 from insonify.tracers.truth import Truth, trace_truth
+from insonify.tracers.windows import Windows, in_order
 
 if TYPE_CHECKING:
     import xarray as xr
 
-TRACERS: dict[str, Callable[..., NDArray[np.float32]]] = {
+Tracer = Callable[..., NDArray[np.float32]]
+TRACERS: dict[str, Tracer] = {
     "sweep": sweep.trace,
     "march": march.trace,
     "rays": rays.trace,
@@ -50,7 +52,9 @@ class Simulation:
     ground : Ground
         The bed.
     problem : Problem
-        All of it as the tracers take it.
+        All of it as the tracers take it; of endless ground only a piece.
+    windows : Windows
+        The ground about each ping.
     reception : Reception
         What becomes of the echoes.
     spiky : Problem or None
@@ -61,8 +65,9 @@ class Simulation:
 
     scene: Scene
     plan: Plan
-    ground: Ground
+    ground: AnyGround
     problem: Problem
+    windows: Windows
     reception: Reception
     spiky: Problem | None
     interference: Interference | None
@@ -95,8 +100,8 @@ class Simulation:
         pings = np.asarray(pings, dtype=np.int64)
         trace = TRACERS[self.plan.method] if self.interference is None else self.interference.trace
         poses = self.poses(pings)
-        traced = trace(self.problem, poses, **self.plan.settings)
-        spiky = None if self.spiky is None else trace(self.spiky, poses, **self.plan.settings)
+        traced = self._traced(trace, self.problem, poses)
+        spiky = None if self.spiky is None else self._traced(trace, self.spiky, poses)
 
         def block(first: int, last: int) -> NDArray[np.float32]:
             part = slice(first, last)
@@ -119,7 +124,16 @@ class Simulation:
             of an ideal pulse: a longer one carries each echo on into the bins that follow.
         """
         planes = {"planes": self.plan.planes} if self.plan.method == "sweep" else {}
-        return trace_truth(self.problem, self.poses(np.asarray(pings, dtype=np.int64)), **planes)
+        poses = self.poses(np.asarray(pings, dtype=np.int64))
+        places, problems = zip(*self.windows.over(self.problem, poses))
+        found = [trace_truth(problem, take(poses, some), **planes) for some, problem in zip(places, problems)]
+        return Truth(*(in_order(places, columns) for columns in zip(*found)))
+
+    def _traced(self, trace: Tracer, problem: Problem, poses: Poses) -> NDArray[np.float32]:
+        """Trace pings window by window."""
+        places, problems = zip(*self.windows.over(problem, poses))
+        found = [trace(part, take(poses, some), **self.plan.settings) for some, part in zip(places, problems)]
+        return in_order(places, found)
 
 
 def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> Simulation:
@@ -146,12 +160,14 @@ def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> S
     _refuse_bent_sound(scene, problem, chosen)
     reception = _make_reception(scene, ground, problem)
     spiky, interference = _spiky(scene, ground, problem), make_interference(scene, problem)
-    return Simulation(scene, chosen, ground, problem, reception, spiky, interference)
+    beyond = 0 if interference is None else interference.beyond
+    windows = Windows(ground, (problem.bins + beyond) * problem.bin_length)
+    return Simulation(scene, chosen, ground, problem, windows, reception, spiky, interference)
 
 
-def _refuse_silence(scene: Scene, ground: Ground) -> None:
+def _refuse_silence(scene: Scene, ground: AnyGround) -> None:
     """Refuse a tow that never comes within range of a bed that ends somewhere, unless a target may be heard."""
-    if ground.periodic or scene.targets:
+    if isinstance(ground, EndlessGround) or ground.periodic or scene.targets:
         return
     line = line_at(scene, np.unique(np.linspace(0, scene.track.pings - 1, 512).astype(np.int64)))
     ny, nx = ground.heights.shape
@@ -173,7 +189,7 @@ def _refuse_bent_sound(scene: Scene, problem: Problem, chosen: Plan) -> None:
         )
 
 
-def _spiky(scene: Scene, ground: Ground, problem: Problem) -> Problem | None:
+def _spiky(scene: Scene, ground: AnyGround, problem: Problem) -> Problem | None:
     """Divide the strength of every material by the shape of its K speckle, if any says one."""
     speckle = scene.receiver.speckle
     rows = (*ground.reflectivities, *(target.material.reflectivity for target in scene.targets))
@@ -184,7 +200,7 @@ def _spiky(scene: Scene, ground: Ground, problem: Problem) -> Problem | None:
     return problem._replace(reflectivity=strengths)
 
 
-def _make_reception(scene: Scene, ground: Ground, problem: Problem) -> Reception:
+def _make_reception(scene: Scene, ground: AnyGround, problem: Problem) -> Reception:
     """Make the receiver ready, for the height of the first ping."""
     first = np.zeros(1, dtype=np.int64)
     z = make_poses(scene, ground, first).z

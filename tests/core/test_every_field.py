@@ -14,6 +14,7 @@ from insonify.scene.edit import kind_name, models_of
 from insonify.simulate import simulate
 from insonify.terrain import build_ground
 from insonify.tracers.problem import make_problem
+from relief_fields import PERIOD, alone, of_fractals, of_made, summed
 
 BASE = """
 title = "Every field"
@@ -38,8 +39,6 @@ pings = 12
 """
 DEM = {"seabed.relief": {"kind": "dem", "path": "BED"}, "targets": []}
 BY_DEPTH = {"track.altitude": None, "track.depth": 22.0}  # an altitude counts from the bed's own mean
-MODEL_3 = {"seabed.relief.beta": None, "seabed.relief.beta_x": 1.2, "seabed.relief.beta_y": 1.6}
-ROTATED = {**MODEL_3, "seabed.relief.decay": "rotated"}
 PATCHES = {"seabed.material": {"kind": "patches", "of": ["silt", "rock"], "size": 4.0}}
 BANDS = {"seabed.material": {"kind": "fractal", "of": ["silt", "rock"]}}
 PATTERN = {"seabed.material": {"kind": "pattern", "of": ["silt", "rock"], "shape": "checks", "period": 5.0}}
@@ -102,20 +101,14 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "seabed.depth": ({}, {"seabed.depth": 31.0}),
     "seabed.spacing": ({}, {"seabed.spacing": 0.25}),
     "seabed.relief": ({}, {"seabed.relief": "flat"}),
-    "seabed.relief[fractal].beta": ({}, {"seabed.relief.beta": 1.7}),
-    "seabed.relief[fractal].beta_x": (ROTATED, {"seabed.relief.beta_x": 1.3}),
-    "seabed.relief[fractal].beta_y": (ROTATED, {"seabed.relief.beta_y": 1.7}),
-    "seabed.relief[fractal].peaks": ({}, {"seabed.relief.peaks.0.1": 4.0}),
-    "seabed.relief[fractal].period": ({}, {"seabed.relief.period": 20.0}),
-    "seabed.relief[fractal].rms": ({}, {"seabed.relief.rms": 0.11}),
-    "seabed.relief[fractal].quadrants": ({}, {"seabed.relief.quadrants": 4}),
-    "seabed.relief[fractal].combine": (
-        {"seabed.relief.peaks": [[6.0, 3.0], [4.0, -2.0]]},
-        {"seabed.relief.combine": "max"},
+    **of_made("seabed.relief", "seabed.relief", alone),
+    **of_fractals("seabed.relief", "seabed.relief", alone),
+    "seabed.relief[sum].of": (
+        summed({"kind": "fractal", "period": PERIOD}),
+        {"seabed.relief.of": [{"kind": "fractal", "period": PERIOD}, {"kind": "power_law", "period": PERIOD}]},
     ),
-    "seabed.relief[fractal].decay": (ROTATED, {"seabed.relief.decay": "elliptic"}),
-    "seabed.relief[fractal].clamp": ({}, {"seabed.relief.clamp": "soft"}),
-    "seabed.relief[fractal].coefficients": ({}, {"seabed.relief.coefficients": "gaussian"}),
+    **of_made("seabed.relief[sum].of", "seabed.relief.of.0", summed),
+    **of_fractals("seabed.relief[sum].of", "seabed.relief.of.0", summed),
     "seabed.relief[dem].path": (DEM, {"seabed.relief.path": "OTHER"}),
     "seabed.relief[dem].datum": ({**DEM, **BY_DEPTH}, {"seabed.relief.datum": -1.0}),
     "seabed.relief[dem].scale": (DEM, {"seabed.relief.scale": 1.1}),
@@ -376,6 +369,8 @@ def bed_files(tmp_path_factory):
     rows = [f"{d},{18 - 0.05 * d - 6 * (d > 23)},{34 + 0.02 * d}" for d in range(31)]
     (folder / "cast.csv").write_text("\n".join(["depth,temperature,salinity", *rows]))
     (folder / "other_cast.csv").write_text("\n".join(["depth,temperature,salinity", *rows[::-1], "20.3,25,35"]))
+    (folder / "correlation.csv").write_text("lag,autocorrelation\n0,1\n1,0.4\n3,0\n")
+    (folder / "other_correlation.csv").write_text("0,1\n1.5,0.3\n4,0\n")
     grey = np.where(np.add.outer(np.arange(12), np.arange(12)) % 5 < 2, 0, 255).astype(np.uint8)
     Image.fromarray(grey).save(folder / "picture.png")
     Image.fromarray(255 - grey).save(folder / "negative.png")
@@ -388,6 +383,8 @@ def bed_files(tmp_path_factory):
         "OTHER_TOW": folder / "other.csv",
         "CAST": folder / "cast.csv",
         "OTHER_CAST": folder / "other_cast.csv",
+        "CORRELATION": folder / "correlation.csv",
+        "OTHER_CORRELATION": folder / "other_correlation.csv",
         "PICTURE": folder / "picture.png",
         "NEGATIVE": folder / "negative.png",
     }
@@ -397,6 +394,8 @@ def with_files(changes, files):
     """Put the files' paths in place of their names."""
     if isinstance(changes, dict):
         return {key: with_files(value, files) for key, value in changes.items()}
+    if isinstance(changes, list):
+        return [with_files(value, files) for value in changes]
     return str(files[changes]) if isinstance(changes, str) and changes in files else changes
 
 
@@ -438,7 +437,7 @@ def differs(one: xr.Dataset, other: xr.Dataset) -> bool:
 
 
 @pytest.mark.parametrize("name", ["title", "description"])
-def test_what_is_for_people_stands_in_the_attributes_alone(name):
+def test_what_is_for_people_stands_in_the_attributesalone(name):
     scene = edit(scene_from_toml(BASE), {"track.pings": 2})
     one, other = simulate(scene), simulate(edit(scene, {name: "Another"}))
     xr.testing.assert_equal(one, other)

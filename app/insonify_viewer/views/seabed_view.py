@@ -20,7 +20,7 @@ from insonify_viewer.views.theme import MARK
 
 if TYPE_CHECKING:
     from insonify.kernels.types import Poses, Problem
-    from insonify.terrain.ground import Ground
+    from insonify.terrain import AnyGround
 
 # Untyped calls everywhere: PyVista is taken as it comes.
 pv: Any = pyvista
@@ -86,7 +86,7 @@ class SeabedView(QWidget):
         self._later()
 
     def show_sonar(
-        self, ground: Ground, problem: Problem, pose: Poses, heading: float, tones: NDArray[np.float32]
+        self, ground: AnyGround, problem: Problem, pose: Poses, heading: float, tones: NDArray[np.float32]
     ) -> None:
         """Move fish and fan; the camera goes along and turns with the heading of the line."""
         reach = problem.bins * problem.bin_length

@@ -1,7 +1,8 @@
 """Declarations become heights and materials."""
 
 from insonify.terrain.build import build_ground
+from insonify.terrain.endless_ground import AnyGround, EndlessGround
 from insonify.terrain.ground import Ground
 from insonify.terrain.heights import relief, relief_picture
 
-__all__ = ["Ground", "build_ground", "relief", "relief_picture"]
+__all__ = ["AnyGround", "EndlessGround", "Ground", "build_ground", "relief", "relief_picture"]

@@ -12,6 +12,8 @@ from insonify.scene.files import file_version
 from insonify.scene.materials import ImageMap, Material, MaterialMap, PatternMap
 from insonify.scene.reliefs import Dem, Mimic
 from insonify.scene.seabed import AnyMade, Seabed
+from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles, kept
+from insonify.terrain.endless_relief import endless_heights, endless_materials
 from insonify.terrain.ground import Ground
 from insonify.terrain.inverse import mimicking_heights
 from insonify.terrain.lattice import Lattice, Map
@@ -31,7 +33,7 @@ FEWEST_CELLS = 3  # that hold a wave short of the Nyquist frequency
 Heights = tuple[NDArray[np.float32], Lattice, float]
 
 
-def build_ground(scene: Scene) -> Ground:
+def build_ground(scene: Scene) -> AnyGround:
     """Heights and materials of a scene's bed.
 
     Node (0, 0) of a made bed lies at the local (0, 0), so that the landscape does not depend on the track. Grounds
@@ -43,8 +45,20 @@ def build_ground(scene: Scene) -> Ground:
         If a file cannot be read, a period cannot hold a wave, or no relief can pass for a pattern.
     """
     seabed = scene.seabed
-    heights, lattice, datum = _heights(scene)
     names, reflectivities = material_table(seabed.material)
+    if seabed.endless:
+        period = seabed.made[0].period
+        return EndlessGround(
+            heights=_kept_tiles(seabed.made, seabed.spacing, scene.seed),
+            materials=_kept_map_tiles(
+                _layout(seabed.material), _version(seabed.material), period, seabed.spacing, scene.seed
+            ),
+            names=names,
+            reflectivities=reflectivities,
+            spacing=seabed.spacing,
+            datum=-seabed.depth,
+        )
+    heights, lattice, datum = _heights(scene)
     return Ground(
         heights=heights,
         materials=_kept_materials(_layout(seabed.material), _version(seabed.material), lattice, scene.seed),
@@ -132,6 +146,20 @@ def _kept_dem(dem: Dem, version: tuple[int, int], spacing: float, origin: tuple[
 def _kept_materials(layout: MaterialMap, version: tuple[int, int] | None, lattice: Lattice, seed: int) -> Map:
     del version  # part of the key alone, as above
     return material_indices(layout, lattice, seed)
+
+
+@lru_cache(maxsize=2)
+def _kept_tiles(parts: tuple[AnyMade, ...], spacing: float, seed: int) -> Tiles:
+    tiles = endless_heights(parts, spacing, seed)
+    return kept(lambda row, column: tiles(row, column).astype(np.float32))
+
+
+@lru_cache(maxsize=2)
+def _kept_map_tiles(
+    layout: MaterialMap, version: tuple[int, int] | None, period: float, spacing: float, seed: int
+) -> Tiles:
+    del version  # part of the key alone, as above
+    return kept(endless_materials(layout, period, spacing, seed))
 
 
 def _version(material: MaterialMap) -> tuple[int, int] | None:

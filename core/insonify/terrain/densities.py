@@ -116,9 +116,14 @@ def mask_density(mask: Patchy, narrowest: float = 0.0) -> Density:
     narrowest : float
         Spread along each axis that it has at least, cycles a metre.
     """
-    spread = max(1.0 / (2.0 * math.sqrt(2.0) * mask.size), narrowest)
+    spread = max(mask_spread(mask), narrowest)
     level = 1.0 / (2.0 * math.pi * spread**2)
     return lambda fx, fy: np.asarray(level * np.exp(-0.5 * (fx**2 + fy**2) / spread**2))
+
+
+def mask_spread(mask: Patchy) -> float:
+    """Spread of a mask's spectrum along each axis, cycles a metre."""
+    return 1.0 / (2.0 * math.sqrt(2.0) * mask.size)
 
 
 def turned(fx: Field, fy: Field, heading: float) -> tuple[Field, Field]:

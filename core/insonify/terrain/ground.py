@@ -45,6 +45,11 @@ class Ground:
     periodic: bool
     datum: float
 
+    def around(self, centre: tuple[float, float], half: float) -> Ground:
+        """Ground that holds a square about a place: all of it, as this one is held whole."""
+        del centre, half
+        return self
+
     def height_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """Bilinear height above the datum, NaN where there is no bed.
 

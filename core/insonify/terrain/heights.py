@@ -9,10 +9,15 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.reliefs import Dem, Mimic
 from insonify.scene.seabed import Seabed
 from insonify.terrain.build import FLAT_CELLS, build_ground, made_cells
+from insonify.terrain.endless import gathered
+from insonify.terrain.endless_ground import EndlessGround
+from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.inverse import mimicking_heights
 from insonify.terrain.measured import measured_bed
 from insonify.terrain.spectra import Field
 from insonify.terrain.synthesis import made_heights
+
+SHOWN = 1024  # nodes a side, of a bed without an end
 
 
 def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 1) -> Field:
@@ -24,7 +29,7 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
         Depth, spacing and relief.
     shape : (ny, nx), optional
         Samples of one period along y and x; the seabed's own grid when left out. The same seed makes the same
-        landscape on every shape; its rms is exact on the seabed's own grid.
+        landscape on every shape; its rms is exact on the seabed's own grid. Of endless ground, nodes from the origin.
     seed : int
         What the landscape derives from.
 
@@ -38,6 +43,9 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
     SceneError
         If a shape is asked of a measured bed, which has its own, or if the bed cannot be made.
     """
+    if seabed.endless:
+        tiles = endless_heights(seabed.made, seabed.spacing, seed)
+        return gathered(tiles, (0, 0), shape or (SHOWN, SHOWN))
     if seabed.made:
         cells = made_cells(seabed.made[0].period, seabed.spacing)
         return made_heights(seabed.made, shape or (cells, cells), (cells, cells), seed)
@@ -64,9 +72,13 @@ def relief_picture(scene: Scene) -> NDArray[np.uint8]:
     -------
     (ny, nx) uint8
         The lowest height is 0, the highest 255; the first row is the northernmost. 0 also where there is no bed or
-        no relief. A bed that is even along x is shown 256 nodes wide.
+        no relief. A bed that is even along x is shown 256 nodes wide, one without an end 1024 nodes from the origin.
     """
-    heights = build_ground(scene).heights[::-1]
+    ground = build_ground(scene)
+    if isinstance(ground, EndlessGround):
+        heights = gathered(ground.heights, (0, 0), (SHOWN, SHOWN))[::-1]
+    else:
+        heights = ground.heights[::-1]
     if heights.shape[1] <= FLAT_CELLS:
         heights = np.tile(heights, (1, 256 // heights.shape[1]))
     low, high = np.nanmin(heights), np.nanmax(heights)

@@ -105,7 +105,7 @@ def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
     places = Counter(place for peak in fractal.peaks for place in _places(peak, fractal.quadrants))
     power: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
     for place, times in places.items():
-        decay = _decay(fractal, fx, fy, place)
+        decay = decay_about(fractal, fx, fy, place)
         if fractal.combine == "max":
             np.maximum(power, decay, out=power)
         else:
@@ -113,15 +113,19 @@ def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
     return power
 
 
+def half_plane(peak: tuple[float, float], quadrants: int) -> list[tuple[float, float]]:
+    """Where one declared peak stands, but for its mirror images through zero frequency."""
+    x, y = peak
+    return [(x, y)] if quadrants == 1 else [(x, y), (x, -y)]
+
+
 def _places(peak: tuple[float, float], quadrants: int) -> list[tuple[float, float]]:
     """Where one declared peak stands in the whole plane."""
-    x, y = peak
-    half_plane = [(x, y)] if quadrants == 1 else [(x, y), (x, -y)]
-    return [(sign * x + 0.0, sign * y + 0.0) for x, y in half_plane for sign in (1.0, -1.0)]
+    return [(sign * x + 0.0, sign * y + 0.0) for x, y in half_plane(peak, quadrants) for sign in (1.0, -1.0)]
 
 
-def _decay(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float]) -> Field:
-    """Power left at a distance from one peak."""
+def decay_about(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float]) -> Field:
+    """Power left of one peak at frequencies in cycles per period."""
     dx, dy = fx - peak[0], fy - peak[1]
     beta_x, beta_y = fractal.exponents
     hard = fractal.clamp == "hard"

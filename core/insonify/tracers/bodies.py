@@ -14,7 +14,7 @@ from insonify.meshes import read_mesh
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import Reflectivity
 from insonify.scene.targets import AnyTarget, Box, Cone, MeshFile, Pipe, Sphere
-from insonify.terrain.ground import Ground
+from insonify.terrain import AnyGround
 from insonify.tracers.line import exact_cos
 from insonify.tracers.rotation import rotation
 from insonify.tracers.shapes import Shape, Vector, ball, block, frustum
@@ -22,7 +22,7 @@ from insonify.tracers.shapes import Shape, Vector, ball, block, frustum
 MAX_PIPE_SAMPLES = 2048
 
 
-def make_bodies(scene: Scene, ground: Ground) -> tuple[Solids, Mesh, list[Reflectivity]]:
+def make_bodies(scene: Scene, ground: AnyGround) -> tuple[Solids, Mesh, list[Reflectivity]]:
     """Pose every target; its material joins the table of the ground's.
 
     Raises
@@ -73,7 +73,7 @@ def _mesh(shapes: list[Shape], before: int) -> Mesh:
     return make_mesh(corners, before + target, target)
 
 
-def _posed(target: AnyTarget, ground: Ground, number: int) -> Shape:
+def _posed(target: AnyTarget, ground: AnyGround, number: int) -> Shape:
     """Shape of a target where it lies."""
     if isinstance(target, Pipe) and target.pitch is None and len(target.position) == 2:
         return _laid_pipe(target, ground, number)
@@ -114,14 +114,14 @@ def _from_file(target: MeshFile, number: int) -> NDArray[np.float64]:
     return target.scale * (corners - centre)
 
 
-def _laid_pipe(pipe: Pipe, ground: Ground, number: int) -> Shape:
+def _laid_pipe(pipe: Pipe, ground: AnyGround, number: int) -> Shape:
     """Pipe along the bed: straight between joints, with a ball in every elbow to close the wedge there."""
     joints = _pipe_joints(pipe, ground, number)
     stretches = (frustum(first, last, pipe.radius, pipe.radius) for first, last in pairwise(joints))
     return Shape((*stretches, *(ball(pipe.radius, joint) for joint in joints[1:-1])))
 
 
-def _pipe_joints(pipe: Pipe, ground: Ground, number: int) -> list[Vector]:
+def _pipe_joints(pipe: Pipe, ground: AnyGround, number: int) -> list[Vector]:
     """Points on the axis between which a pipe is straight.
 
     Laid on a rough bed, a stiff pipe follows the straight line that fits the heights under it; the gap counts from

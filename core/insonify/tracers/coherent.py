@@ -48,6 +48,11 @@ class Interference:
     scatterers: Scatterers
     pulse: Pulse
 
+    @property
+    def beyond(self) -> int:
+        """Bins beyond the last whose scatterers the pulse still hears within it."""
+        return math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
+
     def trace(self, problem: Problem, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Record:
         """Trace pings scatterer by scatterer.
 
@@ -72,8 +77,7 @@ class Interference:
         SceneError
             If the sonar runs into a target.
         """
-        beyond = math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
-        further = _narrowed(_lengthened(problem, beyond), self.scatterers.skin, poses)
+        further = _narrowed(_lengthened(problem, self.beyond), self.scatterers.skin, poses)
         capacity = profile_capacity(further.bins * further.bin_length, problem.bed.spacing)
         out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
         for places, laid in lay_planes(further, poses, planes):

@@ -10,26 +10,26 @@ from numpy.typing import NDArray
 from insonify.kernels.types import Poses
 from insonify.scene import Scene
 from insonify.scene.motion import Heave, Oscillation, Pitch, Roll, Sway, Yaw
-from insonify.terrain.ground import Ground
+from insonify.terrain import AnyGround
 from insonify.tracers.line import Line, line_at, recorded_at
 
 SAMPLES = 64  # of the bed to either side of the fish
 TOGETHER = 2048  # pings whose samples are held at once
 
 
-def sonar_height(scene: Scene, ground: Ground) -> float:
+def sonar_height(scene: Scene, ground: AnyGround) -> float:
     """Height of the sonar above the datum that the track declares, in metres."""
     return -scene.track.depth - ground.datum if scene.track.depth is not None else scene.altitude
 
 
-def make_poses(scene: Scene, ground: Ground, pings: NDArray[np.int64]) -> Poses:
+def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Poses:
     """Place the sonar at the given pings; numbers beyond the track's last ping go on along its line.
 
     Parameters
     ----------
     scene : Scene
         Whose track it is.
-    ground : Ground
+    ground : AnyGround
         The bed, for tows that follow it.
     pings : (n,) int64
         Ping numbers, from 0.
@@ -62,14 +62,14 @@ def take(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
     return Poses(*(np.ascontiguousarray(column[places]) for column in poses))
 
 
-def bed_beneath(scene: Scene, ground: Ground, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> NDArray[np.float64]:
     """Height of the bed under the line as a fish can follow it: a mean over one altitude to either side.
 
     Parameters
     ----------
     scene : Scene
         Whose track it is.
-    ground : Ground
+    ground : AnyGround
         The bed.
     pings : (n,) int64
         Ping numbers.
@@ -90,7 +90,7 @@ def bed_beneath(scene: Scene, ground: Ground, pings: NDArray[np.int64]) -> NDArr
     return np.concatenate([ground.height_near(line.x, line.y) @ weight for line in lines])
 
 
-def _height(scene: Scene, ground: Ground, line: Line, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+def _height(scene: Scene, ground: AnyGround, line: Line, pings: NDArray[np.int64]) -> NDArray[np.float64]:
     """Heights of the sonar above the datum, but for its heave."""
     known = recorded_at(scene, pings)
     if "depth" in known:

@@ -10,13 +10,13 @@ from insonify.scene import Scene
 from insonify.sound.absorption import absorption_coefficient
 from insonify.sound.beams import make_pattern
 from insonify.sound.water import make_water, recording_speed
-from insonify.terrain.ground import Ground
+from insonify.terrain import AnyGround, Ground
 from insonify.tracers.bodies import make_bodies
 from insonify.tracers.poses import sonar_height
 
 
-def make_problem(scene: Scene, ground: Ground) -> Problem:
-    """Pack a scene and its ground for the tracers.
+def make_problem(scene: Scene, ground: AnyGround) -> Problem:
+    """Pack a scene and its ground for the tracers; of endless ground a window takes the bed's place for every ping.
 
     Raises
     ------
@@ -25,7 +25,7 @@ def make_problem(scene: Scene, ground: Ground) -> Problem:
     """
     solids, mesh, reflectivities = make_bodies(scene, ground)
     sonar = scene.sonar
-    bed = make_bed(ground)
+    bed = make_bed(ground.around(scene.track.start, 0.0))
     water = make_water(scene, ground.datum, bed.low)
     sonar.refuse_haste(water.reference)
     half_width, pattern = make_pattern(scene, water.reference)

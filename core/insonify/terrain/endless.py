@@ -1,0 +1,305 @@
+"""Endless Gaussian fields: no period, no seam, the same whatever way one came.
+
+A spectrum is cut into bands by frequency, half as wide from each to the next, that overlap over an octave as sin² and
+cos² of its logarithm. The waves of a band are white noise, hashed on a lattice of its own that is as coarse as the band
+lets it be, convolved with the square root of the band by overlap and save; the sum of all coarser ones is doubled onto
+each lattice by a half-band filter. The coarsest takes what is left, down to frequency 0.
+
+A narrow band about a wave, of which a lattice fine enough for the wave would need filters of thousands of taps, is
+made about 0 as two such fields a and b, and moved: a cos − b sin has the density ½ S(f − p) + ½ S(f + p) if a and b
+have S. What of it lies too near the Nyquist frequency to be moved there whole is made on the finest lattice in place.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from insonify.terrain.densities import Density
+from insonify.terrain.noise import lattice_noise
+
+Field = NDArray[np.float64]
+ComplexField = NDArray[np.complex128]
+
+TILE = 512  # nodes a side, of every lattice
+TAPS = 128  # of a band's filter, a side
+HIGHEST = 0.75  # of its Nyquist frequency, to which the waves of a lattice reach that is doubled
+FEATURE = 6.0  # steps of the coarsest filter's spectrum in the finest feature of the density
+FAINT = 1e-9  # share of the variance that may be left out
+HALF_BAND = 12  # pairs of taps between two samples
+KAISER = 9.0  # shape of their window: images 90 dB down
+KEPT_TILES = 64  # of one pyramid, 2 MB each
+STREAMS = 1 << 14  # between those of one field
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """Part of a spectrum about one wave.
+
+    Attributes
+    ----------
+    density : Density
+        Spectral density S about zero, of both signs.
+    feature : float
+        Frequency over which it changes at its finest, cycles a metre.
+    wave : (float, float), optional
+        Cycles a metre along x and y by which it is moved: the spectrum is S(f − wave) + S(f + wave), and S(f) where
+        there is none.
+    """
+
+    density: Density
+    feature: float
+    wave: tuple[float, float] | None = None
+
+    @property
+    def highest(self) -> float:
+        """Larger component of the wave, cycles a metre."""
+        return 0.0 if self.wave is None else max(map(abs, self.wave))
+
+
+class EndlessField:
+    """A Gaussian field of a given spectrum over the whole plane.
+
+    Parameters
+    ----------
+    bands : tuple of Band
+        They add up.
+    spacing : float
+        Metres between nodes. Fields on lattices of half the spacing share all but the finest waves.
+    seed, stream : int
+        What it derives from.
+    """
+
+    def __init__(self, bands: tuple[Band, ...], spacing: float, seed: int, stream: int) -> None:
+        nyquist = 0.5 / spacing
+        room = min((nyquist - band.highest) / nyquist for band in bands)
+        # A pyramid reaches to 0.75 of the Nyquist frequency of its first lattice; moved, it stays within the finest's.
+        self._first = max(1, math.ceil(math.log2(HIGHEST / room)))
+        self._spacing, self._bands = spacing, bands
+        self._top = _Lattice(self._above, spacing, TAPS << (self._first - 1), seed, stream)
+        self._moved = [
+            tuple(_Pyramid(band, spacing, self._first, seed, stream + STREAMS * (2 * k + 1 + part)) for part in parts)
+            for k, band in enumerate(bands)
+            for parts in [(0,) if band.wave is None else (0, 1)]
+        ]
+
+    @cached_property
+    def variance(self) -> float:
+        """Expected variance of the field on its nodes."""
+        return self._top.variance + sum(pyramids[0].variance for pyramids in self._moved)
+
+    def tile(self, row: int, column: int) -> Field:
+        """Values on one tile.
+
+        Parameters
+        ----------
+        row, column : int
+            Which: its nodes are (row · TILE + j, column · TILE + i), node (0, 0) at the origin.
+
+        Returns
+        -------
+        (TILE, TILE) float64
+        """
+        total = self.complex_tile(row, column).real
+        if self._top.variance > FAINT * self.variance:
+            total = total + self._top.tile(row, column)
+        return total
+
+    def complex_tile(self, row: int, column: int) -> ComplexField:
+        """Values on one tile with their waves a quarter on as the imaginary part, without what cannot be moved."""
+        total = np.zeros((TILE, TILE), dtype=np.complex128)
+        for band, pyramids in zip(self._bands, self._moved):
+            if pyramids[0].variance <= FAINT * self.variance:
+                continue
+            if band.wave is None:
+                total += pyramids[0].doubled(row, column)
+                continue
+            real, imaginary = (pyramid.doubled(row, column) for pyramid in pyramids)
+            total += (real + 1j * imaginary) * self._carrier(band.wave, row, column)
+        return total
+
+    def _carrier(self, wave: tuple[float, float], row: int, column: int) -> ComplexField:
+        nodes = np.arange(TILE)
+        x, y = (self._spacing * (place * TILE + nodes) for place in (column, row))
+        return np.asarray(np.exp(2j * math.pi * wave[1] * y)[:, np.newaxis] * np.exp(2j * math.pi * wave[0] * x))
+
+    def _above(self, fx: Field, fy: Field) -> Field:
+        """Density of all that is made in place."""
+        total = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
+        for band in self._bands:
+            for sign in (0.0,) if band.wave is None else (1.0, -1.0):
+                x, y = (0.0, 0.0) if band.wave is None else band.wave
+                gx, gy = fx - sign * x, fy - sign * y
+                total += band.density(gx, gy) * _above(np.hypot(gx, gy), _crossing(self._spacing, self._first - 1))
+        return total
+
+
+class _Pyramid:
+    """The waves of one band that fit lattices from some level on, each of twice the spacing of the one before."""
+
+    def __init__(self, band: Band, spacing: float, first: int, seed: int, stream: int) -> None:
+        last = max(first, math.ceil(math.log2(FEATURE / (TAPS * spacing * band.feature))))
+        # Two fields make one moved band, each with half of either sign's waves.
+        share = 1.0 if band.wave is None else 2.0
+        self._lattices = {
+            level: _Lattice(
+                _between(
+                    band.density,
+                    share,
+                    0.0 if level == last else _crossing(spacing, level),
+                    _crossing(spacing, level - 1),
+                ),
+                spacing * 2.0**level,
+                TAPS,
+                seed,
+                stream,
+            )
+            for level in range(first, last + 1)
+        }
+        self._last = last
+        self._tile = lru_cache(maxsize=KEPT_TILES)(self._made_tile)
+
+    @cached_property
+    def variance(self) -> float:
+        """Expected variance."""
+        return sum(lattice.variance for lattice in self._lattices.values())
+
+    def doubled(self, row: int, column: int) -> Field:
+        """Tile of the finest of all lattices, on which no waves of the pyramid's own lie."""
+        return self._from_coarser(0, row, column)
+
+    def _made_tile(self, level: int, row: int, column: int) -> Field:
+        lattice = self._lattices.get(level)
+        heard = lattice is not None and lattice.variance > FAINT * self.variance
+        own = lattice.tile(row, column) if lattice is not None and heard else np.zeros((TILE, TILE))
+        return own + self._from_coarser(level, row, column) if level < self._last else own
+
+    def _from_coarser(self, level: int, row: int, column: int) -> Field:
+        """Double the next coarser lattice onto one tile."""
+        half = TILE // 2
+        first = row * half - HALF_BAND, column * half - HALF_BAND
+        around = gathered(lambda j, i: self._tile(level + 1, j, i), first, (half + 2 * HALF_BAND,) * 2)
+        return _twice(np.ascontiguousarray(_twice(around).T)).T
+
+
+class _Lattice:
+    """White noise of one lattice, filtered."""
+
+    def __init__(self, density: Density, spacing: float, taps: int, seed: int, stream: int) -> None:
+        self._spacing, self._taps, self._seed, self._stream = spacing, taps, seed, stream
+        fx, fy = scipy.fft.rfftfreq(taps, spacing)[np.newaxis, :], scipy.fft.fftfreq(taps, spacing)[:, np.newaxis]
+        # Noise of unit variance has the density spacing².
+        response = np.sqrt(density(fx, fy)) / spacing
+        self._filter = scipy.fft.irfft2(response, s=(taps, taps))
+        # The taps half a side away have no mates on the other hand.
+        self._filter[taps // 2], self._filter[:, taps // 2] = 0.0, 0.0
+        self.variance = float((self._filter**2).sum())
+
+    def tile(self, row: int, column: int) -> Field:
+        """Filter by overlap and save: the margin that wraps round is left out."""
+        side, margin = TILE + self._taps, self._taps // 2
+        rows, columns = (range(place * TILE - margin, place * TILE - margin + side) for place in (row, column))
+        noise = lattice_noise(self._seed, self._stream, self._spacing, rows, columns)
+        waves = scipy.fft.rfft2(noise, overwrite_x=True)
+        waves *= self._transfer
+        return np.asarray(scipy.fft.irfft2(waves, s=(side, side), overwrite_x=True)[margin:-margin, margin:-margin])
+
+    @cached_property
+    def _transfer(self) -> Field:
+        """Transform of the filter, which is even, over one block."""
+        half = self._taps // 2
+        block = np.zeros((TILE + self._taps,) * 2)
+        block[: self._taps, : self._taps] = np.roll(self._filter, (half, half), axis=(0, 1))
+        return np.asarray(scipy.fft.rfft2(np.roll(block, (-half, -half), axis=(0, 1))))
+
+
+def gathered(tile: Callable[[int, int], NDArray[Any]], first: tuple[int, int], shape: tuple[int, int]) -> NDArray[Any]:
+    """Put a rectangle of nodes together from tiles.
+
+    Parameters
+    ----------
+    tile : callable
+        Makes the tile of a row and a column.
+    first : (int, int)
+        Lowest node along y and x.
+    shape : (ny, nx)
+        Nodes.
+
+    Returns
+    -------
+    (ny, nx) array
+        Of the tiles' type.
+    """
+    rows, columns = (_pieces(low, count) for low, count in zip(first, shape))
+    whole = np.empty(shape, dtype=tile(rows[0].tile, columns[0].tile).dtype)
+    for row in rows:
+        for column in columns:
+            whole[row.whole, column.whole] = tile(row.tile, column.tile)[row.part, column.part]
+    return whole
+
+
+class _Piece(NamedTuple):
+    """Run of nodes that lie in one tile."""
+
+    tile: int
+    part: slice  # of the tile
+    whole: slice  # of all nodes asked for
+
+
+def _pieces(first: int, count: int) -> list[_Piece]:
+    """Cut a row of nodes where one tile ends and the next begins."""
+    tiles = range(first // TILE, (first + count - 1) // TILE + 1)
+    runs = [(k, max(first, k * TILE), min(first + count, (k + 1) * TILE)) for k in tiles]
+    return [
+        _Piece(k, slice(low - k * TILE, high - k * TILE), slice(low - first, high - first)) for k, low, high in runs
+    ]
+
+
+def _twice(coarse: Field) -> Field:
+    """Put a node between every two along the first axis, with `HALF_BAND` nodes to spare at either end."""
+    count = len(coarse) - 2 * HALF_BAND
+    fine = np.empty((2 * count, coarse.shape[1]))
+    fine[0::2] = coarse[HALF_BAND : HALF_BAND + count]
+    between = np.zeros((count, coarse.shape[1]))
+    for k, tap in enumerate(_half_band()):
+        before, after = HALF_BAND - k, HALF_BAND + 1 + k
+        between += tap * (coarse[before : before + count] + coarse[after : after + count])
+    fine[1::2] = between
+    return fine
+
+
+@lru_cache(maxsize=1)
+def _half_band() -> tuple[float, ...]:
+    """Taps between two samples, from the middle outwards: a sinc under a Kaiser window, of unit sum."""
+    place = np.arange(HALF_BAND) + 0.5
+    taps = np.sinc(place) * np.i0(KAISER * np.sqrt(1.0 - (place / HALF_BAND) ** 2))
+    return tuple(float(tap) for tap in taps / (2.0 * taps.sum()))
+
+
+def _crossing(spacing: float, level: int) -> float:
+    """Frequency from which, over an octave, waves go over from the lattice of the next level to that of this one."""
+    return 0.5 * HIGHEST * 0.5 / (spacing * 2.0 ** (level + 1))
+
+
+def _above(frequency: Field, crossing: float) -> Field:
+    """Share of the power above a crossing."""
+    octave = np.log2(np.maximum(frequency, 1e-300) / crossing)
+    return np.asarray(np.sin(0.5 * math.pi * np.clip(octave, 0.0, 1.0)) ** 2)
+
+
+def _between(density: Density, share: float, low: float, high: float) -> Density:
+    """Part of a density between two crossings; from 0 on if the lower is 0."""
+
+    def band(fx: Field, fy: Field) -> Field:
+        frequency = np.hypot(fx, fy)
+        part = share * density(fx, fy) * (1.0 - _above(frequency, high))
+        return np.asarray(part * _above(frequency, low) if low > 0.0 else part)
+
+    return band

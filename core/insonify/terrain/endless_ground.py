@@ -1,0 +1,145 @@
+"""Ground without an end: windows of it are made where they are wanted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene.materials import Reflectivity
+from insonify.terrain.endless import TILE, gathered
+from insonify.terrain.ground import Ground
+
+Column = NDArray[np.float64]
+Tiles = Callable[[int, int], NDArray[Any]]
+
+KEPT_TILES = 192  # of heights, 1 MB each
+KEPT_WINDOWS = 4  # of heights and of materials
+WORKERS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class EndlessGround:
+    """Heights and materials of a bed that neither repeats nor ends.
+
+    Attributes
+    ----------
+    heights, materials : callable
+        Tiles of a row and a column, (TILE, TILE) float32 and uint8; node (0, 0) lies at the local origin.
+    names : tuple of str
+        Names of the materials.
+    reflectivities : tuple of Reflectivity
+        Their numbers.
+    spacing : float
+        Metres between nodes.
+    datum : float
+        World height of the mean bed, in metres.
+    """
+
+    heights: Tiles
+    materials: Tiles
+    names: tuple[str, ...]
+    reflectivities: tuple[Reflectivity, ...]
+    spacing: float
+    datum: float
+
+    def cell(self, x: Column, y: Column) -> NDArray[np.int64]:
+        """Window that each place lies in, (n, 2) rows and columns: a function of the place alone."""
+        side = TILE * self.spacing
+        return np.stack([np.floor(y / side), np.floor(x / side)], axis=-1).astype(np.int64)
+
+    def window(self, row: int, column: int, reach: float) -> Ground:
+        """Ground around one cell.
+
+        Parameters
+        ----------
+        row, column : int
+            Which, as `cell` counts them.
+        reach : float
+            Metres of ground to hold on every side of it.
+
+        Returns
+        -------
+        Ground
+            A torus: node (j, i) of the world lies at (j mod ny, i mod nx), so that those who wrap indices find every
+            node within reach where it is in the world. It says nothing of what lies farther off.
+        """
+        margin = math.ceil(reach / self.spacing) + 2
+        first, side = (row * TILE - margin, column * TILE - margin), TILE + 2 * margin + 1
+        return Ground(
+            heights=_torus(self.heights, first, side),
+            materials=_torus(self.materials, first, side),
+            names=self.names,
+            reflectivities=self.reflectivities,
+            x0=0.0,
+            y0=0.0,
+            spacing=self.spacing,
+            periodic=True,
+            datum=self.datum,
+        )
+
+    def around(self, centre: tuple[float, float], half: float) -> Ground:
+        """Ground that holds a square about a place, as `window`."""
+        (cell,) = self.cell(np.array(centre[:1]), np.array(centre[1:]))
+        return self.window(int(cell[0]), int(cell[1]), half)
+
+    def height_at(self, x: Column, y: Column) -> Column:
+        """Bilinear height above the datum.
+
+        Parameters
+        ----------
+        x, y : float64 arrays
+            Local coordinates in metres, of one shape.
+
+        Returns
+        -------
+        float64 array
+            Metres above the datum.
+        """
+        u, v = np.asarray(x, dtype=np.float64) / self.spacing, np.asarray(y, dtype=np.float64) / self.spacing
+        i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
+        fu, fv = u - i, v - j
+        low = self._at(j, i) * (1 - fu) + self._at(j, i + 1) * fu
+        high = self._at(j + 1, i) * (1 - fu) + self._at(j + 1, i + 1) * fu
+        return np.asarray(low * (1 - fv) + high * fv)
+
+    def height_near(self, x: Column, y: Column) -> Column:
+        """Height as `height_at` has it, for there is ground everywhere."""
+        return self.height_at(x, y)
+
+    def _at(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> Column:
+        """Heights of nodes."""
+        heights = np.empty(row.shape)
+        tiles = np.stack([row // TILE, column // TILE], axis=-1).reshape(-1, 2)
+        which, inverse = np.unique(tiles, axis=0, return_inverse=True)
+        inverse = inverse.reshape(row.shape)
+        for k, (tile_row, tile_column) in enumerate(which):
+            here = inverse == k
+            tile = self.heights(int(tile_row), int(tile_column))
+            heights[here] = tile[row[here] % TILE, column[here] % TILE]
+        return heights
+
+
+AnyGround = Ground | EndlessGround
+
+
+def kept(tile: Tiles) -> Tiles:
+    """Keep the tiles that were last asked for."""
+    return lru_cache(maxsize=KEPT_TILES)(tile)
+
+
+@lru_cache(maxsize=KEPT_WINDOWS)
+def _torus(tiles: Tiles, first: tuple[int, int], side: int) -> NDArray[Any]:
+    """Gather a square of nodes and lay it where their indices wrap to."""
+    rows, columns = (range(low // TILE, (low + side - 1) // TILE + 1) for low in first)
+    places = [(row, column) for row in rows for column in columns]
+    if len(places) <= KEPT_TILES:
+        with ThreadPoolExecutor(WORKERS) as pool:
+            list(pool.map(lambda place: tiles(*place), places))
+    return np.roll(gathered(tiles, first, (side, side)), (first[0] % side, first[1] % side), axis=(0, 1))

@@ -1,0 +1,152 @@
+"""Made relief without an end, tile by tile."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from statistics import NormalDist
+
+import numpy as np
+
+from insonify.scene.fractal import Fractal
+from insonify.scene.made import Patchy
+from insonify.scene.materials import FractalMap, MaterialMap
+from insonify.scene.ripples import Ripples
+from insonify.scene.roughness import Autocorrelated, Cascade, Exponential, Gaussian, PowerLaw, VonKarman
+from insonify.scene.seabed import AnyMade
+from insonify.terrain.densities import (
+    Density,
+    autocorrelated,
+    mask_density,
+    mask_spread,
+    points_of,
+    power_law,
+    ripple_band,
+    ripple_wave,
+    von_karman,
+)
+from insonify.terrain.endless import TILE, Band, EndlessField
+from insonify.terrain.lattice import Lattice, Map
+from insonify.terrain.materials import material_indices
+from insonify.terrain.shapes import mask_share, shaped_ripples
+from insonify.terrain.spectra import MASK, MATERIAL_BANDS, PART, RELIEF, Field, decay_about, half_plane
+
+Tiles = Callable[[int, int], Field]
+
+
+def endless_heights(parts: tuple[AnyMade, ...], spacing: float, seed: int) -> Tiles:
+    """Tiles of the sum of several reliefs.
+
+    Parameters
+    ----------
+    parts : tuple of relief
+        Each takes random numbers of its own.
+    spacing : float
+        Metres between nodes.
+    seed : int
+        What the landscape derives from.
+
+    Returns
+    -------
+    callable
+        Of a tile's row and column, whose nodes are (row · TILE + j, column · TILE + i): (TILE, TILE) float64, metres
+        above the mean bed.
+    """
+    made = [_masked(part, spacing, seed, PART * number) for number, part in enumerate(parts)]
+
+    return lambda row, column: np.asarray(np.sum([part(row, column) for part in made], axis=0))
+
+
+def endless_materials(material: MaterialMap, period: float, spacing: float, seed: int) -> Callable[[int, int], Map]:
+    """Tiles of a map, (TILE, TILE) uint8; the bands of a fractal map are smooth beyond a period."""
+    if isinstance(material, FractalMap):
+        return _bands(material, period, spacing, seed)
+
+    def tile(row: int, column: int) -> Map:
+        corner = column * TILE * spacing, row * TILE * spacing
+        return material_indices(material, Lattice((TILE, TILE), spacing, *corner, periodic=False), seed)
+
+    return tile
+
+
+def _bands(material: FractalMap, period: float, spacing: float, seed: int) -> Callable[[int, int], Map]:
+    """Bands that every material covers an equal area of, as is to be expected."""
+    fractal = Fractal(beta=material.beta, period=period, clamp="soft", coefficients="gaussian", extent="endless")
+    field = EndlessField(_fractal(fractal), spacing, seed, MATERIAL_BANDS)
+    count = len(material.of)
+    cuts = [NormalDist().inv_cdf(k / count) * math.sqrt(field.variance) for k in range(1, count)]
+    return lambda row, column: np.searchsorted(cuts, field.tile(row, column)).astype(np.uint8)
+
+
+def _masked(relief: AnyMade, spacing: float, seed: int, stream: int) -> Tiles:
+    heights = _unmasked(relief, spacing, seed, RELIEF + stream)
+    if not isinstance(relief.mask, Patchy):
+        return heights
+    mask = relief.mask
+    field = EndlessField((Band(mask_density(mask), mask_spread(mask)),), spacing, seed, MASK + stream)
+    level, threshold = math.sqrt(field.variance), NormalDist().inv_cdf(1.0 - mask.share)
+    return lambda row, column: heights(row, column) * mask_share(mask, field.tile(row, column) / level, threshold)
+
+
+def _unmasked(relief: AnyMade, spacing: float, seed: int, stream: int) -> Tiles:
+    field = EndlessField(_bands_of(relief), spacing, seed, stream)
+    if isinstance(relief, Ripples):
+        return _ripples(relief, field)
+    if isinstance(relief, PowerLaw):
+        return field.tile
+    factor = relief.rms / math.sqrt(field.variance) if relief.rms > 0.0 else 0.0
+    return lambda row, column: factor * field.tile(row, column)
+
+
+def _ripples(ripples: Ripples, field: EndlessField) -> Tiles:
+    level = math.sqrt(2.0 * field.variance)
+
+    def tile(row: int, column: int) -> Field:
+        wave = field.complex_tile(row, column)
+        return shaped_ripples(ripples, wave.real, wave.imag, level)
+
+    return tile
+
+
+def _bands_of(relief: AnyMade) -> tuple[Band, ...]:
+    """Spectrum of a relief, or of the waves that it is made of."""
+    if isinstance(relief, Fractal):
+        return _fractal(relief)
+    if isinstance(relief, PowerLaw):
+        return (Band(power_law(relief, relief.period), 1.0 / relief.period),)
+    if isinstance(relief, VonKarman):
+        return (Band(von_karman(relief), 1.0 / max(relief.across, relief.along)),)
+    if isinstance(relief, Ripples):
+        narrow = min(relief.bandwidth, relief.bandwidth_along) / relief.wavelength
+        return (Band(ripple_band(relief), narrow, ripple_wave(relief)),)
+    assert not isinstance(relief, Cascade)  # which has no extent
+    return (Band(autocorrelated(relief), _feature(relief)),)
+
+
+def _fractal(fractal: Fractal) -> tuple[Band, ...]:
+    """One band a peak and its mirror image."""
+    peaks = [place for peak in fractal.peaks for place in half_plane(peak, fractal.quadrants)]
+    return tuple(_about(fractal, peak) for peak in peaks)
+
+
+def _about(fractal: Fractal, peak: tuple[float, float]) -> Band:
+    period = fractal.period
+
+    def density(fx: Field, fy: Field) -> Field:
+        return decay_about(fractal, fx * period + peak[0], fy * period + peak[1], peak)
+
+    if peak == (0.0, 0.0):  # which is its own image
+        return Band(_twofold(density), 1.0 / period)
+    return Band(density, 1.0 / period, (peak[0] / period, peak[1] / period))
+
+
+def _twofold(density: Density) -> Density:
+    return lambda fx, fy: 2.0 * density(fx, fy)
+
+
+def _feature(relief: Autocorrelated) -> float:
+    """Frequency over which a spectrum changes, from how far the autocorrelation reaches."""
+    of = relief.of
+    if isinstance(of, Exponential | Gaussian):
+        return 1.0 / (2.0 * math.pi * of.length)
+    return 0.5 / points_of(of)[-1][0]

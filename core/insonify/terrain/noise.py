@@ -1,0 +1,57 @@
+"""White noise of an endless lattice: every value a hash of its place."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.hashing import FIRST_MULTIPLIER, GOLDEN, SECOND_MULTIPLIER, SHIFTS, splitmix64
+
+Field = NDArray[np.float64]
+Bits = NDArray[np.uint64]
+
+HALF = np.uint64(32)
+LOW = np.uint64(0xFFFFFFFF)
+UNIT = np.float32(2.0**-32)
+TINY = np.float32(2.0**-33)  # keeps a logarithm finite
+
+
+def lattice_noise(seed: int, stream: int, spacing: float, rows: range, columns: range) -> Field:
+    """Independent Gaussian numbers of unit variance.
+
+    Parameters
+    ----------
+    seed, stream : int
+        What they derive from.
+    spacing : float
+        That of the lattice; another lattice has other numbers.
+    rows, columns : range
+        Places, of any sign; the first column and their number are even.
+
+    Returns
+    -------
+    (rows, columns) float64
+        Each a function of seed, stream, spacing and place alone.
+    """
+    key = splitmix64(splitmix64(splitmix64(np.uint64(seed)) ^ np.uint64(stream)) ^ np.float64(spacing).view(np.uint64))
+    keys = _mixed(np.uint64(key) ^ np.array(rows, dtype=np.int64).view(np.uint64))
+    # One hash makes the two numbers of a pair of neighbours (Box and Muller 1958); that they have but 24 bits is lost
+    # in the sums that filters make of them.
+    pairs = np.arange(columns.start // 2, columns.stop // 2, dtype=np.int64).view(np.uint64)
+    bits = _mixed(keys[:, np.newaxis] ^ pairs)
+    modulus = np.sqrt(np.float32(-2.0) * np.log((bits >> HALF).astype(np.float32) * UNIT + TINY))
+    angle = (bits & LOW).astype(np.float32) * (np.float32(2.0 * math.pi) * UNIT)
+    noise = np.empty((len(rows), len(columns)))
+    np.multiply(modulus, np.cos(angle), out=noise[:, 0::2])
+    np.multiply(modulus, np.sin(angle), out=noise[:, 1::2])
+    return noise
+
+
+def _mixed(value: Bits) -> Bits:
+    """splitmix64, as the kernels have it, over an array."""
+    mixed = value + GOLDEN
+    mixed = (mixed ^ (mixed >> SHIFTS[0])) * FIRST_MULTIPLIER
+    mixed = (mixed ^ (mixed >> SHIFTS[1])) * SECOND_MULTIPLIER
+    return np.asarray(mixed ^ (mixed >> SHIFTS[2]))

@@ -1,0 +1,318 @@
+"""Kinds of roughness against their theory: spectra, crests, moments, autocorrelations, shares."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from insonify.scene import SceneError, build
+from insonify.scene.seabed import Seabed
+from insonify.terrain import relief
+from insonify.terrain.densities import autocorrelated, power_law, von_karman
+from insonify.terrain.synthesis import made_heights
+
+SIDE, PERIOD = 512, 51.2
+
+
+def seabed(**made):
+    return build({"seabed": {"spacing": PERIOD / SIDE, "relief": {"period": PERIOD, **made}}}).seabed
+
+
+def heights(seed=1, **made):
+    return relief(seabed(**made), seed=seed)
+
+
+def waves():
+    """Frequencies in cycles a metre, as of ``rfft2``."""
+    return np.fft.rfftfreq(SIDE, PERIOD / SIDE)[np.newaxis, :], np.fft.fftfreq(SIDE, PERIOD / SIDE)[:, np.newaxis]
+
+
+def measured_density(z):
+    return np.abs(np.fft.rfft2(z, norm="forward")) ** 2 * PERIOD**2
+
+
+def banded(power, low=2.0, high=SIDE / 2, count=12):
+    """Sums of power over rings from so many cycles per period on, the Nyquist frequencies left out."""
+    fx, fy = waves()
+    radius = np.hypot(fx, fy) * PERIOD
+    edges = np.geomspace(low, high, count + 1)
+    inside = (np.abs(fy) * PERIOD < SIDE / 2) & (fx * PERIOD < SIDE / 2)
+    return np.array([power[inside & (radius >= a) & (radius < b)].sum() for a, b in pairwise(edges)])
+
+
+@pytest.mark.parametrize(
+    ("made", "density"),
+    [
+        ({"kind": "power_law", "strength": 0.0044, "exponent": 3.25}, power_law),
+        ({"kind": "von_karman", "across": 2.0, "along": 8.0, "heading": 30.0, "hurst": 0.7}, von_karman),
+    ],
+)
+def test_spectrum_is_the_declared_one(made, density):
+    declared = density(seabed(**made).relief)(*waves())
+    found = np.mean([measured_density(heights(seed, **made)) for seed in range(12)], axis=0)
+    if made["kind"] == "von_karman":  # whose rms is that of the period
+        declared = declared * (found.sum() / declared[declared < np.inf].sum())
+    np.testing.assert_allclose(banded(found, low=8.0), banded(declared, low=8.0), rtol=0.08)
+
+
+def test_power_law_has_the_variance_of_its_strength():
+    # ∫ w₂ (h₀K)^−γ₂ d²K over the waves of the period, in closed form over whole rings.
+    made = {"kind": "power_law", "strength": 0.0129, "exponent": 3.0}
+    low, high = 8.0 / PERIOD, 0.5 * SIDE / PERIOD
+    k0, k1 = 2 * math.pi * low / 100, 2 * math.pi * high / 100  # radians a centimetre
+    variance = 1e-4 * 0.0129 * 2 * math.pi * (1 / k0 - 1 / k1)  # m²
+    found = np.mean([2 * banded(measured_density(heights(seed, **made)), 8.0).sum() for seed in range(8)]) / PERIOD**2
+    assert found == pytest.approx(variance, rel=0.05)
+
+
+def test_power_law_has_its_exponent():
+    fx, fy = waves()
+    radius = np.hypot(fx, fy) * PERIOD
+    inside = (radius >= 4) & (radius < SIDE / 2) & (fx > 0)
+    power = measured_density(heights(kind="power_law", exponent=2.8))[inside]
+    log_radius = np.log(radius[inside])
+
+    def misfit(exponent):
+        return np.log((power * np.exp(exponent * log_radius)).mean()) - exponent * log_radius.mean()
+
+    # ±0.014 is one standard deviation of Whittle's estimate at this size.
+    assert minimize_scalar(misfit, bounds=(1.0, 5.0), method="bounded").x == pytest.approx(2.8, abs=0.042)
+
+
+@pytest.mark.parametrize(
+    "made", [{"kind": "von_karman"}, {"kind": "cascade"}, {"kind": "autocorrelation"}, {"kind": "fractal"}]
+)
+def test_rms_is_realised_over_a_period(made):
+    assert heights(rms=0.07, **made).std() == pytest.approx(0.07, rel=1e-12)
+
+
+def test_von_karman_crests_lie_along_their_heading():
+    power = measured_density(heights(kind="von_karman", across=1.0, along=6.0, heading=30.0))
+    fx, fy = waves()
+    # The principal axis of the spectrum stands at right angles to the crests.
+    weight = power * (np.hypot(fx, fy) < 2.0)
+    xx, yy, xy = (weight * fx**2).sum(), (weight * fy**2).sum(), (weight * fx * fy).sum()
+    across = np.degrees(0.5 * np.arctan2(2 * xy, xx - yy))
+    assert (across - 90.0) % 180.0 == pytest.approx(30.0, abs=2.0)
+
+
+RIPPLES = {"kind": "ripples", "wavelength": 0.8, "height": 0.1, "heading": 20.0, "bandwidth": 0.05}
+
+
+def test_ripples_have_their_wavelength_and_heading():
+    power = measured_density(heights(**RIPPLES, sharpness=0.0))
+    fx, fy = waves()
+    near = np.hypot(fx, fy) < 1.6  # the fundamental alone
+    weight = (power * near) / (power * near).sum()
+    # fx is positive: the mean wave is that across the crests or its image.
+    mean = np.array([(weight * fx).sum(), (weight * np.where(fx > 0, fy, 0.0)).sum()])
+    assert 1.0 / np.hypot(*mean) == pytest.approx(0.8, rel=0.02)
+    assert (np.degrees(np.arctan2(mean[1], mean[0])) + 90.0) % 180.0 == pytest.approx(20.0, abs=2.0)
+
+
+def test_ripples_are_of_one_height_unlike_gaussian_waves():
+    z = heights(**RIPPLES, sharpness=0.0)
+    assert z.max() <= 0.05
+    assert z.max() - z.min() == pytest.approx(0.1, rel=0.02)
+    kurtosis = np.mean(z**4) / np.mean(z**2) ** 2
+    assert kurtosis == pytest.approx(1.5, abs=0.1)  # a sine has 1.5, Gaussian waves 3
+
+
+@pytest.mark.parametrize(("sharpness", "skewness"), [(0.0, 0.0), (1.0, 0.639)])
+def test_sharp_crests_stand_over_wide_troughs(sharpness, skewness):
+    z = heights(**RIPPLES, sharpness=sharpness)
+    # Of parabolic troughs: ⟨(u² − 1/3)³⟩ / ⟨(u² − 1/3)²⟩^1.5 with u even over [0, 1] is 0.639.
+    assert np.mean(z**3) / np.mean(z**2) ** 1.5 == pytest.approx(skewness, abs=0.06)
+
+
+def test_wider_bands_have_more_defects():
+    def defects(bandwidth):
+        from insonify.terrain import synthesis
+
+        found = []
+        kept = synthesis.shaped_ripples
+        synthesis.shaped_ripples = lambda ripples, a, b, level: (
+            found.append(np.arctan2(b, a)) or kept(ripples, a, b, level)
+        )
+        try:
+            heights(kind="ripples", wavelength=0.8, bandwidth=bandwidth, bandwidth_along=bandwidth)
+        finally:
+            synthesis.shaped_ripples = kept
+        (phase,) = found
+        steps = [
+            np.roll(phase, -1, 1) - phase,
+            np.roll(np.roll(phase, -1, 0), -1, 1) - np.roll(phase, -1, 1),
+            np.roll(phase, -1, 0) - np.roll(np.roll(phase, -1, 0), -1, 1),
+            phase - np.roll(phase, -1, 0),
+        ]
+        turns = sum((step + np.pi) % (2 * np.pi) - np.pi for step in steps) / (2 * np.pi)
+        return np.abs(np.rint(turns)).sum()
+
+    # A Gaussian field with the spreads s of wave numbers along both axes has s²/2π of them a square metre,
+    # with s in radians a metre (Berry and Dennis 2000, eq. 3.11).
+    for bandwidth in (0.08, 0.16):
+        spread = 2 * np.pi * bandwidth / 0.8
+        assert defects(bandwidth) == pytest.approx(PERIOD**2 * spread**2 / (2 * np.pi), rel=0.15)
+
+
+def moments(field, scales, orders):
+    """Scaling exponents of moments of a flux averaged over squares of several sides."""
+    table = []
+    for side in scales:
+        mean = field.reshape(SIDE // side, side, SIDE // side, side).mean(axis=(1, 3))
+        table.append([np.log(np.mean(mean**q)) for q in orders])
+    ratio = np.log(SIDE / np.array(scales))
+    return [np.polyfit(ratio, column, 1)[0] for column in np.array(table).T]
+
+
+def test_flux_of_a_cascade_has_the_moments_of_its_codimension():
+    from insonify.scene.roughness import Cascade
+    from insonify.terrain.spectra import frequencies, wave_coefficients
+
+    cascade, found = Cascade(intermittency=0.15), []
+    for seed in range(12):
+        fx, fy = frequencies((SIDE, SIDE))
+        squared = fx**2 + fy**2
+        squared[0, 0] = np.inf
+        noise = wave_coefficients(seed, 1, (SIDE, SIDE), gaussian=True)
+        log_flux = np.fft.irfft2(noise * np.sqrt(cascade.intermittency / (np.pi * squared)), norm="forward")
+        flux = np.exp(log_flux)
+        found.append(moments(flux / flux.mean(), [4, 8, 16, 32, 64], [1.5, 2.0]))
+    k15, k2 = np.mean(found, axis=0)
+    # K(q) = C₁(q² − q): 0.3 at 2, measured 0.29; 0.1125 at 1.5.
+    assert k2 == pytest.approx(0.29, abs=0.05)
+    assert k15 == pytest.approx(0.1125, abs=0.025)
+
+
+def structure_exponents(z, orders):
+    lags = np.array([2, 4, 8, 16, 32])
+    table = [[np.log(np.mean(np.abs(np.roll(z, lag, axis=1) - z) ** q)) for q in orders] for lag in lags]
+    return np.polyfit(np.log(lags), np.array(table), 1)[0]
+
+
+def test_structure_functions_of_a_cascade_bend_and_those_of_a_fractal_do_not():
+    orders = [1.0, 3.0]
+    bent = np.mean([structure_exponents(heights(s, kind="cascade", hurst=0.5), orders) for s in range(6)], axis=0)
+    straight = np.mean([structure_exponents(heights(s, kind="fractal", beta=1.5), orders) for s in range(6)], axis=0)
+    assert straight[1] == pytest.approx(3 * straight[0], rel=0.05)
+    # ζ(q) = qH − K(q) falls behind a straight line by K(3) = 0.9, of 1.5.
+    assert bent[1] < 2.2 * bent[0]
+
+
+def test_cascade_without_intermittency_is_a_fractal():
+    from test_spectra import whittle_exponent
+
+    z = heights(kind="cascade", intermittency=0.0, hurst=0.6)
+    assert whittle_exponent(z) == pytest.approx(2 * 1.6, abs=0.042)
+
+
+def autocorrelation(z):
+    power = np.abs(np.fft.rfft2(z)) ** 2
+    found = np.fft.irfft2(power, s=z.shape)
+    return found / found[0, 0]
+
+
+@pytest.mark.parametrize(
+    ("of", "law"),
+    [
+        ({"kind": "exponential", "length": 1.5}, lambda r: np.exp(-r / 1.5)),
+        ({"kind": "gaussian", "length": 1.5}, lambda r: np.exp(-((r / 1.5) ** 2))),
+        (
+            {"kind": "table", "points": [[0.1 * k, math.exp(-0.1 * k / 1.5)] for k in range(150)]},
+            lambda r: np.exp(-r / 1.5),
+        ),
+    ],
+)
+def test_autocorrelation_is_recovered(of, law):
+    found = autocorrelation(heights(kind="autocorrelation", of=of))
+    lag = np.arange(100) * PERIOD / SIDE
+    # What is missing are the mean, and waves beyond the Nyquist frequency.
+    for line in (found[0, :100], found[:100, 0]):
+        np.testing.assert_allclose(line, law(lag), atol=0.025)
+
+
+def test_tabled_autocorrelation_has_the_transform_of_its_law():
+    points = [[0.02 * k, math.exp(-0.02 * k)] for k in range(600)]
+    of = {"kind": "table", "points": points}
+    table = autocorrelated(seabed(kind="autocorrelation", of=of).relief)
+    law = autocorrelated(seabed(kind="autocorrelation", of={"kind": "exponential", "length": 1.0}).relief)
+    f, zero = np.geomspace(0.01, 4.0, 50), np.zeros(50)
+    np.testing.assert_allclose(table(f, zero), law(f, zero), rtol=0.01)
+
+
+def test_autocorrelation_that_no_surface_has_is_refused():
+    box = {"kind": "table", "points": [[0.0, 1.0], [2.0, 1.0], [2.1, 0.0]]}
+    with pytest.raises(SceneError, match=r"^seabed\.relief\.of: .* would be negative, as no surface has it; let it"):
+        heights(kind="autocorrelation", of=box)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
+def test_mask_covers_its_share(share):
+    mask = {"kind": "patches", "share": share, "size": 5.0, "softness": 0.2}
+    whole = heights(kind="power_law")
+    masked = heights(kind="power_law", mask=mask)
+    let_be = masked / whole
+    assert let_be.min() >= 0.0
+    assert let_be.max() <= 1.0
+    assert (let_be > 0.5).mean() == pytest.approx(share, abs=1e-3)
+    assert (let_be == 0.0).mean() > 0.0
+    # The borders are as wide as the softness says: their share is the length of contour times the width.
+    assert ((let_be > 0.0) & (let_be < 1.0)).mean() < 0.4
+
+
+@pytest.mark.parametrize(
+    "made",
+    [{"kind": kind} for kind in ("power_law", "von_karman", "ripples", "cascade", "autocorrelation")]
+    + [{"kind": "ripples", "mask": "patches"}],
+)
+def test_relief_has_no_seam_where_it_repeats(made):
+    z = heights(**made)
+    steps = np.abs(np.diff(np.concatenate([z, z[:1]]), axis=0)).mean(axis=1)
+    assert steps[-1] < 1.5 * steps.max()
+    assert steps[-1] == pytest.approx(np.median(steps), rel=0.5)
+
+
+@pytest.mark.parametrize("made", [{"kind": "power_law"}, {"kind": "autocorrelation"}, {"kind": "von_karman"}])
+def test_every_grid_holds_the_same_landscape(made):
+    bed = seabed(**made)
+    fine, coarse = relief(bed), relief(bed, (256, 256))
+    band = np.s_[:100, 1:100]
+    a, b = (np.fft.rfft2(z, norm="forward")[band] for z in (fine, coarse))
+    np.testing.assert_allclose(a, b, rtol=0, atol=1e-14)
+
+
+def test_parts_of_a_sum_are_independent_and_add_up():
+    one = {"kind": "power_law", "period": PERIOD}
+    both = build({"seabed": {"spacing": PERIOD / SIDE, "relief": {"kind": "sum", "of": [one, one]}}}).seabed
+    total, first = relief(both), heights(**one)
+    second = total - first
+    assert abs(np.corrcoef(first.ravel(), second.ravel())[0, 1]) < 0.2
+    np.testing.assert_allclose(second.std(), first.std(), rtol=0.3)
+    shape = (SIDE, SIDE)
+    np.testing.assert_array_equal(made_heights(both.made, shape, shape, 1), total)
+
+
+MISTAKES = [
+    ({"kind": "ripples", "wavelength": 0.2}, r"relief\.wavelength 0\.2 m spans no more than 3 cells .*; lengthen"),
+    ({"kind": "ripples", "wavelength": 60.0}, r"relief\.wavelength 60 m fits less than twice .*; shorten"),
+    ({"kind": "power_law", "exponent": 4.5}, r"4\.5 is out of bounds; give a value below 4"),
+    ({"kind": "fractal", "extent": "endless"}, r'set clamp = "soft" and coefficients = "gaussian"'),
+    ({"kind": "autocorrelation", "of": {"kind": "table", "points": [[0, 0.9], [1, 0]]}}, r"must start at \[0, 1\]"),
+    ({"kind": "sum", "of": ["fractal", {"kind": "ripples", "period": 20.0}]}, r"give all the same period"),
+    ({"kind": "sum", "of": ["cascade", {"kind": "ripples", "extent": "endless"}]}, r"give all the same extent"),
+    ({"kind": "autocorrelation", "of": {"kind": "file", "path": "/none.csv"}}, r"cannot be read .*; give a CSV"),
+]
+
+
+@pytest.mark.parametrize(("made", "message"), MISTAKES)
+def test_mistakes_are_told_in_one_sentence(made, message):
+    with pytest.raises(SceneError, match=message) as caught:
+        relief(build({"seabed": {"spacing": 0.1, "relief": made}}).seabed)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_seabed_says_what_is_made():
+    assert Seabed().made == ()
+    assert not Seabed().endless
