@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from insonify.kernels.types import Mesh, Solids
     from insonify.simulate import Simulation
-    from insonify.terrain.ground import Ground
+    from insonify.terrain import AnyGround
 
 Vectors = NDArray[np.float64]
 MARGIN = 0.07  # of the block's longer side, beyond what must be on it
@@ -156,7 +156,7 @@ def _shadow_tips(points: Vectors, lamp: Vectors, reach: float) -> Vectors:
     return tips[np.hypot(*(tips - lamp)[:, :2].T) < reach]
 
 
-def _heights(ground: Ground, axes: Vectors, low: Vectors, high: Vectors) -> tuple[float, float]:
+def _heights(ground: AnyGround, axes: Vectors, low: Vectors, high: Vectors) -> tuple[float, float]:
     """Lowest and highest bed over the rectangle that the block covers."""
     along, aside = (np.linspace(*ends, 400) for ends in zip(low, high))
     places = along[:, None, None] * axes[0, :2] + aside[:, None] * axes[1, :2]

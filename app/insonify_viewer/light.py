@@ -74,7 +74,7 @@ class Stage:
     def __init__(self, simulation: Simulation, block: Block) -> None:
         self._block = block
         # Light goes straight.
-        self._problem = simulation.problem._replace(water=still_water())
+        self._problem = simulation.problem_at(simulation.scene.track.pings // 2)._replace(water=still_water())
         self._ground, self._of_bed = simulation.ground, len(simulation.ground.names)
         names = (*simulation.ground.names, *(target.material.name for target in simulation.scene.targets))
         self._shown = with_fish(self._problem, self._block, self._of_bed)

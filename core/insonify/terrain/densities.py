@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import SceneError
+from insonify.scene.files import file_version
 from insonify.scene.made import Patchy
 from insonify.scene.ripples import Ripples
 from insonify.scene.roughness import Autocorrelated, Exponential, Gaussian, PowerLaw, Table, TableFile, VonKarman
-from insonify.terrain.measured import file_version
 
 Field = NDArray[np.float64]
 Density = Callable[[Field, Field], Field]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +12,7 @@ from insonify.scene import Scene
 from insonify.sound.absorption import absorption_coefficient
 from insonify.sound.beams import make_pattern
 from insonify.sound.water import make_water, recording_speed
-from insonify.terrain import AnyGround, Ground
+from insonify.terrain import AnyGround, EndlessGround, Ground
 from insonify.tracers.bodies import make_bodies
 from insonify.tracers.poses import sonar_height
 
@@ -26,7 +28,7 @@ def make_problem(scene: Scene, ground: AnyGround) -> Problem:
     solids, mesh, reflectivities = make_bodies(scene, ground)
     sonar = scene.sonar
     bed = make_bed(ground.around(scene.track.start, 0.0))
-    water = make_water(scene, ground.datum, bed.low)
+    water = make_water(scene, ground.datum, -math.inf if isinstance(ground, EndlessGround) else bed.low)
     sonar.refuse_haste(water.reference)
     half_width, pattern = make_pattern(scene, water.reference)
     bin_length = sonar.range / sonar.bins / (recording_speed(scene, ground.datum) / water.reference)
