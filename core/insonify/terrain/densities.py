@@ -24,7 +24,7 @@ Density = Callable[[Field, Field], Field]
 
 REFERENCE_LENGTH = 0.01  # m, h₀
 TABLED = 4096  # wave numbers at which a tabled autocorrelation is transformed
-NEGATIVE = 0.05  # share of the power that no surface could have and that is left out
+NEGATIVE = 0.1  # share of the power that no surface could have and that is left out
 
 
 def power_law(relief: PowerLaw, outer: float | None = None) -> Density:

@@ -1,0 +1,183 @@
+"""Endless ground: its spectrum, and that it has no seam, no period and no history."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from insonify.scene import build
+from insonify.scene.fractal import Fractal
+from insonify.scene.roughness import VonKarman
+from insonify.terrain import relief
+from insonify.terrain.densities import von_karman
+from insonify.terrain.endless import TILE, Band, EndlessField
+from insonify.terrain.endless_relief import _fractal, endless_heights
+from insonify.terrain.noise import lattice_noise
+from insonify.terrain.spectra import power_spectrum
+
+SOFT = {"extent": "endless", "clamp": "soft", "coefficients": "gaussian"}
+SPACING = 0.1
+PERIOD = 25.6
+SPECTRA = {
+    "round": Fractal(beta=1.4, period=PERIOD, **SOFT),
+    "smooth": Fractal(beta=2.2, period=PERIOD, **SOFT),
+    "peak": Fractal(beta=1.4, peaks=((20.0, 10.0),), period=PERIOD, **SOFT),
+    "far peak": Fractal(beta=1.0, peaks=((100.0, 0.0),), period=PERIOD, **SOFT),
+    "peaks": Fractal(beta=1.2, peaks=((20.0, 10.0), (0.0, 0.0)), quadrants=4, period=PERIOD, **SOFT),
+    "elliptic": Fractal(beta_x=1.2, beta_y=1.8, decay="elliptic", period=PERIOD, **SOFT),
+    "lineated": VonKarman(across=5.0, along=20.0, heading=25.0, extent="endless"),
+}
+
+
+def parts(one):
+    """Bands of a relief, and its density over frequencies in cycles a metre."""
+    if isinstance(one, VonKarman):
+        density = von_karman(one)
+        return (Band(density, 1.0 / 20.0),), density
+    return _fractal(one), lambda fx, fy: power_spectrum(one, fx * PERIOD, fy * PERIOD)
+
+
+def excess(one, seeds, tiles=2):
+    """Decibels by which the mean power in bands of half an octave differs from the declared, and its standard error."""
+    side = tiles * TILE
+    taper = np.hanning(side + 1)[:side]
+    taper = np.outer(taper, taper) / np.mean(taper**2)
+    fx = np.fft.rfftfreq(side, SPACING)[np.newaxis, :]
+    fy = np.fft.fftfreq(side, SPACING)[:, np.newaxis]
+    bands, density = parts(one)
+    declared = density(fx, fy)
+    # A taper spreads power by a step or two of frequency; so does this.
+    lags = np.fft.irfft2(declared)
+    window = np.fft.irfft2(np.abs(np.fft.rfft2(taper)) ** 2)
+    declared = np.fft.rfft2(lags * window / window[0, 0]).real
+    edges = np.geomspace(4.0 / (side * SPACING), 0.5 / SPACING, 16)
+    radius = np.hypot(fx, fy)
+    found = []
+    for seed in seeds:
+        field = EndlessField(bands, SPACING, seed, 1)
+        z = np.block([[field.tile(j, i) for i in range(tiles)] for j in range(-1, tiles - 1)])
+        power = np.abs(np.fft.rfft2(z * taper)) ** 2 * SPACING**2 / side**2
+        found.append([power[(radius >= a) & (radius < b)].sum() for a, b in pairwise(edges)])
+    level = [declared[(radius >= a) & (radius < b)].sum() for a, b in pairwise(edges)]
+    ratio = np.array(found) / level
+    return 10.0 * np.log10(ratio.mean(axis=0)), 4.34 * ratio.std(axis=0, ddof=1) / math.sqrt(len(ratio))
+
+
+@pytest.mark.parametrize("name", ["round", "peak", "lineated"])
+def test_spectrum_is_the_declared_one(name):
+    found, error = excess(SPECTRA[name], range(5))
+    assert (np.abs(found) < 0.1 + 3.5 * error).all()
+    assert np.abs(found[-4:]).max() < 0.1  # where there are waves enough
+
+
+@pytest.mark.bench
+@pytest.mark.parametrize("name", SPECTRA)
+def test_spectrum_over_24_seeds(name):
+    found, error = excess(SPECTRA[name], range(24))
+    print(f"\n{name}: {np.round(found, 3)} dB, ± {np.round(error, 3)}")  # noqa: T201
+    assert (np.abs(found) < 0.1 + 3.0 * error).all()
+    assert np.abs(found[-6:]).max() < 0.1
+
+
+@pytest.mark.parametrize("name", ["round", "peak"])
+def test_tiles_are_what_one_shot_makes(name, monkeypatch):
+    """Overlap and save over tiles against one transform of all."""
+    from insonify.terrain import endless
+
+    bands, _ = parts(SPECTRA[name])
+    field = EndlessField(bands, SPACING, 3, 1)
+    tiled = np.block([[field.tile(j, i) for i in (-1, 0)] for j in (-1, 0)])
+    monkeypatch.setattr(endless, "TILE", 2 * TILE)
+    # One tile of twice the side has its corner at a multiple of it.
+    whole = EndlessField(bands, SPACING, 3, 1)
+    shot = np.block([[whole.tile(j, i) for i in (-1, 0)] for j in (-1, 0)])[TILE : 3 * TILE, TILE : 3 * TILE]
+    assert np.abs(tiled - shot).max() <= 1e-14 * np.abs(shot).max()
+
+
+def test_a_tile_is_the_same_whatever_way_one_came():
+    made = (SPECTRA["peak"],)
+    straight = endless_heights(made, SPACING, 1)
+    before = straight(5, -3)
+    roundabout = endless_heights(made, SPACING, 1)
+    for row, column in [(900, 7), (4, -3), (5, -4)]:
+        roundabout(row, column)
+    np.testing.assert_array_equal(roundabout(5, -3), before)
+
+
+def test_ground_does_not_repeat():
+    tiles = endless_heights((SPECTRA["round"],), SPACING, 1)
+    one = tiles(0, 0)
+    for other in (tiles(0, 1), tiles(1, 0), tiles(0, 1000), tiles(-1, -1)):
+        assert abs(np.corrcoef(one.ravel(), other.ravel())[0, 1]) < 0.25
+
+
+def test_half_the_spacing_shares_all_but_the_finest_waves():
+    coarse, fine = (
+        np.fft.rfft2(endless_heights((SPECTRA["smooth"].model_copy(update={"rms": 1.0}),), s, 1)(0, 0)[::k, ::k])
+        for s, k in ((SPACING, 1), (SPACING / 2, 2))
+    )
+    # The fine tile spans half of the coarse one: compare the same nodes.
+    a = np.fft.irfft2(coarse)[:256, :256]
+    b = np.fft.irfft2(fine)[:256, :256]
+    assert np.corrcoef(a.ravel(), b.ravel())[0, 1] > 0.999
+
+
+def test_noise_is_white_and_a_hash_of_its_place():
+    noise = lattice_noise(1, 2, 0.1, range(-512, 512), range(-512, 512))
+    assert noise.mean() == pytest.approx(0.0, abs=4e-3)
+    assert noise.std() == pytest.approx(1.0, abs=3e-3)
+    assert np.mean(noise**4) == pytest.approx(3.0, abs=0.03)
+    for shifted in (noise[1:] * noise[:-1], noise[:, 1:] * noise[:, :-1]):
+        assert shifted.mean() == pytest.approx(0.0, abs=4e-3)
+    np.testing.assert_array_equal(
+        noise[100:110, 200:220], lattice_noise(1, 2, 0.1, range(-412, -402), range(-312, -292))
+    )
+    for other in (lattice_noise(2, 2, 0.1, *[range(-512, 512)] * 2), lattice_noise(1, 3, 0.1, *[range(-512, 512)] * 2)):
+        assert np.corrcoef(noise.ravel(), other.ravel())[0, 1] == pytest.approx(0.0, abs=4e-3)
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        {"kind": "fractal", "beta": 2.0, "period": 10.0, **SOFT},
+        {"kind": "von_karman", "across": 2.0, "along": 3.0, "extent": "endless"},
+        {"kind": "autocorrelation", "of": {"kind": "exponential", "length": 1.0}, "extent": "endless"},
+    ],
+)
+def test_rms_is_that_expected(made):
+    seabed = build({"seabed": {"spacing": 0.1, "relief": made | {"rms": 0.2}}}).seabed
+    assert np.mean([relief(seabed, seed=seed).std() for seed in range(4)]) == pytest.approx(0.2, rel=0.06)
+
+
+def test_endless_ripples_are_ripples():
+    made = {"kind": "ripples", "wavelength": 0.8, "heading": 20.0, "height": 0.1, "sharpness": 0.0, "extent": "endless"}
+    z = relief(build({"seabed": {"spacing": 0.1, "relief": made}}).seabed, (512, 512))
+    assert z.max() <= 0.05
+    assert np.mean(z**4) / np.mean(z**2) ** 2 == pytest.approx(1.5, abs=0.15)
+    power = np.abs(np.fft.rfft2(z)) ** 2
+    fx, fy = np.fft.rfftfreq(512, 0.1)[np.newaxis, :], np.fft.fftfreq(512, 0.1)[:, np.newaxis]
+    weight = power * (np.hypot(fx, fy) < 1.8) * (fx > 0)
+    mean = (weight * fx).sum() / weight.sum(), (weight * fy).sum() / weight.sum()
+    assert 1.0 / np.hypot(*mean) == pytest.approx(0.8, rel=0.03)
+    assert (np.degrees(np.arctan2(mean[1], mean[0])) + 90.0) % 180.0 == pytest.approx(20.0, abs=3.0)
+
+
+def test_endless_autocorrelation_is_recovered():
+    made = {"kind": "autocorrelation", "of": {"kind": "exponential", "length": 1.0}, "rms": 0.1, "extent": "endless"}
+    seabed = build({"seabed": {"spacing": 0.1, "relief": made}}).seabed
+    found = np.zeros(40)
+    for seed in range(4):
+        z = relief(seabed, seed=seed)
+        found += [np.mean(z[:, : z.shape[1] - lag] * z[:, lag:]) for lag in range(40)]
+    np.testing.assert_allclose(found / found[0], np.exp(-0.1 * np.arange(40)), atol=0.05)
+
+
+@pytest.mark.parametrize("share", [0.25, 0.6])
+def test_endless_mask_covers_its_share(share):
+    mask = {"kind": "patches", "share": share, "size": 2.0}
+    made = {"kind": "power_law", "extent": "endless"}
+    whole, masked = (
+        relief(build({"seabed": {"spacing": 0.1, "relief": made | extra}}).seabed) for extra in ({}, {"mask": mask})
+    )
+    assert (masked / whole > 0.5).mean() == pytest.approx(share, abs=0.05)
