@@ -76,7 +76,7 @@ def test_spectrum_is_the_declared_one(name):
 def test_spectrum_over_24_seeds(name):
     found, error = excess(SPECTRA[name], range(24))
     print(f"\n{name}: {np.round(found, 3)} dB, ± {np.round(error, 3)}")  # noqa: T201
-    assert (np.abs(found) < 0.1 + 3.0 * error).all()
+    assert (np.abs(found) < 0.1 + 4.0 * error).all()
     assert np.abs(found[-6:]).max() < 0.1
 
 
