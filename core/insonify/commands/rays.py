@@ -1,0 +1,55 @@
+"""``insonify rays``: what the water of a scene does to sound."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from insonify.commands.options import add_scene, chosen_scene, output, say
+
+SUFFIXES = (".png", ".csv")
+
+
+def register(subparsers: Any) -> None:
+    """Add ``rays``."""
+    parser = subparsers.add_parser(
+        "rays",
+        help="draw how the water bends sound: rays, shadow zones, caustics",
+        description="Draw the speed of sound over depth, and rays bent by it, with shadow zones and caustics.",
+    )
+    add_scene(parser, optional=True)
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png or .csv")
+    parser.add_argument(
+        "--target",
+        nargs=2,
+        type=float,
+        metavar=("RANGE", "DEPTH"),
+        help="find the rays from the sonar to this point, in metres",
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Trace and write.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    path = output(arguments.output, SUFFIXES)
+    scene = chosen_scene(arguments)
+    from insonify.diagrams.diagram import described
+    from insonify.diagrams.rays import ray_diagram
+    from insonify.terrain import build_ground
+
+    diagram = ray_diagram(
+        scene, datum=build_ground(scene).datum, target=None if arguments.target is None else tuple(arguments.target)
+    )
+    diagram.save(path)
+    for ray in diagram.eigenrays:
+        say(described(ray))
+    if arguments.target is not None and not diagram.eigenrays:
+        say("no ray comes to that point: it lies in a shadow zone")
+    say(str(path))
+    return 0

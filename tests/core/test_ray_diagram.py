@@ -1,0 +1,164 @@
+"""Ray diagrams: shadow zones, caustics and eigenrays against closed forms, and what is written of them."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+
+from insonify.cli import main
+from insonify.diagrams.fan import CELLS
+from insonify.diagrams.rays import ray_diagram
+from insonify.kernels.paths import Limits
+from insonify.scene import SceneError, edit, load_scene
+from insonify.sound.rays import follow_paths
+from insonify.sound.water import make_water
+
+DUCT = {"kind": "profile", "depth": [0.0, 20.0, 40.0], "sound_speed": [1520.0, 1500.0, 1510.0]}
+LIMIT = 346.9867  # m, of a bed 20 m below the sonar in 0.5 (m/s)/m
+
+
+def scene_in(water, **changes):
+    place = {"seabed.depth": 40.0, "track.altitude": 20.0, "sonar.range": 450.0, "sonar.ping_rate": 1.5}
+    return edit(load_scene("default"), place | {"water": water} | changes)
+
+
+@pytest.fixture(scope="module")
+def diagram():
+    return ray_diagram(scene_in(DUCT), target=(400.0, 25.0))
+
+
+def test_the_bed_is_dark_beyond_the_limiting_range(diagram):
+    ((begin, end),) = diagram.dark
+    assert begin == pytest.approx(LIMIT, abs=0.01)
+    assert end == 450.0
+
+
+def test_the_shadow_over_the_bed_is_bounded_by_the_limiting_ray(diagram):
+    # An arc of the radius c/g that touches the bed there.
+    radius = 1510.0 / 0.5
+    x = np.linspace(0.0, 450.0, diagram.shadow.shape[1])
+    depth = 40.0 - (radius - np.sqrt(radius**2 - (x - LIMIT) ** 2))
+    dark = diagram.shadow[CELLS // 2 :].sum(axis=0) * (40.0 / CELLS)
+    beyond = x > LIMIT + 1.0
+    assert np.abs(dark - (40.0 - depth))[beyond].max() < 2.0 * 40.0 / CELLS
+    assert not diagram.shadow[CELLS // 2 :, x < LIMIT].any()
+
+
+def test_rays_have_round_angles_and_end_at_the_ends_of_the_water(diagram):
+    angles = [path.angle for path in diagram.rays]
+    assert 0.0 in angles
+    assert angles == sorted(angles)
+    assert 20 < len(angles) <= 60
+    for path in diagram.rays:
+        assert (path.range[0], path.depth[0], path.time[0]) == (0.0, pytest.approx(20.0), 0.0)
+        ends = (path.range[-1] - 450.0, path.depth[-1], path.depth[-1] - 40.0)
+        assert min(map(abs, ends)) < 1e-9
+        assert (np.diff(path.time) > 0.0).all()
+
+
+def test_eigenrays_join_the_sonar_and_the_point(diagram):
+    assert len(diagram.eigenrays) == 3
+    for ray in diagram.eigenrays:
+        assert (ray.range[-1], ray.depth[-1]) == (400.0, 25.0)
+        # The last point is where the path leads by itself.
+        slope = np.diff(ray.depth[-4:-1]) / np.diff(ray.range[-4:-1])
+        assert ray.depth[-2] + slope[-1] * (400.0 - ray.range[-2]) == pytest.approx(25.0, abs=0.01)
+        assert ray.slant_range == 1500.0 * ray.travel_time
+        assert ray.travel_time < math.hypot(400.0, 5.0) / 1500.0
+    angles = [ray.angle for ray in diagram.eigenrays]
+    assert angles == sorted(angles)
+
+
+def test_uniform_water_has_straight_rays_and_no_shadow():
+    diagram = ray_diagram(scene_in({"kind": "uniform"}), target=(100.0, 40.0))
+    assert not diagram.shadow.any()
+    assert diagram.dark.size == diagram.caustics.size == 0
+    (ray,) = diagram.eigenrays
+    assert ray.angle == pytest.approx(math.degrees(math.atan(0.2)))
+    assert ray.slant_range == pytest.approx(math.hypot(100.0, 20.0))
+    assert ray.level == pytest.approx(-20.0 * math.log10(ray.slant_range))
+
+
+def test_a_shadow_opens_where_rays_part_at_the_fastest_depth():
+    # Sound from above the fastest depth never comes right behind it: rays part there, up and down.
+    fastest = {"kind": "profile", "depth": [0.0, 15.0, 40.0], "sound_speed": [1490.0, 1510.0, 1490.0]}
+    diagram = ray_diagram(scene_in(fastest, **{"track.altitude": 30.0}))
+    x = np.linspace(0.0, 450.0, diagram.shadow.shape[1])
+    cell = round(15.0 / 40.0 * CELLS)
+    touches = math.sqrt(2.0 * 1510.0 * 5.0)  # about where the parting ray is level
+    assert not diagram.shadow[cell, x < 0.9 * touches].any()
+    assert diagram.shadow[cell, x > 1.2 * touches].all()
+
+
+def test_caustics_are_where_neighbouring_rays_cross(diagram):
+    water = make_water(scene_in(DUCT), -40.0)
+    angles = np.linspace(-0.12, 0.12, 20_001)
+    assert len(diagram.caustics) > 100
+    for x, depth in diagram.caustics[np.argsort(diagram.caustics[:, 1])][-40::4]:
+        points, _ = follow_paths(water, 20.0, angles, np.array([x]), Limits(x, 0.0, 40.0, False, False))
+        depths = 40.0 - points.z[:, 0]
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(depths))) != 0)
+        assert np.nanmin(np.abs(depths[turns + 1] - depth)) < 0.05
+    one_way = {**DUCT, "sound_speed": [1500.0, 1510.0, 1520.0]}
+    assert not ray_diagram(scene_in(one_way)).caustics.size
+
+
+def test_a_section_of_equal_profiles_is_that_profile(diagram):
+    section = {**DUCT, "kind": "section", "distance": [0.0, 450.0], "sound_speed": [DUCT["sound_speed"]] * 2}
+    other = ray_diagram(scene_in(section), target=(400.0, 25.0))
+    np.testing.assert_allclose(other.dark, diagram.dark, atol=0.02)
+    assert (other.shadow != diagram.shadow).mean() < 1e-3
+    np.testing.assert_allclose(
+        [ray.travel_time for ray in other.eigenrays], [ray.travel_time for ray in diagram.eigenrays], rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize("target", [(0.0, 10.0), (-5.0, 10.0), (50.0, 41.0), (50.0, -1.0)])
+def test_a_point_that_is_not_in_the_water_is_refused(target):
+    with pytest.raises(SceneError, match=r"target: .* no point of the water; give .* from 0 to 40 m"):
+        ray_diagram(scene_in(DUCT), target=target)
+
+
+def test_the_table_holds_every_point(diagram, tmp_path):
+    diagram.save(tmp_path / "rays.csv")
+    with (tmp_path / "rays.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == sum(path.range.size for path in (*diagram.rays, *diagram.eigenrays))
+    last = rows[-1]
+    assert last["kind"] == "eigenray"
+    assert (float(last["range"]), float(last["depth"])) == (400.0, 25.0)
+    assert float(last["time"]) == pytest.approx(diagram.eigenrays[-1].travel_time, rel=1e-8)
+
+
+def test_other_files_are_refused(diagram, tmp_path):
+    with pytest.raises(SceneError, match=r"end it in \.png or \.csv"):
+        diagram.save(tmp_path / "rays.pdf")
+
+
+def test_the_picture_shows_shadow_bed_and_eigenrays(diagram, tmp_path):
+    from PIL import Image
+
+    diagram.save(tmp_path / "rays.png")
+    picture = np.asarray(Image.open(tmp_path / "rays.png").convert("RGB")).astype(int)
+    assert picture.shape[0] > 1000
+
+    def share(colour, spread=12):
+        return (np.abs(picture - np.array(colour)).max(axis=2) <= spread).mean()
+
+    assert share((0xCB, 0xB6, 0x93)) > 0.02  # bed
+    assert share((0xD1, 0x49, 0x5B)) > 5e-4  # first eigenray
+    assert (picture.max(axis=2) < 140).mean() > 0.005  # shadow
+
+
+def test_the_command_prints_the_eigenrays(tmp_path, capsys):
+    out = tmp_path / "rays.csv"
+    settings = ["--set", "water.kind=profile", "--set", "water.depth=[0,20,40]"]
+    settings += ["--set", "water.sound_speed=[1520,1500,1510]", "--set", "sonar.range=400"]
+    settings += ["--set", "sonar.ping_rate=1", "--set", "track.altitude=10"]
+    assert main(["rays", "default", "-o", str(out), "--target", "30", "25", *settings]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert "slant range" in said[0]
+    assert said[-1] == str(out)
+    assert main(["rays", "default", "-o", str(out), "--target", "30", "60"]) == 2
+    assert "target" in capsys.readouterr().err
