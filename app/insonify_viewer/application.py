@@ -31,11 +31,14 @@ from insonify_viewer.tow import Tow
 from insonify_viewer.views.files import Files, save_picture
 from insonify_viewer.views.main_window import MainWindow
 from insonify_viewer.views.theme import dress
+from insonify_viewer.water import WaterPanel
 
 SNAPSHOT_SIZE = (1600, 1000)
 PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles first
 MAX_PINGS, MAX_CELLS = 2048, 2**26  # on screen
 TICK = 25  # ms
+# Choices that need a file first.
+OF_FILES = (("track.motion.kind", "recorded"), ("seabed.material.kind", "image"), ("water.kind", "cast"))
 FIRST_START = "preparing; the first start compiles the kernels and takes a while …"
 
 
@@ -110,7 +113,7 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, tow, simulator, window, record, files, targets
+    session, tow, simulator, window, record, files, targets, water
         What it connects.
     failure : str
         Why nothing could be simulated, before the first picture.
@@ -125,6 +128,7 @@ class Viewer(QObject):
         self.window = MainWindow(native=native, palettes=PALETTES)
         self.record = Record(_pings_held(scene), scene.sonar.bins)
         self.files = Files(self.window, self.simulator, self.open, self.window.say)
+        self.water = WaterPanel(self.session, self.window, self.simulator)
         self.targets = Targets(self.session, self.window, self.simulator, self.files)
         self.failure = ""
         self._seabed = Seabed(self.simulator, accelerated=accelerated)
@@ -145,7 +149,8 @@ class Viewer(QObject):
     @property
     def complete(self) -> bool:
         """Whether everything asked for is on screen."""
-        return self._answer is not None and not self._missing().size and self._seabed.complete
+        shown = self._answer is not None and not self._missing().size
+        return shown and self._seabed.complete and self.water.complete
 
     @property
     def seabed(self) -> Seabed:
@@ -247,24 +252,24 @@ class Viewer(QObject):
         if path == "seabed.relief.kind" and value == "dem":
             self.files.ask_for_dem(self.session.scene)
             self.session.settle()
-        elif path == "track.motion.kind" and value == "recorded":
-            tow = self.files.ask_for_tow()
-            self.session.settle({path: value, "track.motion.path": tow} if tow else None)
-        elif path == "seabed.material.kind" and value == "image":
-            picture = self.files.ask_for_map()
-            self.session.settle({path: value, "seabed.material.path": picture} if picture else None)
+        elif (path, value) in OF_FILES:
+            place = path.removesuffix("kind") + "path"
+            file = self._ask_for_file(place)
+            self.session.settle({path: value, place: file} if file else None)
         else:
             self.session.settle({path: value} if path else None)
 
     def _change_file(self, path: str) -> None:
         """Let the person pick another file for a field."""
-        files = self.files
         if path == "seabed.relief.path":
-            files.ask_for_dem(self.session.scene)
-            return
-        ask = {"seabed": files.ask_for_map, "track": files.ask_for_tow, "targets": files.ask_for_mesh}
-        if file := ask[path.partition(".")[0]]():
+            self.files.ask_for_dem(self.session.scene)
+        elif file := self._ask_for_file(path):
             self.session.settle({path: file})
+
+    def _ask_for_file(self, path: str) -> str:
+        files = self.files
+        ask = {"seabed": files.ask_for_map, "track": files.ask_for_tow, "targets": files.ask_for_mesh}
+        return (ask | {"water": files.ask_for_cast})[path.partition(".")[0]]()
 
     def _scene_changed(self, scene: Scene, settled: bool) -> None:
         if scene != self._traced:

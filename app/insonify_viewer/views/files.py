@@ -15,6 +15,7 @@ from insonify_viewer.dem import scene_over_dem
 from insonify_viewer.simulation import Simulator
 
 MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
+CASTS = "Measured casts (*.cnv *.asvp *.svp *.csv);;All files (*)"
 TOWS = "Recorded tows (*.csv *.nc);;All files (*)"
 MESHES = f"Meshes ({' '.join(f'*{suffix}' for suffix in FORMATS)});;All files (*)"
 GRIDS = "Grids of heights (*.tif *.tiff *.bag *.npy *.npz);;All files (*)"
@@ -62,6 +63,10 @@ class Files:
     def ask_for_map(self) -> str:
         """Let the person pick a picture to lay on the bed; return its path, empty if none was picked."""
         return QFileDialog.getOpenFileName(self._window, "Open a map of materials", "", MAPS)[0]
+
+    def ask_for_cast(self) -> str:
+        """Let the person pick a measured cast; return its path, empty if none was picked."""
+        return QFileDialog.getOpenFileName(self._window, "Open a measured cast", "", CASTS)[0]
 
     def ask_for_mesh(self) -> str:
         """Let the person pick a mesh; return its path, or its name if it is a bundled one, or nothing."""

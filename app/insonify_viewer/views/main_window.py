@@ -20,9 +20,11 @@ from PySide6.QtWidgets import (
 
 from insonify_viewer.tow import SPEEDS
 from insonify_viewer.views.parameter_panel import ParameterPanel
+from insonify_viewer.views.water_view import WaterView
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 GAIN_REACH = 30  # dB either way
+WATER_HEIGHT = 260  # px, of the panel of the water when it is first opened
 TARGETS = {"pipe": "Pipe", "sphere": "Sphere", "box": "Box", "cone": "Cone", "mesh": "Mesh…"}
 
 
@@ -42,6 +44,7 @@ class MainWindow(QMainWindow):
     speed_changed = Signal(float)
     running_changed = Signal(bool)
     target_wanted = Signal(str)
+    water_shown = Signal()
     closing = Signal()
 
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
@@ -51,6 +54,7 @@ class MainWindow(QMainWindow):
         self.setMinimumSize(880, 520)
         self.waterfall = WaterfallView(native=native)
         self.panel = ParameterPanel()
+        self.water = WaterView()
         self._placeholder = QLabel("setting up the seabed …")
         self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._splitter = QSplitter(Qt.Orientation.Horizontal)
@@ -60,6 +64,7 @@ class MainWindow(QMainWindow):
         self._splitter.setChildrenCollapsible(False)
         self.setCentralWidget(self._splitter)
         self._add_dock()
+        self._water_dock = self._add_water()
         self._add_tools(palettes)
         self._add_status()
         self.waterfall.setFocus()
@@ -91,6 +96,15 @@ class MainWindow(QMainWindow):
         """Let the pause button agree with the tow."""
         self.pause.setChecked(not running)
 
+    @property
+    def water_is_shown(self) -> bool:
+        """Whether the panel of the water is there to be seen."""
+        return self.rays.isChecked()
+
+    def show_water(self, shown: bool) -> None:
+        """Open or close the panel of the water."""
+        self.rays.setChecked(shown)
+
     def closeEvent(self, event: QCloseEvent) -> None:
         """Announce the end, while everything is still there; the worker may need a moment to finish."""
         self.hide()
@@ -104,6 +118,23 @@ class MainWindow(QMainWindow):
         dock.setTitleBarWidget(QWidget())
         dock.setWidget(self.panel)
         self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, dock)
+
+    def _add_water(self) -> QDockWidget:
+        dock = QDockWidget("Water", self)
+        dock.setObjectName("water")
+        dock.setFeatures(QDockWidget.DockWidgetFeature.NoDockWidgetFeatures)
+        dock.setTitleBarWidget(QWidget())
+        dock.setWidget(self.water)
+        dock.hide()
+        self.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, dock)
+        self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
+        self.resizeDocks([dock], [WATER_HEIGHT], Qt.Orientation.Vertical)
+        return dock
+
+    def _water_toggled(self, shown: bool) -> None:
+        self._water_dock.setVisible(shown)
+        if shown:
+            self.water_shown.emit()
 
     def _add_tools(self, palettes: tuple[str, ...]) -> None:
         bar = QToolBar("Tools", self)
@@ -128,6 +159,10 @@ class MainWindow(QMainWindow):
         self.speed.setCurrentIndex(SPEEDS.index(1.0))
         self.speed.activated.connect(lambda: self.speed_changed.emit(self.speed.currentData()))
         bar.addWidget(self.speed)
+        bar.addSeparator()
+        self.rays = self._tool(bar, "Rays", "Show how the water bends sound", QKeySequence("Ctrl+R"))
+        self.rays.setCheckable(True)
+        self.rays.toggled.connect(self._water_toggled)
         bar.addSeparator()
         self.palettes = _combo([(name, name) for name in palettes])
         self.palettes.setToolTip("Palette of the record")

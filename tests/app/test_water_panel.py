@@ -1,0 +1,130 @@
+"""The water's panel: rays of the current scene, points to drag, eigenrays on a click."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QFileDialog
+
+from insonify.scene import Scene, edit
+from insonify_viewer.views.water_frame import round_steps
+
+PROFILE = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
+
+
+@pytest.fixture
+def layered(small: Scene) -> Scene:
+    return edit(small, {"water": PROFILE})
+
+
+def wait_for_rays(viewer: Any, qtbot: Any) -> None:
+    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+
+
+def colours(widget: Any) -> int:
+    """Number of colours in a picture of the widget."""
+    picture = widget.grab().toImage()
+    return len({picture.pixel(x, y) for x in range(0, picture.width(), 3) for y in range(0, picture.height(), 3)})
+
+
+def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(
+    open_viewer: Any, small: Scene, layered: Scene, qtbot: Any
+) -> None:
+    viewer = open_viewer(small)
+    assert not viewer.window.water.isVisible()
+    viewer.session.open(layered)
+    wait_for_rays(viewer, qtbot)
+    assert viewer.window.water.isVisible()
+    assert colours(viewer.window.water) > 100
+    viewer.window.rays.trigger()
+    assert not viewer.window.water.isVisible()
+    viewer.session.settle({"water.depth.1": 9.0})
+    assert not viewer.window.water.isVisible()
+
+
+def test_uniform_water_can_be_looked_at_too(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.window.rays.trigger()
+    wait_for_rays(viewer, qtbot)
+    assert viewer.water.complete
+    assert colours(viewer.window.water) > 30
+
+
+def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(layered)
+    wait_for_rays(viewer, qtbot)
+    view = viewer.window.water
+    start = view.handle(1).toPoint()
+    qtbot.mousePress(view, Qt.MouseButton.LeftButton, pos=start)
+    for step in range(1, 6):
+        qtbot.mouseMove(view, start + QPoint(-4 * step, 2 * step))
+    qtbot.mouseRelease(view, Qt.MouseButton.LeftButton, pos=start + QPoint(-20, 10))
+    water = viewer.session.scene.water
+    assert water.sound_speed[1] < 1517.0
+    assert water.depth[1] > 10.3
+    assert water.depth[0::2] == (0.0, 20.0)
+    wait_for_rays(viewer, qtbot)
+    viewer.session.undo()
+    assert viewer.session.scene == layered
+    wait_for_rays(viewer, qtbot)
+    assert (view.handle(1).toPoint() - start).manhattanLength() <= 1
+
+
+def test_a_point_never_passes_its_neighbours(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(layered)
+    wait_for_rays(viewer, qtbot)
+    viewer.window.water.point_dragged.emit(1, 29.0, 1800.0)
+    assert viewer.session.scene.water.depth == (0.0, 19.9, 20.0, 30.0)
+    assert viewer.session.scene.water.sound_speed[1] == 1700.0
+    viewer.window.water.point_dragged.emit(1, -5.0, 1000.0)
+    assert viewer.session.scene.water.depth[1] == 0.1
+    assert viewer.session.scene.water.sound_speed[1] == 1300.0
+
+
+def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(layered)
+    wait_for_rays(viewer, qtbot)
+    view = viewer.window.water
+    shown = []
+    view_shown = view.show_diagram
+    view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))
+    qtbot.mouseClick(view, Qt.MouseButton.LeftButton, pos=view.place_of(30.0, 25.0).toPoint())
+    qtbot.waitUntil(lambda: bool(shown), timeout=60000)
+    assert shown[0].target == pytest.approx((30.0, 25.0), abs=0.3)
+    assert len(shown[0].eigenrays) == 1
+    assert viewer.session.scene == layered
+
+
+def test_columns_of_water_have_no_sliders(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(layered)
+    for kind in ("profile", "hydrography", "section", "uniform"):
+        viewer.window.panel.settled.emit("water.kind", kind)
+        assert viewer.session.scene.water.kind == kind
+        viewer.window.panel.row("water.reference_speed")
+        with pytest.raises(StopIteration):
+            viewer.window.panel.row("water.depth.0")
+    viewer.window.panel.row("water.sound_speed")
+
+
+def test_a_cast_is_asked_for(
+    open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "cast.csv"
+    path.write_text("depth,speed\n0,1520\n12,1515\n30,1500\n")
+    viewer = open_viewer(small)
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: ("", ""))
+    viewer.window.panel.settled.emit("water.kind", "cast")
+    assert viewer.session.scene == small
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    viewer.window.panel.settled.emit("water.kind", "cast")
+    assert viewer.session.scene.water.path == str(path)
+    wait_for_rays(viewer, qtbot)
+    assert viewer.window.water.isVisible()
+
+
+def test_round_steps_are_round_and_few() -> None:
+    assert round_steps(0.0, 40.0, 5) == [0.0, 10.0, 20.0, 30.0, 40.0]
+    assert round_steps(1498.4, 1521.0, 3) == [1500.0, 1510.0, 1520.0]
+    assert len(round_steps(0.0, 450.0, 8)) <= 9
