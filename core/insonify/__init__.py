@@ -10,6 +10,7 @@ from typing import Any
 _HOMES = {
     "Scene": "scene",
     "SceneError": "scene",
+    "caustics": "sound.caustics",
     "chart": "chart",
     "eigenrays": "sound.paths",
     "load_scene": "scene",

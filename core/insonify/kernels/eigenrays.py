@@ -20,7 +20,7 @@ from insonify.kernels.arcs import (
 from insonify.kernels.jit import fused, kernel
 
 FOUND, NONE = 0, 1
-STEPS = 1000  # layers a direct ray may pass; one trapped for longer is given up
+STEPS = 10_000  # layers a direct ray may pass; one trapped for longer is given up
 TRIES = 200  # rays sent before a root is given up: halvings of a bracket, at worst
 CLOSE = 1e-12  # distance by which a ray may miss its end, over the lengths in play
 

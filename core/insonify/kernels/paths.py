@@ -67,10 +67,7 @@ def trace_paths(water, plane, z0, angles, ranges, limits, points, ends):
     for n in range(angles.size):
         steep = abs(angles[n]) >= 0.5 * math.pi
         cosine, sine = 0.0 if steep else math.cos(angles[n]), math.sin(angles[n])
-        if station.size == 1:
-            ray = launch_ray(height, speed[0], z0, cosine, sine)
-        else:
-            ray = launch_across(height, speed, station, plane, z0, cosine, sine)
+        ray = launch(height, speed, station, plane, z0, cosine, sine)
         count, turns, tops, bottoms, ends[n] = 0, 0, 0, 0, TRAPPED
         for _ in range(STEPS):
             if count < ranges.size and ray.x >= ranges[count]:
@@ -82,26 +79,44 @@ def trace_paths(water, plane, z0, angles, ranges, limits, points, ends):
                 break
             x_end = ranges[count] if count < ranges.size else limits.x
             sine = ray.sine
-            if station.size == 1:
-                status, ray = step(height, speed[0], ray, x_end, limits.low, limits.high)
-            else:
-                status, ray = step_across(height, speed, station, plane, ray, x_end, limits.low, limits.high)
+            status, ray = advance(height, speed, station, plane, ray, x_end, limits.low, limits.high)
             if ray.sine * sine < 0.0:
                 turns += 1
             if status == NODE or status == RANGE:
                 continue
             if (status == LOW and limits.from_bed) or (status == HIGH and limits.from_surface):
                 tops, bottoms = tops + (status == HIGH), bottoms + (status == LOW)
-                if station.size == 1:
-                    ray = mirror(ray, gradient_behind(height, speed[0], ray))
-                else:
-                    ray = mirror(ray, gradient_across(height, speed, station, plane, ray))
+                ray = send_back(height, speed, station, plane, ray)
                 continue
             ends[n] = NOWHERE
             if status == LOW or status == HIGH:
                 ends[n] = ON_BED if status == LOW else AT_SURFACE
                 write(points, n, count, ray, turns, tops, bottoms)
             break
+
+
+@fused
+def launch(height, speed, station, plane, z, cosine, sine):
+    """Start a ray at height z and ground range 0."""
+    if station.size == 1:
+        return launch_ray(height, speed[0], z, cosine, sine)
+    return launch_across(height, speed, station, plane, z, cosine, sine)
+
+
+@fused
+def advance(height, speed, station, plane, ray, x_end, low, high):
+    """Follow a ray by one arc, as `arcs.step` or `cells.step_across`."""
+    if station.size == 1:
+        return step(height, speed[0], ray, x_end, low, high)
+    return step_across(height, speed, station, plane, ray, x_end, low, high)
+
+
+@fused
+def send_back(height, speed, station, plane, ray):
+    """Mirror a ray that has come to the bed or the surface."""
+    if station.size == 1:
+        return mirror(ray, gradient_behind(height, speed[0], ray))
+    return mirror(ray, gradient_across(height, speed, station, plane, ray))
 
 
 @fused

@@ -67,14 +67,8 @@ def ray_paths(
     """
     import xarray as xr
 
-    laid = _below_surface(water)
-    launch = np.atleast_1d(np.asarray(angles, dtype=np.float64))
-    if not (np.abs(launch) <= 90.0).all():
-        raise SceneError(f"angles: {_first(launch, np.abs(launch) <= 90.0)} must lie between -90 and 90 degrees")
-    _check("max_range", max_range, max_range > 0.0, "give a length above 0")
-    _check_depths(source_depth, bottom)
+    laid, launch, limits = prepare_paths(water, source_depth, angles, max_range, bottom)
     wanted = _ranges(ranges, max_range)
-    limits = Limits(float(max_range), -math.inf if bottom is None else -float(bottom), 0.0, False, _mirrors(water))
     points, ends = follow_paths(laid, -float(source_depth), -np.radians(launch), wanted, limits)
     there = np.isfinite(points.x)
     last = np.arange(there.shape[1]) == there.sum(axis=1, keepdims=True) - 1
@@ -195,6 +189,19 @@ def shadow_zones(
     _check_depths(depth, bottom, "depth")
     low = -math.inf if bottom is None else -float(bottom)
     return find_shadows(laid, -float(source_depth), -float(depth), low, 0.0, max_range)
+
+
+def prepare_paths(
+    water: Water, source_depth: float, angles: ArrayLike, max_range: float, bottom: float | None
+) -> tuple[LaidWater, Values, Limits]:
+    """Check what rays are asked for: the water laid out, the angles, and where rays end; parameters of `ray_paths`."""
+    launch = np.atleast_1d(np.asarray(angles, dtype=np.float64))
+    if not (np.abs(launch) <= 90.0).all():
+        raise SceneError(f"angles: {_first(launch, np.abs(launch) <= 90.0)} must lie between -90 and 90 degrees")
+    _check("max_range", max_range, max_range > 0.0, "give a length above 0")
+    _check_depths(source_depth, bottom)
+    low = -math.inf if bottom is None else -float(bottom)
+    return _below_surface(water), launch, Limits(float(max_range), low, 0.0, False, _mirrors(water))
 
 
 def _below_surface(water: Water) -> LaidWater:
