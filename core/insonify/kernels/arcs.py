@@ -109,10 +109,11 @@ def step(height, speed, ray, x_end, low, high):
             return HIGH, there
         return NODE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
     there = at_range(follow(ray, 0.0, g, by_range), x_end)
-    if level == low or level == high or abs(there.z - level) > SNAP:
-        return RANGE, there
-    # The next step will take it to be on the node.
-    return RANGE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
+    comes = there.sine > 0.0 if level == ceiling else there.sine < 0.0
+    if comes and level != low and level != high and abs(there.z - level) <= SNAP:
+        # The next step will take it to be on the node, and gone on.
+        return RANGE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
+    return RANGE, there
 
 
 @fused

@@ -24,12 +24,12 @@ from insonify.kernels.arcs import (
     layer_below,
     layer_of,
     mirror,
-    speed_at,
     step,
 )
 from insonify.kernels.jit import fused, kernel
 
 STEPS = 10_000  # layers that a ray may pass
+ORDERS = 64  # times that one ray comes to the height asked for; along the axis of a duct there is no end of them
 SAMPLES = 13  # rays between two critical angles
 HALVINGS = 200  # of a bracket
 BEYOND = 2.0  # a ray is given up beyond so many times the range that is asked for
@@ -51,7 +51,7 @@ class Span(NamedTuple):
 
 
 @kernel
-def find_eigenrays(height, speed, span, found):
+def find_eigenrays(height, speed, span, edges, found):
     """Find the rays that join two points.
 
     Parameters
@@ -59,6 +59,8 @@ def find_eigenrays(height, speed, span, found):
     height, speed : ndarray, shape (n,)
         Nodes of the water, ascending.
     span : Span
+    edges : ndarray
+        Critical angles, ascending, rad: 0 and right angles are among them, as far as rays can be launched there.
     found : ndarray, shape (m, COLUMNS)
         Filled from its beginning, in the order of launch angles.
 
@@ -67,13 +69,11 @@ def find_eigenrays(height, speed, span, found):
     int
         Rays found; m if there may be more than there is room for.
     """
-    orders = found.shape[0]
-    edges = critical_angles(height, speed, span)
     if span.x <= 0.0:
         return plumb_rays(height, speed, span, edges, found)
     count = 0
-    angles, rows, row = np.empty(SAMPLES), np.empty((SAMPLES, orders, COLUMNS)), np.empty((orders, COLUMNS))
-    before = np.full((orders, COLUMNS), math.inf)
+    angles, rows, row = np.empty(SAMPLES), np.empty((SAMPLES, ORDERS, COLUMNS)), np.empty((ORDERS, COLUMNS))
+    before = np.full((ORDERS, COLUMNS), math.inf)
     for e in range(edges.size - 1):
         # At the critical angle itself rays belong to neither side.
         inset = 2e-16 * (1.0 + 4.0 * abs(edges[e]))
@@ -85,7 +85,7 @@ def find_eigenrays(height, speed, span, found):
             trace_crossings(height, speed, span, angles[i], rows[i])
         if edges[e] == 0.0:
             count = add_level_ray(height, speed, span, found, count)
-        for order in range(orders):
+        for order in range(ORDERS):
             count = add_between_sides(span, before[order], rows[0, order], found, count)
             for i in range(SAMPLES - 1):
                 a, b = rows[i, order], rows[i + 1, order]
@@ -98,27 +98,6 @@ def find_eigenrays(height, speed, span, found):
                         count = add_root(height, speed, span, order, middle, b, row, found, count)
         before[:] = rows[SAMPLES - 1]
     return count
-
-
-@kernel
-def critical_angles(height, speed, span):
-    """Launch angles between which rays pass the same layers in the same order, ascending, rad."""
-    c0 = speed_at(height, speed, span.z_from)
-    slowest = [0.0]
-    for z in (span.z_to, span.low, span.high):
-        if not math.isinf(z):
-            slowest.append(math.acos(min(c0 / speed_at(height, speed, z), 1.0)))
-    for k in range(height.size):
-        if span.low < height[k] < span.high:
-            slowest.append(math.acos(min(c0 / speed[k], 1.0)))
-    flat = np.unique(np.array(slowest))
-    up, down = span.z_from < span.high, span.z_from > span.low
-    quarter = np.array([0.5 * math.pi])
-    if up and down:
-        return np.concatenate((-quarter, -flat[:0:-1], flat, quarter))
-    if up:
-        return np.concatenate((flat, quarter))
-    return np.concatenate((-quarter, -flat[::-1]))
 
 
 @kernel
@@ -271,7 +250,7 @@ def add_level_ray(height, speed, span, found, count):
 def plumb_rays(height, speed, span, edges, found):
     """Take the vertical rays, between two points one above the other."""
     count = 0
-    rows = np.empty((found.shape[0], COLUMNS))
+    rows = np.empty((ORDERS, COLUMNS))
     for angle in (edges[0], edges[edges.size - 1]):
         if abs(angle) == 0.5 * math.pi:
             trace_crossings(height, speed, span, angle, rows)
@@ -283,7 +262,7 @@ def plumb_rays(height, speed, span, edges, found):
 
 
 @kernel
-def find_lit(height, speed, span, lit):
+def find_lit(height, speed, span, edges, lit):
     """Find the ranges at which rays come to a height.
 
     Parameters
@@ -292,13 +271,15 @@ def find_lit(height, speed, span, lit):
         Nodes of the water, ascending.
     span : Span
         Of any range: all are looked at.
+    edges : ndarray, shape (m + 1,)
+        As for `find_eigenrays`.
     lit : ndarray, shape (m, orders, 2)
         Filled with the least and greatest range of the rays between two critical angles that come for the first,
-        second ... time, m; infinite where none does. m must be at least twice the nodes plus 10.
+        second ... time, m; infinite where none does.
     """
     lit[:] = math.inf
     everywhere = Span(span.z_from, span.z_to, math.inf, span.low, span.high, span.reflections)
-    edges, orders = critical_angles(height, speed, span), lit.shape[1]
+    orders = lit.shape[1]
     rows, row = np.empty((SAMPLES, orders, COLUMNS)), np.empty((orders, COLUMNS))
     for e in range(edges.size - 1):
         inset = 1e-12 * (edges[e + 1] - edges[e])

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from insonify.kernels.arcs import (
+    ENDLESS,
     HIGH,
     LOW,
     NODE,
@@ -69,12 +70,13 @@ def eigenray(height, speed, z_from, z_to, x, low, high):
         miss = ray.z - z_to
         if status == RANGE and abs(miss) <= near:
             return FOUND, Eigenray(cosine, slope * cosine, ray.time, ray.cosine, ray.sine, ray.q)
-        if status == HIGH or (status == RANGE and miss > 0.0):
-            most = slope
-        elif status == LOW or status == RANGE:
-            least = slope
-        else:
+        if status == ENDLESS:
             break
+        # One that takes too many steps winds about the axis of a duct.
+        if status == HIGH or (status != LOW and miss > 0.0):
+            most = slope
+        else:
+            least = slope
         rise = ray.q * cosine * cosine / ray.cosine  # of the height at that range with the launch slope
         guess = slope - miss / rise if status == RANGE and rise > 0.0 else math.nan
         if not least < guess < most:

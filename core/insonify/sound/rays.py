@@ -15,6 +15,7 @@ from insonify.kernels.branches import (
     COLUMNS,
     COSINE,
     GRAZED,
+    ORDERS,
     SINE,
     TIME,
     TOPS,
@@ -30,7 +31,7 @@ from insonify.kernels.paths import Limits, Points, trace_paths
 from insonify.kernels.types import Water
 
 Values = NDArray[np.float64]
-ROOM = 64  # for rays that join two points, and for the times that one ray comes to a height
+ROOM = 64  # for rays that join two points, at first
 FAN = 4000  # rays sent through a section to find those that join two points
 HALVINGS = 60  # of the angle between two rays of that fan
 SEAM = 1e-5  # of the farthest range looked at: two lit stretches this close are one
@@ -87,18 +88,30 @@ def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, 
     Returns
     -------
     (n, COLUMNS) float64
-        As by `kernels.branches`, by launch angle, radians above the horizontal.
+        As by `kernels.branches`, by launch angle, radians above the horizontal. Rays that have come to that height
+        ORDERS times before are left out.
     """
     span = Span(float(z_from), float(z_to), float(x), float(low), float(high), int(most))
     if water.station.size > 1:
         return _join_across(water, span)
-    room = ROOM
+    edges, room = _critical_angles(water, span), ROOM
     while True:
         found = np.zeros((room, COLUMNS))
-        count = find_eigenrays(water.height, water.speed[0], span, found)
+        count = find_eigenrays(water.height, water.speed[0], span, edges, found)
         if count < room:
             return found[np.argsort(found[:count, ANGLE], kind="stable")]
         room *= 2
+
+
+def _critical_angles(water: Water, span: Span) -> Values:
+    """Launch angles at which rays graze a node, an end of the water or the height asked for, in radians, ascending."""
+    nodes = (water.height > span.low) & (water.height < span.high)
+    heights = np.array([z for z in (span.z_to, span.low, span.high) if math.isfinite(z)])
+    speeds = np.concatenate([water.speed[0][nodes], np.interp(heights, water.height, water.speed[0])])
+    cosines = np.interp(span.z_from, water.height, water.speed[0]) / speeds
+    upwards = np.unique([0.0, *np.arccos(cosines[cosines < 1.0]), 0.5 * math.pi])
+    halves = [-upwards[:0:-1] if span.z_from > span.low else [], [0.0], upwards[1:] if span.z_from < span.high else []]
+    return np.concatenate(halves)
 
 
 def _join_across(water: Water, span: Span) -> Values:
@@ -198,8 +211,9 @@ def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: flo
         Beginning and end of each shadow, in metres, ascending.
     """
     span = Span(float(z_from), float(z_to), math.inf, float(low), float(high), 0)
-    lit = np.full((2 * water.height.size + 10, ROOM, 2), math.inf)
-    find_lit(water.height, water.speed[0], span, lit)
+    edges = _critical_angles(water, span)
+    lit = np.full((edges.size - 1, ORDERS, 2), math.inf)
+    find_lit(water.height, water.speed[0], span, edges, lit)
     pieces = lit.reshape(-1, 2)
     shadows, reached = [], 0.0
     for begin, end in pieces[np.argsort(pieces[:, 0], kind="stable")]:
