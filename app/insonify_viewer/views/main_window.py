@@ -163,7 +163,6 @@ class MainWindow(QMainWindow):
         self.rays = self._tool(bar, "Rays", "Show how the water bends sound", QKeySequence("Ctrl+R"))
         self.rays.setCheckable(True)
         self.rays.toggled.connect(self._water_toggled)
-        bar.addSeparator()
         self.palettes = _combo([(name, name) for name in palettes])
         self.palettes.setToolTip("Palette of the record")
         self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
@@ -188,7 +187,7 @@ class MainWindow(QMainWindow):
     def _add_gain(self, bar: QToolBar) -> None:
         self.gain = QSlider(Qt.Orientation.Horizontal)
         self.gain.setRange(-10 * GAIN_REACH, 10 * GAIN_REACH)
-        self.gain.setMinimumWidth(60)
+        self.gain.setMinimumWidth(40)
         self.gain.setMaximumWidth(130)
         self.gain.setToolTip("Display gain")
         self._gain_text = QLabel("0 dB")

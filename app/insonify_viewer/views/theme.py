@@ -12,7 +12,7 @@ MARK = "#38d6ff"  # apart from sand and from every palette
 STYLE = f"""
 QMainWindow, QDockWidget, QScrollArea, QWidget#panel {{ background: {GROUND}; }}
 QToolBar {{ background: {RAISED}; border: 0; border-bottom: 1px solid {EDGE}; padding: 3px 4px; spacing: 3px; }}
-QToolBar QToolButton {{ padding: 4px 7px; border-radius: 4px; color: {TEXT}; }}
+QToolBar QToolButton {{ padding: 4px 5px; border-radius: 4px; color: {TEXT}; }}
 QToolBar QToolButton:hover {{ background: {EDGE}; }}
 QToolBar QToolButton:checked {{ background: {ACCENT}; color: {GROUND}; }}
 QToolBar QToolButton:disabled {{ color: #566573; }}
