@@ -6,11 +6,14 @@ import csv
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from insonify.kernels.arcs import HIGH, LOW, RANGE
-from insonify.kernels.eigenrays import FOUND
-from water import gradient, joined, layers, shot
+from insonify.kernels.eigenrays import FOUND, shoot
+from insonify.kernels.paths import Limits
+from insonify.sound.rays import follow_paths
+from water import NO_CEILING, NO_FLOOR, gradient, joined, launched, layers, shot, water_of
 
 BELLHOP = Path(__file__).parents[3] / "shared/data/bellhop"
 LAYERED = layers([0, 10, 20, 60], [1520, 1520, 1500, 1498])
@@ -81,3 +84,35 @@ def test_the_ray_between_two_points_is_as_printed(slope, degrees, time):
     assert ray.time == pytest.approx(time, abs=6e-13)
     c1 = c0 + slope * dz
     assert ray.time == pytest.approx(math.acosh(1 + slope**2 * (x**2 + dz**2) / (2 * c0 * c1)) / abs(slope), abs=1e-12)
+
+
+@pytest.mark.parametrize("depths", [[0, 60], [0, 25, 60], [5, 25, 50]])
+@pytest.mark.parametrize("stations", [1, 3])
+def test_a_tube_keeps_to_its_neighbours_when_mirrored_where_speed_has_a_gradient(depths, stations):
+    """Bed and surface lie on nodes, and off them."""
+    height, speed = layers(depths, np.interp(depths, [0, 25, 60], [1500, 1520, 1490]))
+    water = water_of(height, np.tile(speed, (stations, 1)), np.arange(stations) * 100.0)
+    ranges, apart = np.linspace(10.0, 250.0, 13), 1e-5
+    limits = Limits(250.0, -60.0, 0.0, True, True)
+    for degrees in (-40.0, -25.0, 20.0, 35.0, 50.0):
+        angles = np.radians([degrees, degrees - apart, degrees + apart])
+        points, _ = follow_paths(water, -20.0, angles, ranges, limits)
+        across = points.cosine[0] * (points.z[2] - points.z[1]) / (2.0 * math.radians(apart))
+        turned = (-1.0) ** (points.tops[0] + points.bottoms[0])
+        np.testing.assert_allclose((turned * points.q[0])[:-1], across[:-1], rtol=1e-5)
+        assert points.tops[0].max() > 0
+        assert points.bottoms[0].max() > 0
+
+
+@pytest.mark.parametrize("degrees", [-8.0, 1.0, 12.0, 70.0])
+def test_a_ray_sent_back_comes_back(degrees):
+    x = 60.0 if degrees == 70.0 else 150.0
+    water = layers([0, 10, 20, 60, 300], [1520, 1520, 1500, 1498, 1503])
+    _, there = shot(water, 30.0, degrees, x_end=x)
+    back = launched(*water, there.z, there.cosine, -there.sine)
+    status, home = shoot(*water, back, x, NO_FLOOR, NO_CEILING)
+    assert status == RANGE
+    assert -home.z == pytest.approx(30.0, abs=1e-9)
+    assert home.time == pytest.approx(there.time, abs=1e-14)
+    assert home.sine == pytest.approx(math.sin(math.radians(degrees)), abs=1e-12)
+    assert home.q * back.speed == pytest.approx(there.q * 1499.5, rel=1e-9)
