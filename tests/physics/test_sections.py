@@ -6,8 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from insonify.kernels.paths import ON_BED
+from insonify.kernels.cells import Plane
+from insonify.kernels.paths import ON_BED, Limits, Points, trace_paths
 from water import followed, water_of
 
 RANGES = np.linspace(0.0, 2500.0, 26)
@@ -62,3 +65,62 @@ def test_a_tube_through_triangles_is_the_distance_between_neighbouring_rays():
         # A ray may pass a corner of the lattice, and its neighbours on either side of it.
         close = np.isclose(across, three.q[0], rtol=1e-5, atol=1e-5) | np.isnan(across)
         assert close.mean() > 0.8, degrees
+
+
+def through(water, plane, z, angle, x_end):
+    """Follow a ray in any plane to a range."""
+    shape = (1, 2)
+    floats, counts = [np.full(shape, math.nan) for _ in range(6)], [np.zeros(shape, np.int64) for _ in range(3)]
+    points = Points(*floats, np.zeros(shape, np.bool_), *counts)
+    limits = Limits(x_end, -math.inf, math.inf, False, False)
+    trace_paths(water, plane, z, np.array([angle]), np.array([x_end]), limits, points, np.zeros(1, np.int64))
+    return points
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    st.lists(st.floats(1490.0, 1505.0), min_size=20, max_size=20),
+    st.floats(-0.7, 0.7),
+    st.floats(-45.0, -5.0),
+    st.floats(5.0, 200.0),
+)
+def test_a_ray_sent_back_through_a_section_comes_back(speeds, angle, z, x):
+    station, height = np.array([-50.0, 40.0, 90.0, 130.0, 300.0]), np.array([-50.0, -35.0, -18.0, 0.0])
+    water = water_of(height, np.reshape(speeds, (5, 4)), station)
+    there = through(water, Plane(0.0, 1.0), z, angle, x)
+    direction = math.atan2(-there.sine[0, 0], there.cosine[0, 0])
+    back = through(water, Plane(x, -1.0), there.z[0, 0], direction, x)
+    assert back.z[0, 0] == pytest.approx(z, abs=1e-7)
+    assert back.time[0, 0] == pytest.approx(there.time[0, 0], abs=1e-11)
+    # The tube is the same both ways but for the speeds at its ends.
+    ends = [through(water, Plane(place, 1.0), at, 0.1, 1e-9).time[0, 0] for place, at in ((0.0, z), (x, there.z[0, 0]))]
+    if not (there.grazed.any() or back.grazed.any()):
+        ours, theirs = there.q[0, 0] * ends[1], back.q[0, 0] * ends[0]
+        assert ours == pytest.approx(theirs, rel=1e-4, abs=1e-4 * x * ends[0])
+
+
+@pytest.mark.parametrize("along", [0.5, -0.3, 1e-9, 0.0])
+def test_an_oblique_plane_sees_the_stations_farther_apart(along):
+    rng = np.random.default_rng(5)
+    station, height = np.array([-50.0, 40.0, 90.0, 130.0, 300.0]), np.array([-50.0, -35.0, -22.0, 0.0])
+    speed = 1500.0 + rng.uniform(-5.0, 5.0, (5, 4))
+    oblique = through(water_of(height, speed, station), Plane(60.0, along), -25.0, 0.1, 150.0)
+    if abs(along) < 1e-6:
+        share = (60.0 - 40.0) / 50.0
+        # What the plane cuts of the two triangles of each cell: a node more, on the diagonal.
+        nodes, profile = [], []
+        for j in range(3):
+            rising = abs(speed[2, j + 1] - speed[1, j]) <= abs(speed[2, j] - speed[1, j + 1])
+            part = share if rising else 1.0 - share
+            ends = (speed[1, j], speed[2, j + 1]) if rising else (speed[1, j + 1], speed[2, j])
+            nodes += [height[j], height[j] + part * (height[j + 1] - height[j])]
+            profile += [speed[1, j] + share * (speed[2, j] - speed[1, j]), ends[0] + share * (ends[1] - ends[0])]
+        nodes, profile = [*nodes, 0.0], [*profile, speed[1, 3] + share * (speed[2, 3] - speed[1, 3])]
+        same = through(water_of(nodes, profile), Plane(0.0, 1.0), -25.0, 0.1, 150.0)
+    else:
+        stretched = np.sort((station - 60.0) / along)
+        kept = speed if along > 0.0 else speed[::-1]
+        same = through(water_of(height, kept, stretched), Plane(0.0, 1.0), -25.0, 0.1, 150.0)
+    assert oblique.z[0, 0] == pytest.approx(same.z[0, 0], abs=1e-6)
+    assert oblique.time[0, 0] == pytest.approx(same.time[0, 0], abs=1e-10)
+    assert oblique.q[0, 0] == pytest.approx(same.q[0, 0], rel=1e-5)
