@@ -12,9 +12,9 @@ import insonify
 from insonify.kernels.arcs import ENDLESS, GRAZING, HIGH, LOW, NODE, RANGE
 from insonify.kernels.branches import ANGLE, TIME
 from insonify.kernels.eigenrays import FOUND, NONE
-from insonify.kernels.paths import AT_RANGE, NOWHERE, TRAPPED
+from insonify.kernels.paths import AT_RANGE, NOWHERE, TRAPPED, Limits
 from insonify.scene.water import Water
-from insonify.sound.rays import join_points
+from insonify.sound.rays import follow_paths, join_points
 from water import NO_CEILING, NO_FLOOR, downward, followed, joined, layers, shot, stepped, water_of
 
 WEAK = (0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8)
@@ -239,3 +239,11 @@ def test_a_duct_without_end_of_eigenrays_gives_some_and_ends():
     found = join_points(water_of(*layers([0, 30, 60], [1530, 1500, 1530])), -30.0, -30.0, 100.0, -60.0, 0.0, 0)
     assert len(found) > 50
     assert np.isfinite(found[:, TIME]).all()
+
+
+def test_a_ray_between_two_mirrors_ends():
+    limits = Limits(100.0, -60.0, 0.0, True, True)
+    _, ends = follow_paths(
+        water_of(*layers([0, 60], [1500, 1510])), -20.0, np.radians([90.0, 80.0]), np.array([50.0]), limits
+    )
+    assert list(ends) == [TRAPPED, AT_RANGE]
