@@ -234,6 +234,7 @@ class Viewer(QObject):
         window.panel.file_asked.connect(self._change_file)
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
+        window.scenes.wanted.connect(self.files.open_scene)
         window.open_scene.triggered.connect(self.files.ask_for_scene)
         window.open_dem.triggered.connect(lambda: self.files.ask_for_dem(session.scene))
         window.save.triggered.connect(self.files.ask_to_save)
@@ -286,6 +287,7 @@ class Viewer(QObject):
 
     def _show_scene(self) -> None:
         """Let panel, title and buttons agree with the session."""
+        self.window.panel.show_about(self.session.scene.description)
         self.window.panel.show_sections(sections_of(self.session.scene))
         self.window.setWindowTitle(f"{self.session.scene.title} · insonify")
         self.window.undo.setEnabled(self.session.can_undo)

@@ -14,7 +14,7 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.edit import kind_name, models_of
 from insonify.scene.fractal import Fractal
 from insonify.scene.materials import MATERIALS, Material
-from insonify.scene.receiver import PowerTvg
+from insonify.scene.receiver import K, PowerTvg
 from insonify.scene.reliefs import Dem
 from insonify.scene.targets import Pipe, Target
 from insonify.scene.water import AnyWater
@@ -142,7 +142,7 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
 
 def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Parameter, ...]:
     """All parameters of one declaration."""
-    names = [name for name in type(part).model_fields if name != "kind" and not _stands_aside(part, name, path)]
+    names = [name for name in type(part).model_fields if name != "kind" and not _stands_aside(scene, part, name, path)]
     if isinstance(part, Target):
         names.sort(key=lambda name: POSED_LAST.index(name) if name in POSED_LAST else -1)
     if isinstance(part, AnyWater):
@@ -268,12 +268,16 @@ def known_speed(scene: Scene) -> float:
         return USUAL_SPEED
 
 
-def _stands_aside(part: BaseModel, name: str, path: str) -> bool:
+def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
     """Whether a field has no say with the others as they are, or is a column of a table that is shown as a curve."""
     if isinstance(part, AnyWater) and name in part.table and isinstance(getattr(part, name), tuple):
         return True
     if path.startswith("seabed.relief.of"):  # dunes lie along the track and pass for what scatters evenly
         return name == "heading" or (isinstance(part, Material) and name not in ("name", "diffuse"))
+    if isinstance(part, Material) and name in ("reflection", "speed_ratio"):
+        return scene.sonar.bounces == 0
+    if isinstance(part, Material) and name == "speckle_shape":
+        return not isinstance(scene.receiver.speckle, K)
     if isinstance(part, Fractal):
         isotropic = part.decay == "isotropic"
         return (name == "beta" and not isotropic) or (name in ("beta_x", "beta_y") and isotropic)

@@ -242,20 +242,33 @@ def scan_line(ground: AnyGround, problem: Problem, pose: Poses) -> tuple[NDArray
     Returns
     -------
     line : (2 LINE_POINTS, 3) float64
-        Local metres; with the bow up the plane of the beam leans forward, and meets the bed ahead of the fish.
+        Local metres. A squinted beam is a cone about the fish's axis, and with the bow up it leans forward.
     slant : (2 LINE_POINTS,) float64
         Metres from the sonar.
     """
     reach = problem.bins * problem.bin_length
     below = bed_below(ground, pose)
-    far = math.sqrt(max(reach**2 - (float(pose.z[0]) - below) ** 2, 0.0))
+    height, squint = float(pose.z[0]) - below, problem.pattern.centre
+    farthest = (squint * reach + height * math.sin(pose.pitch[0])) / math.cos(pose.pitch[0])
+    far = math.sqrt(max(reach**2 - height**2 - farthest**2, 0.0))
     across = np.concatenate([np.linspace(far, 0.0, LINE_POINTS), np.linspace(0.0, -far, LINE_POINTS)])
     cos, sin = math.cos(pose.heading[0]), math.sin(pose.heading[0])
-    ahead = (float(pose.z[0]) - below) * math.tan(pose.pitch[0])
+    ahead = _ahead(np.hypot(across, height), height, float(pose.pitch[0]), squint)
     x, y = pose.x[0] + ahead * cos - across * sin, pose.y[0] + ahead * sin + across * cos
     z = ground.height_at(x, y)
     z = np.where(np.isnan(z), below, z)
     return np.column_stack([x, y, z]), np.hypot(np.hypot(across, ahead), pose.z[0] - z)
+
+
+def _ahead(distance: NDArray[np.float64], height: float, pitch: float, squint: float) -> NDArray[np.float64]:
+    """How far ahead of the fish its beam meets a level bed, given the distance athwart.
+
+    With x ahead, the bow's direction (cos p, sin p) and d the distance athwart, the cone is
+    x cos p − h sin p = s √(x² + d²); of the two roots of its square the one on the side of s.
+    """
+    cos, lean = math.cos(pitch), height * math.sin(pitch)
+    square = cos**2 - squint**2
+    return np.asarray((cos * lean + squint * np.sqrt(lean**2 + square * distance**2)) / square)
 
 
 def bed_below(ground: AnyGround, pose: Poses) -> float:

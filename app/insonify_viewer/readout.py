@@ -44,9 +44,10 @@ def place_of(simulation: Simulation, mark: Mark) -> tuple[float, float | None, P
     pose = simulation.poses(np.array([mark.ping], dtype=np.int64))
     below = float(ground.height_at(pose.x, pose.y)[0])
     height = float(pose.z[0]) - (0.0 if math.isnan(below) else below)
-    # With the bow up the plane of the beam leans forward, and meets the bed ahead of the fish.
-    ahead = height * math.tan(float(pose.pitch[0]))
     true_slant = (mark.bin + 0.5) * simulation.problem.bin_length
+    # The beam is a cone about the fish's axis, squinted from the plane athwart; with the bow up it leans forward.
+    pitch, squint = float(pose.pitch[0]), simulation.problem.pattern.centre
+    ahead = (squint * true_slant + height * math.sin(pitch)) / math.cos(pitch)
     if true_slant < math.hypot(height, ahead):
         return slant, None, None
     across = math.sqrt(true_slant**2 - height**2 - ahead**2)

@@ -184,6 +184,7 @@ def scene_caption(scene: Scene, look: Look) -> Caption:
     parts = [
         _tow(scene),
         sonar.beam.words,
+        *filter(None, [sonar.vertical.words]),
         f"{sonar.frequency / 1e3:g} kHz",
         f"{sonar.bins} bins of {100.0 * sonar.range / sonar.bins:.3g} cm",
         f"ping every {100.0 * scene.track.speed / sonar.ping_rate:.3g} cm",

@@ -57,6 +57,22 @@ def test_a_point_of_the_record_lies_in_the_plane_of_its_beam(small: Scene, motio
     assert float(there @ port) * (1.0 if side == PORT else -1.0) > 0.0
 
 
+@pytest.mark.parametrize("motions", [(), (TILTED, YAWED)])
+@pytest.mark.parametrize("squint", [8.0, -8.0])
+def test_a_squinted_beam_is_a_cone_about_the_fish(small: Scene, motions: Any, squint: float) -> None:
+    simulation = moved(edit(small, {"sonar.beam.squint": squint}), *(motions or ("straight",)))
+    pose = one(simulation, 115)
+    bow = placed(pose, 1.0)[:3, 0]
+    line, slant = scan_line(simulation.ground, simulation.problem, pose)
+    away = line - [pose.x[0], pose.y[0], pose.z[0]]
+    np.testing.assert_allclose(away @ bow, slant * math.sin(math.radians(squint)), atol=0.05)
+    assert slant.max() == pytest.approx(50.0, abs=0.05)
+    slant_range, _, place = place_of(simulation, Mark(115, PORT, 60))  # type: ignore[arg-type]
+    there = np.array(place) - [pose.x[0], pose.y[0], pose.z[0]]
+    assert float(there @ bow) == pytest.approx(slant_range * math.sin(math.radians(squint)), abs=0.05)
+    assert np.linalg.norm(there) == pytest.approx(slant_range, abs=0.05)
+
+
 def test_the_line_of_the_beam_on_the_bed_leans_with_the_pitch(small: Scene) -> None:
     simulation = moved(small, TILTED, YAWED)
     pose = one(simulation, 40)

@@ -129,6 +129,15 @@ def test_what_has_no_say_stands_aside(small: Scene) -> None:
     assert "pitch" in labels({"kind": "pipe", "position": [1.0, 2.0]})
 
 
+def test_what_is_for_bounces_and_speckle_is_shown_with_them(small: Scene) -> None:
+    def labels(**changes: Any) -> set[str]:
+        scene = edit(small, {path.replace("__", "."): value for path, value in changes.items()})
+        return {p.label for s in sections_of(scene) if s.key in ("seabed", "targets.0") for p in s.parameters}
+
+    assert not {"reflection", "speed ratio", "speckle shape"} & labels()
+    assert {"reflection", "speed ratio"} <= labels(sonar__bounces=1)
+
+
 def test_a_mesh_in_millimetres_is_brought_to_metres(small: Scene, tmp_path: Path) -> None:
     from stand_in import StandIn
 

@@ -239,6 +239,9 @@ def test_the_summary_names_what_was_set():
     assert "knife-edge beam" in line
     assert "law light" in line
     assert "gain +6 dB" in line
+    assert "vertical" not in line
+    tilted = edit(scene, {"sonar.vertical": {"kind": "gaussian", "width": 45.0, "tilt": 20.0}})
+    assert "vertical gaussian 45° tilted 20°" in scene_caption(tilted, Look()).line
 
 
 def test_decibel_ticks_lie_where_the_bar_has_that_amplitude():

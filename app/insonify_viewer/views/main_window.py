@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
 from PySide6.QtWidgets import (
     QComboBox,
@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
 
 from insonify_viewer.tow import SPEEDS
 from insonify_viewer.views.parameter_panel import ParameterPanel
+from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.water_view import WaterView
 from insonify_viewer.views.waterfall_view import WaterfallView
 
@@ -50,7 +51,7 @@ class MainWindow(QMainWindow):
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
         super().__init__()
         self.setWindowTitle("insonify")
-        self.resize(1480, 900)
+        self.resize(QSize(1480, 900).boundedTo(self.screen().availableSize()))
         self.setMinimumSize(880, 520)
         self.waterfall = WaterfallView(native=native)
         self.panel = ParameterPanel()
@@ -143,7 +144,11 @@ class MainWindow(QMainWindow):
         bar.setContextMenuPolicy(Qt.ContextMenuPolicy.PreventContextMenu)
         self.addToolBar(bar)
         key = QKeySequence.StandardKey
-        self.open_scene = self._tool(bar, "Open…", "Open a scene", QKeySequence(key.Open))
+        self.open_scene = QAction("Open a file…", self)
+        self.open_scene.setShortcut(QKeySequence(key.Open))
+        self.addAction(self.open_scene)
+        self.scenes = SceneMenu(self.open_scene)
+        bar.addWidget(self.scenes)
         self.open_dem = self._tool(bar, "DEM…", "Take the bed from a grid of measured heights", QKeySequence("Ctrl+D"))
         self._add_targets(bar)
         self.save = self._tool(bar, "Save…", "Save the window as a picture", QKeySequence(key.Save))

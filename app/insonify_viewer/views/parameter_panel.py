@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
-    QHBoxLayout,
+    QLabel,
     QScrollArea,
     QSizePolicy,
     QToolButton,
@@ -17,6 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from insonify_viewer.parameters import Choice, Number, Parameter, Section
+from insonify_viewer.views.folding import FoldingBox
 from insonify_viewer.views.parameter_rows import ChoiceRow, FileRow, NumberRow
 
 OPEN_AT_FIRST = ("sonar", "seabed", "track")
@@ -42,9 +43,15 @@ class ParameterPanel(QScrollArea):
         self._column = QVBoxLayout(self._body)
         self._column.setContentsMargins(8, 8, 8, 8)
         self._column.setSpacing(6)
+        self._about = AboutBox()
+        self._column.addWidget(self._about)
         self._column.addStretch(1)
         self.setWidget(self._body)
         self._sections: dict[str, SectionBox] = {}
+
+    def show_about(self, description: str) -> None:
+        """Show what the scene says of itself."""
+        self._about.say(description)
 
     def show_sections(self, sections: tuple[Section, ...]) -> None:
         """Show these parameters; only what is built otherwise than before is built anew."""
@@ -61,7 +68,7 @@ class ParameterPanel(QScrollArea):
                 self._drop(section.key)
             box = SectionBox(section, self, unfolded=unfolded)
             self._sections[section.key] = box
-            self._column.insertWidget(place, box)
+            self._column.insertWidget(place + 1, box)
 
     def turn_to(self, key: str) -> None:
         """Open the section of a target, fold those of the others, and scroll to it."""
@@ -85,8 +92,25 @@ class ParameterPanel(QScrollArea):
         box.deleteLater()
 
 
-class SectionBox(QWidget):
-    """A heading that folds the rows under it.
+class AboutBox(FoldingBox):
+    """What the scene shows and what to move, in its own words."""
+
+    def __init__(self) -> None:
+        self._words = QLabel()
+        self._words.setObjectName("about")
+        self._words.setWordWrap(True)
+        self._words.setTextFormat(Qt.TextFormat.PlainText)
+        self._words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        super().__init__("About this scene", self._words, unfolded=True)
+
+    def say(self, description: str) -> None:
+        """Show a description; a scene without one has no heading for it either."""
+        self._words.setText(" ".join(description.split()))
+        self.setVisible(bool(description.strip()))
+
+
+class SectionBox(FoldingBox):
+    """A section of the panel.
 
     Attributes
     ----------
@@ -97,19 +121,10 @@ class SectionBox(QWidget):
     """
 
     def __init__(self, section: Section, panel: ParameterPanel, *, unfolded: bool) -> None:
-        super().__init__()
         self.structure, self.removable = section.structure, section.removable
         self.rows: dict[str, Row] = {}
-        self._heading = QToolButton()
-        self._heading.setObjectName("heading")
-        self._heading.setText(section.title)
-        self._heading.setCheckable(True)
-        self._heading.setChecked(unfolded)
-        self._heading.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self._heading.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self._heading.toggled.connect(self._fold)
-        self._body = QWidget()
-        grid = QGridLayout(self._body)
+        body = QWidget()
+        grid = QGridLayout(body)
         grid.setContentsMargins(6, 4, 2, 4)
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(4)
@@ -118,37 +133,15 @@ class SectionBox(QWidget):
             row = _row(parameter, panel)
             row.place(grid, line)
             self.rows[parameter.path] = row
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        top = QHBoxLayout()
-        top.setSpacing(3)
-        top.addWidget(self._heading)
-        if section.removable:
-            top.addWidget(_remover(section, panel))
-        column.addLayout(top)
-        column.addWidget(self._body)
-        self._fold(unfolded)
-
-    @property
-    def unfolded(self) -> bool:
-        """Whether the rows are to be seen."""
-        return self._heading.isChecked()
-
-    def unfold(self, unfolded: bool) -> None:
-        """Let the rows be seen or not."""
-        self._heading.setChecked(unfolded)
+        remover = _remover(section, panel) if section.removable else None
+        super().__init__(section.title, body, unfolded=unfolded, beside=remover)
 
     def show_values(self, section: Section) -> None:
         """Show other values in the same rows."""
-        self._heading.setText(section.title)
+        self.entitle(section.title)
         for parameter in section.parameters:
             row: Any = self.rows[parameter.path]
             row.show_value(parameter)
-
-    def _fold(self, unfolded: bool) -> None:
-        self._body.setVisible(unfolded)
-        self._heading.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
 
 
 def _row(parameter: Parameter, panel: ParameterPanel) -> Row:

@@ -36,6 +36,7 @@ QMenu {{ background: {RAISED}; border: 1px solid {EDGE}; padding: 3px; }}
 QMenu::item {{ padding: 4px 18px; border-radius: 3px; }}
 QMenu::item:selected {{ background: {EDGE}; }}
 QLabel#name {{ color: {QUIET}; }}
+QLabel#about {{ color: {QUIET}; padding: 5px 4px 7px 6px; }}
 QLineEdit#value {{ background: transparent; border: 1px solid transparent; border-radius: 3px; padding: 1px 2px; }}
 QLineEdit#value:hover, QLineEdit#value:focus {{ border-color: {EDGE}; background: {RAISED}; }}
 QComboBox {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px; min-height: 18px; }}

@@ -88,6 +88,11 @@ class Uniform(Choice):
 
     kind: Literal["uniform"] = "uniform"
 
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions: none, for it leaves nothing out."""
+        return ""
+
 
 class Tilted(Choice):
     """A vertical beam with an axis."""
@@ -99,17 +104,30 @@ class Tilted(Choice):
         30.0, unit="°", description="depression of the axis below the level fish", ge=-90.0, le=90.0, slider=(0.0, 60.0)
     )
 
+    def _named(self, name: str) -> str:
+        return f"vertical {name} {self.width:g}° tilted {self.tilt:g}°"
+
 
 class VerticalFan(Tilted):
     """A vertical top-hat: all within its width, nothing beyond."""
 
     kind: Literal["fan"] = "fan"
 
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return self._named("fan")
+
 
 class VerticalGaussian(Tilted):
     """A bell-shaped vertical beam."""
 
     kind: Literal["gaussian"] = "gaussian"
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return self._named("gaussian")
 
 
 class Ideal(Choice):

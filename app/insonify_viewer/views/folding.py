@@ -1,0 +1,62 @@
+"""A heading that folds away what is under it."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+
+
+class FoldingBox(QWidget):
+    """A heading and a body.
+
+    Parameters
+    ----------
+    title : str
+        Of the heading.
+    body : QWidget
+        What folds away.
+    unfolded : bool
+        Whether it is to be seen at first.
+    beside : QWidget, optional
+        What stands to the right of the heading.
+    """
+
+    def __init__(self, title: str, body: QWidget, *, unfolded: bool, beside: QWidget | None = None) -> None:
+        super().__init__()
+        self._heading = QToolButton()
+        self._heading.setObjectName("heading")
+        self._heading.setText(title)
+        self._heading.setCheckable(True)
+        self._heading.setChecked(unfolded)
+        self._heading.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._heading.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self._heading.toggled.connect(self._fold)
+        self._body = body
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        top = QHBoxLayout()
+        top.setSpacing(3)
+        top.addWidget(self._heading)
+        if beside is not None:
+            top.addWidget(beside)
+        column.addLayout(top)
+        column.addWidget(body)
+        self._fold(unfolded)
+
+    @property
+    def unfolded(self) -> bool:
+        """Whether the body is to be seen."""
+        return self._heading.isChecked()
+
+    def unfold(self, unfolded: bool) -> None:
+        """Let the body be seen or not."""
+        self._heading.setChecked(unfolded)
+
+    def entitle(self, title: str) -> None:
+        """Change the heading."""
+        self._heading.setText(title)
+
+    def _fold(self, unfolded: bool) -> None:
+        self._body.setVisible(unfolded)
+        self._heading.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)

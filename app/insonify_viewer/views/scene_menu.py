@@ -1,0 +1,55 @@
+"""The menu of scenes: those that come with the program, and any other from a file."""
+
+from __future__ import annotations
+
+import html
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QMenu, QToolButton, QWidget
+
+from insonify.scene import bundled_scenes, load_scene
+
+
+class SceneMenu(QToolButton):
+    """Announces the scene that the person wants.
+
+    Parameters
+    ----------
+    from_file : QAction
+        Asks for a file instead.
+    parent : QWidget, optional
+        Owner.
+    """
+
+    wanted = Signal(str)
+
+    def __init__(self, from_file: QAction, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setText("Scene ▾")
+        self.setToolTip("Open a scene")
+        self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self._from_file = from_file
+        menu = QMenu(self)
+        menu.setToolTipsVisible(True)
+        menu.aboutToShow.connect(self.fill)
+        menu.triggered.connect(self._picked)
+        self.setMenu(menu)
+
+    def fill(self) -> None:
+        """List what there is, which takes a moment the first time."""
+        menu = self.menu()
+        if menu.actions():
+            return
+        menu.addAction(self._from_file)
+        menu.addSeparator()
+        for name, path in bundled_scenes().items():
+            scene = load_scene(path)
+            action = menu.addAction(f"{name}\t{scene.title}")
+            action.setData(str(path))
+            action.setToolTip(f"<p>{html.escape(scene.description)}</p>")  # as a paragraph it is wrapped
+
+    def _picked(self, action: QAction) -> None:
+        if action is not self._from_file:
+            self.wanted.emit(action.data())
