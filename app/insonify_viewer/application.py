@@ -19,13 +19,13 @@ from PySide6.QtWidgets import QApplication
 
 from insonify.picture import PALETTES, contrast, palette
 from insonify.scene import Scene, SceneError
-from insonify.terrain import EndlessGround
 from insonify_viewer.parameters import sections_of
-from insonify_viewer.readout import leaves, readout
+from insonify_viewer.readout import readout
 from insonify_viewer.record import Record
 from insonify_viewer.seabed import Seabed
 from insonify_viewer.session import Mark, Session
 from insonify_viewer.simulation import Answer, Request, Simulator
+from insonify_viewer.stops import next_stop
 from insonify_viewer.targets import Targets
 from insonify_viewer.tow import Tow
 from insonify_viewer.views.files import Files, save_picture
@@ -37,6 +37,8 @@ SNAPSHOT_SIZE = (1600, 1000)
 PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles first
 MAX_PINGS, MAX_CELLS = 2048, 2**26  # on screen
 TICK = 25  # ms
+BEHIND = 48  # pings that may be blank while the tow goes on
+LEAP = 0.2  # s, the most by which it goes on at once when the window was held up
 # Choices that need a file first.
 OF_FILES = (("track.motion.kind", "recorded"), ("seabed.material.kind", "image"), ("water.kind", "cast"))
 FIRST_START = "preparing; the first start compiles the kernels and takes a while …"
@@ -295,24 +297,17 @@ class Viewer(QObject):
 
     def _tick(self) -> None:
         now = time.perf_counter()
-        seconds, self._ticked = now - self._ticked, now
-        # Nothing is missed while the kernels compile: the tow waits for the first picture.
-        if self._answer is not None and self.tow.advance(seconds, self.session.scene.sonar.ping_rate):
-            self._stop_at_the_edge()
+        seconds, self._ticked = min(now - self._ticked, LEAP), now
+        # Nothing is missed while the kernels compile, or where pings take long: the tow waits.
+        if self._answer is None or self.record.blank(self.tow.top) > BEHIND:
+            return
+        before = self.tow.newest
+        if self.tow.advance(seconds, self.session.scene.sonar.ping_rate):
+            if stop := next_stop(self._answer.simulation, before, self.tow.newest, self.record.pings):
+                self.tow.restart(stop.ping)
+                self.run(False)
+                self.window.say(stop.why)
             self._ask()
-
-    def _stop_at_the_edge(self) -> None:
-        """Pause where a measured bed ends; over a made one the tow goes on for ever."""
-        if self._answer is None:
-            return
-        simulation = self._answer.simulation
-        ground = simulation.ground
-        if isinstance(ground, EndlessGround) or ground.periodic:
-            return
-        pose = simulation.poses(np.array([self.tow.newest - 1, self.tow.newest], dtype=np.int64))
-        if leaves(ground, pose):
-            self.run(False)
-            self.window.say("the tow has left the measured bed and is paused")
 
     def _missing(self) -> NDArray[np.int64]:
         """Pings that ought to be on screen and are not."""

@@ -11,10 +11,8 @@ from insonify_viewer.record import Record
 from insonify_viewer.session import Mark
 
 if TYPE_CHECKING:
-    from insonify.kernels.types import Poses
     from insonify.picture import LevelBed
     from insonify.simulate import Simulation
-    from insonify.terrain.ground import Ground
 
 Place = tuple[float, float, float]
 SIDES = ("port", "starboard")
@@ -90,12 +88,3 @@ def readout(simulation: Simulation, record: Record, level: LevelBed, mark: Mark)
     intensity = amplitude**2 * float(level.curves(np.array([mark.ping]))[0, 0, mark.bin])
     decibels = f" ({10.0 * math.log10(intensity):.1f} dB)" if intensity > 0.0 else ""
     return "  ·  ".join([*parts, f"{intensity:.3g}{decibels}"]), place
-
-
-def leaves(ground: Ground, poses: Poses) -> bool:
-    """Tell whether the second of two poses lies off the grid, and farther off than the first."""
-    ny, nx = ground.heights.shape
-    middle = np.array([ground.x0 + (nx - 1) * ground.spacing / 2.0, ground.y0 + (ny - 1) * ground.spacing / 2.0])
-    half = np.array([nx - 1, ny - 1]) * ground.spacing / 2.0
-    off = (np.abs(np.stack([poses.x, poses.y], axis=1) - middle) - half).max(axis=1)
-    return bool(off[1] > 0.0 and off[1] >= off[0])

@@ -84,6 +84,11 @@ class Record:
         rows = self.rows(pings)
         return pings[(self.ping[rows] != pings) | (self.stamp[rows] < stamp)]
 
+    def blank(self, newest: int) -> int:
+        """How many pings should be on screen of which nothing is held, however old."""
+        pings = self.shown(newest)
+        return int((self.ping[self.rows(pings)] != pings).sum())
+
     def amplitude_at(self, ping: int, side: int, range_bin: int) -> float | None:
         """Amplitude of one bin (side 0 is port), None where the ping is not held."""
         row = int(self.rows(np.array([ping]))[0])

@@ -82,6 +82,7 @@ def test_slider_to_picture(open_viewer: Any, qtbot: Any) -> None:
 def test_live_tow(open_viewer: Any, qtbot: Any) -> None:
     viewer = open_viewer(load_scene("default"), prepare=None)
     viewer.tow.speed = 4.0
+    viewer.tow.restart(1000)  # past the targets, before which it would pause
     viewer.run(True)
     qtbot.wait(500)
     gaps, before = Gaps(viewer), viewer.tow.newest

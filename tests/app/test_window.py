@@ -94,6 +94,30 @@ def test_pause_holds_the_rows_and_running_scrolls(open_viewer: Any, small: Scene
     assert not viewer.tow.running
 
 
+def test_the_tow_pauses_once_before_the_targets_leave(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.tow.speed = 16.0
+    viewer.run(True)
+    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
+    # The pipe begins 12 m along the track, at ping 60; 124 of the 128 on screen lie above it.
+    assert viewer.tow.newest == 60 + 123
+    assert "Space tows on" in viewer.window._sentence.text()
+    assert viewer.window.pause.isChecked()
+    viewer.run(True)
+    qtbot.waitUntil(lambda: viewer.tow.newest > 400, timeout=5000)
+
+
+def test_the_tow_waits_for_pings_that_take_long(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(edit(small, {"targets": []}))
+    viewer.simulator.ask = lambda request: None  # as if nothing were ever traced
+    viewer.tow.speed = 16.0
+    viewer.run(True)
+    qtbot.wait(1500)
+    assert viewer.tow.running
+    # It stops when more than 48 are blank, and goes on by no more than a fifth of a second at once.
+    assert 127 + 48 < viewer.tow.newest <= 127 + 48 + round(0.2 * 16.0 * 10.0) + 1
+
+
 def test_looking_back_traces_the_old_pings_again(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
     first = viewer.window.waterfall.picture().copy()

@@ -1,6 +1,7 @@
 """What the README says works."""
 
 import re
+import runpy
 import shlex
 import subprocess
 import sys
@@ -12,7 +13,9 @@ from insonify.cli import build_parser
 from insonify.commands.options import chosen_scene, is_record
 from insonify.scene import scene_from_toml
 
-README = Path(__file__).parents[2] / "README.md"
+ROOT = Path(__file__).parents[2]
+README = ROOT / "README.md"
+GALLERY = runpy.run_path(str(ROOT / "tools" / "gallery.py"))["cells"](README.read_text(encoding="utf-8"))
 
 
 def blocks(language: str) -> list[str]:
@@ -28,12 +31,21 @@ def test_there_are_commands_to_try():
     assert len(commands()) > 8
 
 
-@pytest.mark.parametrize("line", commands())
+@pytest.mark.parametrize("line", [*commands(), *(command for _, command in GALLERY)])
 def test_every_command_is_understood(line):
     words = shlex.split(line, comments=True)[1:]
     arguments = build_parser()[0].parse_args(words)
     if hasattr(arguments, "scene") and not is_record(arguments.scene):
         chosen_scene(arguments)
+
+
+def test_the_gallery_is_whole_and_light():
+    pictures = [ROOT / path for path, _ in GALLERY]
+    assert len(pictures) == README.read_text(encoding="utf-8").count("](docs/gallery/")
+    assert {path.name for path in pictures} == {path.name for path in (ROOT / "docs" / "gallery").iterdir()}
+    sizes = [path.stat().st_size for path in pictures]
+    assert max(sizes) < 300_000
+    assert sum(sizes) < 4_000_000
 
 
 def test_the_scene_is_one_and_its_parts_are_of_one():

@@ -1,0 +1,90 @@
+"""Where a tow pauses by itself."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.terrain import EndlessGround
+
+if TYPE_CHECKING:
+    from insonify.kernels.types import Mesh, Poses, Solids
+    from insonify.simulate import Simulation
+    from insonify.terrain.ground import Ground
+
+MARGIN = 1 / 32  # of the screen, left below the first target
+GLIMPSE = 1 / 8  # of the screen, towed at least
+
+
+class Stop(NamedTuple):
+    """A ping at which the tow pauses, and why, in a sentence."""
+
+    ping: int
+    why: str
+
+
+def next_stop(simulation: Simulation, before: int, newest: int, held: int) -> Stop | None:
+    """Tell whether a tow pauses on its way between two pings.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Prepared scene.
+    before, newest : int
+        Newest pings so far, and now.
+    held : int
+        Pings on screen.
+
+    Returns
+    -------
+    Stop or None
+        It pauses where a measured bed ends, and once before the first target leaves the screen; over a bed without an
+        end, with nothing on it, it goes on for ever.
+    """
+    ground = simulation.ground
+    if not (isinstance(ground, EndlessGround) or ground.periodic):
+        pose = simulation.poses(np.array([newest - 1, newest], dtype=np.int64))
+        left = leaves(ground, pose)
+        return Stop(newest, "the tow has left the measured bed and is paused") if left else None
+    first = _first_abeam(simulation)
+    if first is None:
+        return None
+    last = max(first + held - 1 - round(MARGIN * held), held - 1 + round(GLIMPSE * held))
+    return Stop(last, "paused before the targets leave the record; Space tows on") if before < last <= newest else None
+
+
+def leaves(ground: Ground, poses: Poses) -> bool:
+    """Tell whether the second of two poses lies off the grid, and farther off than the first."""
+    ny, nx = ground.heights.shape
+    middle = np.array([ground.x0 + (nx - 1) * ground.spacing / 2.0, ground.y0 + (ny - 1) * ground.spacing / 2.0])
+    half = np.array([nx - 1, ny - 1]) * ground.spacing / 2.0
+    off = (np.abs(np.stack([poses.x, poses.y], axis=1) - middle) - half).max(axis=1)
+    return bool(off[1] > 0.0 and off[1] >= off[0])
+
+
+@lru_cache(maxsize=1)
+def _first_abeam(simulation: Simulation) -> int | None:
+    """Return the first ping of the declared track that has part of a target abeam, None if none has."""
+    line = simulation.line(np.arange(simulation.scene.track.pings, dtype=np.int64))
+    problem = simulation.problem
+    reach = problem.bins * problem.bin_length
+    pings = []
+    for x, y in _ends(problem.solids, problem.mesh):
+        away = np.hypot(line.x - x, line.y - y)
+        if away.min() < reach:
+            pings.append(int(away.argmin()))
+    return min(pings, default=None)
+
+
+def _ends(solids: Solids, mesh: Mesh) -> NDArray[np.float64]:
+    """Level places of the ends of bodies and of the corners of triangles, the outermost alone where there are many."""
+    places = np.concatenate(
+        [solids.start, solids.start + solids.length[:, None] * solids.axis, mesh.corners.reshape(-1, 3)]
+    )[:, :2]
+    if len(places) < 64:
+        return places
+    ways = np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False)
+    return places[np.unique((places @ [np.cos(ways), np.sin(ways)]).argmax(axis=0))]
