@@ -137,7 +137,7 @@ class Viewer(QObject):
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = scene
         self._answer: Answer | None = None  # the last one that fits the record
-        self._prepared = self._started = False
+        self._prepared = self._started = self._stopped = False
         self._levels_due = True
         self._levels, self._gain = (0.0, 1.0), 1.0
         self._clock = QTimer(self)
@@ -195,8 +195,10 @@ class Viewer(QObject):
         self._settle_levels()
 
     def open(self, scene: Scene) -> None:
-        """Turn to another scene, at the start of its track."""
+        """Turn to another scene, at the start of its track; a tow that paused by itself goes on."""
         self.tow.restart(_pings_held(scene) - 1)
+        if self._stopped:
+            self.run(True)
         self._levels_due = True
         self.seabed.reset_camera()
         self.session.open(scene)
@@ -204,6 +206,7 @@ class Viewer(QObject):
 
     def run(self, running: bool) -> None:
         """Let the tow go on, or pause it."""
+        self._stopped = False
         self.tow.run(running)
         self.window.show_running(running)
         self._ask()
@@ -306,6 +309,7 @@ class Viewer(QObject):
             if stop := next_stop(self._answer.simulation, before, self.tow.newest, self.record.pings):
                 self.tow.restart(stop.ping)
                 self.run(False)
+                self._stopped = True
                 self.window.say(stop.why)
             self._ask()
 

@@ -24,7 +24,7 @@ ROOM = 0.02  # of it, above the highest thing
 SWATH = 0.9  # of the ground range heard, shown of a bed without targets
 AZIMUTH, DEPRESSION = math.radians(38.0), math.radians(33.0)  # of the camera: astern and aside, and down
 AWAY = 2.6  # of the block's diagonal
-EDGE = 0.02  # of a picture's width, about the block
+EDGE, HEADROOM = 0.02, 0.065  # of a picture's width, about the block and above it, for a title
 SHAPE = (0.42, 0.8)  # height of a picture over its width
 
 
@@ -225,8 +225,8 @@ def make_camera(block: Block, width: int) -> Camera:
     seen = (block.seen - place) @ axes.T
     slopes = seen[:, :2] / seen[:, 2:]
     low, high = slopes.min(axis=0), slopes.max(axis=0)
-    edge = EDGE * (high[0] - low[0])
-    low, high = low - edge, high + edge
+    wide = high[0] - low[0]
+    low, high = low - EDGE * wide, high + wide * np.array([EDGE, HEADROOM])
     shape = float(np.clip((high[1] - low[1]) / (high[0] - low[0]), *SHAPE))
     half = np.maximum(0.5 * (high - low), 0.5 * np.array([(high[1] - low[1]) / shape, (high[0] - low[0]) * shape]))
     middle_seen = 0.5 * (low + high)

@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QToolButton
 
-from insonify.scene import Scene, edit
+from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify.scene.materials import MATERIALS
 from insonify_viewer.session import Mark
 from insonify_viewer.views.parameter_rows import ChoiceRow, NumberRow
@@ -103,8 +103,27 @@ def test_the_tow_pauses_once_before_the_targets_leave(open_viewer: Any, small: S
     assert viewer.tow.newest == 60 + 123
     assert "Space tows on" in viewer.window._sentence.text()
     assert viewer.window.pause.isChecked()
+    viewer.open(edit(small, {"seed": 7}))
+    assert viewer.tow.running
+    assert not viewer.window.pause.isChecked()
+    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=5000)
     viewer.run(True)
     qtbot.waitUntil(lambda: viewer.tow.newest > 400, timeout=5000)
+
+
+def test_the_menu_opens_bundled_scenes(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    menu = viewer.window.scenes
+    menu.fill()
+    names = [action.text().partition("\t")[0] for action in menu.menu().actions() if action.data()]
+    assert names == list(bundled_scenes())
+    wanted = load_scene("figure-4b")
+    action = next(action for action in menu.menu().actions() if action.text().startswith("figure-4b"))
+    assert wanted.description.split()[0] in action.toolTip()
+    menu.menu().triggered.emit(action)
+    assert viewer.session.scene == wanted
+    assert viewer.window.panel.about == " ".join(wanted.description.split())
+    qtbot.waitUntil(lambda: viewer.complete)
 
 
 def test_the_tow_waits_for_pings_that_take_long(open_viewer: Any, small: Scene, qtbot: Any) -> None:

@@ -49,6 +49,11 @@ class ParameterPanel(QScrollArea):
         self.setWidget(self._body)
         self._sections: dict[str, SectionBox] = {}
 
+    @property
+    def about(self) -> str:
+        """What is shown of the scene's own words."""
+        return self._about.words
+
     def show_about(self, description: str) -> None:
         """Show what the scene says of itself."""
         self._about.say(description)
@@ -102,6 +107,11 @@ class AboutBox(FoldingBox):
         self._words.setTextFormat(Qt.TextFormat.PlainText)
         self._words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         super().__init__("About this scene", self._words, unfolded=True)
+
+    @property
+    def words(self) -> str:
+        """What is shown."""
+        return self._words.text()
 
     def say(self, description: str) -> None:
         """Show a description; a scene without one has no heading for it either."""
