@@ -260,7 +260,7 @@ class Viewer(QObject):
             self.session.settle()
         elif (path, value) in OF_FILES:
             place = path.removesuffix("kind") + "path"
-            file = self._ask_for_file(place)
+            file = self.files.ask_for(place)
             self.session.settle({path: value, place: file} if file else None)
         else:
             self.session.settle({path: value} if path else None)
@@ -269,13 +269,8 @@ class Viewer(QObject):
         """Let the person pick another file for a field."""
         if path == "seabed.relief.path":
             self.files.ask_for_dem(self.session.scene)
-        elif file := self._ask_for_file(path):
+        elif file := self.files.ask_for(path):
             self.session.settle({path: file})
-
-    def _ask_for_file(self, path: str) -> str:
-        files = self.files
-        ask = {"seabed": files.ask_for_map, "track": files.ask_for_tow, "targets": files.ask_for_mesh}
-        return (ask | {"water": files.ask_for_cast})[path.partition(".")[0]]()
 
     def _scene_changed(self, scene: Scene, settled: bool) -> None:
         if scene != self._traced:

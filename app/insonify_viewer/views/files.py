@@ -75,6 +75,11 @@ class Files:
             self._meshes = str(Path(path).parent)
         return next((name for name, file in bundled_meshes().items() if file == Path(path)), path)
 
+    def ask_for(self, path: str) -> str:
+        """Let the person pick a file for a field of the scene; return its path, empty if none was picked."""
+        ask = {"seabed": self.ask_for_map, "track": self.ask_for_tow, "targets": self.ask_for_mesh}
+        return (ask | {"water": self.ask_for_cast})[path.partition(".")[0]]()
+
     def ask_to_save(self) -> None:
         """Let the person name a picture of the window."""
         path, _ = QFileDialog.getSaveFileName(self._window, "Save the window", "insonify.png", "Pictures (*.png)")
