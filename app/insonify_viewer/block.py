@@ -86,12 +86,13 @@ def make_block(simulation: Simulation) -> Block:
     ahead, lamp = _ahead(heading), np.array([pose.x[0], pose.y[0], pose.z[0]])
     axes = np.array([ahead, [-ahead[1], ahead[0], 0.0], [0.0, 0.0, 1.0]])
     problem = simulation.problem
+    reach, beneath = problem.bins * problem.bin_length, _beneath(simulation, lamp)
     points = _target_points(problem.solids, problem.mesh)
-    tips = _shadow_tips(points, lamp, problem.bins * problem.bin_length)
     if len(points):
-        sides = np.vstack([lamp, points, tips]) @ axes[:2].T
+        sides = np.vstack([lamp, points, _shadow_tips(points, lamp, beneath, reach)]) @ axes[:2].T
     else:
-        sides = lamp @ axes[:2].T + _swath(simulation, lamp) * np.array([[-1.0, -1.0], [1.0, 1.0]])
+        swath = SWATH * math.sqrt(max(reach**2 - (lamp[2] - beneath) ** 2, 0.0))
+        sides = lamp @ axes[:2].T + swath * np.array([[-1.0, -1.0], [1.0, 1.0]])
     low, high = _rectangle(sides)
     heights = _heights(simulation.ground, axes, low, high)
     longer = float((high - low).max())
@@ -107,11 +108,9 @@ def make_block(simulation: Simulation) -> Block:
     )
 
 
-def _swath(simulation: Simulation, lamp: Vectors) -> float:
-    """Return how far aside a bed without targets is shown, in metres."""
-    height = lamp[2] - float(np.nan_to_num(simulation.ground.height_at(lamp[:1], lamp[1:2])[0]))
-    reach = simulation.problem.bins * simulation.problem.bin_length
-    return SWATH * math.sqrt(max(reach**2 - height**2, 0.0))
+def _beneath(simulation: Simulation, lamp: Vectors) -> float:
+    """Return the height of the bed under the sonar, the mean where there is none."""
+    return float(np.nan_to_num(simulation.ground.height_at(lamp[:1], lamp[1:2])[0]))
 
 
 def _to_port(solids: Solids, mesh: Mesh, lamp: Vectors, port: Vectors) -> float:
@@ -148,11 +147,10 @@ def _target_points(solids: Solids, mesh: Mesh) -> Vectors:
     return np.concatenate([*around, mesh.corners.reshape(-1, 3)])
 
 
-def _shadow_tips(points: Vectors, lamp: Vectors, reach: float) -> Vectors:
+def _shadow_tips(points: Vectors, lamp: Vectors, beneath: float, reach: float) -> Vectors:
     """Where the shadows of points fall on a level bed, as far as the sonar hears."""
-    below = points[points[:, 2] < lamp[2]]
-    longer = np.minimum(1.0 / (1.0 - np.maximum(below[:, 2:] / lamp[2], 0.0)), SHADOW)
-    tips = lamp + longer * (below - lamp)
+    risen = np.clip((points[:, 2:] - beneath) / (lamp[2] - beneath), 0.0, 1.0 - 1.0 / SHADOW)
+    tips = lamp + (points - lamp) / (1.0 - risen)
     return tips[np.hypot(*(tips - lamp)[:, :2].T) < reach]
 
 
