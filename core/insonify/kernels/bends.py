@@ -57,6 +57,8 @@ class Arrivals(NamedTuple):
     tube: NDArray[np.float64]  # m/rad, distance across the tube per elevation at the sonar
     spread: NDArray[np.float64]  # m/rad, and at right angles to that: ground range over the cosine of that elevation
     speed: NDArray[np.float64]  # of sound there, m/s
+    x: NDArray[np.float64]  # ground range, m
+    z: NDArray[np.float64]  # height, m
 
 
 class Course(NamedTuple):
@@ -102,7 +104,9 @@ def bent_hits(problem, bundle, reach, march, hits, arrivals):
 @kernel
 def empty_arrivals(n):
     """Room for n arrivals."""
-    return Arrivals(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
+    return Arrivals(
+        np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    )
 
 
 @kernel
@@ -301,6 +305,6 @@ def _arrive(water, bundle, first, count, reach, batch, begins, met, hits, arriva
         hits.distance[n], hits.body[n], hits.material[n] = ray.time * reference, met.body[k], met.material[k]
         hits.nx[n], hits.ny[n], hits.nz[n] = met.nx[k], met.ny[k], met.nz[k]
         arrivals.dx[n], arrivals.dy[n] = ray.cosine * course.ahead_x, ray.cosine * course.ahead_y
-        arrivals.dz[n], arrivals.speed[n] = ray.sine, ray.speed
+        arrivals.dz[n], arrivals.speed[n], arrivals.x[n], arrivals.z[n] = ray.sine, ray.speed, ray.x, ray.z
         spread = ray.x / level if level > 0.0 else abs(ray.q)
         arrivals.tube[n], arrivals.spread[n] = max(abs(ray.q), CAUSTIC * spread), spread

@@ -14,9 +14,10 @@ import math
 import numpy as np
 
 from insonify.kernels.bends import Course, bent_hits, clear_of_nodes, empty_arrivals, plane_of
+from insonify.kernels.double import add_mixed
 from insonify.kernels.jit import kernel
 from insonify.kernels.launch import inside_body, make_beam, spread_rays, touches, turn
-from insonify.kernels.pilots import Sea, aim_bent
+from insonify.kernels.pilots import Sea, aim_bent, no_landings
 from insonify.kernels.rays import empty_bundle, empty_hits, empty_launch, tilt, weigh
 from insonify.kernels.scatter import strength
 from insonify.kernels.shapes import widest
@@ -38,6 +39,7 @@ def trace_bent_pings(problem, poses, rays, march, out):
     reach, fan, water = problem.bins * problem.bin_length, problem.half_width > 0.0, problem.water
     spreads = fan and problem.pattern.tabled
     aimed_at = np.full((2, 3), math.nan)
+    to_port, to_starboard = no_landings(), no_landings()
     for ping in range(poses.x.size):
         z, pitch = poses.z[ping], poses.pitch[ping]
         body = inside_body(problem.solids, poses.x[ping], poses.y[ping], z)
@@ -47,19 +49,27 @@ def trace_bent_pings(problem, poses, rays, march, out):
             beam = make_beam(problem, poses, ping, side)
             launch = port if side == PORT else starboard
             ceiling = clear_of_nodes(water.height, _highest(problem, beam))
+            plane = plane_of(water.axis_x, water.axis_y, Course(beam.x, beam.y, beam.side_x, beam.side_y))
+            sea = Sea(water, plane, ceiling, reach)
             aimed = z == aimed_at[side, 0] and ceiling == aimed_at[side, 1] and pitch == aimed_at[side, 2]
             if not aimed or water.station.size > 1:
-                plane = plane_of(water.axis_x, water.axis_y, Course(beam.x, beam.y, beam.side_x, beam.side_y))
-                aim_bent(launch, Sea(water, plane, ceiling, reach), z, problem.half_width, problem.law, spreads)
+                landings = aim_bent(launch, sea, z, problem.half_width, problem.law, spreads)
                 if spreads:
                     spread_rays(launch, problem.pattern, z, reach, pitch)
                 aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, ceiling, pitch
+                if side == PORT:
+                    to_port = landings
+                else:
+                    to_starboard = landings
             turn(launch, beam, bundle)
             bent_hits(problem, bundle, reach, march, hits, arrivals)
             weight = launch.weight
             if problem.pattern.tabled:
                 weight = weigh(problem, beam, bundle, hits, launch.weight, weighed)
             deposit_bent(problem, hits, arrivals, weight, sums)
+            landings = to_port if side == PORT else to_starboard
+            if landings.folded and march <= 0.0:
+                add_mixed(problem, beam, sea, z, landings, launch, bundle, hits, arrivals, sums)
             # What depends on range alone comes after the sum.
             for k in range(problem.bins):
                 out[ping, side, k] = sums[k] * problem.range_factor[k]

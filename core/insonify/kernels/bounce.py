@@ -354,7 +354,7 @@ def _add_mixed(problem, beam, fan, out, weight, path, meeting, sums):
     cosine, straight = -(nx * path.dx + ny * path.dy + nz * path.dz), -(nx * sx + ny * sy + nz * sz)
     if b >= sums.size or cosine <= 0.0 or straight <= 0.0:
         return
-    passed = _both_ways(problem, beam, fan, out, sx, sy, sz, r)
+    passed = both_ways(problem, beam, fan, out, sx, sy, sz, r)
     if passed == 0.0:
         return
     off = _clear_of(path.x, path.y, path.z, path.length)
@@ -375,7 +375,7 @@ def _add_mixed(problem, beam, fan, out, weight, path, meeting, sums):
 
 
 @fused
-def _both_ways(problem, beam, fan, out, sx, sy, sz, r):
+def both_ways(problem, beam, fan, out, sx, sy, sz, r):
     """Sensitivity of the beam to what leaves one way and returns another, the mean of both orders."""
     if sx * beam.side_x + sy * beam.side_y < 0.0:
         return 0.0

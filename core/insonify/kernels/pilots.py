@@ -11,6 +11,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.kernels.arcs import ENDLESS, HIGH, LOW, RANGE
 from insonify.kernels.bends import MOST_ARCS, go_on, set_out
@@ -40,14 +41,35 @@ class Pilot(NamedTuple):
 
     angle: float  # rad, up positive
     near: bool  # whether it comes as low as there is anything
-    range: float  # slant range at which it meets the mean bed, infinite if never
+    range: float  # slant range at which it meets the mean bed, infinite if not before twice the sonar's
+    x: float  # ground range of that, m
+    flat: float  # metres of ground range per metre that it comes down there
+
+
+class Landings(NamedTuple):
+    """Where pilots meet the mean bed, by ascending elevation; NaN of those that do not."""
+
+    angle: NDArray[np.float64]  # (n,) rad, up positive
+    x: NDArray[np.float64]  # (n,) ground range, m
+    flat: NDArray[np.float64]  # (n,) metres of ground range per metre of height there
+    folded: bool  # whether some place is met at more than one elevation
+
+
+@kernel
+def no_landings():
+    """Landings of no pilots."""
+    return Landings(np.empty(0), np.empty(0), np.empty(0), False)
 
 
 @kernel
 def aim_bent(launch, sea, z, half_width, law, spreads):
-    """Aim all rays of a side; athwart where a pattern ``spreads`` them later. What is left over has no weight."""
+    """Aim all rays of a side; athwart where a pattern ``spreads`` them later. What is left over has no weight.
+
+    Return the landings of the pilots.
+    """
     n = launch.up.size
-    angle, share = _weigh_elevations(sea, z)
+    landings, share = _weigh_elevations(sea, z)
+    angle = landings.angle
     total, runs = share.sum(), _runs(share)
     k, first = 0, 0
     while first < share.size:
@@ -62,11 +84,12 @@ def aim_bent(launch, sea, z, half_width, law, spreads):
     while k < n:
         send(launch, k, 0.5 * math.pi, 0.0, 0.0, half_width, law, spreads)
         k += 1
+    return landings
 
 
 @kernel
 def _weigh_elevations(sea, z):
-    """Send pilots; return their elevations, ascending, and how many rays belong between each two by comparison."""
+    """Send pilots; return where they land, and how many rays belong between each two by comparison."""
     pilots = [_send_pilot(sea, z, _first_angle(0))]
     waiting = [pilots[0]]
     waiting.pop()
@@ -74,17 +97,14 @@ def _weigh_elevations(sea, z):
         waiting.append(_send_pilot(sea, z, _first_angle(i)))
         while len(waiting) > 0:
             last, following = pilots[-1], waiting[-1]
-            if len(pilots) < MOST_PILOTS and _parted(last, following, APART * sea.reach):
+            if len(pilots) < MOST_PILOTS and _parted(last, following, sea.reach):
                 waiting.append(_send_pilot(sea, z, 0.5 * (last.angle + following.angle)))
             else:
                 pilots.append(waiting.pop())
-    angle, share = np.empty(len(pilots)), np.zeros(len(pilots) - 1)
-    for i, pilot in enumerate(pilots):
-        angle[i] = pilot.angle
-    on_bed, aloft = 0.0, 0.0
+    share, on_bed, aloft = np.zeros(len(pilots) - 1), 0.0, 0.0
     for i in range(share.size):
         one, other = pilots[i], pilots[i + 1]
-        if one.range < math.inf and other.range < math.inf:
+        if one.range <= sea.reach and other.range <= sea.reach:
             share[i] = min(abs(other.range - one.range), APART * sea.reach)
             on_bed += share[i]
         elif one.near or other.near:
@@ -99,7 +119,21 @@ def _weigh_elevations(sea, z):
     for i in range(share.size):
         if share[i] < 0.0:
             share[i] *= -per_angle
-    return angle, share
+    return _landings(pilots), share
+
+
+@kernel
+def _landings(pilots):
+    """Lay out where pilots land."""
+    n, folded, farthest = len(pilots), False, 0.0
+    landings = Landings(np.empty(n), np.full(n, math.nan), np.full(n, math.nan), False)
+    for i, pilot in enumerate(pilots):
+        landings.angle[i] = pilot.angle
+        if pilot.range < math.inf:
+            landings.x[i], landings.flat[i] = pilot.x, pilot.flat
+            folded = folded or pilot.x < farthest
+            farthest = max(farthest, pilot.x)
+    return Landings(landings.angle, landings.x, landings.flat, folded)
 
 
 @fused
@@ -109,13 +143,13 @@ def _first_angle(i):
 
 
 @fused
-def _parted(one, other, apart):
+def _parted(one, other, reach):
     """Whether more pilots belong between two."""
     if other.angle - one.angle < CLOSE:
         return False
-    if one.range < math.inf and other.range < math.inf:
-        return abs(other.range - one.range) > apart
-    return one.near != other.near or (one.range < math.inf) != (other.range < math.inf)
+    if one.range <= reach and other.range <= reach:
+        return abs(other.range - one.range) > APART * reach
+    return one.near != other.near or (one.range <= reach) != (other.range <= reach)
 
 
 @kernel
@@ -157,19 +191,18 @@ def _send_pilot(sea, z, elevation):
     """Send a pilot down to the mean bed."""
     water, plane = sea.water, sea.plane
     ray = set_out(water.height, water.speed, water.station, plane, z, math.cos(elevation), math.sin(elevation))
-    latest = sea.reach / water.reference
-    x_end, level = latest * water.speed.max(), min(0.0, sea.ceiling)
-    near = False
+    in_time, level = sea.reach / water.reference, min(0.0, sea.ceiling)
+    x_end, near = 2.0 * in_time * water.speed.max(), False
     for _ in range(MOST_ARCS):
         above = ray.z > sea.ceiling or (ray.z == sea.ceiling and ray.sine > 0.0)
-        near = near or not above
+        near = near or (not above and ray.time <= in_time)
         if not above and ray.z <= level:
             break
         low, high = (sea.ceiling, water.surface) if above else (level, sea.ceiling)
         status, after = go_on(water.height, water.speed, water.station, plane, ray, x_end, low, high)
-        if status == ENDLESS or status == RANGE or after.time > latest or (above and status == HIGH):
+        if status == ENDLESS or status == RANGE or after.time > 2.0 * in_time or (above and status == HIGH):
             break
         if not above and status == LOW:
-            return Pilot(elevation, near, after.time * water.reference)
+            return Pilot(elevation, near, after.time * water.reference, after.x, after.cosine / abs(after.sine))
         ray = after
-    return Pilot(elevation, near, math.inf)
+    return Pilot(elevation, near, math.inf, math.inf, 0.0)
