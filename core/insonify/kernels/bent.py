@@ -68,7 +68,7 @@ def trace_bent_pings(problem, poses, rays, march, out):
                 weight = weigh(problem, beam, bundle, hits, launch.weight, weighed)
             deposit_bent(problem, hits, arrivals, weight, sums)
             landings = to_port if side == PORT else to_starboard
-            if landings.folded and march <= 0.0:
+            if landings.fold < math.inf and march <= 0.0:
                 add_mixed(problem, beam, sea, z, landings, launch, bundle, hits, arrivals, sums)
             # What depends on range alone comes after the sum.
             for k in range(problem.bins):

@@ -26,6 +26,7 @@ from insonify.kernels.walk import NOTHING
 
 MOST_WAYS = 4  # other paths to one place
 TRIES = 12  # Newton's steps
+FLATTEST = 20.0  # metres of ground range per metre of height, by which a fold may reach farther in above the bed
 CLOSE = 1e-5  # m, by which a ray that is found may miss its place
 SAME = 1e-5  # rad, nearer than which two rays are one
 SEEN = 0.02  # m, by which the landings of two paths may lie apart: chords leave their arcs by less
@@ -62,6 +63,8 @@ def _pair(sea, z, landings, bundle, hits, arrivals, weight):
             continue
         found[0], ways = math.asin(bundle.dz[k]), 1
         x, height = arrivals.x[k], arrivals.z[k]
+        if x + FLATTEST * max(height, 0.0) < landings.fold:
+            continue
         for i in range(landings.angle.size - 1):
             # Where pilots pass this height on their way down.
             low = landings.x[i] - height * landings.flat[i] - x
@@ -140,7 +143,11 @@ def _add(problem, beam, weight, bundle, hits, arrivals, k, others, met, back, m,
     passed = both_ways(problem, beam, fan, out, others.dx[m], others.dy[m], others.dz[m], met.distance[m])
     row = problem.reflectivity[hits.material[k]]
     mirrored = 2.0 * cosine * other - (dx * ex + dy * ey + dz * ez)
-    value = bistatic(cosine, other, mirrored, row[0], row[1], row[2], law) * passed * weight
+    value = bistatic(cosine, other, mirrored, row[0], row[1], row[2], law)
+    if met.distance[m] >= beam.reach:
+        # The other way round it would come by a ray that is not sent so far.
+        value += bistatic(other, cosine, mirrored, row[0], row[1], row[2], law)
+    value *= passed * weight
     if law == LIGHT:
         value *= 0.5 * problem.water.reference / arrivals.speed[k] / problem.bin_length
         value *= arrivals.tube[k] * _stride(dx, dy, dz, ex, ey, ez, nx, ny, nz)

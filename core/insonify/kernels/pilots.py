@@ -52,13 +52,13 @@ class Landings(NamedTuple):
     angle: NDArray[np.float64]  # (n,) rad, up positive
     x: NDArray[np.float64]  # (n,) ground range, m
     flat: NDArray[np.float64]  # (n,) metres of ground range per metre of height there
-    folded: bool  # whether some place is met at more than one elevation
+    fold: float  # least ground range that is met at more than one elevation, infinite if none is
 
 
 @kernel
 def no_landings():
     """Landings of no pilots."""
-    return Landings(np.empty(0), np.empty(0), np.empty(0), False)
+    return Landings(np.empty(0), np.empty(0), np.empty(0), math.inf)
 
 
 @kernel
@@ -125,15 +125,16 @@ def _weigh_elevations(sea, z):
 @kernel
 def _landings(pilots):
     """Lay out where pilots land."""
-    n, folded, farthest = len(pilots), False, 0.0
-    landings = Landings(np.empty(n), np.full(n, math.nan), np.full(n, math.nan), False)
+    n, fold, farthest = len(pilots), math.inf, 0.0
+    landings = Landings(np.empty(n), np.full(n, math.nan), np.full(n, math.nan), fold)
     for i, pilot in enumerate(pilots):
         landings.angle[i] = pilot.angle
         if pilot.range < math.inf:
             landings.x[i], landings.flat[i] = pilot.x, pilot.flat
-            folded = folded or pilot.x < farthest
+            if pilot.x < farthest:
+                fold = min(fold, pilot.x)
             farthest = max(farthest, pilot.x)
-    return Landings(landings.angle, landings.x, landings.flat, folded)
+    return Landings(landings.angle, landings.x, landings.flat, fold)
 
 
 @fused

@@ -1,0 +1,99 @@
+"""Things heard along several bent paths: where their images are, and how loud."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import poses_of, problem_of
+from insonify.kernels.bends import bent_hits, empty_arrivals
+from insonify.kernels.branches import TIME
+from insonify.kernels.rays import empty_hits
+from insonify.kernels.types import LIGHT, SONAR, Water
+from insonify.kernels.walk import Bundle
+from insonify.sound.rays import join_points
+from insonify.tracers import rays
+
+SONAR_HEIGHT, SURFACE, REFERENCE = 25.0, 54.0, 1489.0
+# Warm water on cold: what goes up flatter than 13 degrees is bent down again.
+WATER = Water(
+    True, np.array([0.0, 40.0, 42.0, 54.0]), np.array([[1487.5, 1490.0, 1532.0, 1532.0]]), np.zeros(1), 1.0, 0.0,
+    REFERENCE, SURFACE,
+)  # fmt: skip
+BIN, BINS = 0.1, 2900
+SLANT = (np.arange(BINS) + 0.5) * BIN
+FLAT = np.zeros((8, 8))
+
+
+def problem(**options):
+    return problem_of(FLAT, 8.0, periodic=True, bins=BINS, bin_length=BIN, **options)._replace(water=WATER)
+
+
+def record(scene, count=40_000):
+    return rays.trace(scene, poses_of(0.0, 0.0, SONAR_HEIGHT), rays=count)[0, 0].astype(float)
+
+
+def slant_ranges(x, z):
+    """Slant ranges of the direct path to a place and of the one that is bent down."""
+    found = join_points(WATER, SONAR_HEIGHT, z, x, -math.inf, SURFACE, 0)
+    return REFERENCE * np.sort(found[:, TIME])[[0, -1]]
+
+
+@pytest.mark.parametrize("half_width", [0.0, math.radians(0.5)])
+def test_a_ball_shows_three_times(half_width):
+    ball = ((0.0, 255.0, 3.0), 0.3)
+    alone = problem(half_width=half_width, solids=[ball], reflectivity=[(1.0, 0.0, 1.0)])
+    bare = problem(half_width=half_width, reflectivity=[(1.0, 0.0, 1.0)])
+    echo = record(alone) - record(bare)
+    direct, bent = slant_ranges(255.0, 3.0)
+    assert bent - direct > 4.0
+    loud = SLANT[np.flatnonzero(echo > 0.2 * echo.max())]
+    for image in (direct, 0.5 * (direct + bent), bent):
+        # An echo begins at the ball's near side.
+        begins = loud[np.abs(loud - image) < 0.6]
+        assert begins.min() == pytest.approx(image - 0.3, abs=1.5 * BIN)
+    assert (np.abs(loud[:, None] - np.array([direct, 0.5 * (direct + bent), bent])).min(axis=1) < 0.6).all()
+    # Twice what either alone would leave between them, in intensity their geometric mean.
+    energy = [echo[np.abs(SLANT - image) < 0.6].sum() for image in (direct, 0.5 * (direct + bent), bent)]
+    assert energy[1] == pytest.approx(2.0 * math.sqrt(energy[0] * energy[2]), rel=0.05)
+
+
+def landings(up):
+    """Where rays come down on the bed, by range: the sine there, one-way intensity and slant range."""
+    angles = np.radians(np.linspace(11.6, 12.9, 2000) if up else np.linspace(-5.6, -4.5, 2000))
+    zero = np.zeros(angles.size)
+    bundle = Bundle(zero, zero, zero + SONAR_HEIGHT, zero, np.cos(angles), np.sin(angles))
+    hits, there = empty_hits(angles.size), empty_arrivals(angles.size)
+    bent_hits(problem(), bundle, 400.0, 0.0, hits, there)
+    order = np.argsort(there.x)
+    columns = (there.x, -there.dz, 1.0 / (there.tube * there.spread), hits.distance)
+    return [column[order] for column in columns]
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_a_level_bed_is_heard_by_both_paths_and_by_one_after_the_other(law):
+    """Against an integral over the bed: σ I² along each path, and twice σ I I' out by one and back by the other."""
+    x = np.linspace(270.0, 288.0, 4001)
+    step = x[1] - x[0]
+    (_, *one), (_, *other) = (
+        (c[0], *(np.interp(x, c[0], v) for v in c[1:])) for c in (landings(False), landings(True))
+    )
+    slant = [one[2], 0.5 * (one[2] + other[2]), other[2]]
+    if law == LIGHT:
+        shade = [one[0], one[0] + other[0], other[0]]
+        energy = [s * np.gradient(r, x) * step / BIN for s, r in zip(shade, slant)]
+    else:
+        loud = [(one[0] * one[1]) ** 2, 2.0 * one[0] * one[1] * other[0] * other[1], (other[0] * other[1]) ** 2]
+        energy = [s * r**4 * step / math.pi for s, r in zip(loud, slant)]
+    heard = record(problem(law=law))
+    first, last = 2790, 2880
+    expected = sum(np.histogram(r, SLANT[first:last] - 0.5 * BIN, weights=e)[0].sum() for r, e in zip(slant, energy))
+    assert heard[first : last - 1].sum() == pytest.approx(expected, rel=0.01)
+
+
+def test_pairs_of_which_one_comes_too_late_are_whole():
+    shorter = problem()._replace(bins=2800, range_factor=np.ones(2800))
+    one, other = record(shorter), record(problem())[:2800]
+    assert one[2760:2795].sum() == pytest.approx(other[2760:2795].sum(), rel=0.01)
