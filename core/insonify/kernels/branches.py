@@ -96,14 +96,16 @@ def find_eigenrays(height, speed, span, edges, found):
                     if crosses(span, a, middle):
                         count = add_root(height, speed, span, order, a, middle, row, found, count)
                         count = add_root(height, speed, span, order, middle, b, row, found, count)
-        before[:] = rows[SAMPLES - 1]
+        for order in range(ORDERS):
+            copy_row(rows[SAMPLES - 1, order], before[order])
     return count
 
 
 @kernel
 def trace_crossings(height, speed, span, angle, rows):
     """Follow a ray and keep what it is wherever it comes to the height asked for; x is infinite where it does not."""
-    rows[:, ANGLE], rows[:, X] = angle, math.inf
+    for row in rows:
+        row[ANGLE], row[X] = angle, math.inf
     cosine = math.cos(angle) if abs(angle) < 0.5 * math.pi else 0.0
     ray = launch_ray(height, speed, span.z_from, cosine, math.sin(angle))
     turns, tops, bottoms, order = 0, 0, 0, 0
@@ -144,6 +146,13 @@ def keep(row, ray, turns, tops, bottoms):
     row[X], row[TIME], row[TUBE] = ray.x, ray.time, ray.q
     row[COSINE], row[SINE] = ray.cosine, ray.sine
     row[TURNS], row[TOPS], row[BOTTOMS], row[GRAZED] = turns, tops, bottoms, 1.0 if ray.grazed else 0.0
+
+
+@fused
+def copy_row(given, taken):
+    """Copy what is kept of a ray."""
+    for column in range(COLUMNS):
+        taken[column] = given[column]
 
 
 @fused
@@ -210,7 +219,7 @@ def add_root(height, speed, span, order, a, b, row, found, count):
         angle, stride = guess, abs(guess - angle)
     if abs(row[order, X] - span.x) > slack(span):
         return count  # where one of the two ends, or is never there: no ray comes
-    found[count] = row[order]
+    copy_row(row[order], found[count])
     return count + 1
 
 
@@ -224,7 +233,7 @@ def slack(span):
 def add_between_sides(span, a, b, found, count):
     """Take the ray at a critical angle, if the range asked for lies between the nearly equal ones on its two sides."""
     if count < found.shape[0] and crosses(span, a, b) and abs(a[X] - b[X]) < slack(span):
-        found[count] = a if abs(a[X] - span.x) < abs(b[X] - span.x) else b
+        copy_row(a if abs(a[X] - span.x) < abs(b[X] - span.x) else b, found[count])
         return count + 1
     return count
 
@@ -239,7 +248,8 @@ def add_level_ray(height, speed, span, found, count):
     pressed = span.z_from == span.high and gradient_above(height, speed, k - 1) < 0.0
     pressed = pressed or (span.z_from == span.low and gradient_above(height, speed, k) > 0.0)
     if g == 0.0 and not pressed:
-        found[count] = 0.0
+        for column in range(COLUMNS):
+            found[count, column] = 0.0
         found[count, X], found[count, TIME], found[count, COSINE] = span.x, span.x / ray.speed, 1.0
         found[count, TUBE] = span.x
         return count + 1
@@ -256,7 +266,7 @@ def plumb_rays(height, speed, span, edges, found):
             trace_crossings(height, speed, span, angle, rows)
             for row in rows:
                 if count < found.shape[0] and not math.isinf(row[X]):
-                    found[count] = row
+                    copy_row(row, found[count])
                     count += 1
     return count
 
