@@ -106,6 +106,29 @@ def test_arrays_run_towards_y_and_take_the_spacing_of_the_scene(tmp_path):
         np.testing.assert_allclose(ground.heights + ground.datum, rows, atol=1e-5)
 
 
+ASCII_HEADS = {
+    "corner": "ncols 3\nnrows 2\nxllcorner 100\nyllcorner 200\ncellsize 2\nNODATA_value -9999\n",
+    "centre": "NCOLS 3\nNROWS 2\nXLLCENTER 101\nYLLCENTER 201\nCELLSIZE 2\nNODATA_VALUE -9999\n",
+    "oblong": "ncols 3\nnrows 2\nxllcorner 100\nyllcorner 200\ndx 2\ndy 2\nNODATA_value -9999\n",
+}
+
+
+@pytest.mark.parametrize("head", ASCII_HEADS)
+def test_ascii_grids_run_from_the_north_and_lie_by_their_cells(tmp_path, head):
+    path = tmp_path / "bed.asc"
+    path.write_text(ASCII_HEADS[head] + "-4.5 -9999 -6.5\n-1 -2 -3\n")
+    grid = read_grid(str(path))
+    # Whether the file gives the corner of the first cell or its centre, node (0, 0) is the centre.
+    assert (grid.spacing, grid.corner) == ((2.0, 2.0), (101.0, 201.0))
+    np.testing.assert_array_equal(grid.heights, [[-1.0, -2.0, -3.0], [-4.5, np.nan, -6.5]])
+
+
+def test_ascii_grid_of_oblong_cells_tells_both_sides(tmp_path):
+    (tmp_path / "bed.asc").write_text("ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ndx 2\ndy 4\n1.5 2\n3 4\n")
+    grid = read_grid(str(tmp_path / "bed.asc"))
+    assert (grid.spacing, grid.corner) == ((2.0, 4.0), (1.0, 2.0))
+
+
 def test_whole_numbers_and_infinities_are_read(tmp_path):
     np.save(tmp_path / "whole.npy", np.array([[1, 2], [3, 4]], dtype=np.int16))
     assert build_ground(scene(tmp_path / "whole.npy")).datum == 2.5
@@ -145,6 +168,7 @@ def test_measured_relief_is_about_its_mean_and_takes_no_shape(tmp_path):
 def bad_files(folder):
     """Files with one mistake each, and what is to be said of it."""
     (folder / "text.tif").write_text("not a raster")
+    (folder / "text.asc").write_text("not a raster")
     (folder / "text.bag").write_text("not a raster")
     (folder / "text.npy").write_text("not an array")
     (folder / "text.npz").write_text("not an archive")
@@ -162,6 +186,7 @@ def bad_files(folder):
     return {
         "absent.tif": "does not exist; give",
         "text.tif": "cannot be read .*; give a valid",
+        "text.asc": "cannot be read .*; give a valid",
         "text.bag": "cannot be read .*; give a valid",
         "text.npy": "cannot be read .*; save it",
         "text.npz": "cannot be read .*; save it",

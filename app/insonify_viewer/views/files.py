@@ -18,7 +18,7 @@ MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 CASTS = "Measured casts (*.cnv *.asvp *.svp *.csv);;All files (*)"
 TOWS = "Recorded tows (*.csv *.nc);;All files (*)"
 MESHES = f"Meshes ({' '.join(f'*{suffix}' for suffix in FORMATS)});;All files (*)"
-GRIDS = "Grids of heights (*.tif *.tiff *.bag *.npy *.npz);;All files (*)"
+GRIDS = "Grids of heights (*.tif *.tiff *.bag *.asc *.npy *.npz);;All files (*)"
 
 
 class Files:

@@ -12,7 +12,7 @@ from insonify.beds.grid import Grid, refusal
 __all__ = ["Grid", "read_grid"]
 
 ARRAYS = (".npy", ".npz")
-RASTERS = (".tif", ".tiff", ".bag")
+RASTERS = (".tif", ".tiff", ".bag", ".asc")
 
 
 def read_grid(path: str) -> Grid:
@@ -21,7 +21,7 @@ def read_grid(path: str) -> Grid:
     Parameters
     ----------
     path : str
-        GeoTIFF, BAG, ``.npy`` or ``.npz``, or ``sample:jacksboro`` or ``sample:topobathy``.
+        GeoTIFF, BAG, ESRI ASCII grid (``.asc``), ``.npy`` or ``.npz``, or ``sample:jacksboro`` or ``sample:topobathy``.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Georeferenced grids of heights: GeoTIFF and the Bathymetric Attributed Grid (BAG)."""
+"""Georeferenced grids of heights: GeoTIFF, the Bathymetric Attributed Grid (BAG), ESRI ASCII grids."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def read_raster(path: str) -> Grid:
                 return _read(path, raster)
     except RasterioError as error:
         reason = " ".join(str(error).split())[:120]
-        raise refusal(path, f"cannot be read ({reason})", "give a valid GeoTIFF or BAG") from None
+        raise refusal(path, f"cannot be read ({reason})", "give a valid GeoTIFF, BAG or ESRI ASCII grid") from None
 
 
 def _open(path: str) -> Any:
