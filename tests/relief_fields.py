@@ -27,7 +27,7 @@ MADE = {
         },
     ),
     "cascade": ({"rms": 0.1}, {"rms": 0.11, "intermittency": 0.3, "hurst": 0.9}),
-    "autocorrelation": ({"rms": 0.1}, {"rms": 0.11, "of": "gaussian"}),
+    "autocorrelation": ({"rms": 0.1}, {"rms": 0.11, "function": "gaussian"}),
 }
 OF_CORRELATIONS = {
     "exponential": {"length": (1.0, 1.5)},
@@ -59,9 +59,9 @@ def of_made(path: str, place: str, within: Callable[[dict], dict]) -> Changes:
     for kind, fields_ in OF_CORRELATIONS.items():
         for name, (before, after) in fields_.items():
             of = {"kind": kind, name: before}
-            found[f"{path}[autocorrelation].of[{kind}].{name}"] = (
-                within({"kind": "autocorrelation", "period": PERIOD, "rms": 0.1, "of": of}),
-                {f"{place}.of.{name}": after},
+            found[f"{path}[autocorrelation].function[{kind}].{name}"] = (
+                within({"kind": "autocorrelation", "period": PERIOD, "rms": 0.1, "function": of}),
+                {f"{place}.function.{name}": after},
             )
     return found
 

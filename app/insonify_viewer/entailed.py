@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from insonify.scene import Scene, SceneError, edit
-from insonify.scene.fractal import Fractal
 from insonify.scene.materials import MATERIALS, Material, PatternMap, Reflectivity
 from insonify.scene.motion import Straight, Sum
 from insonify.scene.reliefs import Mimic
 from insonify.sound.water import speed_at_sonar
+from insonify_viewer.entailed_relief import endless, parts, spectrum, together
 
 Changes = dict[str, Any]
 SLOWEST = 1e-3  # Hz, a rate of pings that any range allows
@@ -37,7 +37,20 @@ def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """
     complete: Changes = {}
     remarks = []
-    for rule in (_ping_rate, _sonar_height, _spectrum, _named_numbers, _shares, _material_map, _dunes, _sum, _law):
+    for rule in (
+        _ping_rate,
+        _sonar_height,
+        spectrum,
+        endless,
+        together,
+        parts,
+        _named_numbers,
+        _shares,
+        _material_map,
+        _dunes,
+        _sum,
+        _law,
+    ):
         extra, remark = rule(scene, changes)
         complete |= extra
         if remark:
@@ -80,18 +93,6 @@ def _sonar_height(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, st
     if changes.get("track.terrain_following") is True and scene.track.depth is not None:
         return {"track.depth": None, "track.altitude": scene.altitude}, ""
     return {}, ""
-
-
-def _spectrum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """One exponent for an isotropic decay, two for the others."""
-    decay = changes.get("seabed.relief.decay")
-    relief = scene.seabed.relief
-    if decay is None or not isinstance(relief, Fractal):
-        return {}, ""
-    along, across = relief.exponents
-    if decay == "isotropic":
-        return {"seabed.relief.beta": along, "seabed.relief.beta_x": None, "seabed.relief.beta_y": None}, ""
-    return {"seabed.relief.beta": None, "seabed.relief.beta_x": along, "seabed.relief.beta_y": across}, ""
 
 
 def _named_numbers(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:

@@ -13,19 +13,29 @@ from pydantic.fields import FieldInfo
 from insonify.scene import Scene, SceneError
 from insonify.scene.edit import kind_name, models_of
 from insonify.scene.fractal import Fractal
-from insonify.scene.materials import MATERIALS, Material
+from insonify.scene.made import Made
+from insonify.scene.materials import MATERIALS, Material, PatternMap
 from insonify.scene.receiver import K, PowerTvg
 from insonify.scene.reliefs import Dem
+from insonify.scene.roughness import PowerLaw
 from insonify.scene.targets import Pipe, Target
 from insonify.scene.water import AnyWater
 from insonify.sound.absorption import NEPER_PER_DB, absorption_coefficient
 from insonify.sound.water import speed_at_sonar
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
-PAIR_NAMES = {"peaks": ("fx", "fy"), "gap": ("along", "height"), "position": ("x", "y", "z"), "start": ("x", "y")}
+PAIR_NAMES = {
+    "peaks": ("fx", "fy"),
+    "points": ("lag", "value"),
+    "gap": ("along", "height"),
+    "position": ("x", "y", "z"),
+    "start": ("x", "y"),
+}
 SIDES = ("length", "width", "height")
 # Fields of a target in the order they are shown, after what tells its shape.
 POSED_LAST = ("heading", "pitch", "roll", "gap", "material")
+# Fields of all made relief, after its own.
+OF_ALL_RELIEF = ("period", "extent", "mask")
 PLACE_REACH = 100.0
 USUAL_SPEED = 1500.0  # m/s, while a cast cannot be read
 
@@ -143,8 +153,8 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
 def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Parameter, ...]:
     """All parameters of one declaration."""
     names = [name for name in type(part).model_fields if name != "kind" and not _stands_aside(scene, part, name, path)]
-    if isinstance(part, Target):
-        names.sort(key=lambda name: POSED_LAST.index(name) if name in POSED_LAST else -1)
+    last = POSED_LAST if isinstance(part, Target) else OF_ALL_RELIEF if isinstance(part, Made) else ()
+    names.sort(key=lambda name: last.index(name) if name in last else -1)
     if isinstance(part, AnyWater):
         names.sort(key=lambda name: name in AnyWater.model_fields)  # its speed first
     return tuple(parameter for name in names for parameter in _of_field(scene, part, name, path, indent))
@@ -272,12 +282,15 @@ def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
     """Whether a field has no say with the others as they are, or is a column of a table that is shown as a curve."""
     if isinstance(part, AnyWater) and name in part.table and isinstance(getattr(part, name), tuple):
         return True
-    if path.startswith("seabed.relief.of"):  # dunes lie along the track and pass for what scatters evenly
+    if path.startswith("seabed.relief.of") and isinstance(part, PatternMap | Material):
+        # Dunes lie along the track and pass for what scatters evenly.
         return name == "heading" or (isinstance(part, Material) and name not in ("name", "diffuse"))
     if isinstance(part, Material) and name in ("reflection", "speed_ratio"):
         return scene.sonar.bounces == 0
     if isinstance(part, Material) and name == "speckle_shape":
         return not isinstance(scene.receiver.speckle, K)
+    if isinstance(part, Made) and name == "period":
+        return part.endless and not isinstance(part, Fractal | PowerLaw)  # which level off there
     if isinstance(part, Fractal):
         isotropic = part.decay == "isotropic"
         return (name == "beta" and not isotropic) or (name in ("beta_x", "beta_y") and isotropic)

@@ -142,7 +142,7 @@ def test_noise_is_white_and_a_hash_of_its_place():
     [
         {"kind": "fractal", "beta": 2.0, "period": 10.0, **SOFT},
         {"kind": "von_karman", "across": 2.0, "along": 3.0, "extent": "endless"},
-        {"kind": "autocorrelation", "of": {"kind": "exponential", "length": 1.0}, "extent": "endless"},
+        {"kind": "autocorrelation", "function": {"kind": "exponential", "length": 1.0}, "extent": "endless"},
     ],
 )
 def test_rms_is_that_expected(made):
@@ -164,7 +164,12 @@ def test_endless_ripples_are_ripples():
 
 
 def test_endless_autocorrelation_is_recovered():
-    made = {"kind": "autocorrelation", "of": {"kind": "exponential", "length": 1.0}, "rms": 0.1, "extent": "endless"}
+    made = {
+        "kind": "autocorrelation",
+        "function": {"kind": "exponential", "length": 1.0},
+        "rms": 0.1,
+        "extent": "endless",
+    }
     seabed = build({"seabed": {"spacing": 0.1, "relief": made}}).seabed
     found = np.zeros(40)
     for seed in range(4):

@@ -226,7 +226,7 @@ def autocorrelation(z):
     ],
 )
 def test_autocorrelation_is_recovered(of, law):
-    found = autocorrelation(heights(kind="autocorrelation", of=of))
+    found = autocorrelation(heights(kind="autocorrelation", function=of))
     lag = np.arange(100) * PERIOD / SIDE
     # What is missing are the mean, and waves beyond the Nyquist frequency.
     for line in (found[0, :100], found[:100, 0]):
@@ -236,16 +236,18 @@ def test_autocorrelation_is_recovered(of, law):
 def test_tabled_autocorrelation_has_the_transform_of_its_law():
     points = [[0.02 * k, math.exp(-0.02 * k)] for k in range(600)]
     of = {"kind": "table", "points": points}
-    table = autocorrelated(seabed(kind="autocorrelation", of=of).relief)
-    law = autocorrelated(seabed(kind="autocorrelation", of={"kind": "exponential", "length": 1.0}).relief)
+    table = autocorrelated(seabed(kind="autocorrelation", function=of).relief)
+    law = autocorrelated(seabed(kind="autocorrelation", function={"kind": "exponential", "length": 1.0}).relief)
     f, zero = np.geomspace(0.01, 4.0, 50), np.zeros(50)
     np.testing.assert_allclose(table(f, zero), law(f, zero), rtol=0.01)
 
 
 def test_autocorrelation_that_no_surface_has_is_refused():
     box = {"kind": "table", "points": [[0.0, 1.0], [2.0, 1.0], [2.1, 0.0]]}
-    with pytest.raises(SceneError, match=r"^seabed\.relief\.of: .* would be negative, as no surface has it; let it"):
-        heights(kind="autocorrelation", of=box)
+    with pytest.raises(
+        SceneError, match=r"^seabed\.relief\.function: .* would be negative, as no surface has it; let it"
+    ):
+        heights(kind="autocorrelation", function=box)
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
@@ -295,14 +297,17 @@ def test_parts_of_a_sum_are_independent_and_add_up():
 
 
 MISTAKES = [
-    ({"kind": "ripples", "wavelength": 0.2}, r"relief\.wavelength 0\.2 m spans no more than 3 cells .*; lengthen"),
+    ({"kind": "ripples", "wavelength": 0.2}, r"relief\.wavelength 0\.2 m spans fewer than 3 cells .*; lengthen"),
     ({"kind": "ripples", "wavelength": 60.0}, r"relief\.wavelength 60 m fits less than twice .*; shorten"),
     ({"kind": "power_law", "exponent": 4.5}, r"4\.5 is out of bounds; give a value below 4"),
     ({"kind": "fractal", "extent": "endless"}, r'set clamp = "soft" and coefficients = "gaussian"'),
-    ({"kind": "autocorrelation", "of": {"kind": "table", "points": [[0, 0.9], [1, 0]]}}, r"must start at \[0, 1\]"),
+    (
+        {"kind": "autocorrelation", "function": {"kind": "table", "points": [[0, 0.9], [1, 0]]}},
+        r"start at \[0, 1\]",
+    ),
     ({"kind": "sum", "of": ["fractal", {"kind": "ripples", "period": 20.0}]}, r"give all the same period"),
     ({"kind": "sum", "of": ["cascade", {"kind": "ripples", "extent": "endless"}]}, r"give all the same extent"),
-    ({"kind": "autocorrelation", "of": {"kind": "file", "path": "/none.csv"}}, r"cannot be read .*; give a CSV"),
+    ({"kind": "autocorrelation", "function": {"kind": "file", "path": "/none.csv"}}, r"cannot be read .*; give a CSV"),
 ]
 
 

@@ -137,4 +137,4 @@ class Autocorrelated(MadeAnywhere):
 
     kind: Literal["autocorrelation"] = "autocorrelation"
     rms: float = rms_height()
-    of: Correlation = parameter(Exponential(), description="autocorrelation of the heights over the lag")
+    function: Correlation = parameter(Exponential(), description="autocorrelation of the heights over the lag")

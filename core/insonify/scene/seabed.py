@@ -15,6 +15,7 @@ from insonify.scene.ripples import Ripples
 from insonify.scene.roughness import Autocorrelated, Cascade, PowerLaw, VonKarman
 
 MOST_CELLS = 16384  # a side, of a made bed
+FEWEST_CELLS = 3  # of one ripple
 HIGHEST_PEAK = 0.9  # of the Nyquist frequency, on endless ground
 
 AnyMade = Fractal | PowerLaw | VonKarman | Ripples | Cascade | Autocorrelated
@@ -107,9 +108,9 @@ class Seabed(Declaration):
 
     def _check_wavelength(self, relief: Ripples) -> None:
         """Refuse ripples that the grid or the period cannot hold."""
-        if relief.wavelength <= 3.0 * self.spacing:
+        if relief.wavelength < FEWEST_CELLS * self.spacing * (1.0 - 1e-9):
             raise ValueError(
-                f"relief.wavelength {relief.wavelength:g} m spans no more than 3 cells of spacing {self.spacing:g} m; "
+                f"relief.wavelength {relief.wavelength:g} m spans fewer than {FEWEST_CELLS} cells of spacing {self.spacing:g} m; "
                 "lengthen it or lessen the spacing"
             )
         if 2.0 * relief.wavelength > relief.period and not relief.endless:

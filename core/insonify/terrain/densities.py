@@ -62,7 +62,7 @@ def autocorrelated(relief: Autocorrelated) -> Density:
     SceneError
         If no surface has that autocorrelation, or its file cannot be read.
     """
-    of, variance = relief.of, relief.rms**2
+    of, variance = relief.function, relief.rms**2
     if isinstance(of, Exponential):
         return lambda fx, fy: np.asarray(
             variance * 2.0 * math.pi * of.length**2 * (1.0 + _phase(fx, fy, of.length)) ** -1.5
@@ -164,7 +164,7 @@ def tabled(points: tuple[tuple[float, float], ...]) -> tuple[Field, Field]:
     lost = -held[held < 0.0].sum() / np.abs(held).sum()
     if lost > NEGATIVE:
         raise SceneError(
-            f"seabed.relief.of: {100 * lost:.0f} % of the power of this autocorrelation would be negative, as no "
+            f"seabed.relief.function: {100 * lost:.0f} % of the power of this autocorrelation would be negative, as no "
             "surface has it; let it fall more smoothly, steepest at lag 0"
         )
     return wave, np.maximum(power, 0.0)
@@ -202,7 +202,7 @@ def read_autocorrelation(path: str) -> tuple[tuple[float, float], ...]:
 
 
 def _refusal(path: str, fault: str) -> SceneError:
-    return SceneError(f"seabed.relief.of.path: {path!r} {fault}; give a CSV with a lag in m and a value a line")
+    return SceneError(f"seabed.relief.function.path: {path!r} {fault}; give a CSV with a lag in m and a value a line")
 
 
 def _phase(fx: Field, fy: Field, length: float) -> Field:

@@ -146,7 +146,7 @@ def _twofold(density: Density) -> Density:
 
 def _feature(relief: Autocorrelated) -> float:
     """Frequency over which a spectrum changes, from how far the autocorrelation reaches."""
-    of = relief.of
+    of = relief.function
     if isinstance(of, Exponential | Gaussian):
         return 1.0 / (2.0 * math.pi * of.length)
     return 0.5 / points_of(of)[-1][0]

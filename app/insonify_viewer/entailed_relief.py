@@ -1,0 +1,84 @@
+"""Changes that a change of the relief entails."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from insonify.scene import Scene
+from insonify.scene.fractal import Fractal
+from insonify.scene.made import Made
+from insonify.scene.seabed import Sum
+
+Changes = dict[str, Any]
+RELIEF = "seabed.relief"
+SMOOTH = ("isotropic", "elliptic")
+
+
+def spectrum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """One exponent for an isotropic decay, two for the others."""
+    entailed: Changes = {}
+    for path, part in _parts(scene):
+        decay = changes.get(f"{path}.decay")
+        if decay is None or not isinstance(part, Fractal):
+            continue
+        along, across = part.exponents
+        one = {"beta": along, "beta_x": None, "beta_y": None}
+        two = {"beta": None, "beta_x": along, "beta_y": across}
+        entailed |= {f"{path}.{name}": value for name, value in (one if decay == "isotropic" else two).items()}
+    return entailed, ""
+
+
+def endless(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Let a fractal relief that is to have no end be of a kind that can."""
+    was = scene.seabed.endless
+    kind = changes.get(f"{RELIEF}.kind")
+    is_to_be = "endless" in [changes.get(f"{path}.extent") for path, _ in _parts(scene)]
+    entailed: Changes = {}
+    if kind == "fractal" and was:
+        entailed = _soft(RELIEF, "isotropic")
+    for path, part in _parts(scene):
+        if is_to_be and isinstance(part, Fractal):
+            entailed |= _soft(path, part.decay)
+            if part.decay not in SMOOTH:
+                entailed |= {f"{path}.beta": part.exponents[0], f"{path}.beta_x": None, f"{path}.beta_y": None}
+    return entailed, "an endless relief levels off softly and is Gaussian" if entailed else ""
+
+
+def together(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Let the parts of a sum repeat together."""
+    places = _parts(scene)
+    entailed: Changes = {}
+    for name in ("period", "extent"):
+        moved = [changes[f"{path}.{name}"] for path, _ in places if f"{path}.{name}" in changes]
+        others = [f"{path}.{name}" for path, part in places if hasattr(part, name)]
+        if moved and len(places) > 1:
+            entailed |= dict.fromkeys(others, moved[-1])
+    return entailed, ""
+
+
+def parts(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Let a sum begin with the relief there was, and ripples in patches over it."""
+    relief = scene.seabed.relief
+    if changes.get(f"{RELIEF}.kind") != "sum" or isinstance(relief, Sum):
+        return {}, ""
+    first = relief if isinstance(relief, Made) else Fractal()
+    ripples: Changes = {"kind": "ripples", "period": first.period, "mask": {"kind": "patches"}}
+    if first.endless:
+        ripples["extent"] = "endless"
+    return {RELIEF: {"kind": "sum", "of": [first.model_dump(exclude_none=True), ripples]}}, ""
+
+
+def _parts(scene: Scene) -> list[tuple[str, Any]]:
+    """Reliefs that add up to the bed, by their paths."""
+    relief = scene.seabed.relief
+    if isinstance(relief, Sum):
+        return [(f"{RELIEF}.of.{number}", part) for number, part in enumerate(relief.of)]
+    return [(RELIEF, relief)]
+
+
+def _soft(path: str, decay: str) -> Changes:
+    """Set what an endless fractal needs."""
+    kept = decay if decay in SMOOTH else "isotropic"
+    values = {"clamp": "soft", "coefficients": "gaussian", "combine": "rms", "decay": kept}
+    return {f"{path}.{name}": value for name, value in values.items()}
