@@ -1,6 +1,6 @@
 """Time bins as a difference array of integers: densities step up and down, a prefix sum turns steps into bins.
 
-Integers cancel exactly: what no piece touches is exactly zero, none is negative, and the sum is the same in any order.
+Integers cancel exactly: what no piece touches is exactly zero, and the sum is the same in any order.
 """
 
 from __future__ import annotations
@@ -39,11 +39,14 @@ def spread(bins, near, far, energy, last):
 
 @fused
 def accumulate(bins, factor, out):
-    """Prefix-sum a difference array into bins and apply what depends on range alone; clear the array."""
+    """Prefix-sum a difference array into bins and apply what depends on range alone; clear the array.
+
+    Weights read between two entries of a table may lie a rounding below zero: no bin does.
+    """
     total = np.int64(0)
     for k in range(out.size):
         total += bins[k]
-        bins[k] = total
+        bins[k] = max(total, np.int64(0))
     for k in range(out.size):
         out[k] = bins[k] * (factor[k] * (1.0 / FIXED_POINT))
     bins[:] = 0

@@ -1,0 +1,38 @@
+"""Time bins: what is spread over them, and that none is ever negative."""
+
+import numpy as np
+import pytest
+
+from insonify.kernels.bins import FIXED_POINT, accumulate, spread
+
+
+def spread_over(pieces, count=20):
+    bins, out = np.zeros(count + 2, dtype=np.int64), np.zeros(count, dtype=np.float32)
+    for near, far, energy in pieces:
+        spread(bins, near, far, energy * FIXED_POINT, float(count))
+    accumulate(bins, np.ones(count), out)
+    return out
+
+
+def test_a_piece_of_rounding_below_zero_is_silence():
+    assert not spread_over([(3.2, 3.6, -2.0 / FIXED_POINT)]).any()
+
+
+def test_energy_goes_where_the_piece_lies():
+    np.testing.assert_allclose(spread_over([(3.25, 5.75, 2.0)])[2:7], [0.0, 0.6, 0.8, 0.6, 0.0], atol=1e-10)
+    np.testing.assert_allclose(spread_over([(5.75, 3.25, 2.0)]), spread_over([(3.25, 5.75, 2.0)]))
+
+
+def test_a_piece_of_no_length_lies_in_its_bin():
+    assert spread_over([(4.5, 4.5, 1.5)])[4] == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize("length", [1e-5, 2e-6, 1.1e-6])
+def test_no_bin_is_negative_however_short_and_loud_its_piece(length):
+    """A density beyond 2⁵³ is no longer a whole number of its own in float64."""
+    rng = np.random.default_rng(1)
+    for energy in rng.uniform(0.1, 4.0, 2000):
+        near = np.nextafter(8.0, 0.0) if rng.random() < 0.5 else 8.0 - length * rng.random()
+        out = spread_over([(near, near + length, energy)])
+        assert out.min() >= 0.0
+        assert out.sum() == pytest.approx(energy, rel=1e-5)
