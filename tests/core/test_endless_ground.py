@@ -1,0 +1,153 @@
+"""Scenes over endless ground: windows that no record shows."""
+
+import numpy as np
+import pytest
+
+from insonify.scene import build, edit
+from insonify.simulate import prepare, simulate_blocks
+from insonify.terrain import EndlessGround, Ground, build_ground, relief, relief_picture
+from insonify.terrain.endless import TILE, gathered
+from insonify.tracers import sweep
+
+FRACTAL = {
+    "kind": "fractal",
+    "beta": 1.6,
+    "rms": 0.1,
+    "period": 25.6,
+    "extent": "endless",
+    "clamp": "soft",
+    "coefficients": "gaussian",
+}
+SIDE = 0.4 * TILE  # m
+# A tow that crosses from window to window in x and in y.
+SCENE = build(
+    {
+        "seabed": {"depth": 30.0, "spacing": 0.4, "relief": FRACTAL},
+        "sonar": {"range": 30.0, "bins": 150, "beam": "knife", "ping_rate": 10.0},
+        "track": {"start": [SIDE - 3.0, SIDE - 2.0], "heading": 30.0, "altitude": 6.0, "speed": 2.0, "pings": 40},
+    }
+)
+PINGS = np.arange(40)
+
+
+@pytest.fixture(scope="module")
+def record():
+    return prepare(SCENE).intensity(PINGS)
+
+
+def test_the_tow_crosses_windows(record):
+    simulation = prepare(SCENE)
+    poses = simulation.poses(PINGS)
+    assert len(np.unique(simulation.ground.cell(poses.x, poses.y), axis=0)) == 3
+    assert record[:, :, 60:].min() >= 0.0
+    assert (record[:, :, 60:].mean(axis=2) > 0.0).all()
+
+
+def test_record_does_not_depend_on_how_pings_are_split(record):
+    blocks = list(simulate_blocks(SCENE, block=7))
+    split = np.concatenate([np.moveaxis(block.intensity.values, 1, 0) for block in blocks])
+    np.testing.assert_array_equal(split, record)
+    backwards = prepare(SCENE).intensity(PINGS[::-1])[::-1]
+    np.testing.assert_array_equal(backwards, record)
+
+
+def test_record_is_that_over_a_bed_held_whole(record):
+    simulation = prepare(SCENE)
+    nodes = gathered(simulation.ground.heights, (TILE - 150, TILE - 150), (400, 400))
+    corner = 0.4 * (TILE - 150)
+    bed = simulation.problem.bed._replace(
+        heights=nodes,
+        transposed=np.ascontiguousarray(nodes.T),
+        materials=np.zeros(nodes.shape, np.uint8),
+        x0=corner,
+        y0=corner,
+        periodic=False,
+        low=float(nodes.min()),
+        high=float(nodes.max()),
+    )
+    whole = edit(SCENE, {"sonar.pulse": "ideal"})
+    held = sweep.trace(simulation.problem._replace(bed=bed), simulation.poses(PINGS), **simulation.plan.settings)
+    np.testing.assert_allclose(prepare(whole).intensity(PINGS), held, rtol=2e-4, atol=2e-5 * held.max())
+
+
+@pytest.mark.parametrize("method", ["march", "rays"])
+def test_every_method_goes_over_it(method):
+    scene = edit(SCENE, {"sonar.bins": 40})
+    simulation = prepare(scene, method=method)
+    found = simulation.intensity(PINGS[::8])
+    np.testing.assert_array_equal(found, np.concatenate([simulation.intensity(PINGS[k : k + 1]) for k in PINGS[::8]]))
+    assert (found[:, :, 20:].mean(axis=2) > 0.0).all()
+
+
+def test_truth_goes_from_window_to_window():
+    simulation = prepare(SCENE)
+    whole = simulation.truth(PINGS)
+    for k in (0, 17, 39):
+        one = simulation.truth(PINGS[k : k + 1])
+        for part, column in zip(one, whole):
+            np.testing.assert_array_equal(part[0], column[k])
+
+
+def test_heights_are_those_of_the_window():
+    ground = build_ground(SCENE)
+    assert isinstance(ground, EndlessGround)
+    rng = np.random.default_rng(2)
+    x, y = rng.uniform(SIDE - 20.0, SIDE + 20.0, (2, 50))
+    window = ground.around((SIDE - 1.0, SIDE - 1.0), 30.0)
+    assert isinstance(window, Ground)
+    np.testing.assert_allclose(window.height_at(x, y), ground.height_at(x, y), atol=1e-6)
+    np.testing.assert_array_equal(ground.height_near(x, y), ground.height_at(x, y))
+
+
+def test_a_fish_follows_the_terrain_anywhere():
+    scene = edit(SCENE, {"track.terrain_following": True, "track.start": [3e5, -2e5]})
+    simulation = prepare(scene)
+    poses = simulation.poses(PINGS)
+    below = simulation.ground.height_at(poses.x, poses.y)
+    assert np.ptp(poses.z) > 0.0
+    assert np.abs(poses.z - below - 6.0).max() < 0.4
+
+
+@pytest.mark.parametrize(
+    "material",
+    [
+        {"kind": "patches", "of": ["silt", "rock"], "size": 6.0},
+        {"kind": "fractal", "of": ["silt", "medium_sand", "rock"]},
+        {"kind": "pattern", "of": ["silt", "rock"], "shape": "checks", "period": 7.0, "heading": 30.0},
+    ],
+)
+def test_maps_have_no_seam(material):
+    ground = build_ground(edit(SCENE, {"seabed.material": material}))
+    rows = gathered(ground.materials, (-TILE, -TILE), (2 * TILE, 2 * TILE)).astype(int)
+    share = np.bincount(rows.ravel()) / rows.size
+    np.testing.assert_allclose(share, 1.0 / len(share), atol=0.12)
+    for changes in (
+        (np.diff(rows.astype(int), axis=0) != 0).mean(axis=1),
+        (np.diff(rows.astype(int)) != 0).mean(axis=0),
+    ):
+        assert changes[TILE - 1] <= changes.max()
+        assert changes[TILE - 1] < 4.0 * np.median(changes) + 0.05
+
+
+def test_parts_of_a_sum_are_as_they_are_alone():
+    ripples = {"kind": "ripples", "wavelength": 2.0, "period": 25.6, "extent": "endless", "mask": "patches"}
+    both = edit(SCENE, {"seabed.relief": {"kind": "sum", "of": [FRACTAL, ripples]}})
+    total, first = relief(both.seabed), relief(SCENE.seabed)
+    left = total - first
+    assert np.abs(left).max() > 0.02
+    assert (np.abs(left) < 1e-12).mean() > 0.2  # where the mask lets no ripple be
+
+
+def test_a_target_lies_on_it():
+    scene = edit(SCENE, {"targets": [{"kind": "sphere", "position": [SIDE - 6.5, SIDE + 12.1], "radius": 0.8}]})
+    simulation = prepare(scene)
+    sphere = simulation.problem.solids.start[0]
+    below = simulation.ground.height_at(sphere[:1], sphere[1:2])[0]
+    assert sphere[2] - below == pytest.approx(0.8, abs=1e-6)
+    assert not np.array_equal(simulation.intensity(PINGS), prepare(SCENE).intensity(PINGS))
+
+
+def test_picture_is_of_a_piece():
+    picture = relief_picture(SCENE)
+    assert picture.shape == (1024, 1024)
+    assert (picture.min(), picture.max()) == (0, 255)
