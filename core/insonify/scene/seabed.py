@@ -110,8 +110,8 @@ class Seabed(Declaration):
         """Refuse ripples that the grid or the period cannot hold."""
         if relief.wavelength < FEWEST_CELLS * self.spacing * (1.0 - 1e-9):
             raise ValueError(
-                f"relief.wavelength {relief.wavelength:g} m spans fewer than {FEWEST_CELLS} cells of spacing {self.spacing:g} m; "
-                "lengthen it or lessen the spacing"
+                f"relief.wavelength {relief.wavelength:g} m spans fewer than {FEWEST_CELLS} cells of spacing "
+                f"{self.spacing:g} m; lengthen it or lessen the spacing"
             )
         if 2.0 * relief.wavelength > relief.period and not relief.endless:
             raise ValueError(
