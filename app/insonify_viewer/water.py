@@ -107,7 +107,7 @@ def _diagram(scene: Scene, target: Target, fine: bool) -> Diagram:
     from insonify.terrain import build_ground
 
     datum = build_ground(scene).datum
-    inside = target is not None and target[1] <= -datum
+    inside = target is not None and target[0] <= scene.sonar.range and target[1] <= -datum
     return ray_diagram(scene, datum=datum, target=target if inside else None, columns=ACROSS if fine else COARSE)
 
 

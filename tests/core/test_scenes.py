@@ -31,7 +31,7 @@ def test_every_bundled_scene_loads_by_path(name):
 
 
 def test_figures_are_there():
-    figures = {"1", "2a", "2b", "4a", "4b", "5-pattern", "5-relief", "6"}
+    figures = {"1", "2a", "2b", "3", "4a", "4b", "5-pattern", "5-relief", "6"}
     assert {f"figure-{number}" for number in figures} | {"default", "pipe-on-bed", "pipe-span"} <= set(bundled_scenes())
 
 

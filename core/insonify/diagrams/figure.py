@@ -26,7 +26,8 @@ WATER_MAP = LinearSegmentedColormap.from_list("water", [f"#{r:02x}{g:02x}{b:02x}
 LEFT, RIGHT, BOTTOM, TOP = (0.065, 0.155), (0.262, 0.683), 0.165, 0.855  # of the figure
 ROW = 0.034  # of the figure, for a row of the legend
 MARGIN = 0.075  # of the depth, above the surface and below the bed
-LABELS = 0.030  # of the axes' width and height that a label of a ray needs for itself
+FAINTEST = 1e-3  # share of the water in shadow that is worth a word
+LABELS = 0.036  # of the axes' width and height that a label of a ray needs for itself
 HALO = [withStroke(linewidth=2.5, foreground="white")]
 
 
@@ -165,8 +166,10 @@ def _scales(left: Any, right: Any, diagram: Diagram) -> None:
 def _entries(diagram: Diagram) -> list[tuple[Any, str]]:
     """Name what there is beside the rays, each with its mark."""
     entries: list[tuple[Any, str]] = []
-    if diagram.shadow.mean() > 0.005:
+    if diagram.shadow.mean() > FAINTEST:
         entries.append((Patch(color=SHADE, alpha=0.52, linewidth=0), "shadow zone: no direct ray"))
+    if diagram.dark.size:
+        entries.append((Line2D([], [], color=SHADE, linewidth=4.0), "bed that no sound comes to"))
     if diagram.caustics.size:
         entries.append((Line2D([], [], marker="o", color=CAUSTIC, linestyle="none", markersize=4), "caustic"))
     for number, path in enumerate(diagram.eigenrays):
@@ -179,7 +182,7 @@ def _words(figure: Figure, diagram: Diagram) -> None:
     figure.text(LEFT[0], 0.908, _sentence(diagram), fontsize=10.5, color=FAINT)
     figure.text(
         LEFT[0], 0.03, "Rays at equal steps of launch angle, in degrees below the horizontal; each ends at the bed, at "
-        "the surface or at the greatest range. Depths are stretched.", fontsize=9, color=FAINT,
+        "the surface or at the greatest range. Depth and range are not to one scale.", fontsize=9, color=FAINT,
     )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ ACROSS = 480  # columns of the shadow's picture, along the range
 POINTS = 241  # of each ray
 STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # degrees from ray to ray
 MOST_RAYS = 50
-NEAREST_HIT = 0.12  # share of the range at which the steepest ray that is drawn meets the bed or the surface
+NEAREST_HIT = 0.25  # share of the range at which the steepest ray that is drawn meets the bed or the surface
 
 
 def ray_diagram(
