@@ -16,7 +16,7 @@ DEPTHS, SPEEDS = (2.0, 8.0, 16.0, 60.0), (1520.0, 1519.0, 1501.0, 1500.0)
 
 
 def scene_in(water, **changes):
-    return edit(load_scene("figure-4-knife"), {"seabed.depth": 30.0, "water": water, **changes})
+    return edit(load_scene("figure-4a"), {"seabed.depth": 30.0, "water": water, **changes})
 
 
 def profile(**changes):
@@ -126,7 +126,8 @@ def test_a_section_is_straight_between_its_profiles_and_even_beyond():
     )
     layers = lay_out(section)
     places = [(0.0, -99.0, 20.0), (7.0, -5.0, 40.0), (-3.0, 0.0, 40.0), (0.0, 15.0, 10.0), (0.0, 99.0, 80.0)]
-    expected = [1500.0, 1520.0, 1540.0, 0.5 * 1510.0 + 0.5 * 1522.5, 1500.0]
+    # The fourth lies above the diagonal from (0 m, top) to (30 m, bottom), along which nothing changes.
+    expected = [1500.0, 1520.0, 1540.0, 1530.0 - 0.5 * 30.0 - 0.25 * 30.0, 1500.0]
     np.testing.assert_allclose(layers.speed_at(*np.array(places).T), expected, rtol=1e-12)
     assert layers.speed_at(0.0, 15.0, 10.0) == pytest.approx(expected[3])
     water = make_water(scene_in(section.model_dump()), -30.0)

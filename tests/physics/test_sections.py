@@ -9,8 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from insonify.kernels.cells import Plane
+from insonify.kernels.cells import Plane, speed_across
+from insonify.kernels.jit import kernel
 from insonify.kernels.paths import ON_BED, Limits, Points, trace_paths
+from insonify.sound.layers import Layers
 from water import followed, water_of
 
 RANGES = np.linspace(0.0, 2500.0, 26)
@@ -165,3 +167,20 @@ def test_rays_through_triangles_are_those_of_the_ray_equations():
         assert ours.z[0, 0] == pytest.approx(state[1], abs=4e-4)
         assert ours.time[0, 0] == pytest.approx(state[3], abs=1e-7)
         assert ours.sine[0, 0] == pytest.approx(math.sin(state[2]), abs=1e-5)
+
+
+@kernel
+def speeds_across(height, speed, station, place, z, out):
+    for k in range(out.size):
+        out[k] = speed_across(height, speed, station, place[k], z[k])
+
+
+@pytest.mark.parametrize("shape", [(4, 5), (2, 2), (1, 4), (3, 1)])
+def test_speed_at_a_place_is_what_rays_have_there(shape):
+    rng = np.random.default_rng(8)
+    station, depth = np.sort(rng.uniform(0.0, 100.0, shape[0])), np.sort(rng.uniform(0.0, 60.0, shape[1]))
+    laid = Layers(depth, station, 1500.0 + rng.uniform(-9.0, 9.0, shape))
+    place, below = rng.uniform(-20.0, 120.0, 500), rng.uniform(-10.0, 70.0, 500)
+    ours = np.empty(500)
+    speeds_across(-depth[::-1], np.ascontiguousarray(laid.speed[:, ::-1]), station, place, -below, ours)
+    np.testing.assert_allclose(ours, laid.speed_at(place, 0.0, below), rtol=1e-13)

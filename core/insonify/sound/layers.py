@@ -24,7 +24,7 @@ OF_CASTS = 0.02  # likewise of measurements, which are no better
 
 @dataclass(frozen=True, eq=False)
 class Layers:
-    """Speed of sound of a water, linear between its points and constant beyond the outermost.
+    """Speed of sound of a water, linear between its points (of a section, in the triangles of rays) and even beyond them.
 
     Attributes
     ----------
@@ -60,12 +60,24 @@ class Layers:
         along, below = np.broadcast_arrays(np.asarray(x) * cos + np.asarray(y) * sin, np.asarray(depth))
         if self.distance.size == 1:
             return np.asarray(np.interp(below, self.depth, self.speed[0]))
-        after = np.clip(np.searchsorted(self.distance, along), 1, self.distance.size - 1)
-        near, far = self.distance[after - 1], self.distance[after]
-        share = np.clip((along - near) / (far - near), 0.0, 1.0)
-        columns = np.stack([np.interp(below, self.depth, profile) for profile in self.speed])
-        here, there = (np.take_along_axis(columns, station[None], axis=0)[0] for station in (after - 1, after))
-        return np.asarray(here + share * (there - here))
+        if self.depth.size == 1:
+            return np.asarray(np.interp(along, self.distance, self.speed[:, 0]))
+        i, onwards = _within(self.distance, along)
+        j, downwards = _within(self.depth, below)
+        # As rays see it: each cell in two triangles, cut along the diagonal on which speed differs less.
+        top, bottom, top_next, bottom_next = (self.speed[i + m, j + k] for m, k in ((0, 0), (0, 1), (1, 0), (1, 1)))
+        rising = np.abs(top_next - bottom) <= np.abs(bottom_next - top)
+        upper = downwards < np.where(rising, 1.0 - onwards, onwards)
+        over = np.where(upper, top_next - top, bottom_next - bottom)
+        down = np.where(upper == rising, bottom - top, bottom_next - top_next)
+        corner = np.where(upper, top + over * onwards, bottom + over * onwards)
+        return np.asarray(corner + down * np.where(upper, downwards, downwards - 1.0))
+
+
+def _within(places: Values, wanted: Values) -> tuple[NDArray[np.int64], Values]:
+    """Find the piece between two places, and the share of it that lies behind, 0 or 1 beyond the outermost."""
+    piece = np.clip(np.searchsorted(places, wanted, side="right") - 1, 0, places.size - 2)
+    return piece, np.clip((wanted - places[piece]) / (places[piece + 1] - places[piece]), 0.0, 1.0)
 
 
 def lay_out(water: Water) -> Layers:
