@@ -24,7 +24,7 @@ OF_CASTS = 0.02  # likewise of measurements, which are no better
 
 @dataclass(frozen=True, eq=False)
 class Layers:
-    """Speed of sound of a water, linear between its points (of a section, in the triangles of rays) and even beyond them.
+    """Speed of sound, linear between its points (of a section: in the triangles that rays see) and even beyond them.
 
     Attributes
     ----------
