@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from insonify.kernels.types import Mesh, Solids
-    from insonify.simulate import Simulation
-    from insonify.terrain import AnyGround
+    from insonify.terrain import Ground
+    from insonify_viewer.setting import Setting
 
 Vectors = NDArray[np.float64]
 MARGIN = 0.07  # of the block's longer side, beyond what must be on it
@@ -70,23 +70,20 @@ class Block:
         return near.max(axis=1), np.maximum(one, other).min(axis=1), near.argmax(axis=1)
 
 
-def make_block(simulation: Simulation) -> Block:
-    """Cut out what is worth seeing from the middle of the tow.
+def make_block(setting: Setting) -> Block:
+    """Cut out what is worth seeing.
 
     That is the targets with their shadows and the sonar, or, where there are none, the swath as long as it is wide.
 
     Parameters
     ----------
-    simulation : Simulation
-        A prepared scene.
+    setting : Setting
     """
-    middle = np.array([simulation.scene.track.pings // 2], dtype=np.int64)
-    pose = simulation.poses(middle)
-    heading = float(simulation.line(middle).heading[0])
-    ahead, lamp = _ahead(heading), np.array([pose.x[0], pose.y[0], pose.z[0]])
+    pose, problem = setting.pose, setting.problem
+    ahead, lamp = _ahead(setting.heading), np.array([pose.x[0], pose.y[0], pose.z[0]])
     axes = np.array([ahead, [-ahead[1], ahead[0], 0.0], [0.0, 0.0, 1.0]])
-    problem = simulation.problem
-    reach, beneath = problem.bins * problem.bin_length, _beneath(simulation, lamp)
+    reach = problem.bins * problem.bin_length
+    beneath = float(np.nan_to_num(setting.ground.height_at(lamp[:1], lamp[1:2])[0]))
     points = _target_points(problem.solids, problem.mesh)
     if len(points):
         sides = np.vstack([lamp, points, _shadow_tips(points, lamp, beneath, reach)]) @ axes[:2].T
@@ -94,7 +91,7 @@ def make_block(simulation: Simulation) -> Block:
         swath = SWATH * math.sqrt(max(reach**2 - (lamp[2] - beneath) ** 2, 0.0))
         sides = lamp @ axes[:2].T + swath * np.array([[-1.0, -1.0], [1.0, 1.0]])
     low, high = _rectangle(sides)
-    heights = _heights(simulation.ground, axes, low, high)
+    heights = _heights(setting.ground, axes, low, high)
     longer = float((high - low).max())
     bottom, bed, top = heights[0] - THICK * longer, heights[1], max(heights[1], lamp[2], *points[:, 2])
     corners = np.array(list(product(*zip([*low, bottom], [*high, bed])))) @ axes
@@ -106,11 +103,6 @@ def make_block(simulation: Simulation) -> Block:
         np.vstack([corners, lamp, points]),
         -1.0 if _to_port(problem.solids, problem.mesh, lamp, axes[1]) >= 0.0 else 1.0,
     )
-
-
-def _beneath(simulation: Simulation, lamp: Vectors) -> float:
-    """Return the height of the bed under the sonar, the mean where there is none."""
-    return float(np.nan_to_num(simulation.ground.height_at(lamp[:1], lamp[1:2])[0]))
 
 
 def _to_port(solids: Solids, mesh: Mesh, lamp: Vectors, port: Vectors) -> float:
@@ -154,7 +146,7 @@ def _shadow_tips(points: Vectors, lamp: Vectors, beneath: float, reach: float) -
     return tips[np.hypot(*(tips - lamp)[:, :2].T) < reach]
 
 
-def _heights(ground: AnyGround, axes: Vectors, low: Vectors, high: Vectors) -> tuple[float, float]:
+def _heights(ground: Ground, axes: Vectors, low: Vectors, high: Vectors) -> tuple[float, float]:
     """Lowest and highest bed over the rectangle that the block covers."""
     along, aside = (np.linspace(*ends, 400) for ends in zip(low, high))
     places = along[:, None, None] * axes[0, :2] + aside[:, None] * axes[1, :2]

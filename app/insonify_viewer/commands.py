@@ -74,10 +74,10 @@ def run_light(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, (".png",))
     scene = chosen_scene(arguments)
-    from insonify.simulate import prepare
     from insonify_viewer.light_page import write_light
+    from insonify_viewer.setting import make_setting
 
-    width, height = write_light(path, prepare(scene))
+    width, height = write_light(path, make_setting(scene))
     say(f"{path}: {width} x {height} pixels")
     return 0
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.types import BED, still_water
+from insonify.kernels.types import BED
 from insonify.tracers.parallel import in_parallel
 from insonify.tracers.rays import cast
 from insonify_viewer.block import Block, Camera, Vectors, make_camera
@@ -22,7 +22,7 @@ from insonify_viewer.glances import Glances, glances, material_rows
 from insonify_viewer.shading import LUMINANCE, hues
 
 if TYPE_CHECKING:
-    from insonify.simulate import Simulation
+    from insonify_viewer.setting import Setting
 
 WIDTH = 1200
 SAMPLES = 2  # rays of a pixel, each way
@@ -38,13 +38,13 @@ OFF = 1e-4  # m off a surface, from which its way to the lamp starts
 FAR = 1e4  # m
 
 
-def light_picture(simulation: Simulation, block: Block, width: int = WIDTH) -> NDArray[np.uint8]:
+def light_picture(setting: Setting, block: Block, width: int = WIDTH) -> NDArray[np.uint8]:
     """Draw a scene lit by a lamp at the sonar, half way along the tow.
 
     Parameters
     ----------
-    simulation : Simulation
-        A prepared scene.
+    setting : Setting
+        A scene laid out.
     block : Block
         What is shown of it.
     width : int
@@ -54,7 +54,7 @@ def light_picture(simulation: Simulation, block: Block, width: int = WIDTH) -> N
     -------
     (height, width, 3) uint8
     """
-    stage = Stage(simulation, block)
+    stage = Stage(setting, block)
     camera = make_camera(block, width)
     shares = in_parallel(lambda first, last: stage.rows(camera, first, last), camera.height)
     return developed(np.concatenate(shares))
@@ -65,18 +65,17 @@ class Stage:
 
     Parameters
     ----------
-    simulation : Simulation
-        A prepared scene.
+    setting : Setting
+        A scene laid out.
     block : Block
         What is shown of it.
     """
 
-    def __init__(self, simulation: Simulation, block: Block) -> None:
+    def __init__(self, setting: Setting, block: Block) -> None:
         self._block = block
-        # Light goes straight.
-        self._problem = simulation.problem_at(simulation.scene.track.pings // 2)._replace(water=still_water())
-        self._ground, self._of_bed = simulation.ground, len(simulation.ground.names)
-        names = (*simulation.ground.names, *(target.material.name for target in simulation.scene.targets))
+        self._problem, self._ground = setting.problem, setting.ground
+        self._of_bed = len(self._ground.names)
+        names = (*self._ground.names, *(target.material.name for target in setting.scene.targets))
         self._shown = with_fish(self._problem, self._block, self._of_bed)
         self._hues = hues(names)
 

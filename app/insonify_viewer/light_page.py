@@ -12,22 +12,22 @@ from insonify_viewer.light import light_picture
 
 if TYPE_CHECKING:
     from insonify.scene import Scene
-    from insonify.simulate import Simulation
+    from insonify_viewer.setting import Setting
 
 DPI = 100
 INSET = 26  # pixels from the left
 INK, FAINT = "#f2f6f8", "#b9cbd3"
 
 
-def write_light(path: Path, simulation: Simulation) -> tuple[int, int]:
+def write_light(path: Path, setting: Setting) -> tuple[int, int]:
     """Draw a scene as light shows it and write it as PNG.
 
     Parameters
     ----------
     path : Path
         File to make or replace; it appears only when whole.
-    simulation : Simulation
-        A prepared scene.
+    setting : Setting
+        A scene laid out.
 
     Returns
     -------
@@ -37,13 +37,13 @@ def write_light(path: Path, simulation: Simulation) -> tuple[int, int]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    block = make_block(simulation)
-    image = light_picture(simulation, block)
+    block = make_block(setting)
+    image = light_picture(setting, block)
     height, width, _ = image.shape
     figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
     FigureCanvasAgg(figure)
     figure.figimage(image)
-    words = ((simulation.scene.title, 44, 15, "bold", INK), (_line(simulation.scene, block), 68, 10, "normal", FAINT))
+    words = ((setting.scene.title, 44, 15, "bold", INK), (_line(setting.scene, block), 68, 10, "normal", FAINT))
     for text, down, size, weight, ink in words:
         figure.text(
             INSET / width, 1.0 - down / height, text, fontsize=size, fontweight=weight, color=ink, parse_math=False

@@ -12,21 +12,21 @@ from PIL import Image
 
 from insonify.cli import main
 from insonify.scene import edit, load_scene
-from insonify.simulate import Simulation, prepare
 from insonify_viewer.block import make_block, make_camera
 from insonify_viewer.glances import glances
 from insonify_viewer.light import LAMP, Stage, light_picture
+from insonify_viewer.setting import Setting, make_setting
 from insonify_viewer.shading import hues
 
 LEVEL = {"seabed.relief": "flat", "seabed.material": {"name": "rock", "diffuse": 0.5, "specular": 0.0}, "targets": []}
 
 
-def prepared(name: str, **changes: Any) -> Simulation:
-    return prepare(edit(load_scene(name), {path.replace("__", "."): value for path, value in changes.items()}))
+def laid_out(name: str, **changes: Any) -> Setting:
+    return make_setting(edit(load_scene(name), {path.replace("__", "."): value for path, value in changes.items()}))
 
 
-def pixel(simulation: Simulation, image: Any, place: tuple[float, float, float]) -> Any:
-    block = make_block(simulation)
+def pixel(setting: Setting, image: Any, place: tuple[float, float, float]) -> Any:
+    block = make_block(setting)
     x, y = make_camera(block, image.shape[1]).seen(np.array(place))
     return image[int(y), int(x)].astype(float)
 
@@ -40,21 +40,21 @@ def shadow(gap: float) -> tuple[float, float]:
 
 @pytest.mark.parametrize("gap", [0.0, 1.0])
 def test_the_shadow_of_a_pipe_lies_where_geometry_puts_it(gap: float) -> None:
-    simulation = prepared("pipe-on-bed", targets__0__gap=gap)
-    image = light_picture(simulation, make_block(simulation), 1000)
+    setting = laid_out("pipe-on-bed", targets__0__gap=gap)
+    image = light_picture(setting, make_block(setting), 1000)
     begins, ends = shadow(gap)
-    middle = simulation.scene.track.pings // 2 * simulation.scene.track.speed / simulation.scene.sonar.ping_rate
+    middle = setting.scene.track.pings // 2 * setting.scene.track.speed / setting.scene.sonar.ping_rate
     lit, dark = (
-        [pixel(simulation, image, (middle, -y, 0.0)).sum() for y in ranges]
+        [pixel(setting, image, (middle, -y, 0.0)).sum() for y in ranges]
         for ranges in ((ends + 0.3, ends + 1.0), (max(begins, 32.0) + 0.3, 0.5 * (begins + ends) + 0.5, ends - 0.3))
     )
     assert max(dark) < 0.7 * min(lit)
 
 
 def test_light_on_a_level_bed_falls_with_the_cosine() -> None:
-    simulation = prepare(edit(load_scene("pipe-on-bed"), LEVEL))
-    block = make_block(simulation)
-    stage = Stage(simulation, block)
+    setting = make_setting(edit(load_scene("pipe-on-bed"), LEVEL))
+    block = make_block(setting)
+    stage = Stage(setting, block)
     aside = (5.0, 10.0, 20.0)
     down = np.array([[0.0, 0.0, -1.0]])
     near, middle, far = (stage.seen(np.add(block.lamp, (0.0, -y, 1.0)), down)[0, :3] for y in aside)
@@ -67,11 +67,11 @@ def test_light_on_a_level_bed_falls_with_the_cosine() -> None:
 
 
 def test_a_mirror_shows_what_stands_before_it() -> None:
-    simulation = prepared("figure-1", sonar__bounces=1)
+    setting = laid_out("figure-1", sonar__bounces=1)
     # From the ball's side of the mirror at y = 26.9, looking at the ball's image behind it.
     eye, image = np.array([16.0, 10.0, 4.0]), np.array([10.0, 2 * 26.9 - 20.0, 0.8])
     way = (image - eye) / np.linalg.norm(image - eye)
-    found = glances(simulation.problem, eye[None], way[None], np.array([100.0]), len(simulation.ground.names))
+    found = glances(setting.problem, eye[None], way[None], np.array([100.0]), len(setting.ground.names))
     assert found.what.tolist() == [0, 1]
     assert np.linalg.norm(found.where[1] - [10.0, 20.0, 0.8]) == pytest.approx(0.8, abs=1e-6)
     assert found.share[1] == pytest.approx(1.0)
@@ -80,13 +80,13 @@ def test_a_mirror_shows_what_stands_before_it() -> None:
 
 def test_what_leaves_into_the_water_is_accounted_for() -> None:
     """With surfaces that keep nothing, every ray ends on the bed or in the water, and no share is lost or won."""
-    simulation = prepared("figure-1", sonar__bounces=8)
+    setting = laid_out("figure-1", sonar__bounces=8)
     rng = np.random.default_rng(1)
     centre = np.array([12.0, -18.0, 2.5])  # of the clear ball
     eyes = centre + np.column_stack([rng.uniform(-6.0, 6.0, (500, 2)), rng.uniform(3.0, 8.0, 500)])
     ways = centre + rng.uniform(-1.2, 1.2, (500, 3)) - eyes
     ways /= np.linalg.norm(ways, axis=1)[:, None]
-    found = glances(simulation.problem, eyes, ways, np.full(500, 100.0), len(simulation.ground.names))
+    found = glances(setting.problem, eyes, ways, np.full(500, 100.0), len(setting.ground.names))
     ended = np.zeros(500)
     np.add.at(ended, found.ray, found.escaped)
     others = (found.what != 5) & (found.share > 0.0)
@@ -98,10 +98,10 @@ def test_what_leaves_into_the_water_is_accounted_for() -> None:
     assert np.median(ended[first_on_ball]) == pytest.approx(1.0, abs=0.02)
 
 
-@pytest.mark.parametrize("name", ["default", "figure-5-relief", "sediments", "real-bed", "wreck"])
+@pytest.mark.parametrize("name", ["default", "double-image", "figure-5-relief", "sediments", "real-bed", "wreck"])
 def test_no_picture_has_black_or_blank_regions(name: str) -> None:
-    simulation = prepare(load_scene(name))
-    image = light_picture(simulation, make_block(simulation), 300).astype(int)
+    setting = make_setting(load_scene(name))
+    image = light_picture(setting, make_block(setting), 300).astype(int)
     assert image.sum(axis=2).min() > 45
     assert (image.min(axis=2) >= 254).mean() < 0.01
     middle = image[image.shape[0] // 3 : -image.shape[0] // 3, 75:-75]
