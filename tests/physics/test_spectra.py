@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize_scalar
 
+from insonify.scene import SceneError
 from insonify.scene.fractal import Fractal
 from insonify.scene.seabed import Seabed
 from insonify.terrain import relief
+from insonify.terrain.exponent import amplitude_exponent
 from insonify.terrain.spectra import coefficients, frequencies, power_spectrum, synthesise, variance
 
 FIGURE_6 = Fractal(beta=1.4, peaks=((8.0, 4.0),), period=25.6)
@@ -20,32 +21,17 @@ def measured_power(heights):
     return power
 
 
-def whittle_exponent(heights, low=4):
-    """Fit 2β of F^−2β to a periodic field by Whittle's likelihood, the level profiled out."""
-    fx, fy = frequencies(heights.shape)
-    radius = np.hypot(fx, fy)
-    power = np.abs(np.fft.rfft2(heights)) ** 2
-    inside = (radius >= low) & (radius < heights.shape[0] / 2) & (fx > 0)
-    log_radius, power = np.log(radius[inside]), power[inside]
-
-    def misfit(exponent):
-        ratio = power * np.exp(exponent * log_radius)
-        return np.log(ratio.mean()) - exponent * log_radius.mean()
-
-    return minimize_scalar(misfit, bounds=(-0.5, 11.0), method="bounded").x
-
-
 @pytest.mark.parametrize("beta", [0.0, 0.7, 1.4, 2.3, 4.9])
 def test_random_phases_give_the_exponent_exactly(beta):
     fractal = Fractal(beta=beta)
-    assert whittle_exponent(synthesise(fractal, (256, 256), (256, 256), 3)) == pytest.approx(2 * beta, abs=2e-4)
+    assert amplitude_exponent(synthesise(fractal, (256, 256), (256, 256), 3)) == pytest.approx(beta, abs=1e-4)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_gaussian_coefficients_give_the_exponent_in_the_mean(seed):
     fractal = Fractal(beta=1.4, coefficients="gaussian")
     # Physics: ±0.014 on 2β at 512², one standard deviation; three of them here.
-    assert whittle_exponent(synthesise(fractal, (512, 512), (512, 512), seed)) == pytest.approx(2.8, abs=0.042)
+    assert amplitude_exponent(synthesise(fractal, (512, 512), (512, 512), seed)) == pytest.approx(1.4, abs=0.021)
 
 
 def test_figure_6_centroid_gives_the_peak_and_the_direction_of_its_crests():
@@ -196,3 +182,10 @@ def test_peaks_combine_by_mean_square_or_by_the_larger():
     squares = np.array(each, dtype=float) ** -1.4
     assert power_spectrum(Fractal(peaks=peaks), *place)[0] == pytest.approx(squares.sum())
     assert power_spectrum(Fractal(peaks=peaks, combine="max"), *place)[0] == pytest.approx(squares.max())
+
+
+def test_an_exponent_needs_waves():
+    with pytest.raises(
+        SceneError, match=r"^heights: \(32, 64\) samples hold too few waves .*; give at least 40 a side$"
+    ):
+        amplitude_exponent(np.zeros((32, 64)))

@@ -1,0 +1,55 @@
+"""The exponent of a field's spectrum, measured from the field alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene import SceneError
+from insonify.terrain.spectra import frequencies
+
+LOWEST = 4.0  # cycles per period; below are too few waves, and the clamp
+FEWEST = 16.0  # cycles per period between the lowest and the highest
+
+
+def amplitude_exponent(heights: NDArray[np.floating]) -> float:
+    """Fit β of an amplitude spectrum f^−β to one period of a field, by Whittle's likelihood.
+
+    Parameters
+    ----------
+    heights : (ny, nx) float
+        One period, of any unit.
+
+    Returns
+    -------
+    float
+        β, from waves of 4 cycles per period up to the Nyquist frequency; ±0.007 at 512².
+
+    Raises
+    ------
+    SceneError
+        If the field has too few waves.
+
+    References
+    ----------
+    Whittle 1953, "Estimation and information in stationary time series": minus the logarithm of the likelihood of
+    exponential powers P about a·f^−2β, with the level a at its best.
+    """
+    from scipy.optimize import minimize_scalar
+
+    highest = min(heights.shape) / 2.0
+    if highest - LOWEST < FEWEST:
+        raise SceneError(
+            f"heights: {heights.shape} samples hold too few waves to measure an exponent; "
+            f"give at least {2 * int(LOWEST + FEWEST)} a side"
+        )
+    fx, fy = frequencies((heights.shape[0], heights.shape[1]))
+    radius = np.hypot(fx, fy)
+    power = np.abs(np.fft.rfft2(heights)) ** 2
+    inside = (radius >= LOWEST) & (radius < highest) & (fx > 0)
+    log_radius, power = np.log(radius[inside]), power[inside]
+
+    def misfit(exponent: float) -> float:
+        return float(np.log((power * np.exp(exponent * log_radius)).mean()) - exponent * log_radius.mean())
+
+    return float(0.5 * minimize_scalar(misfit, bounds=(-0.5, 11.0), method="bounded").x)
