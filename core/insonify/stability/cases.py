@@ -1,0 +1,18 @@
+"""All cases, theme by theme."""
+
+from __future__ import annotations
+
+from insonify.stability import beams, bed, bins, numbers, rays, receiver, spectra, targets, water
+from insonify.stability.case import Case
+
+CASES: dict[str, tuple[Case, ...]] = {
+    "Layered water": water.CASES,
+    "Bent rays": rays.CASES,
+    "Time bins": bins.CASES,
+    "The bed": bed.CASES,
+    "Targets": targets.CASES,
+    "Beams": beams.CASES,
+    "Made reliefs": spectra.CASES,
+    "The receiver": receiver.CASES,
+    "Arithmetic": numbers.CASES,
+}

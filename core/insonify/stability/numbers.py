@@ -1,0 +1,205 @@
+"""Failures of arithmetic: too few digits, too many licences, too many threads."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from insonify.kernels.jit import FAST
+from insonify.scene import SceneError
+from insonify.simulate import prepare
+from insonify.stability.case import Case, Way
+from insonify.stability.compiled import guarded_mean, swallowed
+from insonify.stability.drawing import RIGHT, WRONG, named, panel
+from insonify.stability.scenery import ground_of, level_scene
+from insonify.terrain import relief
+from insonify.tracers import rays, sweep
+from insonify.tracers.poses import take
+
+NORTHING, EASTING = 4_182_600.0, 551_300.0  # of a place in UTM coordinates, m
+CELL = 0.1
+Points = NDArray[np.float64]
+
+
+@lru_cache(maxsize=1)
+def _bed_on_the_map() -> tuple[Points, Points]:
+    """Heights of a rough bed, and places along a line over it."""
+    changes = {
+        "seabed.relief": {"kind": "fractal", "beta": 1.6, "period": 12.8, "rms": 0.1},
+        "seabed.spacing": CELL,
+    }
+    return relief(level_scene(changes).seabed), np.linspace(1.0, 11.0, 2001)
+
+
+def heights_in_single_precision(heights: Points, northing: Points) -> Points:
+    """Heights along a line of the grid, looked up by map coordinates in float32."""
+    place = (northing.astype(np.float32) - np.float32(NORTHING)) / np.float32(CELL)
+    return np.interp(place, np.arange(len(heights)), heights[:, 0])
+
+
+def _true_heights() -> Points:
+    heights, along = _bed_on_the_map()
+    return np.interp(along / CELL, np.arange(len(heights)), heights[:, 0])
+
+
+def _own_heights() -> Points:
+    heights, along = _bed_on_the_map()
+    ground = ground_of(heights, CELL, x0=EASTING, y0=NORTHING)
+    return ground.height_at(np.full(along.size, EASTING), NORTHING + along)
+
+
+def _single_heights() -> Points:
+    heights, along = _bed_on_the_map()
+    return heights_in_single_precision(heights, NORTHING + along)
+
+
+def _height_error(heights: Points) -> float:
+    return float(1000.0 * np.abs(heights - _true_heights()).max())
+
+
+def _draw_terraces(figure: Figure) -> None:
+    along = _bed_on_the_map()[1]
+    axes = panel(figure, x=f"northing − {NORTHING:,.0f} (m)".replace(",", " "), y="height (m)")
+    some = slice(0, 801)
+    axes.plot(along[some], _single_heights()[some], color=WRONG, linewidth=1.4, label="coordinates in float32")
+    axes.plot(along[some], _own_heights()[some], color=RIGHT, linewidth=1.4, label="local origin, float64")
+    named(axes)
+
+
+def next_hit(origin: Points, direction: Points, centre: Points, radius: float) -> Points:
+    """Distances to a sphere in front, by the quadratic formula; infinite where there is none."""
+    offset = origin - centre
+    half, rest = (offset * direction).sum(axis=1), (offset**2).sum(axis=1) - radius**2
+    root = np.sqrt(np.maximum(half**2 - rest, 0.0))
+    near, far = -half - root, -half + root
+    hit = np.where(near > 0.0, near, far)
+    return np.where((half**2 >= rest) & (hit > 0.0), hit, np.inf)
+
+
+@lru_cache(maxsize=1)
+def _towards_a_ball() -> tuple[Points, Points, Points, float]:
+    """Origins and directions of rays that meet a mirroring ball on the map, its centre and radius."""
+    rng = np.random.default_rng(1)
+    centre, radius = np.array([EASTING, NORTHING, 5.0]), 1.0
+    goals = centre + 0.9 * radius * rng.uniform(-0.5, 0.5, (4000, 3))
+    origins = np.tile(centre + np.array([0.0, -12.0, 4.0]), (4000, 1))
+    ways = goals - origins
+    return origins, ways / np.linalg.norm(ways, axis=1, keepdims=True), centre, radius
+
+
+def _plain_self_hits() -> float:
+    origins, ways, centre, radius = _towards_a_ball()
+    points = origins + next_hit(origins, ways, centre, radius)[:, None] * ways
+    normals = (points - centre) / radius
+    mirrored = ways - 2.0 * (ways * normals).sum(axis=1, keepdims=True) * normals
+    return float(100.0 * np.isfinite(next_hit(points, mirrored, centre, radius)).mean())
+
+
+def _own_self_hits() -> float:
+    origins, ways, centre, radius = _towards_a_ball()
+    ball = {"kind": "sphere", "position": [centre[0], centre[1], centre[2] - 30.0], "radius": radius}
+    ball["material"] = {"name": "mirror", "diffuse": 0.0, "specular": 1.0, "reflection": 1.0}
+    problem = prepare(level_scene({"targets": [ball]})).problem
+    paths = rays.follow(problem, origins, ways, 1, reach=40.0)
+    again = (paths.bounce == 1) & (paths.what == 0)
+    return float(100.0 * again.sum() / max((paths.bounce == 0).sum(), 1))
+
+
+def _own_swallowed() -> float:
+    """Percentage of pings that are empty, without a word, when the sonar runs into a pipe."""
+    pipe = {"kind": "pipe", "position": [20.0, 0.0, -20.0], "length": 10.0, "heading": 90.0}
+    simulation = prepare(level_scene({"targets": [pipe], "track.pings": 512}))
+    try:
+        record = simulation.intensity(np.arange(512))
+    except SceneError:
+        return 0.0
+    return float(100.0 * (record.sum(axis=(1, 2)) == 0.0).mean())
+
+
+@lru_cache(maxsize=1)
+def _many_echoes() -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Energies, and the bins they fall into."""
+    rng = np.random.default_rng(2)
+    return rng.random(20_000, dtype=np.float32), rng.integers(0, 200, 20_000)
+
+
+def summed_by(workers: int) -> NDArray[np.float32]:
+    """Sum echoes into bins in float32: each worker a share, then one share after the other."""
+    energies, places = _many_echoes()
+    total = np.zeros(200, dtype=np.float32)
+    for share, where in zip(np.array_split(energies, workers), np.array_split(places, workers)):
+        part = np.zeros(200, dtype=np.float32)
+        np.add.at(part, where, share)
+        total += part
+    return total
+
+
+def _plain_threads() -> float:
+    return float(100.0 * np.mean(summed_by(1) != summed_by(4)))
+
+
+def _own_threads() -> float:
+    """Percentage of bins that differ with threads, with the size of blocks or with the order of the pings."""
+    bed = {"kind": "fractal", "beta": 1.4, "period": 25.6, "rms": 0.05}
+    scene = level_scene({"seabed.relief": bed, "sonar.beam": "fan", "sonar.bins": 400, "track.pings": 48})
+    simulation = prepare(scene)
+    pings = np.arange(48)
+    poses = simulation.poses(pings)
+    one = sweep.trace(simulation.problem, poses, planes=4, threads=1)
+    others = [
+        sweep.trace(simulation.problem, poses, planes=4, threads=3),
+        sweep.trace(simulation.problem, take(poses, pings[::-1]), planes=4)[::-1],
+        np.concatenate([sweep.trace(simulation.problem, take(poses, pings[k : k + 7]), planes=4) for k in pings[::7]]),
+    ]
+    return float(100.0 * max(np.mean(one != other) for other in others))
+
+
+def _known(licences: object) -> float:
+    """Error of a mean that passes over what is not known."""
+    values = np.ones(100)
+    values[::7] = math.nan
+    return abs(guarded_mean(values, licences) - 1.0)
+
+
+CASES = (
+    Case(
+        "Large coordinates",
+        "In float32 a northing of millions of metres is known to a quarter or half of a metre only.",
+        "worst error of the bed's height", "mm",
+        Way("Looks heights up by map coordinates in float32.", lambda: _height_error(_single_heights()), 20.0),
+        Way("Subtracts a local origin in float64.", lambda: _height_error(_own_heights()), 0.01),
+        _draw_terraces,
+    ),
+    Case(
+        "A ray that meets its own surface",
+        "A mirrored ray begins where rounding puts it, as often inside the surface as outside.",
+        "mirrored rays that meet their own ball again", "%",
+        Way("Begins at the hit and takes the next distance above 0.", _plain_self_hits, 10.0),
+        Way("Keeps clear of the surface by a distance that grows with the coordinates.", _own_self_hits, 0.0),
+    ),
+    Case(
+        "Fast arithmetic",
+        "A compiler that may assume there are no NaN removes every guard against them.",
+        "error of a mean over nodes of which some are missing", "",
+        Way("Is compiled with all licences of fast-math.", lambda: _known(True), 0.0),
+        Way("Is compiled with the kernels' licences, none of which touches NaN.", lambda: _known(FAST), 1e-12),
+    ),
+    Case(
+        "An exception inside a parallel loop",
+        "Numba drops what a called function raises inside prange, and hands back a half-filled array.",
+        "results missing without a word", "%",
+        Way("Raises in a function that a parallel loop calls.", swallowed, 5.0),
+        Way("Returns a status from every kernel and raises above it.", _own_swallowed, 0.0),
+    ),
+    Case(
+        "Threads and blocks",
+        "Floating-point sums depend on their order, and that on how work is shared.",
+        "bins that change with it", "%",
+        Way("Adds up the shares of one worker and of four, in float32.", _plain_threads, 10.0),
+        Way("Traces each ping by itself, in whole numbers.", _own_threads, 0.0),
+    ),
+)  # fmt: skip

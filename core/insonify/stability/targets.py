@@ -1,0 +1,126 @@
+"""Failures of things on the bed: walls that leak or count twice, intervals that do not exist."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.types import Problem
+from insonify.scene import SceneError
+from insonify.simulate import prepare, simulate
+from insonify.stability.case import Case, Way
+from insonify.stability.scenery import level_scene
+from insonify.tracers import rays
+
+Vectors = NDArray[np.float64]
+
+
+@lru_cache(maxsize=1)
+def _from_within() -> tuple[Problem, Vectors, Vectors]:
+    """Ball of triangles, and rays from inside it to its edges and corners, all of which meet it once."""
+    rng = np.random.default_rng(3)
+    box = {"kind": "box", "position": [0.0, 0.0, -10.0], "size": [3.0, 2.0, 1.5], "heading": 31.0, "pitch": 17.0}
+    problem = prepare(level_scene({"targets": [box | {"roll": 9.0}], "track.start": [0.0, 30.0]})).problem
+    corners = problem.mesh.corners
+    centre = corners.mean(axis=(0, 1))
+    which, side = rng.integers(0, len(corners), 6000), rng.integers(0, 3, 6000)
+    share = rng.random((6000, 1))
+    goals = (1.0 - share) * corners[which, side] + share * corners[which, (side + 1) % 3]
+    return problem, np.tile(centre, (6000, 1)), goals - centre
+
+
+def triangles_met(corners: Vectors, origin: Vectors, direction: Vectors) -> int:
+    """Count the triangles that a ray meets (Möller and Trumbore), in float32, borders included."""
+    a, b, c = (corners[:, k].astype(np.float32) for k in range(3))
+    way, start = direction.astype(np.float32), origin.astype(np.float32)
+    p = np.cross(way, c - a)
+    determinant = ((b - a) * p).sum(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = ((start - a) * p).sum(axis=1) / determinant
+        q = np.cross(start - a, b - a)
+        v, t = (q @ way) / determinant, ((c - a) * q).sum(axis=1) / determinant
+    return int(((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t > 0.0)).sum())
+
+
+def _plain_walls() -> float:
+    problem, origins, ways = _from_within()
+    met = [triangles_met(problem.mesh.corners, origin, way) for origin, way in zip(origins, ways)]
+    return float(100.0 * np.mean(np.array(met) != 1))
+
+
+def _own_walls() -> float:
+    problem, origins, ways = _from_within()
+    distance, what, _ = rays.cast(problem, origins, ways)
+    off = np.abs(distance / np.linalg.norm(ways, axis=1) - 1.0)
+    return float(100.0 * np.mean((what != 0) | (off > 1e-9)))
+
+
+PLACES: dict[str, Any] = {
+    "around the sonar": [0.0, 0.3, -20.0],
+    "under the bed": [0.0, 20.0, -33.0],
+    "beneath the sonar": [0.0, 0.0, -28.0],
+    "beyond the range": [0.0, 80.0, -29.0],
+    "on the other side": [0.0, -20.0, -29.0],
+}
+RADIUS = 1.0
+
+
+def shadow_interval(across: float, above: float, altitude: float) -> tuple[float, float]:
+    """Slant ranges between which a ball hides the bed, H / sin(φ ± α); ``above`` is its centre's height."""
+    d, phi = math.hypot(across, altitude - above), math.atan2(altitude - above, across)
+    alpha = math.asin(RADIUS / d) if d >= RADIUS else math.nan
+    with np.errstate(divide="ignore"):
+        return altitude / math.sin(phi + alpha), altitude / math.sin(phi - alpha)
+
+
+def _plain_intervals() -> float:
+    """Count the places where that interval is none, or hides a bed that is in sight."""
+    wrong = 0
+    for _, y, z in PLACES.values():
+        near, far = shadow_interval(y, z + 30.0, 10.0)
+        lit = y < 0.0 or z + 30.0 < -RADIUS or y > 50.0
+        wrong += not (0.0 < near < far) or (lit and near < 50.0)
+    return float(wrong)
+
+
+def _own_intervals() -> float:
+    bare = simulate(level_scene()).intensity.values[:, 0]
+    return float(sum(not _is_right(name, place, bare) for name, place in PLACES.items()))
+
+
+def _is_right(name: str, place: list[float], bare: NDArray[np.float32]) -> bool:
+    ball = {"kind": "sphere", "position": place, "radius": RADIUS, "material": "rock"}
+    try:
+        port, starboard = simulate(level_scene({"targets": [ball]})).intensity.values[:, 0]
+    except SceneError as error:
+        return name == "around the sonar" and "the sonar runs into it" in str(error)
+    if not (np.isfinite(port).all() and (port >= 0.0).all() and (starboard >= 0.0).all()):
+        return False
+    if name == "beneath the sonar":
+        return bool(np.allclose(port, starboard, rtol=1e-4, atol=1e-6 * port.max()) and port[:200].any())
+    if name == "under the bed":
+        return bool(np.allclose(port, bare[0], rtol=0.02, atol=1e-4 * bare[0].max()))
+    return np.array_equal(port, bare[0]) and (name != "on the other side" or not np.array_equal(starboard, bare[1]))
+
+
+CASES = (
+    Case(
+        "Edges that two walls share",
+        "Rounding puts a ray through an edge on neither of its two triangles, or on both.",
+        "rays that meet not exactly one wall", "%",
+        Way("Tests every triangle for itself, in float32.", _plain_walls, 5.0),
+        Way("Decides each edge once, in the same way for both its triangles.", _own_walls, 0.0),
+    ),
+    Case(
+        "Targets in odd places",
+        "The interval of angles that a ball covers does not exist around the sonar, and covers nothing behind it, "
+        "beneath the bed or beyond the range.",
+        "places told wrongly", "of 5",
+        Way("Hides the bed from H / sin(φ + α) to H / sin(φ − α).", _plain_intervals, 2.0),
+        Way("Hears what is in sight, and refuses a sonar inside a target in one sentence.", _own_intervals, 0.0),
+    ),
+)  # fmt: skip

@@ -1,0 +1,110 @@
+"""Every case of `insonify.stability`: the plain way fails, the program's own holds, and the page tells both."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+from matplotlib.figure import Figure
+
+from insonify.cli import main
+from insonify.stability import CASES, Case, Way, judge
+from insonify.stability.case import amount
+from insonify.stability.report import write_report
+
+EVERY = [case for members in CASES.values() for case in members]
+
+
+@pytest.mark.parametrize("case", EVERY, ids=lambda case: case.name)
+def test_the_plain_way_fails_and_the_own_one_holds(case):
+    outcome = judge(case)
+    assert outcome.is_shown, f"{case.figure}: {outcome.failing} by the plain way"
+    assert outcome.is_held, f"{case.figure}: {outcome.right} by the own way"
+    assert outcome.verdict == "holds"
+
+
+@pytest.mark.parametrize("case", [case for case in EVERY if case.picture], ids=lambda case: case.name)
+def test_pictures_can_be_drawn(case):
+    figure = Figure()
+    case.picture(figure)
+    assert all(axes.get_xlabel() and axes.get_ylabel() for axes in figure.axes)
+
+
+def test_what_is_said_is_said_in_sentences():
+    names = [case.name for case in EVERY]
+    assert len(set(names)) == len(names)
+    for case in EVERY:
+        for sentence in (case.trigger, case.failing.does, case.right.does):
+            assert sentence[0].isupper(), sentence
+            assert sentence.endswith("."), sentence
+
+
+def of(failing: float, right: float) -> Case:
+    return Case("A < B", "Is.", "this", "m", Way("Does.", lambda: failing, 1.0), Way("Acts.", lambda: right, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("failing", "right", "verdict"),
+    [
+        (2.0, 0.1, "holds"),
+        (math.nan, 0.0, "holds"),
+        (math.inf, 0.0, "holds"),
+        (1.0, 0.0, "holds, failure not shown"),
+        (2.0, 0.2, "does not hold"),
+        (2.0, math.nan, "does not hold"),
+    ],
+)
+def test_verdicts(failing, right, verdict):
+    assert judge(of(failing, right)).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (math.nan, "not a number"),
+        (math.inf, "infinite m"),
+        (0.0, "0 m"),
+        (12.345, "12.3 m"),
+        (-0.5, "−0.5 m"),
+        (4e-16, "4.0 × 10⁻¹⁶ m"),
+        (1.7e5, "1.7 × 10⁵ m"),
+    ],
+)
+def test_figures_are_readable(value, text):
+    assert amount(value, "m") == text
+
+
+def test_the_page_stands_by_itself(tmp_path):
+    drawn = next(case for case in EVERY if case.picture)
+    outcomes = write_report(tmp_path / "page.html", {"One": (of(2.0, 0.0),), "Two": (drawn, of(2.0, 0.2))})
+    assert len(outcomes) == 3
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "A &lt; B" in text
+    assert "2 of 3 cases" in text
+    assert "does not hold" in text
+    assert text.count('src="data:image/png;base64,') == 1
+    # Nothing is fetched, and every link leads somewhere on the page.
+    assert not re.search(r"https?://|<script|<link", text)
+    assert set(re.findall(r'href="#([^"]+)"', text)) == set(re.findall(r'id="([^"]+)"', text))
+    assert [path.name for path in tmp_path.iterdir()] == ["page.html"]
+
+
+def test_a_failure_leaves_the_old_page(tmp_path):
+    def broken() -> float:
+        raise MemoryError
+
+    page = tmp_path / "page.html"
+    page.write_text("old")
+    case = Case("A", "Is.", "this", "", Way("Does.", broken, 1.0), Way("Acts.", broken, 0.1))
+    with pytest.raises(MemoryError):
+        write_report(page, {"One": (case,)})
+    assert page.read_text() == "old"
+
+
+def test_the_command_refuses_other_formats(capsys):
+    assert main(["stability", "-o", "page.pdf"]) == 2
+    assert (
+        capsys.readouterr().err
+        == "insonify: -o page.pdf: '.pdf' is no format written here; end the name in .html or .htm\n"
+    )
