@@ -76,8 +76,8 @@ def find_eigenrays(height, speed, span, edges, found):
     before = np.full((ORDERS, COLUMNS), math.inf)
     for e in range(edges.size - 1):
         # At the critical angle itself rays belong to neither side.
-        inset = 2e-16 * (1.0 + 4.0 * abs(edges[e]))
-        width = edges[e + 1] - edges[e] - 2.0 * inset
+        inset = doubt(edges[e])
+        width = edges[e + 1] - doubt(edges[e + 1]) - edges[e] - inset
         if width <= 0.0:
             continue
         for i in range(SAMPLES):
@@ -87,6 +87,10 @@ def find_eigenrays(height, speed, span, edges, found):
             count = add_level_ray(height, speed, span, found, count)
         for order in range(ORDERS):
             count = add_between_sides(span, before[order], rows[0, order], found, count)
+            if order > 0:
+                # A ray that grazes the height asked for comes there twice at once.
+                count = add_between_sides(span, rows[0, order - 1], rows[0, order], found, count)
+                count = add_between_sides(span, rows[-1, order - 1], rows[-1, order], found, count)
             for i in range(SAMPLES - 1):
                 a, b = rows[i, order], rows[i + 1, order]
                 if crosses(span, a, b):
@@ -99,6 +103,14 @@ def find_eigenrays(height, speed, span, edges, found):
         for order in range(ORDERS):
             copy_row(rows[SAMPLES - 1, order], before[order])
     return count
+
+
+@fused
+def doubt(edge):
+    """By how much a critical angle may be off, rad: an arc cosine is known to rounding over its sine."""
+    if edge == 0.0:
+        return 2e-16
+    return 2e-16 * (1.0 + 4.0 * abs(edge)) + 1e-15 / abs(math.tan(edge))
 
 
 @kernel
