@@ -123,5 +123,7 @@ def test_pings_of_figure_4_lie_within_5_centimetres():
 
 
 def test_a_missing_scene_names_those_there_are():
-    with pytest.raises(SceneError, match=r"no such file; give a TOML file or one of default, .*figure-1, figure-2a"):
+    with pytest.raises(
+        SceneError, match=r"no such file; give a TOML file or one of breaks-beats, .*default, .*figure-1, figure-2a"
+    ):
         load_scene("atlantis")
