@@ -22,8 +22,8 @@ MANY_IN = 7  # the only scene with that many
 BUOY = "buoy-{}.obj"
 
 
-def random_scene(seed: int, folder: Path) -> tuple[Scene, np.ndarray]:
-    """Scene of a seed and the pings that cross its targets; its files go into a folder."""
+def random_scene(seed: int, folder: Path, *, bent: bool = False) -> tuple[Scene, np.ndarray]:
+    """Scene of a seed and the pings that cross its targets; its files go into a folder. Its water may bend sound."""
     rng = np.random.default_rng([20261121, seed])
     heading, altitude, reach = rng.uniform(-180.0, 180.0), rng.uniform(3.0, 15.0), rng.uniform(20.0, 30.0)
     places = _places(rng, altitude, reach)
@@ -33,6 +33,7 @@ def random_scene(seed: int, folder: Path) -> tuple[Scene, np.ndarray]:
             "title": f"random {seed}",
             "seed": seed,
             "seabed": _seabed(rng, folder, seed),
+            "water": _water(seed) if bent else {"kind": "uniform"},
             "targets": [_target(rng, _moved(start, heading, place), folder, seed) for place in places],
             "sonar": {
                 "beam": "knife" if rng.random() < 0.5 else {"kind": "fan", "width": rng.uniform(0.5, 3.0)},
@@ -53,6 +54,16 @@ def random_scene(seed: int, folder: Path) -> tuple[Scene, np.ndarray]:
     chosen = rng.integers(0, len(places), 4)
     along = np.array([places[k][0] for k in chosen]) + rng.uniform(-0.8, 0.8, 4)
     return scene, np.unique(np.rint(along * PINGS_PER_METRE).astype(np.int64))
+
+
+def _water(seed: int) -> Spec:
+    """A thermocline of 10 m/s, either way up, anywhere between the surface and the bed; gentle slopes beyond it."""
+    rng = np.random.default_rng([20261122, seed])
+    top, thickness = rng.uniform(5.0, DEPTH - 3.0), rng.uniform(1.0, 8.0)
+    above = rng.uniform(1490.0, 1510.0)
+    below = above + rng.choice([-10.0, 10.0])
+    speeds = [above + 0.05 * rng.uniform(-top, top), above, below, below + rng.uniform(-1.0, 1.0)]
+    return {"kind": "profile", "depth": [0.0, top, top + thickness, DEPTH + 10.0], "sound_speed": speeds}
 
 
 def _places(rng: Random, altitude: float, reach: float) -> list[tuple[float, float]]:

@@ -2,7 +2,7 @@
 
 Errors are shares of the record beyond 1.4 altitudes and over all bins. The judge has noise of its own: *moved* is how
 far the last doubling of the rays moved their record, and about half of that is left in it. Shadow edges are where the
-reference goes dark or lit for at least two bins.
+reference goes dark or lit for at least two bins. Likewise through thermoclines, by tables against arcs.
 """
 
 from __future__ import annotations
@@ -22,10 +22,12 @@ from insonify.tracers import sweep
 from random_scenes import random_scene
 
 PLANES = 64  # of a fan
-ALL = range(50)
+ALL, BENT = range(50), range(30)
 QUICK = (0, 3, 20, 21, 26, 28, 31, 37, 39, 47)
+QUICK_BENT = (0, 3, 21, 28)
 DARK, LIT = 0.005, 0.1  # of the median of what is heard; what lies between is an edge too faint to have a place
 SPAN = 2  # bins that a stretch must last
+STRETCHES = 8  # of a side, in which levels are compared
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,7 @@ class Judged:
     errors: Errors
     moved: float
     edges: np.ndarray  # bins by which the sweep misses each edge of a shadow
+    level: float  # dB, by which it is off in the worst of all stretches
 
     def line(self) -> str:
         beam, relief = self.scene.sonar.beam, self.scene.seabed.relief
@@ -45,19 +48,56 @@ class Judged:
         return (
             f"{self.scene.title:9} {beam.kind:5} {self.scene.sonar.law:5} {relief.kind:7} "
             f"{self.scene.altitude:4.1f} m {self.triangles:5d} triangles: {100 * self.errors.beyond:5.2f} % beyond, "
-            f"{100 * self.errors.all_bins:5.2f} % in all, rays moved {100 * self.moved:4.2f} %, {worst}; {kinds}"
+            f"{100 * self.errors.all_bins:5.2f} % in all, rays moved {100 * self.moved:4.2f} %, {worst}, "
+            f"{self.level:4.2f} dB; {kinds}"
         )
 
 
-def judge(seed: int, folder: Path, tolerance: float) -> Judged:
+def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> Judged:
     """Trace a random scene by the sweep and by rays that have settled to a tolerance."""
-    scene, pings = random_scene(seed, folder)
-    simulation = prepare(scene)
+    scene, pings = random_scene(seed, folder, bent=bent)
+    simulation = prepare(scene, method="rays")
+    assert simulation.problem.water.bent == bent
     problem, poses = simulation.problem, simulation.poses(pings)
     right, moved = reference(problem, poses, tolerance=tolerance)
     record = sweep.trace(problem, poses, planes=PLANES)
     errors = compare(problem, poses, record, right)
-    return Judged(scene, problem.mesh.target.size, errors, moved, missed_edges(problem, poses, record, right))
+    return Judged(
+        scene,
+        problem.mesh.target.size,
+        errors,
+        moved,
+        missed_edges(problem, poses, record, right),
+        worst_level(record, right),
+    )
+
+
+def judge_many(
+    seeds: range, folder: Path, capsys: pytest.CaptureFixture[str], tolerance: float, *, bent: bool = False
+) -> list[Judged]:
+    """Judge many scenes and print them, a line each, and all of them together."""
+    all_judged = []
+    for seed in seeds:
+        all_judged.append(judge(seed, folder, tolerance, bent=bent))
+        with capsys.disabled():
+            sys.stdout.write(f"\n{all_judged[-1].line()}")
+    errors = np.array([judged.errors.beyond for judged in all_judged])
+    edges = np.concatenate([judged.edges for judged in all_judged])
+    with capsys.disabled():
+        sys.stdout.write(
+            f"\nmedian {100 * np.median(errors):.2f} %, worst {100 * errors.max():.2f} % (rays' own noise included); "
+            f"{100 * (edges <= 1).mean():.1f} % of {edges.size} edges of shadows within a bin, worst {edges.max()}"
+        )
+    return all_judged
+
+
+def worst_level(record: np.ndarray, right: np.ndarray) -> float:
+    """Decibels between a record and its reference in the worst stretch of any side that is heard at all."""
+    one, other = (
+        np.stack([part.sum(axis=-1) for part in np.array_split(r, STRETCHES, axis=-1)]) for r in (record, right)
+    )
+    heard = other > 1e-3 * other.max()
+    return float(np.abs(10.0 * np.log10(one[heard] / other[heard])).max())
 
 
 def missed_edges(problem: Problem, poses: Poses, record: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -92,21 +132,30 @@ def test_the_sweep_is_what_rays_say(seed, tmp_path):
     assert judged.edges.max(initial=0) <= 1, judged.line()
 
 
+@pytest.mark.parametrize("seed", QUICK_BENT)
+def test_the_bent_sweep_is_what_bent_rays_say(seed, tmp_path):
+    judged = judge(seed, tmp_path, 0.004, bent=True)
+    assert judged.errors.beyond < 0.015, judged.line()
+    assert judged.errors.dark_leakage < 1e-3
+    assert judged.edges.max(initial=0) <= 1, judged.line()
+    assert judged.level < 0.1, judged.line()
+
+
 @pytest.mark.bench
-def test_fifty_random_scenes(capsys, tmp_path):
-    all_judged = []
-    for seed in ALL:
-        judged = judge(seed, tmp_path, 0.001)
-        all_judged.append(judged)
-        with capsys.disabled():
-            sys.stdout.write(f"\n{judged.line()}")
+def test_thirty_random_scenes_in_water_that_bends_sound(capsys, tmp_path):
+    all_judged = judge_many(BENT, tmp_path, capsys, 0.003, bent=True)
     errors = np.array([judged.errors.beyond for judged in all_judged])
     edges = np.concatenate([judged.edges for judged in all_judged])
-    with capsys.disabled():
-        sys.stdout.write(
-            f"\nmedian {100 * np.median(errors):.2f} %, worst {100 * errors.max():.2f} % (rays' own noise included); "
-            f"{100 * (edges <= 1).mean():.1f} % of {edges.size} edges of shadows within a bin, worst {edges.max()}"
-        )
+    assert np.median(errors) < 0.015
+    assert (edges <= 1).mean() > 0.99
+    assert np.median([judged.level for judged in all_judged]) < 0.1
+
+
+@pytest.mark.bench
+def test_fifty_random_scenes(capsys, tmp_path):
+    all_judged = judge_many(ALL, tmp_path, capsys, 0.001)
+    errors = np.array([judged.errors.beyond for judged in all_judged])
+    edges = np.concatenate([judged.edges for judged in all_judged])
     assert np.median(errors) < 0.006
     assert errors.max() < 0.02
     assert (edges <= 1).mean() > 0.99
