@@ -9,6 +9,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QFileDialog
 
 from insonify.scene import Scene, edit
+from insonify_viewer.session import Session
 from insonify_viewer.views.water_frame import round_steps
 
 PROFILE = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
@@ -128,3 +129,11 @@ def test_round_steps_are_round_and_few() -> None:
     assert round_steps(0.0, 40.0, 5) == [0.0, 10.0, 20.0, 30.0, 40.0]
     assert round_steps(1498.4, 1521.0, 3) == [1500.0, 1510.0, 1520.0]
     assert len(round_steps(0.0, 450.0, 8)) <= 9
+
+
+def test_slower_water_lowers_the_ping_rate(small: Scene) -> None:
+    session = Session(edit(small, {"water": PROFILE, "sonar.ping_rate": 15.0}))
+    assert session.settle({"water.sound_speed": [1400.0] * 4})
+    assert session.scene.sonar.ping_rate == 14.0
+    assert session.settle({"water.sound_speed.2": 1450.0})
+    assert session.scene.sonar.ping_rate == 14.0
