@@ -129,11 +129,6 @@ class Simulation:
         found = [trace_truth(problem, take(poses, some), **planes) for some, problem in zip(places, problems)]
         return Truth(*(in_order(places, columns) for columns in zip(*found)))
 
-    def problem_at(self, ping: int) -> Problem:
-        """Return the problem with the ground about one ping."""
-        ((_, problem),) = self.windows.over(self.problem, self.poses(np.array([ping], dtype=np.int64)))
-        return problem
-
     def _traced(self, trace: Tracer, problem: Problem, poses: Poses) -> NDArray[np.float32]:
         """Trace pings window by window."""
         places, problems = zip(*self.windows.over(problem, poses))
