@@ -35,7 +35,7 @@ FEATURE = 6.0  # steps of the coarsest filter's spectrum in the finest feature o
 FAINT = 1e-9  # share of the variance that may be left out
 HALF_BAND = 12  # pairs of taps between two samples
 KAISER = 9.0  # shape of their window: images 90 dB down
-KEPT_TILES = 64  # of one pyramid, 2 MB each
+KEPT_TILES = 40  # of one pyramid, 2 MB each
 STREAMS = 1 << 14  # between those of one field
 
 
@@ -213,11 +213,11 @@ class _Lattice:
 
     @cached_property
     def _transfer(self) -> Field:
-        """Transform of the filter, which is even, over one block."""
+        """Transform of the filter over one block; real, for the filter is even."""
         half = self._taps // 2
         block = np.zeros((TILE + self._taps,) * 2)
         block[: self._taps, : self._taps] = np.roll(self._filter, (half, half), axis=(0, 1))
-        return np.asarray(scipy.fft.rfft2(np.roll(block, (-half, -half), axis=(0, 1))))
+        return np.ascontiguousarray(scipy.fft.rfft2(np.roll(block, (-half, -half), axis=(0, 1))).real)
 
 
 def gathered(tile: Callable[[int, int], NDArray[Any]], first: tuple[int, int], shape: tuple[int, int]) -> NDArray[Any]:
