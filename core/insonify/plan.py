@@ -13,7 +13,9 @@ from insonify.scene.receiver import Coherent
 from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
 from insonify.scene.targets import AnyTarget, Box, MeshFile
+from insonify.scene.water import SectionWater
 from insonify.sound.beams import main_lobe
+from insonify.sound.straightness import Bending, bending_of
 from insonify.sound.water import speed_at_sonar
 
 METHODS = ("auto", "sweep", "march", "rays")
@@ -43,11 +45,14 @@ class Plan:
         What it is called with.
     reasons : tuple of (str, str)
         Each choice and why it was made, with numbers.
+    bent : bool
+        Whether sound follows the water; if not, it is taken to go straight at the sonar's speed.
     """
 
     method: str
     settings: dict[str, Any]
     reasons: tuple[tuple[str, str], ...]
+    bent: bool = False
 
     @property
     def planes(self) -> int:
@@ -89,11 +94,23 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
     if isinstance(scene.receiver.speckle, Coherent) and (bounces > 0 or method in ("march", "rays")):
         other = f"bounces, of which sonar.bounces asks for {bounces}" if bounces > 0 else f"the method {method!r}"
         raise SceneError(f"receiver.speckle: 'coherent' is heard by the sweep, not by {other}; take another speckle")
-    chosen = _method(scene, tolerance, method)
-    return replace(chosen, reasons=(*chosen.reasons, *_pings(scene)))
+    bending = bending_of(scene)
+    bent = bending.most >= tolerance
+    if bent and isinstance(scene.receiver.speckle, Coherent):
+        raise SceneError(
+            "receiver.speckle: 'coherent' adds waves that go straight, and in this water sound bends; take another "
+            "speckle, or water.kind 'uniform'"
+        )
+    if bent and isinstance(scene.water, SectionWater) and method == "sweep":
+        raise SceneError(
+            "method: 'sweep' hears water that differs by depth alone, and this differs along a 'section'; take rays"
+        )
+    chosen = _method(scene, tolerance, method, bent)
+    reasons = (*chosen.reasons, *_sound(scene, bending, chosen, bent), *_pings(scene))
+    return replace(chosen, reasons=reasons, bent=bent)
 
 
-def _method(scene: Scene, tolerance: float, method: str) -> Plan:
+def _method(scene: Scene, tolerance: float, method: str, bent: bool) -> Plan:
     """Pick the tracer and what it is called with."""
     bounces = scene.sonar.bounces
     if method == "march":
@@ -102,10 +119,35 @@ def _method(scene: Scene, tolerance: float, method: str) -> Plan:
         return Plan("march", {"step": step, "rays": scene.sonar.bins}, (("march", reason),))
     if method == "rays" or bounces > 0:
         return _rays(scene, tolerance, "asked for" if method == "rays" else f"{bounces} bounces need single rays")
+    if bent and isinstance(scene.water, SectionWater):
+        return _rays(scene, tolerance, "in water that differs along the level each ray bends in its own way")
     chosen = "asked for" if method == "sweep" else "a height field and first echoes: nothing needs single rays"
     planes, why = _planes(scene, tolerance)
     across = (f"{planes} plane{'s' * (planes > 1)}", why)
-    return Plan("sweep", {"planes": planes}, (("sweep", chosen), across, *_speckle(scene), *_tow(scene)))
+    settings = {"planes": planes} | (_rays(scene, tolerance, "").settings if bent else {})
+    return Plan("sweep", settings, (("sweep", chosen), across, *_speckle(scene), *_tow(scene)))
+
+
+def _sound(scene: Scene, bending: Bending, chosen: Plan, bent: bool) -> tuple[tuple[str, str], ...]:
+    """Say whether sound bends, and what it would matter; nothing of water that is the same everywhere."""
+    if bending.most == 0.0:
+        return ()
+    bin_length = scene.sonar.range / scene.sonar.bins
+    matter = (
+        f"it moves the farthest echo of the bed by {bending.shift:.2g} m, a bin is {bin_length:.3g} m, and its level "
+        f"by {100.0 * bending.level:.2g} %"
+    )
+    if not bent:
+        return (("straight sound", f"bending is left out; {matter}"),)
+    if chosen.method != "sweep":
+        return (("bent sound", f"along arcs; {matter}"),)
+    return (
+        (
+            "bent sound",
+            f"by tables of the water; {matter}; pings that hear a place along several ways or none go to "
+            f"{chosen.settings['rays']} rays a side",
+        ),
+    )
 
 
 def _rays(scene: Scene, tolerance: float, chosen: str) -> Plan:

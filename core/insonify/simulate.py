@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.types import Poses, Problem
+from insonify.kernels.types import Poses, Problem, still_water
 from insonify.layout import ACROSS, coordinates, labels, platform
 from insonify.plan import Plan, plan
 from insonify.receive import Reception, make_reception, receive
@@ -157,7 +157,8 @@ def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> S
     ground = build_ground(scene)
     _refuse_silence(scene, ground)
     problem = make_problem(scene, ground)
-    _refuse_bent_sound(scene, problem, chosen)
+    if not chosen.bent:
+        problem = problem._replace(water=still_water(problem.water.reference, problem.water.surface))
     reception = _make_reception(scene, ground, problem)
     spiky, interference = _spiky(scene, ground, problem), make_interference(scene, problem)
     beyond = 0 if interference is None else interference.beyond
@@ -177,15 +178,6 @@ def _refuse_silence(scene: Scene, ground: AnyGround) -> None:
         raise SceneError(
             f"track.start: from {list(scene.track.start)} the tow never comes within {scene.sonar.range:g} m "
             f"of the bed (x from {ground.x0:g} to {x1:g} m, y from {ground.y0:g} to {y1:g} m); start it over the bed"
-        )
-
-
-def _refuse_bent_sound(scene: Scene, problem: Problem, chosen: Plan) -> None:
-    """Refuse water in which sound does not go straight, to the sweep."""
-    if problem.water.bent and chosen.method == "sweep":
-        raise SceneError(
-            f"water.kind: in {scene.water.kind!r} water sound bends, which the sweep does not follow; take the method "
-            "'rays', or kind 'uniform'"
         )
 
 

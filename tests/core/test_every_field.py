@@ -12,8 +12,6 @@ from pydantic import BaseModel
 from insonify.scene import Scene, edit, scene_from_toml
 from insonify.scene.edit import kind_name, models_of
 from insonify.simulate import simulate
-from insonify.terrain import build_ground
-from insonify.tracers.problem import make_problem
 from relief_fields import PERIOD, alone, of_fractals, of_made, summed
 
 BASE = """
@@ -320,8 +318,6 @@ WHY_NOT_OF_MATERIALS = {
     "speed_ratio": "is for sound that passes through",
     "speckle_shape": "is for K speckle, where the bed's and the pipe's are heard",
 }
-# Sound bends in these waters, which no method follows: there the water itself has to change.
-BENT = [path for path in CHANGES if path.startswith("water[") and not path.startswith("water[uniform]")]
 # What a field changes other than the intensity.
 ELSEWHERE = {"seabed.depth": "platform_depth"}
 
@@ -407,7 +403,7 @@ def test_every_field_is_accounted_for():
     assert not CHANGES.keys() & WHY_NOT.keys()
 
 
-@pytest.mark.parametrize("path", [path for path in CHANGES if path not in BENT])
+@pytest.mark.parametrize("path", CHANGES)
 def test_it_changes_the_record(path, bed_files):
     needs, change = (with_files(part, bed_files) for part in CHANGES[path])
     before = edit(scene_from_toml(BASE), needs)
@@ -416,18 +412,6 @@ def test_it_changes_the_record(path, bed_files):
         assert not one[ELSEWHERE[path]].equals(other[ELSEWHERE[path]])
     else:
         assert differs(one, other)
-
-
-@pytest.mark.parametrize("path", BENT)
-def test_it_changes_the_water(path, bed_files):
-    needs, change = (with_files(part, bed_files) for part in CHANGES[path])
-    one = edit(scene_from_toml(BASE), needs)
-    before, after = (make_problem(scene, build_ground(scene)) for scene in (one, edit(one, change)))
-    assert before.water.bent
-    assert before.bin_length != after.bin_length or any(
-        not np.array_equal(a, b)
-        for a, b in zip((before.range_factor, *before.water), (after.range_factor, *after.water))
-    )
 
 
 def differs(one: xr.Dataset, other: xr.Dataset) -> bool:
