@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -11,9 +12,11 @@ from insonify.accuracy import compare
 from insonify.plan import MOST_PLANES, plan
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulate import prepare
+from insonify.sound.straightness import bending_of
 from insonify.tracers import sweep
 
 DEFAULT = load_scene("default")
+THERMOCLINE = {"water": {"kind": "profile", "depth": [0.0, 14.0, 22.0], "sound_speed": [1510.0, 1510.0, 1500.0]}}
 BARE = edit(DEFAULT, {"targets": []})
 
 
@@ -132,3 +135,61 @@ def test_a_tow_that_never_comes_near_the_bed_is_refused():
         SceneError, match=r"^track\.start: .* never comes within 75 m of the bed.*start it over the bed$"
     ):
         prepare(away)
+
+
+def test_sound_that_bends_is_followed_and_what_it_matters_is_said():
+    (entry,) = [reason for choice, reason in plan(edit(DEFAULT, THERMOCLINE)).reasons if choice == "bent sound"]
+    assert re.fullmatch(
+        r"by tables of the water; it moves the farthest echo of the bed by 0\.0\d+ m, a bin is 0\.05 m, and its level "
+        r"by \d+ %; pings that hear a place along several ways or none go to \d+ rays a side",
+        entry,
+    )
+    simulation = prepare(edit(DEFAULT, THERMOCLINE))
+    assert simulation.plan.method == "sweep"
+    assert simulation.problem.water.bent
+    (entry,) = [
+        why for choice, why in plan(edit(DEFAULT, THERMOCLINE), method="rays").reasons if choice == "bent sound"
+    ]
+    assert entry.startswith("along arcs; it moves the farthest echo")
+    assert not any("sound" in choice for choice, _ in plan(DEFAULT).reasons)
+
+
+def test_bending_that_matters_less_than_the_tolerance_is_left_out():
+    scene = edit(DEFAULT, {"water": {"kind": "profile", "depth": [0.0, 40.0], "sound_speed": [1500.0, 1500.05]}})
+    assert "bending is left out" in dict(plan(scene).reasons)["straight sound"]
+    assert not prepare(scene).problem.water.bent
+    # What is left out is less than the tolerance.
+    precise = prepare(scene, tolerance=1e-6)
+    assert precise.problem.water.bent
+    pings = np.arange(3)
+    one, other = prepare(scene).problem, precise.problem
+    poses = precise.poses(pings)
+    left_out = compare(other, poses, sweep.trace(one, poses), sweep.trace(other, poses)).beyond
+    assert 0.0 < left_out < 0.03
+
+
+@pytest.mark.parametrize("gradient", [0.05, -0.4])
+def test_the_shift_of_the_farthest_echo_is_that_of_bent_rays(gradient):
+    # Two points of one gradient: τ = (2/|g|) asinh(|g| D / (2 √(c0 c1))).
+    speeds = [1500.0 - 20.0 * gradient, 1500.0 + 10.0 * gradient]
+    scene = edit(DEFAULT, {"water": {"kind": "profile", "depth": [0.0, 30.0], "sound_speed": speeds}})
+    time = 2.0 / abs(gradient) * math.asinh(abs(gradient) * 50.0 / (2.0 * math.sqrt(1500.0 * speeds[1])))
+    assert bending_of(scene).shift == pytest.approx(abs(1500.0 * time - 50.0), rel=0.03)
+
+
+def test_water_that_differs_along_the_level_is_for_rays():
+    section = {
+        "kind": "section",
+        "distance": [0.0, 9.0],
+        "depth": [0.0, 30.0],
+        "sound_speed": [[1520, 1500], [1500, 1500]],
+    }
+    scene = edit(DEFAULT, {"water": section})
+    assert plan(scene).method == "rays"
+    with pytest.raises(SceneError, match=r"^method: 'sweep' hears water that differs by depth alone.*take rays$"):
+        plan(scene, method="sweep")
+
+
+def test_coherent_waves_go_straight():
+    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' adds waves that go straight.*'uniform'$"):
+        plan(edit(DEFAULT, THERMOCLINE | {"receiver.speckle": "coherent"}))

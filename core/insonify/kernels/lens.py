@@ -16,7 +16,7 @@ from insonify.kernels.jit import fused, kernel
 from insonify.kernels.sections import DOWN, UP, View, section
 from insonify.kernels.types import LIGHT, SPHERE
 
-SECANT = 0.5  # m, to either side of a body's middle, over which its rays' opening is taken
+SECANT = 0.5  # m, to either side of a body's middle, where its slant ranges are exact and its rays' opening is taken
 LEAST_OPENING, MOST_OPENING = 0.05, 5.0
 NEAREST = 1e-3  # m, that a body's middle may come to the sonar
 SAME = 1e-9  # rad; a line that fills less is seen edge-on
@@ -161,7 +161,7 @@ def _lens_of_body(solids, k, view, one_wide, loud, table, sheet):
         c,
         s,
         opening,
-        r - gauge * away,
+        near_r - gauge * (away - ahead),
         gauge,
         _gain(1.0 + wide, 1.0 + tube, one_wide, loud),
         1.0 + wide,
