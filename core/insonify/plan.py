@@ -135,7 +135,7 @@ def _sound(scene: Scene, bending: Bending, chosen: Plan, bent: bool) -> tuple[tu
     bin_length = scene.sonar.range / scene.sonar.bins
     matter = (
         f"it moves the farthest echo of the bed by {bending.shift:.2g} m, a bin is {bin_length:.3g} m, and its level "
-        f"by {100.0 * bending.level:.2g} %"
+        f"by {f'{100.0 * bending.level:.2g} %' if bending.level < 1.0 else 'more than half'}"
     )
     if not bent:
         return (("straight sound", f"bending is left out; {matter}"),)
