@@ -86,3 +86,33 @@ def test_a_fan_merges_what_a_knife_keeps_apart(name, ground_range, apart):
     profile = pair_profile(name, ground_range)
     between = profile[195:206].min() / profile.max()
     assert between == 0.0 if apart else between > 0.5
+
+
+def heard_of_figure_3(pings, **changes):
+    """Energy of figure 3 over a level bed of one material, port."""
+    plain = {"seabed.relief": "flat", "seabed.material": "medium_sand", "sonar.pulse": "ideal"}
+    return prepare(edit(load_scene("figure-3"), plain | changes)).intensity(np.array(pings))[:, 0]
+
+
+def test_the_bed_of_figure_3_falls_silent_where_the_limiting_ray_touches_it():
+    scene = load_scene("figure-3")
+    height, speed, at_bed, gradient = 12.0, 1503.0, 1515.0, 1.0
+    limit = math.sqrt(2.0 * at_bed / gradient * height - height**2)
+    chord = math.hypot(limit, height)
+    time = 2.0 / gradient * math.asinh(gradient * chord / (2.0 * math.sqrt(speed * at_bed)))
+    heard = np.flatnonzero(heard_of_figure_3([0], targets=[])[0])
+    step = scene.sonar.range / scene.sonar.bins
+    # The last half metre is met within 0.02° of grazing, and what comes back of it is next to nothing.
+    assert speed * time - 0.5 < (heard[-1] + 1) * step < speed * time + step
+
+
+def test_of_what_lies_in_the_shadow_of_figure_3_the_post_alone_is_heard():
+    scene = load_scene("figure-3")
+    pings = [round(x / (scene.track.speed / scene.sonar.ping_rate)) for x in (40.0, 60.0, 80.0)]
+    with_targets, without = heard_of_figure_3(pings), heard_of_figure_3(pings, targets=[])
+    step = scene.sonar.range / scene.sonar.bins
+    near, post, far = (slice(int(low / step), int(high / step)) for low, high in ((145, 152), (210, 217), (236, 245)))
+    assert (with_targets[:, near].sum(axis=1) > 2.0 * without[:, near].sum(axis=1)).all()
+    assert with_targets[1, post].sum() > 0.0
+    assert with_targets[::2, post].sum() == 0.0
+    assert with_targets[:, far].sum() == without[:, far].sum() == 0.0
