@@ -7,14 +7,18 @@ import math
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of
+from beds import poses_of, problem_of, rough
 from insonify.kernels.bends import bent_hits, empty_arrivals
 from insonify.kernels.branches import TIME
+from insonify.kernels.ray_truth import find_ray_truth
 from insonify.kernels.rays import empty_hits
+from insonify.kernels.screen import NOBODY
+from insonify.kernels.truth import empty_found, empty_ledger
 from insonify.kernels.types import LIGHT, SONAR, Water
 from insonify.kernels.walk import Bundle
 from insonify.sound.rays import join_points
-from insonify.tracers import rays
+from insonify.tracers import rays, sweep
+from insonify.tracers.truth import trace_truth
 
 SONAR_HEIGHT, SURFACE, REFERENCE = 25.0, 54.0, 1489.0
 # Warm water on cold: what goes up flatter than 13 degrees is bent down again.
@@ -97,3 +101,41 @@ def test_pairs_of_which_one_comes_too_late_are_whole():
     shorter = problem()._replace(bins=2800, range_factor=np.ones(2800))
     one, other = record(shorter), record(problem())[:2800]
     assert one[2760:2795].sum() == pytest.approx(other[2760:2795].sum(), rel=0.01)
+
+
+def test_truth_names_the_ball_in_all_its_images():
+    scene = problem(solids=[((0.0, 255.0, 3.0), 0.3)], half_width=math.radians(0.5))
+    poses = poses_of(0.0, 0.0, SONAR_HEIGHT)
+    truth, heard = trace_truth(scene, poses), sweep.trace(scene, poses)
+    assert ((truth.target_id != -2) == (heard > 0.0)).all()
+    direct, bent = slant_ranges(255.0, 3.0)
+    for image in (direct, 0.5 * (direct + bent), bent):
+        k = int((image - 0.25) / BIN)
+        assert truth.target_id[0, 0, k] == 0
+        assert truth.ground_range[0, 0, k] == pytest.approx(255.0, abs=0.3)
+        assert (truth.target_id[0, 1, k - 3 : k + 3] == -1).all()
+    np.testing.assert_allclose(truth.ground_range[0, 1, 1000], math.sqrt(100.05**2 - 25.0**2), atol=0.2)
+    np.testing.assert_allclose(truth.incidence[0, 1, 1000], math.degrees(math.acos(25.0 / 100.05)), atol=0.2)
+    assert not truth.shadow[0, :, :249].any()
+
+
+def test_truth_by_rays_is_that_by_tables():
+    ball = ((3.0, 25.0, 0.5), 1.0)
+    water = WATER._replace(height=np.array([0.0, 4.0, 8.0, 54.0]), speed=np.array([[1490.0, 1490.0, 1494.0, 1495.0]]))
+    scene = problem_of(
+        rough(64, 64, rms=0.1), 0.5, periodic=True, solids=[ball], half_width=0.02, bins=300, bin_length=0.12
+    )
+    scene, poses = (
+        scene._replace(water=water._replace(reference=1495.0), bin_length=0.12),
+        poses_of([3.0, 3.4], 0.0, 12.0),
+    )
+    swept = trace_truth(scene, poses, planes=64)
+    found = empty_found(2, 300)
+    assert find_ray_truth(scene, poses, 40_000, empty_ledger(2, 300), found) == 0
+    whose = np.where(found.contributor == NOBODY, -2, found.contributor - 1)
+    assert (whose == swept.target_id).mean() > 0.98
+    assert {-2, -1, 0} == set(swept.target_id.ravel())
+    same = (whose == swept.target_id) & (whose != -2)
+    assert np.quantile(np.abs(found.ground_range - swept.ground_range)[same], 0.9) < 0.15
+    assert np.quantile(np.abs(np.degrees(found.incidence) - swept.incidence)[same], 0.5) < 2.0
+    assert (found.shadow == swept.shadow).mean() > 0.95

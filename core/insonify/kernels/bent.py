@@ -14,8 +14,8 @@ import math
 import numpy as np
 
 from insonify.kernels.bends import Course, bent_hits, clear_of_nodes, empty_arrivals, plane_of
-from insonify.kernels.double import add_mixed
-from insonify.kernels.jit import kernel
+from insonify.kernels.double import mixed_echoes
+from insonify.kernels.jit import fused, kernel
 from insonify.kernels.launch import inside_body, make_beam, spread_rays, touches, turn
 from insonify.kernels.pilots import Sea, aim_bent, no_landings
 from insonify.kernels.rays import empty_bundle, empty_hits, empty_launch, tilt, weigh
@@ -36,8 +36,6 @@ def trace_bent_pings(problem, poses, rays, march, out):
     port, starboard = empty_launch(rays), empty_launch(rays)
     bundle, hits, arrivals = empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
     weighed, sums = np.empty(rays), np.empty(problem.bins)
-    reach, fan, water = problem.bins * problem.bin_length, problem.half_width > 0.0, problem.water
-    spreads = fan and problem.pattern.tabled
     aimed_at = np.full((2, 3), math.nan)
     to_port, to_starboard = no_landings(), no_landings()
     for ping in range(poses.x.size):
@@ -48,32 +46,49 @@ def trace_bent_pings(problem, poses, rays, march, out):
         for side in range(2):
             beam = make_beam(problem, poses, ping, side)
             launch = port if side == PORT else starboard
-            ceiling = clear_of_nodes(water.height, _highest(problem, beam))
-            plane = plane_of(water.axis_x, water.axis_y, Course(beam.x, beam.y, beam.side_x, beam.side_y))
-            sea = Sea(water, plane, ceiling, reach)
-            aimed = z == aimed_at[side, 0] and ceiling == aimed_at[side, 1] and pitch == aimed_at[side, 2]
-            if not aimed or water.station.size > 1:
-                landings = aim_bent(launch, sea, z, problem.half_width, problem.law, spreads)
-                if spreads:
-                    spread_rays(launch, problem.pattern, z, reach, pitch)
-                aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, ceiling, pitch
+            sea = sea_of(problem, beam)
+            aimed = z == aimed_at[side, 0] and sea.ceiling == aimed_at[side, 1] and pitch == aimed_at[side, 2]
+            if not aimed or problem.water.station.size > 1:
+                landings = aim_side(problem, sea, z, pitch, launch)
+                aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, sea.ceiling, pitch
                 if side == PORT:
                     to_port = landings
                 else:
                     to_starboard = landings
             turn(launch, beam, bundle)
-            bent_hits(problem, bundle, reach, march, hits, arrivals)
+            bent_hits(problem, bundle, sea.reach, march, hits, arrivals)
             weight = launch.weight
             if problem.pattern.tabled:
                 weight = weigh(problem, beam, bundle, hits, launch.weight, weighed)
             deposit_bent(problem, hits, arrivals, weight, sums)
             landings = to_port if side == PORT else to_starboard
             if landings.fold < math.inf and march <= 0.0:
-                add_mixed(problem, beam, sea, z, landings, launch, bundle, hits, arrivals, sums)
+                _, bins, values = mixed_echoes(problem, beam, sea, z, landings, launch, bundle, hits, arrivals)
+                for m in range(bins.size):
+                    if bins[m] >= 0:
+                        sums[bins[m]] += values[m]
             # What depends on range alone comes after the sum.
             for k in range(problem.bins):
                 out[ping, side, k] = sums[k] * problem.range_factor[k]
     return 0
+
+
+@kernel
+def sea_of(problem, beam):
+    """Tell what the rays of one side run through."""
+    water = problem.water
+    plane = plane_of(water.axis_x, water.axis_y, Course(beam.x, beam.y, beam.side_x, beam.side_y))
+    return Sea(water, plane, clear_of_nodes(water.height, _highest(problem, beam)), problem.bins * problem.bin_length)
+
+
+@kernel
+def aim_side(problem, sea, z, pitch, launch):
+    """Aim all rays of a side over elevations and, where a pattern spreads them, over azimuths."""
+    spreads = problem.half_width > 0.0 and problem.pattern.tabled
+    landings = aim_bent(launch, sea, z, problem.half_width, problem.law, spreads)
+    if spreads:
+        spread_rays(launch, problem.pattern, z, sea.reach, pitch)
+    return landings
 
 
 @kernel
@@ -106,25 +121,33 @@ def _may_touch(beam, cx, cy, cz, bound):
 @kernel
 def deposit_bent(problem, hits, arrivals, weight, sums):
     """Sum what the hits return into time bins; the range factor, which holds 1/r⁴, comes after."""
-    fan, law, reference = problem.half_width > 0.0, problem.law, problem.water.reference
     sums[:] = 0.0
     for k in range(weight.size):
-        if hits.body[k] == NOTHING:
-            continue
-        distance = hits.distance[k]
-        b = int(distance / problem.bin_length)
-        dx, dy, dz = arrivals.dx[k], arrivals.dy[k], arrivals.dz[k]
-        nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
-        cos_incidence = -(nx * dx + ny * dy + nz * dz)
-        # A surface exactly edge-on returns nothing.
-        if b >= sums.size or cos_incidence <= 0.0:
-            continue
-        row = problem.reflectivity[hits.material[k]]
-        value = strength(cos_incidence, row[0], row[1], row[2], law) * weight[k] / cos_incidence
-        tube, spread = arrivals.tube[k], arrivals.spread[k]
-        if law == LIGHT:
-            value *= reference / arrivals.speed[k] * tube * tilt(dx, dy, dz, nx, ny, nz) / problem.bin_length
-        else:
-            intensity = distance * distance / (tube * spread)  # beside still water's
-            value *= distance * distance * intensity if fan else tube * intensity * intensity
-        sums[b] += value
+        b, value, _ = echo_of(problem, hits, arrivals, weight, k)
+        if b >= 0:
+            sums[b] += value
+
+
+@fused
+def echo_of(problem, hits, arrivals, weight, k):
+    """Bin and value of what the hit of ray k returns, and its cosine of incidence; bin −1 if it returns nothing."""
+    distance = hits.distance[k]
+    if hits.body[k] == NOTHING or distance >= problem.bins * problem.bin_length:
+        return -1, 0.0, 0.0
+    b = int(distance / problem.bin_length)
+    dx, dy, dz = arrivals.dx[k], arrivals.dy[k], arrivals.dz[k]
+    nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
+    cos_incidence = -(nx * dx + ny * dy + nz * dz)
+    # A surface exactly edge-on returns nothing.
+    if b >= problem.bins or cos_incidence <= 0.0:
+        return -1, 0.0, 0.0
+    row, law = problem.reflectivity[hits.material[k]], problem.law
+    value = strength(cos_incidence, row[0], row[1], row[2], law) * weight[k] / cos_incidence
+    tube, spread = arrivals.tube[k], arrivals.spread[k]
+    if law == LIGHT:
+        speeds = problem.water.reference / arrivals.speed[k]
+        return b, value * speeds * tube * tilt(dx, dy, dz, nx, ny, nz) / problem.bin_length, cos_incidence
+    intensity = distance * distance / (tube * spread)  # beside still water's
+    if problem.half_width > 0.0:
+        return b, value * distance * distance * intensity, cos_incidence
+    return b, value * tube * intensity * intensity, cos_incidence

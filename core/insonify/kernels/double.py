@@ -33,8 +33,8 @@ SEEN = 0.02  # m, by which the landings of two paths may lie apart: chords leave
 
 
 @kernel
-def add_mixed(problem, beam, sea, z, landings, launch, bundle, hits, arrivals, sums):
-    """Add to one side's bins what goes out by its rays' paths and back by others."""
+def mixed_echoes(problem, beam, sea, z, landings, launch, bundle, hits, arrivals):
+    """Find what goes out by the paths of one side's rays and back by others: (rays, bins, values); bin −1 for none."""
     pairs, angles = _pair(sea, z, landings, bundle, hits, arrivals, launch.weight)
     n = angles.size
     others, met, back = empty_bundle(n), empty_hits(n), empty_arrivals(n)
@@ -45,11 +45,13 @@ def add_mixed(problem, beam, sea, z, landings, launch, bundle, hits, arrivals, s
         c = math.cos(angles[m]) / level
         others.dx[m], others.dy[m], others.dz[m] = c * bundle.dx[k], c * bundle.dy[k], math.sin(angles[m])
     bent_hits(problem, others, 2.0 * sea.reach, 0.0, met, back)
+    bins, values = np.full(n, -1), np.zeros(n)
     for m in range(n):
         k = pairs[m]
         apart = max(abs(back.x[m] - arrivals.x[k]), abs(back.z[m] - arrivals.z[k]))
         if met.body[m] != NOTHING and apart < SEEN:
-            _add(problem, beam, launch.weight[k], bundle, hits, arrivals, k, others, met, back, m, sums)
+            bins[m], values[m] = _echo(problem, beam, launch.weight[k], bundle, hits, arrivals, k, others, met, back, m)
+    return pairs, bins, values
 
 
 @kernel
@@ -126,8 +128,8 @@ def _doubled(row):
 
 
 @fused
-def _add(problem, beam, weight, bundle, hits, arrivals, k, others, met, back, m, sums):
-    """Add what goes out by ray k and back by the other ray m to the same place."""
+def _echo(problem, beam, weight, bundle, hits, arrivals, k, others, met, back, m):
+    """Bin and value of what goes out by ray k and back by the other ray m to the same place."""
     fan, law = problem.half_width > 0.0, problem.law
     distance = 0.5 * (hits.distance[k] + met.distance[m])
     b = int(distance / problem.bin_length)
@@ -135,8 +137,8 @@ def _add(problem, beam, weight, bundle, hits, arrivals, k, others, met, back, m,
     ex, ey, ez = back.dx[m], back.dy[m], back.dz[m]
     nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
     cosine, other = -(nx * dx + ny * dy + nz * dz), -(nx * ex + ny * ey + nz * ez)
-    if b >= sums.size or cosine <= 0.0 or other <= 0.0:
-        return
+    if b >= problem.bins or cosine <= 0.0 or other <= 0.0:
+        return -1, 0.0
     out = 1.0
     if problem.pattern.tabled:
         out = heard(problem.pattern, beam, fan, law, bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.distance[k])
@@ -155,7 +157,7 @@ def _add(problem, beam, weight, bundle, hits, arrivals, k, others, met, back, m,
         value *= distance**4 / (cosine * back.tube[m] * back.spread[m])
         if not fan:
             value /= arrivals.spread[k]
-    sums[b] += value
+    return b, value
 
 
 @fused

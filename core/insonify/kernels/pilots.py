@@ -50,6 +50,7 @@ class Landings(NamedTuple):
     """Where pilots meet the mean bed, by ascending elevation; NaN of those that do not."""
 
     angle: NDArray[np.float64]  # (n,) rad, up positive
+    range: NDArray[np.float64]  # (n,) slant range, m
     x: NDArray[np.float64]  # (n,) ground range, m
     flat: NDArray[np.float64]  # (n,) metres of ground range per metre of height there
     fold: float  # least ground range that is met at more than one elevation, infinite if none is
@@ -58,7 +59,7 @@ class Landings(NamedTuple):
 @kernel
 def no_landings():
     """Landings of no pilots."""
-    return Landings(np.empty(0), np.empty(0), np.empty(0), math.inf)
+    return Landings(np.empty(0), np.empty(0), np.empty(0), np.empty(0), math.inf)
 
 
 @kernel
@@ -126,15 +127,15 @@ def _weigh_elevations(sea, z):
 def _landings(pilots):
     """Lay out where pilots land."""
     n, fold, farthest = len(pilots), math.inf, 0.0
-    landings = Landings(np.empty(n), np.full(n, math.nan), np.full(n, math.nan), fold)
+    landings = Landings(np.empty(n), np.full(n, math.nan), np.full(n, math.nan), np.full(n, math.nan), fold)
     for i, pilot in enumerate(pilots):
         landings.angle[i] = pilot.angle
         if pilot.range < math.inf:
-            landings.x[i], landings.flat[i] = pilot.x, pilot.flat
+            landings.range[i], landings.x[i], landings.flat[i] = pilot.range, pilot.x, pilot.flat
             if pilot.x < farthest:
                 fold = min(fold, pilot.x)
             farthest = max(farthest, pilot.x)
-    return Landings(landings.angle, landings.x, landings.flat, fold)
+    return Landings(landings.angle, landings.range, landings.x, landings.flat, fold)
 
 
 @fused

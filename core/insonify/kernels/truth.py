@@ -95,12 +95,12 @@ def find_truth(problem, poses, planes, bending, table, profile, heard, screen, l
                 _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger)
                 _note_bodies(profile, count, heard.horizon, problem, wedge, view, screen, cells, ledger)
             accumulate(bins, problem.range_factor, intensity)
-            _conclude(ledger, intensity, found, ping, side)
+            conclude(ledger, intensity, found, ping, side)
     return 0
 
 
 @kernel
-def _conclude(ledger, intensity, found, ping, side):
+def conclude(ledger, intensity, found, ping, side):
     """Name the greatest contributor of each bin, and clear the ledger."""
     contributor, shadow = found.contributor[ping, side], found.shadow[ping, side]
     ground_range, incidence = found.ground_range[ping, side], found.incidence[ping, side]
@@ -125,7 +125,7 @@ def _conclude(ledger, intensity, found, ping, side):
 
 
 @fused
-def _meet(ledger, who):
+def meet(ledger, who):
     """Open a contributor's row."""
     if not ledger.met[who]:
         ledger.met[who] = True
@@ -142,7 +142,7 @@ def _touched(near, far, per_bin, bins, margin):
 
 
 @fused
-def _note(ledger, who, k, energy, x, cosine):
+def note(ledger, who, k, energy, x, cosine):
     """Enter a piece, or the part of it within bin k."""
     ledger.energy[who, k] += energy
     if energy > ledger.strongest[who, k]:
@@ -160,11 +160,11 @@ def _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger):
         who, level = material[i], 0.5 * (levels[i] + levels[i + 1]) if wedge.bent else 1.0
         x_from, x_to = profile.x[i], profile.x[i + 1]
         if heard.cut[i]:
-            _meet(ledger, who)
+            meet(ledger, who)
             start = in_sight_from(surface, x_from, x_to, heard.launch[i], heard.horizon[i])
             _note_cut(ledger, who, surface, level, x_from, start, x_to, cover, problem.law, problem.bin_length)
         elif heard.energy[i] != 0.0:
-            _meet(ledger, who)
+            meet(ledger, who)
             near, far, density = heard.r[i], heard.r[i + 1], abs(heard.energy[i])
             _note_even(ledger, who, surface, level, x_from, x_to, near, far, density, problem.bin_length)
         elif not heard.launch[i + 1] > heard.horizon[i]:
@@ -244,7 +244,7 @@ def _note_piece(ledger, who, surface, level, x_from, x_to, law, bin_length):
         energy = FIXED_POINT * strength(cosine, surface.diffuse, surface.specular, surface.shininess, law)
         energy *= surface.weight + surface.weight_rate * x
         energy *= max(stop - start, 0.0) / bin_length if law == LIGHT else stretch * abs(b - a)
-        _note(ledger, who, k, energy, x / level, cosine)
+        note(ledger, who, k, energy, x / level, cosine)
 
 
 @fused
@@ -278,7 +278,7 @@ def _note_bodies(profile, knots, horizon, problem, wedge, view, screen, cells, l
         for k in range(facets):
             facet = open_facet(part, low, high, k, facets, profile.x, profile.z, knots, horizon, knot)
             if is_met(facet):
-                _meet(ledger, who)
+                meet(ledger, who)
                 first, second = facet_energies(
                     facet, lens.gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length
                 )
@@ -295,6 +295,6 @@ def _note_half(ledger, who, near, far, energy, x, cosine, bin_length):
     if far - near > POINT:
         for k in range(first, last):
             share = max(min(far, k + 1.0) - max(near, float(k)), 0.0) / (far - near)
-            _note(ledger, who, k, energy * share, x, cosine)
+            note(ledger, who, k, energy * share, x, cosine)
     elif first < last:
-        _note(ledger, who, min(int(near), last - 1), energy, x, cosine)
+        note(ledger, who, min(int(near), last - 1), energy, x, cosine)

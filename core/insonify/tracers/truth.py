@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from insonify.kernels.bending import Bending, empty_table
 from insonify.kernels.hear import empty_heard
+from insonify.kernels.ray_truth import find_ray_truth
 from insonify.kernels.screen import NOBODY, empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
 from insonify.kernels.sweep import Planes
 from insonify.kernels.truth import Found, empty_found, empty_ledger, find_truth, part_of
 from insonify.kernels.types import BED, Poses, Problem
-from insonify.scene import SceneError
 from insonify.tracers.bending import make_bending
 from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
@@ -53,7 +53,9 @@ class Truth(NamedTuple):
     path: NDArray[np.int8]
 
 
-def trace_truth(problem: Problem, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Truth:
+def trace_truth(
+    problem: Problem, poses: Poses, *, planes: int = 16, rays: int = 4000, threads: int | None = None
+) -> Truth:
     """Tell what every bin of every ping shows, for an ideal pulse: where an echo begins.
 
     Parameters
@@ -64,32 +66,52 @@ def trace_truth(problem: Problem, poses: Poses, *, planes: int = 16, threads: in
         Where the sonar is, n pings.
     planes : int
         Planes across a fan beam; a knife has one.
+    rays : int
+        Rays per side of pings from which bent sound comes to some places along several ways, or to none.
     threads : int, optional
         Threads to use, all cores when left out. The result does not depend on it.
 
     Returns
     -------
     Truth
-        Arrays (n, 2, bins), port first. Bins in which the sweep of as many planes hears nothing, and no others, are
-        without a contributor.
+        Arrays (n, 2, bins), port first. Bins in which the sweep of as many planes and rays hears nothing, and no
+        others, are without a contributor.
 
     Raises
     ------
     SceneError
-        If the sonar runs into a target, or bent sound comes to some places along several ways or none.
+        If the sonar runs into a target.
     """
     found = empty_found(poses.x.size, problem.bins)
     bending, folded = make_bending(problem, poses)
     if folded.any():
-        raise SceneError(
-            "truth: sound comes to some places along several ways or none, of which it cannot tell; leave truth out, "
-            "shorten sonar.range or take water.kind 'uniform'"
+        _enter(
+            found, np.flatnonzero(folded), _find_by_rays(problem, take(poses, np.flatnonzero(folded)), rays, threads)
         )
-    for places, beam in lay_planes(problem, poses, planes):
-        some = _find(problem, take(poses, places), beam, bending, threads)
-        for whole, part in zip(found, some):
-            whole[places] = part
+    clear = np.flatnonzero(~folded)
+    for among, beam in lay_planes(problem, take(poses, clear), planes):
+        places = clear[among]
+        _enter(found, places, _find(problem, take(poses, places), beam, bending, threads))
     return _in_words_of_the_scene(problem, found)
+
+
+def _enter(found: Found, places: NDArray[np.int64], some: Found) -> None:
+    """Put what some pings show in its place."""
+    for whole, part in zip(found, some):
+        whole[places] = part
+
+
+def _find_by_rays(problem: Problem, poses: Poses, rays: int, threads: int | None) -> Found:
+    """Find what the bins of pings show, by rays along arcs."""
+    contributors = problem.reflectivity.shape[0] + _targets(problem)
+    found = empty_found(poses.x.size, problem.bins)
+
+    def block(first: int, last: int) -> int:
+        ledger = empty_ledger(contributors, problem.bins)
+        return int(find_ray_truth(problem, take(poses, slice(first, last)), rays, ledger, part_of(found, first, last)))
+
+    refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
+    return found
 
 
 def _find(problem: Problem, poses: Poses, beam: Planes, bending: Bending, threads: int | None) -> Found:
