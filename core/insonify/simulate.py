@@ -123,10 +123,10 @@ class Simulation:
             Arrays (n, 2, bins), port first. It comes from the geometry of the sweep whatever the method, and is that
             of an ideal pulse: a longer one carries each echo on into the bins that follow.
         """
-        planes = {"planes": self.plan.planes} if self.plan.method == "sweep" else {}
+        fine = {name: number for name, number in self.plan.settings.items() if name in ("planes", "rays")}
         poses = self.poses(np.asarray(pings, dtype=np.int64))
         places, problems = zip(*self.windows.over(self.problem, poses))
-        found = [trace_truth(problem, take(poses, some), **planes) for some, problem in zip(places, problems)]
+        found = [trace_truth(problem, take(poses, some), **fine) for some, problem in zip(places, problems)]
         return Truth(*(in_order(places, columns) for columns in zip(*found)))
 
     def _traced(self, trace: Tracer, problem: Problem, poses: Poses) -> NDArray[np.float32]:
