@@ -10,10 +10,11 @@ import pytest
 from beds import poses_of, problem_of, rough
 from insonify.kernels.bends import bent_hits, empty_arrivals
 from insonify.kernels.branches import TIME
+from insonify.kernels.ledger import empty_ledger
 from insonify.kernels.ray_truth import find_ray_truth
 from insonify.kernels.rays import empty_hits
 from insonify.kernels.screen import NOBODY
-from insonify.kernels.truth import empty_found, empty_ledger
+from insonify.kernels.truth import empty_found
 from insonify.kernels.types import LIGHT, SONAR, Water
 from insonify.kernels.walk import Bundle
 from insonify.sound.rays import join_points

@@ -13,9 +13,10 @@ from insonify.kernels.bent import aim_side, echo_of, sea_of
 from insonify.kernels.double import mixed_echoes
 from insonify.kernels.jit import kernel
 from insonify.kernels.launch import inside_body, make_beam, turn
+from insonify.kernels.ledger import meet, note
 from insonify.kernels.pilots import CLOSE
 from insonify.kernels.rays import empty_bundle, empty_hits, empty_launch, weigh
-from insonify.kernels.truth import conclude, meet, note
+from insonify.kernels.truth import conclude
 from insonify.kernels.types import BED
 
 

@@ -27,6 +27,7 @@ from insonify.kernels.bodies import (
 )
 from insonify.kernels.cover import cover_of, next_open
 from insonify.kernels.jit import fused, kernel
+from insonify.kernels.ledger import ROUNDING, meet, note, note_half, touched
 from insonify.kernels.lens import lens_of
 from insonify.kernels.parts import load_part
 from insonify.kernels.pieces import slant
@@ -34,10 +35,6 @@ from insonify.kernels.scatter import strength
 from insonify.kernels.screen import NOBODY, halfway
 from insonify.kernels.sweep import aim_plane, in_sight_from, surface_of, sweep_plane
 from insonify.kernels.types import LIGHT
-
-# In bins: a piece counts in every bin that it touches within rounding, so that no heard bin is nobody's.
-ROUNDING = 1e-3
-POINT = 1e-6  # in bins; what is shorter lies in one
 
 
 class Found(NamedTuple):
@@ -47,17 +44,6 @@ class Found(NamedTuple):
     shadow: NDArray[np.bool_]  # whether bed lies there, hidden, and nothing is heard
     ground_range: NDArray[np.float32]  # m, NaN where nothing is heard
     incidence: NDArray[np.float32]  # rad, NaN where nothing is heard
-
-
-class Ledger(NamedTuple):
-    """Who put what into the bins of one side; a row is valid once its contributor was met."""
-
-    met: NDArray[np.bool_]  # (contributors,)
-    energy: NDArray[np.float64]  # (contributors, bins) in fixed-point units
-    strongest: NDArray[np.float64]  # energy of the contributor's strongest piece, below 0 for none
-    x: NDArray[np.float32]  # ground range of that piece, m
-    cosine: NDArray[np.float32]  # of the incidence there
-    hidden: NDArray[np.bool_]  # (bins,) whether bed out of sight spans the bin
 
 
 def empty_found(pings: int, bins: int) -> Found:
@@ -70,13 +56,6 @@ def part_of(found: Found, first: int, last: int) -> Found:
     """Return pings first to last - 1, as views."""
     part = slice(first, last)
     return Found(found.contributor[part], found.shadow[part], found.ground_range[part], found.incidence[part])
-
-
-def empty_ledger(contributors: int, bins: int) -> Ledger:
-    """Make room for one side; memory of contributors never met is never touched."""
-    energy, strongest = np.empty((2, contributors, bins))
-    x, cosine = np.empty((2, contributors, bins), np.float32)
-    return Ledger(np.zeros(contributors, np.bool_), energy, strongest, x, cosine, np.zeros(bins, np.bool_))
 
 
 @kernel
@@ -122,31 +101,6 @@ def conclude(ledger, intensity, found, ping, side):
             incidence[k] = math.acos(min(ledger.cosine[contributor[k], k], 1.0))
     ledger.met[:] = False
     ledger.hidden[:] = False
-
-
-@fused
-def meet(ledger, who):
-    """Open a contributor's row."""
-    if not ledger.met[who]:
-        ledger.met[who] = True
-        ledger.energy[who, :] = 0.0
-        ledger.strongest[who, :] = -1.0
-
-
-@fused
-def _touched(near, far, per_bin, bins, margin):
-    """First bin that a stretch of slant range touches, give or take a margin in bins, and the one after its last."""
-    if not near * per_bin < bins:  # or NaN, a hole in the bed
-        return 0, 0
-    return max(int(near * per_bin - margin), 0), int(min(far * per_bin + margin, bins - 1.0)) + 1
-
-
-@fused
-def note(ledger, who, k, energy, x, cosine):
-    """Enter a piece, or the part of it within bin k."""
-    ledger.energy[who, k] += energy
-    if energy > ledger.strongest[who, k]:
-        ledger.strongest[who, k], ledger.x[who, k], ledger.cosine[who, k] = energy, x, cosine
 
 
 @kernel
@@ -203,7 +157,7 @@ def _mark_hidden(surface, x_from, x_to, bin_length, hidden):
     start, stop = slant(surface, x_from), slant(surface, x_to)
     if x_to > x_from and surface.weight + surface.weight_rate * 0.5 * (x_from + x_to) > 0.0:
         nearest = slant(surface, _foot(surface, x_from, x_to))
-        first, last = _touched(nearest, max(start, stop), 1.0 / bin_length, hidden.size, -ROUNDING)
+        first, last = touched(nearest, max(start, stop), 1.0 / bin_length, hidden.size, -ROUNDING)
         hidden[first:last] = True
 
 
@@ -212,7 +166,7 @@ def _note_even(ledger, who, surface, level, x_from, x_to, near, far, density, bi
     """Enter a short segment whose energy is spread evenly over its slant range."""
     energy, strongest, per_bin = ledger.energy[who], ledger.strongest[who], 1.0 / bin_length
     a, b = min(near, far), max(near, far)
-    first, last = _touched(a, b, per_bin, ledger.hidden.size, ROUNDING)
+    first, last = touched(a, b, per_bin, ledger.hidden.size, ROUNDING)
     for k in range(first, last):
         start, stop = max(a, k * bin_length), min(b, (k + 1) * bin_length)
         part = density * max(stop - start, 0.0) * per_bin
@@ -232,7 +186,7 @@ def _note_piece(ledger, who, surface, level, x_from, x_to, law, bin_length):
     near, far = slant(surface, x_from), slant(surface, x_to)
     outward = far >= near
     near, far = min(near, far), max(near, far)
-    first, last = _touched(near, far, 1.0 / bin_length, ledger.hidden.size, ROUNDING)
+    first, last = touched(near, far, 1.0 / bin_length, ledger.hidden.size, ROUNDING)
     stretch = math.sqrt(surface.area)
     for k in range(first, last):
         start, stop = max(near, k * bin_length), min(far, (k + 1) * bin_length)
@@ -283,18 +237,5 @@ def _note_bodies(profile, knots, horizon, problem, wedge, view, screen, cells, l
                     facet, lens.gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length
                 )
                 x = facet.centre * facet.cosine / lens.level
-                _note_half(ledger, who, facet.near, facet.centre, first, x, facet.incidence, bin_length)
-                _note_half(ledger, who, facet.centre, facet.far, second, x, facet.incidence, bin_length)
-
-
-@fused
-def _note_half(ledger, who, near, far, energy, x, cosine, bin_length):
-    """Enter energy spread evenly between two slant ranges; if they are one, all of it in its bin."""
-    near, far = min(near, far) / bin_length, max(near, far) / bin_length
-    first, last = _touched(near, far, 1.0, ledger.hidden.size, ROUNDING)
-    if far - near > POINT:
-        for k in range(first, last):
-            share = max(min(far, k + 1.0) - max(near, float(k)), 0.0) / (far - near)
-            note(ledger, who, k, energy * share, x, cosine)
-    elif first < last:
-        note(ledger, who, min(int(near), last - 1), energy, x, cosine)
+                note_half(ledger, who, facet.near, facet.centre, first, x, facet.incidence, bin_length)
+                note_half(ledger, who, facet.centre, facet.far, second, x, facet.incidence, bin_length)

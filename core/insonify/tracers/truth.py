@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from insonify.kernels.bending import Bending, empty_table
 from insonify.kernels.hear import empty_heard
+from insonify.kernels.ledger import empty_ledger
 from insonify.kernels.ray_truth import find_ray_truth
 from insonify.kernels.screen import NOBODY, empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
 from insonify.kernels.sweep import Planes
-from insonify.kernels.truth import Found, empty_found, empty_ledger, find_truth, part_of
+from insonify.kernels.truth import Found, empty_found, find_truth, part_of
 from insonify.kernels.types import BED, Poses, Problem
 from insonify.tracers.bending import make_bending
 from insonify.tracers.bodies import refuse_sonar_inside
