@@ -44,6 +44,12 @@ def noise_level(scene: Scene) -> float:
     return power(declared.level) if isinstance(declared, AmbientNoise) else 0.0
 
 
+def crosstalk(scene: Scene) -> float:
+    """Share of its energy with which each side's echo is heard on the other."""
+    level = scene.receiver.crosstalk
+    return 0.0 if level is None else power(level)
+
+
 def time_varied_gain(scene: Scene, problem: Problem, echo: Curve, noise: float, depth: float) -> Curve:
     """Gain of every bin.
 

@@ -11,7 +11,7 @@ from insonify.kernels.echo import lengthen
 from insonify.kernels.types import LIGHT, Problem
 from insonify.receive.fields import Field, make_field
 from insonify.receive.fluctuation import Fluctuation, make_fluctuation
-from insonify.receive.levels import noise_level, power, reverberation, time_varied_gain
+from insonify.receive.levels import crosstalk, noise_level, power, reverberation, time_varied_gain
 from insonify.receive.speckle import Speckle, make_speckle
 from insonify.scene import Scene
 from insonify.scene.receiver import Coherent
@@ -37,6 +37,8 @@ class Reception:
         None where the scene has none.
     coherent : bool
         Whether what is traced has been through the pulse and is speckled already, scatterer by scatterer.
+    crosstalk : float
+        Share of its energy with which each side's echo is heard on the other.
     source : float
         Intensity of the source at 1 m.
     noise : float
@@ -52,6 +54,7 @@ class Reception:
     fluctuation: Fluctuation | None
     speckle: Speckle | None
     coherent: bool
+    crosstalk: float
     source: float
     noise: float
     noise_field: Field
@@ -93,6 +96,7 @@ def make_reception(scene: Scene, problem: Problem, *, altitude: float, depth: fl
         fluctuation=make_fluctuation(scene, problem),
         speckle=make_speckle(scene, problem),
         coherent=isinstance(scene.receiver.speckle, Coherent),
+        crosstalk=crosstalk(scene),
         source=source,
         noise=noise,
         noise_field=make_field(scene.seed, NOISE_STREAM, coherent, np.zeros(problem.bins)),
@@ -121,6 +125,8 @@ def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], spik
         Intensity as received; the traced array itself where nothing applies.
     """
     record = _speckled(reception, traced, pings, spiky)
+    if reception.crosstalk > 0.0:
+        record = record + np.float32(reception.crosstalk) * record[:, ::-1]
     if reception.fluctuation is not None:
         record = record * reception.fluctuation.gains(pings)
     if reception.source != 1.0:

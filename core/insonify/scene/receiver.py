@@ -244,3 +244,11 @@ class Receiver(Declaration):
         slider=(0.0, 240.0),
     )
     tvg: Tvg = parameter(NoTvg(), description="time-varied gain")
+    crosstalk: float | None = parameter(
+        None,
+        unit="dB",
+        description="level at which each side hears the other's echoes (not at all when left out)",
+        ge=-200.0,
+        le=0.0,
+        slider=(-80.0, 0.0),
+    )
