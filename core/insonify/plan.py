@@ -12,9 +12,11 @@ from insonify.scene.materials import Material
 from insonify.scene.receiver import Coherent
 from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
+from insonify.scene.surface import WAYS, NoSurface, RoughSurface
 from insonify.scene.targets import AnyTarget, Box, MeshFile
 from insonify.scene.water import SectionWater
 from insonify.sound.beams import main_lobe
+from insonify.sound.sea_surface import rms_height, slope_variance
 from insonify.sound.straightness import Bending, bending_of
 from insonify.sound.water import speed_at_sonar
 
@@ -94,6 +96,12 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
     if isinstance(scene.receiver.speckle, Coherent) and (bounces > 0 or method in ("march", "rays")):
         other = f"bounces, of which sonar.bounces asks for {bounces}" if bounces > 0 else f"the method {method!r}"
         raise SceneError(f"receiver.speckle: 'coherent' is heard by the sweep, not by {other}; take another speckle")
+    surface = scene.water.surface
+    if isinstance(scene.receiver.speckle, Coherent) and not isinstance(surface, NoSurface):
+        raise SceneError(
+            f"water.surface: {surface.kind!r} makes ghosts, of which 'coherent' speckle knows nothing; take another "
+            "receiver.speckle, or the surface 'none'"
+        )
     bending = bending_of(scene)
     bent = bending.most >= tolerance
     if bent and isinstance(scene.receiver.speckle, Coherent):
@@ -105,8 +113,13 @@ def plan(scene: Scene, tolerance: float = 0.03, *, method: str = "auto") -> Plan
         raise SceneError(
             "method: 'sweep' hears water that differs by depth alone, and this differs along a 'section'; take rays"
         )
+    if bent and not isinstance(surface, NoSurface):
+        raise SceneError(
+            f"water.surface: its ghosts ({surface.kind!r}) come along straight lines, and here sound bends; "
+            "take the surface 'none', or water.kind 'uniform'"
+        )
     chosen = _method(scene, tolerance, method, bent)
-    reasons = (*chosen.reasons, *_sound(scene, bending, chosen, bent), *_pings(scene))
+    reasons = (*chosen.reasons, *_sound(scene, bending, chosen, bent), *_surface(scene), *_pings(scene))
     return replace(chosen, reasons=reasons, bent=bent)
 
 
@@ -163,6 +176,23 @@ def _speckle(scene: Scene) -> tuple[tuple[str, str], ...]:
     if not isinstance(scene.receiver.speckle, Coherent):
         return ()
     return (("scatterers", "coherent speckle adds up every one in the beam, which takes most of the time"),)
+
+
+def _surface(scene: Scene) -> tuple[tuple[str, str], ...]:
+    """Say what is made of the sea surface; nothing of none."""
+    surface = scene.water.surface
+    ways = [way.replace("_", "-") for way in WAYS if getattr(surface, way, False)]
+    if isinstance(surface, NoSurface) or not ways:
+        return ()
+    images = f"{', '.join(ways)}: from images of the sonar above it"
+    if not isinstance(surface, RoughSurface):
+        return (("flat sea", f"{images}; what rises higher than the sonar leaves it in sight"),)
+    height, slope = (
+        rms_height(surface.wind_speed),
+        math.degrees(math.sqrt(slope_variance(surface.wind_speed))),
+    )
+    waves = f"smeared in range by waves of {height:.2g} m rms and slopes of {slope:.2g}° rms, along the beam alone"
+    return (("rough sea", f"{images}, {waves}"),)
 
 
 def _tow(scene: Scene) -> tuple[tuple[str, str], ...]:

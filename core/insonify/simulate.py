@@ -24,7 +24,7 @@ from insonify.tracers.line import Line, line_at
 from insonify.tracers.parallel import in_parallel
 from insonify.tracers.poses import bed_beneath, make_poses, take
 from insonify.tracers.problem import make_problem
-from insonify.tracers.truth import Truth, trace_truth
+from insonify.tracers.truth import PATHS, Truth, trace_truth
 from insonify.tracers.windows import Windows, in_order
 
 if TYPE_CHECKING:
@@ -125,8 +125,12 @@ class Simulation:
         """
         fine = {name: number for name, number in self.plan.settings.items() if name in ("planes", "rays")}
         poses = self.poses(np.asarray(pings, dtype=np.int64))
+        crosstalk = self.reception.crosstalk
         places, problems = zip(*self.windows.over(self.problem, poses))
-        found = [trace_truth(problem, take(poses, some), **fine) for some, problem in zip(places, problems)]
+        found = [
+            trace_truth(problem, take(poses, some), crosstalk=crosstalk, **fine)
+            for some, problem in zip(places, problems)
+        ]
         return Truth(*(in_order(places, columns) for columns in zip(*found)))
 
     def _traced(self, trace: Tracer, problem: Problem, poses: Poses) -> NDArray[np.float32]:
@@ -301,10 +305,10 @@ def _truth(simulation: Simulation, pings: NDArray[np.int64]) -> dict[str, Any]:
     attributes = {
         "target_id": _flags("greatest contributor of the bin", ["nothing", "bed", *targets], found.target_id.dtype, -2),
         "material": _flags("material of that contributor", ["nothing", *materials], found.material.dtype, -1),
-        "shadow": {"long_name": "whether bed lies there, hidden, and nothing is heard"},
+        "shadow": {"long_name": "whether bed lies there, hidden, and nothing is heard on the direct path"},
         "ground_range": labels("m", "ground range of that contributor's strongest piece"),
         "incidence": labels("degree", "incidence on that piece, from its normal"),
-        "path": _flags("how the sound went", ["none", "direct"], found.path.dtype, -1),
+        "path": _flags("how the sound went", ["none", *PATHS], found.path.dtype, -1),
     }
     return {name: (ACROSS, np.moveaxis(getattr(found, name), 1, 0), told) for name, told in attributes.items()}
 

@@ -93,7 +93,7 @@ def add_ghosts(problem, beam, bundle, hits, weight, sums):
         if hits.body[k] == NOTHING or weight[k] == 0.0:
             continue
         meeting = Meeting(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
-        path = _arrive(problem, _set_out(bundle, k), meeting)
+        path = arrive(problem, set_out(bundle, k), meeting)
         waiting = [path]
         waiting.pop()
         _split(problem, path, meeting, 2.0 * reach, waiting)
@@ -108,10 +108,13 @@ def add_ghosts(problem, beam, bundle, hits, weight, sums):
             meeting = _meet_next(problem, path, 2.0 * reach - path.length)
             if meeting.body == NOTHING:
                 continue
-            path = _arrive(problem, path, meeting)
+            path = arrive(problem, path, meeting)
             if path.inside == WATER:
                 _add_retro(problem, fan, out * weight[k], path, meeting, sums)
-                _add_mixed(problem, beam, fan, out, weight[k], path, meeting, sums)
+                distance, value = mixed_ghost(problem, beam, fan, out, weight[k], path, meeting)
+                b = int(distance / problem.bin_length)
+                if b < sums.size:
+                    sums[b] += value
             _split(problem, path, meeting, 2.0 * reach, waiting)
 
 
@@ -121,13 +124,13 @@ def follow_paths(problem, bundle, reach):
     steps = [Step(0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)]
     steps.pop()
     for k in range(bundle.x.size):
-        waiting = [_set_out(bundle, k)]
+        waiting = [set_out(bundle, k)]
         while len(waiting) > 0:
             path = waiting.pop()
             meeting = _meet_next(problem, path, reach - path.length)
             if meeting.body == NOTHING:
                 continue
-            path = _arrive(problem, path, meeting)
+            path = arrive(problem, path, meeting)
             steps.append(Step(k, path.bounce, path.x, path.y, path.z, path.length, path.share, meeting.body))
             _split(problem, path, meeting, reach, waiting)
     whole, real = np.empty((3, len(steps)), np.int64), np.empty((5, len(steps)))
@@ -139,7 +142,7 @@ def follow_paths(problem, bundle, reach):
 
 
 @fused
-def _set_out(bundle, k):
+def set_out(bundle, k):
     """Ray k as a path that begins."""
     dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
     up, across = rise(dx, dy, dz), turn_across(dx, dy)
@@ -147,7 +150,7 @@ def _set_out(bundle, k):
 
 
 @fused
-def _arrive(problem, path, meeting):
+def arrive(problem, path, meeting):
     """Go to where a path meets what it meets."""
     t, nx, ny, nz = meeting.distance, meeting.nx, meeting.ny, meeting.nz
     dx, dy, dz = path.dx, path.dy, path.dz
@@ -345,22 +348,21 @@ def _add_retro(problem, fan, weight, path, meeting, sums):
 
 
 @fused
-def _add_mixed(problem, beam, fan, out, weight, path, meeting, sums):
-    """Add what goes out along the path, one that has arrived, and straight back, and the other way round."""
+def mixed_ghost(problem, beam, fan, out, weight, path, meeting):
+    """Slant range and strength of what goes out along a path that has arrived and straight back, or the other way."""
     sx, sy, sz = path.x - beam.x, path.y - beam.y, path.z - beam.z
     r, nx, ny, nz = math.sqrt(sx * sx + sy * sy + sz * sz), meeting.nx, meeting.ny, meeting.nz
     sx, sy, sz, distance = sx / r, sy / r, sz / r, 0.5 * (path.length + r)
-    b = int(distance / problem.bin_length)
     cosine, straight = -(nx * path.dx + ny * path.dy + nz * path.dz), -(nx * sx + ny * sy + nz * sz)
-    if b >= sums.size or cosine <= 0.0 or straight <= 0.0:
-        return
+    if distance >= problem.bins * problem.bin_length or cosine <= 0.0 or straight <= 0.0:
+        return distance, 0.0
     passed = both_ways(problem, beam, fan, out, sx, sy, sz, r)
     if passed == 0.0:
-        return
+        return distance, 0.0
     off = _clear_of(path.x, path.y, path.z, path.length)
     blocker = meet_any(problem, path.x + off * nx, path.y + off * ny, path.z + off * nz, -sx, -sy, -sz, r)
     if blocker.body != NOTHING:
-        return
+        return distance, 0.0
     row, up = problem.reflectivity[meeting.material], path.up
     mirrored = 2.0 * cosine * straight - (sx * path.dx + sy * path.dy + sz * path.dz)
     value = bistatic(cosine, straight, mirrored, row[0], row[1], row[2], problem.law)
@@ -371,7 +373,7 @@ def _add_mixed(problem, beam, fan, out, weight, path, meeting, sums):
         value *= 0.5 * abs(rate) / problem.bin_length
     else:
         value *= (distance * distance / r) ** 2 / (cosine * (1.0 if fan else path.length))
-    sums[b] += value
+    return distance, value
 
 
 @fused
@@ -380,7 +382,9 @@ def both_ways(problem, beam, fan, out, sx, sy, sz, r):
     if sx * beam.side_x + sy * beam.side_y < 0.0:
         return 0.0
     along = sx * beam.axis_x + sy * beam.axis_y + sz * beam.axis_z
-    if not beam.s_low - (0.0 if fan else KNIFE / r) <= along <= beam.s_high + (0.0 if fan else KNIFE / r):
+    one_way = problem.pattern.tabled and not problem.pattern.two_way
+    wide = 0.0 if fan else KNIFE / r
+    if not one_way and not beam.s_low - wide <= along <= beam.s_high + wide:
         return 0.0
     if not problem.pattern.tabled:
         return 1.0

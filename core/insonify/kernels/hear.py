@@ -65,7 +65,7 @@ def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
         _sonar_scales(segments, x, area, heard.r, problem.bin_length, heard.scale)
         _sonar_energies(segments, heard.cos_squared, heard.scale, heard.energy)
     if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
-        _weigh(x[:count], z, heard.r, wedge, problem.pattern, problem.law, heard.weight)
+        weigh(x[:count], z, heard.r, wedge, problem.pattern, problem.law, heard.weight)
         if wedge.bent and problem.law != LIGHT:
             _amplify(count, profile.gain, heard.weight)
         _multiply(segments, heard.weight, heard.scale, heard.energy)
@@ -135,7 +135,7 @@ def _sonar_energies(segments, cos_squared, scale, energy):
 
 
 @fused
-def _weigh(x, z, r, wedge, pattern, law, out):
+def weigh(x, z, r, wedge, pattern, law, out):
     """Tell what the plane stands for at each knot."""
     if wedge.angle == 0.0 and not wedge.tabled:
         for i in range(x.size):

@@ -24,7 +24,7 @@ from insonify.kernels.types import BED
 def find_ray_truth(problem, poses, rays, ledger, found):
     """Tell what every bin of every ping shows, by ``rays`` a side; return 0, or -1 - k if the sonar is in body k."""
     launch, bundle, hits, arrivals = empty_launch(rays), empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
-    weighed, intensity = np.empty(rays), np.empty(problem.bins)
+    weighed, intensity, silence = np.empty(rays), np.empty(problem.bins), np.zeros(problem.bins)
     for ping in range(poses.x.size):
         z = poses.z[ping]
         body = inside_body(problem.solids, poses.x[ping], poses.y[ping], z)
@@ -50,7 +50,7 @@ def find_ray_truth(problem, poses, rays, ledger, found):
                     _, _, cosine = echo_of(problem, hits, arrivals, weight, k)
                     _enter(problem, hits, arrivals, k, bins[m], values[m], cosine, ledger, intensity)
             _mark_landings(landings, problem.bin_length, ledger.hidden)
-            conclude(ledger, intensity, found, ping, side)
+            conclude(ledger, intensity, silence, found, ping, side)
     return 0
 
 

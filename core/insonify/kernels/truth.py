@@ -26,6 +26,7 @@ from insonify.kernels.bodies import (
     range_at,
 )
 from insonify.kernels.cover import cover_of, next_open
+from insonify.kernels.ghosts import add_ghosts
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.ledger import ROUNDING, meet, note, note_half, touched
 from insonify.kernels.lens import lens_of
@@ -40,8 +41,10 @@ from insonify.kernels.types import LIGHT
 class Found(NamedTuple):
     """What each bin shows, by ping, side and bin."""
 
-    contributor: NDArray[np.int32]  # a material of the bed; materials in all + index of a target; or NOBODY
-    shadow: NDArray[np.bool_]  # whether bed lies there, hidden, and nothing is heard
+    # A material of the bed, or materials in all + index of a target; the next so many by the next way; or NOBODY.
+    contributor: NDArray[np.int32]
+    energy: NDArray[np.float32]  # of that contributor, in units of all bins at that range
+    shadow: NDArray[np.bool_]  # whether bed lies there, hidden, and nothing is heard straight
     ground_range: NDArray[np.float32]  # m, NaN where nothing is heard
     incidence: NDArray[np.float32]  # rad, NaN where nothing is heard
 
@@ -49,20 +52,24 @@ class Found(NamedTuple):
 def empty_found(pings: int, bins: int) -> Found:
     """Make room for the pings of a record."""
     shape = (pings, 2, bins)
-    return Found(np.empty(shape, np.int32), np.empty(shape, np.bool_), *np.empty((2, *shape), np.float32))
+    contributor, shadow = np.empty(shape, np.int32), np.empty(shape, np.bool_)
+    energy, ground_range, incidence = np.empty((3, *shape), np.float32)
+    return Found(contributor, energy, shadow, ground_range, incidence)
 
 
 def part_of(found: Found, first: int, last: int) -> Found:
     """Return pings first to last - 1, as views."""
-    part = slice(first, last)
-    return Found(found.contributor[part], found.shadow[part], found.ground_range[part], found.incidence[part])
+    contributor, energy, shadow, ground_range, incidence = (column[first:last] for column in found)
+    return Found(contributor, energy, shadow, ground_range, incidence)  # type: ignore[arg-type]
 
 
 @kernel
-def find_truth(problem, poses, planes, bending, table, profile, heard, screen, ledger, found):
+def find_truth(
+    problem, poses, planes, lifted, bending, table, profile, heard, screen, outlooks, screens, echoes, ledger, found
+):
     """Tell what every bin of every ping shows; return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(problem.bins + 2, np.int64)
-    intensity = np.zeros(problem.bins, np.float32)
+    straight, by_surface = np.zeros((2, problem.bins), np.float32)
     for ping in range(poses.x.size):
         sheet = turn_to(bending, poses.z[ping], table)
         for side in range(2):
@@ -73,30 +80,36 @@ def find_truth(problem, poses, planes, bending, table, profile, heard, screen, l
                     return cells
                 _note_bed(profile, count, problem, wedge, screen, cells, heard, ledger)
                 _note_bodies(profile, count, heard.horizon, problem, wedge, view, screen, cells, ledger)
-            accumulate(bins, problem.range_factor, intensity)
-            conclude(ledger, intensity, found, ping, side)
+            accumulate(bins, problem.range_factor, straight)
+            if problem.ghosts.heard:
+                add_ghosts(
+                    problem, poses, ping, side, planes, lifted, profile, outlooks, screens, echoes, bins, ledger, True
+                )
+                accumulate(bins, problem.range_factor, by_surface)
+            conclude(ledger, straight, by_surface, found, ping, side)
     return 0
 
 
 @kernel
-def conclude(ledger, intensity, found, ping, side):
+def conclude(ledger, straight, by_surface, found, ping, side):
     """Name the greatest contributor of each bin, and clear the ledger."""
-    contributor, shadow = found.contributor[ping, side], found.shadow[ping, side]
+    contributor, energy, shadow = found.contributor[ping, side], found.energy[ping, side], found.shadow[ping, side]
     ground_range, incidence = found.ground_range[ping, side], found.incidence[ping, side]
-    contributor[:], ground_range[:], incidence[:] = NOBODY, np.nan, np.nan
+    contributor[:], energy[:], ground_range[:], incidence[:] = NOBODY, 0.0, np.nan, np.nan
     for who in range(ledger.met.size):
         if ledger.met[who]:
-            for k in range(intensity.size):
+            for k in range(straight.size):
                 best = contributor[k]
                 if (
-                    intensity[k] > 0.0
+                    straight[k] + by_surface[k] > 0.0
                     and ledger.strongest[who, k] >= 0.0
                     and (best == NOBODY or ledger.energy[who, k] > ledger.energy[best, k])
                 ):
                     contributor[k] = who
-    for k in range(intensity.size):
-        shadow[k] = ledger.hidden[k] and not intensity[k] > 0.0
+    for k in range(straight.size):
+        shadow[k] = ledger.hidden[k] and not straight[k] > 0.0
         if contributor[k] != NOBODY:
+            energy[k] = ledger.energy[contributor[k], k]
             ground_range[k] = ledger.x[contributor[k], k]
             incidence[k] = math.acos(min(ledger.cosine[contributor[k], k], 1.0))
     ledger.met[:] = False

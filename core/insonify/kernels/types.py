@@ -108,6 +108,24 @@ def still_water(speed: float = 1500.0, surface: float = 0.0) -> Water:
     return Water(False, np.zeros(1), np.full((1, 1), speed), np.zeros(1), 1.0, 0.0, speed, surface)
 
 
+class Ghosts(NamedTuple):
+    """Which ways by the sea surface are heard, and how its waves smear them in range."""
+
+    heard: bool  # whether any is
+    surface_bottom: bool
+    surface_bottom_surface: bool
+    second_bottom: bool
+    surface_echo: bool
+    rms_height: float  # of the waves, m
+    slope_variance: float  # of the waves, along one direction
+    facets: NDArray[np.float64]  # (2, n, 4) of one pass and of two: each facet's ends of height and of squared tilt
+
+
+def no_ghosts() -> Ghosts:
+    """Return a sea without a surface."""
+    return Ghosts(False, False, False, False, False, 0.0, 0.0, np.zeros((2, 1, 4)))
+
+
 class Problem(NamedTuple):
     """A scene as every tracer takes it."""
 
@@ -124,6 +142,7 @@ class Problem(NamedTuple):
     range_factor: NDArray[np.float64]  # (bins,) spreading and absorption at the bin centres
     bounces: int = 0  # mirror-like bounces followed after the first echo
     water: Water = still_water()
+    ghosts: Ghosts = no_ghosts()
 
 
 class Poses(NamedTuple):

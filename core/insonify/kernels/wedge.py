@@ -34,6 +34,15 @@ class Wedge(NamedTuple):
 
 
 @fused
+def raised(wedge, near_field):
+    """Return the wedge as an image of the sonar has it, from higher up: the far field begins farther out."""
+    return Wedge(
+        wedge.s_low, wedge.s_high, wedge.angle, wedge.far_angle, near_field, wedge.s_beam, wedge.span, wedge.tabled,
+        wedge.bent, wedge.ahead_level, wedge.ahead_up, wedge.side_x, wedge.side_z, wedge.up_x, wedge.up_z,
+    )  # fmt: skip
+
+
+@fused
 def weight(x, z, r, wedge, pattern, law):
     """Tell what a plane stands for at ground range x, height z, slant range r: the factor its beam puts on an echo.
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from insonify.scene.base import Choice, Declaration, kind_of, parameter
+from insonify.scene.surface import NoSurface, Surface
 
 Depth = Annotated[float, Field(ge=0.0, le=12000.0)]
 Speed = Annotated[float, Field(ge=1300.0, le=1700.0)]
@@ -75,7 +76,7 @@ class AnyWater(Choice):
         slider=(1400.0, 1600.0),
     )
     absorption: Absorption = parameter(NoAbsorption(), description="what the water swallows")
-    surface: Literal["none"] = parameter("none", description="echoes of the sea surface")
+    surface: Surface = parameter(NoSurface(), description="the sea surface as a mirror, and the ghosts that it makes")
 
 
 class UniformWater(AnyWater):

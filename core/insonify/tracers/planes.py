@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from insonify.kernels.sweep import LOWEST, Planes
 from insonify.kernels.types import Poses, Problem
 from insonify.kernels.wedge import FADING
+from insonify.tracers.poses import take
 
 FEW = 8  # pairs of planes; with more than these all that is rough about a fan's planes shrinks as they come closer
 # Up to where cos θ reaches 1 - FORESHORTENED the beam's cone is followed azimuth by azimuth; beyond it the inner planes
@@ -66,9 +67,36 @@ def lay_planes(problem: Problem, poses: Poses, planes: int) -> list[tuple[NDArra
     laid = []
     for number, (height, pitch, spread) in enumerate(kinds):
         pitches = step * np.unique([pitch - spread, pitch + spread])
+        if problem.ghosts.heard and not problem.pattern.two_way:
+            # What comes by the surface is heard if either way is in the beam, and its image is pitched the other way.
+            pitches = np.unique([*pitches, *-pitches])
         beam = pattern_planes(problem, planes, 2.0 ** (height / HEIGHTS_PER_OCTAVE), pitches)
         laid.append((np.flatnonzero(which.ravel() == number), beam))
     return laid
+
+
+def lay_planes_of_images(problem: Problem, poses: Poses, planes: int) -> list[tuple[NDArray[np.int64], Planes, Planes]]:
+    """Lay the planes of the sonar and those of its image in the sea surface, a fish upside down.
+
+    Parameters
+    ----------
+    problem, poses, planes
+        As in `lay_planes`.
+
+    Returns
+    -------
+    list of ((m,) int64, Planes, Planes)
+        Likewise. Without a surface both are those of the sonar.
+    """
+    laid = lay_planes(problem, poses, planes)
+    if not problem.ghosts.heard:
+        return [(places, beam, beam) for places, beam in laid]
+    lifted = poses._replace(z=2.0 * problem.water.surface - poses.z, pitch=-poses.pitch, roll=-poses.roll)
+    return [
+        (places[within], beam, of_image)
+        for places, beam in laid
+        for within, of_image in lay_planes(problem, take(lifted, places), planes)
+    ]
 
 
 def beam_planes(half_width: float, planes: int) -> Planes:

@@ -11,6 +11,7 @@ from insonify.kernels.types import LIGHT, SONAR, Bed, Problem
 from insonify.scene import Scene
 from insonify.sound.absorption import absorption_coefficient
 from insonify.sound.beams import make_pattern
+from insonify.sound.sea_surface import make_ghosts
 from insonify.sound.water import make_water, recording_speed
 from insonify.terrain import AnyGround, EndlessGround, Ground
 from insonify.tracers.bodies import make_bodies
@@ -47,6 +48,7 @@ def make_problem(scene: Scene, ground: AnyGround) -> Problem:
         range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),
         bounces=sonar.bounces,
         water=water,
+        ghosts=make_ghosts(scene.water.surface),
     )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from insonify.kernels.bends import bent_hits, empty_arrivals
 from insonify.kernels.bent import trace_bent_pings
 from insonify.kernels.bounce import follow_paths
+from insonify.kernels.mirror_rays import trace_ghosts
 from insonify.kernels.rays import cast_rays, empty_hits, trace_pings
 from insonify.kernels.types import BED, Poses, Problem
 from insonify.kernels.walk import NOTHING, Bundle
@@ -165,7 +166,10 @@ def trace_rays(problem: Problem, poses: Poses, rays: int, step: float, threads: 
 
     def block(first: int, last: int) -> int:
         part = take(poses, slice(first, last))
-        return int(trace(problem, part, int(rays), float(step), out[first:last]))
+        status = int(trace(problem, part, int(rays), float(step), out[first:last]))
+        if problem.ghosts.heard and status == 0:
+            trace_ghosts(problem, part, int(rays), out[first:last])
+        return status
 
     refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
     return out

@@ -9,15 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bending import empty_table
+from insonify.kernels.echoes import empty_echoes
+from insonify.kernels.ghosts import Outlook, empty_outlook, sweep_ghosts
 from insonify.kernels.hear import empty_heard
-from insonify.kernels.screen import empty_screen
+from insonify.kernels.ledger import empty_ledger
+from insonify.kernels.screen import Screen, empty_screen
 from insonify.kernels.slice import empty_profile, profile_capacity
 from insonify.kernels.sweep import Planes, sweep_pings
 from insonify.kernels.types import Poses, Problem
 from insonify.tracers.bending import make_bending
 from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
-from insonify.tracers.planes import lay_planes
+from insonify.tracers.planes import lay_planes_of_images
 from insonify.tracers.poses import take
 from insonify.tracers.rays import trace as trace_rays
 
@@ -58,17 +61,36 @@ def trace(
     if folded.any():
         out[folded] = trace_rays(problem, take(poses, np.flatnonzero(folded)), rays=rays, threads=threads)
     clear = np.flatnonzero(~folded)
-    for among, beam in lay_planes(problem, take(poses, clear), planes):
+    for among, beam, lifted in lay_planes_of_images(problem, take(poses, clear), planes):
         places = clear[among]
         some = take(poses, places)
         traced = out if places.size == poses.x.size else np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
 
-        def block(first: int, last: int, some: Poses = some, beam: Planes = beam, traced: Record = traced) -> int:
+        def block(
+            first: int,
+            last: int,
+            some: Poses = some,
+            beam: Planes = beam,
+            lifted: Planes = lifted,
+            traced: Record = traced,
+        ) -> int:
             part = take(some, slice(first, last))
             room = empty_profile(capacity), empty_heard(capacity), empty_screen(problem.solids, problem.mesh)
-            return sweep_pings(problem, part, beam, bending, empty_table(bending), *room, traced[first:last])
+            status = sweep_pings(problem, part, beam, bending, empty_table(bending), *room, traced[first:last])
+            if problem.ghosts.heard and status == 0:
+                far = *room_for_ghosts(problem, capacity), empty_ledger(0, 0)
+                sweep_ghosts(problem, part, beam, lifted, room[0], *far, traced[first:last])
+            return status
 
         refuse_sonar_inside(problem.solids, in_parallel(block, places.size, threads))
         if traced is not out:
             out[places] = traced
     return out
+
+
+def room_for_ghosts(
+    problem: Problem, capacity: int
+) -> tuple[tuple[Outlook, Outlook], tuple[Screen, Screen], NDArray[np.float64]]:
+    """Make room for profiles of so many knots as two images of the sonar see them, and for their echoes."""
+    screens = empty_screen(problem.solids, problem.mesh), empty_screen(problem.solids, problem.mesh)
+    return (empty_outlook(capacity), empty_outlook(capacity)), screens, empty_echoes()

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.bending import Bending, empty_table
 from insonify.kernels.hear import empty_heard
+from insonify.kernels.images import SURFACE_ECHO, WAYS
 from insonify.kernels.ledger import empty_ledger
 from insonify.kernels.ray_truth import find_ray_truth
 from insonify.kernels.screen import NOBODY, empty_screen
@@ -19,12 +20,14 @@ from insonify.kernels.types import BED, Poses, Problem
 from insonify.tracers.bending import make_bending
 from insonify.tracers.bodies import refuse_sonar_inside
 from insonify.tracers.parallel import in_parallel
-from insonify.tracers.planes import lay_planes
+from insonify.tracers.planes import lay_planes_of_images
 from insonify.tracers.poses import take
+from insonify.tracers.sweep import room_for_ghosts
 
 NOTHING = -2  # target of a bin in which nothing is heard
 NO_MATERIAL = -1
-DIRECT, NO_PATH = 0, -1
+NO_PATH = -1
+PATHS = ("direct", "surface_bottom", "surface_bottom_surface", "second_bottom", "surface", "crosstalk")
 
 
 class Truth(NamedTuple):
@@ -33,17 +36,19 @@ class Truth(NamedTuple):
     Attributes
     ----------
     target_id : int16
-        Index of the declared target that is the bin's greatest contributor, -1 for the bed, -2 where nothing is heard.
+        Index of the declared target that is the bin's greatest contributor, -1 for the bed, -2 where nothing is heard
+        but perhaps the sea surface.
     material : int16
-        Its row of the material table, -1 where nothing is heard.
+        Its row of the material table, -1 where there is none.
     shadow : bool
-        Whether bed lies at that slant range, is hidden, and nothing is heard.
+        Whether bed lies at that slant range, is hidden, and nothing is heard on the direct path.
     ground_range : float32
         Of the contributor's strongest piece, in metres; NaN where nothing is heard.
     incidence : float32
-        Of the sound on that piece, from its normal, in degrees; NaN where nothing is heard.
+        Of the sound on that piece, from its normal, in degrees, the greater of two if it comes and goes by different
+        ways; NaN where nothing is heard.
     path : int8
-        0 for the direct path, -1 where nothing is heard.
+        Place among `PATHS` of how that contributor's sound went, -1 where nothing is heard.
     """
 
     target_id: NDArray[np.int16]
@@ -55,7 +60,13 @@ class Truth(NamedTuple):
 
 
 def trace_truth(
-    problem: Problem, poses: Poses, *, planes: int = 16, rays: int = 4000, threads: int | None = None
+    problem: Problem,
+    poses: Poses,
+    *,
+    planes: int = 16,
+    rays: int = 4000,
+    crosstalk: float = 0.0,
+    threads: int | None = None,
 ) -> Truth:
     """Tell what every bin of every ping shows, for an ideal pulse: where an echo begins.
 
@@ -69,6 +80,8 @@ def trace_truth(
         Planes across a fan beam; a knife has one.
     rays : int
         Rays per side of pings from which bent sound comes to some places along several ways, or to none.
+    crosstalk : float
+        Share of its energy with which each side's echo is heard on the other.
     threads : int, optional
         Threads to use, all cores when left out. The result does not depend on it.
 
@@ -90,10 +103,11 @@ def trace_truth(
             found, np.flatnonzero(folded), _find_by_rays(problem, take(poses, np.flatnonzero(folded)), rays, threads)
         )
     clear = np.flatnonzero(~folded)
-    for among, beam in lay_planes(problem, take(poses, clear), planes):
+    for among, *beams in lay_planes_of_images(problem, take(poses, clear), planes):
         places = clear[among]
-        _enter(found, places, _find(problem, take(poses, places), beam, bending, threads))
-    return _in_words_of_the_scene(problem, found)
+        _enter(found, places, _find(problem, take(poses, places), beams, bending, threads))
+    own = _in_words_of_the_scene(problem, found)
+    return _with_crosstalk(own, found.energy, crosstalk) if crosstalk > 0.0 else own
 
 
 def _enter(found: Found, places: NDArray[np.int64], some: Found) -> None:
@@ -104,29 +118,28 @@ def _enter(found: Found, places: NDArray[np.int64], some: Found) -> None:
 
 def _find_by_rays(problem: Problem, poses: Poses, rays: int, threads: int | None) -> Found:
     """Find what the bins of pings show, by rays along arcs."""
-    contributors = problem.reflectivity.shape[0] + _targets(problem)
     found = empty_found(poses.x.size, problem.bins)
 
     def block(first: int, last: int) -> int:
-        ledger = empty_ledger(contributors, problem.bins)
+        ledger = empty_ledger(_contributors(problem), problem.bins)
         return int(find_ray_truth(problem, take(poses, slice(first, last)), rays, ledger, part_of(found, first, last)))
 
     refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
     return found
 
 
-def _find(problem: Problem, poses: Poses, beam: Planes, bending: Bending, threads: int | None) -> Found:
+def _find(problem: Problem, poses: Poses, beams: list[Planes], bending: Bending, threads: int | None) -> Found:
     """Find what the bins of pings show that share their planes."""
     capacity = profile_capacity(bending.stretch * problem.bins * problem.bin_length, problem.bed.spacing)
-    contributors = problem.reflectivity.shape[0] + _targets(problem)
+    contributors = _contributors(problem) * (WAYS if problem.ghosts.heard else 1)
     found = empty_found(poses.x.size, problem.bins)
 
     def block(first: int, last: int) -> int:
         part = take(poses, slice(first, last))
         room = empty_profile(capacity), empty_heard(capacity), empty_screen(problem.solids, problem.mesh)
-        ledger = empty_ledger(contributors, problem.bins)
+        far, ledger = room_for_ghosts(problem, capacity), empty_ledger(contributors, problem.bins)
         return find_truth(
-            problem, part, beam, bending, empty_table(bending), *room, ledger, part_of(found, first, last)
+            problem, part, *beams, bending, empty_table(bending), *room, *far, ledger, part_of(found, first, last)
         )
 
     refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
@@ -138,18 +151,33 @@ def _targets(problem: Problem) -> int:
     return 1 + max(int(bodies.target.max(initial=-1)) for bodies in (problem.solids, problem.mesh))
 
 
+def _contributors(problem: Problem) -> int:
+    """Count who can be heard by one way: materials of the bed, then targets."""
+    return problem.reflectivity.shape[0] + _targets(problem)
+
+
 def _in_words_of_the_scene(problem: Problem, found: Found) -> Truth:
     """Turn contributors into targets and materials, radians into degrees."""
     rows = problem.reflectivity.shape[0]
-    is_target, heard = found.contributor >= rows, found.contributor != NOBODY
-    material_of = np.arange(rows + _targets(problem))
+    heard, way, who = found.contributor != NOBODY, *np.divmod(found.contributor, _contributors(problem))
+    of_surface = way == SURFACE_ECHO
+    is_target = heard & (who >= rows)
+    material_of = np.arange(_contributors(problem))
     for bodies in (problem.solids, problem.mesh):
         material_of[rows + bodies.target] = bodies.material
     return Truth(
-        target_id=np.where(is_target, found.contributor - rows, np.where(heard, BED, NOTHING)).astype(np.int16),
-        material=np.where(heard, material_of[found.contributor], NO_MATERIAL).astype(np.int16),
+        target_id=np.where(is_target, who - rows, np.where(heard & ~of_surface, BED, NOTHING)).astype(np.int16),
+        material=np.where(heard & ~of_surface, material_of[who], NO_MATERIAL).astype(np.int16),
         shadow=found.shadow,
         ground_range=found.ground_range,
         incidence=np.degrees(found.incidence),
-        path=np.where(heard, DIRECT, NO_PATH).astype(np.int8),
+        path=np.where(heard, way, NO_PATH).astype(np.int8),
     )
+
+
+def _with_crosstalk(own: Truth, energy: NDArray[np.float32], crosstalk: float) -> Truth:
+    """Put in the other side's contributor wherever what is heard of it exceeds one's own."""
+    across = crosstalk * energy[:, ::-1] > energy
+    columns = {name: np.where(across, column[:, ::-1], column) for name, column in own._asdict().items()}
+    columns["path"][across] = PATHS.index("crosstalk")
+    return Truth(**columns | {"shadow": own.shadow})
