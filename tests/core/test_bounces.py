@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from beds import icosphere, mesh_of, poses_of, problem_of, rough
-from insonify.kernels.bounce import _arrive, _meet_next, _set_out, _split
+from insonify.kernels.bounce import _meet_next, _split, arrive, set_out
 from insonify.kernels.jit import kernel
 from insonify.kernels.scatter import bistatic, strength
 from insonify.kernels.types import BED, LIGHT, SONAR
@@ -149,15 +149,15 @@ def test_a_chain_of_cylinders_is_one_body():
 def last_edges(problem, bundle, through, out):
     """Follow each ray, passing on where ``through`` says so and mirrored elsewhere: where it ends, and its edges."""
     for k in range(bundle.x.size):
-        path = _set_out(bundle, k)
+        path = set_out(bundle, k)
         for passes in through:
             meeting = _meet_next(problem, path, 1e3)
-            path = _arrive(problem, path, meeting)
+            path = arrive(problem, path, meeting)
             waiting = [path]
             waiting.pop()
             _split(problem, path, meeting, 1e9, waiting)
             path = waiting[0] if passes else waiting[-1]
-        path = _arrive(problem, path, _meet_next(problem, path, 1e3))
+        path = arrive(problem, path, _meet_next(problem, path, 1e3))
         out[k, 0], out[k, 1], out[k, 2] = path.x, path.y, path.z
         out[k, 3], out[k, 4], out[k, 5] = path.up.x, path.up.y, path.up.z
         out[k, 6], out[k, 7], out[k, 8] = path.across.x, path.across.y, path.across.z

@@ -11,6 +11,7 @@ from pydantic import BaseModel
 
 from insonify.scene import Scene, edit, scene_from_toml
 from insonify.scene.edit import kind_name, models_of
+from insonify.scene.surface import WAYS
 from insonify.simulate import simulate
 from relief_fields import PERIOD, alone, of_fractals, of_made, summed
 
@@ -215,6 +216,7 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "receiver.tvg": ({}, TVG),
     "receiver.tvg[power].spreading": (TVG, {"receiver.tvg.spreading": 40.0}),
     "receiver.tvg[power].absorption": (TVG, {"receiver.tvg.absorption": 100.0}),
+    "receiver.crosstalk": ({}, {"receiver.crosstalk": -20.0}),
 }
 # Materials of a map are materials like any other.
 CHANGES |= {
@@ -294,8 +296,15 @@ CHANGES |= {
         OF_WATERS | {name: ({}, v) for name, v in OF_EACH_WATER.get(kind, {}).items()}
     ).items()
 }
+# A sea so shallow that all ghosts are within range.
+SHALLOW = {"seabed.depth": 10.0}
+CHANGES |= {"water[uniform].surface": (SHALLOW, {"water.surface": "flat"})}
+CHANGES |= {
+    f"water[uniform].surface[{kind}].{field}": ({**SHALLOW, "water.surface": kind}, {f"water.surface.{field}": value})
+    for kind in ("flat", "rough")
+    for field, value in (dict.fromkeys(WAYS, False) | ({"wind_speed": 7.0} if kind == "rough" else {})).items()
+}
 PART = "a part that is all its own fields"
-ONE = "there is only one choice yet"
 WHY_NOT = {
     "schema_version": "says how the file is to be read",
     "title": "is for people; it stands in the record's attributes",
@@ -311,7 +320,7 @@ WHY_NOT = {
     "seabed.relief[mimic].of[pattern].of[uniform].name": "is for numbers not given; dunes have but a diffuse share",
     "seabed.relief[mimic].of[pattern].of[uniform].specular": "is 0: no slope imitates a mirror lobe",
     "seabed.relief[mimic].of[pattern].of[uniform].shininess": "is that of a mirror lobe, and dunes have none",
-} | {f"water[{kind}].surface": ONE for kind in WATERS}
+}
 # Fields of every material, wherever it is.
 WHY_NOT_OF_MATERIALS = {
     "reflection": "is for sound that bounces on",
@@ -335,6 +344,11 @@ def fields(model: type[BaseModel], path: str = "") -> Iterator[str]:
 
 
 EVERY = set(fields(Scene))
+WHY_NOT |= {
+    path: "makes ghosts, which water that bends sound has none of"
+    for path in EVERY
+    if ".surface" in path and path.startswith("water[") and not path.startswith("water[uniform]")
+}
 WHY_NOT |= {
     path: WHY_NOT_OF_MATERIALS[path.rpartition(".")[2]]
     for path in EVERY - CHANGES.keys()
@@ -434,17 +448,3 @@ def test_the_crs_is_kept_and_changes_nothing():
     one, other = simulate(scene), simulate(edit(scene, {"world.crs": "EPSG:32631"}))
     xr.testing.assert_equal(one, other)
     assert "EPSG:32631" in other.attrs["scene"]
-
-
-def test_choices_with_one_kind_have_one():
-    for path, reason in WHY_NOT.items():
-        if reason is not ONE:
-            continue
-        *parents, last = path.split(".")
-        model: type[BaseModel] = Scene
-        for parent in parents:
-            name, _, kind = parent.rstrip("]").partition("[")
-            (model,) = (child for child in models_of(model, name) if not kind or kind_name(child) == kind)
-        assert len(models_of(model, last)) <= 1, f"{path} has several kinds by now: say what each changes"
-        literal = getattr(model.model_fields[last].annotation, "__args__", ("none",))
-        assert len(literal) == 1, f"{path} has several choices by now: say what each changes"

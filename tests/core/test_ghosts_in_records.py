@@ -1,0 +1,118 @@
+"""Ghosts and crosstalk in records: their labels, what the plan says of them, what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from beds import poses_of, problem_of, rough
+from ghosts import bright_ball, under_sea
+from insonify.plan import plan
+from insonify.scene import SceneError, edit, load_scene
+from insonify.scene.surface import WAYS
+from insonify.simulate import prepare, simulate
+from insonify.tracers import sweep
+from insonify.tracers.truth import PATHS, trace_truth
+
+GHOSTS = edit(
+    load_scene("ghosts"),
+    {"track.start": [30.0, 0.0], "track.pings": 3, "receiver.speckle": "none", "receiver.tvg": "none"},
+)
+FLAT = np.zeros((4, 4))
+
+
+def test_truth_tells_by_which_way_the_strongest_sound_came():
+    problem = bright_ball(problem_of(FLAT, 0.5, periodic=True, bins=600, bin_length=0.1), (0.0, 20.0, 0.0), 0.3)
+    sea = under_sea(problem, 18.0, *WAYS)
+    poses = poses_of(0.0, 0.0, 12.0)
+    truth, record = trace_truth(sea, poses), sweep.trace(sea, poses)
+    assert ((truth.path[0] >= 0) == (record[0] > 0.0)).all()
+    # Straight, by images at 24 m and 48 m above the bed, and the surface 6 m above the sonar.
+    for r, path in (
+        (23.1, "direct"),
+        (27.0, "surface_bottom"),
+        (31.0, "surface_bottom_surface"),
+        (37.5, "second_bottom"),
+    ):
+        near = slice(int((r - 0.6) * 10), int((r + 0.6) * 10))
+        heard = truth.target_id[0, 0, near] == 0
+        assert heard.any()
+        assert set(truth.path[0, 0, near][heard]) == {PATHS.index(path)}
+        assert truth.ground_range[0, 0, near][heard] == pytest.approx(20.0, abs=0.4)
+    line = (0, 1, 60)
+    assert truth.path[line] == PATHS.index("surface")
+    assert (truth.target_id[line], truth.material[line]) == (-2, -1)
+    assert not (truth.path[0, 1] == PATHS.index("direct")).any()
+
+
+def test_every_heard_bin_has_a_way_and_no_other():
+    problem = problem_of(rough(64, 64, 0.2), 0.5, periodic=True, bins=500, bin_length=0.1, half_width=0.02)
+    for wind in (0.0, 5.0):
+        sea = under_sea(problem, 13.0, *WAYS, wind_speed=wind)
+        poses = poses_of([0.1, 2.7], 0.2, 7.0, 0.4)
+        truth, record = trace_truth(sea, poses, planes=4), sweep.trace(sea, poses, planes=4)
+        np.testing.assert_array_equal(truth.path >= 0, record > 0.0)
+        assert set(np.unique(truth.path)) <= set(range(-1, len(WAYS) + 1))
+
+
+def test_a_shadow_stays_one_when_a_ghost_lies_in_it():
+    with_ghosts = simulate(GHOSTS, truth=True)
+    without = simulate(edit(GHOSTS, {"water.surface": "none"}), truth=True)
+    np.testing.assert_array_equal(with_ghosts.shadow, without.shadow)
+    assert without.shadow.any()
+    assert (with_ghosts.path.values[with_ghosts.shadow.values] > 0).any()
+    meanings = with_ghosts.path.flag_meanings.split()
+    assert meanings == ["none", *PATHS]
+
+
+def test_each_side_hears_the_other_at_a_level():
+    alone = simulate(GHOSTS, truth=True)
+    both = simulate(edit(GHOSTS, {"receiver.crosstalk": -10.0}), truth=True)
+    expected = alone.intensity.values + 0.1 * alone.intensity.values[::-1]
+    np.testing.assert_allclose(both.intensity.values, expected, rtol=1e-5)
+    across = both.path.values == PATHS.index("crosstalk")
+    assert across.any()
+    np.testing.assert_array_equal(both.target_id.values[across], alone.target_id.values[::-1][across])
+    np.testing.assert_array_equal(both.path.values[~across], alone.path.values[~across])
+    np.testing.assert_array_equal(both.shadow.values, alone.shadow.values)
+    # What is silent by itself is nothing but crosstalk.
+    ideal = edit(GHOSTS, {"sonar.pulse": "ideal", "water.surface": "none"})
+    silent = simulate(ideal).intensity.values == 0.0
+    found = simulate(edit(ideal, {"receiver.crosstalk": -60.0}), truth=True)
+    fills = silent & ~silent[::-1]
+    assert fills.any()
+    assert (found.path.values[fills] == PATHS.index("crosstalk")).all()
+
+
+def test_crosstalk_of_speckled_sides_is_the_speckle_of_the_other():
+    scene = edit(GHOSTS, {"receiver.speckle": "rayleigh"})
+    alone, both = simulate(scene), simulate(edit(scene, {"receiver.crosstalk": -10.0}))
+    expected = alone.intensity.values + 0.1 * alone.intensity.values[::-1]
+    np.testing.assert_allclose(both.intensity.values, expected, rtol=1e-5)
+
+
+def test_a_plan_says_what_is_made_of_the_sea():
+    assert any("flat sea: surface-bottom, " in line for line in plan(GHOSTS).lines())
+    blown = plan(edit(GHOSTS, {"water.surface": {"kind": "rough", "wind_speed": 5.0}}))
+    assert any("waves of 0.13 m rms and slopes of 6.7° rms" in line for line in blown.lines())
+    silent = plan(edit(GHOSTS, {"water.surface": {"kind": "flat"} | dict.fromkeys(WAYS, False)}))
+    assert not any("sea" in line for line in silent.lines())
+
+
+def test_what_knows_nothing_of_ghosts_is_refused():
+    with pytest.raises(SceneError, match=r"water\.surface: 'flat' makes ghosts, of which 'coherent' speckle"):
+        prepare(edit(GHOSTS, {"receiver.speckle": "coherent"}))
+    bent = edit(GHOSTS, {"water": {"kind": "profile", "surface": "flat", "depth": [0, 9], "sound_speed": [1520, 1500]}})
+    with pytest.raises(SceneError, match=r"water\.surface: its ghosts \('flat'\) come along straight lines"):
+        plan(bent)
+
+
+def test_the_second_bottom_is_as_loud_as_the_bed_mirrors():
+    """Its energy is R0² of the bed's own material."""
+    records = []
+    for reflection in (0.2, 0.4):
+        ways = {"kind": "flat"} | dict.fromkeys(WAYS, False) | {"second_bottom": True}
+        scene = edit(GHOSTS, {"water.surface": ways, "seabed.material.reflection": reflection, "targets": []})
+        base = simulate(edit(scene, {"water.surface": "none"})).intensity.values
+        records.append(simulate(scene).intensity.values.astype(float) - base)
+    assert records[1].sum() / records[0].sum() == pytest.approx(4.0, rel=1e-3)

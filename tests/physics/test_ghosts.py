@@ -1,0 +1,278 @@
+"""Ghosts of the sea surface, against the ranges as printed, integrals done by hand and single rays."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import gaussian_pattern, mesh_of, poses_of, problem_of, rough
+from ghosts import bright_ball, image_heights, naive_ghost, under_sea
+from insonify.accuracy import compare
+from insonify.kernels.types import GAUSSIAN, LIGHT, SONAR
+from insonify.sound.sea_surface import rms_height, slope_variance
+from insonify.tracers import march, rays, sweep
+from insonify.tracers.poses import take
+
+ALTITUDE, DEPTH = 20.0, 30.0
+FLAT = np.zeros((4, 4))
+BOTTOM_WAYS = ("surface_bottom", "surface_bottom_surface", "second_bottom")
+TRACERS = {"sweep": sweep.trace, "rays": lambda problem, poses: rays.trace(problem, poses, rays=20_000)}
+
+
+def ghost(trace, problem, poses, surface, *ways, **options):
+    """What the named ways add to a record."""
+    with_sea = trace(under_sea(problem, surface, *ways, **options), poses).astype(np.float64)
+    return with_sea - trace(problem, poses)
+
+
+@pytest.mark.parametrize("tracer", TRACERS)
+def test_a_point_comes_back_at_the_ranges_as_printed(tracer):
+    """Sonar at a depth of 30 m, 20 m above the bed and 75 m away: ghosts at 91.410 and 107.819 m."""
+    step, radius, distance = 0.01, 0.02, math.sqrt(75.0**2 - ALTITUDE**2)
+    problem = problem_of(FLAT, 0.5, periodic=True, bins=12_000, bin_length=step)
+    problem = bright_ball(problem, (0.0, distance, 0.0), radius)
+    sea = under_sea(problem, ALTITUDE + DEPTH, "surface_bottom", "surface_bottom_surface")
+    record = TRACERS[tracer](sea, poses_of(0.0, 0.0, ALTITUDE))
+    heard = np.flatnonzero(record[0, 0]) * step
+    for printed in (75.0, 91.410, 107.819):
+        near = heard[np.abs(heard - printed) < 1.0]
+        # The ball reaches out of the bed by its radius.
+        assert near.min() == pytest.approx(printed - radius, abs=step)
+        assert near.max() <= printed + step
+        heard = heard[np.abs(heard - printed) >= 1.0]
+    assert heard.size == 0
+    assert not record[0, 1].any()
+
+
+@pytest.mark.parametrize("tracer", TRACERS)
+@pytest.mark.parametrize(
+    ("way", "first"),
+    [
+        ("surface_echo", DEPTH),
+        ("surface_bottom", ALTITUDE + DEPTH),
+        ("second_bottom", 2.0 * ALTITUDE + DEPTH),
+        ("surface_bottom_surface", ALTITUDE + 2.0 * DEPTH),
+    ],
+)
+def test_lines_at_nadir(tracer, way, first):
+    problem = problem_of(FLAT, 0.5, periodic=True, bins=1200, bin_length=0.1, spreading=True)
+    added = ghost(TRACERS[tracer], problem, poses_of(0.3, 0.0, ALTITUDE), ALTITUDE + DEPTH, way)
+    for side in (0, 1):
+        assert np.flatnonzero(added[0, side])[0] * 0.1 == pytest.approx(first, abs=0.15)
+
+
+@pytest.mark.parametrize("tracer", TRACERS)
+def test_the_surface_echoes_as_a_mirror_image_of_the_source(tracer):
+    """1 / (2d)² in one bin, whatever the beam; a vertical beam hears what it has of it straight up."""
+    options = {"periodic": True, "bins": 1000, "bin_length": 0.1, "spreading": True}
+    for half_width in (0.0, 0.02):
+        problem = problem_of(FLAT, 0.5, half_width=half_width, **options)
+        added = ghost(TRACERS[tracer], problem, poses_of(0.0, 0.0, ALTITUDE), ALTITUDE + DEPTH, "surface_echo")
+        assert np.flatnonzero(added[0, 1]).tolist() == [300]
+        assert added[0, 1, 300] == pytest.approx(1.0 / (2.0 * DEPTH) ** 2, rel=0.01)
+    beam = gaussian_pattern(0.03, vertical=GAUSSIAN, tilt=-0.3, vertical_width=2.0)
+    problem = problem_of(FLAT, 0.5, half_width=0.02, pattern=beam, **options)
+    heard = ghost(TRACERS[tracer], problem, poses_of(0.0, 0.0, ALTITUDE), ALTITUDE + DEPTH, "surface_echo")
+    # Straight up lies cos(0.3 rad) / sin(1 rad) of the -3 dB width off the axis, both ways.
+    off = math.cos(0.3) / math.sin(1.0)
+    assert heard[0, 0, 300] / added[0, 0, 300] == pytest.approx(2.0 ** (-2.0 * off**2), rel=1e-3)
+
+
+@pytest.mark.parametrize("way", BOTTOM_WAYS)
+@pytest.mark.parametrize("law", [SONAR, LIGHT])
+@pytest.mark.parametrize("tracer", TRACERS)
+def test_a_level_bed_is_its_integral(way, law, tracer):
+    options = {"periodic": True, "bins": 300, "bin_length": 0.2, "spreading": law == SONAR, "law": law}
+    problem = problem_of(FLAT, 0.1, reflectivity=[(0.6, 0.3, 5.0)], **options)
+    added = ghost(TRACERS[tracer], problem, poses_of(0.0, 0.0, 8.0), 15.0, way)[0]
+    expected = naive_ghost(under_sea(problem, 15.0, way), 0.0, 0.0, 8.0, way)
+    heard = expected > 0.0
+    assert np.abs(added[~heard]).max() == 0.0
+    first = np.flatnonzero(heard[0])[0]
+    np.testing.assert_allclose(added[:, first + 2 :], expected[:, first + 2 :], rtol=0.03)
+    assert added.sum() == pytest.approx(expected.sum(), rel=2e-3)
+
+
+@pytest.mark.parametrize("way", BOTTOM_WAYS)
+def test_a_fan_takes_in_what_both_cones_do(way):
+    """Energy of a level bed heard by a fan: rings cut by the narrower of two cones about the track."""
+    altitude, depth, half = 8.0, 7.0, math.radians(2.0)
+    options = {"periodic": True, "bins": 300, "bin_length": 0.2, "spreading": True, "half_width": half}
+    problem = problem_of(FLAT, 0.1, **options)
+    added = ghost(sweep.trace, problem, poses_of(0.0, 0.0, altitude), altitude + depth, way)[0, 0]
+    one, other, share = image_heights(way, altitude, depth)
+    x = (np.arange(600_000) + 0.5) * 1e-4
+    r, s = np.hypot(x, one), np.hypot(x, other)
+    azimuths = 2.0 * np.arcsin(np.minimum(math.sin(half) * np.minimum(r, s) / x, 1.0))
+    energy = share * one * other / (r * s) ** 3 / math.pi * azimuths * x * 1e-4
+    k = (0.5 * (r + s) / 0.2).astype(int)
+    expected = np.bincount(k[k < 300], energy[k < 300], 300)
+    assert added.sum() == pytest.approx(expected.sum(), rel=0.01)
+    beyond = slice(int(np.flatnonzero(expected)[0] * 1.4), 300)
+    np.testing.assert_allclose(added[beyond], expected[beyond], rtol=0.03)
+
+
+@pytest.mark.parametrize("way", BOTTOM_WAYS)
+def test_the_twin_hears_a_rough_bed_alike(way):
+    problem = problem_of(rough(64, 64, 0.3), 0.5, periodic=True, bins=300, bin_length=0.2, spreading=True)
+    pose = (0.2, 0.1, 8.0)
+    added = ghost(sweep.trace, problem, poses_of(*pose), 15.0, way)[0]
+    expected = naive_ghost(under_sea(problem, 15.0, way), *pose, way)
+    assert np.linalg.norm(added - expected) < 0.01 * np.linalg.norm(expected)
+    assert added.sum() == pytest.approx(expected.sum(), rel=5e-3)
+
+
+BODIES = [
+    ((1.5, 9.0, 0.6), 0.6),
+    ((-1.0, 14.0, 0.4), (4.0, 15.5, 0.4), 0.4),
+    ((2.0, -12.0, 2.2), 0.8),
+    ((3.0, -16.0, 0.0), (3.0, -16.0, 2.0), 1.0, 0.2),
+]
+CORNERS = [(x, y, z) for z in (0.0, 1.5) for x, y in ((0.0, 18.0), (3.0, 18.0), (3.0, 20.0), (0.0, 20.0))]
+SIDES = [(0, 2, 1), (0, 3, 2), (4, 5, 6), (4, 6, 7), (0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6),
+         (3, 0, 4), (3, 4, 7)]  # fmt: skip
+BEAMS = {
+    "knife": {},
+    "fan": {"half_width": 0.02},
+    "light": {"law": LIGHT},
+    "pattern": {
+        "half_width": 0.02,
+        "pattern": gaussian_pattern(0.03, vertical=GAUSSIAN, tilt=0.5, vertical_width=1.2),
+    },
+    "one way": {"half_width": 0.02, "pattern": gaussian_pattern(0.03, two_way=False, near_width=0.06)},
+}
+
+
+@pytest.mark.parametrize("beam", BEAMS)
+@pytest.mark.parametrize("way", BOTTOM_WAYS)
+def test_the_sweep_is_as_near_to_rays_as_it_is_said_to_be(beam, way):
+    problem = problem_of(
+        rough(256, 256, 0.1), 0.125, periodic=True, bins=200, bin_length=0.2, reflectivity=[(0.6, 0.3, 5.0)],
+        spreading=True, solids=BODIES, mesh=mesh_of(CORNERS, SIDES, target=4), **BEAMS[beam],
+    )  # fmt: skip
+    poses = poses_of(1.6, 0.2, 7.0, 0.0, *((0.03, -0.1) if beam == "pattern" else (0.0, 0.0)))
+    ours = ghost(lambda *args: sweep.trace(*args, planes=64), problem, poses, 13.0, way)
+    many = 1 << (20 if (beam, way) == ("fan", "second_bottom") else 18)
+    right = ghost(lambda *args: rays.trace(*args, rays=many), problem, poses, 13.0, way)
+    errors = compare(problem, poses, ours.astype(np.float32), right.astype(np.float32))
+    assert errors.beyond < 0.015
+    assert abs(errors.energy_bias) < 0.01
+
+
+@pytest.mark.parametrize("tracer", TRACERS)
+def test_targets_hide_and_are_hidden_from_each_image_by_itself(tracer):
+    """Behind a wall the sonar sees no bed, its image does from steeper above: the one ghost without the other."""
+    wall = mesh_of([(-9.0, 10.0, 0.0), (9.0, 10.0, 0.0), (9.0, 10.0, 3.0), (-9.0, 10.0, 3.0)], [(0, 1, 2), (0, 2, 3)])
+    problem = problem_of(FLAT, 0.5, periodic=True, bins=800, bin_length=0.05, mesh=wall)
+    pose, surface = poses_of(0.0, 0.0, 8.0), 14.0
+    # Shadows on the bed end where the line over the top of the wall comes down.
+    straight, by_image = 10.0 * 8.0 / (8.0 - 3.0), 10.0 * 20.0 / (20.0 - 3.0)
+    twice = ghost(TRACERS[tracer], problem, pose, surface, "surface_bottom_surface")[0, 0]
+    mixed = ghost(TRACERS[tracer], problem, pose, surface, "surface_bottom")[0, 0]
+    for record, end in ((twice, by_image), (mixed, straight)):
+        near, far = math.hypot(10.05, 20.0), math.hypot(end, 20.0)
+        if record is mixed:
+            near, far = (0.5 * (r + math.hypot(x, 8.0)) for r, x in ((near, 10.05), (far, end)))
+        assert not record[int(near / 0.05) + 1 : int(far / 0.05)].any()
+        assert (record[int(far / 0.05) + 2 : int(far / 0.05) + 40] > 0.0).all()
+
+
+def test_land_is_not_seen_through_the_surface():
+    problem = problem_of(np.tile(np.linspace(-10.0, 10.0, 41)[:, None], (1, 9)), 1.0, x0=-4.0, y0=-20.0, bins=600)
+    for trace in TRACERS.values():
+        added = ghost(trace, problem, poses_of(0.0, -12.0, 0.5), 2.0, "surface_bottom_surface")[0]
+        # The shore lies 16 m from the sonar, 1.5 m above it.
+        assert np.flatnonzero(added[0])[-1] * 0.05 == pytest.approx(math.hypot(16.0, 1.5), abs=0.3)
+
+
+class TestRough:
+    """A sea raised by the wind."""
+
+    OPTIONS = {"periodic": True, "bins": 4500, "bin_length": 0.01}  # noqa: RUF012
+    POSE = poses_of(0.3, 0.0, 12.0)
+
+    def ball(self, distance=20.0):
+        return bright_ball(problem_of(FLAT, 0.5, **self.OPTIONS), (0.3, distance, 0.0), 0.05)
+
+    @pytest.mark.parametrize("tracer", TRACERS)
+    @pytest.mark.parametrize("way", ["surface_bottom", "surface_bottom_surface"])
+    def test_energy_is_kept_and_comes_later_by_what_tilts_add(self, tracer, way):
+        wind, depth, drop = 6.0, 6.0, 24.0
+        calm = ghost(TRACERS[tracer], self.ball(), self.POSE, 18.0, way)[0, 0]
+        blown = ghost(TRACERS[tracer], self.ball(), self.POSE, 18.0, way, wind_speed=wind)[0, 0]
+        assert blown.sum() == pytest.approx(calm.sum(), rel=1e-5)
+        r = (np.arange(4500) + 0.5) * 0.01
+        mean, spread = (lambda e: ((e * r).sum() / e.sum(), (e * r * r).sum() / e.sum()))(blown)
+        first = (calm * r).sum() / calm.sum()
+        # Legs of d and h + d, at the grazing angle to the image, 24 m above the ball.
+        passes, far = (1 if way == "surface_bottom" else 2), math.hypot(20.0, drop)
+        grazing, variance = drop / far, slope_variance(wind)
+        r1, r2 = depth / grazing, (drop - depth) / grazing
+        late = passes * variance * r1 * r2 / (r1 + r2)
+        assert mean - first == pytest.approx(late, rel=0.02, abs=0.01)
+        height = passes * rms_height(wind) * grazing
+        tilts = late**2 * (2.0 if passes == 1 else 1.0)
+        assert math.sqrt(spread - mean**2) == pytest.approx(math.sqrt(height**2 + tilts), rel=0.06)
+
+    def test_the_surface_itself_is_as_thick_as_its_waves_are_high(self):
+        problem = problem_of(FLAT, 0.5, **self.OPTIONS)
+        calm = ghost(sweep.trace, problem, self.POSE, 18.0, "surface_echo")[0, 0]
+        blown = ghost(sweep.trace, problem, self.POSE, 18.0, "surface_echo", wind_speed=6.0)[0, 0]
+        r = (np.arange(4500) + 0.5) * 0.01
+        mean = (blown * r).sum() / blown.sum()
+        assert blown.sum() == pytest.approx(calm.sum(), rel=1e-5)
+        assert math.sqrt((blown * (r - mean) ** 2).sum() / blown.sum()) == pytest.approx(rms_height(6.0), rel=0.15)
+
+    def test_a_breath_of_wind_is_next_to_a_calm(self):
+        problem = problem_of(rough(64, 64, 0.1), 0.5, **self.OPTIONS)
+        for way in BOTTOM_WAYS:
+            calm = ghost(sweep.trace, problem, self.POSE, 18.0, way)
+            breath = ghost(sweep.trace, problem, self.POSE, 18.0, way, wind_speed=0.05)
+            assert np.abs(np.cumsum(breath - calm, axis=-1)).max() < 0.02 * calm.max()
+
+    def test_sweep_and_rays_smear_alike(self):
+        problem = problem_of(rough(64, 64, 0.1), 0.5, **self.OPTIONS)
+        for way in BOTTOM_WAYS:
+            ours = ghost(sweep.trace, problem, self.POSE, 18.0, way, wind_speed=6.0)
+            right = ghost(TRACERS["rays"], problem, self.POSE, 18.0, way, wind_speed=6.0)
+            coarse = (1, 2, 90, 50)
+            one, other = ours.reshape(coarse).sum(axis=-1), right.reshape(coarse).sum(axis=-1)
+            assert np.linalg.norm(one - other) < 0.01 * np.linalg.norm(other)
+
+    def test_waves_are_as_high_and_as_steep_as_measured(self):
+        """Significant height of a fully developed sea (Pierson and Moskowitz); slopes of Cox and Munk (1954)."""
+        assert 4.0 * rms_height(10.0) == pytest.approx(0.0213 * 10.0**2, rel=0.01)
+        for wind in (4.0, 5.0):
+            assert 2.0 * slope_variance(wind) == pytest.approx(0.003 + 0.00512 * wind, rel=0.15)
+        assert slope_variance(0.0) == 0.0
+        assert slope_variance(0.1) < 1e-5
+
+
+def test_the_march_hears_the_same_ghosts():
+    problem = problem_of(rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1)
+    marched = ghost(
+        lambda *args: march.trace(*args, rays=4000, step=0.01), problem, poses_of(0.1, 0.2, 5.0), 9.0, "surface_bottom"
+    )
+    walked = ghost(lambda *args: rays.trace(*args, rays=4000), problem, poses_of(0.1, 0.2, 5.0), 9.0, "surface_bottom")
+    np.testing.assert_allclose(marched, walked, atol=1e-5 * walked.max())
+
+
+@pytest.mark.parametrize("trace", [sweep.trace, rays.trace], ids=["sweep", "rays"])
+def test_the_record_does_not_depend_on_threads_and_blocks(trace):
+    problem = problem_of(
+        rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1, half_width=0.02, solids=BODIES
+    )
+    sea = under_sea(problem, 13.0, *BOTTOM_WAYS, "surface_echo", wind_speed=4.0)
+    poses = poses_of(np.arange(20) * 0.3, 0.2, 7.0)
+    whole = trace(sea, poses, threads=1)
+    np.testing.assert_array_equal(trace(sea, poses, threads=2), whole)
+    np.testing.assert_array_equal(trace(sea, take(poses, slice(7, 9))), whole[7:9])
+
+
+@pytest.mark.parametrize("trace", [sweep.trace, rays.trace], ids=["sweep", "rays"])
+def test_a_sea_with_every_way_closed_is_none(trace):
+    problem = problem_of(rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1, half_width=0.02)
+    poses = poses_of(0.1, 0.2, 7.0)
+    np.testing.assert_array_equal(trace(under_sea(problem, 13.0), poses), trace(problem, poses))
