@@ -35,7 +35,7 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        (["render", "atlantis", "-o", "x.png"], "no such file; give a TOML file or one of default"),
+        (["render", "atlantis", "-o", "x.png"], "no such file; give a TOML file or one of breaks-beats"),
         (["render", "default", "-o", "x.jpg"], "'.jpg' is no format written here; end the name in .png or .nc or .npz"),
         (["render", "default", "-o", "x"], "'' is no format written here"),
         (["render", "default", "-o", "nowhere/x.png"], "there is no folder 'nowhere'; create it"),

@@ -9,7 +9,7 @@ import pytest
 
 import naive
 from beds import icosphere, mesh_of, poses_of, problem_of, rough
-from insonify.kernels.bends import bent_hits, empty_arrivals
+from insonify.kernels.bent_hits import bent_hits, empty_arrivals
 from insonify.kernels.rays import empty_hits
 from insonify.kernels.types import BED, LIGHT, SONAR, Water, still_water
 from insonify.kernels.walk import Bundle

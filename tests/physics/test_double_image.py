@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from beds import poses_of, problem_of, rough
-from insonify.kernels.bends import bent_hits, empty_arrivals
+from insonify.kernels.bent_hits import bent_hits, empty_arrivals
 from insonify.kernels.branches import TIME
 from insonify.kernels.ledger import empty_ledger
 from insonify.kernels.ray_truth import find_ray_truth

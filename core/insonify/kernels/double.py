@@ -16,7 +16,7 @@ import numpy as np
 
 from insonify.kernels.arcs import RANGE
 from insonify.kernels.beam import heard
-from insonify.kernels.bends import MOST_ARCS, bent_hits, empty_arrivals, go_on, set_out
+from insonify.kernels.bent_hits import MOST_ARCS, bent_hits, empty_arrivals, go_on, set_out
 from insonify.kernels.bounce import both_ways
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.rays import empty_bundle, empty_hits

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.arcs import ENDLESS, HIGH, LOW, RANGE
-from insonify.kernels.bends import MOST_ARCS, go_on, set_out
+from insonify.kernels.bent_hits import MOST_ARCS, go_on, set_out
 from insonify.kernels.cells import Plane
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.launch import send

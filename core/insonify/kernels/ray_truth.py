@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from insonify.kernels.bends import bent_hits, empty_arrivals
-from insonify.kernels.bent import aim_side, echo_of, sea_of
+from insonify.kernels.bent_hits import bent_hits, empty_arrivals
+from insonify.kernels.bent_pings import aim_side, echo_of, sea_of
 from insonify.kernels.double import mixed_echoes
 from insonify.kernels.jit import kernel
 from insonify.kernels.launch import inside_body, make_beam, turn

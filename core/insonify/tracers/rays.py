@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insonify.kernels.bends import bent_hits, empty_arrivals
-from insonify.kernels.bent import trace_bent_pings
+from insonify.kernels.bent_hits import bent_hits, empty_arrivals
+from insonify.kernels.bent_pings import trace_bent_pings
 from insonify.kernels.bounce import follow_paths
 from insonify.kernels.mirror_rays import trace_ghosts
 from insonify.kernels.rays import cast_rays, empty_hits, trace_pings

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.bends import Course, bent_hits, clear_of_nodes, empty_arrivals, plane_of
+from insonify.kernels.bent_hits import Course, bent_hits, clear_of_nodes, empty_arrivals, plane_of
 from insonify.kernels.double import mixed_echoes
 from insonify.kernels.jit import fused, kernel
 from insonify.kernels.launch import inside_body, make_beam, spread_rays, touches, turn
