@@ -309,6 +309,7 @@ def _truth(simulation: Simulation, pings: NDArray[np.int64]) -> dict[str, Any]:
         "ground_range": labels("m", "ground range of that contributor's strongest piece"),
         "incidence": labels("degree", "incidence on that piece, from its normal"),
         "path": _flags("how the sound went", ["none", *PATHS], found.path.dtype, -1),
+        "caustic": {"long_name": "whether sound of a caustic is heard, its level held to what waves allow"},
     }
     return {name: (ACROSS, np.moveaxis(getattr(found, name), 1, 0), told) for name, told in attributes.items()}
 

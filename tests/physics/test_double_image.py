@@ -122,6 +122,20 @@ def test_truth_names_the_ball_in_all_its_images():
     assert not truth.shadow[0, :, :249].any()
 
 
+def test_truth_flags_a_caustic_where_its_rays_come_down():
+    """Through even water 55 m up and down again, and g = 5 1/s above: x = 55 / tan θ + (2c/g) tan θ is least there."""
+    c, g, even = 1490.0, 5.0, 55.0
+    water = WATER._replace(height=np.array([0.0, 40.0, 55.0]), speed=np.array([[c, c, c + 15.0 * g]]), reference=c)
+    slope = math.sqrt(even * g / (2.0 * c))
+    sine = slope / math.sqrt(1.0 + slope * slope)
+    scene = problem_of(FLAT, 8.0, periodic=True, bins=4000, bin_length=BIN)._replace(water=water)
+    truth = trace_truth(scene, poses_of(0.0, 0.0, SONAR_HEIGHT), rays=100_000)
+    flagged = (np.flatnonzero(truth.caustic[0, 0]) + 0.5) * BIN
+    assert flagged.size
+    np.testing.assert_allclose(flagged, even / sine + c * (2.0 / g) * math.atanh(sine), atol=1.0)
+    assert (truth.target_id[truth.caustic] == -1).all()
+
+
 def test_truth_by_rays_is_that_by_tables():
     ball = ((3.0, 25.0, 0.5), 1.0)
     water = WATER._replace(height=np.array([0.0, 4.0, 8.0, 54.0]), speed=np.array([[1490.0, 1490.0, 1494.0, 1495.0]]))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from insonify.kernels.bent_hits import bent_hits, empty_arrivals
+from insonify.kernels.bent_hits import CAUSTIC, bent_hits, empty_arrivals
 from insonify.kernels.bent_pings import aim_side, echo_of, sea_of
 from insonify.kernels.double import mixed_echoes
 from insonify.kernels.jit import kernel
@@ -43,6 +43,9 @@ def find_ray_truth(problem, poses, rays, ledger, found):
             for k in range(rays):
                 b, value, cosine = echo_of(problem, hits, arrivals, weight, k)
                 _enter(problem, hits, arrivals, k, b, value, cosine, ledger, intensity)
+                # A tube that closes counts as wider than it is.
+                if b >= 0 and value > 0.0 and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
+                    found.caustic[ping, side, b] = True
             if landings.fold < np.inf:
                 pairs, bins, values = mixed_echoes(problem, beam, sea, z, landings, launch, bundle, hits, arrivals)
                 for m in range(pairs.size):

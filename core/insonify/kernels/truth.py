@@ -47,20 +47,22 @@ class Found(NamedTuple):
     shadow: NDArray[np.bool_]  # whether bed lies there, hidden, and nothing is heard straight
     ground_range: NDArray[np.float32]  # m, NaN where nothing is heard
     incidence: NDArray[np.float32]  # rad, NaN where nothing is heard
+    caustic: NDArray[np.bool_]  # whether a ray at a caustic is heard, whose tube counts as wider than it is
 
 
 def empty_found(pings: int, bins: int) -> Found:
     """Make room for the pings of a record."""
     shape = (pings, 2, bins)
     contributor, shadow = np.empty(shape, np.int32), np.empty(shape, np.bool_)
+    caustic = np.zeros(shape, np.bool_)
     energy, ground_range, incidence = np.empty((3, *shape), np.float32)
-    return Found(contributor, energy, shadow, ground_range, incidence)
+    return Found(contributor, energy, shadow, ground_range, incidence, caustic)
 
 
 def part_of(found: Found, first: int, last: int) -> Found:
     """Return pings first to last - 1, as views."""
-    contributor, energy, shadow, ground_range, incidence = (column[first:last] for column in found)
-    return Found(contributor, energy, shadow, ground_range, incidence)  # type: ignore[arg-type]
+    contributor, energy, shadow, ground_range, incidence, caustic = (column[first:last] for column in found)
+    return Found(contributor, energy, shadow, ground_range, incidence, caustic)  # type: ignore[arg-type]
 
 
 @kernel

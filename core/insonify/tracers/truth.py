@@ -49,6 +49,9 @@ class Truth(NamedTuple):
         ways; NaN where nothing is heard.
     path : int8
         Place among `PATHS` of how that contributor's sound went, -1 where nothing is heard.
+    caustic : bool
+        Whether sound is heard that the water focuses to a caustic: there rays alone do not tell how loud it is, and
+        their tubes count as no narrower than Airy's function allows.
     """
 
     target_id: NDArray[np.int16]
@@ -57,6 +60,7 @@ class Truth(NamedTuple):
     ground_range: NDArray[np.float32]
     incidence: NDArray[np.float32]
     path: NDArray[np.int8]
+    caustic: NDArray[np.bool_]
 
 
 def trace_truth(
@@ -172,6 +176,7 @@ def _in_words_of_the_scene(problem: Problem, found: Found) -> Truth:
         ground_range=found.ground_range,
         incidence=np.degrees(found.incidence),
         path=np.where(heard, way, NO_PATH).astype(np.int8),
+        caustic=found.caustic,
     )
 
 
