@@ -100,3 +100,11 @@ def test_a_section_tells_no_shadow_zones():
     section = water(kind="section")
     with pytest.raises(SceneError, match="section"):
         insonify.shadow_zones(section, 5.0, 30.0, max_range=100.0)
+
+
+def test_a_declared_surface_sends_rays_back():
+    calm = water(kind="uniform", sound_speed=1500.0, surface={"kind": "flat"})
+    path = insonify.ray_paths(calm, 20.0, [-45.0], max_range=60.0, bottom=100.0, ranges=[20.0, 60.0]).isel(ray=0)
+    np.testing.assert_allclose(path.depth.values, [0.0, 40.0], atol=1e-9)
+    np.testing.assert_allclose(path.time.values[-1] * 1500.0, 60.0 * math.sqrt(2.0), rtol=1e-12)
+    assert path.end == "range"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insonify.kernels.branches import ANGLE, BOTTOMS, COSINE, GRAZED, SINE, TIME, TOPS, TUBE, TURNS
-from insonify.kernels.paths import ON_BED, Limits
+from insonify.kernels.paths import ON_BED, Limits, Points
 from insonify.kernels.types import Water as LaidWater
 from insonify.scene import SceneError
 from insonify.scene.water import Water
@@ -65,26 +65,10 @@ def ray_paths(
     SceneError
         If a number makes no sense or a cast cannot be read.
     """
-    import xarray as xr
-
     laid, launch, limits = prepare_paths(water, source_depth, angles, max_range, bottom)
     wanted = _ranges(ranges, max_range)
     points, ends = follow_paths(laid, -float(source_depth), -np.radians(launch), wanted, limits)
-    there = np.isfinite(points.x)
-    last = np.arange(there.shape[1]) == there.sum(axis=1, keepdims=True) - 1
-    dims = ("ray", "point")
-    variables: dict[str, Any] = {
-        "range": (dims, points.x, {"units": "m"}),
-        "depth": (dims, 0.0 - points.z, {"units": "m"}),
-        "time": (dims, points.time, {"units": "s"}),
-        "tube": (dims, points.q, {"units": "m/rad"}),
-        "hit": (dims, last & (ends == ON_BED)[:, None]),
-        "grazing": (dims, _downwards(points.cosine, points.sine), {"units": "degree"}),
-        "capped": (dims, points.grazed),
-        "end": ("ray", np.array(ENDS)[ends]),
-    }
-    dataset = xr.Dataset(variables, coords={"angle": ("ray", launch, {"units": "degree"})})
-    return dataset.isel(point=slice(0, max(int(there.any(axis=0).sum()), 1)))
+    return _as_paths(launch, points, ends)
 
 
 def eigenrays(
@@ -124,35 +108,16 @@ def eigenrays(
     SceneError
         If a number makes no sense or a cast cannot be read.
     """
-    import xarray as xr
-
     laid = _below_surface(water)
     _check_depths(source_depth, bottom)
     _check_depths(target_depth, bottom, "target_depth")
     lowest = 0.0 if laid.station.size == 1 else 1e-6
     _check("target_range", target_range, target_range >= lowest, f"give a length of at least {lowest:g}")
     _check("reflections", reflections, reflections >= 0, "give 0 or more")
-    low = -math.inf if bottom is None else -float(bottom)
-    rows = join_points(laid, -float(source_depth), -float(target_depth), target_range, low, 0.0, reflections)
-    rows = rows[::-1]
-    launch = -rows[:, ANGLE]
-    # x/cosθ0 is the tube's other width, which a vertical ray has like the first.
-    wide = np.abs(rows[:, TUBE]) if target_range == 0.0 else target_range / np.cos(launch)
-    with np.errstate(divide="ignore"):
-        intensity = 1.0 / (wide * np.abs(rows[:, TUBE]))
-    variables: dict[str, Any] = {
-        "angle": np.degrees(launch),
-        "arrival": _downwards(rows[:, COSINE], rows[:, SINE]),
-        "time": rows[:, TIME],
-        "tube": rows[:, TUBE],
-        "intensity": intensity,
-        "turns": rows[:, TURNS].astype(int),
-        "by_surface": rows[:, TOPS].astype(int),
-        "by_bottom": rows[:, BOTTOMS].astype(int),
-        "capped": rows[:, GRAZED] > 0.0,
-    }
-    units = {"angle": "degree", "arrival": "degree", "time": "s", "tube": "m/rad"}
-    return xr.Dataset({name: ("eigenray", values, _units(units, name)) for name, values in variables.items()})
+    rows = join_points(
+        laid, -float(source_depth), -float(target_depth), target_range, _height_of(bottom), 0.0, reflections
+    )
+    return _as_eigenrays(rows[::-1], target_range)
 
 
 def shadow_zones(
@@ -187,8 +152,7 @@ def shadow_zones(
     _check("max_range", max_range, max_range > 0.0, "give a length above 0")
     _check_depths(source_depth, bottom)
     _check_depths(depth, bottom, "depth")
-    low = -math.inf if bottom is None else -float(bottom)
-    return find_shadows(laid, -float(source_depth), -float(depth), low, 0.0, max_range)
+    return find_shadows(laid, -float(source_depth), -float(depth), _height_of(bottom), 0.0, max_range)
 
 
 def prepare_paths(
@@ -200,8 +164,56 @@ def prepare_paths(
         raise SceneError(f"angles: {_first(launch, np.abs(launch) <= 90.0)} must lie between -90 and 90 degrees")
     _check("max_range", max_range, max_range > 0.0, "give a length above 0")
     _check_depths(source_depth, bottom)
-    low = -math.inf if bottom is None else -float(bottom)
-    return _below_surface(water), launch, Limits(float(max_range), low, 0.0, False, _mirrors(water))
+    return (
+        _below_surface(water),
+        launch,
+        Limits(float(max_range), _height_of(bottom), 0.0, False, water.surface.kind != "none"),
+    )
+
+
+def _as_paths(launch: Values, points: Points, ends: NDArray[np.int64]) -> xr.Dataset:
+    """Name what was found of whole rays; the longest gives the number of points."""
+    import xarray as xr
+
+    there = np.isfinite(points.x)
+    last = np.arange(there.shape[1]) == there.sum(axis=1, keepdims=True) - 1
+    dims = ("ray", "point")
+    variables: dict[str, Any] = {
+        "range": (dims, points.x, {"units": "m"}),
+        "depth": (dims, 0.0 - points.z, {"units": "m"}),
+        "time": (dims, points.time, {"units": "s"}),
+        "tube": (dims, points.q, {"units": "m/rad"}),
+        "hit": (dims, last & (ends == ON_BED)[:, None]),
+        "grazing": (dims, _downwards(points.cosine, points.sine), {"units": "degree"}),
+        "capped": (dims, points.grazed),
+        "end": ("ray", np.array(ENDS)[ends]),
+    }
+    dataset = xr.Dataset(variables, coords={"angle": ("ray", launch, {"units": "degree"})})
+    return dataset.isel(point=slice(0, max(int(there.any(axis=0).sum()), 1)))
+
+
+def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
+    """Name what was found of rays that join two points, a row each."""
+    import xarray as xr
+
+    launch = -rows[:, ANGLE]
+    # x/cosθ0 is the tube's other width, which a vertical ray has like the first.
+    wide = np.abs(rows[:, TUBE]) if target_range == 0.0 else target_range / np.cos(launch)
+    with np.errstate(divide="ignore"):
+        intensity = 1.0 / (wide * np.abs(rows[:, TUBE]))
+    variables: dict[str, Any] = {
+        "angle": np.degrees(launch),
+        "arrival": _downwards(rows[:, COSINE], rows[:, SINE]),
+        "time": rows[:, TIME],
+        "tube": rows[:, TUBE],
+        "intensity": intensity,
+        "turns": rows[:, TURNS].astype(int),
+        "by_surface": rows[:, TOPS].astype(int),
+        "by_bottom": rows[:, BOTTOMS].astype(int),
+        "capped": rows[:, GRAZED] > 0.0,
+    }
+    units = {"angle": "degree", "arrival": "degree", "time": "s", "tube": "m/rad"}
+    return xr.Dataset({name: ("eigenray", values, _units(units, name)) for name, values in variables.items()})
 
 
 def _below_surface(water: Water) -> LaidWater:
@@ -219,9 +231,9 @@ def _below_surface(water: Water) -> LaidWater:
     )
 
 
-def _mirrors(water: Water) -> bool:
-    """Whether the sea surface sends rays back."""
-    return getattr(water.surface, "kind", water.surface) != "none"
+def _height_of(bottom: float | None) -> float:
+    """Height of a bed over the sea surface; endlessly deep if there is none."""
+    return -math.inf if bottom is None else -float(bottom)
 
 
 def _downwards(cosine: Values, sine: Values) -> Values:
