@@ -183,8 +183,9 @@ class MainWindow(QMainWindow):
         self.targets.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         menu = QMenu(self.targets)
         for kind, name in TARGETS.items():
-            action = menu.addAction(name)
+            action = QAction(name, menu)
             action.setData(kind)
+            menu.addAction(action)
         menu.triggered.connect(lambda action: self.target_wanted.emit(action.data()))
         self.targets.setMenu(menu)
         bar.addWidget(self.targets)

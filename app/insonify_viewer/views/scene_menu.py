@@ -46,9 +46,10 @@ class SceneMenu(QToolButton):
         menu.addSeparator()
         for name, path in bundled_scenes().items():
             scene = load_scene(path)
-            action = menu.addAction(f"{name}\t{scene.title}")
+            action = QAction(f"{name}\t{scene.title}", menu)
             action.setData(str(path))
             action.setToolTip(f"<p>{html.escape(scene.description)}</p>")  # as a paragraph it is wrapped
+            menu.addAction(action)
 
     def _picked(self, action: QAction) -> None:
         if action is not self._from_file:

@@ -217,6 +217,9 @@ class _Interactive:
 
     def close(self) -> None:
         self.plotter.close()
+        # The plotter lives until it is collected, and with it its name for a surface that Qt deletes with the window:
+        # whatever Qt next makes in that place would be taken for the surface.
+        self.plotter._cleanup_context()
 
 
 def _interactive(parent: QWidget) -> _Interactive:
