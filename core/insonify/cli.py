@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from insonify.commands import chart, compare, rays, relief, render, show, stability
+from insonify.commands import chart, compare, plan, rays, relief, render, show, stability
 from insonify.commands.options import add_scene, chosen_scene, output
 from insonify.look import Look
 from insonify.scene import SceneError, bundled_scenes
@@ -99,7 +99,7 @@ def build_parser() -> tuple[argparse.ArgumentParser, dict[str, Any]]:
     )
     parser.add_argument("--version", action="version", version=f"insonify {importlib.metadata.version('insonify')}")
     subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True)
-    for module in (render, compare, show, chart, rays, relief, stability):
+    for module in (render, compare, plan, show, chart, rays, relief, stability):
         module.register(subparsers)
     for entry in importlib.metadata.entry_points(group=GROUP):
         try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.types import Poses, Problem, still_water
+from insonify.kernels.types import Poses, Problem
 from insonify.layout import ACROSS, coordinates, labels, platform
 from insonify.plan import Plan, plan
 from insonify.receive import Reception, make_reception, receive
@@ -20,10 +20,11 @@ from insonify.sound.water import recording_speed
 from insonify.terrain import AnyGround, EndlessGround, build_ground
 from insonify.tracers import march, rays, sweep
 from insonify.tracers.coherent import Interference, make_interference
+from insonify.tracers.lessened import lessened
 from insonify.tracers.line import Line, line_at
 from insonify.tracers.parallel import in_parallel
 from insonify.tracers.poses import bed_beneath, make_poses, take
-from insonify.tracers.problem import make_problem
+from insonify.tracers.problem import make_bed, make_problem
 from insonify.tracers.truth import PATHS, Truth, trace_truth
 from insonify.tracers.windows import Windows, in_order
 
@@ -36,7 +37,6 @@ TRACERS: dict[str, Tracer] = {
     "march": march.trace,
     "rays": rays.trace,
 }
-BLOCK = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,12 +140,14 @@ class Simulation:
         return in_order(places, found)
 
 
-def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> Simulation:
+def prepare(
+    scene: Scene, *, method: str = "auto", tolerance: float = 0.03, forced: Mapping[str, str] | None = None
+) -> Simulation:
     """Plan a scene, build its ground and make its receiver ready.
 
     Parameters
     ----------
-    scene, method, tolerance
+    scene, method, tolerance, forced
         As in `simulate`.
 
     Returns
@@ -157,16 +159,22 @@ def prepare(scene: Scene, *, method: str = "auto", tolerance: float = 0.03) -> S
     SceneError
         One sentence with what is wrong and the remedy.
     """
-    chosen = plan(scene, tolerance, method=method)
+    chosen = plan(scene, tolerance, method=method, forced=forced)
     ground = build_ground(scene)
     _refuse_silence(scene, ground)
-    problem = make_problem(scene, ground)
-    if not chosen.bent:
-        problem = problem._replace(water=still_water(problem.water.reference, problem.water.surface))
+    traced = ground.thinned(chosen.every)
+    problem = lessened(
+        make_problem(scene, ground),
+        bent=chosen.bent,
+        ways=chosen.ways,
+        bounces=chosen.bounces,
+        targets=chosen.targets,
+        bed=None if traced is ground else make_bed(traced.around(scene.track.start, 0.0)),
+    )
     reception = _make_reception(scene, ground, problem)
     spiky, interference = _spiky(scene, ground, problem), make_interference(scene, problem)
     beyond = 0 if interference is None else interference.beyond
-    windows = Windows(ground, (problem.bins + beyond) * problem.bin_length)
+    windows = Windows(traced, (problem.bins + beyond) * problem.bin_length)
     return Simulation(scene, chosen, ground, problem, windows, reception, spiky, interference)
 
 
@@ -209,6 +217,7 @@ def simulate(
     *,
     method: str = "auto",
     tolerance: float = 0.03,
+    forced: Mapping[str, str] | None = None,
     truth: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
@@ -222,6 +231,8 @@ def simulate(
         ``sweep``, ``march``, ``rays``, or ``auto``.
     tolerance : float
         Greatest error beyond 1.4 times the altitude, as a share of the record.
+    forced : mapping of str to str, optional
+        Choices that are not left to the plan, as in `insonify.plan`.
     truth : bool
         Whether to add what every bin shows: the target, the material, shadow, ground range, incidence and path, as
         `Simulation.truth` has them.
@@ -242,7 +253,7 @@ def simulate(
 
     blocks = []
     done = 0
-    for block in simulate_blocks(scene, method=method, tolerance=tolerance, truth=truth):
+    for block in simulate_blocks(scene, method=method, tolerance=tolerance, forced=forced, truth=truth):
         blocks.append(block)
         done += block.sizes["ping_time"]
         if progress is not None:
@@ -253,31 +264,42 @@ def simulate(
 
 
 def simulate_blocks(
-    scene: Scene, *, method: str = "auto", tolerance: float = 0.03, truth: bool = False, block: int = BLOCK
+    scene: Scene,
+    *,
+    method: str = "auto",
+    tolerance: float = 0.03,
+    forced: Mapping[str, str] | None = None,
+    truth: bool = False,
+    block: int | None = None,
 ) -> Iterator[xr.Dataset]:
     """Simulate a scene's record block by block, so that memory does not grow with its length.
 
     Parameters
     ----------
-    scene, method, tolerance, truth
+    scene, method, tolerance, forced, truth
         As in `simulate`.
-    block : int
-        Pings at a time.
+    block : int, optional
+        Pings at a time; as planned when left out. The record does not depend on it.
 
     Yields
     ------
     Dataset
         Successive pings.
     """
-    simulation = prepare(scene, method=method, tolerance=tolerance)
-    attributes = {
+    simulation = prepare(scene, method=method, tolerance=tolerance, forced=forced)
+    attributes: dict[str, Any] = {
         "title": scene.title,
         "scene": scene_to_toml(scene),
         "plan": "\n".join(simulation.plan.lines()),
+        "method": method,
+        "tolerance": tolerance,
         "version": version("insonify"),
     }
-    for first in range(0, scene.track.pings, block):
-        pings = np.arange(first, min(first + block, scene.track.pings), dtype=np.int64)
+    if forced:
+        attributes["model"] = " ".join(f"{subject}={choice}" for subject, choice in forced.items())
+    size = block or simulation.plan.block
+    for first in range(0, scene.track.pings, size):
+        pings = np.arange(first, min(first + size, scene.track.pings), dtype=np.int64)
         yield _dataset(simulation, pings, attributes, truth)
 
 

@@ -51,6 +51,10 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
         (["render", "default", "-o", "x.png", "--seed", "-4"], "seed: -4 is out of bounds"),
         (["render", "default"], "arguments are required: -o/--output"),
         (["plan", "default", "--set", "sonar.beam=laser"], "choose one of knife, fan"),
+        (["plan", "default", "--model", "planes"], "write SUBJECT=CHOICE, such as planes=16"),
+        (["plan", "default", "--model", "plane=4"], "'plane' is no choice of a plan; choose one of method, planes"),
+        (["plan", "default", "--model", "planes=0"], "model planes: '0' will not do; give a whole number from 1"),
+        (["plan", "default", "--model", "bending=no"], "model bending: 'no' is not known; choose one of on, off"),
         (["chart", "-o", "x.pdf"], "'.pdf' is no format written here; end the name in .png or .csv"),
         (["relief", "default", "-o", "x.nc"], "end the name in .png"),
         (["rendre", "default"], "did you mean 'insonify render'?"),
@@ -87,9 +91,16 @@ def test_scenes_knows_no_others(capsys):
 
 def test_plan_names_the_method(capsys):
     assert main(["plan", "default"]) == 0
-    assert capsys.readouterr().out.startswith("sweep")
-    assert main(["plan", "default", "--method", "rays"]) == 0
-    assert capsys.readouterr().out.startswith("rays")
+    table = capsys.readouterr().out.splitlines()
+    assert table[0].split() == ["Modelled", "error", "cost"]
+    assert table[1].split()[0] == "sweep"
+    assert main(["plan", "default", "--method", "rays", "--model", "targets=off", "--set", "track.pings=9"]) == 0
+    table = capsys.readouterr().out.splitlines()
+    assert table[1].split()[0] == "rays"
+    assert table[table.index(next(line for line in table if line.startswith("Left out"))) + 1].split()[:2] == [
+        "3",
+        "targets",
+    ]
 
 
 def test_netcdf_holds_what_simulate_returns(tmp_path):

@@ -92,7 +92,7 @@ def test_crosstalk_of_speckled_sides_is_the_speckle_of_the_other():
 
 
 def test_a_plan_says_what_is_made_of_the_sea():
-    assert any("flat sea: surface-bottom, " in line for line in plan(GHOSTS).lines())
+    assert any(line.startswith("flat sea, surface-bottom: ") for line in plan(GHOSTS).lines())
     blown = plan(edit(GHOSTS, {"water.surface": {"kind": "rough", "wind_speed": 5.0}}))
     assert any("waves of 0.13 m rms and slopes of 6.7° rms" in line for line in blown.lines())
     silent = plan(edit(GHOSTS, {"water.surface": {"kind": "flat"} | dict.fromkeys(WAYS, False)}))

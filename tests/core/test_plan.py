@@ -96,7 +96,7 @@ def test_a_method_asked_for_is_taken_and_explained(method):
 def test_scatterers_that_interfere_are_swept_or_refused():
     coherent = edit(DEFAULT, {"receiver.speckle": "coherent"})
     assert plan(coherent).method == "sweep"
-    assert any(choice == "scatterers" for choice, _ in plan(coherent).reasons)
+    assert plan(coherent).entry("speckle").choice == "scatterers"
     for method in ("march", "rays"):
         with pytest.raises(SceneError, match=rf"^receiver\.speckle: 'coherent' .* '{method}'; take another speckle$"):
             plan(coherent, method=method)
@@ -138,25 +138,26 @@ def test_a_tow_that_never_comes_near_the_bed_is_refused():
 
 
 def test_sound_that_bends_is_followed_and_what_it_matters_is_said():
-    (entry,) = [reason for choice, reason in plan(edit(DEFAULT, THERMOCLINE)).reasons if choice == "bent sound"]
+    entry = plan(edit(DEFAULT, THERMOCLINE)).entry("bending")
+    assert (entry.choice, entry.modelled) == ("bent sound", True)
     assert re.fullmatch(
         r"by tables of the water; it moves the farthest echo of the bed by 0\.0\d+ m, a bin is 0\.05 m, and its level "
         r"by \d+ %; pings that hear a place along several ways or none go to \d+ rays a side",
-        entry,
+        entry.reason,
     )
     simulation = prepare(edit(DEFAULT, THERMOCLINE))
     assert simulation.plan.method == "sweep"
     assert simulation.problem.water.bent
-    (entry,) = [
-        why for choice, why in plan(edit(DEFAULT, THERMOCLINE), method="rays").reasons if choice == "bent sound"
-    ]
-    assert entry.startswith("along arcs; it moves the farthest echo")
-    assert not any("sound" in choice for choice, _ in plan(DEFAULT).reasons)
+    entry = plan(edit(DEFAULT, THERMOCLINE), method="rays").entry("bending")
+    assert entry.reason.startswith("along arcs; it moves the farthest echo")
+    assert plan(DEFAULT).entry("bending") is None
 
 
 def test_bending_that_matters_less_than_the_tolerance_is_left_out():
     scene = edit(DEFAULT, {"water": {"kind": "profile", "depth": [0.0, 40.0], "sound_speed": [1500.0, 1500.05]}})
-    assert "bending is left out" in dict(plan(scene).reasons)["straight sound"]
+    entry = plan(scene).entry("bending")
+    assert (entry.choice, entry.modelled) == ("straight sound", False)
+    assert "bending is left out" in entry.reason
     assert not prepare(scene).problem.water.bent
     # What is left out is less than the tolerance.
     precise = prepare(scene, tolerance=1e-6)

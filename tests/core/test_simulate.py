@@ -10,8 +10,9 @@ import xarray as xr
 
 from insonify.plan import plan
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
-from insonify.simulate import BLOCK, prepare, simulate, simulate_blocks
+from insonify.simulate import prepare, simulate, simulate_blocks
 
+BLOCK = 64  # pings, as planned
 SMALL = edit(
     load_scene("default"),
     {"seabed.spacing": 0.4, "seabed.relief.period": 51.2, "seabed.relief.peaks": [[12.0, 6.0]], "sonar.bins": 200},

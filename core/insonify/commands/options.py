@@ -48,6 +48,30 @@ def add_method(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tolerance", type=_share, default=0.03, metavar="E", help="acceptable relative error (default: %(default)s)"
     )
+    parser.add_argument(
+        "--model",
+        action="append",
+        default=[],
+        metavar="SUBJECT=CHOICE",
+        help="force a choice of the plan, e.g. planes=16 or bending=off; may be repeated",
+    )
+
+
+def chosen_model(arguments: argparse.Namespace) -> dict[str, str]:
+    """Return the choices that are forced, by their subjects.
+
+    Raises
+    ------
+    SceneError
+        If one is no SUBJECT=CHOICE; whether it is known, the plan will tell.
+    """
+    forced = {}
+    for text in arguments.model:
+        subject, equals, choice = text.partition("=")
+        if not equals:
+            raise SceneError(f"--model {text}: has no '='; write SUBJECT=CHOICE, such as planes=16 or bending=off")
+        forced[subject.strip()] = choice.strip()
+    return forced
 
 
 def is_record(name: str) -> bool:

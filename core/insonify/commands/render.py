@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from insonify.commands.options import (
     add_method,
     add_scene,
+    chosen_model,
     chosen_scene,
     decibels,
     is_record,
@@ -59,7 +61,8 @@ def run(arguments: argparse.Namespace) -> int:
         pings, bins = _render_record(arguments, path, Look(**given))
     else:
         scene = chosen_scene(arguments)
-        write(scene, path, Look(**given), method=arguments.method, tolerance=arguments.tolerance)
+        options = {"method": arguments.method, "tolerance": arguments.tolerance, "forced": chosen_model(arguments)}
+        write(scene, path, Look(**given), **options)
         pings, bins = scene.track.pings, scene.sonar.bins
     say(f"{path}: {pings} pings of 2 x {bins} bins")
     return 0
@@ -67,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _render_record(arguments: argparse.Namespace, path: Path, look: Look) -> tuple[int, int]:
     """Read a record and write it by suffix; return its pings and bins."""
-    untouched: dict[str, object] = {"set": [], "seed": None, "method": "auto", "tolerance": 0.03}
+    untouched: dict[str, object] = {"set": [], "seed": None, "method": "auto", "tolerance": 0.03, "model": []}
     changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
     if changed is not None:
         raise SceneError(f"--{changed} is for scenes, and {arguments.scene} is a record already; leave it out")
@@ -87,7 +90,15 @@ def _render_record(arguments: argparse.Namespace, path: Path, look: Look) -> tup
     return record.sizes["ping_time"], record.sizes["range_sample"]
 
 
-def write(scene: Scene, path: Path, look: Look, *, method: str = "auto", tolerance: float = 0.03) -> None:
+def write(
+    scene: Scene,
+    path: Path,
+    look: Look,
+    *,
+    method: str = "auto",
+    tolerance: float = 0.03,
+    forced: Mapping[str, str] | None = None,
+) -> None:
     """Simulate a scene and write it by suffix.
 
     Parameters
@@ -97,8 +108,8 @@ def write(scene: Scene, path: Path, look: Look, *, method: str = "auto", toleran
         Ends in one of ``SUFFIXES``; appears only when whole.
     look : Look
         For pictures.
-    method : str
-    tolerance : float
+    method, tolerance, forced
+        As in `insonify.simulate`.
     """
     from insonify.simulate import simulate, simulate_blocks
 
@@ -106,9 +117,9 @@ def write(scene: Scene, path: Path, look: Look, *, method: str = "auto", toleran
     if path.suffix.lower() == ".npz":
         from insonify.records import write_npz
 
-        write_npz(path, simulate(scene, method=method, tolerance=tolerance))
+        write_npz(path, simulate(scene, method=method, tolerance=tolerance, forced=forced))
         return
-    blocks = tracked(simulate_blocks(scene, method=method, tolerance=tolerance), pings)
+    blocks = tracked(simulate_blocks(scene, method=method, tolerance=tolerance, forced=forced), pings)
     if path.suffix.lower() == ".nc":
         from insonify.records import write_netcdf
 
@@ -119,5 +130,5 @@ def write(scene: Scene, path: Path, look: Look, *, method: str = "auto", toleran
     from insonify.sheet import gather
     from insonify.simulate import prepare
 
-    level = LevelBed(prepare(scene, method=method, tolerance=tolerance))
+    level = LevelBed(prepare(scene, method=method, tolerance=tolerance, forced=forced))
     write_page(path, gather(blocks, level.curves, pings, look), look, scene_caption(scene, look))

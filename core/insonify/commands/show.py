@@ -1,4 +1,4 @@
-"""``insonify plan`` and ``insonify scenes``: what would be done, and what there is."""
+"""``insonify scenes``: what there is."""
 
 from __future__ import annotations
 
@@ -6,29 +6,21 @@ import argparse
 import textwrap
 from typing import Any
 
-from insonify.commands.options import add_method, add_scene, chosen_scene, say
+from insonify.commands.options import say
 from insonify.scene import Scene, bundled_scenes, load_scene
 
 LINE = 96  # characters
 
 
 def register(subparsers: Any) -> None:
-    """Add ``plan`` and ``scenes``."""
-    plan = subparsers.add_parser(
-        "plan",
-        help="say how a scene would be simulated and why",
-        description="Say what is modelled, what is left out, why, and at what cost.",
-    )
-    add_scene(plan)
-    add_method(plan)
-    plan.set_defaults(run=run_plan)
+    """Add ``scenes``."""
     scenes = subparsers.add_parser(
         "scenes",
         help="list the bundled scenes, or say what they show",
         description="List the scenes that come with insonify; of those named, say what they show and what to move.",
     )
     scenes.add_argument("names", nargs="*", metavar="NAME", help="a bundled scene, or a TOML file")
-    scenes.set_defaults(run=run_scenes)
+    scenes.set_defaults(run=run)
 
 
 def about(scene: Scene) -> str:
@@ -37,22 +29,7 @@ def about(scene: Scene) -> str:
     return "\n".join([scene.title, *textwrap.wrap(paragraph, LINE, initial_indent="  ", subsequent_indent="  ")])
 
 
-def run_plan(arguments: argparse.Namespace) -> int:
-    """Print the plan of a scene.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
-    from insonify.plan import plan
-
-    for line in plan(chosen_scene(arguments), arguments.tolerance, method=arguments.method).lines():
-        say(line)
-    return 0
-
-
-def run_scenes(arguments: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print names and titles of all scenes, or the descriptions of some.
 
     Returns

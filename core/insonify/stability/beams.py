@@ -71,7 +71,7 @@ def _missed() -> float:
 
 
 def _missed_unsaid() -> float:
-    said = any("can be missed" in reason for _, reason in plan(_sparse()).reasons)
+    said = any("can be missed" in entry.reason for entry in plan(_sparse()).entries)
     return 0.0 if said else _missed()
 
 

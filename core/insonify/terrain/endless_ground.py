@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -89,6 +89,10 @@ class EndlessGround:
         (cell,) = self.cell(np.array(centre[:1]), np.array(centre[1:]))
         return self.window(int(cell[0]), int(cell[1]), half)
 
+    def thinned(self, every: int) -> EndlessGround:
+        """Return the bed of every so many nodes along each axis, node (0, 0) among them."""
+        return self if every == 1 else _thinned(self, every)
+
     def height_at(self, x: Column, y: Column) -> Column:
         """Bilinear height above the datum.
 
@@ -132,6 +136,17 @@ AnyGround = Ground | EndlessGround
 def kept(tile: Tiles) -> Tiles:
     """Keep the tiles that were last asked for."""
     return lru_cache(maxsize=KEPT_TILES)(tile)
+
+
+@lru_cache(maxsize=KEPT_WINDOWS)
+def _thinned(ground: EndlessGround, every: int) -> EndlessGround:
+    """Keep every so many nodes of an endless bed."""
+    side = every * TILE
+
+    def of(tiles: Tiles) -> Tiles:
+        return kept(lambda row, column: gathered(tiles, (row * side, column * side), (side, side))[::every, ::every])
+
+    return replace(ground, heights=of(ground.heights), materials=of(ground.materials), spacing=every * ground.spacing)
 
 
 @lru_cache(maxsize=KEPT_WINDOWS)

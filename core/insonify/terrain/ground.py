@@ -50,6 +50,28 @@ class Ground:
         del centre, half
         return self
 
+    def thinned(self, every: int) -> Ground:
+        """Return the bed of every so many nodes along each axis, node (0, 0) among them; of a level one, wider cells.
+
+        Parameters
+        ----------
+        every : int
+            Of a bed that repeats a divisor of its nodes along either axis.
+        """
+        if every == 1:
+            return self
+        step = 1 if self.periodic and self._is_level else every
+        return replace(
+            self,
+            heights=np.ascontiguousarray(self.heights[::step, ::step]),
+            materials=np.ascontiguousarray(self.materials[::step, ::step]),
+            spacing=every * self.spacing,
+        )
+
+    @property
+    def _is_level(self) -> bool:
+        return len(self.reflectivities) == 1 and bool((self.heights == self.heights[0, 0]).all())
+
     def height_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """Bilinear height above the datum, NaN where there is no bed.
 

@@ -1,0 +1,35 @@
+"""``insonify plan``: what would be done, why, and at what cost."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from insonify.commands.options import add_method, add_scene, chosen_model, chosen_scene, say
+
+
+def register(subparsers: Any) -> None:
+    """Add ``plan``."""
+    parser = subparsers.add_parser(
+        "plan",
+        help="say how a scene would be simulated and why",
+        description="Say what is modelled, what is left out, why, by what error of the record and at what cost.",
+    )
+    add_scene(parser)
+    add_method(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the plan of a scene.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    from insonify.plan import plan
+
+    scene, forced = chosen_scene(arguments), chosen_model(arguments)
+    say(plan(scene, arguments.tolerance, method=arguments.method, forced=forced).table())
+    return 0
