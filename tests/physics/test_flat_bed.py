@@ -9,7 +9,9 @@ import pytest
 
 from beds import poses_of, problem_of
 from insonify.kernels.types import LIGHT, SONAR
+from insonify.scene import edit, load_scene
 from insonify.scene.materials import Reflectivity
+from insonify.simulate import prepare
 from insonify.sound.flat_bed import flat_bed_curve
 from insonify.tracers import sweep
 from insonify.tracers.planes import FORESHORTENED
@@ -60,6 +62,39 @@ def test_every_bin_is_its_integral(law, width, planes):
     if width <= 2.5:
         np.testing.assert_allclose(ratio[6:], 1.0, atol=0.006)
     assert port.sum(dtype=float) == pytest.approx(expected.sum(), rel=0.005)
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+@pytest.mark.parametrize("width", [0.5, 2.5, 10.0])
+def test_one_plane_stands_for_a_whole_fan(law, width):
+    problem = flat(law=law, half_width=math.radians(width / 2.0), reflectivity=[MATERIAL])
+    port = sweep.trace(problem, poses_of(3.0, 5.0, ALTITUDE, 0.7), planes=1)[0, 0]
+    ratio = port[200:] / integral(law, problem.half_width)[200:]
+    # Its width is r times the beam's, that of the cone 2 x arcsin(r sin(w/2) / x): all azimuths at nadir.
+    r = (np.arange(208, 1000) + 0.5) * 0.05
+    reach = math.sin(problem.half_width) * r / np.sqrt(r**2 - ALTITUDE**2)
+    short = 1.0 if law == LIGHT else reach / np.arcsin(reach)
+    np.testing.assert_allclose(ratio[8:], short, atol=0.004)
+
+
+@pytest.mark.parametrize(
+    ("beam", "bound"),
+    [
+        ({"kind": "gaussian", "width": 1.5}, 0.002),
+        ({"kind": "gaussian", "width": 1.0, "two_way": True}, 0.002),
+        # The azimuth of a squinted cone's axis changes with range, that of a plane does not.
+        ({"kind": "fan", "width": 1.0, "squint": 12.0}, 0.03),
+        ({"kind": "array", "length": 0.3}, 0.002),
+    ],
+)
+def test_one_plane_stands_for_a_whole_pattern(beam, bound):
+    scene = edit(load_scene("default"), {"seabed.relief": "flat", "targets": [], "sonar.beam": beam})
+    simulation = prepare(scene)
+    one, many = (
+        sweep.trace(simulation.problem, simulation.poses(np.zeros(1, dtype=np.int64)), planes=planes)[0, 0]
+        for planes in (1, 64)
+    )
+    np.testing.assert_allclose(one[280:] / many[280:], 1.0, atol=bound)
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])

@@ -63,7 +63,7 @@ class Interference:
         poses : Poses
             Where the sonar is, n pings.
         planes : int
-            Planes across the beam that tell what of the bed is in sight.
+            Planes across the beam that tell what of the bed is in sight; two at least, for sight is told between them.
         threads : int, optional
             Threads to use, all cores when left out. The result does not depend on it.
 
@@ -80,7 +80,7 @@ class Interference:
         further = _narrowed(_lengthened(problem, self.beyond), self.scatterers.skin, poses)
         capacity = profile_capacity(further.bins * further.bin_length, problem.bed.spacing)
         out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
-        for places, laid in lay_planes(further, poses, planes):
+        for places, laid in lay_planes(further, poses, max(planes, 2)):
             some, beam = take(poses, places), _in_order(laid)
             traced = np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
 

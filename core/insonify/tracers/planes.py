@@ -29,6 +29,7 @@ SIDELOBE_GROWTH = 0.25  # and its growth, as a share of the distance from the ma
 HEIGHTS_PER_OCTAVE = 16.0  # to which heights are rounded up
 PITCH_STEP = 0.5  # to which pitches are rounded, in half widths of the main lobe
 MOST_EDGES = 512  # on one hand, whatever is asked for
+AT_NADIR = 1e-9  # per metre of height: all but nadir itself is far field to a plane that stands for a whole fan
 GROUND_RANGES = 256  # at which the beam's azimuths are looked at
 
 
@@ -42,7 +43,7 @@ def lay_planes(problem: Problem, poses: Poses, planes: int) -> list[tuple[NDArra
     poses : Poses
         Where the sonar is and how it lies.
     planes : int
-        Planes across the main lobe.
+        Planes across the main lobe; 1 for one that stands for the whole beam.
 
     Returns
     -------
@@ -50,6 +51,8 @@ def lay_planes(problem: Problem, poses: Poses, planes: int) -> list[tuple[NDArra
         Pings that share their planes, by their places among the poses. Heights are rounded up and pitches to a part
         of the beam, so that a ping's planes depend on the ping alone and a level tow needs one set.
     """
+    if planes == 1 and problem.half_width > 0.0:
+        return [(np.arange(poses.x.size), whole_beam(problem))]
     if not problem.pattern.tabled or problem.half_width <= 0.0:
         return [(np.arange(poses.x.size), beam_planes(problem.half_width, planes))]
     step = PITCH_STEP * problem.half_width
@@ -97,6 +100,28 @@ def lay_planes_of_images(problem: Problem, poses: Poses, planes: int) -> list[tu
         for places, beam in laid
         for within, of_image in lay_planes(problem, take(lifted, places), planes)
     ]
+
+
+def whole_beam(problem: Problem) -> Planes:
+    """Lay one plane along the axis of a beam, to stand for all of it.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its beam applies.
+
+    Returns
+    -------
+    Planes
+        One on either side. Every range is as loud as the whole beam would make it over ground that is even along the
+        track; of what differs along the track within the beam, the plane tells nothing.
+    """
+    half, pattern = problem.half_width, problem.pattern
+    # s = cos θ sin φ, so that an integral over s is one over azimuths times cos θ cos φ, and x is r cos θ.
+    squint = math.asin(min(max(pattern.centre, -1.0), 1.0))
+    everything = (squint, -1.0, 1.0, 2.0 / max(math.cos(squint), 0.05), 0.0, math.inf, math.inf)
+    fan = (0.0, 0.0, math.sin(half), 2.0 * half, 2.0 * half, AT_NADIR, math.inf)
+    return Planes(*(np.array([value]) for value in (everything if pattern.tabled else fan)))
 
 
 def beam_planes(half_width: float, planes: int) -> Planes:
