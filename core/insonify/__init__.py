@@ -11,7 +11,7 @@ _HOMES = {
     "Scene": "scene",
     "SceneError": "scene",
     "caustics": "sound.caustics",
-    "chart": "chart",
+    "chart": "charts",
     "eigenrays": "sound.paths",
     "load_scene": "scene",
     "plan": "plan",

@@ -9,7 +9,9 @@ from time import perf_counter
 from typing import TypeVar
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
 
 from insonify.kernels.types import Poses, Problem
 from insonify.sound.flat_bed import flat_bed_curve
@@ -17,6 +19,10 @@ from insonify.tracers import rays
 
 Name = TypeVar("Name", bound=Hashable)
 BEYOND = 1.4  # altitudes; an error counts from there
+DARK, SHADOW = 0.1, 8  # of the median, and bins in a row: a shadow
+LOUD = 4.0  # medians; an echo that stands out
+ABOUT, FARTHEST = 8, 96  # bins about an echo, and those by which it is looked for
+SSIM_COLUMNS = 7
 FIRST_RAYS = 1 << 15
 MOST_RAYS = 1 << 22
 
@@ -108,6 +114,164 @@ def compare(problem: Problem, poses: Poses, a: NDArray[np.floating], b: NDArray[
     )
 
 
+@dataclass(frozen=True)
+class Displacement:
+    """How far what a record shows lies from where its reference has it, in metres of slant range.
+
+    Attributes
+    ----------
+    shadow_edge : float
+        Mean distance between the edges of the reference's shadows and the record's; NaN if there are none.
+    echo : float
+        Likewise between echoes that stand out of the bed's.
+    """
+
+    shadow_edge: float
+    echo: float
+
+
+def displacement(problem: Problem, poses: Poses, a: NDArray[np.floating], b: NDArray[np.floating]) -> Displacement:
+    """Measure how far a record displaces the shadows and echoes of its reference.
+
+    Parameters
+    ----------
+    problem : Problem
+        Whose record it is.
+    poses : Poses
+        Of its n pings.
+    a, b : (n, 2, bins) float
+        Record and reference.
+
+    Returns
+    -------
+    Displacement
+    """
+    curve = np.broadcast_to(flat_bed_curves(problem, poses), np.shape(b))
+    scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0)
+    beyond = min(math.ceil(BEYOND * float(poses.z.max(initial=0.0)) / problem.bin_length), problem.bins)
+    sides = [(one.reshape(-1, problem.bins)[:, beyond:]) for one in (a * scale, b * scale)]
+    edges = [moved for one, other in zip(*sides) for moved in edge_shifts(one, other)]
+    echoes = [moved for one, other in zip(*sides) for moved in echo_shifts(one, other)]
+    return Displacement(*(problem.bin_length * _mean_size(shifts) for shifts in (edges, echoes)))
+
+
+def edge_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]:
+    """Return by how many bins a record displaces the edges of its reference's shadows.
+
+    A shadow is a run of at least `SHADOW` bins all darker than a tenth of the median of what is heard. Its edge is
+    where, from its middle outwards, a record first rises to half of what the reference has just outside, between the
+    centres of two bins; where a record shows no shadow at all, that is the middle itself.
+
+    Parameters
+    ----------
+    a, b : (bins,) float
+        Record and reference of one side, divided by the flat bed's curve.
+
+    Returns
+    -------
+    list of float
+        Positive away from the sonar; near and far edges, in order.
+    """
+    heard = b[b > 0.0]
+    if heard.size == 0:
+        return []
+    dark = np.concatenate([[False], b < DARK * np.median(heard), [False]])
+    begins, ends = np.flatnonzero(dark[1:] & ~dark[:-1]), np.flatnonzero(~dark[1:] & dark[:-1])
+    shifts = []
+    for begin, end in zip(begins, ends):
+        if end - begin < SHADOW:
+            continue
+        middle = (begin + end) // 2
+        if begin >= 2:
+            half = 0.5 * float(b[begin - 2 : begin].max())
+            shifts.append(_rise(b[middle::-1], half) - _rise(a[middle::-1], half))
+        if end <= b.size - 2:
+            half = 0.5 * float(b[end : end + 2].max())
+            shifts.append(_rise(a[middle:], half) - _rise(b[middle:], half))
+    return shifts
+
+
+def _rise(levels: NDArray[np.floating], threshold: float) -> float:
+    """Bins after which levels first reach a threshold, between two of them by proportion; the last if never."""
+    reached = np.flatnonzero(levels >= threshold)
+    if reached.size == 0:
+        return float(levels.size - 1)
+    k = int(reached[0])
+    return k - (levels[k] - threshold) / (levels[k] - levels[k - 1]) if k > 0 else 0.0
+
+
+def echo_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]:
+    """Return by how many bins a record displaces those echoes of its reference that stand out.
+
+    An echo stands out where the reference exceeds `LOUD` times the median of what is heard and all else within `ABOUT`
+    bins. Its window is slid along the record, up to `FARTHEST` bins either way, to where both agree best by their
+    normalised correlation; there the centroids of both tell the parts of a bin.
+
+    Parameters
+    ----------
+    a, b : (bins,) float
+        Record and reference of one side, divided by the flat bed's curve.
+
+    Returns
+    -------
+    list of float
+        Positive away from the sonar, in order of range.
+    """
+    heard = b[b > 0.0]
+    if heard.size == 0:
+        return []
+    highest = maximum_filter1d(b, 2 * ABOUT + 1, mode="constant")
+    peaks = np.flatnonzero((b == highest) & (b > LOUD * np.median(heard)))
+    around = np.arange(-ABOUT, ABOUT + 1)
+    padded = np.pad(np.asarray(a, dtype=np.float64), ABOUT + FARTHEST)
+    lags = np.arange(-FARTHEST, FARTHEST + 1)
+    shifts = []
+    for peak in peaks[(peaks >= ABOUT) & (peaks < b.size - ABOUT)]:
+        window = np.asarray(b[peak - ABOUT : peak + ABOUT + 1], dtype=np.float64)
+        slid = sliding_window_view(padded[peak : peak + 2 * (ABOUT + FARTHEST) + 1], window.size)
+        norms = np.linalg.norm(slid, axis=1)
+        match = np.divide(slid @ window, norms, out=np.zeros_like(norms), where=norms > 0.0)
+        # Of equal ones the nearest.
+        best = min(np.flatnonzero(match == match.max()), key=lambda k: abs(int(lags[k])))
+        if norms[best] == 0.0:
+            shifts.append(float(FARTHEST))
+            continue
+        there = slid[best]
+        shifts.append(float(lags[best] + there @ around / there.sum() - window @ around / window.sum()))
+    return shifts
+
+
+def _mean_size(shifts: list[float]) -> float:
+    return float(np.abs(shifts).mean()) if shifts else math.nan
+
+
+def similarity(a: NDArray[np.floating], b: NDArray[np.floating]) -> float:
+    """Return how alike two pictures look, by structural similarity along the range: 1 for equal ones.
+
+    Parameters
+    ----------
+    a, b : (..., columns) float
+        Amplitudes as `picture.normalise` has them; shown between the darkest and the brightest that `picture.contrast`
+        picks for ``b``. Rows need not be neighbours.
+
+    Returns
+    -------
+    float
+        Wang et al. 2004, mean over all windows of 7 columns.
+    """
+    from skimage import metrics
+
+    from insonify.picture import contrast, tones
+
+    compared: Callable[..., float] = metrics.structural_similarity
+
+    levels = contrast(np.asarray(b, dtype=np.float32))
+    one, other = (tones(np.asarray(each, dtype=np.float32), levels).reshape(-1, np.shape(b)[-1]) for each in (a, b))
+    if one.shape[-1] < SSIM_COLUMNS:
+        return float((one == other).all())
+    return float(compared(one, other, win_size=SSIM_COLUMNS, channel_axis=0, data_range=255))
+
+
 def flat_bed_curves(problem: Problem, poses: Poses) -> NDArray[np.float64]:
     """Return the record of a level bed under every pose, (n, 1, bins) float64."""
     altitudes, which = np.unique(poses.z, return_inverse=True)
@@ -162,7 +326,11 @@ class Timing:
 
 
 def time_calls(
-    calls: Mapping[Name, Callable[[], object]], *, rounds: int = 7, seconds: float = math.inf
+    calls: Mapping[Name, Callable[[], object]],
+    *,
+    rounds: int = 7,
+    seconds: float = math.inf,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> dict[Name, Timing]:
     """Time several calls in turns, so that what else the machine does falls on all of them alike.
 
@@ -174,6 +342,8 @@ def time_calls(
         Times that each is called, at least 3.
     seconds : float
         After these no further round begins.
+    progress : callable
+        Called after every round with the share of the rounds done; may raise to stop.
 
     Returns
     -------
@@ -190,6 +360,7 @@ def time_calls(
             start = perf_counter()
             call()
             taken[name].append(perf_counter() - start)
+        progress((turn + 1) / max(rounds, 3))
     return {name: _timing(np.array(times)) for name, times in taken.items()}
 
 

@@ -4,75 +4,151 @@ from __future__ import annotations
 
 import csv
 import itertools
+import json
 
+import numpy as np
 import pytest
 
-from insonify.chart import Chart, Row, chart
+from beds import poses_of, problem_of
+from insonify.accuracy import Displacement, Errors, similarity
+from insonify.charts import Chart, Row, chart, measure
+from insonify.charts.measure import Case
+from insonify.charts.reference import Reference
 from insonify.scene import SceneError, edit, load_scene
 
+
+def row(method, setting, microseconds, error, targets=False):
+    errors = Errors(all_bins=error, beyond=error, energy_bias=0.0, dark_leakage=0.0)
+    return Row(method, setting, 1.0, targets, microseconds, 0.01, errors, Displacement(0.02, float("nan")))
+
+
 ROWS = (
-    Row("march", "0.1 m", 500.0, 0.30, 0.4, 0.01),
-    Row("rays", "1,000 rays", 120.0, 0.31, 0.5, 0.01),
-    Row("rays", "4,000 rays", 470.0, 0.08, 0.2, 0.01),
-    Row("sweep", "1 plane", 12.0, 0.01, 0.01, 0.01),
+    row("march", "0.1 m", 500.0, 0.30),
+    row("rays", "1,000 rays", 120.0, 0.31),
+    row("rays", "4,000 rays", 470.0, 0.08),
+    row("sweep", "1 plane", 12.0, 0.01),
 )
 
 
 def made(rows=ROWS):
-    return Chart("Pipe", rows, 16, 0.001, "a machine, two cores")
+    poses, problem = poses_of([0.0, 1.0], 0.0, 8.0), problem_of(np.zeros((8, 8)), 4.0, periodic=True)
+    record = np.ones((2, 2, problem.bins), dtype=np.float32)
+    case = Case(problem, poses, Reference(record, 0.001, 65536))
+    return Chart("Pipe", rows, 2, "a machine, two cores", {False: case}, {each.name: record for each in rows})
+
+
+SMALL = edit(
+    load_scene("default"),
+    {
+        "seabed.relief.period": 12.8, "seabed.relief.peaks": [[6.0, 3.0]], "sonar.range": 25.0, "sonar.bins": 100,
+        "targets": [{"kind": "sphere", "position": [0.0, 12.0], "radius": 0.5}],
+        "sonar.beam": {"kind": "fan", "width": 2.0}, "track.pings": 20, "track.start": [-2.0, 0.0],
+    },
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def measured():
-    scene = edit(
-        load_scene("default"),
-        {
-            "seabed.relief.period": 12.8, "seabed.relief.peaks": [[6.0, 3.0]], "sonar.range": 25.0, "sonar.bins": 100,
-            "targets": [], "sonar.beam": {"kind": "fan", "width": 2.0},
-        },
-    )  # fmt: skip
-    return chart(scene, pings=2)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(measure, "PROVING", 1.0)
+        patch.setattr(measure, "TIMING", 1.0)
+        return chart(SMALL, pings=2)
 
 
 def test_every_method_is_measured(measured):
-    assert {row.method for row in measured.rows} == {"march", "rays", "sweep"}
+    methods = {"march", "rays", "sweep", "sweep, every 2nd node", "sweep, every 4th node"}
+    assert methods <= {row.method for row in measured.rows}
     assert all(row.microseconds > 0.0 and row.spread >= 0.0 for row in measured.rows)
     assert measured.pings == 2
-    assert 0.0 < measured.moved < 0.01
     assert measured.machine
+    assert set(measured.cases) == {False, True}
+    assert sum(row.targets for row in measured.rows) == len(measured.rows) / 2
+
+
+def test_what_the_reference_does_not_resolve_is_said(measured, tmp_path):
+    measured.save(tmp_path / "chart.csv")
+    with (tmp_path / "chart.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for each in rows:
+        floor = 10.0 * float(each["reference_moved"])
+        assert each["resolved"] == ("yes" if float(each["error_beyond"]) >= floor else "no")
 
 
 def test_more_rays_and_more_planes_are_nearer_the_truth(measured):
     for method in ("rays", "sweep"):
-        errors = [row.error_beyond for row in measured.rows if row.method == method]
+        errors = [row.errors.beyond for row in measured.rows if row.method == method and not row.targets]
         assert errors[-1] < 0.2 * errors[0]
-    errors = [row.error_beyond for row in measured.rows if row.method == "rays"]
+    errors = [row.errors.beyond for row in measured.rows if row.method == "rays" and not row.targets]
     assert all(later < earlier for earlier, later in itertools.pairwise(errors))
 
 
+def test_a_bed_of_fewer_nodes_is_cheaper_and_farther_from_the_truth(measured):
+    found = {(row.method, row.setting): row for row in measured.rows if not row.targets}
+    full, half, quarter = (
+        found[method, "16 planes"] for method in ("sweep", "sweep, every 2nd node", "sweep, every 4th node")
+    )
+    assert full.errors.beyond < half.errors.beyond < quarter.errors.beyond
+
+
+def test_record_of_a_point_and_its_reference(measured):
+    for row in measured.rows:
+        record, right = measured.shown(row)
+        assert record.shape == right.shape == (2, 2, 100)
+        assert -1.0 <= similarity(record, right) <= 1.0
+    best = min(measured.rows, key=lambda row: row.errors.beyond)
+    assert similarity(*measured.shown(best)) > 0.95
+
+
+def test_progress_is_told_and_may_stop():
+    class Stop(Exception):
+        pass
+
+    told = []
+
+    def progress(share):
+        told.append(share)
+        if len(told) == 5:
+            raise Stop
+
+    with pytest.raises(Stop):
+        chart(SMALL, pings=2, progress=progress)
+    assert told == sorted(told)
+    assert all(0.0 <= share <= 1.0 for share in told)
+
+
 def test_front_keeps_what_none_beats():
-    slow = (Row("rays", "16,000 rays", 1900.0, 0.005, 0.1, 0.0),)
-    assert [row.setting for row in made(ROWS + slow).front()] == ["1 plane", "16,000 rays"]
+    slow = (row("rays", "16,000 rays", 1900.0, 0.005),)
+    assert [each.setting for each in made(ROWS + slow).front(targets=False)] == ["1 plane", "16,000 rays"]
 
 
-def test_table_holds_what_was_measured(tmp_path):
+def test_tables_hold_what_was_measured(tmp_path):
     made().save(tmp_path / "chart.csv")
     with (tmp_path / "chart.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["method"] for row in rows] == ["march", "rays", "rays", "sweep"]
+    assert [each["method"] for each in rows] == ["march", "rays", "rays", "sweep"]
     assert float(rows[2]["error_beyond"]) == pytest.approx(0.08)
+    assert rows[2]["resolved"] == "yes"
     assert rows[0]["machine"] == "a machine, two cores"
+    assert rows[0]["echo_position_m"] == ""
+    made().save(tmp_path / "chart.json")
+    whole = json.loads((tmp_path / "chart.json").read_text(encoding="utf-8"))
+    assert whole["machine"] == "a machine, two cores"
+    assert whole["rows"][2]["error_beyond"] == 0.08
+    assert whole["rows"][2]["echo_position_m"] is None
 
 
-def test_picture_is_written_whole(tmp_path):
+@pytest.mark.parametrize(("suffix", "magic"), [(".png", b"\x89PNG"), (".svg", b"<?xml")])
+def test_picture_is_written_whole(tmp_path, suffix, magic):
     # One method may lack an error altogether.
-    made((*ROWS, Row("sweep", "2 planes", 20.0, 0.0, 0.0, 0.0))).save(tmp_path / "chart.png")
-    assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")
-    assert [path.name for path in tmp_path.iterdir()] == ["chart.png"]
+    made((*ROWS, row("sweep", "2 planes", 20.0, 0.0))).save(tmp_path / f"chart{suffix}")
+    written = (tmp_path / f"chart{suffix}").read_bytes()
+    assert written.startswith(magic)
+    assert b"a machine, two cores" in written
+    assert [path.name for path in tmp_path.iterdir()] == [f"chart{suffix}"]
 
 
 def test_other_endings_are_refused(tmp_path):
-    with pytest.raises(SceneError, match=r"chart\.pdf.*\.png or \.csv"):
+    with pytest.raises(SceneError, match=r"chart\.pdf.*\.csv or \.json"):
         made().save(tmp_path / "chart.pdf")
     assert not list(tmp_path.iterdir())
 

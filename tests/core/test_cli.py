@@ -55,7 +55,7 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
         (["plan", "default", "--model", "plane=4"], "'plane' is no choice of a plan; choose one of method, planes"),
         (["plan", "default", "--model", "planes=0"], "model planes: '0' will not do; give a whole number from 1"),
         (["plan", "default", "--model", "bending=no"], "model bending: 'no' is not known; choose one of on, off"),
-        (["chart", "-o", "x.pdf"], "'.pdf' is no format written here; end the name in .png or .csv"),
+        (["chart", "-o", "x.pdf"], "'.pdf' is no format written here; end the name in .png or .svg or .csv or .json"),
         (["relief", "default", "-o", "x.nc"], "end the name in .png"),
         (["rendre", "default"], "did you mean 'insonify render'?"),
         (["view", "atlantis"], "no such file"),

@@ -7,7 +7,7 @@ from typing import Any
 
 from insonify.commands.options import add_scene, chosen_scene, output, say
 
-SUFFIXES = (".png", ".csv")
+SUFFIXES = (".png", ".svg", ".csv", ".json")
 
 
 def register(subparsers: Any) -> None:
@@ -18,7 +18,7 @@ def register(subparsers: Any) -> None:
         description="Measure time per ping and error of every method on a scene, on this machine.",
     )
     add_scene(parser, optional=True)
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png or .csv")
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png, .svg, .csv or .json")
     parser.set_defaults(run=run)
 
 
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, SUFFIXES)
     scene = chosen_scene(arguments)
-    from insonify.chart import chart
+    from insonify.charts import chart
 
     chart(scene).save(path)
     say(str(path))

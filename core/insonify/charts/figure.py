@@ -1,0 +1,137 @@
+"""The chart of accuracy as a picture."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from insonify.charts.style import (
+    FAINT,
+    INK,
+    as_percent,
+    as_time,
+    colour_of,
+    mark_of,
+    place_labels,
+    scale_axes,
+    write_headings,
+)
+
+if TYPE_CHECKING:
+    from insonify.charts.measure import Chart, Row
+
+FLOOR = 1e-6  # errors below it are drawn there
+CEILING = 10.0  # and errors above it there
+WIDE, HIGH = 6.4, 6.6  # inches of one panel with its margins, and of the whole
+COUNTED = {"march": "step", "rays": "rays a side", "sweep": "planes", "embree": "rays a side"}
+
+
+class Drawing(NamedTuple):
+    """A chart drawn.
+
+    Attributes
+    ----------
+    figure : Figure
+        With an Agg canvas.
+    marks : dict of Line2D to list of Row
+        What the points of every line stand for, so that one may be picked.
+    """
+
+    figure: Figure
+    marks: dict[Line2D, list[Row]]
+
+
+def draw(chart: Chart) -> Drawing:
+    """Draw error against time per ping, with targets and without, each with the front of the best.
+
+    Parameters
+    ----------
+    chart : Chart
+        What was measured.
+
+    Returns
+    -------
+    Drawing
+    """
+    panels = len(chart.cases)
+    figure = Figure(figsize=(WIDE * panels + 1.6 * (panels == 1), HIGH), facecolor="white")
+    FigureCanvasAgg(figure)
+    write_headings(figure, "Speed against accuracy", _told(chart), chart.machine)
+    grid = figure.subplots(1, panels, sharex=True, sharey=True, squeeze=False)[0]
+    width = figure.get_size_inches()[0]
+    figure.subplots_adjust(0.75 / width, 0.95 / HIGH, 1.0 - 0.2 / width, 1.0 - 1.25 / HIGH, wspace=0.06)
+    marks: dict[Line2D, list[Row]] = {}
+    for axes, targets in zip(grid, sorted(chart.cases)):
+        marks |= _panel(axes, chart, targets)
+    _limit(grid, chart)
+    for axes, targets in zip(grid, sorted(chart.cases)):
+        _floor(axes, chart, targets)
+        rows = [row for row in chart.rows if row.targets == targets]
+        place_labels(axes, [(row.label, row.microseconds, _height(row), colour_of(row.method)) for row in rows])
+    grid[0].set_ylabel("error beyond 1.4 × altitude", fontsize=10.5, color=INK, labelpad=6)
+    return Drawing(figure, marks)
+
+
+def _told(chart: Chart) -> str:
+    pings = f"{chart.pings} ping{'s' * (chart.pings != 1)}"
+    return f"{chart.title or 'untitled scene'} · {pings} · bars: half the distance between the quartiles of the times"
+
+
+def _panel(axes: Axes, chart: Chart, targets: bool) -> dict[Line2D, list[Row]]:
+    """One scene: the front, then every method's points with a line through them."""
+    scale_axes(axes, x=as_time, y=as_percent)
+    axes.set_xlabel("time per ping, both sides, one thread", fontsize=10.5, color=INK, labelpad=6)
+    if len(chart.cases) > 1:
+        axes.set_title("with its targets" if targets else "without targets", fontsize=11, color=INK, loc="left")
+    front = chart.front(targets)
+    axes.plot(
+        [row.microseconds for row in front], [_height(row) for row in front],
+        color=INK, linewidth=7.0, alpha=0.10, solid_capstyle="round", solid_joinstyle="round", zorder=1,
+        label="best for its time",
+    )  # fmt: skip
+    marks: dict[Line2D, list[Row]] = {}
+    for method in dict.fromkeys(row.method for row in chart.rows if row.targets == targets):
+        rows = [row for row in chart.rows if row.targets == targets and row.method == method]
+        marks[_points(axes, method, rows)] = rows
+    axes.legend(loc="upper right", frameon=False, fontsize=9, labelcolor=INK, handlelength=1.8)
+    return marks
+
+
+def _points(axes: Axes, method: str, rows: list[Row]) -> Line2D:
+    """One method: a line through its settings and a mark for each."""
+    x, y, colour = [row.microseconds for row in rows], [_height(row) for row in rows], colour_of(method)
+    axes.errorbar(
+        x, y, xerr=[row.spread * row.microseconds for row in rows], fmt="none", ecolor=colour, elinewidth=1.0, zorder=2
+    )
+    (line,) = axes.plot(
+        x, y, color=colour, linewidth=1.2, linestyle="--" if "," in method else "-",
+        marker=mark_of(method), markersize=6.5, markeredgecolor="white", zorder=3,
+        label=f"{method} ({COUNTED[method.partition(',')[0]]})", picker=5,
+    )  # fmt: skip
+    return line
+
+
+def _limit(grid: list[Axes], chart: Chart) -> None:
+    """Leave room for labels, and for the names of the methods above the points."""
+    heights = [_height(row) for row in chart.rows] + [max(case.reference.floor, FLOOR) for case in chart.cases.values()]
+    grid[0].margins(x=0.08)
+    grid[0].set_ylim(0.5 * min(heights), 12.0 * max(heights))
+
+
+def _floor(axes: Axes, chart: Chart, targets: bool) -> None:
+    """Mark the error below which the reference cannot tell."""
+    reference = chart.cases[targets].reference
+    low, moved = max(reference.floor, FLOOR), as_percent(reference.moved)
+    axes.axhspan(FLOOR / 10.0, low, color=FAINT, alpha=0.10, linewidth=0, zorder=0)
+    axes.text(
+        0.01, low, f"not resolved: doubling to {reference.rays:,} rays a side moved the reference {moved}",
+        transform=axes.get_yaxis_transform(), ha="left", va="bottom", fontsize=8.0, color=FAINT,
+    )  # fmt: skip
+
+
+def _height(row: Row) -> float:
+    return min(max(row.errors.beyond, FLOOR), CEILING)

@@ -1,0 +1,31 @@
+"""What a measurement of time depends on."""
+
+from __future__ import annotations
+
+import os
+import platform
+from importlib.metadata import version
+from pathlib import Path
+
+
+def machine() -> str:
+    """Return the processor, its cores and the versions that a measurement depends on."""
+    parts = (
+        _processor(),
+        f"{os.cpu_count()} cores, one thread used",
+        platform.system(),
+        f"Python {platform.python_version()}",
+        f"Numba {version('numba')}",
+        f"insonify {version('insonify')}",
+    )
+    return ", ".join(parts)
+
+
+def _processor() -> str:
+    """Name of the processor, as well as the system tells it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()

@@ -1,0 +1,263 @@
+"""Speed against accuracy of every method on one scene, measured from start to end on this machine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.accuracy import Displacement, Errors, compare, displacement, flat_bed_curves, time_calls
+from insonify.charts.contenders import Contender, Name, contenders
+from insonify.charts.machine import machine
+from insonify.charts.reference import Reference, prove
+from insonify.kernels.types import Poses, Problem, still_water
+from insonify.picture import held_curve, normalise
+from insonify.scene import Scene, SceneError, edit
+from insonify.simulate import prepare
+from insonify.terrain import build_ground
+from insonify.tracers.poses import make_poses, take
+from insonify.tracers.problem import make_problem
+from insonify.tracers.windows import Windows
+
+PINGS = 8
+PROVING, TIMING = 16.0, 8.0  # seconds, about, with targets and as many without
+CLOCKED = 0.01  # s, that a timed call is to take at least, by tracing more pings if need be
+MOST_CLOCKED = 512  # pings
+
+Record = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method with one setting.
+
+    Attributes
+    ----------
+    method : str
+        Its name.
+    setting : str
+        As a person reads it.
+    size : float
+        The setting as a number: metres a step, rays a side, planes.
+    targets : bool
+        Whether the scene's targets are there.
+    microseconds : float
+        Median per ping, both sides, on one thread.
+    spread : float
+        Half the distance between the quartiles of the times, as a share of the median.
+    errors : Errors
+        Shares of the record.
+    displacement : Displacement
+        Of shadows and echoes, in metres.
+    """
+
+    method: str
+    setting: str
+    size: float
+    targets: bool
+    microseconds: float
+    spread: float
+    errors: Errors
+    displacement: Displacement
+
+    @property
+    def name(self) -> Name:
+        """What tells it from the others."""
+        return Name(self.method, self.setting, self.targets)
+
+    @property
+    def label(self) -> str:
+        """The setting without the words that its method implies."""
+        return self.setting.removesuffix("s").removesuffix(" plane").removesuffix(" ray")
+
+
+class Case(NamedTuple):
+    """A scene with its targets or without.
+
+    Attributes
+    ----------
+    problem : Problem
+        As kernels see it.
+    poses : Poses
+        Of the n pings that are compared.
+    reference : Reference
+        What is right.
+    """
+
+    problem: Problem
+    poses: Poses
+    reference: Reference
+
+
+@dataclass(frozen=True)
+class Chart:
+    """What was measured.
+
+    Attributes
+    ----------
+    title : str
+        Of the scene.
+    rows : tuple of Row
+        All methods and settings.
+    pings : int
+        Pings that were compared.
+    machine : str
+        Where and with what it was measured.
+    cases : mapping of bool to Case
+        By whether the targets are there; what has none has only ``False``.
+    records : mapping of Name to (pings, 2, bins) float32
+        What every row was judged by.
+    """
+
+    title: str
+    rows: tuple[Row, ...]
+    pings: int
+    machine: str
+    cases: Mapping[bool, Case] = field(repr=False)
+    records: Mapping[Name, Record] = field(repr=False)
+
+    def front(self, targets: bool) -> list[Row]:
+        """Return the rows that none beats in both time and error, fastest first, with targets or without."""
+        front: list[Row] = []
+        rows = (row for row in self.rows if row.targets == targets)
+        for row in sorted(rows, key=lambda row: (row.microseconds, row.errors.beyond)):
+            if not front or row.errors.beyond < front[-1].errors.beyond:
+                front.append(row)
+        return front
+
+    def shown(self, row: Row) -> tuple[Record, Record]:
+        """Return a row's record and its reference as a picture shows them: amplitudes over those of a level bed.
+
+        Returns
+        -------
+        record, reference : (pings, 2, bins) float32
+        """
+        case = self.cases[row.targets]
+        curve = np.array([held_curve(curve[0]) for curve in flat_bed_curves(case.problem, case.poses)])[:, None, :]
+        return normalise(self.records[row.name], curve), normalise(case.reference.record, curve)
+
+    def save(self, path: str | Path) -> None:
+        """Write the chart as a picture (.png, .svg) or as a table (.csv, .json).
+
+        Raises
+        ------
+        SceneError
+            If the file's name ends in anything else.
+        """
+        from insonify.charts.figure import draw
+        from insonify.charts.files import save
+        from insonify.charts.tables import accuracy_table
+
+        save(path, accuracy_table(self), lambda: draw(self).figure)
+
+
+def chart(scene: Scene, *, pings: int = PINGS, progress: Callable[[float], None] | None = None) -> Chart:
+    """Measure time per ping and error of every method on a scene, on this machine.
+
+    Parameters
+    ----------
+    scene : Scene
+        What to trace.
+    pings : int
+        Pings to compare, spread evenly over the track.
+    progress : callable, optional
+        Called now and then with the share done, from 0 to 1; may raise to stop.
+
+    Returns
+    -------
+    Chart
+
+    Raises
+    ------
+    SceneError
+        If there are no pings to trace, or the scene cannot be simulated.
+    """
+    if pings < 1:
+        raise SceneError(f"pings: {pings} is too few; give at least 1")
+    scenes = {False: edit(scene, {"targets": []})} if scene.targets else {}
+    scenes |= {bool(scene.targets): scene}
+    rows: list[Row] = []
+    cases: dict[bool, Case] = {}
+    records: dict[Name, Record] = {}
+    for number, (targets, one) in enumerate(scenes.items()):
+
+        def share(done: float, before: int = number) -> None:
+            if progress is not None:
+                progress((before + done) / len(scenes))
+
+        problem, poses = ready(one, pings)
+        measured, case, found = _measure(targets, problem, poses, share)
+        rows += measured
+        cases[targets] = case
+        records |= found
+    return Chart(scene.title, tuple(rows), cases[False].poses.x.size, machine(), cases, records)
+
+
+def ready(scene: Scene, pings: int) -> tuple[Problem, Poses]:
+    """Make a scene ready to be traced in full: whatever bends bends, however little.
+
+    Parameters
+    ----------
+    scene : Scene
+        What to trace.
+    pings : int
+        Pings, spread evenly over the track; of endless ground, those over the piece beneath most of them.
+
+    Returns
+    -------
+    Problem, Poses
+    """
+    straight = not prepare(scene).plan.bent  # and refuses what cannot be simulated
+    ground = build_ground(scene)
+    problem = make_problem(scene, ground)
+    if straight and (problem.ghosts.heard or problem.bounces):
+        problem = problem._replace(water=still_water(problem.water.reference, problem.water.surface))
+    poses = make_poses(scene, ground, np.unique(np.linspace(0, scene.track.pings - 1, pings).astype(np.int64)))
+    pieces = Windows(ground, problem.bins * problem.bin_length).over(problem, poses)
+    places, problem = max(pieces, key=lambda piece: poses.x[piece[0]].size)
+    return problem, take(poses, places)
+
+
+def _measure(
+    targets: bool, problem: Problem, poses: Poses, progress: Callable[[float], None]
+) -> tuple[list[Row], Case, dict[Name, Record]]:
+    """Trace, prove the reference, time and compare."""
+    all_of_them = contenders(problem)
+    named = {Name(one.method, one.setting, targets): one for one in all_of_them}
+    records: dict[Name, Record] = {}
+    for number, (name, one) in enumerate(named.items()):
+        progress(0.2 * number / len(named))
+        records[name] = one.trace(poses)
+    right = prove(problem, poses, list(records.values()), seconds=PROVING, progress=lambda s: progress(0.2 + 0.5 * s))
+    clocked = {name: _clocked(one, poses) for name, one in named.items()}
+    timings = time_calls(
+        {name: call for name, (call, _) in clocked.items()},
+        seconds=TIMING,
+        progress=lambda share: progress(0.7 + 0.3 * share),
+    )
+    rows = []
+    for name, one in named.items():
+        timing, pair = timings[name], (records[name], right.record)
+        rows.append(
+            Row(
+                one.method, one.setting, one.size, targets, 1e6 * timing.median / clocked[name][1], timing.spread,
+                compare(problem, poses, *pair), displacement(problem, poses, *pair),
+            )
+        )  # fmt: skip
+    return rows, Case(problem, poses, right), records
+
+
+def _clocked(one: Contender, poses: Poses) -> tuple[Callable[[], Record], int]:
+    """Let a quick method trace pings again and again, so that a call takes long enough to be timed; say how many."""
+    began = perf_counter()
+    one.trace(poses)
+    times = math.ceil(CLOCKED / max(perf_counter() - began, 1e-6))
+    many = take(poses, np.tile(np.arange(poses.x.size), max(min(times, MOST_CLOCKED // poses.x.size), 1)))
+    return partial(one.trace, many), many.x.size
