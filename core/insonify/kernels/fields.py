@@ -91,8 +91,8 @@ def _sine(turns):
 
 
 @kernel
-def weave(pings, spacing, nodes, start, per_bin, real, imaginary, out_real, out_imaginary):
-    """Smooth noise at nodes to noise at pings, in bins that share a spacing of nodes.
+def weave(pings, spacing, nodes, start, per_bin, first, real, imaginary, out_real, out_imaginary):
+    """Smooth noise at nodes to noise at pings, in bins from ``first`` on that share a spacing of nodes.
 
     ``start`` is each ping's first row of nodes, ``per_bin`` the triangle's steepness in every bin, 1 / half width.
     """
@@ -108,13 +108,13 @@ def weave(pings, spacing, nodes, start, per_bin, real, imaginary, out_real, out_
                 weight = max(np.float32(0.0), np.float32(1.0) - distance * per_bin[k])
                 squares[k] += weight * weight
                 for side in range(2):
-                    out_real[ping, side, k] += weight * real[row, side, k]
-                    out_imaginary[ping, side, k] += weight * imaginary[row, side, k]
+                    out_real[ping, side, first + k] += weight * real[row, side, k]
+                    out_imaginary[ping, side, first + k] += weight * imaginary[row, side, k]
         for side in range(2):
             for k in range(bins):
                 scale = np.float32(1.0) / math.sqrt(squares[k])
-                out_real[ping, side, k] *= scale
-                out_imaginary[ping, side, k] *= scale
+                out_real[ping, side, first + k] *= scale
+                out_imaginary[ping, side, first + k] *= scale
 
 
 @kernel
