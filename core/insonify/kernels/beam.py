@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.jit import fused, kernel
+from insonify.kernels.jit import bare, kernel
 from insonify.kernels.types import EVERY_GRAZING, LIGHT, TOP_HAT
 
 SLICES = 16  # of the azimuths over which a pattern is averaged
 
 
-@fused
+@bare
 def sensitivity(pattern, s, r):
     """Sensitivity in the directions of s at slant range r: bilinear in s and log r."""
     row, share = _row(pattern, r)
@@ -18,7 +18,7 @@ def sensitivity(pattern, s, r):
     return heard + share * (_energy(pattern, row + 1, s) - heard) if share > 0.0 else heard
 
 
-@fused
+@bare
 def heard_between(centre, extent, integral, first_range, per_octave, s_low, s_high, r):
     """Integral of the sensitivity over s between two values, at slant range r.
 
@@ -31,7 +31,7 @@ def heard_between(centre, extent, integral, first_range, per_octave, s_low, s_hi
     return heard
 
 
-@fused
+@bare
 def _step(centre, extent, integral, row, s_low, s_high):
     """Difference of one row's integral between two values of s."""
     last = integral.shape[1] - 1
@@ -45,20 +45,20 @@ def _step(centre, extent, integral, row, s_low, s_high):
     return integral[row, j] + (high - j) * (integral[row, j + 1] - integral[row, j]) - below
 
 
-@fused
+@bare
 def _row(pattern, r):
     """Row of the table that a slant range falls in, and how far it is on its way to the next."""
     return _place(pattern.extent, pattern.first_range, pattern.per_octave, r)
 
 
-@fused
+@bare
 def _column(pattern, row, s):
     """Column of one row that s falls at, whole or not; beyond its ends outside the table."""
     extent = pattern.extent[row]
     return (s - pattern.centre + extent) / (2.0 * extent) * (pattern.energy.shape[1] - 1)
 
 
-@fused
+@bare
 def _place(extent, first_range, per_octave, r):
     """Row for a slant range and the way on to the next, from the pattern's parts."""
     last = extent.size - 1
@@ -69,7 +69,7 @@ def _place(extent, first_range, per_octave, r):
     return row, place - row
 
 
-@fused
+@bare
 def _integral(pattern, row, s):
     """Integral of one row up to s."""
     columns, place = pattern.integral.shape[1], _column(pattern, row, s)
@@ -81,7 +81,7 @@ def _integral(pattern, row, s):
     return pattern.integral[row, k] + (place - k) * (pattern.integral[row, k + 1] - pattern.integral[row, k])
 
 
-@fused
+@bare
 def _energy(pattern, row, s):
     """Sensitivity of one row at s, nothing beyond its extent."""
     columns, place = pattern.energy.shape[1], _column(pattern, row, s)
@@ -91,7 +91,7 @@ def _energy(pattern, row, s):
     return pattern.energy[row, k] + (place - k) * (pattern.energy[row, k + 1] - pattern.energy[row, k])
 
 
-@fused
+@bare
 def widest_extent(pattern):
     """Greatest extent of any row."""
     extent = 0.0
@@ -100,7 +100,7 @@ def widest_extent(pattern):
     return extent
 
 
-@fused
+@bare
 def pick_azimuth(pattern, level, tip, r, place):
     """Pick the azimuth of a ray for a place in [0, 1), and the angle it stands for: (azimuth, angle).
 
@@ -128,7 +128,7 @@ def pick_azimuth(pattern, level, tip, r, place):
     return azimuth, 1.0 / (0.5 / (last - first) + 0.5 * lobe)
 
 
-@fused
+@bare
 def _where_integral(pattern, row, value):
     """Find s at which the integral of one row reaches a value."""
     low, high = 0, pattern.integral.shape[1] - 1
@@ -144,7 +144,7 @@ def _where_integral(pattern, row, value):
     return pattern.centre - extent + 2.0 * extent * (low + share) / (pattern.integral.shape[1] - 1)
 
 
-@fused
+@bare
 def _mean_energy(pattern, row, s):
     """Mean sensitivity of one row over the column that s falls in: the slope of its integral."""
     columns, place = pattern.integral.shape[1], _column(pattern, row, s)
@@ -154,7 +154,7 @@ def _mean_energy(pattern, row, s):
     return (pattern.integral[row, k + 1] - pattern.integral[row, k]) * (columns - 1) / (2.0 * pattern.extent[row])
 
 
-@fused
+@bare
 def heard_angle(pattern, level, tip, r):
     """Integral of the sensitivity over all azimuths of one side at slant range r, where s = level · sin φ + tip."""
     extent = widest_extent(pattern)
@@ -173,7 +173,7 @@ def heard_angle(pattern, level, tip, r):
     return total
 
 
-@fused
+@bare
 def vertical_sensitivity(pattern, side, up):
     """Sensitivity of the vertical beam in a direction with these parts along the fish's own side and up."""
     c, s = math.cos(pattern.tilt), math.sin(pattern.tilt)
@@ -186,7 +186,7 @@ def vertical_sensitivity(pattern, side, up):
     return 2.0 ** (-off * off * (2.0 if pattern.two_way else 1.0))
 
 
-@fused
+@bare
 def heard(pattern, beam, fan, law, dx, dy, dz, r):
     """Sensitivity of a pattern in a direction of the world; law `light` averages over its azimuths."""
     value = 1.0

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from insonify.kernels.jit import fused
+from insonify.kernels.jit import bare
 
 FIXED_POINT = float(2**38)  # integers per unit of energy per bin
 
 
-@fused
+@bare
 def step(bins, position, change, last):
     """Let the density change by ``change`` at ``position`` (in bins); what lies past the last bin is dropped."""
     if position < last:
@@ -22,7 +22,7 @@ def step(bins, position, change, last):
         bins[k + 1] += late
 
 
-@fused
+@bare
 def spread(bins, near, far, energy, last):
     """Spread an energy (in fixed-point units) evenly over [near, far), in bins."""
     if far < near:
@@ -37,7 +37,7 @@ def spread(bins, near, far, energy, last):
         bins[k + 1] -= np.int64(energy)
 
 
-@fused
+@bare
 def accumulate(bins, factor, out):
     """Prefix-sum a difference array into bins and apply what depends on range alone; clear the array.
 

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.jit import fused
+from insonify.kernels.jit import bare, fused
 from insonify.kernels.screen import EDGE
 from insonify.kernels.sections import DOWN, NEVER, UP
 
 
-@fused
+@bare
 def hidden_slopes(screen, cells):
     """Slopes between which any body may hide the bed."""
     if cells <= 0:

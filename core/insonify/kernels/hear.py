@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bins import FIXED_POINT
-from insonify.kernels.jit import fused
+from insonify.kernels.jit import bare
 from insonify.kernels.pieces import FINE
 from insonify.kernels.scatter import INVERSE_PI, gloss
 from insonify.kernels.types import EVERY_GRAZING, LIGHT
@@ -46,7 +46,7 @@ def empty_heard(capacity: int) -> Heard:
     return Heard(r, launch, horizon, weight, cos_squared, scale, energy, power, base, cut, early, late)
 
 
-@fused
+@bare
 def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
     """Tell which segments of a profile are heard whole, and how loud, and which must be cut first.
 
@@ -75,13 +75,13 @@ def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
     _silence(segments, heard.launch, heard.horizon, heard.cut, heard.energy)
 
 
-@fused
+@bare
 def _slant_ranges(count, x, z, r):
     for i in range(count):
         r[i] = math.sqrt(x[i] * x[i] + z[i] * z[i])
 
 
-@fused
+@bare
 def _launch_slopes(count, x, z, launch):
     for i in range(count):
         launch[i] = np.float32(z[i]) / np.float32(x[i])
@@ -89,7 +89,7 @@ def _launch_slopes(count, x, z, launch):
         launch[0] = NADIR  # straight down, whatever the knot's height
 
 
-@fused
+@bare
 def _horizons(count, launch, horizon):
     highest = np.float32(NADIR)
     for i in range(count):
@@ -98,7 +98,7 @@ def _horizons(count, launch, horizon):
         horizon[i] = highest
 
 
-@fused
+@bare
 def _incidences(segments, x, z, slope, area, r, cos_squared):
     """Cosine squared of the incidence at the middle, from the height of the segment's line over nadir."""
     for i in range(segments):
@@ -107,20 +107,20 @@ def _incidences(segments, x, z, slope, area, r, cos_squared):
         cos_squared[i] = offset * offset / (middle * middle * area[i])
 
 
-@fused
+@bare
 def _light_scales(segments, r, scale):
     """Law `light`: a bin takes the radiance itself; negative where a segment comes nearer outwards."""
     for i in range(segments):
         scale[i] = FIXED_POINT if r[i + 1] >= r[i] else -FIXED_POINT
 
 
-@fused
+@bare
 def _light_energies(segments, cos_squared, scale, energy):
     for i in range(segments):
         energy[i] = math.sqrt(cos_squared[i]) * scale[i]
 
 
-@fused
+@bare
 def _sonar_scales(segments, x, area, r, bin_length, scale):
     """Law `sonar`: area over slant range, of a strip 1 m wide; negative where a segment comes nearer outwards."""
     unit = np.float32(FIXED_POINT * bin_length)
@@ -128,13 +128,13 @@ def _sonar_scales(segments, x, area, r, bin_length, scale):
         scale[i] = unit * math.sqrt(area[i]) * np.float32(x[i + 1] - x[i]) / np.float32(r[i + 1] - r[i])
 
 
-@fused
+@bare
 def _sonar_energies(segments, cos_squared, scale, energy):
     for i in range(segments):
         energy[i] = cos_squared[i] * (np.float32(INVERSE_PI) * scale[i])
 
 
-@fused
+@bare
 def weigh(x, z, r, wedge, pattern, law, out):
     """Tell what the plane stands for at each knot."""
     if wedge.angle == 0.0 and not wedge.tabled:
@@ -169,19 +169,19 @@ def weigh(x, z, r, wedge, pattern, law, out):
         out[i] = strip_width(x[i], r[i], wedge)
 
 
-@fused
+@bare
 def _weigh_pattern(x, z, r, wedge, centre, extent, integral, first_range, per_octave, out):
     for i in range(x.size):
         out[i] = pattern_width(x[i], z[i], r[i], wedge, centre, extent, integral, first_range, per_octave)
 
 
-@fused
+@bare
 def _amplify(count, gain, weights):
     for i in range(count):
         weights[i] *= gain[i]
 
 
-@fused
+@bare
 def _multiply(segments, weights, scale, energy):
     """Apply the mean weight of each segment's two knots."""
     half = np.float32(0.5)
@@ -191,7 +191,7 @@ def _multiply(segments, weights, scale, energy):
         energy[i] *= factor
 
 
-@fused
+@bare
 def _colour(segments, material, reflectivity, mapped, energy):
     """Apply the diffuse share of each segment's material."""
     if mapped:
@@ -203,7 +203,7 @@ def _colour(segments, material, reflectivity, mapped, energy):
             energy[i] *= diffuse
 
 
-@fused
+@bare
 def _add_gloss(segments, material, reflectivity, mapped, law, heard):
     """Add the Phong lobe, which is gone past 45 degrees of incidence."""
     specular, shininess = reflectivity[material[0], 1], reflectivity[material[0], 2]
@@ -224,7 +224,7 @@ def _add_gloss(segments, material, reflectivity, mapped, law, heard):
             heard.energy[i] += heard.scale[i] * shine
 
 
-@fused
+@bare
 def _mirrored(segments, cos_squared, law, power, base):
     """Prepare the base of the lobe, max(0, cos 2α), and the factor it multiplies."""
     for i in range(segments):
@@ -233,7 +233,7 @@ def _mirrored(segments, cos_squared, law, power, base):
         power[i] = np.float32(1.0) if law == LIGHT else cos_squared[i]
 
 
-@fused
+@bare
 def _raise(segments, base, exponent, power):
     """Multiply ``power`` by base to a whole exponent, by repeated squaring; overwrites the base."""
     while exponent > 0:
@@ -245,13 +245,13 @@ def _raise(segments, base, exponent, power):
         exponent >>= 1
 
 
-@fused
+@bare
 def _add_product(segments, power, scale, share, energy):
     for i in range(segments):
         energy[i] += power[i] * scale[i] * np.float32(share)
 
 
-@fused
+@bare
 def _mark_cut(segments, x, slope, area, r, launch, horizon, hidden_from, hidden_to, cut):
     """Segments in sight that are not heard as one piece of one density.
 
@@ -267,7 +267,7 @@ def _mark_cut(segments, x, slope, area, r, launch, horizon, hidden_from, hidden_
         cut[i] = seen & (emerges | covered | uneven)
 
 
-@fused
+@bare
 def _silence(segments, launch, horizon, cut, energy):
     """Leave energy only to segments heard whole: those whose far end rises above the horizon.
 

@@ -16,6 +16,8 @@ from numba import njit
 SETTINGS: Any = numba.core.config
 # Every licence that keeps NaN and infinity meaningful: guards against them must survive.
 FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
+# Numba's types do not know of `_nrt`, whether references are counted; unsaid, it would be inherited from the caller.
+NJIT: Callable[..., Callable[[Callable[..., Any]], Callable[..., Any]]] = njit
 KEPT = 30 * 86400.0  # seconds for which machine code of other versions is kept
 
 
@@ -46,7 +48,7 @@ _FOLDER = _cache_folder()
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function as a kernel of this package."""
     # Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
-    compiled = njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+    compiled = NJIT(cache=True, nogil=True, fastmath=FAST, error_model="numpy", _nrt=True)
     before = SETTINGS.CACHE_DIR
     SETTINGS.CACHE_DIR = _FOLDER
     try:
@@ -57,10 +59,19 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def fused(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a small part of a kernel into each of its callers: handing arrays over costs more than many a part."""
-    return njit(nogil=True, fastmath=FAST, error_model="numpy", forceinline=True)(function)
+    return NJIT(nogil=True, fastmath=FAST, error_model="numpy", forceinline=True, _nrt=True)(function)
+
+
+def bare(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a small part of a kernel into each of its callers, without counting who holds the arrays it is given.
+
+    A count costs an atomic of some 5 ns, twice for every array of every tuple that is handed on. What does not count
+    may neither make arrays nor return any, nor call what returns them: its callers count.
+    """
+    return NJIT(nogil=True, fastmath=FAST, error_model="numpy", forceinline=True, _nrt=False)(function)
 
 
 def exact(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a small part of a kernel into each of its callers, in plain IEEE arithmetic: nothing is reordered."""
     # What is not said is inherited from the caller.
-    return njit(nogil=True, fastmath=False, error_model="numpy", forceinline=True)(function)
+    return NJIT(nogil=True, fastmath=False, error_model="numpy", forceinline=True, _nrt=True)(function)

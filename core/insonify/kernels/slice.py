@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.jit import fused
+from insonify.kernels.jit import bare
 
 # Knots closer to a grid corner than this share of a cell merge with it.
 MERGED = 1e-6
@@ -48,7 +48,7 @@ def profile_capacity(reach: float, spacing: float) -> int:
     return int(8.0 * math.sqrt(2.0) * reach / spacing) + 64
 
 
-@fused
+@bare
 def slice_bed(bed, x, y, z, ex, ey, reach, profile):
     """Fill ``profile`` along azimuth (ex, ey) from (x, y, z) out to ``reach``; return its number of knots."""
     u0, v0 = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
@@ -64,7 +64,7 @@ def slice_bed(bed, x, y, z, ex, ey, reach, profile):
     return count
 
 
-@fused
+@bare
 def _walk(bed, nodes, v_is_y, u0, v0, eu, ev, reach, profile):
     """Walk strip by strip; v is the axis crossed most often, ``nodes[u, v]`` its heights."""
     nu, nv = nodes.shape
@@ -94,7 +94,7 @@ def _walk(bed, nodes, v_is_y, u0, v0, eu, ev, reach, profile):
     return count
 
 
-@fused
+@bare
 def _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profile):
     """Add the knots of one strip: its first (already counted), the nodes within, its last."""
     spacing = bed.spacing
@@ -133,14 +133,14 @@ def _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profil
     return tail + 1
 
 
-@fused
+@bare
 def _halvings(eu, ev):
     """How often to halve the segments of an oblique plane: along it a twisted cell is bent, not straight."""
     oblique = abs(eu * ev)
     return (1 if oblique > SLIGHTLY_OBLIQUE else 0) + (1 if oblique > OBLIQUE else 0)
 
 
-@fused
+@bare
 def _halve(x, z, across, eu, segments):
     """Put a knot in the middle of every segment, in place.
 
@@ -154,13 +154,13 @@ def _halve(x, z, across, eu, segments):
         across[2 * k - 1] = np.float32(0.5) * (across0 + across1)
 
 
-@fused
+@bare
 def on_grid(component):
     """Direction component with rounding dust removed, so that a track along the grid stays on it."""
     return 0.0 if abs(component) < 1e-12 else component
 
 
-@fused
+@bare
 def wrapped(index, size):
     """Index of a node on a bed that repeats; the whole number within [0, size)."""
     if 0 <= index < size:
@@ -168,7 +168,7 @@ def wrapped(index, size):
     return index % size
 
 
-@fused
+@bare
 def _between(low, high, node, fv, fu, spacing):
     """Bilinear height, and gradient across the strip, ``fv`` beyond a node and ``fu`` between the borders."""
     near = low[node] + np.float64(low[node + 1] - low[node]) * fv
@@ -176,13 +176,13 @@ def _between(low, high, node, fv, fu, spacing):
     return near + (far - near) * fu, (far - near) / spacing
 
 
-@fused
+@bare
 def _even(start, step, x):
     for k in range(x.size):
         x[k] = start + k * step
 
 
-@fused
+@bare
 def _row(row, first, step, out):
     """Read consecutive nodes of a row, upward or downward, round its end; runs suit the vector units."""
     done = 0
@@ -201,25 +201,25 @@ def _row(row, first, step, out):
         done += run
 
 
-@fused
+@bare
 def _blend(low, high, fu, dfu, z):
     for k in range(z.size):
         z[k] = low[k] + np.float64(high[k] - low[k]) * (fu + k * dfu)
 
 
-@fused
+@bare
 def _rise(low, high, per_spacing, across):
     for k in range(across.size):
         across[k] = (high[k] - low[k]) * np.float32(per_spacing)
 
 
-@fused
+@bare
 def _slopes(x, z, slope):
     for i in range(slope.size):
         slope[i] = np.float32(z[i + 1] - z[i]) / np.float32(x[i + 1] - x[i])
 
 
-@fused
+@bare
 def _areas(across, slope, eu, per_ev, area):
     """Across the strip the gradient is linear in v; along the plane it is the segment's own slope."""
     eu, per_ev, half, one = np.float32(eu), np.float32(per_ev), np.float32(0.5), np.float32(1.0)
@@ -229,7 +229,7 @@ def _areas(across, slope, eu, per_ev, area):
         area[i] = one + middle * middle + along * along
 
 
-@fused
+@bare
 def _materials(materials, v_is_y, column, behind, step, halvings, out):
     """Material of each segment's cell."""
     rows, columns = materials.shape
@@ -242,7 +242,7 @@ def _materials(materials, v_is_y, column, behind, step, halvings, out):
             out[k] = materials[wrapped(column, rows), wrapped(v, columns)]
 
 
-@fused
+@bare
 def clip(origin, rate, highest, near, far):
     """Part of [near, far] where origin + t rate lies within [0, highest]."""
     if rate == 0.0:
@@ -251,7 +251,7 @@ def clip(origin, rate, highest, near, far):
     return max(near, min(one, other)), min(far, max(one, other))
 
 
-@fused
+@bare
 def _first_column(u, eu, nu, periodic):
     """Strip in which a walk from u starts; on a line, the one it goes into."""
     column = math.floor(u + MERGED) if eu >= 0.0 else math.ceil(u - MERGED) - 1

@@ -19,7 +19,7 @@ from insonify.kernels.bins import accumulate
 from insonify.kernels.bodies import deposit_bodies, deposit_open
 from insonify.kernels.cover import cover_of, hidden_slopes
 from insonify.kernels.hear import hear
-from insonify.kernels.jit import fused, kernel
+from insonify.kernels.jit import bare, kernel
 from insonify.kernels.pieces import Surface, deposit_piece
 from insonify.kernels.screen import fill_screen
 from insonify.kernels.sections import View
@@ -42,7 +42,7 @@ class Planes(NamedTuple):
     reach: NDArray[np.float64]  # ground range to which the beam hears anything of the plane, likewise
 
 
-@fused
+@bare
 def deposit(profile, count, problem, wedge, screen, cells, heard, bins):
     """Put the energy of all heard pieces of a profile into the difference array ``bins``.
 
@@ -67,7 +67,16 @@ def deposit(profile, count, problem, wedge, screen, cells, heard, bins):
                 start = in_sight_from(surface, x[i], x[i + 1], launch[i], horizon[i])
                 deposit_piece(surface, start, x[i + 1], law, bin_length, bins)
         return
+    _deposit_covered(profile, count, problem, wedge, screen, cells, heard, bins)
+
+
+@kernel
+def _deposit_covered(profile, count, problem, wedge, screen, cells, heard, bins):
+    """Deposit what bodies leave open of the segments that must be cut."""
     cover = cover_of(screen, cells)
+    x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
+    weights, launch, horizon, cut = heard.weight, heard.launch, heard.horizon, heard.cut
+    table, law, bin_length = problem.reflectivity, problem.law, problem.bin_length
     for i in range(count - 1):
         if cut[i]:
             surface = surface_of(i, x, z, slope, area, material, weights, table, wedge)
@@ -75,7 +84,7 @@ def deposit(profile, count, problem, wedge, screen, cells, heard, bins):
             deposit_open(surface, start, x[i + 1], cover, law, bin_length, bins)
 
 
-@fused
+@bare
 def surface_of(i, x, z, slope, area, material, weights, table, wedge):
     """Segment i of a profile by itself."""
     row, rise = material[i], slope[i]
@@ -86,7 +95,7 @@ def surface_of(i, x, z, slope, area, material, weights, table, wedge):
     return Surface(z[i] - rise * x[i], rise, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
 
 
-@fused
+@bare
 def in_sight_from(surface, x_from, x_to, launch, horizon):
     """Ground range from which a segment rises above the horizon: offset / x + slope = horizon."""
     if horizon > launch:
@@ -94,7 +103,7 @@ def in_sight_from(surface, x_from, x_to, launch, horizon):
     return x_from
 
 
-@fused
+@bare
 def _steps(segments, energy, change):
     """By how much the density changes at each knot."""
     change[0] = np.int64(energy[0])
@@ -103,7 +112,7 @@ def _steps(segments, energy, change):
     change[segments] = -np.int64(energy[segments - 1])
 
 
-@fused
+@bare
 def _split(count, r, per_bin, early, late):
     """Share each step between the bin it falls in and the next."""
     for i in range(count):
@@ -114,7 +123,7 @@ def _split(count, r, per_bin, early, late):
         early[i] -= late[i]
 
 
-@fused
+@bare
 def sweep_plane(problem, view, wedge, reach, sheet, table, profile, screen, heard, bins):
     """Slice one plane, hear it, deposit it; return the cells of its screen and its knots.
 
@@ -162,7 +171,7 @@ def sweep_pings(problem, poses, planes, bending, table, profile, heard, screen, 
     return 0
 
 
-@fused
+@bare
 def aim_plane(problem, poses, ping, side, planes, plane, sheet):
     """Where one plane of a ping's beam lies, what it stands for, and how far the ping hears anything of it."""
     height = max(poses.z[ping] - problem.bed.low, LOWEST)

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from insonify.kernels.beam import heard_angle, heard_between, vertical_sensitivity, widest_extent
-from insonify.kernels.jit import fused
+from insonify.kernels.jit import bare
 from insonify.kernels.types import EVERY_GRAZING, LIGHT
 
 FADING = 0.3  # of the near field, by which the far field takes over
@@ -33,7 +33,7 @@ class Wedge(NamedTuple):
     up_z: float
 
 
-@fused
+@bare
 def raised(wedge, near_field):
     """Return the wedge as an image of the sonar has it, from higher up: the far field begins farther out."""
     return Wedge(
@@ -42,7 +42,7 @@ def raised(wedge, near_field):
     )  # fmt: skip
 
 
-@fused
+@bare
 def weight(x, z, r, wedge, pattern, law):
     """Tell what a plane stands for at ground range x, height z, slant range r: the factor its beam puts on an echo.
 
@@ -56,7 +56,7 @@ def weight(x, z, r, wedge, pattern, law):
     return _beam_share(x, r, wedge) if law == LIGHT else strip_width(x, r, wedge)
 
 
-@fused
+@bare
 def strip_width(x, r, wedge):
     """Along-track width that a plane of a top-hat stands for.
 
@@ -73,13 +73,13 @@ def strip_width(x, r, wedge):
     return near + far * (r * wedge.far_angle - near)
 
 
-@fused
+@bare
 def far_share(x, wedge):
     """How far the far field has taken over at a ground range."""
     return min(max((x / wedge.near_field - 1.0) * (1.0 / FADING), 0.0), 1.0)
 
 
-@fused
+@bare
 def _beam_share(x, r, wedge):
     """Share of a top-hat's azimuths at that place which the plane stands for."""
     reach = min(wedge.s_beam * r / max(x, 1e-9), 1.0)
@@ -87,7 +87,7 @@ def _beam_share(x, r, wedge):
     return near + far_share(x, wedge) * (wedge.far_angle / wedge.span - near)
 
 
-@fused
+@bare
 def _taken_in(reach, wedge):
     """Share of a wedge's azimuths within |sin φ| <= reach."""
     if wedge.s_high > BENT:
@@ -97,7 +97,7 @@ def _taken_in(reach, wedge):
     return min(max(share, 0.0), 1.0)
 
 
-@fused
+@bare
 def _pattern_weight(x, z, r, wedge, pattern, law):
     """Likewise for a beam with a pattern, of a fish that may pitch and roll."""
     heard = vertical_weight(x / r, z / r, wedge, pattern)
@@ -118,7 +118,7 @@ def _pattern_weight(x, z, r, wedge, pattern, law):
     return heard * width / (x * whole) if whole > 0.0 else 0.0
 
 
-@fused
+@bare
 def vertical_weight(c, s, wedge, pattern):
     """Sensitivity of the vertical beam along a plane, in the direction (c, s)."""
     if pattern.vertical == EVERY_GRAZING:
@@ -126,7 +126,7 @@ def vertical_weight(c, s, wedge, pattern):
     return vertical_sensitivity(pattern, wedge.side_x * c + wedge.side_z * s, wedge.up_x * c + wedge.up_z * s)
 
 
-@fused
+@bare
 def pattern_width(x, z, r, wedge, centre, extent, integral, first_range, per_octave):
     """Along-track width that a plane of a pattern stands for.
 
