@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
 import numpy as np
@@ -58,7 +59,13 @@ def synthesise(fractal: Fractal, shape: Shape, reference: Shape, seed: int, stre
     if power == 0.0:
         return np.zeros(shape)
     waves *= fractal.rms / math.sqrt(power)
-    return np.asarray(scipy.fft.irfft2(waves, s=shape, norm="forward", workers=WORKERS, overwrite_x=True))
+    return field_of(waves, shape)
+
+
+def field_of(waves: Waves, shape: Shape) -> Field:
+    """Heights that waves make, (ny, nx); the waves are used up, which takes half the time of keeping them."""
+    columns = scipy.fft.ifft(waves, axis=0, norm="forward", workers=WORKERS, overwrite_x=True)
+    return np.asarray(scipy.fft.irfft(columns, n=shape[1], axis=1, norm="forward", workers=WORKERS))
 
 
 def coefficients(fractal: Fractal, shape: Shape, seed: int, stream: int = RELIEF) -> Waves:
@@ -66,16 +73,21 @@ def coefficients(fractal: Fractal, shape: Shape, seed: int, stream: int = RELIEF
     noise = wave_coefficients(seed, stream, shape, gaussian=fractal.coefficients == "gaussian")
     waves = np.empty_like(noise)
     fx, fy = frequencies(shape)
-    for first in range(0, shape[0], ROWS):
+
+    def filtered(first: int) -> None:
         rows = slice(first, first + ROWS)
         np.multiply(noise[rows], np.sqrt(power_spectrum(fractal, fx, fy[rows])), out=waves[rows])
+
+    with ThreadPoolExecutor(WORKERS) as pool:
+        list(pool.map(filtered, range(0, shape[0], ROWS)))
     return waves
 
 
 def variance(waves: Waves, shape: Shape) -> float:
     """Variance of the field that waves make, by Parseval: all but the first column stand for ±f."""
-    power = waves.real**2 + waves.imag**2
-    return float(2.0 * power.sum() - power[:, 0].sum())
+    # Products are summed as they are made: arrays of them would take ten times as long.
+    every, first = waves.view(np.float64).ravel(), np.ascontiguousarray(waves[:, 0]).view(np.float64)
+    return float(2.0 * np.einsum("i,i", every, every) - np.einsum("i,i", first, first))
 
 
 def frequencies(shape: Shape) -> tuple[Field, Field]:

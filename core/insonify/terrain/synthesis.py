@@ -32,6 +32,7 @@ from insonify.terrain.spectra import (
     Field,
     Shape,
     Waves,
+    field_of,
     frequencies,
     synthesise,
     variance,
@@ -60,13 +61,18 @@ def made_heights(parts: tuple[AnyMade, ...], shape: Shape, reference: Shape, see
     (ny, nx) float64
         Metres above the mean bed, exactly periodic.
     """
-    total = np.zeros(shape)
-    for number, part in enumerate(parts):
-        heights = _unmasked(part, shape, reference, seed, RELIEF + PART * number)
-        if isinstance(part.mask, Patchy):
-            heights *= _mask(part.mask, part.period, shape, seed, MASK + PART * number)
-        total += heights
-    return total if len(parts) > 1 else heights
+    total = _heights(parts[0], 0, shape, reference, seed)
+    for number, part in enumerate(parts[1:], 1):
+        total += _heights(part, number, shape, reference, seed)
+    return total
+
+
+def _heights(part: AnyMade, number: int, shape: Shape, reference: Shape, seed: int) -> Field:
+    """Heights of one relief of a sum, where its mask lets it be."""
+    heights = _unmasked(part, shape, reference, seed, RELIEF + PART * number)
+    if isinstance(part.mask, Patchy):
+        heights *= _mask(part.mask, part.period, shape, seed, MASK + PART * number)
+    return heights
 
 
 def _unmasked(relief: AnyMade, shape: Shape, reference: Shape, seed: int, stream: int) -> Field:
@@ -76,7 +82,7 @@ def _unmasked(relief: AnyMade, shape: Shape, reference: Shape, seed: int, stream
     if isinstance(relief, Ripples):
         return _ripples(relief, shape, seed, stream)
     if isinstance(relief, PowerLaw):
-        return _field(_waves(power_law(relief), relief.period, shape, seed, stream), shape)
+        return field_of(_waves(power_law(relief), relief.period, shape, seed, stream), shape)
     heights = _unscaled(relief, shape, seed, stream)
     scaled = heights if shape == reference else _unscaled(relief, reference, seed, stream)
     power = float(np.mean(scaled**2))
@@ -91,9 +97,9 @@ def _unscaled(relief: VonKarman | Autocorrelated | Cascade, shape: Shape, seed: 
     if isinstance(relief, Cascade):
         return _cascade(relief, shape, seed, stream)
     if isinstance(relief, VonKarman):
-        return _field(_waves(von_karman(relief), relief.period, shape, seed, stream), shape)
+        return field_of(_waves(von_karman(relief), relief.period, shape, seed, stream), shape)
     waves = _waves(autocorrelated(relief), relief.period, shape, seed, stream, gaussian=False)
-    return _field(waves, shape)
+    return field_of(waves, shape)
 
 
 def _waves(density: Density, period: float, shape: Shape, seed: int, stream: int, *, gaussian: bool = True) -> Waves:
@@ -101,10 +107,6 @@ def _waves(density: Density, period: float, shape: Shape, seed: int, stream: int
     fx, fy = frequencies(shape)
     noise = wave_coefficients(seed, stream, shape, gaussian=gaussian)
     return np.asarray(noise * (np.sqrt(density(fx / period, fy / period)) / period))
-
-
-def _field(waves: Waves, shape: Shape) -> Field:
-    return np.asarray(scipy.fft.irfft2(waves, s=shape, norm="forward", workers=WORKERS))
 
 
 def _ripples(ripples: Ripples, shape: Shape, seed: int, stream: int) -> Field:
@@ -117,8 +119,9 @@ def _ripples(ripples: Ripples, shape: Shape, seed: int, stream: int) -> Field:
     waves = _waves(about_both, ripples.period, shape, seed, stream)
     # A quarter of a wave on: the Hilbert transform in the direction in which the ripples follow one another.
     _, across = turned(*frequencies(shape), ripples.heading)
-    real, imaginary = _field(waves, shape), _field(-1j * np.sign(across) * waves, shape)
     level = math.sqrt(2.0 * variance(waves, shape))
+    imaginary = field_of(-1j * np.sign(across) * waves, shape)
+    real = field_of(waves, shape)
     return shaped_ripples(ripples, real, imaginary, level)
 
 
@@ -132,17 +135,18 @@ def _cascade(cascade: Cascade, shape: Shape, seed: int, stream: int) -> Field:
     squared = fx**2 + fy**2
     squared[0, 0] = np.inf
     noise = wave_coefficients(seed, stream, shape, gaussian=True)
-    logarithm = _field(noise * np.sqrt(cascade.intermittency / (math.pi * squared)), shape)
+    logarithm = field_of(noise * np.sqrt(cascade.intermittency / (math.pi * squared)), shape)
     if cascade.intermittency == 0.0:
-        return _field(noise * squared ** (-0.5 * (cascade.hurst + 1.0)), shape)
+        return field_of(noise * squared ** (-0.5 * (cascade.hurst + 1.0)), shape)
     waves = scipy.fft.rfft2(np.exp(logarithm), norm="forward", workers=WORKERS)
     waves *= (noise != 0.0) * squared ** (-0.5 * cascade.hurst)
-    return _field(waves, shape)
+    return field_of(waves, shape)
 
 
 def _mask(mask: Patchy, period: float, shape: Shape, seed: int, stream: int) -> NDArray[np.float64]:
     """Share of the relief that a mask lets be, 0 to 1."""
     waves = _waves(mask_density(mask, LONGEST_WAVES / period), period, shape, seed, stream)
-    field = _field(waves, shape) / math.sqrt(variance(waves, shape))
+    level = math.sqrt(variance(waves, shape))
+    field = field_of(waves, shape) / level
     # The patches cover their share of the very period, not of what periods are like in the mean.
     return mask_share(mask, field, float(np.quantile(field, 1.0 - mask.share)))
