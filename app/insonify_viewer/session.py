@@ -1,4 +1,4 @@
-"""What the person looks at: the current scene, the way back, the marked point. No widgets, plain callbacks."""
+"""What the person looks at: the scene, how it is modelled, the way back, the marked point. No widgets."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.entailed import completed
+from insonify_viewer.modelling import Modelling
 
 UNDO_DEPTH = 200
 
@@ -47,8 +48,14 @@ class Mark:
     bin: int
 
 
+@dataclass(frozen=True)
+class _State:
+    scene: Scene
+    modelling: Modelling
+
+
 class Session:
-    """The scene being looked at and the scenes before it.
+    """The scene being looked at, how it is to be modelled, and both before.
 
     An edit under way (a slider being dragged) is provisional: every move starts from the last settled scene, so that
     what a move entails is taken back when the slider returns; settling makes one step of undo of the whole drag.
@@ -70,9 +77,9 @@ class Session:
 
     def __init__(self, scene: Scene) -> None:
         self.changed, self.said, self.marked = Event(), Event(), Event()
-        self._scene = self._settled = scene
-        self._past: list[Scene] = []
-        self._future: list[Scene] = []
+        self._scene, self._settled = scene, _State(scene, Modelling())
+        self._past: list[_State] = []
+        self._future: list[_State] = []
         self._mark: Mark | None = None
 
     @property
@@ -81,18 +88,23 @@ class Session:
         return self._scene
 
     @property
+    def modelling(self) -> Modelling:
+        """How it is to be modelled."""
+        return self._settled.modelling
+
+    @property
     def mark(self) -> Mark | None:
         """The marked point of the record."""
         return self._mark
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is a scene to go back to."""
+        """Whether there is anything to go back to."""
         return bool(self._past)
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is a scene to go forward to."""
+        """Whether there is anything to go forward to."""
         return bool(self._future)
 
     def drag(self, changes: Mapping[str, Any]) -> bool:
@@ -112,31 +124,32 @@ class Session:
             # The widget that asked has to fall back to what holds.
             self.changed.emit(self._scene, True)
             return False
-        self.open(scene)
+        self._turn_to(_State(scene, self.modelling))
         return True
 
     def open(self, scene: Scene) -> None:
-        """Turn to another scene, as one step of undo."""
-        if scene != self._settled:
-            self._past = [*self._past, self._settled][-UNDO_DEPTH:]
-            self._future = []
-        self._show(scene)
+        """Turn to another scene, of which nothing is forced, as one step of undo."""
+        self._turn_to(_State(scene, self.modelling.automatic))
+
+    def model(self, modelling: Modelling) -> None:
+        """Let the scene be modelled in another way, as one step of undo."""
+        self._turn_to(_State(self._settled.scene, modelling))
 
     def undo(self) -> None:
-        """Go back one scene."""
+        """Go back one step."""
         if self._past:
             self._future.append(self._settled)
             self.said.emit("")
             self._show(self._past.pop())
 
     def take_back(self) -> None:
-        """Return from a scene that turned out not to work; there is no way forward to it."""
-        if self._scene == self._settled and self._past:
+        """Return from what turned out not to work; there is no way forward to it."""
+        if self._scene == self._settled.scene and self._past:
             self._settled = self._past.pop()
         self._show(self._settled)
 
     def redo(self) -> None:
-        """Go forward one scene."""
+        """Go forward one step."""
         if self._future:
             self._past.append(self._settled)
             self.said.emit("")
@@ -148,15 +161,21 @@ class Session:
             self._mark = mark
             self.marked.emit(mark)
 
-    def _show(self, scene: Scene) -> None:
-        self._scene = self._settled = scene
-        self.changed.emit(scene, True)
+    def _turn_to(self, state: _State) -> None:
+        if state != self._settled:
+            self._past = [*self._past, self._settled][-UNDO_DEPTH:]
+            self._future = []
+        self._show(state)
+
+    def _show(self, state: _State) -> None:
+        self._scene, self._settled = state.scene, state
+        self.changed.emit(state.scene, True)
 
     def _edited(self, changes: Mapping[str, Any]) -> Scene | None:
         """Edit the settled scene; a refusal is said, and None returned."""
         try:
-            complete, remark = completed(self._settled, changes)
-            scene = edit(self._settled, complete)
+            complete, remark = completed(self._settled.scene, changes)
+            scene = edit(self._settled.scene, complete)
         except SceneError as error:
             self.said.emit(str(error))
             return None

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Qt, Signal
 
 from insonify.scene import Scene, SceneError
+from insonify_viewer.modelling import Modelling
 
 if TYPE_CHECKING:
     from insonify.picture import LevelBed
     from insonify.simulate import Simulation
 
 BLOCK = 64
-COARSE_TIME = 0.03  # s, to trace a screen while a slider moves
+COARSE_TIME = 0.01  # s, to trace a screen while a slider moves
 MAX_STRIDE = 16
 QUIET, PATIENCE = 0.1, 0.7  # s without a request before a patient errand, and how long it waits for that at most
-TOLERANCE = {True: 0.03, False: 0.2}
 
 
 @dataclass(frozen=True)
@@ -35,14 +35,17 @@ class Request:
         Number of the scene's change that asks.
     scene : Scene
         Scene to trace.
+    modelling : Modelling
+        How.
     pings : (n,) int64
         Pings wanted, the most urgent first.
     fine : bool
-        Whether to trace at full accuracy, or every few pings with few planes at once.
+        Whether to trace as it is to be modelled, or every few pings with a single plane at once.
     """
 
     number: int
     scene: Scene
+    modelling: Modelling
     pings: NDArray[np.int64]
     fine: bool
 
@@ -63,6 +66,8 @@ class Answer:
         Intensities that stand for amplitude 1.
     simulation : Simulation
         What traced them.
+    seconds : float
+        That it took.
     """
 
     number: int
@@ -71,6 +76,7 @@ class Answer:
     amplitude: NDArray[np.float32]
     level: LevelBed
     simulation: Simulation
+    seconds: float
 
 
 class Simulator(QObject):
@@ -82,7 +88,7 @@ class Simulator(QObject):
     Parameters
     ----------
     prepare : callable
-        Makes a `Simulation` of (scene, tolerance); the core's, unless a test stands in for it.
+        Makes a `Simulation`, called as the core's `prepare`, for which a test may put another.
     parent : QObject, optional
         Owner.
     """
@@ -91,9 +97,7 @@ class Simulator(QObject):
     refused = Signal(int, str)
     _called_back = Signal(object, object)
 
-    def __init__(
-        self, prepare: Callable[[Scene, float], Simulation] | None = None, parent: QObject | None = None
-    ) -> None:
+    def __init__(self, prepare: Callable[..., Simulation] | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._prepare = prepare or _prepare
         self._waiting: Request | None = None
@@ -101,9 +105,9 @@ class Simulator(QObject):
         self._patient: _Errand | None = None
         self._latest_start = 0.0
         self._closing = False
-        self._cost = 4e-4  # s a coarse ping
+        self._cost = 1e-4  # s a coarse ping
         self._changed = threading.Condition()
-        self._last: dict[bool, tuple[Scene, Simulation, LevelBed]] = {}
+        self._last: dict[bool, tuple[Scene, Modelling, Simulation, LevelBed]] = {}
         self._called_back.connect(self._call_back, Qt.ConnectionType.QueuedConnection)
         self._thread = threading.Thread(target=self._work, name="insonify simulator", daemon=True)
         self._thread.start()
@@ -114,9 +118,9 @@ class Simulator(QObject):
             self._waiting = request
             self._changed.notify()
 
-    def prepare(self, scene: Scene, receive: Callable[[Any], None]) -> None:
+    def prepare(self, scene: Scene, modelling: Modelling, receive: Callable[[Any], None]) -> None:
         """Make a scene ready without tracing it, and hand its `Simulation` or a `SceneError` to the main thread."""
-        self.send(lambda: self._prepared(Request(0, scene, np.empty(0, np.int64), fine=True))[0], receive)
+        self.send(lambda: self._prepared(scene, modelling, fine=True)[0], receive)
 
     def send(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
         """Run something on the worker, before any request, and hand its result to the main thread.
@@ -174,7 +178,8 @@ class Simulator(QObject):
     def _trace(self, request: Request) -> Iterator[Answer]:
         from insonify.picture import normalise
 
-        simulation, level = self._prepared(request)
+        modelling = request.modelling if request.fine else request.modelling.coarse
+        simulation, level = self._prepared(request.scene, modelling, fine=request.fine)
         pings = request.pings
         stride = 1 if request.fine else self._stride(len(pings))
         size = BLOCK if request.fine else len(pings)
@@ -183,10 +188,11 @@ class Simulator(QObject):
             begun = time.perf_counter()
             sent = block[::stride]
             traced = normalise(simulation.intensity(sent), level.curves(sent))
+            seconds = time.perf_counter() - begun
             if not request.fine:
-                self._cost = (time.perf_counter() - begun) / len(traced)
+                self._cost = seconds / len(traced)
             amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
-            yield Answer(request.number, request.fine, block, amplitude, level, simulation)
+            yield Answer(request.number, request.fine, block, amplitude, level, simulation, seconds)
 
     def _stride(self, pings: int) -> int:
         """Thin the pings as far as the last coarse ones' cost demands."""
@@ -195,15 +201,15 @@ class Simulator(QObject):
             stride *= 2
         return stride
 
-    def _prepared(self, request: Request) -> tuple[Simulation, LevelBed]:
-        """Prepare the request's scene, or take the last one of the same scene."""
+    def _prepared(self, scene: Scene, modelling: Modelling, *, fine: bool) -> tuple[Simulation, LevelBed]:
+        """Prepare a scene, or take the last one if it is the same."""
         from insonify.picture import LevelBed
 
-        last = self._last.get(request.fine)
-        if last is None or last[0] != request.scene:
-            simulation = self._prepare(request.scene, TOLERANCE[request.fine])
-            last = self._last[request.fine] = (request.scene, simulation, LevelBed(simulation))
-        return last[1], last[2]
+        last = self._last.get(fine)
+        if last is None or last[:2] != (scene, modelling):
+            simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced))
+            last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
+        return last[2:]
 
     def _call_back(self, receive: Callable[[Any], None], result: Any) -> None:
         receive(result)
@@ -212,11 +218,11 @@ class Simulator(QObject):
 _Errand = tuple[Callable[[], Any], Callable[[Any], None]]
 
 
-def _prepare(scene: Scene, tolerance: float) -> Simulation:
+def _prepare(scene: Scene, **how: Any) -> Simulation:
     # Imported here, on the worker: the window is there before Numba is.
     from insonify.simulate import prepare
 
-    return prepare(scene, tolerance=tolerance)
+    return prepare(scene, **how)
 
 
 def _result(errand: Callable[[], Any]) -> Any:

@@ -16,7 +16,9 @@ from PySide6.QtWidgets import QApplication
 from stand_in import StandIn
 
 from insonify.scene import Scene, edit, load_scene
-from insonify_viewer.application import Viewer, dress, has_opengl
+from insonify_viewer.application import has_opengl
+from insonify_viewer.viewer import Viewer
+from insonify_viewer.views.theme import dress
 
 Opener = Callable[..., Viewer]
 

@@ -52,9 +52,9 @@ def test_drag_is_coarse_and_release_is_fine(open_viewer: Any, small: Scene, qtbo
     tolerances: list[float] = []
     from stand_in import StandIn
 
-    def prepare(scene: Scene, tolerance: float) -> StandIn:
+    def prepare(scene: Scene, *, tolerance: float, forced: dict[str, str]) -> StandIn:
         tolerances.append(tolerance)
-        return StandIn(scene, tolerance)
+        return StandIn(scene, tolerance=tolerance, forced=forced)
 
     viewer = open_viewer(small, prepare=prepare)
     before = viewer.session.scene
@@ -325,7 +325,7 @@ def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer: Any, small: Scene, 
 
     y, x = np.mgrid[0:60, 0:90]
     np.save(tmp_path / "hill.npy", np.hypot(x - 45.0, y - 30.0) / -20.0)
-    viewer = open_viewer(small, prepare=lambda scene, tolerance: prepare(scene, tolerance=tolerance))
+    viewer = open_viewer(small, prepare=prepare)
     viewer.files.open_dem(edit(small, {"seabed.spacing": 1.0}), str(tmp_path / "hill.npy"))
     qtbot.waitUntil(lambda: viewer.complete and viewer.session.scene.seabed.relief.kind == "dem", timeout=60000)
     scene = viewer.session.scene

@@ -1,0 +1,333 @@
+"""One window on one session: what a person does reaches the session, what changes reaches worker and views."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QObject, QTimer
+from PySide6.QtGui import QGuiApplication
+
+from insonify.picture import PALETTES, contrast, palette
+from insonify.scene import Scene, SceneError
+from insonify_viewer.parameters import sections_of
+from insonify_viewer.readout import readout
+from insonify_viewer.record import Record
+from insonify_viewer.seabed import Seabed
+from insonify_viewer.session import Mark, Session
+from insonify_viewer.simulation import Answer, Request, Simulator
+from insonify_viewer.stops import next_stop
+from insonify_viewer.targets import Targets
+from insonify_viewer.tow import Tow
+from insonify_viewer.views.files import Files
+from insonify_viewer.views.main_window import MainWindow
+from insonify_viewer.water import WaterPanel
+
+MAX_PINGS, MAX_CELLS = 2048, 2**26  # on screen
+TICK = 25  # ms
+BEHIND = 48  # pings that may be blank while the tow goes on
+LEAP = 0.2  # s, the most by which it goes on at once when the window was held up
+# Choices that need a file first.
+OF_FILES = (("track.motion.kind", "recorded"), ("seabed.material.kind", "image"), ("water.kind", "cast"))
+FIRST_START = "preparing; the first start compiles the kernels and takes a while …"
+
+
+class Viewer(QObject):
+    """One window on one session.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene to open.
+    accelerated : bool
+        Whether OpenGL widgets work here.
+    prepare : callable, optional
+        Stands in for the core's `prepare`, in tests.
+
+    Attributes
+    ----------
+    session, tow, simulator, window, record, files, targets, water
+        What it connects.
+    failure : str
+        Why nothing could be simulated, before the first picture.
+    """
+
+    def __init__(self, scene: Scene, *, accelerated: bool, prepare: Any = None) -> None:
+        super().__init__()
+        self.session = Session(scene)
+        self.tow = Tow(_pings_held(scene) - 1)
+        self.simulator = Simulator(prepare, self)
+        native = accelerated and QGuiApplication.platformName() == "xcb"
+        self.window = MainWindow(native=native, palettes=PALETTES)
+        self.record = Record(_pings_held(scene), scene.sonar.bins)
+        self.files = Files(self.window, self.simulator, self.open, self.window.say)
+        self.water = WaterPanel(self.session, self.window, self.simulator)
+        self.targets = Targets(self.session, self.window, self.simulator, self.files)
+        self.failure = ""
+        self._seabed = Seabed(self.simulator, accelerated=accelerated)
+        self._number, self._fine, self._refused = 0, True, -1
+        self._traced = (scene, self.session.modelling)
+        self._answer: Answer | None = None  # the last one that fits the record
+        self._prepared = self._started = self._stopped = False
+        self._levels_due = True
+        self._levels, self._gain = (0.0, 1.0), 1.0
+        self._clock = QTimer(self)
+        self._clock.setInterval(TICK)
+        self._ticked = 0.0
+        self._connect()
+        self._show_geometry(scene)
+        self._show_scene()
+        self.show_palette(PALETTES[0])
+
+    @property
+    def complete(self) -> bool:
+        """Whether everything asked for is on screen."""
+        shown = self._answer is not None and not self._missing().size
+        return shown and self._seabed.complete and self.water.complete
+
+    @property
+    def seabed(self) -> Seabed:
+        """The three-dimensional side."""
+        return self._seabed
+
+    def start(self) -> None:
+        """Set the worker going, once the window is there."""
+        self.window.panel.setEnabled(False)
+        self.window.show_busy(FIRST_START)
+        self._seabed.load(self.window.put_seabed)
+        self.simulator.prepare(self.session.scene, self.session.modelling, self._show_first)
+        self._ticked = time.perf_counter()
+        self._clock.start()
+
+    def _show_first(self, simulation: Any) -> None:
+        """Show the scene as soon as it is prepared, before the first pings are traced."""
+        self._prepared = True
+        if isinstance(simulation, SceneError):
+            self._refuse(self._number, str(simulation))
+            return
+        silence = np.zeros(2 * simulation.problem.bins, dtype=np.float32)
+        self._seabed.show_sonar(simulation, self.tow.top, silence)
+        self._ask()
+
+    def show_palette(self, name: str) -> None:
+        """Colour the record by a palette."""
+        self.window.waterfall.show_palette(palette(name))
+
+    def show_gain(self, decibels: float) -> None:
+        """Brighten or darken the record."""
+        self._gain = 10.0 ** (decibels / 20.0)
+        self.window.waterfall.show_levels(self._levels, self._gain)
+        self._show_sonar()
+
+    def find_levels(self) -> None:
+        """Set the contrast by what is on screen, without gain."""
+        self.window.gain.setValue(0)
+        self._levels_due = True
+        self._settle_levels()
+
+    def open(self, scene: Scene) -> None:
+        """Turn to another scene, at the start of its track; a tow that paused by itself goes on."""
+        self.tow.restart(_pings_held(scene) - 1)
+        if self._stopped:
+            self.run(True)
+        self._levels_due = True
+        self.seabed.reset_camera()
+        self.session.open(scene)
+        self.window.say(scene.title)
+
+    def run(self, running: bool) -> None:
+        """Let the tow go on, or pause it."""
+        self._stopped = False
+        self.tow.run(running)
+        self.window.show_running(running)
+        self._ask()
+
+    def look_back(self, pings: int) -> None:
+        """Move the paused record along the tow."""
+        if self.tow.running:
+            self.window.say("pause the tow (Space) to look back along it")
+            return
+        self.tow.look_back(pings, self.record.pings)
+        self.window.waterfall.show_top(self.tow.top)
+        self._ask()
+        self._show_sonar()
+
+    def close(self) -> None:
+        """Stop clock and worker."""
+        self._clock.stop()
+        self.simulator.close()
+        self._seabed.close()
+
+    def _connect(self) -> None:
+        window, session = self.window, self.session
+        session.changed.connect(self._scene_changed)
+        session.said.connect(window.say)
+        session.marked.connect(self._show_mark)
+        self.simulator.answered.connect(self._take)
+        self.simulator.refused.connect(self._refuse)
+        window.panel.dragged.connect(lambda path, value: session.drag({path: value}))
+        window.panel.settled.connect(self._settle)
+        window.panel.file_asked.connect(self._change_file)
+        window.waterfall.hovered.connect(session.point_at)
+        window.waterfall.scrolled.connect(self.look_back)
+        window.scenes.wanted.connect(self.files.open_scene)
+        window.open_scene.triggered.connect(self.files.ask_for_scene)
+        window.open_dem.triggered.connect(lambda: self.files.ask_for_dem(session.scene))
+        window.save.triggered.connect(self.files.ask_to_save)
+        window.undo.triggered.connect(session.undo)
+        window.redo.triggered.connect(session.redo)
+        window.levels.triggered.connect(self.find_levels)
+        window.gain_changed.connect(self.show_gain)
+        window.palette_changed.connect(self.show_palette)
+        window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
+        window.running_changed.connect(self.run)
+        window.closing.connect(self.close)
+        self._clock.timeout.connect(self._tick)
+
+    def _settle(self, path: str, value: Any) -> None:
+        """Make an edit of the panel final; some choices need a file first."""
+        if path == "seabed.relief.kind" and value == "dem":
+            self.files.ask_for_dem(self.session.scene)
+            self.session.settle()
+        elif (path, value) in OF_FILES:
+            place = path.removesuffix("kind") + "path"
+            file = self.files.ask_for(place)
+            self.session.settle({path: value, place: file} if file else None)
+        else:
+            self.session.settle({path: value} if path else None)
+
+    def _change_file(self, path: str) -> None:
+        """Let the person pick another file for a field."""
+        if path == "seabed.relief.path":
+            self.files.ask_for_dem(self.session.scene)
+        elif file := self.files.ask_for(path):
+            self.session.settle({path: file})
+
+    def _scene_changed(self, scene: Scene, settled: bool) -> None:
+        traced = (scene, self.session.modelling)
+        if traced != self._traced:
+            self._levels_due |= scene.sonar.law != self._traced[0].sonar.law
+            self._number += 1
+            self._traced = traced
+        self._fine = settled
+        if not self._holds(scene):
+            self.record = Record(_pings_held(scene), scene.sonar.bins)
+            self._answer = None
+            self._show_geometry(scene)
+        self._ask()  # first, for the worker to be under way while the panel is filled
+        self._show_scene()
+
+    def _show_scene(self) -> None:
+        """Let panel, title and buttons agree with the session."""
+        self.window.panel.show_about(self.session.scene.description)
+        self.window.panel.show_sections(sections_of(self.session.scene))
+        self.window.setWindowTitle(f"{self.session.scene.title} · insonify")
+        self.window.undo.setEnabled(self.session.can_undo)
+        self.window.redo.setEnabled(self.session.can_redo)
+
+    def _tick(self) -> None:
+        now = time.perf_counter()
+        seconds, self._ticked = min(now - self._ticked, LEAP), now
+        # Nothing is missed while the kernels compile, or where pings take long: the tow waits.
+        if self._answer is None or self.record.blank(self.tow.top) > BEHIND:
+            return
+        before = self.tow.newest
+        if self.tow.advance(seconds, self.session.scene.sonar.ping_rate):
+            if stop := next_stop(self._answer.simulation, before, self.tow.newest, self.record.pings):
+                self.tow.restart(stop.ping)
+                self.run(False)
+                self._stopped = True
+                self.window.say(stop.why)
+            self._ask()
+
+    def _missing(self) -> NDArray[np.int64]:
+        """Pings that ought to be on screen and are not."""
+        return self.record.missing(self.tow.top, 2 * self._number + self._fine)
+
+    def _holds(self, scene: Scene) -> bool:
+        return (self.record.pings, self.record.bins) == (_pings_held(scene), scene.sonar.bins)
+
+    def _ask(self) -> None:
+        """Ask for what is missing; a scene that was refused is not tried again."""
+        missing = self._missing()
+        if missing.size and self._prepared and self._refused != self._number:
+            request = Request(self._number, self.session.scene, self.session.modelling, missing, self._fine)
+            self.simulator.ask(request)
+
+    def _take(self, answer: Answer) -> None:
+        """Take traced pings over, also of a scene that a slider has since left: they are nearer than none."""
+        scene = answer.simulation.scene
+        if not self._holds(scene):
+            return
+        if self._answer is None or scene is not self._answer.simulation.scene:
+            self._show_geometry(scene)
+        self._answer = answer
+        self.targets.simulation = answer.simulation
+        age = self.tow.top - answer.pings
+        on_screen = (age >= 0) & (age < self.record.pings)
+        stamp = 2 * answer.number + answer.fine
+        rows = self.record.put(answer.pings[on_screen], answer.amplitude[on_screen], stamp)
+        self._settle_levels()
+        self.window.waterfall.show_rows(rows)
+        self.window.waterfall.show_top(self._newest_held())
+        self._show_sonar()
+        self._show_mark(self.session.mark)
+        if not self._started:
+            self._started = True
+            self.window.panel.setEnabled(True)
+            self.window.show_busy("")
+            self.window.say(scene.title)
+
+    def _newest_held(self) -> int:
+        """Ping for the top: while the tow runs, the newest that has arrived."""
+        return min(self.tow.top, int(self.record.ping.max())) if self.tow.running else self.tow.top
+
+    def _refuse(self, number: int, sentence: str) -> None:
+        """Go back to the scene before one that the core refused."""
+        if number != self._number:
+            return
+        self._refused = number
+        if not self._started:
+            self.failure = sentence
+            self.window.show_busy("")
+        else:
+            self.session.take_back()
+        self.window.say(sentence)
+
+    def _settle_levels(self) -> None:
+        """Choose the contrast anew if a scene was opened, until its screen is full."""
+        if self._levels_due and self._answer is not None:
+            held = self.record.amplitude[self.record.ping >= 0]
+            self._levels = contrast(held[::4])
+            self.window.waterfall.show_levels(self._levels, self._gain)
+            self._levels_due = bool(self._missing().size)
+
+    def _show_geometry(self, scene: Scene) -> None:
+        step = scene.track.speed / scene.sonar.ping_rate
+        self.window.waterfall.show_record(self.record, scene.sonar.range, step)
+        self.window.waterfall.show_top(self.tow.top)
+
+    def _show_mark(self, mark: Mark | None) -> None:
+        text, place = "", None
+        if mark is not None and self._answer is not None:
+            text, place = readout(self._answer.simulation, self.record, self._answer.level, mark)
+        self.window.show_point(text)
+        self.window.waterfall.show_mark(mark if text else None)
+        self._seabed.show_mark(place)
+
+    def _show_sonar(self) -> None:
+        """Move fish and fan to the ping on top, with its colours."""
+        if self._answer is None:
+            return
+        top = self.window.waterfall.top
+        row = self.record.rows(np.array([top]))
+        low, high = self._levels
+        amplitude = self.record.amplitude[row[0]] * np.float32(self._gain)
+        tones = np.clip((amplitude - np.float32(low)) / np.float32(max(high - low, 1e-30)), 0.0, 1.0)
+        self._seabed.show_sonar(self._answer.simulation, top, tones)
+
+
+def _pings_held(scene: Scene) -> int:
+    return min(scene.track.pings, MAX_PINGS, MAX_CELLS // (2 * scene.sonar.bins))
