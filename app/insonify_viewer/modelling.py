@@ -31,6 +31,10 @@ class Modelling:
         others = tuple(pair for pair in self.forced if pair[0] != subject)
         return replace(self, forced=others if choice is None else (*others, (subject, choice)))
 
+    def tolerating(self, tolerance: float) -> Modelling:
+        """Return a copy with another tolerance."""
+        return replace(self, tolerance=tolerance)
+
     @property
     def automatic(self) -> Modelling:
         """A copy in which every choice is left to the plan."""

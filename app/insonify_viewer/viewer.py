@@ -13,6 +13,7 @@ from PySide6.QtGui import QGuiApplication
 from insonify.picture import PALETTES, contrast, palette
 from insonify.scene import Scene, SceneError
 from insonify_viewer.parameters import sections_of
+from insonify_viewer.planning import PlanPanel
 from insonify_viewer.readout import readout
 from insonify_viewer.record import Record
 from insonify_viewer.seabed import Seabed
@@ -48,7 +49,7 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, tow, simulator, window, record, files, targets, water
+    session, tow, simulator, window, record, files, targets, water, plan
         What it connects.
     failure : str
         Why nothing could be simulated, before the first picture.
@@ -64,6 +65,7 @@ class Viewer(QObject):
         self.record = Record(_pings_held(scene), scene.sonar.bins)
         self.files = Files(self.window, self.simulator, self.open, self.window.say)
         self.water = WaterPanel(self.session, self.window, self.simulator)
+        self.plan = PlanPanel(self.session, self.window)
         self.targets = Targets(self.session, self.window, self.simulator, self.files)
         self.failure = ""
         self._seabed = Seabed(self.simulator, accelerated=accelerated)
@@ -274,6 +276,8 @@ class Viewer(QObject):
         self.window.waterfall.show_top(self._newest_held())
         self._show_sonar()
         self._show_mark(self.session.mark)
+        if answer.fine and answer.number == self._number:
+            self.plan.take(answer, self.record, complete=not self._missing().size)
         if not self._started:
             self._started = True
             self.window.panel.setEnabled(True)
@@ -294,6 +298,7 @@ class Viewer(QObject):
             self.window.show_busy("")
         else:
             self.session.take_back()
+            self.plan.show_again()
         self.window.say(sentence)
 
     def _settle_levels(self) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.plan import plan
 from insonify.receive import make_reception
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MATERIALS
@@ -27,7 +27,7 @@ class StandIn:
         self.scene, self.tolerance, self.forced = scene, tolerance, forced
         self.ground = ground_of(scene)
         self.problem = make_problem(scene, self.ground)
-        self.plan = SimpleNamespace(planes=1, method="stand-in", lines=list)
+        self.plan = plan(scene, tolerance, forced=forced)
         self.reception = make_reception(scene, self.problem, altitude=scene.altitude, depth=0.0)
         self.curve = self.reception.expected(flat_bed_curve(self.problem, scene.altitude))
 

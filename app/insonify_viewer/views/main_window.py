@@ -13,6 +13,7 @@ from PySide6.QtWidgets import (
     QProgressBar,
     QSlider,
     QSplitter,
+    QTabWidget,
     QToolBar,
     QToolButton,
     QWidget,
@@ -20,6 +21,7 @@ from PySide6.QtWidgets import (
 
 from insonify_viewer.tow import SPEEDS
 from insonify_viewer.views.parameter_panel import ParameterPanel
+from insonify_viewer.views.plan_view import PlanView
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.water_view import WaterView
 from insonify_viewer.views.waterfall_view import WaterfallView
@@ -55,6 +57,7 @@ class MainWindow(QMainWindow):
         self.setMinimumSize(880, 520)
         self.waterfall = WaterfallView(native=native)
         self.panel = ParameterPanel()
+        self.plan = PlanView()
         self.water = WaterView()
         self._placeholder = QLabel("setting up the seabed …")
         self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
@@ -64,7 +67,7 @@ class MainWindow(QMainWindow):
         self._splitter.setSizes([500, 500])
         self._splitter.setChildrenCollapsible(False)
         self.setCentralWidget(self._splitter)
-        self._add_dock()
+        self._add_panels()
         self._water_dock = self._add_water()
         self._add_tools(palettes)
         self._add_status()
@@ -112,22 +115,28 @@ class MainWindow(QMainWindow):
         self.closing.emit()
         super().closeEvent(event)
 
-    def _add_dock(self) -> None:
-        dock = QDockWidget("Parameters", self)
-        dock.setObjectName("parameters")
+    def _add_panels(self) -> None:
+        """Put parameters and plan at the side, one behind the other."""
+        side = Qt.DockWidgetArea.RightDockWidgetArea
+        parameters, plan = self._dock("Parameters", self.panel, side), self._dock("Plan", self.plan, side)
+        self.tabifyDockWidget(parameters, plan)
+        self.setTabPosition(side, QTabWidget.TabPosition.North)
+        self.setDocumentMode(True)
+        parameters.raise_()
+
+    def _dock(self, name: str, widget: QWidget, side: Qt.DockWidgetArea) -> QDockWidget:
+        """Put a widget at a side, without a title bar."""
+        dock = QDockWidget(name, self)
+        dock.setObjectName(name.lower())
         dock.setFeatures(QDockWidget.DockWidgetFeature.NoDockWidgetFeatures)
         dock.setTitleBarWidget(QWidget())
-        dock.setWidget(self.panel)
-        self.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, dock)
+        dock.setWidget(widget)
+        self.addDockWidget(side, dock)
+        return dock
 
     def _add_water(self) -> QDockWidget:
-        dock = QDockWidget("Water", self)
-        dock.setObjectName("water")
-        dock.setFeatures(QDockWidget.DockWidgetFeature.NoDockWidgetFeatures)
-        dock.setTitleBarWidget(QWidget())
-        dock.setWidget(self.water)
+        dock = self._dock("Water", self.water, Qt.DockWidgetArea.BottomDockWidgetArea)
         dock.hide()
-        self.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, dock)
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
         self.resizeDocks([dock], [WATER_HEIGHT], Qt.Orientation.Vertical)
         return dock

@@ -34,10 +34,11 @@ class _Slider(QSlider):
             event.ignore()
 
 
-class _Combo(QComboBox):
+class Combo(QComboBox):
     """A combo box that leaves the wheel to the panel."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
+        """Let the panel scroll."""
         event.ignore()
 
 
@@ -127,7 +128,7 @@ class ChoiceRow:
     def __init__(self, choice: Choice, settled: Change) -> None:
         self._choice, self._settled = choice, settled
         self.label = _label(choice.label, choice.indent, choice.tooltip, "")
-        self.combo = _Combo()
+        self.combo = Combo()
         self.combo.setToolTip(choice.tooltip)
         for option in choice.options:
             name = ("off", "on")[option] if isinstance(option, bool) else str(option).replace("_", " ")

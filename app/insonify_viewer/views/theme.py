@@ -36,6 +36,15 @@ QMenu {{ background: {RAISED}; border: 1px solid {EDGE}; padding: 3px; }}
 QMenu::item {{ padding: 4px 18px; border-radius: 3px; }}
 QMenu::item:selected {{ background: {EDGE}; }}
 QLabel#name {{ color: {QUIET}; }}
+QLabel#numbers {{ color: {TEXT}; }}
+QLabel#choice {{ color: {TEXT}; font-weight: 600; }}
+QLabel#change {{ color: {ACCENT}; }}
+QTabBar {{ background: {GROUND}; qproperty-drawBase: 0; }}
+QTabBar::tab {{ background: {GROUND}; color: {QUIET}; padding: 5px 14px; border: 0;
+    border-bottom: 2px solid {EDGE}; }}
+QTabBar::tab:selected {{ color: {TEXT}; border-bottom-color: {ACCENT}; }}
+QTabBar::tab:hover {{ color: {TEXT}; }}
+QPushButton:disabled {{ color: #566573; }}
 QLabel#about {{ color: {QUIET}; padding: 5px 4px 7px 6px; }}
 QLineEdit#value {{ background: transparent; border: 1px solid transparent; border-radius: 3px; padding: 1px 2px; }}
 QLineEdit#value:hover, QLineEdit#value:focus {{ border-color: {EDGE}; background: {RAISED}; }}

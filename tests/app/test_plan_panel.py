@@ -1,0 +1,148 @@
+"""The plan's panel: what is modelled, what is left out, and what forcing a choice changes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from insonify.cli import main
+from insonify.scene import Scene, edit
+from insonify.simulate import prepare
+from insonify_viewer.changes import Heard, difference, in_words, subject_of
+from insonify_viewer.modelling import Modelling
+from insonify_viewer.record import Record
+from insonify_viewer.session import Session
+
+BENT = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
+
+
+def pick(viewer: Any, subject: str, choice: str | None) -> None:
+    combo = viewer.window.plan.line(subject).combo
+    index = combo.findData(choice)
+    assert index >= 0
+    combo.setCurrentIndex(index)
+    combo.activated.emit(index)
+
+
+def wait(viewer: Any, qtbot: Any) -> None:
+    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+
+
+def test_forced_choices_are_undone_with_the_scenes() -> None:
+    from insonify.scene import load_scene
+
+    default = load_scene("default")
+    session = Session(default)
+    session.model(session.modelling.forcing("planes", "16"))
+    session.settle({"track.altitude": 8.0})
+    session.model(session.modelling.forcing("planes", None).forcing("targets", "off"))
+    assert session.modelling.forced == (("targets", "off"),)
+    session.undo()
+    assert session.modelling.forced == (("planes", "16"),)
+    session.undo()
+    session.undo()
+    assert session.modelling == Modelling()
+    session.redo()
+    assert dict(session.modelling.forced) == {"planes": "16"}
+    session.open(edit(default, {"seed": 9}))
+    assert session.modelling == Modelling(), "another scene leaves every choice to its own plan"
+
+
+def test_a_drag_keeps_what_is_left_out_and_forgets_how_finely() -> None:
+    modelling = Modelling(0.01, (("planes", "64"), ("targets", "off"), ("method", "rays")))
+    assert dict(modelling.coarse.forced) == {"targets": "off", "planes": "1"}
+    assert modelling.coarse.tolerance == 0.2
+    assert Modelling(0.4).coarse.tolerance == 0.4
+
+
+def test_every_entry_has_a_line_in_its_group(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(edit(small, {"water": BENT}))
+    wait(viewer, qtbot)
+    view, plan = viewer.window.plan, viewer._answer.simulation.plan
+    assert {entry.subject for entry in plan.entries if entry.modelled} == set(view.subjects(modelled=True))
+    assert "bending" in view.subjects(modelled=True)
+    pick(viewer, "bending", "off")
+    wait(viewer, qtbot)
+    assert view.subjects(modelled=False) == ["bending"]
+    assert view.line("bending").combo.currentText() == "off"
+    assert view.automatic.isEnabled()
+    view.automatic.click()
+    wait(viewer, qtbot)
+    assert view.subjects(modelled=False) == []
+    assert not view.automatic.isEnabled()
+    assert viewer.session.modelling == Modelling()
+
+
+def test_what_cannot_be_done_is_said_and_taken_back(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(edit(small, {"receiver.speckle": "coherent"}))
+    viewer.session.model(Modelling(forced=(("method", "rays"),)))
+    qtbot.waitUntil(lambda: viewer.session.modelling == Modelling(), timeout=20000)
+    assert "coherent" in viewer.window._sentence.text()
+
+
+def test_the_tolerance_is_final_when_it_is_let_go(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    slider = viewer.window.plan._tolerance.slider
+    slider.setSliderDown(True)
+    slider.setValue(1000)
+    assert viewer.session.modelling.tolerance == 0.03
+    slider.setSliderDown(False)
+    wait(viewer, qtbot)
+    assert viewer.session.modelling.tolerance == 0.5
+    assert viewer._answer.simulation.tolerance == 0.5
+
+
+def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(
+    open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Any
+) -> None:
+    scene = edit(small, {"track.pings": 32})
+    viewer = open_viewer(scene, prepare=prepare)
+    pings = np.arange(32, dtype=np.int64)
+    before = viewer._answer.simulation.intensity(pings)
+    pick(viewer, "planes", "2")
+    wait(viewer, qtbot)
+    after = viewer._answer.simulation.intensity(pings)
+    assert (after != before).any()
+    said = viewer.window._sentence.text()
+    assert said.startswith("planes 2: changes the record by")
+    assert said.endswith("× the time")
+    assert viewer.window.plan.line("planes")._change.text() == said.partition(": ")[2]
+    path = tmp_path / "two.npz"
+    assert main(["render", "default", "-o", str(path), "--set", "sonar.bins=100", "--set", "track.pings=32",
+                 "--model", "planes=2"]) == 0  # fmt: skip
+    with np.load(path) as written:
+        np.testing.assert_array_equal(np.moveaxis(written["intensity"], 0, 1), after)
+
+
+def heard(intensity: np.ndarray, scene: Scene, *, first: int = 0) -> Heard:
+    record = Record(len(intensity), intensity.shape[2])
+    record.put(np.arange(first, first + len(intensity)), np.sqrt(intensity).astype(np.float32), 1)
+    return Heard.of(record, scene, Modelling(), 1e-3)
+
+
+def test_a_difference_is_the_rms_beyond_near_bins_of_pings_in_both(small: Scene) -> None:
+    random = np.random.default_rng(5)
+    one = random.uniform(0.5, 2.0, (40, 2, 100))
+    other = one * random.normal(1.0, 0.1, one.shape) ** 2
+    other[:, :, :28] = 9.0  # nearer than 1.4 altitudes of 10 m, of bins of 0.5 m
+    expected = np.linalg.norm((other - one)[:, :, 28:]) / np.linalg.norm(one[:, :, 28:])
+    before, after = heard(one, small), heard(other, small)
+    assert difference(before, after) == pytest.approx(expected, rel=1e-5)
+    later = heard(other[20:], small, first=20)
+    expected = np.linalg.norm((other - one)[20:, :, 28:]) / np.linalg.norm(one[20:, :, 28:])
+    assert difference(before, later) == pytest.approx(expected, rel=1e-5)
+    assert difference(before, heard(other, small, first=30)) is None
+    assert difference(before, before) == 0.0
+
+
+def test_changes_in_words() -> None:
+    assert in_words(0.0041, 1.83) == "changes the record by 0.41 %, takes 1.8 × the time"
+    assert in_words(0.0, 0.9) == "changes nothing of the record, takes 0.9 × the time"
+    assert in_words(None, 2.0) == "takes 2 × the time"
+    auto = Modelling()
+    assert subject_of(auto, auto.forcing("planes", "8")) == "planes"
+    assert subject_of(auto.forcing("planes", "8"), auto.forcing("planes", "16")) == "planes"
+    assert subject_of(auto, auto.forcing("planes", "8").forcing("targets", "off")) == ""
+    assert subject_of(auto, Modelling(0.1)) == ""
