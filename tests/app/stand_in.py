@@ -21,7 +21,7 @@ from insonify.tracers.problem import make_problem
 class StandIn:
     """Amplitude of ping p in bin k: diffuse share × (1 + (p mod 7) / 10), zero in the nearest tenth of the bins."""
 
-    def __init__(self, scene: Scene, *, tolerance: float, forced: dict[str, str]) -> None:
+    def __init__(self, scene: Scene, tolerance: float, forced: dict[str, str] | None = None) -> None:
         if scene.seed == 666:
             raise SceneError("seed: 666 is refused by the stand-in; take another")
         self.scene, self.tolerance, self.forced = scene, tolerance, forced

@@ -27,6 +27,7 @@ from insonify_viewer.views.water_view import WaterView
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 GAIN_REACH = 30  # dB either way
+SIDE = 300  # px, width of the panels at the side
 WATER_HEIGHT = 260  # px, of the panel of the water when it is first opened
 TARGETS = {"pipe": "Pipe", "sphere": "Sphere", "box": "Box", "cone": "Cone", "mesh": "Mesh…"}
 
@@ -122,6 +123,7 @@ class MainWindow(QMainWindow):
         self.tabifyDockWidget(parameters, plan)
         self.setTabPosition(side, QTabWidget.TabPosition.North)
         self.setDocumentMode(True)
+        self.resizeDocks([parameters, plan], [SIDE, SIDE], Qt.Orientation.Horizontal)
         parameters.raise_()
 
     def _dock(self, name: str, widget: QWidget, side: Qt.DockWidgetArea) -> QDockWidget:
