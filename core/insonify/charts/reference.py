@@ -1,4 +1,4 @@
-"""The reference of a chart: rays, doubled until that moves them less than a tenth of the smallest error shown."""
+"""The reference of a chart: exact rays, doubled until that moves them less than a tenth of the smallest error shown."""
 
 from __future__ import annotations
 
@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 
 from insonify.accuracy import compare
 from insonify.kernels.types import Poses, Problem
-from insonify.tracers import rays
+from insonify.tracers import rays, sheets
 from insonify.tracers.poses import take
 
 RESOLVED = 10.0  # times finer than an error the reference is to be
 FIRST_RAYS = 1 << 16
-MOST_RAYS = 1 << 24
-KNIFE_ORDER, FAN_ORDER = 1.0, 0.75  # of the error of rays, by which more of them are foreseen
+MOST_RAYS = 1 << 22
+RAYS_A_SHEET = 16  # for every sheet of a fan
+# Of the error, by which more rays are foreseen.
+SHEET_ORDER, RAY_ORDER = 1.0, 0.75
 
 Record = NDArray[np.float32]
 
@@ -76,7 +78,7 @@ def prove(
     Reference
     """
     began, count = perf_counter(), FIRST_RAYS
-    order = FAN_ORDER if problem.half_width > 0.0 else KNIFE_ORDER
+    order = SHEET_ORDER if sheets.can_trace(problem) else RAY_ORDER
     record = trace(problem, poses, count)
     while True:
         progress(min((perf_counter() - began) / seconds, 1.0))
@@ -87,7 +89,6 @@ def prove(
         smallest = min(compare(problem, poses, other, finer).beyond for other in shown)
         left = seconds - (perf_counter() - began)
         doublings = _doublings(RESOLVED * moved / smallest if smallest > 0.0 else math.inf, order)
-        # A pair costs three times its first half, a doubling of the finest record but its own rays.
         doublings = min(doublings, _affordable(left / per_ray, count), int(math.log2(MOST_RAYS / (2 * count))))
         if moved * RESOLVED <= smallest or doublings < 1:
             return Reference(finer, moved, 2 * count)
@@ -96,10 +97,16 @@ def prove(
 
 
 def trace(problem: Problem, poses: Poses, count: int) -> Record:
-    """Trace ray by ray, each ping on whatever core is free."""
+    """Trace with so many exact rays a side, in sheets where these do, each ping on whatever core is free."""
+
+    def single(pose: Poses) -> Record:
+        if not sheets.can_trace(problem):
+            return rays.trace(problem, pose, rays=count, threads=1)
+        across = round(math.sqrt(count / RAYS_A_SHEET)) if problem.half_width > 0.0 else 1
+        return sheets.trace(problem, pose, sheets=across, rays=count // across, threads=1)
+
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        singles = [take(poses, slice(k, k + 1)) for k in range(poses.x.size)]
-        return np.concatenate(list(pool.map(lambda pose: rays.trace(problem, pose, rays=count, threads=1), singles)))
+        return np.concatenate(list(pool.map(single, (take(poses, slice(k, k + 1)) for k in range(poses.x.size)))))
 
 
 def _doublings(factor: float, order: float) -> int:
@@ -108,7 +115,7 @@ def _doublings(factor: float, order: float) -> int:
 
 
 def _affordable(rays_left: float, count: int) -> int:
-    """Doublings of a count for which there are enough rays left."""
+    """Doublings of a count for which there are rays left: one more is twice its last, several begin with a pair."""
     if rays_left < 4 * count:
         return 0
     return max(1, math.floor(math.log2(rays_left / (3 * count))))

@@ -8,7 +8,7 @@ import numpy as np
 
 from insonify.kernels.beam import heard
 from insonify.kernels.bounce import add_ghosts
-from insonify.kernels.jit import kernel
+from insonify.kernels.jit import fused, kernel
 from insonify.kernels.launch import Launch, aim, gather, highest_elevation, inside_body, make_beam, spread_rays, turn
 from insonify.kernels.march import march_hits
 from insonify.kernels.scatter import strength
@@ -105,21 +105,30 @@ def deposit(bundle, hits, weight, reflectivity, law, fan, bin_length, sums):
     for k in range(weight.size):
         if hits.body[k] == NOTHING:
             continue
-        distance = hits.distance[k]
-        b = int(distance / bin_length)
-        dx, dy, dz, nx, ny, nz = bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.nx[k], hits.ny[k], hits.nz[k]
-        cos_incidence = -(nx * dx + ny * dy + nz * dz)
-        # A surface exactly edge-on returns nothing.
-        if b >= sums.size or cos_incidence <= 0.0:
-            continue
-        m = hits.material[k]
-        value = strength(cos_incidence, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
-        value *= weight[k] * distance / cos_incidence
-        if law == LIGHT:
-            value *= tilt(dx, dy, dz, nx, ny, nz) / bin_length
-        elif fan:
-            value *= distance
-        sums[b] += value
+        b = int(hits.distance[k] / bin_length)
+        if b < sums.size:
+            value, _ = returned(bundle, hits, k, reflectivity, law, fan, bin_length)
+            sums[b] += value * weight[k]
+
+
+@fused
+def returned(bundle, hits, k, reflectivity, law, fan, bin_length):
+    """Tell what the hit of ray k returns for its weight, and how its slant range grows per radian of elevation."""
+    distance = hits.distance[k]
+    dx, dy, dz, nx, ny, nz = bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.nx[k], hits.ny[k], hits.nz[k]
+    cos_incidence = -(nx * dx + ny * dy + nz * dz)
+    # A surface exactly edge-on returns nothing.
+    if hits.body[k] == NOTHING or cos_incidence <= 0.0:
+        return 0.0, 0.0
+    m = hits.material[k]
+    value = strength(cos_incidence, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
+    value *= distance / cos_incidence
+    growth = tilt(dx, dy, dz, nx, ny, nz)
+    if law == LIGHT:
+        value *= growth / bin_length
+    elif fan:
+        value *= distance
+    return value, growth * distance / cos_incidence
 
 
 @kernel
