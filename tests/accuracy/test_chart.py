@@ -62,7 +62,8 @@ def test_every_method_is_measured(measured):
     assert measured.pings == 2
     assert measured.machine
     assert set(measured.cases) == {False, True}
-    assert sum(row.targets for row in measured.rows) == len(measured.rows) / 2
+    of_both = [row.targets for row in measured.rows if not row.method.startswith("embree")]
+    assert sum(of_both) == len(of_both) / 2
 
 
 def test_what_the_reference_does_not_resolve_is_said(measured, tmp_path):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.charts.embree import TriangulatedBed, why_not
 from insonify.kernels.types import Bed, Poses, Problem, still_water
 from insonify.tracers import march, rays, sweep
 
@@ -18,6 +19,7 @@ PLANES = (1, 2, 4, 8, 16, 32, 64)
 STILL_RAYS, STILL_PLANES = (16000,), (4, 16, 64)
 COARSER = {2: "2nd", 4: "4th"}  # nodes of the bed
 COARSE_PLANES = (4, 16)
+EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
 
 Record = NDArray[np.float32]
 
@@ -61,13 +63,15 @@ class Contender(NamedTuple):
     trace: Callable[[Poses], Record]
 
 
-def contenders(problem: Problem) -> list[Contender]:
+def contenders(problem: Problem, poses: Poses) -> list[Contender]:
     """List every method with its settings, all on one thread.
 
     Parameters
     ----------
     problem : Problem
         The scene as kernels see it.
+    poses : Poses
+        Of the pings that will be traced.
 
     Returns
     -------
@@ -75,16 +79,19 @@ def contenders(problem: Problem) -> list[Contender]:
         Methods one after the other, each from its coarsest setting to its finest.
     """
     if problem.bounces:
-        return _rays("rays", problem, RAYS)
-    out = _marches(problem) + _rays("rays", problem, RAYS)
+        return rays_of("rays", problem, RAYS)
+    out = marches(problem, STEPS) + rays_of("rays", problem, RAYS)
+    if not why_not(problem, poses):
+        bed = TriangulatedBed(problem, poses)
+        out += [Contender(EMBREE, f"{count:,} rays", count, partial(bed.trace, rays=count)) for count in RAYS]
     if problem.water.station.size == 1:  # the sweep hears no water that differs along the level
-        out += _sweeps("sweep", problem, PLANES)
+        out += sweeps("sweep", problem, PLANES)
         for every, ordinal in COARSER.items():
             if (coarse := coarser(problem.bed, every)) is not None:
-                out += _sweeps(f"sweep, every {ordinal} node", problem._replace(bed=coarse), COARSE_PLANES)
+                out += sweeps(f"sweep, every {ordinal} node", problem._replace(bed=coarse), COARSE_PLANES)
     if problem.water.bent:
         still = problem._replace(water=still_water(problem.water.reference, problem.water.surface))
-        out += _rays("rays, straight", still, STILL_RAYS) + _sweeps("sweep, straight", still, STILL_PLANES)
+        out += rays_of("rays, straight", still, STILL_RAYS) + sweeps("sweep, straight", still, STILL_PLANES)
     return out
 
 
@@ -104,20 +111,21 @@ def coarser(bed: Bed, every: int) -> Bed | None:
     )
 
 
-def _marches(problem: Problem) -> list[Contender]:
-    """As many rays a side as there are bins, as in the paper's day."""
-    steps = [cells * problem.bed.spacing for cells in STEPS]
+def marches(problem: Problem, cells: Sequence[float]) -> list[Contender]:
+    """March by steps of so many cells, with as many rays a side as there are bins, as in the paper's day."""
+    steps = [one * problem.bed.spacing for one in cells]
     return [
         Contender("march", f"{step:.3g} m", step, _bound(march.trace, problem, step=step, rays=problem.bins))
         for step in steps
     ]
 
 
-def _rays(method: str, problem: Problem, counts: tuple[int, ...]) -> list[Contender]:
+def rays_of(method: str, problem: Problem, counts: Sequence[int]) -> list[Contender]:
+    """Walk exact rays, so many a side."""
     return [Contender(method, f"{count:,} rays", count, _bound(rays.trace, problem, rays=count)) for count in counts]
 
 
-def _sweeps(method: str, problem: Problem, counts: tuple[int, ...]) -> list[Contender]:
+def sweeps(method: str, problem: Problem, counts: Sequence[int]) -> list[Contender]:
     """Fans of planes; a knife has one."""
     return [
         Contender(method, f"{planes} plane{'s' * (planes > 1)}", planes, _bound(sweep.trace, problem, planes=planes))

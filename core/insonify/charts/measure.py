@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.accuracy import Displacement, Errors, compare, displacement, flat_bed_curves, time_calls
-from insonify.charts.contenders import Contender, Name, contenders
+from insonify.charts.contenders import EMBREE, EMBREE_OWN, Contender, Name, contenders
+from insonify.charts.embree import TriangulatedBed, why_not
 from insonify.charts.machine import machine
 from insonify.charts.reference import Reference, prove
 from insonify.kernels.types import Poses, Problem, still_water
@@ -30,6 +31,7 @@ PINGS = 8
 PROVING, TIMING = 16.0, 8.0  # seconds, about, with targets and as many without
 CLOCKED = 0.01  # s, that a timed call is to take at least, by tracing more pings if need be
 MOST_CLOCKED = 512  # pings
+RAYS_OF_TRIANGLES = 1 << 18
 
 Record = NDArray[np.float32]
 
@@ -89,11 +91,18 @@ class Case(NamedTuple):
         Of the n pings that are compared.
     reference : Reference
         What is right.
+    of_triangles : Reference, optional
+        What is right of a bed of triangles.
     """
 
     problem: Problem
     poses: Poses
     reference: Reference
+    of_triangles: Reference | None = None
+
+    def judge(self, method: str) -> Reference:
+        """Return what a method is judged by."""
+        return self.of_triangles if method == EMBREE_OWN and self.of_triangles is not None else self.reference
 
 
 @dataclass(frozen=True)
@@ -114,6 +123,8 @@ class Chart:
         By whether the targets are there; what has none has only ``False``.
     records : mapping of Name to (pings, 2, bins) float32
         What every row was judged by.
+    notes : tuple of str
+        What was left out, and why.
     """
 
     title: str
@@ -122,11 +133,12 @@ class Chart:
     machine: str
     cases: Mapping[bool, Case] = field(repr=False)
     records: Mapping[Name, Record] = field(repr=False)
+    notes: tuple[str, ...] = ()
 
     def front(self, targets: bool) -> list[Row]:
         """Return the rows that none beats in both time and error, fastest first, with targets or without."""
         front: list[Row] = []
-        rows = (row for row in self.rows if row.targets == targets)
+        rows = (row for row in self.rows if row.targets == targets and row.method != EMBREE_OWN)
         for row in sorted(rows, key=lambda row: (row.microseconds, row.errors.beyond)):
             if not front or row.errors.beyond < front[-1].errors.beyond:
                 front.append(row)
@@ -141,7 +153,7 @@ class Chart:
         """
         case = self.cases[row.targets]
         curve = np.array([held_curve(curve[0]) for curve in flat_bed_curves(case.problem, case.poses)])[:, None, :]
-        return normalise(self.records[row.name], curve), normalise(case.reference.record, curve)
+        return normalise(self.records[row.name], curve), normalise(case.judge(row.method).record, curve)
 
     def save(self, path: str | Path) -> None:
         """Write the chart as a picture (.png, .svg) or as a table (.csv, .json).
@@ -197,7 +209,8 @@ def chart(scene: Scene, *, pings: int = PINGS, progress: Callable[[float], None]
         rows += measured
         cases[targets] = case
         records |= found
-    return Chart(scene.title, tuple(rows), cases[False].poses.x.size, machine(), cases, records)
+    notes = dict.fromkeys(filter(None, (why_not(case.problem, case.poses) for case in cases.values())))
+    return Chart(scene.title, tuple(rows), cases[False].poses.x.size, machine(), cases, records, tuple(notes))
 
 
 def ready(scene: Scene, pings: int) -> tuple[Problem, Poses]:
@@ -229,13 +242,13 @@ def _measure(
     targets: bool, problem: Problem, poses: Poses, progress: Callable[[float], None]
 ) -> tuple[list[Row], Case, dict[Name, Record]]:
     """Trace, prove the reference, time and compare."""
-    all_of_them = contenders(problem)
-    named = {Name(one.method, one.setting, targets): one for one in all_of_them}
+    named = {Name(one.method, one.setting, targets): one for one in contenders(problem, poses)}
     records: dict[Name, Record] = {}
     for number, (name, one) in enumerate(named.items()):
         progress(0.2 * number / len(named))
         records[name] = one.trace(poses)
     right = prove(problem, poses, list(records.values()), seconds=PROVING, progress=lambda s: progress(0.2 + 0.5 * s))
+    case = Case(problem, poses, right, _right_of_triangles(problem, poses))
     clocked = {name: _clocked(one, poses) for name, one in named.items()}
     timings = time_calls(
         {name: call for name, (call, _) in clocked.items()},
@@ -244,14 +257,23 @@ def _measure(
     )
     rows = []
     for name, one in named.items():
-        timing, pair = timings[name], (records[name], right.record)
-        rows.append(
-            Row(
-                one.method, one.setting, one.size, targets, 1e6 * timing.median / clocked[name][1], timing.spread,
-                compare(problem, poses, *pair), displacement(problem, poses, *pair),
-            )
-        )  # fmt: skip
-    return rows, Case(problem, poses, right), records
+        timing = timings[name]
+        per_ping = 1e6 * timing.median / clocked[name][1]
+        for method in (one.method, EMBREE_OWN) if one.method == EMBREE else (one.method,):
+            records[name._replace(method=method)] = records[name]
+            pair = records[name], case.judge(method).record
+            errors, moved = compare(problem, poses, *pair), displacement(problem, poses, *pair)
+            rows.append(Row(method, one.setting, one.size, targets, per_ping, timing.spread, errors, moved))
+    return sorted(rows, key=lambda row: row.method == EMBREE_OWN), case, records
+
+
+def _right_of_triangles(problem: Problem, poses: Poses) -> Reference | None:
+    """Trace a bed of triangles with many rays, and with half as many; None where it is not traced at all."""
+    if why_not(problem, poses):
+        return None
+    bed = TriangulatedBed(problem, poses)
+    half, whole = (bed.trace(poses, rays=count) for count in (RAYS_OF_TRIANGLES // 2, RAYS_OF_TRIANGLES))
+    return Reference(whole, compare(problem, poses, half, whole).beyond, RAYS_OF_TRIANGLES)
 
 
 def _clocked(one: Contender, poses: Poses) -> tuple[Callable[[], Record], int]:
