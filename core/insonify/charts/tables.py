@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from insonify.charts.files import Table
 
 if TYPE_CHECKING:
+    from insonify.charts.convergence import ConvergenceChart
+    from insonify.charts.cost import CostChart
     from insonify.charts.measure import Chart
 
 ACCURACY_COLUMNS = (
@@ -25,6 +27,8 @@ ACCURACY_COLUMNS = (
     "resolved",
     "best_for_its_time",
 )
+COST_COLUMNS = ("method", "axis", "size", "microseconds", "spread", "exponent", "exponent_spread")
+CONVERGENCE_COLUMNS = ("series", "size", "error_beyond", "resolved", "exponent", "exponent_spread")
 
 
 def accuracy_table(chart: Chart) -> Table:
@@ -32,7 +36,7 @@ def accuracy_table(chart: Chart) -> Table:
     best = {row.name for targets in chart.cases for row in chart.front(targets)}
     rows = []
     for row in chart.rows:
-        reference, errors, moved = chart.cases[row.targets].reference, row.errors, row.displacement
+        reference, errors, moved = chart.cases[row.targets].judge(row.method), row.errors, row.displacement
         rows.append(
             (
                 row.method,
@@ -51,4 +55,26 @@ def accuracy_table(chart: Chart) -> Table:
                 "yes" if row.name in best else "no",
             )
         )
-    return Table({"title": chart.title, "machine": chart.machine, "pings": chart.pings}, ACCURACY_COLUMNS, rows)
+    facts = {"title": chart.title, "machine": chart.machine, "pings": chart.pings, "notes": "; ".join(chart.notes)}
+    return Table(facts, ACCURACY_COLUMNS, rows)
+
+
+def cost_table(chart: CostChart) -> Table:
+    """Lay a chart of cost out as rows, each with the law that was fitted through its axis."""
+    fits = chart.fits()
+    rows = [
+        (row.method, row.axis, row.size, row.microseconds, row.spread, *fits[row.axis, row.method][:2])
+        for row in chart.rows
+    ]
+    return Table({"title": chart.title, "machine": chart.machine}, COST_COLUMNS, rows)
+
+
+def convergence_table(chart: ConvergenceChart) -> Table:
+    """Lay a chart of convergence out as rows, each with the order that was fitted through its series."""
+    fits = chart.fits()
+    rows = [
+        (point.series, point.size, point.error, "yes" if point.resolved else "no", *fits[point.series][:2])
+        for point in chart.points
+    ]
+    facts = {"title": chart.title, "machine": chart.machine, "reference_moved": chart.reference.moved}
+    return Table(facts, CONVERGENCE_COLUMNS, rows)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from insonify.commands.options import add_scene, chosen_scene, output, say
 
+KINDS = ("accuracy", "cost", "convergence")
 SUFFIXES = (".png", ".svg", ".csv", ".json")
 
 
@@ -15,9 +18,11 @@ def register(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "chart",
         help="measure speed against accuracy on this machine",
-        description="Measure time per ping and error of every method on a scene, on this machine.",
+        description="Measure every method on a scene, on this machine: time per ping against error; cost against the "
+        "number of pings, cells, bins, targets, planes and rays; or error against step or count.",
     )
     add_scene(parser, optional=True)
+    parser.add_argument("--of", choices=KINDS, default="accuracy", help="what to chart (default: %(default)s)")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png, .svg, .csv or .json")
     parser.set_defaults(run=run)
 
@@ -32,8 +37,30 @@ def run(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, SUFFIXES)
     scene = chosen_scene(arguments)
-    from insonify.charts import chart
+    from insonify import charts
 
-    chart(scene).save(path)
+    kinds: dict[str, Callable[..., Any]] = {
+        "accuracy": charts.chart,
+        "cost": charts.cost_chart,
+        "convergence": charts.convergence_chart,
+    }
+    with _bar() as progress:
+        measured = kinds[arguments.of](scene, progress=progress)
+    measured.save(path)
+    for note in getattr(measured, "notes", ()):
+        say(note)
     say(str(path))
     return 0
+
+
+@contextmanager
+def _bar() -> Iterator[Callable[[float], None]]:
+    """Show on a terminal how far a long measurement has come."""
+    from tqdm import tqdm
+
+    with tqdm(total=100, unit="%", disable=None, delay=1.0, leave=False, bar_format="{l_bar}{bar}|") as bar:
+
+        def progress(share: float) -> None:
+            bar.update(max(round(100.0 * share) - bar.n, 0))
+
+        yield progress

@@ -1,0 +1,84 @@
+"""The charts of cost and convergence, and the laws through them."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from insonify.charts import ConvergenceChart, CostChart, convergence, convergence_chart, cost, cost_chart
+from insonify.charts.convergence import Point
+from insonify.charts.cost import Cost
+from insonify.charts.fit import fit_power
+from insonify.charts.reference import Reference
+from insonify.scene import edit, load_scene
+
+SMALL = edit(
+    load_scene("default"),
+    {
+        "seabed.relief.period": 12.8, "seabed.relief.peaks": [[6.0, 3.0]], "sonar.range": 25.0, "sonar.bins": 100,
+        "targets": [], "sonar.beam": {"kind": "fan", "width": 2.0}, "track.pings": 20,
+    },
+)  # fmt: skip
+
+
+def test_a_power_law_is_found_with_its_spread():
+    x = np.array([1.0, 2.0, 4.0, 8.0])
+    found = fit_power(x, 3.0 * x**-1.5)
+    assert found == pytest.approx((-1.5, 0.0, 3.0), abs=1e-12)
+    # By hand: residuals +d, -d, -d, +d of the logarithms leave the slope and have the variance 4 d² / 2.
+    bent = fit_power(x, x**2 * np.exp([0.1, -0.1, -0.1, 0.1]))
+    assert bent.exponent == pytest.approx(2.0)
+    assert bent.spread == pytest.approx(math.sqrt(0.04 / 2.0 / (5.0 * math.log(2.0) ** 2)))
+
+
+def test_too_few_points_make_no_law():
+    assert math.isnan(fit_power([1.0], [1.0]).exponent)
+    assert fit_power([1.0], [1.0]).words() == ""
+    assert fit_power([1.0, 2.0, 3.0], [0.0, 1.0, math.inf]).words() == ""
+    assert fit_power([1.0, 2.0], [1.0, 4.0]).words() == "2.00"
+
+
+def test_cost_is_measured_along_every_axis(monkeypatch, tmp_path):
+    monkeypatch.setattr(cost, "SECONDS", 0.5)
+    monkeypatch.setattr(cost, "TARGETS", (1, 4))
+    monkeypatch.setattr(cost, "PINGS", (4, 8, 16, 32))
+    told = []
+    measured = cost_chart(SMALL, progress=told.append)
+    axes = {"pings", "cells along a profile", "bins a side", "targets in the beam", "planes", "rays a side"}
+    assert {row.axis for row in measured.rows} == axes
+    assert all(row.microseconds > 0.0 for row in measured.rows)
+    assert 0.3 < measured.fits()["rays a side", "rays"].exponent < 2.0  # other work on the machine counts too
+    assert told[-1] <= 1.0
+    measured.save(tmp_path / "cost.json")
+    written = json.loads((tmp_path / "cost.json").read_text(encoding="utf-8"))
+    assert len(written["rows"]) == len(measured.rows)
+    assert written["machine"]
+
+
+def test_convergence_has_the_orders_of_the_methods(monkeypatch, tmp_path):
+    monkeypatch.setattr(convergence, "PINGS", 4)
+    monkeypatch.setattr(convergence, "PROVING", 2.0)
+    measured = convergence_chart(SMALL)
+    fits = measured.fits()
+    assert set(fits) == {"rays", "sweep, planes", "march, step in m", "sweep, spacing in m"}
+    assert -1.1 < fits["rays"].exponent < -0.5
+    assert fits["sweep, planes"].exponent < -1.2
+    assert fits["march, step in m"].exponent > 0.4
+    assert fits["sweep, spacing in m"].exponent > 0.4
+    for suffix in (".csv", ".svg"):
+        measured.save(tmp_path / f"convergence{suffix}")
+    assert "sweep, planes" in (tmp_path / "convergence.csv").read_text(encoding="utf-8")
+
+
+def test_pictures_of_laws_are_written(tmp_path):
+    rows = tuple(Cost("sweep", "planes", n, 10.0 * n + 5.0, 0.01) for n in (1.0, 2.0, 4.0))
+    CostChart("Pipe", rows, "a machine").save(tmp_path / "cost.png")
+    points = tuple(Point("rays", 10.0**k, 10.0**-k, k < 3) for k in range(1, 5))
+    right = Reference(np.zeros((1, 2, 4), dtype=np.float32), 1e-4, 1 << 16)
+    chart = ConvergenceChart("Pipe", points, right, "a machine")
+    chart.save(tmp_path / "convergence.png")
+    assert chart.fits()["rays"].exponent == pytest.approx(-1.0)
+    assert {path.read_bytes()[:4] for path in tmp_path.iterdir()} == {b"\x89PNG"}
