@@ -12,6 +12,7 @@ from PySide6.QtGui import QGuiApplication
 
 from insonify.picture import PALETTES, contrast, palette
 from insonify.scene import Scene, SceneError
+from insonify_viewer.charting import ChartPanel
 from insonify_viewer.parameters import sections_of
 from insonify_viewer.planning import PlanPanel
 from insonify_viewer.readout import readout
@@ -49,7 +50,7 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, tow, simulator, window, record, files, targets, water, plan
+    session, tow, simulator, window, record, files, targets, water, plan, chart
         What it connects.
     failure : str
         Why nothing could be simulated, before the first picture.
@@ -66,6 +67,7 @@ class Viewer(QObject):
         self.files = Files(self.window, self.simulator, self.open, self.window.say)
         self.water = WaterPanel(self.session, self.window, self.simulator)
         self.plan = PlanPanel(self.session, self.window)
+        self.chart = ChartPanel(self.session, self.window, self.simulator, lambda: self.run(False))
         self.targets = Targets(self.session, self.window, self.simulator, self.files)
         self.failure = ""
         self._seabed = Seabed(self.simulator, accelerated=accelerated)
@@ -159,6 +161,7 @@ class Viewer(QObject):
     def close(self) -> None:
         """Stop clock and worker."""
         self._clock.stop()
+        self.chart.close()
         self.simulator.close()
         self._seabed.close()
 

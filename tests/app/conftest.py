@@ -48,7 +48,7 @@ def open_viewer(qtbot: Any, qapp: QApplication) -> Iterator[Opener]:
         viewer.tow.run(False)
         viewer.window.show_running(False)
         viewer.start()
-        qtbot.waitUntil(lambda: until(viewer), timeout=60000)
+        qtbot.waitUntil(lambda: until(viewer), timeout=240000)  # while the kernels compile, at worst
         return viewer
 
     yield open_one

@@ -44,6 +44,8 @@ QTabBar::tab {{ background: {GROUND}; color: {QUIET}; padding: 5px 14px; border:
     border-bottom: 2px solid {EDGE}; }}
 QTabBar::tab:selected {{ color: {TEXT}; border-bottom-color: {ACCENT}; }}
 QTabBar::tab:hover {{ color: {TEXT}; }}
+QPushButton#tool {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 4px 12px; }}
+QPushButton#tool:hover {{ border-color: {ACCENT}; }}
 QPushButton:disabled {{ color: #566573; }}
 QLabel#about {{ color: {QUIET}; padding: 5px 4px 7px 6px; }}
 QLineEdit#value {{ background: transparent; border: 1px solid transparent; border-radius: 3px; padding: 1px 2px; }}

@@ -1,0 +1,155 @@
+"""The chart's window: measured on a thread of its own, stopped, picked from, saved."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog
+from stand_in import StandIn
+
+from insonify.accuracy import compare, displacement
+from insonify.charts.contenders import Name
+from insonify.charts.measure import Case, Chart, Row
+from insonify.charts.reference import Reference
+from insonify.scene import Scene, SceneError
+from insonify_viewer.judging import Point, in_numbers, judge, nearest, picture
+
+
+def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None) -> Chart:
+    """Two methods over the stand-in's record, of which one is right and the other a tenth too loud."""
+    simulation = StandIn(scene, 0.03)
+    pings = np.arange(4, dtype=np.int64)
+    poses, right = simulation.poses(pings), simulation.intensity(pings)
+    records = {Name("sweep", "4 planes", True): right, Name("rays", "1,000 rays", True): np.float32(1.1) * right}
+    rows = tuple(
+        Row(
+            *(name.method, name.setting, size, True, size, 0.05),
+            compare(simulation.problem, poses, records[name], right),
+            displacement(simulation.problem, poses, records[name], right),
+        )
+        for name, size in zip(records, (4.0, 1000.0))
+    )
+    progress(0.5)
+    cases = {True: Case(simulation.problem, poses, Reference(right, 1e-4, 65536))}
+    return Chart(scene.title, rows, 4, "this machine", cases, records)
+
+
+@pytest.fixture
+def window(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
+    viewer = open_viewer(small)
+    viewer.chart.measure = a_chart
+    viewer.window.plan.chart.click()
+    assert viewer.chart.view.isVisible()
+    return viewer
+
+
+def measure(viewer: Any, qtbot: Any) -> None:
+    viewer.chart.view.measure.click()
+    qtbot.waitUntil(lambda: not viewer.chart.busy, timeout=30000)
+
+
+def test_a_click_on_a_point_shows_its_record(window: Any, qtbot: Any) -> None:
+    measure(window, qtbot)
+    view = window.chart.view
+    assert window.session.scene.title in view.windowTitle()
+    loud = next(point.row for point in window.chart._pictured.points if point.row.method == "rays")
+    qtbot.mouseClick(view.picture, Qt.MouseButton.LeftButton, pos=view.picture.place_of(loud).toPoint())
+    qtbot.waitUntil(lambda: bool(view._numbers.text()), timeout=20000)
+    assert "rms 10 % beyond" in view._numbers.text()
+    assert "energy +10 %" in view._numbers.text()
+    assert view._strips.isVisible()
+    image = view._strips.grab().toImage()
+    assert len({image.pixel(x, y) for x in range(0, image.width(), 5) for y in range(0, image.height(), 5)}) > 4
+
+
+def test_the_window_lives_while_it_is_measured_and_stops(window: Any, qtbot: Any) -> None:
+    going, seen = threading.Event(), []
+
+    def slow(scene: Scene, progress: Callable[[float], None]) -> Chart:
+        for step in range(2000):
+            progress(step / 2000)
+            seen.append(step)
+            going.wait(0.01)
+        return a_chart(scene)
+
+    window.chart.measure = slow
+    window.run(True)
+    view = window.chart.view
+    view.measure.click()
+    assert not window.tow.running, "a tow would take time from what is timed"
+    qtbot.waitUntil(lambda: len(seen) > 5)
+    assert not view.measure.isEnabled()
+    window.session.settle({"track.altitude": 7.0})
+    qtbot.waitUntil(lambda: window.complete)
+    view.stop.click()
+    qtbot.waitUntil(lambda: not window.chart.busy)
+    assert view._sentence.text() == "stopped"
+    assert view.measure.isEnabled()
+
+
+def test_a_viewer_closed_meanwhile_leaves_no_thread(window: Any, qtbot: Any) -> None:
+    def endless(scene: Scene, progress: Callable[[float], None]) -> Chart:
+        while True:
+            progress(0.1)
+
+    window.chart.measure = endless
+    window.chart.view.measure.click()
+    window.window.close()
+    assert not window.chart.busy
+
+
+def test_what_cannot_be_charted_is_said(window: Any, qtbot: Any) -> None:
+    def refuse(scene: Scene, progress: Callable[[float], None]) -> Chart:
+        raise SceneError("track.pings: 0 is too few; give at least 1")
+
+    window.chart.measure = refuse
+    measure(window, qtbot)
+    assert "too few" in window.chart.view._sentence.text()
+
+
+def test_it_is_saved(window: Any, qtbot: Any, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    measure(window, qtbot)
+    view = window.chart.view
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.csv"), ""))
+    view.save.click()
+    qtbot.waitUntil(lambda: "written" in view._sentence.text(), timeout=20000)
+    assert "1,000 rays" in (tmp_path / "c.csv").read_text()
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.doc"), ""))
+    view.save.click()
+    qtbot.waitUntil(lambda: "written" not in view._sentence.text(), timeout=20000)
+    assert ".png" in view._sentence.text()
+
+
+def test_points_lie_where_they_are_drawn(small: Scene) -> None:
+    pictured = picture(a_chart(small))
+    height, width = pictured.pixels.shape[:2]
+    for point in pictured.points:
+        colour = pictured.pixels[round(point.y * height), round(point.x * width), :3].astype(int)
+        assert np.ptp(colour) > 40, "a mark, and no paper"
+        assert nearest(pictured.points, point.x + 2e-3, point.y, height / width, 0.01) is point.row
+    assert nearest(pictured.points, 0.01, 0.01, height / width, 0.01) is None
+    assert nearest((), 0.5, 0.5, 1.0, 1.0) is None
+
+
+def test_the_nearer_point_is_picked() -> None:
+    one, other = "one", "other"
+    points = (Point(0.4, 0.5, one), Point(0.6, 0.5, other))  # type: ignore[arg-type]
+    assert nearest(points, 0.45, 0.5, 1.0, 0.1) == one
+    assert nearest(points, 0.55, 0.5, 1.0, 0.1) == other
+    assert nearest(points, 0.4, 0.58, 2.0, 0.1) is None, "heights count as they are seen"
+
+
+def test_a_record_is_laid_out_as_it_is_read(small: Scene) -> None:
+    chart = a_chart(small)
+    judged = judge(chart, chart.rows[0])
+    assert judged.similarity == pytest.approx(1.0)
+    assert judged.record.shape == (4, 200)
+    np.testing.assert_array_equal(judged.record, judged.record[:, ::-1])
+    np.testing.assert_array_equal(judged.record[0, 100:], chart.shown(chart.rows[0])[0][3, 1])
+    assert "rms 0 % beyond 1.4 altitudes" in in_numbers(judged)
+    assert "± 5 %" in in_numbers(judged)
