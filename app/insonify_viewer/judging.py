@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify_viewer.quantities import span
+
 if TYPE_CHECKING:
     from insonify.charts import Chart, Row
 
@@ -118,7 +120,7 @@ def in_numbers(judged: Judged) -> str:
     """Say how good a row is and what it takes."""
     row, errors, moved = judged.row, judged.row.errors, judged.row.displacement
     parts = (
-        f"{row.microseconds:.3g} µs a ping (± {100.0 * row.spread:.2g} %)",
+        f"{span(1e-6 * row.microseconds)} a ping (± {100.0 * row.spread:.2g} %)",
         f"rms {_percent(errors.beyond)} beyond 1.4 altitudes, {_percent(errors.all_bins)} of all bins",
         f"SSIM {judged.similarity:.3f}",
         _metres("shadow edges off by", moved.shadow_edge),

@@ -21,6 +21,11 @@ def shown(value: float, unit: str) -> str:
     return f"{number} {unit}" if unit and len(unit) <= LONGEST_UNIT else number
 
 
+def span(seconds: float) -> str:
+    """Print how long a ping takes, three digits: ``245 µs``, ``1.29 ms``."""
+    return f"{1e6 * seconds:.3g} µs" if seconds < 9.995e-4 else f"{1e3 * seconds:.3g} ms"
+
+
 def read(text: str, unit: str) -> float | None:
     """Read a number with or without its unit and prefix; None for anything else."""
     number = text.strip().replace(",", ".").removesuffix(unit).strip() if unit else text.strip().replace(",", ".")

@@ -9,7 +9,7 @@ import pytest
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify_viewer.parameters import Choice, Number, sections_of
-from insonify_viewer.quantities import at_fraction, fraction, read, shown
+from insonify_viewer.quantities import at_fraction, fraction, read, shown, span
 from insonify_viewer.record import Record
 from insonify_viewer.session import Mark, Session
 from insonify_viewer.tow import Tow
@@ -262,6 +262,15 @@ def test_tow_counts_pauses_and_looks_back() -> None:
 def test_numbers_are_printed_and_read_back(value: float, unit: str, text: str) -> None:
     assert shown(value, unit) == text
     assert read(text, unit) == pytest.approx(value)
+
+
+def test_times_are_printed_in_three_digits() -> None:
+    assert [span(seconds) for seconds in (1.23e-5, 9.99e-4, 9.996e-4, 1.288e-3)] == [
+        "12.3 µs",
+        "999 µs",
+        "1 ms",
+        "1.29 ms",
+    ]
 
 
 def test_nonsense_is_not_a_number() -> None:

@@ -11,6 +11,7 @@ from insonify_viewer.views.strips_view import StripsView
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET
 
 SIZE, SMALLEST = (1120, 860), (560, 460)
+STRIPS = 320  # px, height of the strips at first
 GRASP = 14.0  # px within which a point is picked
 INVITATION = (
     "“Measure here” times every method on this scene and holds its record against a reference that proves itself. "
@@ -109,8 +110,8 @@ class ChartWindow(QWidget):
         splitter = QSplitter(Qt.Orientation.Vertical)
         splitter.addWidget(self._picture)
         splitter.addWidget(self._bottom)
-        splitter.setStretchFactor(0, 3)
-        splitter.setStretchFactor(1, 2)
+        splitter.setSizes([SIZE[1] - STRIPS, STRIPS])
+        splitter.setStretchFactor(0, 1)
         splitter.setChildrenCollapsible(False)
         column = QVBoxLayout(self)
         column.addLayout(top)

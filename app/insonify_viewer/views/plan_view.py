@@ -20,6 +20,7 @@ from PySide6.QtWidgets import (
 
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.parameters import Number
+from insonify_viewer.quantities import span
 from insonify_viewer.views.folding import FoldingBox
 from insonify_viewer.views.parameter_rows import Combo, NumberRow
 
@@ -75,7 +76,7 @@ class PlanView(QScrollArea):
         """Show a plan, and what of it was asked for."""
         self._tolerance.show_share(modelling.tolerance)
         self.automatic.setEnabled(bool(modelling.forced))
-        self._predicted = f"predicted: misses {_share(plan.error)}, {_time(plan.cost)} a ping on one thread"
+        self._predicted = f"predicted: misses {_share(plan.error)}, {span(plan.cost)} a ping on one thread"
         self._totals.setText(self._predicted)
         forced = dict(modelling.forced)
         for modelled, group in self._groups.items():
@@ -85,7 +86,7 @@ class PlanView(QScrollArea):
 
     def show_measured(self, seconds: float) -> None:
         """Say what a ping takes here, beside what was predicted."""
-        self._totals.setText(f"{self._predicted}\nmeasured: {_time(seconds)} a ping on all threads")
+        self._totals.setText(f"{self._predicted}\nmeasured: {span(seconds)} a ping on all threads")
 
     def show_change(self, subject: str, words: str) -> None:
         """Say what the last change did; beside the choice if one subject alone changed."""
@@ -166,7 +167,7 @@ class Line(QWidget):
         self._choice.setText(entry.choice)
         self._reason.setText(entry.reason)
         error = f"misses {_share(entry.error)}" if entry.error > 0.0 else ""
-        cost = f"{'' if entry.modelled else 'would take '}{_time(entry.cost)} a ping" if entry.cost > 0.0 else ""
+        cost = f"{'' if entry.modelled else 'would take '}{span(entry.cost)} a ping" if entry.cost > 0.0 else ""
         self._numbers.setText(" · ".join(part for part in (error, cost) if part))
         self._numbers.setVisible(bool(error or cost))
         options = [*entry.options, *([forced] if forced and forced not in entry.options else [])]
@@ -228,10 +229,6 @@ def _names(entries: list[Entry]) -> list[str]:
 
 def _share(error: float) -> str:
     return f"{100.0 * error:.2g} %" if error < 0.995 else "all" if error < 1.5 else f"{error:.0f} ×"
-
-
-def _time(seconds: float) -> str:
-    return f"{1e6 * seconds:.3g} µs" if seconds < 1e-3 else f"{1e3 * seconds:.3g} ms"
 
 
 def _words(name: str) -> QLabel:

@@ -13,8 +13,8 @@ from insonify_viewer.judging import Judged
 from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
 from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 
-LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 22  # px
-LARGE = 0.25  # of the span of the palette, a difference that takes its full colour
+LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
+LARGE = 0.5  # of the span of the palette, a difference that takes its full colour
 
 
 class StripsView(QWidget):
@@ -44,7 +44,7 @@ class StripsView(QWidget):
                     (f"record: {judged.row.method}, {judged.row.setting}", judged.record, (low, high), shades),
                     (f"reference: {judged.rays:,} rays a side", judged.reference, (low, high), shades),
                     (
-                        "difference, full colour at a quarter of the picture's span: too bright, too dark",
+                        "difference, full colour at half the picture's span: too bright, too dark",
                         judged.record - judged.reference,
                         (-largest, largest),
                         _two_sided(),
