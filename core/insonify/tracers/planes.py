@@ -14,13 +14,14 @@ from insonify.kernels.types import Poses, Problem
 from insonify.kernels.wedge import FADING
 from insonify.tracers.poses import take
 
-FEW = 8  # pairs of planes; with more than these all that is rough about a fan's planes shrinks as they come closer
+FEW = 16  # planes; with more than these all that is rough about a fan's planes shrinks as they come closer
 # Up to where cos θ reaches 1 - FORESHORTENED the beam's cone is followed azimuth by azimuth; beyond it the inner planes
 # begin to stretch with it: a plane at azimuth φ stands for the beam direction φ cos θ.
 FORESHORTENED = 0.1
 SPLAY = 0.4  # of that, by which inner planes lie further out than the half width divided among them
-OUTER_GROWTH = 0.4  # from an outer wedge's beginning to its end, as a share
-WIDENING = 1.1  # of that from wedge to wedge: with many planes the first are about as narrow as the inner ones
+# From an outer wedge's beginning to its end, as a share: of the first, and at most. They grow from wedge to wedge, for
+# with many planes the first are about as narrow as the inner ones, and those nearer to the bow are heard in few bins.
+OUTER_GROWTH, MOST_GROWTH, WIDENING = 0.4, 1.2, 1.1
 # Nearer than twice the altitude planes may lie farther apart, for there a bin holds more of the bed: up to this share
 # of their number times their spacing.
 COARSER = 0.2
@@ -132,7 +133,7 @@ def beam_planes(half_width: float, planes: int) -> Planes:
     half_width : float
         Of the fan, in radians; 0 for a knife.
     planes : int
-        Planes across the fan's far field, made even, so that they come in pairs about athwart.
+        Planes across the fan's far field. An odd one lies athwart, the others in pairs about it.
 
     Returns
     -------
@@ -144,19 +145,19 @@ def beam_planes(half_width: float, planes: int) -> Planes:
     if half_width <= 0.0:
         return Planes(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
     s_beam = math.sin(half_width)
-    pairs = max(1, (planes + 1) // 2)
-    rough = min(FEW / pairs, 1.0)
+    rough = min(FEW / planes, 1.0)
     level = 1.0 - FORESHORTENED * rough * rough
     near_field = level / math.sqrt(1.0 - level * level)
     splayed = (1.0 + SPLAY * (1.0 - level)) * half_width
-    inner = np.linspace(0.0, splayed, pairs + 1)
+    # On one hand; of an odd number of planes the first wedge is halved, and stands for both halves.
+    inner = np.append(0.0, splayed * np.arange(planes % 2 or 2, planes + 1, 2) / planes)
     edges, growth = [math.sin(splayed)], OUTER_GROWTH * rough * rough
     while edges[-1] < 1.0:
         edges.append(min(1.0, edges[-1] * (1.0 + growth)))
-        growth = min(WIDENING * growth, OUTER_GROWTH * rough)
+        growth = min(WIDENING * growth, MOST_GROWTH * rough)
     azimuths = np.concatenate([inner, np.arcsin(edges[1:])])
     low, high = np.sin(azimuths[:-1]), np.sin(azimuths[1:])
-    is_inner = np.arange(low.size) < pairs
+    is_inner = np.arange(low.size) < inner.size - 1
     # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer wedge by the height.
     beyond = np.maximum(low**2 - s_beam**2, 1e-30)
     # A little further, for the segment that crosses the border counts by its middle.
@@ -166,13 +167,16 @@ def beam_planes(half_width: float, planes: int) -> Planes:
         low,
         high,
         np.diff(azimuths),
-        np.where(is_inner, half_width / pairs, 0.0),
+        np.where(is_inner, 2.0 * half_width / planes, 0.0),
         np.full(low.size, near_field),
         np.where(is_inner, math.inf, outer_reach),
     )
-    mirrored = [np.concatenate([column, column]) for column in columns]
-    mirrored[0][low.size :] *= -1.0
-    return Planes(*mirrored)
+    both = Planes(*(np.concatenate([column, column]) for column in columns))
+    both.azimuth[low.size :] *= -1.0
+    if planes % 2 == 0:
+        return both
+    both.azimuth[0], both.angle[0] = 0.0, 2.0 * both.angle[0]
+    return Planes(*(np.delete(column, low.size) for column in both))
 
 
 def pattern_planes(problem: Problem, planes: int, height: float, pitches: NDArray[np.float64]) -> Planes:

@@ -1,0 +1,32 @@
+"""Planes of a top-hat: between them they stand for every azimuth once, in pairs about athwart."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from insonify.tracers.planes import beam_planes
+
+
+@pytest.mark.parametrize("width", [0.2, 1.0, 2.5, 20.0, 90.0])
+@pytest.mark.parametrize("planes", [2, 3, 4, 5, 10, 11, 64])
+def test_wedges_leave_no_azimuth_out_and_none_twice(width, planes):
+    half = math.radians(0.5 * width)
+    laid = beam_planes(half, planes)
+    assert laid.angle.sum() == pytest.approx(math.pi)
+    assert laid.far_angle.sum() == pytest.approx(2.0 * half)
+    assert np.count_nonzero(laid.far_angle) == planes
+    for hand in (1.0, -1.0):
+        of_hand = hand * laid.azimuth >= 0.0
+        order = np.argsort(laid.s_low[of_hand])
+        low, high = laid.s_low[of_hand][order], laid.s_high[of_hand][order]
+        np.testing.assert_array_equal(np.append(low, 1.0), np.append(0.0, high))
+
+
+@pytest.mark.parametrize("planes", [2, 3, 10, 11])
+def test_an_odd_plane_lies_athwart_and_the_others_in_pairs(planes):
+    azimuth = beam_planes(0.02, planes).azimuth
+    assert np.count_nonzero(azimuth == 0.0) == planes % 2
+    np.testing.assert_array_equal(np.sort(azimuth), np.sort(-azimuth))
