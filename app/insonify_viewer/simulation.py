@@ -68,6 +68,8 @@ class Answer:
         What traced them.
     seconds : float
         That it took.
+    alike : int
+        How many pings in succession have the amplitudes of the first of them.
     """
 
     number: int
@@ -77,6 +79,7 @@ class Answer:
     level: LevelBed
     simulation: Simulation
     seconds: float
+    alike: int
 
 
 class Simulator(QObject):
@@ -192,7 +195,7 @@ class Simulator(QObject):
             if not request.fine:
                 self._cost = seconds / len(traced)
             amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
-            yield Answer(request.number, request.fine, block, amplitude, level, simulation, seconds)
+            yield Answer(request.number, request.fine, block, amplitude, level, simulation, seconds, stride)
 
     def _stride(self, pings: int) -> int:
         """Thin the pings as far as the last coarse ones' cost demands."""

@@ -29,6 +29,7 @@ from insonify_viewer.water import WaterPanel
 
 MAX_PINGS, MAX_CELLS = 2048, 2**26  # on screen
 TICK = 25  # ms
+PANEL_DELAY = 20  # ms, by which the panel's other numbers follow a slider that moves
 BEHIND = 48  # pings that may be blank while the tow goes on
 LEAP = 0.2  # s, the most by which it goes on at once when the window was held up
 # Choices that need a file first.
@@ -77,6 +78,9 @@ class Viewer(QObject):
         self._prepared = self._started = self._stopped = False
         self._levels_due = True
         self._levels, self._gain = (0.0, 1.0), 1.0
+        self._panel_due = QTimer(self)
+        self._panel_due.setSingleShot(True)
+        self._panel_due.setInterval(PANEL_DELAY)
         self._clock = QTimer(self)
         self._clock.setInterval(TICK)
         self._ticked = 0.0
@@ -161,6 +165,7 @@ class Viewer(QObject):
     def close(self) -> None:
         """Stop clock and worker."""
         self._clock.stop()
+        self._panel_due.stop()
         self.chart.close()
         self.simulator.close()
         self._seabed.close()
@@ -190,6 +195,7 @@ class Viewer(QObject):
         window.running_changed.connect(self.run)
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)
+        self._panel_due.timeout.connect(self._show_scene)
 
     def _settle(self, path: str, value: Any) -> None:
         """Make an edit of the panel final; some choices need a file first."""
@@ -221,8 +227,12 @@ class Viewer(QObject):
             self.record = Record(_pings_held(scene), scene.sonar.bins)
             self._answer = None
             self._show_geometry(scene)
-        self._ask()  # first, for the worker to be under way while the panel is filled
-        self._show_scene()
+        self._ask()
+        if settled:
+            self._panel_due.stop()
+            self._show_scene()
+        elif not self._panel_due.isActive():
+            self._panel_due.start()  # what moves with the slider may follow, its picture is waited for
 
     def _show_scene(self) -> None:
         """Let panel, title and buttons agree with the session."""
@@ -275,8 +285,10 @@ class Viewer(QObject):
         stamp = 2 * answer.number + answer.fine
         rows = self.record.put(answer.pings[on_screen], answer.amplitude[on_screen], stamp)
         self._settle_levels()
-        self.window.waterfall.show_rows(rows)
+        self.window.waterfall.show_rows(rows, answer.alike if on_screen.all() else 1)
         self.window.waterfall.show_top(self._newest_held())
+        if not answer.fine:
+            self.window.waterfall.repaint()  # at once: whoever drags a slider looks there
         self._show_sonar()
         self._show_mark(self.session.mark)
         if answer.fine and answer.number == self._number:

@@ -63,13 +63,16 @@ class WaterfallView(QWidget):
 
     def show_record(self, record: Record, slant_range: float, ping_step: float) -> None:
         """Turn to another record: its last slant range and the distance between pings, in metres."""
-        self._record, self._range, self._step = record, slant_range, ping_step
-        self._fit()
+        known, self._record, self._range, self._step = self._record, record, slant_range, ping_step
+        if record is known:
+            self.update()
+        else:
+            self._fit()
 
-    def show_rows(self, rows: Rows) -> None:
-        """Take over rows that the record has just received."""
-        means = column_means(self._record.amplitude[rows], self._columns.shape[1])
-        self._columns[rows] = means
+    def show_rows(self, rows: Rows, alike: int = 1) -> None:
+        """Take over rows that the record has just received, of which so many in succession are the same."""
+        means = column_means(self._record.amplitude[rows[::alike]], self._columns.shape[1])
+        self._columns[rows] = means if alike == 1 else np.repeat(means, alike, axis=0)[: rows.size]
         self._paint_rows(rows)
 
     def show_top(self, ping: int) -> None:
