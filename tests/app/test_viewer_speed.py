@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QTimer
 
-from insonify.scene import load_scene
+from insonify.scene import edit, load_scene
+from insonify_viewer.modelling import Modelling
+from insonify_viewer.simulation import Request, Simulator
 
 pytestmark = pytest.mark.bench
 MOVES = 12
@@ -51,6 +53,34 @@ class Gaps:
         now = time.perf_counter()
         self.gaps.append(max(now - self._last - self._drawn, 0.0))
         self._last, self._drawn = now, 0.0
+
+
+@pytest.mark.parametrize(
+    ("path", "ends"),
+    [
+        ("seabed.relief.beta", (1.0, 2.0)),
+        ("track.altitude", (5.0, 15.0)),
+        ("sonar.beam.width", (0.5, 3.0)),
+        ("seabed.material.diffuse", (0.1, 0.7)),
+        ("targets.0.radius", (0.2, 0.8)),
+    ],
+)
+def test_a_coarse_picture(qapp: Any, path: str, ends: tuple[float, float]) -> None:
+    simulator, pings = Simulator(), np.arange(511, -1, -1, dtype=np.int64)
+    wall, busy, alike = [], [], 1
+    for value in np.linspace(*ends, 2 * MOVES + 1):
+        scene = edit(load_scene("default"), {path: float(value)})
+        began, used = time.perf_counter(), time.process_time()
+        (answer,) = simulator._trace(Request(0, scene, Modelling(), pings, fine=False))
+        wall.append(time.perf_counter() - began)
+        busy.append(time.process_time() - used)
+        alike = answer.alike
+    simulator.close()
+    wall, busy = 1e3 * np.array(wall[1:]), 1e3 * np.array(busy[1:])  # the first had to compile, or make noise
+    print(
+        f"\n{path}: a coarse picture in {np.median(wall):.1f} ms (best {wall.min():.1f}), processor "
+        f"{np.median(busy):.1f} ms, at last every {alike} pings"
+    )
 
 
 def test_slider_to_picture(open_viewer: Any, qtbot: Any) -> None:

@@ -10,6 +10,8 @@ from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 
 from insonify.scene import bundled_scenes, load_scene
 
+FAILURE = "breaks-"  # begins the name of a scene on which some method fails
+
 
 class SceneMenu(QToolButton):
     """Announces the scene that the person wants.
@@ -44,12 +46,16 @@ class SceneMenu(QToolButton):
             return
         menu.addAction(self._from_file)
         menu.addSeparator()
+        failures = QMenu("Where it breaks", menu)
+        failures.setToolTipsVisible(True)
         for name, path in bundled_scenes().items():
             scene = load_scene(path)
             action = QAction(f"{name}\t{scene.title}", menu)
             action.setData(str(path))
             action.setToolTip(f"<p>{html.escape(scene.description)}</p>")  # as a paragraph it is wrapped
-            menu.addAction(action)
+            (failures if name.startswith(FAILURE) else menu).addAction(action)
+        menu.addSeparator()
+        menu.addMenu(failures)
 
     def _picked(self, action: QAction) -> None:
         if action is not self._from_file:
