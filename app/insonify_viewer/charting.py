@@ -70,6 +70,7 @@ class ChartPanel:
         measurement.drawn.connect(self._take)
         measurement.failed.connect(self._fail)
         self.view.show_busy(True)
+        measurement.start()
 
     def stop(self) -> None:
         """Give the measurement up."""

@@ -45,6 +45,9 @@ class Measurement(QObject):
         self._scene, self._measure = scene, measure or _measured
         self._stopping = False
         self._thread = threading.Thread(target=self._work, name="insonify chart", daemon=True)
+
+    def start(self) -> None:
+        """Begin; whoever listens has to be connected by now."""
         self._thread.start()
 
     def stop(self) -> None:
