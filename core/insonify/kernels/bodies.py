@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from insonify.kernels.bins import FIXED_POINT, spread
 from insonify.kernels.cover import next_open
-from insonify.kernels.jit import fused, kernel
+from insonify.kernels.jit import bare, lean
 from insonify.kernels.lens import lens_of
 from insonify.kernels.parts import load_part, meet_part
 from insonify.kernels.pieces import FINE, deposit_piece
@@ -21,7 +21,7 @@ MOST_FACETS = 64.0
 HALVINGS = 10  # that find where a facet comes out of the bed
 
 
-@kernel
+@lean
 def deposit_open(surface, x_from, x_to, cover, law, bin_length, bins):
     """Deposit what no body hides of a segment of the bed, between two ground ranges."""
     low, high = launch_angle(surface, x_from), launch_angle(surface, x_to)
@@ -35,13 +35,13 @@ def deposit_open(surface, x_from, x_to, cover, law, bin_length, bins):
         low, x_from = closed, stop
 
 
-@fused
+@bare
 def launch_angle(surface, x):
     """Launch angle to a segment at ground range x."""
     return math.atan2(surface.offset + surface.slope * x, x)
 
 
-@fused
+@bare
 def range_at(surface, angle):
     """Ground range at which a launch angle meets a segment's line."""
     return surface.offset / (math.tan(angle) - surface.slope)
@@ -60,7 +60,7 @@ class Facet(NamedTuple):
     incidence: float  # cosine of the incidence in the middle
 
 
-@kernel
+@lean
 def deposit_bodies(profile, knots, horizon, problem, wedge, view, screen, cells, bins):
     """Deposit what the nearest body in every cell sends back, less what the bed hides."""
     # Taking an array out of the problem costs more than a facet: out of the loop with them.
@@ -95,7 +95,7 @@ def deposit_bodies(profile, knots, horizon, problem, wedge, view, screen, cells,
             )
 
 
-@fused
+@bare
 def open_facet(part, low, high, k, facets, x, z, knots, horizon, knot):
     """Facet k of so many in a cell, less what the bed hides of it; empty if it hides all."""
     step = (high - low) / facets
@@ -115,7 +115,7 @@ def open_facet(part, low, high, k, facets, x, z, knots, horizon, knot):
     return meet_facet(part, start, clear) if risen else meet_facet(part, clear, stop)
 
 
-@fused
+@bare
 def _is_clear(distance, angle, x, z, knots, horizon, knot):
     """Whether a place above the bed is in sight of the sonar, at a distance and a launch angle."""
     c, s = math.cos(angle), math.sin(angle)
@@ -123,7 +123,7 @@ def _is_clear(distance, angle, x, z, knots, horizon, knot):
     return horizon_at(x, z, knots, horizon, knot_before(x, knots, level, knot), level) * c <= s
 
 
-@fused
+@bare
 def facets_in(facet):
     """How many facets a cell is divided into: one that is long against its range has not one density."""
     nearest = min(facet.near, facet.far)
@@ -135,7 +135,7 @@ def facets_in(facet):
     return int(min(math.sqrt(squared) / (FINE * nearest) + 1.0, MOST_FACETS))
 
 
-@fused
+@bare
 def meet_facet(part, low, high):
     """Meet a part along the beginning, the middle and the end of a facet."""
     near, _ = meet_part(part, math.cos(low), math.sin(low))
@@ -145,13 +145,13 @@ def meet_facet(part, low, high):
     return Facet(low, high, c, s, near, centre, far, incidence)
 
 
-@fused
+@bare
 def is_met(facet):
     """Whether there is anything of a facet, all of it met."""
     return facet.low < facet.high and max(facet.near, facet.far, facet.centre) < NEVER
 
 
-@fused
+@bare
 def _deposit_facet(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length, bins):
     """Deposit one facet; its ends give the slant ranges, its middle the strength."""
     if not is_met(facet):
@@ -162,14 +162,14 @@ def _deposit_facet(facet, gain, diffuse, specular, shininess, wedge, pattern, la
     spread(bins, facet.centre * per_bin, facet.far * per_bin, second, last)
 
 
-@fused
+@bare
 def part_material(solids, mesh, screen, p):
     """Row of the reflectivity table that a part is made of."""
     body, bodies = screen.body[p], solids.shape.size
     return solids.material[body] if body < bodies else mesh.material[body - bodies]
 
 
-@fused
+@bare
 def facet_energies(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length):
     """Energies of a facet, in fixed-point units, on either hand of its middle."""
     value = strength(facet.incidence, diffuse, specular, shininess, law)
@@ -183,7 +183,7 @@ def facet_energies(facet, gain, diffuse, specular, shininess, wedge, pattern, la
     return half, half
 
 
-@fused
+@bare
 def knot_before(ground_range, knots, x, i):
     """Last knot at or before ground range x, looked for from knot i on; -1 if there is none."""
     while i + 1 < knots and ground_range[i + 1] <= x:
@@ -193,7 +193,7 @@ def knot_before(ground_range, knots, x, i):
     return i
 
 
-@fused
+@bare
 def horizon_at(ground_range, height, knots, horizon, i, x):
     """Greatest slope of the bed up to ground range x, which lies beyond knot i and not beyond the next."""
     if i < 0:

@@ -41,7 +41,7 @@ def cover_of(screen, cells):
     return Cover(screen.edge[:n], screen.level[:n], screen.rise[:n])
 
 
-@fused
+@bare
 def next_open(cover, surface, start, stop):
     """Return the first stretch of launch angles in [start, stop] in which a segment of the bed is not hidden."""
     edge, level, rise = cover.edge, cover.level, cover.rise
@@ -60,7 +60,7 @@ def next_open(cover, surface, start, stop):
     return opened, closed
 
 
-@fused
+@bare
 def _open_part(edge, level, rise, cell, surface, start, end):
     """Part of a stretch of launch angles within one cell in which the bed is nearer than what is nearest there."""
     if cell < 0 or cell >= edge.size - 1:

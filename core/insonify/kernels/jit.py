@@ -47,8 +47,18 @@ _FOLDER = _cache_folder()
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function as a kernel of this package."""
+    return _kept(function, counting=True)
+
+
+def lean(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function as a kernel of this package that counts no more than `bare` does."""
+    return _kept(function, counting=False)
+
+
+def _kept(function: Callable[..., Any], counting: bool) -> Callable[..., Any]:
+    """Compile a function and keep its machine code."""
     # Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
-    compiled = NJIT(cache=True, nogil=True, fastmath=FAST, error_model="numpy", _nrt=True)
+    compiled = NJIT(cache=True, nogil=True, fastmath=FAST, error_model="numpy", _nrt=counting)
     before = SETTINGS.CACHE_DIR
     SETTINGS.CACHE_DIR = _FOLDER
     try:

@@ -12,7 +12,7 @@ import math
 from typing import NamedTuple
 
 from insonify.kernels.bending import look_up
-from insonify.kernels.jit import fused, kernel
+from insonify.kernels.jit import bare, lean
 from insonify.kernels.sections import DOWN, UP, View, section
 from insonify.kernels.types import LIGHT, SPHERE
 
@@ -40,7 +40,7 @@ class Lens(NamedTuple):
     source_z: float
 
 
-@fused
+@bare
 def lens_of(bent, row):
     """Take the lens of a part out of its row of the screen; without one, nothing bends."""
     if not bent:
@@ -48,7 +48,7 @@ def lens_of(bent, row):
     return Lens(True, row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10])
 
 
-@fused
+@bare
 def keep_lens(lens, row):
     """Put a lens into its row of the screen."""
     row[0], row[1], row[2], row[3] = lens.launch_cosine, lens.launch_sine, lens.arrival_cosine, lens.arrival_sine
@@ -56,7 +56,7 @@ def keep_lens(lens, row):
     row[8], row[9], row[10] = lens.level, lens.source_x, lens.source_z
 
 
-@fused
+@bare
 def arriving(lens, c, s):
     """Direction in which the ray launched at (c, s) comes to the part: tan ψ = opening · tan θ, from the middle's."""
     along = c * lens.launch_cosine + s * lens.launch_sine
@@ -69,7 +69,7 @@ def arriving(lens, c, s):
     )
 
 
-@fused
+@bare
 def _launched(lens, angle):
     """Launch angle of the ray that comes to the part at an angle."""
     turned = angle - math.atan2(lens.arrival_sine, lens.arrival_cosine)
@@ -77,14 +77,14 @@ def _launched(lens, angle):
     return launch + math.atan2(math.sin(turned), lens.opening * math.cos(turned))
 
 
-@fused
+@bare
 def seen_from(lens, view):
     """Return the plane as seen from a body's apparent source."""
     x, y = view.x + lens.source_x * view.ex, view.y + lens.source_x * view.ey
     return View(x, y, view.z + lens.source_z, view.ex, view.ey)
 
 
-@kernel
+@lean
 def bend_parts(problem, view, one_wide, table, sheet, screen, bodies, parts):
     """Show the parts of a screen as they seem, the first ones those of bodies; return how many are left of both."""
     loud = problem.law != LIGHT
@@ -108,7 +108,7 @@ def bend_parts(problem, view, one_wide, table, sheet, screen, bodies, parts):
     return bodies_kept, kept
 
 
-@fused
+@bare
 def _keep(screen, kept, body, lens, low, high):
     """Enter a part after so many others, if it is not seen edge-on; return their number."""
     if high - low <= SAME:
@@ -118,7 +118,7 @@ def _keep(screen, kept, body, lens, low, high):
     return kept + 1
 
 
-@fused
+@bare
 def _gain(wide, tube, one_wide, loud):
     """Tell what energy must be multiplied by, as `bend_profile` has it; law `light` does not spread."""
     if not loud:
@@ -126,7 +126,7 @@ def _gain(wide, tube, one_wide, loud):
     return (wide * wide if one_wide else wide) / tube
 
 
-@fused
+@bare
 def _bend_line(line, one_wide, loud, table, sheet):
     """Put the ends of a triangle's line where they seem to be; return its lens."""
     x, z = 0.5 * (line[0] + line[2]), 0.5 * (line[1] + line[3])
@@ -139,7 +139,7 @@ def _bend_line(line, one_wide, loud, table, sheet):
     return Lens(True, 1.0, 0.0, math.cos(turn), math.sin(turn), 1.0, 0.0, 1.0, gain, 1.0 + wide, 0.0, 0.0)
 
 
-@fused
+@bare
 def _lens_of_body(solids, k, view, one_wide, loud, table, sheet):
     """Lens of a convex body, from the ray to the middle of what the plane cuts of it."""
     x, z = _middle(solids, k, view)
@@ -170,7 +170,7 @@ def _lens_of_body(solids, k, view, one_wide, loud, table, sheet):
     )
 
 
-@fused
+@bare
 def _front(x, z, table, sheet):
     """Slant range of a place, and distance across the rays there per launch angle."""
     wide, rise, tube, _ = look_up(table, sheet, x, z)
@@ -179,7 +179,7 @@ def _front(x, z, table, sheet):
     return r, (1.0 + tube) * r
 
 
-@fused
+@bare
 def _middle(solids, k, view):
     """Ground range and height above the sonar of the middle of what a plane cuts of a body."""
     x, y, z = solids.start[k, 0] - view.x, solids.start[k, 1] - view.y, solids.start[k, 2] - view.z

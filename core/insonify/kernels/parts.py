@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.jit import fused
+from insonify.kernels.jit import bare
 from insonify.kernels.lens import Lens, arriving, seen_from
 from insonify.kernels.shapes import cross_frustum, cross_sphere, frustum_normal
 from insonify.kernels.types import SPHERE
@@ -32,7 +32,7 @@ class Part(NamedTuple):
     lens: Lens  # through which it is seen
 
 
-@fused
+@bare
 def load_part(solids, mesh, view, body, line, lens):
     """Take out of the tables what a part is like, from where the sonar stands or seems to."""
     k = body - solids.shape.size
@@ -63,7 +63,7 @@ def load_part(solids, mesh, view, body, line, lens):
     )
 
 
-@fused
+@bare
 def meet_part(part, c, s):
     """Slant range of a part in the direction (c, s), and the cosine of the incidence there; infinite if missed."""
     through = part.lens.bent and part.kind != TRIANGLE
@@ -73,7 +73,7 @@ def meet_part(part, c, s):
     return (part.lens.offset + part.lens.gauge * distance if through else distance), incidence
 
 
-@fused
+@bare
 def _meet(part, c, s):
     """Likewise, from where the sonar seems to be."""
     if part.kind == TRIANGLE:
@@ -95,14 +95,14 @@ def _meet(part, c, s):
     return distance, -(nx * dx + ny * dy + nz * s)
 
 
-@fused
+@bare
 def foot_of(line):
     """Launch angle at right angles to the line of a triangle's part."""
     dx, dz = line[2] - line[0], line[3] - line[1]
     return math.atan2(-dx, dz) if dz >= 0.0 else math.atan2(dx, -dz)
 
 
-@fused
+@bare
 def nearest_of(line):
     """Distance to the nearest point of a triangle's part."""
     ax, az, dx, dz = line[0], line[1], line[2] - line[0], line[3] - line[1]

@@ -8,19 +8,19 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.jit import fused
+from insonify.kernels.jit import bare
 from insonify.kernels.types import LIGHT, SONAR
 
 INVERSE_PI = 1.0 / math.pi
 
 
-@fused
+@bare
 def lobe(cos_squared, shininess):
     """Phong's max(0, R·V)ⁿ; monostatic, R·V = cos 2α = 2 cos²α − 1."""
     return phong(2.0 * cos_squared - 1.0, shininess)
 
 
-@fused
+@bare
 def phong(mirrored, shininess):
     """Phong's max(0, R·V)ⁿ, from R·V."""
     if mirrored <= 0.0:
@@ -38,14 +38,14 @@ def phong(mirrored, shininess):
     return result
 
 
-@fused
+@bare
 def gloss(cos_squared, specular, shininess, law):
     """Phong's part of either law, from cos²α."""
     value = specular * lobe(cos_squared, shininess)
     return value if law == LIGHT else value * cos_squared * (shininess + 2.0) * (0.5 * INVERSE_PI)
 
 
-@fused
+@bare
 def radiance(cos_incidence, diffuse, specular, shininess):
     """Radiance of law `light`: I = k_d cos α + k_s max(0, R·V)ⁿ (paper, Lambert and Phong)."""
     if cos_incidence <= 0.0:
@@ -53,7 +53,7 @@ def radiance(cos_incidence, diffuse, specular, shininess):
     return diffuse * cos_incidence + gloss(cos_incidence * cos_incidence, specular, shininess, LIGHT)
 
 
-@fused
+@bare
 def backscatter(cos_incidence, diffuse, specular, shininess):
     """Backscattering cross-section of unit area, law `sonar`: cos²α (k_d/π + k_s (n+2)/(2π) cosⁿ 2α)."""
     if cos_incidence <= 0.0:
@@ -62,7 +62,7 @@ def backscatter(cos_incidence, diffuse, specular, shininess):
     return cos_squared * diffuse * INVERSE_PI + gloss(cos_squared, specular, shininess, SONAR)
 
 
-@fused
+@bare
 def strength(cos_incidence, diffuse, specular, shininess, law):
     """Radiance or backscattering cross-section, as the law has it."""
     if law == LIGHT:
@@ -70,7 +70,7 @@ def strength(cos_incidence, diffuse, specular, shininess, law):
     return backscatter(cos_incidence, diffuse, specular, shininess)
 
 
-@fused
+@bare
 def bistatic(cos_in, cos_out, mirrored, diffuse, specular, shininess, law):
     """Radiance or cross-section of unit area between two directions, ``mirrored`` being R·V.
 

@@ -12,14 +12,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.jit import fused, kernel
+from insonify.kernels.jit import bare, kernel, lean
 from insonify.kernels.lens import FIELDS, bend_parts, lens_of
 from insonify.kernels.parts import foot_of, load_part, meet_part, nearest_of
 from insonify.kernels.sections import reached, section
 from insonify.kernels.types import Mesh, Solids
 
 FACETS = 64  # cells of a convex body alone in its plane, closer together towards its edges
-RIMS = 4  # at most, that a plane cuts of one body
+RIMS = 6  # rims that a plane cuts of one body, at most four, and room to find them
 EDGE = 1e-9  # share of an interval by which the outermost cells of a body end inside it, to be sure to meet it
 CROSSED = 1e-5  # share of a distance by which a part must come before another to cross it
 SAME = 1e-9  # rad; ends of parts closer together are one
@@ -35,7 +35,7 @@ class Screen(NamedTuple):
     high: NDArray[np.float64]  # and ends
     line: NDArray[np.float64]  # (parts, 4) of a triangle's part: ground range and height above the sonar of its ends
     lens: NDArray[np.float64]  # (parts, 11) what the water makes of a part, if it bends sound
-    rim: NDArray[np.float64]  # (bodies, 4) of a body's part: launch angles at which one face ends and another begins
+    rim: NDArray[np.float64]  # (bodies, 6) of a body's part: launch angles at which one face ends and another begins
     first: NDArray[np.int64]  # cell in which a part begins
     edge: NDArray[np.float64]  # launch angles at which cells begin; the last one ends the last cell
     cosine: NDArray[np.float64]  # of the edges
@@ -62,7 +62,7 @@ def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
     )
 
 
-@fused
+@bare
 def fill_screen(problem, view, wedge, reach, sheet, table, screen):
     """Collect what a plane cuts; return the number of cells, -1 - k if the sonar is inside body k."""
     parts = _cut_solids(problem.solids, view, reach, screen)
@@ -78,7 +78,7 @@ def fill_screen(problem, view, wedge, reach, sheet, table, screen):
     return _fill_cells(problem, view, wedge.bent, screen, solid_parts, parts)
 
 
-@fused
+@bare
 def _cut_solids(solids, view, reach, screen):
     parts = 0
     for k in range(solids.shape.size):
@@ -92,7 +92,7 @@ def _cut_solids(solids, view, reach, screen):
     return parts
 
 
-@kernel
+@lean
 def cut_mesh(mesh, first_body, view, reach, screen, parts):
     """Add the lines in which a plane cuts the triangles ahead of the sonar; return the number of parts."""
     node = 0
@@ -106,7 +106,7 @@ def cut_mesh(mesh, first_body, view, reach, screen, parts):
     return parts
 
 
-@fused
+@bare
 def _crossed(low, high, view, reach):
     """Whether a plane may cut a box ahead of the sonar, within reach."""
     cx, cy = 0.5 * (low[0] + high[0]) - view.x, 0.5 * (low[1] + high[1]) - view.y
@@ -116,7 +116,7 @@ def _crossed(low, high, view, reach):
     return abs(across) <= wide and -long <= along <= reach + long
 
 
-@fused
+@bare
 def _cut_triangle(corners, body, view, screen, parts):
     """Add the line in which the plane cuts one triangle, if it does."""
     ends = 0
@@ -146,13 +146,13 @@ def _cut_triangle(corners, body, view, screen, parts):
     return parts + 1
 
 
-@fused
+@bare
 def _across(corner, view):
     """Signed distance of a corner from the plane."""
     return (corner[0] - view.x) * view.ey - (corner[1] - view.y) * view.ex
 
 
-@fused
+@bare
 def _keep_ahead(line):
     """Cut off what lies behind the sonar; whether anything is left."""
     if line[0] <= 0.0 and line[2] <= 0.0:
@@ -166,13 +166,13 @@ def _keep_ahead(line):
     return True
 
 
-@kernel
+@lean
 def _fill_cells(problem, view, bent, screen, solid_parts, parts):
     """Divide the screen where parts end, turn or cross, find the nearest in every cell; return the number of cells."""
     edges = _lay_edges(screen, solid_parts, parts)
     cells = 0
     for crossings_known in (False, True):
-        cells = _divide(screen, edges, parts > 1 or edges > FACETS + 1)
+        cells = _divide(screen, edges)
         _look(problem, view, bent, screen, parts, cells)
         edges = cells + 1
         if not crossings_known and parts > 1:
@@ -183,7 +183,7 @@ def _fill_cells(problem, view, bent, screen, solid_parts, parts):
     return cells
 
 
-@fused
+@bare
 def _lay_edges(screen, solid_parts, parts):
     """Lay the edges of all parts, in no order; return their number."""
     count = 0
@@ -206,20 +206,28 @@ def _lay_edges(screen, solid_parts, parts):
     return count
 
 
-@fused
-def _divide(screen, edges, mixed):
-    """Put edges in order if they are mixed; return the number of cells between them, all empty."""
-    count = edges
-    if mixed:
-        screen.edge[:edges].sort()
-        count = _merged(screen.edge[:edges])
-    _directions(screen.edge[:count], screen.cosine, screen.sine)
-    screen.part[: count - 1] = NOBODY
-    screen.distance[: count - 1] = math.inf
+@bare
+def _divide(screen, edges):
+    """Put edges in order if they are not; return the number of cells between them, all empty."""
+    edge, count = screen.edge, edges
+    for k in range(1, edges):
+        if edge[k] < edge[k - 1]:
+            _sort(edge, edges)
+            count = _merged(edge, edges)
+            break
+    for k in range(count):
+        screen.cosine[k], screen.sine[k] = math.cos(edge[k]), math.sin(edge[k])
+    for k in range(count - 1):
+        screen.part[k], screen.distance[k] = NOBODY, math.inf
     return count - 1
 
 
-@fused
+@kernel
+def _sort(edge, edges):
+    edge[:edges].sort()
+
+
+@bare
 def _look(problem, view, bent, screen, parts, cells):
     """Find the part that is nearest in every cell and the distances to it."""
     for p in range(parts):
@@ -238,7 +246,7 @@ def _look(problem, view, bent, screen, parts, cells):
         _measure(p, part, first, cells, last, edge, cosine, sine, screen.part, screen.near, screen.far)
 
 
-@fused
+@bare
 def _add_crossings(problem, view, bent, screen, solid_parts, parts, cells):
     """Add an edge wherever a part comes before the one that is nearest in a cell's middle; return their number."""
     edges, edge, cosine, sine = cells + 1, screen.edge, screen.cosine, screen.sine
@@ -254,7 +262,7 @@ def _add_crossings(problem, view, bent, screen, solid_parts, parts, cells):
     return edges
 
 
-@fused
+@bare
 def _is_behind(p, nearest, first, cells, high, edge, before, near, far):
     """Whether a part, no point of which is nearer than ``nearest``, lies behind all that is nearest in its cells."""
     cell = first
@@ -265,7 +273,7 @@ def _is_behind(p, nearest, first, cells, high, edge, before, near, far):
     return True
 
 
-@fused
+@bare
 def _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, before, near, middle, far, edges):
     """Likewise for one part."""
     low, high = ends
@@ -288,7 +296,7 @@ def _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, before, nea
     return edges
 
 
-@fused
+@bare
 def _tell_nearness(cells, part, cosine, sine, near, far, level, rise):
     """Tell one over the distance to what is nearest as a linear function of the direction; 0 where there is nothing."""
     for cell in range(cells):
@@ -299,13 +307,7 @@ def _tell_nearness(cells, part, cosine, sine, near, far, level, rise):
         rise[cell] = c_low * per_far - c_high * per_near if held else 0.0
 
 
-@fused
-def _directions(edge, cosine, sine):
-    for k in range(edge.size):
-        cosine[k], sine[k] = math.cos(edge[k]), math.sin(edge[k])
-
-
-@fused
+@bare
 def _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, nearest, distance, incidence):
     """Enter a part in the cells where nothing nearer is; where two touch the first is heard."""
     low, high = ends
@@ -319,18 +321,21 @@ def _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, nearest, dist
         cell += 1
 
 
-@fused
+@bare
 def _measure(p, part, first, cells, high, edge, cosine, sine, nearest, near, far):
     """Measure the distances to a part along the edges of the cells in which it is the nearest."""
     cell = first
     while cell < cells and edge[cell] < high:
         if nearest[cell] == p:
-            near[cell], _ = meet_part(part, cosine[cell], sine[cell])
+            if cell > first and nearest[cell - 1] == p:
+                near[cell] = far[cell - 1]
+            else:
+                near[cell], _ = meet_part(part, cosine[cell], sine[cell])
             far[cell], _ = meet_part(part, cosine[cell + 1], sine[cell + 1])
         cell += 1
 
 
-@fused
+@bare
 def halfway(c_from, s_from, c_to, s_to):
     """Direction (cosine, sine) between two others."""
     c, s = c_from + c_to, s_from + s_to
@@ -338,11 +343,11 @@ def halfway(c_from, s_from, c_to, s_to):
     return c * per_norm, s * per_norm
 
 
-@fused
-def _merged(edge):
+@bare
+def _merged(edge, edges):
     """Drop edges that follow too closely, in place; return how many are left."""
     kept = 0
-    for k in range(1, edge.size):
+    for k in range(1, edges):
         if edge[k] - edge[kept] > SAME:
             kept += 1
             edge[kept] = edge[k]

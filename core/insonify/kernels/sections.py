@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
-from insonify.kernels.jit import fused, kernel
+from insonify.kernels.jit import bare, lean
 from insonify.kernels.types import SPHERE
 
 DOWN, UP = -math.pi / 2.0, math.pi / 2.0
@@ -25,13 +23,14 @@ class View(NamedTuple):
     ey: float
 
 
-@fused
+@bare
 def section(solids, k, view, rim):
     """Interval of launch angles that body k fills ahead: status 1; 0 if none, -1 if the sonar is inside.
 
-    ``rim`` (4) takes the launch angles at which an end of a frustum meets its side, NEVER where there are fewer.
+    ``rim`` (6) takes the launch angles at which an end of a frustum meets its side, at most four, and NEVER beyond.
     """
-    rim[:] = NEVER
+    for end in range(rim.size):
+        rim[end] = NEVER
     radius, length, taper = solids.radius[k], solids.length[k], solids.taper[k]
     cx, cy, cz = solids.start[k, 0] - view.x, solids.start[k, 1] - view.y, solids.start[k, 2] - view.z
     if solids.shape[k] == SPHERE:
@@ -41,7 +40,7 @@ def section(solids, k, view, rim):
     return _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, view.ex, view.ey, rim)
 
 
-@fused
+@bare
 def reached(solids, k, view, reach):
     """Whether a plane may cut body k within reach: asked of a ball around it."""
     half = 0.5 * solids.length[k]
@@ -52,7 +51,7 @@ def reached(solids, k, view, reach):
     return abs(across) < bound and along > -bound and along < reach + bound
 
 
-@kernel
+@lean
 def _sphere_section(along, height, radius_squared):
     """Interval of a circle, from its centre and squared radius in the plane."""
     if radius_squared <= 0.0:
@@ -65,7 +64,7 @@ def _sphere_section(along, height, radius_squared):
     return _forward(centre, centre - half, centre + half)
 
 
-@kernel
+@lean
 def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey, rim):
     """Interval of a conic between two end planes: its extremes are tangents and corners."""
     # Axial and perpendicular parts of the plane's directions e (azimuth) and k (up), and of the centre.
@@ -77,8 +76,11 @@ def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey, rim)
     here = radius - taper * ac  # radius where the sonar stands abeam of the axis
     if across <= here * here and 0.0 <= -ac <= length:
         return -1, 0.0, 0.0
-    angles = np.empty(6)
-    tangents = _tangents(
+    # Corners: where the end planes' lines leave the conic.
+    last = radius + taper * length
+    corners = _corners(ae, ak, ac, ec, kc, ee, ek, kk, across - radius * radius, rim, 0)
+    corners = _corners(ae, ak, ac + length, ec, kc, ee, ek, kk, across - last * last, rim, corners)
+    count = _tangents(
         ae,
         ak,
         ac,
@@ -90,40 +92,37 @@ def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey, rim)
         ek - taper * taper * ae * ak,
         kk - taper * taper * ak * ak,
         across - here * here,
-        angles,
+        rim,
+        corners,
     )
-    # Corners: where the end planes' lines leave the conic.
-    count = _corners(ae, ak, ac, ec, kc, ee, ek, kk, across - radius * radius, angles, tangents)
-    last = radius + taper * length
-    count = _corners(ae, ak, ac + length, ec, kc, ee, ek, kk, across - last * last, angles, count)
     if count < 2:
         return 0, 0.0, 0.0
-    rim[: count - tangents] = angles[tangents:count]
     # Angles count from a direction into the figure, so that none wraps.
     sx, sy = 0.0, 0.0
     for k in range(count):
-        sx += math.cos(angles[k])
-        sy += math.sin(angles[k])
+        sx += math.cos(rim[k])
+        sy += math.sin(rim[k])
     centre = math.atan2(sy, sx)
     low, high = NEVER, -NEVER
     for k in range(count):
-        turned = angles[k] - centre
+        turned = rim[k] - centre
         turned -= 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5)
         low, high = min(low, turned), max(high, turned)
+    for k in range(corners, count):
+        rim[k] = NEVER  # a tangent is no rim
     return _forward(centre, centre + low, centre + high)
 
 
-@kernel
-def _tangents(ae, ak, ac, length, ec, kc, ee, ek, kk, cc, angles):
+@lean
+def _tangents(ae, ak, ac, length, ec, kc, ee, ek, kk, cc, angles, count):
     """Add the directions that touch the side: (d·c)² = (d·d)(c·c) for d = (1, u), a quadratic in the slope u."""
     p, q, w = kc * kc - kk * cc, ec * kc - ek * cc, ec * ec - ee * cc
     root = q * q - p * w
     if root < -ROUNDING * q * q or p == 0.0:
-        return 0
+        return count
     # Through the very apex of a cone both are one, and rounding must not lose it.
     root = math.sqrt(max(root, 0.0))
     big = -(q + math.copysign(root, q))
-    count = 0
     for u in (big / p, w / big if big != 0.0 else -q / p):
         dd = ee + 2.0 * u * ek + u * u * kk
         if dd != 0.0:
@@ -135,7 +134,7 @@ def _tangents(ae, ak, ac, length, ec, kc, ee, ek, kk, cc, angles):
     return count
 
 
-@kernel
+@lean
 def _corners(ae, ak, axial, ec, kc, ee, ek, kk, cc, angles, count):
     """Add the ends of the chord that one end plane cuts from the figure, as angles."""
     norm = ae * ae + ak * ak
@@ -156,7 +155,7 @@ def _corners(ae, ak, axial, ec, kc, ee, ek, kk, cc, angles, count):
     return count
 
 
-@kernel
+@lean
 def _forward(centre, low, high):
     """Part of an interval within the half-plane ahead; angles in (−π, π] about ``centre``."""
     low, high = max(low, DOWN), min(high, UP)

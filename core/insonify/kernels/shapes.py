@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.jit import fused, kernel
+from insonify.kernels.jit import bare, kernel
 from insonify.kernels.types import SPHERE
 
 MISSED = math.inf
 SIDE, FIRST_END, LAST_END = 0, -1, 1
 
 
-@fused
+@bare
 def meet_solid(solids, k, x, y, z, dx, dy, dz):
     """Meet body k from outside along a unit direction: (distance, nx, ny, nz), the distance infinite if missed."""
     distance, face, _, _ = _cross_solid(solids, k, x, y, z, dx, dy, dz)
@@ -21,7 +21,7 @@ def meet_solid(solids, k, x, y, z, dx, dy, dz):
     return distance, nx, ny, nz
 
 
-@fused
+@bare
 def leave_solid(solids, k, x, y, z, dx, dy, dz):
     """Leave body k from inside: (distance, nx, ny, nz) with the outward normal, the distance infinite if missed."""
     _, _, distance, face = _cross_solid(solids, k, x, y, z, dx, dy, dz)
@@ -31,13 +31,13 @@ def leave_solid(solids, k, x, y, z, dx, dy, dz):
     return distance, nx, ny, nz
 
 
-@fused
+@bare
 def widest(solids, k):
     """Greatest radius of body k."""
     return max(solids.radius[k], solids.radius[k] + solids.taper[k] * solids.length[k])
 
 
-@fused
+@bare
 def within(solids, k, x, y, z):
     """Tell whether a point is inside body k."""
     px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
@@ -47,7 +47,7 @@ def within(solids, k, x, y, z):
     return px * px + py * py + pz * pz - along * along <= (solids.radius[k] + solids.taper[k] * along) ** 2
 
 
-@fused
+@bare
 def _cross_solid(solids, k, x, y, z, dx, dy, dz):
     """Where a line comes into body k and goes out of it: (distance, face, distance, face)."""
     cx, cy, cz = solids.start[k, 0] - x, solids.start[k, 1] - y, solids.start[k, 2] - z
@@ -58,7 +58,7 @@ def _cross_solid(solids, k, x, y, z, dx, dy, dz):
     return cross_frustum(cx, cy, cz, ax, ay, az, solids.length[k], solids.radius[k], solids.taper[k], dx, dy, dz)
 
 
-@fused
+@bare
 def _normal(solids, k, face, x, y, z):
     """Outward unit normal of body k at a point of one of its faces."""
     px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
