@@ -90,11 +90,13 @@ def _beam_share(x, r, wedge):
 @bare
 def _taken_in(reach, wedge):
     """Share of a wedge's azimuths within |sin φ| <= reach."""
+    if reach >= wedge.s_high:
+        return 1.0
+    if reach <= wedge.s_low:
+        return 0.0
     if wedge.s_high > BENT:
-        share = (math.asin(min(reach, 1.0)) - math.asin(wedge.s_low)) / wedge.angle
-    else:
-        share = (reach - wedge.s_low) / (wedge.s_high - wedge.s_low)
-    return min(max(share, 0.0), 1.0)
+        return (math.asin(reach) - math.asin(wedge.s_low)) / wedge.angle
+    return (reach - wedge.s_low) / (wedge.s_high - wedge.s_low)
 
 
 @bare
