@@ -113,7 +113,9 @@ def judge(chart: Chart, row: Row) -> Judged:
     record, reference = chart.shown(row)
     case = chart.cases[row.targets]
     reach = case.problem.bins * case.problem.bin_length
-    return Judged(row, _laid(record), _laid(reference), case.reference.rays, similarity(record, reference), reach)
+    return Judged(
+        row, _laid(record), _laid(reference), case.judge(row.method).rays, similarity(record, reference), reach
+    )
 
 
 def in_numbers(judged: Judged) -> str:
