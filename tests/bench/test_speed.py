@@ -35,6 +35,8 @@ def test_a_knife_on_one_thread(capsys):
         f"({1e6 * timing.median / PINGS.size:.1f} µs a ping, ± {100 * timing.spread:.0f} %), "
         f"error {100 * errors.beyond:.2f} % beyond 1.4 altitudes, {100 * errors.all_bins:.2f} % in all",
     )
+    single = compare(problem, few, sweep.trace(problem, few), sweep.trace(problem, few, double=True))
+    say(capsys, f"knife: single precision errs by {100 * single.beyond:.4f} % of double")
 
 
 def test_a_fan_as_planned(capsys):

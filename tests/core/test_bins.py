@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from insonify.kernels.bins import FIXED_POINT, accumulate, spread
+from insonify.kernels.bins import FIXED_POINT, accumulate, spread, step
 
 
 def spread_over(pieces, count=20):
@@ -36,3 +36,15 @@ def test_no_bin_is_negative_however_short_and_loud_its_piece(length):
         out = spread_over([(near, near + length, energy)])
         assert out.min() >= 0.0
         assert out.sum() == pytest.approx(energy, rel=1e-5)
+
+
+def test_faint_densities_that_change_within_a_bin_leave_none_below_zero():
+    rng = np.random.default_rng(2)
+    for _ in range(300):
+        bins = np.zeros(22, dtype=np.int64)
+        density = np.concatenate([[0], rng.integers(0, 4, 40), [0]])
+        for position, change in zip(np.sort(rng.uniform(0.0, 20.0, 41)), np.diff(density)):
+            step(bins, position, change, 20.0)
+        total = np.cumsum(bins)
+        assert total[:20].min() >= 0
+        assert total[20:].tolist() == [0, 0]

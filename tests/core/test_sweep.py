@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 
 import numpy as np
 import pytest
@@ -147,6 +148,17 @@ def test_any_number_of_threads_block_and_order_gives_the_same_bits():
     np.testing.assert_array_equal(one[::-1], sweep.trace(problem, poses_of(along[::-1], 0.0, 8.0), threads=2))
     parts = [sweep.trace(problem, poses_of(along[k : k + 7], 0.0, 8.0)) for k in range(0, 90, 7)]
     np.testing.assert_array_equal(one, np.concatenate(parts))
+
+
+def test_nobody_is_left_holding_what_a_call_was_given():
+    problem = problem_of(rough(64, 64, 0.05), 0.5, periodic=True, half_width=0.02)
+    poses = poses_of(np.arange(4.0), 0.2, 7.0, 0.3)
+    given_arrays = [part for part in (*problem.bed, *poses, problem.reflectivity) if isinstance(part, np.ndarray)]
+    sweep.trace(problem, poses, threads=1)
+    held = [sys.getrefcount(array) for array in given_arrays]
+    for _ in range(3):
+        sweep.trace(problem, poses, threads=1)
+    assert [sys.getrefcount(array) for array in given_arrays] == held
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.jit import fused, kernel
+from insonify.kernels.jit import bare, fused, kernel
 
 COLUMNS = 4
 LEVEL, RISE, TUBE, TURN = 0, 1, 2, 3  # x'/x - 1; z' - z, m; N - 1; angle of arrival above that of launch, rad
@@ -73,13 +73,13 @@ def blend_tables(bending, z, table):
         out[i] = below[i] + share * (above[i] - below[i])
 
 
-@fused
+@bare
 def straight_sheet():
     """Tell that sound goes straight."""
     return Sheet(False, 1.0, 0.0, 1.0, 1.0, 2, 2)
 
 
-@fused
+@bare
 def turn_to(bending, z, table):
     """Fill the table of a sonar at height z, if sound bends; return how to read it."""
     if not bending.bent:

@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.bins import FIXED_POINT
 from insonify.kernels.jit import bare
@@ -19,6 +19,8 @@ from insonify.kernels.types import EVERY_GRAZING, LIGHT
 from insonify.kernels.wedge import FADING, pattern_width, strip_width, vertical_weight, weight
 
 NADIR = -1e30  # slope of a ray straight down
+WORD = 8  # marks in an int64
+HIGHEST_POWER = 128  # from which a lobe's whole power is taken segment by segment
 
 
 class Heard(NamedTuple):
@@ -28,22 +30,28 @@ class Heard(NamedTuple):
     launch: NDArray[np.float32]  # tan of the launch angle above the horizontal, knots
     horizon: NDArray[np.float32]  # greatest launch slope so far, knots
     weight: NDArray[np.float32]  # what the plane stands for there, knots
+    run: NDArray[np.float32]  # ground range, segments, m
+    rise: NDArray[np.float32]  # by which slant range grows, segments, m
+    middle: NDArray[np.float32]  # slant range of their middles, m
+    offset: NDArray[np.float32]  # height of their lines over nadir, m
     cos_squared: NDArray[np.float32]  # of the incidence, segments
     scale: NDArray[np.float32]  # what turns a scattering strength into energy per bin, segments
     energy: NDArray[np.float32]  # per bin in fixed-point units, of segments heard whole
-    power: NDArray[np.float32]  # work space of the Phong lobe, segments
-    base: NDArray[np.float32]  # likewise
-    cut: NDArray[np.bool_]  # segments heard in part, or too long for one density
+    cut: NDArray[np.bool_]  # segments heard in part, or too long for one density; a word beyond them is unmarked
     early: NDArray[np.int64]  # step of the density at a knot: what its own bin takes
     late: NDArray[np.int64]  # and what the next bin takes
+    place: NDArray[np.int32]  # that bin
 
 
-def empty_heard(capacity: int) -> Heard:
-    """Make room for profiles of up to ``capacity`` knots."""
-    launch, horizon, weight, cos_squared, scale, energy, power, base = np.zeros((8, capacity), np.float32)
-    r, cut = np.zeros(capacity), np.zeros(capacity, np.bool_)
+def empty_heard(capacity: int, dtype: DTypeLike = np.float32) -> Heard:
+    """Make room for profiles of up to ``capacity`` knots, in single precision or, to tell what it costs, in double."""
+    launch, horizon, weight, run, rise, middle, offset, cos_squared, scale, energy = np.zeros((10, capacity), dtype)
+    r, cut = np.zeros(capacity), np.zeros(capacity + WORD, np.bool_)
     early, late = np.zeros((2, capacity), np.int64)
-    return Heard(r, launch, horizon, weight, cos_squared, scale, energy, power, base, cut, early, late)
+    place = np.zeros(capacity, np.int32)
+    return Heard(
+        r, launch, horizon, weight, run, rise, middle, offset, cos_squared, scale, energy, cut, early, late, place
+    )
 
 
 @bare
@@ -57,22 +65,22 @@ def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
     _slant_ranges(count, x, z, heard.r)
     _launch_slopes(count, x, z, heard.launch)
     _horizons(count, heard.launch, heard.horizon)
-    _incidences(segments, x, z, slope, area, heard.r, heard.cos_squared)
+    _lines(segments, x, z, slope, heard.run, heard.offset)
+    _spans(segments, heard.r, heard.rise, heard.middle)
+    _incidences(segments, heard.offset, heard.middle, area, heard.cos_squared)
     if problem.law == LIGHT:
-        _light_scales(segments, heard.r, heard.scale)
-        _light_energies(segments, heard.cos_squared, heard.scale, heard.energy)
+        _light_scales(segments, heard.rise, heard.scale)
     else:
-        _sonar_scales(segments, x, area, heard.r, problem.bin_length, heard.scale)
-        _sonar_energies(segments, heard.cos_squared, heard.scale, heard.energy)
+        _sonar_scales(segments, heard.run, heard.rise, area, problem.bin_length, heard.scale)
     if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
         weigh(x[:count], z, heard.r, wedge, problem.pattern, problem.law, heard.weight)
         if wedge.bent and problem.law != LIGHT:
             _amplify(count, profile.gain, heard.weight)
-        _multiply(segments, heard.weight, heard.scale, heard.energy)
-    _colour(segments, profile.material, problem.reflectivity, problem.bed.mapped, heard.energy)
-    _add_gloss(segments, profile.material, problem.reflectivity, problem.bed.mapped, problem.law, heard)
-    _mark_cut(segments, x, slope, area, heard.r, heard.launch, heard.horizon, hidden_from, hidden_to, heard.cut)
-    _silence(segments, heard.launch, heard.horizon, heard.cut, heard.energy)
+        _multiply(segments, heard.weight, heard.scale)
+    _echo(segments, profile.material, problem.reflectivity, problem.bed.mapped, problem.law, heard)
+    _mark_uneven(segments, heard.run, slope, heard.rise, heard.middle, heard.cut)
+    _mark_cut(segments, heard.launch, heard.horizon, area, hidden_from, hidden_to, heard.cut, heard.energy)
+    heard.cut[segments : segments + WORD] = False
 
 
 @bare
@@ -83,55 +91,79 @@ def _slant_ranges(count, x, z, r):
 
 @bare
 def _launch_slopes(count, x, z, launch):
+    real = launch.dtype.type
     for i in range(count):
-        launch[i] = np.float32(z[i]) / np.float32(x[i])
+        launch[i] = real(z[i]) / real(x[i])
     if x[0] <= 0.0 and z[0] == z[0]:
         launch[0] = NADIR  # straight down, whatever the knot's height
 
 
 @bare
 def _horizons(count, launch, horizon):
-    highest = np.float32(NADIR)
-    for i in range(count):
-        # NaN, a hole in the bed, compares false and hides nothing.
-        highest = launch[i] if launch[i] > highest else highest
-        horizon[i] = highest
+    """Greatest launch slope so far: along four stretches side by side, each then lifted to the end of those before it.
+
+    NaN, a hole in the bed, compares false and hides nothing.
+    """
+    quarter = count // 4
+    two, three, four = 2 * quarter, 3 * quarter, 4 * quarter
+    a = b = c = d = launch.dtype.type(NADIR)
+    for i in range(quarter):
+        a = launch[i] if launch[i] > a else a
+        b = launch[quarter + i] if launch[quarter + i] > b else b
+        c = launch[two + i] if launch[two + i] > c else c
+        d = launch[three + i] if launch[three + i] > d else d
+        horizon[i], horizon[quarter + i], horizon[two + i], horizon[three + i] = a, b, c, d
+    for i in range(four, count):
+        d = launch[i] if launch[i] > d else d
+        horizon[i] = d
+    _lift(horizon[quarter:two], a)
+    _lift(horizon[two:three], max(a, b))
+    _lift(horizon[three:count], max(a, b, c))
 
 
 @bare
-def _incidences(segments, x, z, slope, area, r, cos_squared):
+def _lift(horizon, least):
+    for i in range(horizon.size):
+        horizon[i] = horizon[i] if horizon[i] > least else least
+
+
+@bare
+def _lines(segments, x, z, slope, run, offset):
+    real = run.dtype.type
+    for i in range(segments):
+        run[i] = real(x[i + 1] - x[i])
+        offset[i] = real(z[i] - slope[i] * x[i])
+
+
+@bare
+def _spans(segments, r, rise, middle):
+    real = rise.dtype.type
+    for i in range(segments):
+        rise[i] = real(r[i + 1] - r[i])
+        middle[i] = real(0.5 * (r[i] + r[i + 1]))
+
+
+@bare
+def _incidences(segments, offset, middle, area, cos_squared):
     """Cosine squared of the incidence at the middle, from the height of the segment's line over nadir."""
     for i in range(segments):
-        offset = np.float32(z[i] - slope[i] * x[i])
-        middle = np.float32(0.5 * (r[i] + r[i + 1]))
-        cos_squared[i] = offset * offset / (middle * middle * area[i])
+        cos_squared[i] = offset[i] * offset[i] / (middle[i] * middle[i] * area[i])
 
 
 @bare
-def _light_scales(segments, r, scale):
+def _light_scales(segments, rise, scale):
     """Law `light`: a bin takes the radiance itself; negative where a segment comes nearer outwards."""
+    unit = scale.dtype.type(FIXED_POINT)
     for i in range(segments):
-        scale[i] = FIXED_POINT if r[i + 1] >= r[i] else -FIXED_POINT
+        scale[i] = unit if rise[i] >= 0 else -unit
 
 
 @bare
-def _light_energies(segments, cos_squared, scale, energy):
-    for i in range(segments):
-        energy[i] = math.sqrt(cos_squared[i]) * scale[i]
-
-
-@bare
-def _sonar_scales(segments, x, area, r, bin_length, scale):
+def _sonar_scales(segments, run, rise, area, bin_length, scale):
     """Law `sonar`: area over slant range, of a strip 1 m wide; negative where a segment comes nearer outwards."""
-    unit = np.float32(FIXED_POINT * bin_length)
+    unit = scale.dtype.type(FIXED_POINT * bin_length)
     for i in range(segments):
-        scale[i] = unit * math.sqrt(area[i]) * np.float32(x[i + 1] - x[i]) / np.float32(r[i + 1] - r[i])
-
-
-@bare
-def _sonar_energies(segments, cos_squared, scale, energy):
-    for i in range(segments):
-        energy[i] = cos_squared[i] * (np.float32(INVERSE_PI) * scale[i])
+        scale[i] = unit * math.sqrt(area[i]) * run[i] / rise[i]
 
 
 @bare
@@ -182,97 +214,101 @@ def _amplify(count, gain, weights):
 
 
 @bare
-def _multiply(segments, weights, scale, energy):
+def _multiply(segments, weights, scale):
     """Apply the mean weight of each segment's two knots."""
-    half = np.float32(0.5)
+    half = scale.dtype.type(0.5)
     for i in range(segments):
-        factor = half * (weights[i] + weights[i + 1])
-        scale[i] *= factor
-        energy[i] *= factor
+        scale[i] *= half * (weights[i] + weights[i + 1])
 
 
 @bare
-def _colour(segments, material, reflectivity, mapped, energy):
-    """Apply the diffuse share of each segment's material."""
-    if mapped:
-        for i in range(segments):
-            energy[i] *= reflectivity[material[i], 0]
-    else:
-        diffuse = np.float32(reflectivity[material[0], 0])
-        for i in range(segments):
-            energy[i] *= diffuse
-
-
-@bare
-def _add_gloss(segments, material, reflectivity, mapped, law, heard):
-    """Add the Phong lobe, which is gone past 45 degrees of incidence."""
+def _echo(segments, material, reflectivity, mapped, law, heard):
+    """Energy per bin of each segment, as its material scatters."""
     specular, shininess = reflectivity[material[0], 1], reflectivity[material[0], 2]
-    if not mapped and shininess == math.floor(shininess):
-        if specular > 0.0:
-            count = segments
-            while count > 0 and not heard.cos_squared[count - 1] > 0.5:
-                count -= 1
-            share = specular * (1.0 if law == LIGHT else (shininess + 2.0) * (0.5 * INVERSE_PI))
-            _mirrored(count, heard.cos_squared, law, heard.power, heard.base)
-            _raise(count, heard.base, int(shininess), heard.power)
-            _add_product(count, heard.power, heard.scale, share, heard.energy)
+    if mapped or (specular > 0.0 and (shininess != math.floor(shininess) or shininess >= HIGHEST_POWER)):
+        _scatter(segments, material, reflectivity, heard.cos_squared, heard.scale, law, heard.energy)
         return
+    diffuse = reflectivity[material[0], 0]
+    if law != LIGHT:
+        diffuse *= INVERSE_PI
+        specular *= (shininess + 2.0) * (0.5 * INVERSE_PI)
+    if specular > 0.0:
+        _scatter_evenly(segments, diffuse, specular, int(shininess), heard.cos_squared, heard.scale, law, heard.energy)
+    else:
+        _scatter_dully(segments, diffuse, heard.cos_squared, heard.scale, law, heard.energy)
+
+
+@bare
+def _scatter(segments, material, reflectivity, cos_squared, scale, law, energy):
+    """Of materials that differ, or a lobe of any power, which is gone past 45 degrees of incidence."""
+    per_pi = energy.dtype.type(INVERSE_PI)
     for i in range(segments):
-        if heard.cos_squared[i] > 0.5:
+        diffuse = math.sqrt(cos_squared[i]) if law == LIGHT else cos_squared[i] * per_pi
+        energy[i] = diffuse * scale[i] * reflectivity[material[i], 0]
+    for i in range(segments):
+        if cos_squared[i] > 0.5:
             row = material[i]
-            shine = gloss(heard.cos_squared[i], reflectivity[row, 1], reflectivity[row, 2], law)
-            heard.energy[i] += heard.scale[i] * shine
+            energy[i] += scale[i] * gloss(cos_squared[i], reflectivity[row, 1], reflectivity[row, 2], law)
 
 
 @bare
-def _mirrored(segments, cos_squared, law, power, base):
-    """Prepare the base of the lobe, max(0, cos 2α), and the factor it multiplies."""
+def _scatter_dully(segments, diffuse, cos_squared, scale, law, energy):
+    """Of one material without a lobe."""
+    diffuse = energy.dtype.type(diffuse)
     for i in range(segments):
-        mirrored = cos_squared[i] + cos_squared[i] - np.float32(1.0)
-        base[i] = mirrored if mirrored > 0 else np.float32(0.0)
-        power[i] = np.float32(1.0) if law == LIGHT else cos_squared[i]
+        energy[i] = diffuse * scale[i] * (math.sqrt(cos_squared[i]) if law == LIGHT else cos_squared[i])
 
 
 @bare
-def _raise(segments, base, exponent, power):
-    """Multiply ``power`` by base to a whole exponent, by repeated squaring; overwrites the base."""
-    while exponent > 0:
-        if exponent & 1:
-            for i in range(segments):
-                power[i] *= base[i]
-        for i in range(segments):
-            base[i] *= base[i]
-        exponent >>= 1
-
-
-@bare
-def _add_product(segments, power, scale, share, energy):
+def _scatter_evenly(segments, diffuse, specular, power, cos_squared, scale, law, energy):
+    """Of one material with a lobe of whole power, by repeated squaring: each step for many segments at once."""
+    real = energy.dtype.type
+    diffuse, specular, nothing, one = real(diffuse), real(specular), real(0.0), real(1.0)
+    bit_0, bit_1, bit_2, bit_3 = power & 1 != 0, power & 2 != 0, power & 4 != 0, power & 8 != 0
+    bit_4, bit_5, bit_6 = power & 16 != 0, power & 32 != 0, power & 64 != 0
     for i in range(segments):
-        energy[i] += power[i] * scale[i] * np.float32(share)
+        mirrored = cos_squared[i] + cos_squared[i] - one
+        square = mirrored if mirrored > nothing else nothing
+        lobe = square if bit_0 else one
+        square *= square
+        lobe = lobe * square if bit_1 else lobe
+        square *= square
+        lobe = lobe * square if bit_2 else lobe
+        square *= square
+        lobe = lobe * square if bit_3 else lobe
+        square *= square
+        lobe = lobe * square if bit_4 else lobe
+        square *= square
+        lobe = lobe * square if bit_5 else lobe
+        square *= square
+        lobe = lobe * square if bit_6 else lobe
+        if law == LIGHT:
+            energy[i] = scale[i] * (diffuse * math.sqrt(cos_squared[i]) + specular * lobe)
+        else:
+            energy[i] = scale[i] * cos_squared[i] * (diffuse + specular * lobe)
 
 
 @bare
-def _mark_cut(segments, x, slope, area, r, launch, horizon, hidden_from, hidden_to, cut):
-    """Segments in sight that are not heard as one piece of one density.
+def _mark_uneven(segments, run, slope, rise, middle, cut):
+    """Segments too long against their range, or near the foot of their perpendicular, to be of one density."""
+    one, fine = run.dtype.type(1.0), run.dtype.type(FINE * FINE)
+    for i in range(segments):
+        length_squared = run[i] * run[i] * (one + slope[i] * slope[i])
+        cut[i] = (length_squared > abs(rise[i]) * middle[i]) | (length_squared > fine * (middle[i] * middle[i]))
 
-    A segment whose slant range hardly changes is near the foot of its perpendicular, where the density is uneven.
+
+@bare
+def _mark_cut(segments, launch, horizon, area, hidden_from, hidden_to, cut, energy):
+    """Leave marked what is in sight and uneven, emerges above the horizon or may be hidden by a target.
+
+    Energy is left only to segments heard whole. Across a hole in the bed the area is NaN, which is not itself.
     """
+    real = launch.dtype.type
+    hidden_from, hidden_to, nothing = real(hidden_from), real(hidden_to), real(0.0)
     for i in range(segments):
-        dx, dr = x[i + 1] - x[i], abs(r[i + 1] - r[i])
-        length_squared = dx * dx * (1.0 + slope[i] * slope[i])
-        uneven = (length_squared > dr * r[i]) | (length_squared > (FINE * FINE) * (r[i] * r[i]))
+        seen = (launch[i + 1] > horizon[i]) & (area[i] == area[i])
         covered = (launch[i + 1] > hidden_from) & (launch[i] < hidden_to)
         emerges = horizon[i] > launch[i]
-        seen = (launch[i + 1] > horizon[i]) & (area[i] == area[i])
-        cut[i] = seen & (emerges | covered | uneven)
-
-
-@bare
-def _silence(segments, launch, horizon, cut, energy):
-    """Leave energy only to segments heard whole: those whose far end rises above the horizon.
-
-    Across a hole in the bed the energy is NaN, which is not itself.
-    """
-    for i in range(segments):
-        whole = (launch[i + 1] > horizon[i]) & (energy[i] == energy[i]) & (not cut[i])
-        energy[i] = energy[i] if whole else np.float32(0.0)
+        parted = seen & (emerges | covered | cut[i])
+        cut[i] = parted
+        energy[i] = energy[i] if seen & (not parted) else nothing

@@ -11,7 +11,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.jit import bare
 
@@ -36,10 +36,10 @@ class Profile(NamedTuple):
     gain: NDArray[np.float32]  # and what their energy must be multiplied by
 
 
-def empty_profile(capacity: int) -> Profile:
-    """Make room for profiles of up to ``capacity`` knots."""
+def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
+    """Make room for profiles of up to ``capacity`` knots, in single precision or, to tell what it costs, in double."""
     x, z = np.zeros(capacity), np.zeros(capacity)
-    slope, area, across, low, high, level, gain = (np.zeros(capacity, np.float32) for _ in range(7))
+    slope, area, across, low, high, level, gain = (np.zeros(capacity, dtype) for _ in range(7))
     return Profile(x, z, slope, area, np.zeros(capacity, np.int64), across, low, high, level, gain)
 
 
@@ -151,7 +151,7 @@ def _halve(x, z, across, eu, segments):
         x[2 * k], z[2 * k], across[2 * k] = x1, z1, across1
         x[2 * k - 1] = 0.5 * (x0 + x1)
         z[2 * k - 1] = 0.5 * (z0 + z1) - 0.25 * eu * (across1 - across0) * (x1 - x0)
-        across[2 * k - 1] = np.float32(0.5) * (across0 + across1)
+        across[2 * k - 1] = across.dtype.type(0.5) * (across0 + across1)
 
 
 @bare
@@ -190,15 +190,25 @@ def _row(row, first, step, out):
         place = wrapped(first + step * done, row.size)
         if step > 0:
             run = min(out.size - done, row.size - place)
-            source = row[place : place + run]
-            for k in range(run):
-                out[done + k] = source[k]
+            _copy(row[place : place + run], out[done : done + run])
         else:
             run = min(out.size - done, place + 1)
-            source = row[place + 1 - run : place + 1]
-            for k in range(run):
-                out[done + k] = source[run - 1 - k]
+            _reverse(row[place + 1 - run : place + 1], out[done : done + run])
         done += run
+
+
+@bare
+def _copy(source, out):
+    for k in range(out.size):
+        out[k] = source[k]
+
+
+@bare
+def _reverse(source, out):
+    last = out.size - 1
+    for k in range(out.size):
+        # An index that might be negative is not for the vector units.
+        out[k] = source[np.uint64(last - k)]
 
 
 @bare
@@ -209,20 +219,23 @@ def _blend(low, high, fu, dfu, z):
 
 @bare
 def _rise(low, high, per_spacing, across):
+    per_spacing = across.dtype.type(per_spacing)
     for k in range(across.size):
-        across[k] = (high[k] - low[k]) * np.float32(per_spacing)
+        across[k] = (high[k] - low[k]) * per_spacing
 
 
 @bare
 def _slopes(x, z, slope):
+    real = slope.dtype.type
     for i in range(slope.size):
-        slope[i] = np.float32(z[i + 1] - z[i]) / np.float32(x[i + 1] - x[i])
+        slope[i] = real(z[i + 1] - z[i]) / real(x[i + 1] - x[i])
 
 
 @bare
 def _areas(across, slope, eu, per_ev, area):
     """Across the strip the gradient is linear in v; along the plane it is the segment's own slope."""
-    eu, per_ev, half, one = np.float32(eu), np.float32(per_ev), np.float32(0.5), np.float32(1.0)
+    real = area.dtype.type
+    eu, per_ev, half, one = real(eu), real(per_ev), real(0.5), real(1.0)
     for i in range(area.size):
         middle = half * (across[i] + across[i + 1])
         along = (slope[i] - eu * middle) * per_ev

@@ -18,7 +18,7 @@ from insonify.kernels.bending import bend_profile, turn_to
 from insonify.kernels.bins import accumulate
 from insonify.kernels.bodies import deposit_bodies, deposit_open
 from insonify.kernels.cover import cover_of, hidden_slopes
-from insonify.kernels.hear import hear
+from insonify.kernels.hear import WORD, hear
 from insonify.kernels.jit import bare, kernel
 from insonify.kernels.pieces import Surface, deposit_piece
 from insonify.kernels.screen import fill_screen
@@ -48,24 +48,25 @@ def deposit(profile, count, problem, wedge, screen, cells, heard, bins):
 
     Neighbours heard whole share one event at their common knot.
     """
-    last, per_bin = bins.size - 2, 1.0 / problem.bin_length
+    last, per_bin = bins.size - 2.0, 1.0 / problem.bin_length
     # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
     _steps(count - 1, heard.energy, heard.early)
-    _split(count, heard.r, per_bin, heard.early, heard.late)
-    for i in range(count):
-        k = min(max(int(heard.r[i] * per_bin), 0), last)
-        bins[k] += heard.early[i]
-        bins[k + 1] += heard.late[i]
+    _split(count, heard.r, per_bin, last, heard.early, heard.late, heard.place)
+    _scatter(count, heard.place, heard.early, heard.late, bins)
     # Taking an array out of a tuple of them costs as much as a piece: out of the loops with them.
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
     weights, launch, horizon, cut = heard.weight, heard.launch, heard.horizon, heard.cut
     table, law, bin_length = problem.reflectivity, problem.law, problem.bin_length
     if cells == 0:
-        for i in range(count - 1):
-            if cut[i]:
-                surface = surface_of(i, x, z, slope, area, material, weights, table, wedge)
-                start = in_sight_from(surface, x[i], x[i + 1], launch[i], horizon[i])
-                deposit_piece(surface, start, x[i + 1], law, bin_length, bins)
+        # Few are marked: look at whole words of marks.
+        words = cut[: (count - 1 + WORD - 1) // WORD * WORD].view(np.int64)
+        for word in range(words.size):
+            if words[word] != 0:
+                for i in range(WORD * word, WORD * word + WORD):
+                    if cut[i]:
+                        surface = surface_of(i, x, z, slope, area, material, weights, table, wedge)
+                        start = in_sight_from(surface, x[i], x[i + 1], launch[i], horizon[i])
+                        deposit_piece(surface, start, x[i + 1], law, bin_length, bins)
         return
     _deposit_covered(profile, count, problem, wedge, screen, cells, heard, bins)
 
@@ -113,14 +114,29 @@ def _steps(segments, energy, change):
 
 
 @bare
-def _split(count, r, per_bin, early, late):
-    """Share each step between the bin it falls in and the next."""
+def _split(count, r, per_bin, last, early, late, place):
+    """Share each step between the bin it falls in and the next.
+
+    Where there is a hole in the bed position is NaN, which compares false, and there is nothing to share.
+    """
     for i in range(count):
         position = r[i] * per_bin
-        share = np.int64((position - math.floor(position)) * early[i])
-        late[i] = share if early[i] != 0 else 0
+        whole = math.floor(position)
+        share = np.int64(math.floor((position - whole) * early[i]))
+        share = share if early[i] != 0 else np.int64(0)
+        late[i] = share
+        early[i] -= share
+        whole = whole if whole > 0.0 else 0.0
+        place[i] = np.int32(whole if whole < last else last)
+
+
+@bare
+def _scatter(count, place, early, late, bins):
+    """Add each step to its bins, the places of which are whole numbers from 0."""
     for i in range(count):
-        early[i] -= late[i]
+        k = np.uint32(place[i])
+        bins[k] += early[i]
+        bins[k + np.uint32(1)] += late[i]
 
 
 @bare
@@ -159,6 +175,11 @@ def sweep_plane(problem, view, wedge, reach, sheet, table, profile, screen, hear
 def sweep_pings(problem, poses, planes, bending, table, profile, heard, screen, out):
     """Sweep every plane of every ping into ``out`` (pings, 2, bins); return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(problem.bins + 2, np.int64)
+    return _sweep_all(problem, poses, planes, bending, table, profile, heard, screen, bins, out)
+
+
+@bare
+def _sweep_all(problem, poses, planes, bending, table, profile, heard, screen, bins, out):
     for ping in range(poses.x.size):
         sheet = turn_to(bending, poses.z[ping], table)
         for side in range(2):

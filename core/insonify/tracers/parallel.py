@@ -30,7 +30,7 @@ def in_parallel(block: Callable[[int, int], Result], count: int, threads: int | 
     """
     workers = threads or os.cpu_count() or 1
     # Several shares a worker: one that meets targets, or a busy core, does not keep the others waiting.
-    size = max(SMALLEST, -(-count // (4 * workers)))
+    size = max(SMALLEST, -(-count // (4 * workers))) if workers > 1 else max(count, 1)
     shares = [(first, min(first + size, count)) for first in range(0, count, size)]
     if workers == 1 or len(shares) < 2:
         return [block(*share) for share in shares]

@@ -28,7 +28,13 @@ Record = NDArray[np.float32]
 
 
 def trace(
-    problem: Problem, poses: Poses, *, planes: int = 16, rays: int = 4000, threads: int | None = None
+    problem: Problem,
+    poses: Poses,
+    *,
+    planes: int = 16,
+    rays: int = 4000,
+    threads: int | None = None,
+    double: bool = False,
 ) -> NDArray[np.float32]:
     """Trace pings by the sweep.
 
@@ -44,6 +50,8 @@ def trace(
         Rays per side of pings from which bent sound comes to some places along several ways, or to none.
     threads : int, optional
         Threads to use, all cores when left out. The result does not depend on it.
+    double : bool
+        Whether to calculate in double precision throughout, to tell what single precision costs.
 
     Returns
     -------
@@ -75,7 +83,9 @@ def trace(
             traced: Record = traced,
         ) -> int:
             part = take(some, slice(first, last))
-            room = empty_profile(capacity), empty_heard(capacity), empty_screen(problem.solids, problem.mesh)
+            real = np.float64 if double else np.float32
+            screen = empty_screen(problem.solids, problem.mesh)
+            room = empty_profile(capacity, real), empty_heard(capacity, real), screen
             status = sweep_pings(problem, part, beam, bending, empty_table(bending), *room, traced[first:last])
             if problem.ghosts.heard and status == 0:
                 far = *room_for_ghosts(problem, capacity), empty_ledger(0, 0)
