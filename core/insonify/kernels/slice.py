@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.jit import bare
+from insonify.kernels.prefetch import LINE, ask_to_read
 
 # Knots closer to a grid corner than this share of a cell merge with it.
 MERGED = 1e-6
@@ -131,6 +132,28 @@ def _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profil
     if bed.mapped:
         _materials(bed.materials, v_is_y, column, behind, step, halvings, profile.material[head:tail])
     return tail + 1
+
+
+@bare
+def ask_for_strip(bed, x, y, ex, ey, reach):
+    """Ask for the nodes of the strip in which a plane begins; along the grid they are all that it needs."""
+    u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
+    nodes = bed.heights
+    if abs(ey) >= abs(ex):
+        nodes = bed.transposed
+    else:
+        u, v, ex, ey = v, u, ey, ex
+    length = min(reach, bed.spacing / max(abs(ex), MERGED)) / bed.spacing
+    rows, columns = nodes.shape
+    low = nodes[wrapped(math.floor(u), rows)]
+    high = nodes[wrapped(math.floor(u) + 1, rows)]
+    node = math.floor(v)
+    if ey < 0.0:
+        node -= int(length)
+    per_line = LINE // nodes.itemsize
+    for k in range(node, node + int(length), per_line):
+        ask_to_read(low, wrapped(k, columns))
+        ask_to_read(high, wrapped(k, columns))
 
 
 @bare

@@ -21,10 +21,11 @@ from insonify.kernels.cover import cover_of, hidden_slopes
 from insonify.kernels.hear import WORD, hear
 from insonify.kernels.jit import bare, kernel
 from insonify.kernels.pieces import Surface, deposit_piece
+from insonify.kernels.prefetch import ask_for_row
 from insonify.kernels.screen import fill_screen
 from insonify.kernels.sections import View
-from insonify.kernels.slice import on_grid, slice_bed
-from insonify.kernels.types import PORT
+from insonify.kernels.slice import ask_for_strip, on_grid, slice_bed
+from insonify.kernels.types import PORT, STARBOARD
 from insonify.kernels.wedge import Wedge
 
 LOWEST = 1e-3  # m, for a height of a sonar that is below all of the bed
@@ -183,6 +184,9 @@ def _sweep_all(problem, poses, planes, bending, table, profile, heard, screen, b
     for ping in range(poses.x.size):
         sheet = turn_to(bending, poses.z[ping], table)
         for side in range(2):
+            ask_for_row(out[ping, side])
+            if planes.azimuth.size == 1:
+                _ask_for_next(problem, poses, ping, side)
             for plane in range(planes.azimuth.size):
                 view, wedge, reach = aim_plane(problem, poses, ping, side, planes, plane, sheet)
                 status, _ = sweep_plane(problem, view, wedge, reach, sheet, table, profile, screen, heard, bins)
@@ -190,6 +194,17 @@ def _sweep_all(problem, poses, planes, bending, table, profile, heard, screen, b
                     return status
             accumulate(bins, problem.range_factor, out[ping, side])
     return 0
+
+
+@bare
+def _ask_for_next(problem, poses, ping, side):
+    """Ask for the bed athwart on the side that comes next: the other one, or the first of the next ping."""
+    if side == STARBOARD:
+        ping += 1
+    if ping < poses.x.size:
+        abeam = -1.0 if side == PORT else 1.0
+        ex, ey = -abeam * math.sin(poses.heading[ping]), abeam * math.cos(poses.heading[ping])
+        ask_for_strip(problem.bed, poses.x[ping], poses.y[ping], ex, ey, problem.bins * problem.bin_length)
 
 
 @bare
