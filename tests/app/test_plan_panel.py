@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from insonify.accuracy import compare
 from insonify.cli import main
-from insonify.scene import Scene, edit
+from insonify.scene import Scene, edit, load_scene
 from insonify.simulate import prepare
+from insonify.tracers import sweep
 from insonify_viewer.changes import Heard, difference, in_words, subject_of
-from insonify_viewer.modelling import Modelling
+from insonify_viewer.modelling import COARSE, Modelling
 from insonify_viewer.record import Record
 from insonify_viewer.session import Session
 
@@ -31,8 +33,6 @@ def wait(viewer: Any, qtbot: Any) -> None:
 
 
 def test_forced_choices_are_undone_with_the_scenes() -> None:
-    from insonify.scene import load_scene
-
     default = load_scene("default")
     session = Session(default)
     session.model(session.modelling.forcing("planes", "16"))
@@ -146,3 +146,13 @@ def test_changes_in_words() -> None:
     assert subject_of(auto.forcing("planes", "8"), auto.forcing("planes", "16")) == "planes"
     assert subject_of(auto, auto.forcing("planes", "8").forcing("targets", "off")) == ""
     assert subject_of(auto, Modelling(0.1)) == ""
+
+
+def test_what_a_drag_leaves_out_of_the_default_scene_is_a_fifth_at_most() -> None:
+    scene, pings = load_scene("default"), np.arange(100, 340, 24, dtype=np.int64)
+    coarse, fine = (
+        prepare(scene, forced={**dict(Modelling().coarse.forced), **finer}) for finer in ({}, {"planes": "32"})
+    )
+    poses = fine.poses(pings)
+    records = (sweep.trace(fine.problem, poses, planes=one.plan.planes) for one in (coarse, fine))
+    assert 0.05 < compare(fine.problem, poses, *records).beyond < COARSE
