@@ -11,6 +11,18 @@ WRONG = [
     ({"sonar.bins": 0}, ["sonar.bins", "0", "at least 1"]),
     ({"sonar.bins": 2.5}, ["sonar.bins", "2.5"]),
     ({"sonar.ping_rate": 16}, ["sonar.ping_rate", "16", "lower it to 15 Hz", "sonar.range"]),
+    (
+        {"seabed.relief": "flat", "seabed.spacing": 1e-3, "sonar.range": 1e4, "sonar.ping_rate": 0.05},
+        ["sonar.range", "10000 m", "0.001 m", "shorten the range to 262.1 m"],
+    ),
+    (
+        {"seabed.relief": {"kind": "power_law", "extent": "endless"}, "seabed.spacing": 0.01},
+        ["sonar.range", "endless ground", "0.01 m", "4096 cells"],
+    ),
+    (
+        {"sonar.pulse.duration": 0.1, "sonar.range": 0.005},
+        ["sonar.pulse.duration", "0.1 s", "100000 bins of 5e-06 m", "0.000667 s"],
+    ),
     ({"sonar.beam.width": 0}, ["sonar.beam.width", "0", "above 0"]),
     ({"sonar.beam.kind": "laser"}, ["sonar.beam.kind", "'laser'", "knife, fan"]),
     ({"sonar.beam": "laser"}, ["sonar.beam.kind", "laser", "knife, fan"]),
@@ -25,7 +37,7 @@ WRONG = [
     ({"seabed.material": "custard"}, ["seabed.material", "'custard'", "medium_sand"]),
     ({"seabed.material.diffuse": 0.9, "seabed.material.specular": 0.9}, ["seabed.material", "0.9", "lower one"]),
     ({"seabed.spacing": 0.001}, ["relief.period", "spacing", "shorten the period"]),
-    ({"targets.0.radius": 0}, ["targets.0.radius", "0", "above 0"]),
+    ({"targets.0.radius": 0}, ["targets.0.radius", "0", "at least 0.001"]),
     ({"targets.0.kind": "whale"}, ["targets.0.kind", "'whale'", "pipe, sphere"]),
     ({"targets.7.radius": 1.0}, ["targets.7.radius", "'7'", "numbered from 0"]),
     ({"targets.0.gap": [[5.0, 0.0], [1.0, 0.0]]}, ["targets.0.gap", "sort"]),

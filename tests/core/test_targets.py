@@ -172,7 +172,7 @@ WRONG = [
     ('kind = "box"\nposition = [1.0, 2.0, -20.0]\ngap = 1.0', ["targets.0", "gap", "one of the two"]),
     ('kind = "sphere"\nposition = [1.0, 2.0, -20.0]\ngap = 1.0', ["targets.0", "gap", "one of the two"]),
     ('kind = "sphere"\nposition = [1.0, 2.0]\nheading = 3.0', ["targets.0.heading", "unknown key"]),
-    ('kind = "cone"\nposition = [1.0, 2.0]\nheight = 0', ["targets.0.height", "0", "above 0"]),
+    ('kind = "cone"\nposition = [1.0, 2.0]\nheight = 0', ["targets.0.height", "0", "at least 0.001"]),
     (
         'kind = "pipe"\nposition = [1.0, 2.0]\npitch = 3.0\ngap = [[0.0, 0.0], [1.0, 1.0]]',
         ["targets.0", "pitch is straight", "leave pitch out"],

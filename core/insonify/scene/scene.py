@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, parameter
+from insonify.scene.base import Declaration, SceneError, parameter
 from insonify.scene.receiver import Coherent, Receiver
 from insonify.scene.reliefs import Dem
 from insonify.scene.seabed import Seabed
@@ -17,6 +17,8 @@ from insonify.scene.water import UniformWater, Water
 
 DEFAULT_ALTITUDE = 10.0
 SCHEMA = 1
+# Cells of the bed along a range: a slice holds a dozen knots for each, and of endless ground a square is held.
+MOST_CELLS, MOST_ENDLESS_CELLS = 262_144, 4096
 
 
 class World(Declaration):
@@ -48,6 +50,14 @@ class Scene(Declaration):
         # Other waters tell their speed once they are laid out.
         if isinstance(self.water, UniformWater):
             self.sonar.refuse_haste(self.water.sound_speed)
+            self.sonar.refuse_long_pulse(self.water.sound_speed)
+        return self
+
+    @model_validator(mode="after")
+    def _slices_can_be_held(self) -> Scene:
+        # A DEM tells its own spacing once it is read.
+        if not isinstance(self.seabed.relief, Dem):
+            self.refuse_long_slices(self.seabed.spacing)
         return self
 
     @model_validator(mode="after")
@@ -102,6 +112,26 @@ class Scene(Declaration):
                 "that any could lie in; take a fan or another speckle"
             )
         return self
+
+    def refuse_long_slices(self, spacing: float) -> None:
+        """Refuse a range of more cells of the bed than a slice can hold.
+
+        Parameters
+        ----------
+        spacing : float
+            Metres between nodes of the bed.
+
+        Raises
+        ------
+        SceneError
+        """
+        most, of_what = (MOST_ENDLESS_CELLS, "endless ground") if self.seabed.endless else (MOST_CELLS, "the bed")
+        if self.sonar.range > most * spacing:
+            raise SceneError(
+                f"sonar.range {self.sonar.range:g} m is {self.sonar.range / spacing:.3g} times the seabed.spacing of "
+                f"{spacing:g} m, and of {of_what} no more than {most} cells are held; shorten the range to "
+                f"{most * spacing:.4g} m or widen the spacing"
+            )
 
     @property
     def altitude(self) -> float:

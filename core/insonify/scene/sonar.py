@@ -8,6 +8,8 @@ from pydantic import Discriminator, Tag, model_validator
 
 from insonify.scene.base import Choice, Declaration, SceneError, kind_of, parameter
 
+MOST_BINS = 100_000  # of a record, and that a pulse may last
+
 
 class Knife(Choice):
     """A beam without width: one upright line across the track, 1 m wide by definition."""
@@ -200,7 +202,7 @@ class Sonar(Declaration):
     range: float = parameter(
         50.0, unit="m", description="slant range of the last bin", gt=0.0, le=1e4, slider=(10.0, 200.0), log=True
     )
-    bins: int = parameter(1000, description="range bins per side", ge=1, le=100_000, slider=(100, 4000), log=True)
+    bins: int = parameter(1000, description="range bins per side", ge=1, le=MOST_BINS, slider=(100, 4000), log=True)
     ping_rate: float = parameter(
         10.0,
         unit="Hz",
@@ -234,4 +236,24 @@ class Sonar(Declaration):
             raise SceneError(
                 f"sonar.ping_rate {self.ping_rate:g} Hz leaves no time for echoes from {self.range:g} m; "
                 f"lower it to {fastest:.4g} Hz or shorten sonar.range"
+            )
+
+    def refuse_long_pulse(self, sound_speed: float) -> None:
+        """Refuse a pulse that lasts more bins than can be told apart.
+
+        Parameters
+        ----------
+        sound_speed : float
+            Of the water at the sonar, in m/s.
+
+        Raises
+        ------
+        SceneError
+        """
+        bin_length = self.range / self.bins
+        longest = MOST_BINS * bin_length / (0.5 * sound_speed)
+        if not isinstance(self.pulse, Ideal) and self.pulse.duration > longest:
+            raise SceneError(
+                f"sonar.pulse.duration {self.pulse.duration:g} s lasts over {MOST_BINS} bins of {bin_length:.3g} m; "
+                f"shorten it to {longest:.3g} s, lengthen sonar.range or lower sonar.bins"
             )

@@ -12,7 +12,8 @@ from insonify.scene.materials import Material
 
 Position = tuple[float, float] | tuple[float, float, float]
 Gap = float | tuple[tuple[float, float], ...]
-Side = Annotated[float, Field(ge=0.001, le=1000.0)]
+LEAST = 0.001  # m, of whatever measures a target
+Side = Annotated[float, Field(ge=LEAST, le=1000.0)]
 LOWEST_GAP, HIGHEST_GAP = -100.0, 1000.0
 
 
@@ -39,9 +40,11 @@ class Pipe(Target):
     """A straight pipe that may rest on the bed here and span above it there."""
 
     kind: Literal["pipe"] = "pipe"
-    radius: float = parameter(0.5, unit="m", description="outer radius", gt=0.0, le=100.0, slider=(0.05, 2.0), log=True)
+    radius: float = parameter(
+        0.5, unit="m", description="outer radius", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True
+    )
     length: float = parameter(
-        20.0, unit="m", description="length along the axis", gt=0.0, le=1e5, slider=(1.0, 200.0), log=True
+        20.0, unit="m", description="length along the axis", ge=LEAST, le=1e5, slider=(1.0, 200.0), log=True
     )
     heading: float = _angle("direction of the axis, counter-clockwise from +x")
     pitch: float | None = parameter(
@@ -95,7 +98,7 @@ class Sphere(Body):
     """A ball."""
 
     kind: Literal["sphere"] = "sphere"
-    radius: float = parameter(0.5, unit="m", description="radius", gt=0.0, le=100.0, slider=(0.05, 2.0), log=True)
+    radius: float = parameter(0.5, unit="m", description="radius", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True)
 
 
 class Posed(Body):
@@ -124,10 +127,10 @@ class Cone(Posed):
 
     kind: Literal["cone"] = "cone"
     radius: float = parameter(
-        0.5, unit="m", description="radius of the base", gt=0.0, le=100.0, slider=(0.05, 2.0), log=True
+        0.5, unit="m", description="radius of the base", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True
     )
     height: float = parameter(
-        1.0, unit="m", description="from the base to the apex", gt=0.0, le=1000.0, slider=(0.05, 5.0), log=True
+        1.0, unit="m", description="from the base to the apex", ge=LEAST, le=1000.0, slider=(0.05, 5.0), log=True
     )
 
 

@@ -26,13 +26,16 @@ def make_problem(scene: Scene, ground: AnyGround) -> Problem:
     Raises
     ------
     SceneError
-        If a target lies where there is no bed to carry it, or a cast cannot be read.
+        If a target lies where there is no bed to carry it, a cast cannot be read, or the water's speed or the bed's
+        spacing leaves the pings, the pulse or the range no room.
     """
     solids, mesh, reflectivities = make_bodies(scene, ground)
     sonar = scene.sonar
     bed = make_bed(ground.around(scene.track.start, 0.0))
     water = make_water(scene, ground.datum, -math.inf if isinstance(ground, EndlessGround) else bed.low)
     sonar.refuse_haste(water.reference)
+    sonar.refuse_long_pulse(water.reference)
+    scene.refuse_long_slices(bed.spacing)
     half_width, pattern = make_pattern(scene, water.reference)
     bin_length = sonar.range / sonar.bins / (recording_speed(scene, ground.datum) / water.reference)
     centres = (np.arange(sonar.bins, dtype=np.float64) + 0.5) * np.float64(bin_length)
