@@ -235,7 +235,7 @@ def _path(location: tuple[int | str, ...]) -> str:
                 continue
             if "[" in step or step.removeprefix("constrained-") in ("float", "int", "str"):
                 continue
-        parts.append(str(step))
+        parts.append(str(step) if str(step).replace("-", "_").isidentifier() or isinstance(step, int) else repr(step))
         if isinstance(step, str):
             model = [child for m in model for child in models_of(m, step)]
     return ".".join(parts)
