@@ -88,6 +88,17 @@ def test_relief_samples_one_period_on_any_shape():
     np.testing.assert_allclose(spectrum[:31, :60], np.fft.rfft2(full, norm="forward")[:31, :60], atol=1e-15)
     assert not relief(Seabed(), (3, 5)).any()
     assert relief(Seabed(), (3, 5)).shape == (3, 5)
+    for shape in ((1, 1), (1, 7), (7, 1)):
+        heights = relief(Seabed(relief={"kind": "ripples"}), shape)
+        assert heights.shape == shape
+        assert np.isfinite(heights).all()
+
+
+@pytest.mark.parametrize("kind", ["flat", "fractal", "cascade", "mimic"])
+@pytest.mark.parametrize("shape", [(0, 5), (5, 0), (-1, 3)])
+def test_a_shape_without_nodes_is_refused(kind, shape):
+    with pytest.raises(SceneError, match=r"^shape: \(.+\) has no nodes; give at least \(1, 1\)$"):
+        relief(Seabed(relief={"kind": kind}), shape)
 
 
 def test_picture_has_north_at_the_top_and_the_whole_range_of_grey():

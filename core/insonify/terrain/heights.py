@@ -41,8 +41,10 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
     Raises
     ------
     SceneError
-        If a shape is asked of a measured bed, which has its own, or if the bed cannot be made.
+        If a shape is asked of a measured bed, which has its own, if it has no nodes, or if the bed cannot be made.
     """
+    if shape is not None and min(shape) < 1:
+        raise SceneError(f"shape: {shape} has no nodes; give at least (1, 1)")
     if seabed.endless:
         tiles = endless_heights(seabed.made, seabed.spacing, seed)
         return gathered(tiles, (0, 0), shape or (SHOWN, SHOWN))

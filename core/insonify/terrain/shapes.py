@@ -37,7 +37,8 @@ def shaped_ripples(ripples: Ripples, real: Field, imaginary: Field, level: float
     sharp = 2.0 * (1.0 - phase / math.pi) ** 2 - 2.0 / 3.0  # about its own mean
     profile = np.cos(phase) + ripples.sharpness * (sharp - np.cos(phase))
     amplitude = np.hypot(real, imaginary)
-    return np.asarray(0.5 * ripples.height * profile * (amplitude / np.hypot(amplitude, FADE * level)))
+    whole = np.maximum(np.hypot(amplitude, FADE * level), np.finfo(np.float64).tiny)  # a grid of no wave has no crests
+    return np.asarray(0.5 * ripples.height * profile * (amplitude / whole))
 
 
 def mask_share(mask: Patchy, field: Field, threshold: float) -> Field:
