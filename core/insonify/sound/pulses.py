@@ -14,6 +14,7 @@ from insonify.scene.sonar import Chirp, Ideal, Pulse, Tone
 # A chirp's spectrum is a + b cos(2πf/B) over its band.
 WINDOWS = {"uniform": (1.0, 0.0), "hamming": (0.54, 0.46), "hann": (0.5, 0.5)}
 SAMPLES = 64  # of a chirp's response, per bin and per resolution cell
+AT_ONCE = 1 << 18  # of them
 # Sidelobes of the coherence further off than this many resolution cells are left out: they are below 1/50.
 COHERENT_CELLS = 16
 
@@ -84,15 +85,26 @@ def pulse_taps(pulse: Pulse, sound_speed: float, bin_length: float) -> Taps:
     length = 0.5 * sound_speed * pulse.duration / bin_length
     if isinstance(pulse, Tone):
         return Taps(tone_taps(length), 0)
-    reach = math.ceil(length)
-    samples = math.ceil(SAMPLES * max(1.0, 2.0 * pulse.bandwidth * bin_length / sound_speed))
-    within = (np.arange(samples) + 0.5) / samples
-    offset = (np.arange(-reach, reach)[:, None] + within) * bin_length
-    energy = envelope(pulse, offset, sound_speed) ** 2 / samples
-    # Echoes lie anywhere in their bin: an offset of k + f bins falls to bin k with the share 1 - f, else to k + 1.
+    return _chirp_taps(pulse, sound_speed, bin_length)
+
+
+def _chirp_taps(pulse: Chirp, sound_speed: float, bin_length: float) -> Taps:
+    """Integrate the response to a chirp over the bins that hear it."""
+    length = 0.5 * sound_speed * pulse.duration
+    reach = math.ceil(length / bin_length)
+    step = min(bin_length, 0.5 * sound_speed / pulse.bandwidth) / SAMPLES
+    count = math.ceil(length / step)  # on either hand
+    step = length / count
     weights = np.zeros(2 * reach + 1)
-    weights[:-1] = energy @ (1.0 - within)
-    weights[1:] += energy @ within
+    for first in range(-count, count, AT_ONCE):
+        offset = (np.arange(first, min(first + AT_ONCE, count), dtype=np.float64) + 0.5) * step
+        energy = envelope(pulse, offset, sound_speed) ** 2 * (step / bin_length)
+        # Echoes lie anywhere in their bin: an offset of k + f bins falls to bin k with the share 1 - f, else to k + 1.
+        place = offset / bin_length + reach
+        near = np.minimum(place.astype(np.int64), 2 * reach - 1)
+        share = place - near
+        weights += np.bincount(near, energy * (1.0 - share), weights.size)
+        weights += np.bincount(near + 1, energy * share, weights.size)
     return Taps(weights, reach)
 
 

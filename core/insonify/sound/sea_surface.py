@@ -20,6 +20,7 @@ GRAVITY = 9.81  # m/s²
 ALPHA, BETA = 8.1e-3, 0.74
 # Wave number at which ripples of surface tension take over (1.7 cm long), rad/m: facets no finer are counted.
 FINEST = 363.0
+CALM = 0.02  # m/s, of a wind whose waves are all finer: E₁(3000) is nothing
 STRATA = 8  # of tilts, each met by two of heights
 
 
@@ -34,7 +35,7 @@ def slope_variance(wind_speed: float) -> float:
     ∫ (ω²/g)² S dω up to the finest wave, ω² = g · 363 rad/m, is α/4 · E₁(β (g / Uω)⁴); with U = 5 m/s it is 0.027 in
     both directions, where Cox and Munk (1954) measured 0.003 + 0.00512 U = 0.029.
     """
-    if wind_speed <= 0.0:
+    if wind_speed < CALM:
         return 0.0
     squared = GRAVITY / (wind_speed**2 * FINEST)  # (g / Uω)²
     return float(0.5 * ALPHA / 4.0 * special.exp1(BETA * squared**2))
