@@ -226,6 +226,16 @@ def test_the_bed_is_unseen_beyond_the_limiting_range(gradient, limit):
     assert truth.shadow[0, 0, int(limit) + 3 : 380].all()
 
 
+def test_a_table_too_large_to_hold_is_left_to_rays():
+    for high, left in ((1.0, False), (2000.0, True)):
+        peak = high * np.eye(4)
+        problem = problem_of(peak, 0.5, periodic=True, bins=1000, bin_length=1.0)
+        water = bent.layered([-200.0, 200.0], [1500.0, 1499.9], SONAR, surface=3000.0)
+        bending, folded = make_bending(problem._replace(water=water), poses_of(0.0, 0.0, SONAR))
+        assert folded.all() == left
+        assert bending.tables.nbytes < 2e6
+
+
 def test_waters_in_which_places_are_heard_twice_fold():
     # A strong duct over the bed: rays launched upwards come back to it.
     problem = problem_of(FLAT, 0.5, periodic=True, bins=3000, bin_length=0.1)

@@ -17,6 +17,7 @@ from insonify.tracers.parallel import in_parallel
 
 SONAR_STEP = 0.25  # m, between heights of the sonar that have tables
 ROW_STEP, COLUMN_STEP = 0.25, 1.0  # m
+MOST_PLACES = 1 << 19  # of one table, 8 MB; mountains heard from afar are left to rays
 
 
 class _Extent(NamedTuple):
@@ -44,8 +45,8 @@ def make_bending(problem: Problem, poses: Poses) -> tuple[Bending, NDArray[np.bo
     bending : Bending
         Tables at whole steps of height, so that each ping's depend on its own height alone.
     folded : (n,) bool
-        Pings for which no tables hold: some place is reached by no ray or by several, or the water differs along the
-        level.
+        Pings for which no tables hold: some place is reached by no ray or by several, the water differs along the
+        level, or a table would be too large.
     """
     if not problem.water.bent or poses.z.size == 0:
         return no_bending(), np.zeros(poses.z.size, np.bool_)
@@ -54,6 +55,8 @@ def make_bending(problem: Problem, poses: Poses) -> tuple[Bending, NDArray[np.bo
     height, speed = _continued(problem)
     stretch = max(float(speed[height >= problem.bed.low].max()) / problem.water.reference, 1.0)
     extent = _extent_of(problem, stretch)
+    if extent.rows * extent.columns > MOST_PLACES:
+        return no_bending(), np.ones(poses.z.size, np.bool_)
     below = np.floor(poses.z / SONAR_STEP).astype(np.int64)
     numbers = range(int(below.min()), int(below.max()) + 2)
     key = height.tobytes(), speed.tobytes(), extent

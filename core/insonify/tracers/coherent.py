@@ -29,6 +29,7 @@ from insonify.tracers.sweep import Record
 
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
+MOST_SAMPLES, MOST_KNOTS = 1 << 25, 1 << 26  # of a line of waves, and of all planes of a beam: half a gigabyte each
 FAINT = 1e-3  # share of the beam's energy that may go unheard
 RESOLVED = 8  # cells of the line, at least, per resolution cell of the pulse
 
@@ -82,6 +83,7 @@ class Interference:
         out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
         for places, laid in lay_planes(further, poses, max(planes, 2)):
             some, beam = take(poses, places), _in_order(laid)
+            _refuse_fine_bed(beam.azimuth.size, capacity, problem)
             traced = np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
 
             def block(first: int, last: int, some: Poses = some, beam: Planes = beam, traced: Record = traced) -> int:
@@ -118,11 +120,11 @@ def make_interference(scene: Scene, problem: Problem) -> Interference | None:
     per_wave = 2.0 * scene.sonar.frequency / speed
     skin = make_skin(problem.solids, problem.mesh)
     return Interference(
-        Scatterers(scene.seed, density, per_wave, skin), heard_at_once(pulse, speed, problem.bin_length)
+        Scatterers(scene.seed, density, per_wave, skin), heard_at_once(pulse, speed, problem.bin_length, problem.bins)
     )
 
 
-def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float) -> Pulse:
+def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bins: int = 1) -> Pulse:
     """Lay a pulse over a line of waves.
 
     Parameters
@@ -132,20 +134,32 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float) -
         m/s.
     bin_length : float
         True slant range of a bin, in metres.
+    bins : int
+        Bins of the line.
 
     Returns
     -------
     Pulse
         One sample a bin, or several where a bin is longer than the pulse resolves, so that nothing goes unheard; the
         squares of its taps sum to the pulse's equivalent length. An ideal pulse is one bin long.
+
+    Raises
+    ------
+    SceneError
+        If the line is too long to be held.
     """
     resolution = bin_length
     if not isinstance(pulse, Ideal):
         resolution = 0.5 * sound_speed * (pulse.duration if isinstance(pulse, Tone) else 1.0 / pulse.bandwidth)
-    samples = math.ceil(bin_length / resolution * (1.0 - 1e-9))
+    samples = math.ceil(min(bin_length / resolution, float(MOST_SAMPLES)) * (1.0 - 1e-9))
     # An even number: the sample lies in the middle.
     cells = 2 * math.ceil(0.5 * RESOLVED * bin_length / samples / resolution)
     step = bin_length / samples / cells
+    if bins * samples * cells > MOST_SAMPLES:
+        raise SceneError(
+            f"receiver.speckle: 'coherent' samples waves every {step:.2g} m, as sonar.pulse resolves them, and the "
+            "range is too long for that; lengthen the pulse, lower its bandwidth or shorten sonar.range"
+        )
     if isinstance(pulse, Ideal):
         return Pulse(1, cells, np.full(cells, 1.0), cells // 2)
     reach = math.ceil(0.5 * sound_speed * pulse.duration / step)
@@ -155,6 +169,17 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float) -
     energy = float(pulse_taps(pulse, sound_speed, bin_length).weights.sum()) * bin_length
     amplitudes *= math.sqrt(energy / (float((amplitudes**2).sum()) * step))
     return Pulse(samples, cells, amplitudes, reach)
+
+
+def _refuse_fine_bed(planes: int, knots: int, problem: Problem) -> None:
+    """Refuse a bed of more knots than can be kept of all planes at once."""
+    spacing = problem.bed.spacing
+    if planes * knots > MOST_KNOTS:
+        raise SceneError(
+            f"receiver.speckle: 'coherent' keeps what {planes} planes see of a bed of seabed.spacing {spacing:g} m, "
+            f"and here it is too much; widen the spacing to {spacing * planes * knots / MOST_KNOTS:.2g} m, "
+            "shorten sonar.range or take another speckle"
+        )
 
 
 def _lengthened(problem: Problem, bins: int) -> Problem:
