@@ -20,6 +20,7 @@ from insonify.sound.water import recording_speed
 from insonify.terrain import AnyGround, EndlessGround, build_ground
 from insonify.tracers import march, rays, sweep
 from insonify.tracers.coherent import Interference, make_interference
+from insonify.tracers.inside import refuse_sonar_in_mesh
 from insonify.tracers.lessened import lessened
 from insonify.tracers.line import Line, line_at
 from insonify.tracers.parallel import in_parallel
@@ -100,6 +101,7 @@ class Simulation:
         pings = np.asarray(pings, dtype=np.int64)
         trace = TRACERS[self.plan.method] if self.interference is None else self.interference.trace
         poses = self.poses(pings)
+        refuse_sonar_in_mesh(self.problem, poses)
         traced = self._traced(trace, self.problem, poses)
         spiky = None if self.spiky is None else self._traced(trace, self.spiky, poses)
 
@@ -125,6 +127,7 @@ class Simulation:
         """
         fine = {name: number for name, number in self.plan.settings.items() if name in ("planes", "rays")}
         poses = self.poses(np.asarray(pings, dtype=np.int64))
+        refuse_sonar_in_mesh(self.problem, poses)
         crosstalk = self.reception.crosstalk
         places, problems = zip(*self.windows.over(self.problem, poses))
         found = [

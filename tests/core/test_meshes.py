@@ -10,7 +10,10 @@ import pytest
 from beds import icosphere, mesh_of, poses_of, problem_of
 from insonify.accuracy import compare
 from insonify.kernels.types import LIGHT, SONAR
+from insonify.scene import Scene, SceneError, edit
+from insonify.simulate import prepare, simulate
 from insonify.tracers import march, rays
+from insonify.tracers.inside import solid_angle
 
 FLAT = np.zeros((8, 8))
 DEEP = -1e6  # a bed out of the way
@@ -160,3 +163,31 @@ def test_grazing_rays_meet_a_wall_of_triangles():
     distance, what, _ = rays.cast(alone(mesh_of(vertices, faces)), origins, (1.0, -0.001, 0.0), reach=1e3)
     assert (what == 0).all()
     np.testing.assert_allclose(distance, across / 0.001 * math.hypot(1.0, 0.001), rtol=1e-12)
+
+
+@pytest.mark.parametrize("turn", [{}, {"heading": 30.0, "pitch": 20.0, "roll": -50.0}])
+def test_a_sonar_inside_a_closed_mesh_is_one_sentence(turn):
+    box = {"kind": "box", "position": [0.0, 0.0, -20.0], "size": [4.0, 2.0, 2.0]} | turn
+    ball = {"kind": "sphere", "position": [0.0, 30.0], "radius": 0.5}
+    changes = {"targets": [ball, box], "track.pings": 40, "track.start": [-6.0, 0.0], "sonar.bins": 100}
+    simulation = prepare(edit(Scene(), changes | {"track.altitude": 10.0, "track.speed": 3.0}))
+    message = r"^targets\.1\.position: the sonar runs into it; move the target or raise the track$"
+    for ask in (simulation.intensity, simulation.truth):
+        with pytest.raises(SceneError, match=message):
+            ask(np.arange(40))
+        ask(np.arange(10))
+    simulate(edit(simulation.scene, {"track.altitude": 13.0}))
+
+
+def test_solid_angles_tell_inside_from_outside():
+    vertices, faces = icosphere(2)
+    corners = vertices[faces]
+    rng = np.random.default_rng(4)
+    for place in 0.9 * unit(rng.normal(size=(20, 3))):
+        assert abs(solid_angle(corners - place)) == pytest.approx(4.0 * math.pi, abs=1e-9)
+        assert solid_angle(corners - 1.5 * place) == pytest.approx(0.0, abs=1e-9)
+    # A plate seen from high above its middle: its area over the square of the distance.
+    plate = np.array([[[-1.0, -1.0, -100.0], [1.0, -1.0, -100.0], [1.0, 1.0, -100.0]]])
+    assert abs(solid_angle(plate)) == pytest.approx(2.0 / 100.0**2, rel=1e-3)
+    # A shape with a hole does not surround.
+    assert abs(solid_angle(corners[: len(corners) // 2])) < 0.9 * 4.0 * math.pi
