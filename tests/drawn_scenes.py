@@ -238,3 +238,32 @@ def log_floats(low: float, high: float) -> st.SearchStrategy[float]:
 def one_in(times: int) -> st.SearchStrategy[bool]:
     """Rarely true."""
     return st.integers(1, times).map(lambda number: number == times)
+
+
+JUNK: tuple[Any, ...] = (
+    math.nan, math.inf, -math.inf, -1.0, 0, 0.0, 1e-300, 1e308, -1e308, 2**70, -(2**70), True, None,
+    "", "whale", "nan", [], [1.0], [[math.nan]], [None], {}, {"kind": "whale"}, {"kind": None}, {"kind": []}, {"": 1},
+)  # fmt: skip
+
+
+@st.composite
+def spoiled_scenes(draw: Draw) -> dict[str, Any]:
+    """Plain values of a scene with a mistake: of a wrong kind, no number, huge, misspelt, or left out."""
+    values = draw(scenes())
+    inside, key = draw(st.sampled_from(_places(values)))
+    how = draw(st.integers(1, 8))
+    if how == 1 and isinstance(inside, dict):
+        inside[f"{key}s"] = inside.pop(key)
+    elif how == 2:
+        del inside[key]
+    else:
+        inside[key] = draw(st.sampled_from(JUNK))
+    return values
+
+
+def _places(value: Any) -> list[tuple[Any, Any]]:
+    """Every value within others, by what holds it and its key."""
+    if not isinstance(value, dict | list):
+        return []
+    keys = list(value) if isinstance(value, dict) else list(range(len(value)))
+    return [(value, key) for key in keys] + [place for key in keys for place in _places(value[key])]
