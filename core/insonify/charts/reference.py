@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from time import process_time
+from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
@@ -20,9 +20,9 @@ from insonify.tracers.poses import take
 RESOLVED = 10.0  # times finer than an error the reference is to be
 FIRST_RAYS = 1 << 16
 MOST_RAYS = 1 << 22
-RAYS_A_SHEET = 32  # for every sheet of a fan; with as many both halves of the error are alike
+RAYS_A_SHEET = 16  # for every sheet of a fan
 # Of the error, by which more rays are foreseen.
-SHEET_ORDER, RAY_ORDER = 0.8, 0.75
+SHEET_ORDER, RAY_ORDER = 1.0, 0.75
 
 Record = NDArray[np.float32]
 
@@ -69,7 +69,7 @@ def prove(
     shown : sequence of (n, 2, bins) float32
         Records whose errors are to be resolved.
     seconds : float
-        Processor time that it may take, of all cores together; the last doubling that fits is the last.
+        Time that it may take, about; the last doubling that fits is the last.
     progress : callable
         Called with the share done; may raise to stop.
 
@@ -77,17 +77,17 @@ def prove(
     -------
     Reference
     """
-    began, count = process_time(), FIRST_RAYS
+    began, count = perf_counter(), FIRST_RAYS
     order = SHEET_ORDER if sheets.can_trace(problem) else RAY_ORDER
     record = trace(problem, poses, count)
     while True:
-        progress(min((process_time() - began) / seconds, 1.0))
-        start = process_time()
+        progress(min((perf_counter() - began) / seconds, 1.0))
+        start = perf_counter()
         finer = trace(problem, poses, 2 * count)
-        per_ray = (process_time() - start) / (2 * count)
+        per_ray = (perf_counter() - start) / (2 * count)
         moved = compare(problem, poses, record, finer).beyond
         smallest = min(compare(problem, poses, other, finer).beyond for other in shown)
-        left = seconds - (process_time() - began)
+        left = seconds - (perf_counter() - began)
         doublings = _doublings(RESOLVED * moved / smallest if smallest > 0.0 else math.inf, order)
         doublings = min(doublings, _affordable(left / per_ray, count), int(math.log2(MOST_RAYS / (2 * count))))
         if moved * RESOLVED <= smallest or doublings < 1:

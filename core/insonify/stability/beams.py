@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from textwrap import wrap
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -14,7 +15,7 @@ from insonify.scene import Scene, edit
 from insonify.simulate import prepare, simulate
 from insonify.sound.flat_bed import along_track_width
 from insonify.stability.case import Case, Way
-from insonify.stability.drawing import INK, RIGHT, WRONG, named, panel
+from insonify.stability.drawing import FAINT, INK, RIGHT, WRONG, named, panel
 from insonify.stability.scenery import level_scene
 from insonify.tracers import sweep
 
@@ -99,6 +100,22 @@ def _draw_widths(figure: Figure) -> None:
     named(axes)
 
 
+def _draw_sparse(figure: Figure) -> None:
+    scene = _sparse()
+    half, apart = math.radians(0.25), scene.track.speed / scene.sonar.ping_rate
+    axes = panel(figure, x="along the track (m)", y="across (m)")
+    for ping in range(scene.track.pings):
+        x = ping * apart
+        axes.fill([x, x - 25.0 * half, x + 25.0 * half], [0.0, 25.0, 25.0], color=FAINT, alpha=0.35, linewidth=0)
+    places = np.array([target.position[:2] for target in scene.targets])
+    axes.plot(places[:, 0], places[:, 1], "o", color=WRONG, markersize=5, label="targets, which no beam meets")
+    axes.fill([], [], color=FAINT, alpha=0.35, label="beams of the pings")
+    reason = next(entry.reason for entry in plan(scene).entries if "can be missed" in entry.reason)
+    axes.set_title("\n".join(wrap(f"own plan: {reason}", 110)), fontsize=8.5, color=RIGHT, loc="left")
+    axes.set_ylim(-9.0, 26.0)
+    named(axes, "lower right")
+
+
 CASES = (
     Case(
         "Too few planes across a fan",
@@ -115,6 +132,7 @@ CASES = (
         "targets missed without a word", "of 5",
         Way("Simulates what is asked for.", _missed, 3.0),
         Way("Says in the plan up to which range what is narrow can be missed.", _missed_unsaid, 0.0),
+        _draw_sparse,
     ),
     Case(
         "A cone taken for a wedge",

@@ -11,63 +11,71 @@ from numpy.typing import NDArray
 
 from insonify.accuracy import compare
 from insonify.kernels.types import Poses, Problem
+from insonify.scene import edit, load_scene
+from insonify.simulate import Simulation, prepare
 from insonify.sound.cell import bin_centres
 from insonify.stability.case import Case, Way
 from insonify.stability.drawing import FAINT, INK, RIGHT, WRONG, named, panel
 from insonify.stability.scenery import level_scene, over, pose
-from insonify.tracers import march, sweep
+from insonify.tracers import march, rays, sweep
 
 Record = NDArray[np.float64]
-CREST, RIDGE, TOP, FISH = 20.0, 3.0, 0.5, 5.0  # m: where a ridge stands, how high and wide it is, how high the fish
+FISH = 5.0  # m, height of the fish
 STEP = 2.0
-SHADOW = (23.0, 36.0)  # m across, behind the ridge
-
-
-def ridge(across: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Height of a narrow ridge."""
-    return RIDGE * np.maximum(1.0 - np.abs(across - CREST) / TOP, 0.0)
+FINE = 20_000  # rays that tell where the shadows are
+BORDER = 3  # bins next to a shadow's ends, of which a part is lit
 
 
 @lru_cache(maxsize=1)
-def _behind_the_ridge() -> tuple[NDArray[np.float64], Record, Record, float]:
-    """Slant range, records by long steps and by the sweep, and what a bed without the ridge returns from its shadow."""
-    across = np.arange(-1.0, 50.0, 0.1)
-    heights = np.tile(ridge(across)[:, None], (1, 21))
-    problem = over(level_scene(), heights, 0.1, x0=-1.0, y0=-1.0).problem
-    bare = over(level_scene(), 0.0 * heights, 0.1, x0=-1.0, y0=-1.0).problem
-    fish = pose(0.0, 0.0, FISH)
+def _crests() -> Simulation:
+    return prepare(load_scene("breaks-steps"))
+
+
+@lru_cache(maxsize=1)
+def _behind_crests() -> tuple[Record, Record, NDArray[np.bool_], float]:
+    """Trace by long steps and by the sweep; tell where exact rays hear nothing, and what a level bed returns there."""
+    problem, fish = _crests().problem, _crests().poses(np.zeros(1, dtype=np.int64))
+    bare = prepare(edit(_crests().scene, {"seabed.relief": "flat"})).problem
     long, ours = march.trace(problem, fish, step=STEP, rays=4000)[0, 0], sweep.trace(problem, fish)[0, 0]
-    r = bin_centres(problem)
-    without = float(sweep.trace(bare, fish)[0, 0][_dark(r)].sum())
-    return r, long.astype(np.float64), ours.astype(np.float64), without
-
-
-def _dark(r: NDArray[np.float64]) -> NDArray[np.bool_]:
-    return (r > math.hypot(SHADOW[0], FISH)) & (r < math.hypot(SHADOW[1], FISH))
+    lit = rays.trace(problem, fish, rays=FINE)[0, 0] > 0.0
+    dark = ~np.convolve(lit, np.ones(2 * BORDER + 1), mode="same").astype(bool)
+    dark &= bin_centres(problem) > 2.0 * float(fish.z[0])
+    without = float(sweep.trace(bare, fish)[0, 0][dark].sum())
+    return long.astype(np.float64), ours.astype(np.float64), dark, without
 
 
 def _leaked(record: Record) -> float:
-    r, *_, without = _behind_the_ridge()
-    return float(100.0 * record[_dark(r)].sum() / without)
+    *_, dark, without = _behind_crests()
+    return float(100.0 * record[dark].sum() / without)
 
 
 def _draw_leak(figure: Figure) -> None:
-    r, long, ours, _ = _behind_the_ridge()
-    scene = panel(figure, 121, x="across (m)", y="height (m)", title=f"a step of {STEP:g} m passes the crest")
-    across = np.linspace(0.0, 40.0, 800)
-    scene.fill_between(across, ridge(across), -0.5, color=FAINT, alpha=0.35, linewidth=0)
-    reach = np.arange(0.0, 45.0, STEP)
-    fall = FISH / 29.0
-    scene.plot(reach[reach < 29.1], FISH - fall * reach[reach < 29.1], "o-", color=WRONG, markersize=3, linewidth=0.8)
-    scene.plot([0.0, CREST - 0.2], [FISH, FISH - fall * (CREST - 0.2)], color=RIGHT, linewidth=1.6)
-    scene.set_ylim(-0.5, 6.0)
-    record = panel(figure, 122, x="slant range (m)", y="energy per bin (dB)", title="and lights the shadow")
-    for values, colour, words in ((long, WRONG, "long steps"), (ours, RIGHT, "segments, one horizon")):
-        with np.errstate(divide="ignore"):
-            level = 10.0 * np.log10(values)
-        level[~np.isfinite(level)] = np.nan
-        record.plot(r[200:], level[200:], color=colour, linewidth=1.0, label=words)
-    named(record)
+    long, ours, dark, _ = _behind_crests()
+    scene = panel(figure, 121, x="across (m)", y="height (m)", title=f"a step of {STEP:g} m passes a crest")
+    across = np.linspace(0.0, 45.0, 1801)
+    bed = _crests().ground.height_at(np.zeros(across.size), across)
+    height = float(_crests().poses(np.zeros(1, dtype=np.int64)).z[0])
+    top = int(np.argmax(np.where((across > 15.0) & (across < 25.0), bed, -np.inf)))
+    scene.fill_between(across, bed, -1.5, color=FAINT, alpha=0.35, linewidth=0)
+    looks = np.arange(0.0, 45.0, STEP)
+    for below in np.arange(0.6, 0.0, -0.05):  # the deepest way through the crest on which no look falls into it
+        slope = (bed[top] - below - height) / across[top]
+        seen = looks[: int(np.argmin(height + slope * looks > np.interp(looks, across, bed))) + 1]
+        if seen[-1] > across[top] + STEP:
+            break
+    scene.plot(seen, height + slope * seen, "o-", color=WRONG, markersize=3, linewidth=0.8)
+    met = across[: int(np.argmin(height + slope * across > bed)) + 1]
+    scene.plot(met, height + slope * met, color=RIGHT, linewidth=1.8)
+    scene.set_ylim(-1.2, height + 0.5)
+    record = panel(figure, 122, x="slant range (m)", y="energy per bin (dB)", title="and lights the shadows")
+    r = bin_centres(_crests().problem)
+    with np.errstate(divide="ignore"):
+        levels = [np.where(values > 0.0, 10.0 * np.log10(values), np.nan) for values in (long, ours)]
+    record.fill_between(r, -130.0, -60.0, where=dark.tolist(), color=FAINT, alpha=0.18, linewidth=0, label="shadow")
+    record.plot(r, levels[0], ".", color=WRONG, markersize=1.5, label="long steps")
+    record.plot(r, levels[1], color=RIGHT, linewidth=1.0, label="segments, one horizon")
+    record.set(xlim=(8.0, 50.0), ylim=(-115.0, -60.0))
+    named(record, "upper right")
 
 
 def incidences(x: NDArray[np.float64], z: NDArray[np.float64], height: float) -> NDArray[np.float64]:
@@ -147,14 +155,33 @@ def _draw_orders(figure: Figure) -> None:
     named(axes)
 
 
+def _draw_knot(figure: Figure) -> None:
+    """Bins lost as a fish passes over knots, of a walk that forms slopes over ground range and of the sweep."""
+    off = np.linspace(-0.3, 0.3, 61)
+    x = np.arange(-5.0, 20.0, 0.1)
+    plain = []
+    for place in off:
+        ahead = x[x >= place - 1e-12] - round(place, 10)
+        ahead = np.where(np.abs(ahead) < 1e-9, 0.0, ahead)
+        plain.append(100.0 * np.mean(~np.isfinite(np.cumsum(incidences(ahead, np.zeros(ahead.size), FISH)))))
+    problem = over(level_scene(), np.zeros((64, 64)), 0.1, x0=-3.2, y0=-3.2).problem
+    own = [100.0 * np.mean(~np.isfinite(sweep.trace(problem, pose(0.0, y, FISH)))) for y in off]
+    axes = panel(figure, x="fish across, knots every 0.1 m (m)", y="bins without a number (%)")
+    axes.plot(off, plain, "o", color=WRONG, markersize=4, label="slopes over ground range")
+    axes.plot(off, own, ".", color=RIGHT, markersize=4, label="walk that begins beneath the fish")
+    axes.set_ylim(-6.0, 130.0)
+    named(axes, "upper right")
+
+
 CASES = (
     Case(
         "Steps too long",
         "A ray that is looked at every few metres steps across whatever is thinner.",
-        "energy from a shadow, over that of the bare bed", "%",
-        Way(f"Marches in steps of {STEP:g} m.", lambda: _leaked(_behind_the_ridge()[1]), 5.0),
-        Way("Walks every piece of the bed once, under one horizon.", lambda: _leaked(_behind_the_ridge()[2]), 0.0),
+        "energy from shadows, over that of a level bed there", "%",
+        Way(f"Marches in steps of {STEP:g} m.", lambda: _leaked(_behind_crests()[0]), 5.0),
+        Way("Walks every piece of the bed once, under one horizon.", lambda: _leaked(_behind_crests()[1]), 0.0),
         _draw_leak,
+        "breaks-steps",
     ),
     Case(
         "A fish over a knot",
@@ -162,6 +189,7 @@ CASES = (
         "bins or knots without a number", "%",
         Way("Forms slopes over ground range from the fish on.", _plain_knot, 50.0),
         Way("Begins the walk beneath the fish without dividing by its range.", _own_knot, 0.0),
+        _draw_knot,
     ),
     Case(
         "An order that is none",

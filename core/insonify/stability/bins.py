@@ -11,12 +11,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from insonify.picture import LevelBed, colours, contrast, normalise
-from insonify.scene import edit
+from insonify.scene import edit, load_scene
 from insonify.simulate import prepare, simulate
 from insonify.sound.cell import bin_centres
 from insonify.sound.flat_bed import flat_bed_curve
 from insonify.stability.case import Case, Way
-from insonify.stability.drawing import FAINT, INK, RIGHT, WRONG, named, panel
+from insonify.stability.drawing import FAINT, INK, RIGHT, WRONG, named, panel, told
 from insonify.stability.scenery import level_scene, pose
 from insonify.tracers import sweep
 
@@ -37,8 +37,7 @@ def summed_in_single_precision(edges: Curve, density: Curve) -> Curve:
 @lru_cache(maxsize=1)
 def _long_range() -> tuple[Curve, Curve, Curve, Curve]:
     """Slant range, the exact record of a level bed, that of the single sum, and the sweep's own."""
-    scene = level_scene({"sonar.range": BINS * BIN, "sonar.bins": BINS, "sonar.ping_rate": 4.0, "seabed.depth": 50.0})
-    problem = prepare(scene).problem
+    problem = prepare(load_scene("breaks-sums")).problem
     x = np.arange(0.0, BINS * BIN, 0.1)
     edges = np.hypot(x, HEIGHT)
     middle, length = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
@@ -182,6 +181,43 @@ def _intensity(changes: dict[str, Any]) -> NDArray[np.float32]:
     return np.asarray(simulate(edit(level_scene(), changes)).intensity.values)
 
 
+def _draw_silence(figure: Figure) -> None:
+    single, ours, dark = _behind_a_ball()
+    shown = slice(max(dark.start - 120, 0), min(dark.start + 480, dark.stop))
+    r = (np.arange(single.size)[shown] + 0.5) * BIN
+    axes = panel(figure, x="slant range (m)", y="energy, over the strongest")
+    axes.set_yscale("symlog", linthresh=1e-7)
+    axes.set_yticks([-1e-3, -1e-5, -1e-7, 0.0, 1e-7, 1e-5, 1e-3, 1e-1])
+    for record, colour, words in ((single, WRONG, "float32 steps"), (ours, RIGHT, "whole numbers")):
+        axes.plot(r, record[shown] / record[: dark.start].max(), color=colour, linewidth=1.2, label=words)
+    axes.axvspan(dark.start * BIN, float(r[-1]), color=FAINT, alpha=0.12, linewidth=0)
+    named(axes, "upper right")
+
+
+def _draw_zero(figure: Figure) -> None:
+    record = simulate(level_scene()).intensity.values[0, 0].astype(np.float64)
+    level, r = gained(record, 0.05), np.arange(record.size) * 0.05
+    lost = ~np.isfinite(level)
+    axes = panel(figure, x="slant range (m)", y="level (dB)")
+    axes.plot(r, np.where(lost, np.nan, level), color=FAINT, label="with 30 log r added")
+    low = np.nanmin(level[~lost]) - 5.0
+    axes.plot(r[lost], np.full(lost.sum(), low), "|", color=WRONG, markersize=7, label="no number, by decibels")
+    axes.plot([0.025], [low - 6.0], "|", color=RIGHT, label="no number, by linear intensities: none")
+    axes.set_ylim(low - 4.0, np.nanmax(level[~lost]) + 3.0)
+    named(axes)
+
+
+def _draw_empty(figure: Figure) -> None:
+    rows = []
+    for changes in EMPTY:
+        intensity = _intensity(changes)
+        lost = _share_without_a_number(brightness(intensity))
+        asked = ", ".join(f"{path.partition('.')[2] or path} = {value}" for path, value in changes.items())
+        lit = int((intensity > 0.0).sum())
+        rows.append((asked, f"{lost:.0f} % without a number", f"{lit} of {intensity.size} bins heard, the others dark"))
+    told(figure, ("scene", "brightest echo at 0 dB", "relative to a level bed"), rows)
+
+
 CASES = (
     Case(
         "Range factors inside a float32 sum",
@@ -192,6 +228,7 @@ CASES = (
         Way("Adds up energies as integers, and multiplies by what depends on range alone after the sum.",
             lambda: _worst_far(_long_range()[3]), 0.5),
         _draw_sums,
+        "breaks-sums",
     ),
     Case(
         "Silence that is not silent",
@@ -199,6 +236,7 @@ CASES = (
         "bins of a shadow that are not zero", "%",
         Way("Lets float32 steps up and down cancel as they may.", lambda: _lit(_behind_a_ball()[0]), 50.0),
         Way("Counts in whole numbers, which cancel exactly.", lambda: _lit(_behind_a_ball()[1]), 0.0),
+        _draw_silence,
     ),
     Case(
         "Nadir",
@@ -214,6 +252,7 @@ CASES = (
         "bins without a number", "%",
         Way("Adds 30 log r to decibels, bin by bin from its near edge.", _plain_gain, 10.0),
         Way("Keeps linear intensities and takes ranges at the middle of bins.", _own_gain, 0.0),
+        _draw_zero,
     ),
     Case(
         "Nothing there",
@@ -221,5 +260,6 @@ CASES = (
         "such records shown wrongly", "of 4",
         Way("Divides by the loudest echo and takes logarithms.", _plain_display, 2.0),
         Way("Shows amplitudes relative to a level bed, dark where there is none.", _own_display, 0.0),
+        _draw_empty,
     ),
 )  # fmt: skip

@@ -48,8 +48,10 @@ class Case:
         Its unit, empty for a pure number.
     failing, right : Way
         The plain method, and what the project does.
-    picture : callable, optional
+    picture : callable
         Draws both on an empty figure.
+    scene : str
+        Name of the bundled scene that it is measured on; empty if it needs none.
     """
 
     name: str
@@ -58,7 +60,8 @@ class Case:
     unit: str
     failing: Way
     right: Way
-    picture: Callable[[Figure], None] | None = None
+    picture: Callable[[Figure], None]
+    scene: str = ""
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from insonify.stability import beams, bed, bins, numbers, rays, receiver, spectra, targets, water
+from insonify.stability import beams, bed, bins, knots, numbers, rays, receiver, spectra, targets, water
 from insonify.stability.case import Case
 
 CASES: dict[str, tuple[Case, ...]] = {
     "Layered water": water.CASES,
+    "Knots of a profile": knots.CASES,
     "Bent rays": rays.CASES,
     "Time bins": bins.CASES,
     "The bed": bed.CASES,

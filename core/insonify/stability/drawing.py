@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import wrap
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -42,3 +43,29 @@ def panel(figure: Figure, place: int = 111, *, x: str, y: str, title: str = "") 
 def named(axes: Any, place: str = "best") -> None:
     """Name the lines of some axes."""
     axes.legend(loc=place, frameon=False, fontsize=8.5, labelcolor=INK)
+
+
+def told(figure: Figure, heads: tuple[str, str, str], rows: list[tuple[str, str, str]]) -> None:
+    """Set what is asked, what the plain way makes of it and what the own way says side by side.
+
+    Parameters
+    ----------
+    figure : Figure
+    heads : (str, str, str)
+        Above the three columns.
+    rows : list of (str, str, str)
+        Broken into lines where they are long.
+    """
+    axes = figure.add_subplot()
+    axes.axis("off")
+    places, widths = (0.0, 0.27, 0.5), (28, 24, 54)
+    lines = [[wrap(text, width) or [""] for text, width in zip(row, widths)] for row in rows]
+    heights = [max(map(len, row)) + 0.6 for row in lines]
+    top, per_line = 1.0, 1.0 / (sum(heights) + 1.8)
+    for x, head, colour in zip(places, heads, (INK, WRONG, RIGHT)):
+        axes.text(x, top, head, color=colour, fontsize=8.5, fontweight="bold", va="top")
+    top -= 1.5 * per_line
+    for row, height in zip(lines, heights):
+        for x, text, colour in zip(places, row, (INK, WRONG, RIGHT)):
+            axes.text(x, top, "\n".join(text), color=colour, fontsize=7.8, va="top", linespacing=1.15)
+        top -= height * per_line

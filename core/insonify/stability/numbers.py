@@ -10,29 +10,26 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from insonify.kernels.jit import FAST
-from insonify.scene import SceneError
+from insonify.scene import SceneError, load_scene
 from insonify.simulate import prepare
 from insonify.stability.case import Case, Way
 from insonify.stability.compiled import guarded_mean, swallowed
-from insonify.stability.drawing import RIGHT, WRONG, named, panel
+from insonify.stability.drawing import FAINT, INK, RIGHT, WRONG, named, panel, told
 from insonify.stability.scenery import ground_of, level_scene
 from insonify.terrain import relief
 from insonify.tracers import rays, sweep
 from insonify.tracers.poses import take
 
-NORTHING, EASTING = 4_182_600.0, 551_300.0  # of a place in UTM coordinates, m
 CELL = 0.1
+ON_THE_MAP = load_scene("breaks-terraces")
+EASTING, NORTHING = ON_THE_MAP.world.origin or (0.0, 0.0)
 Points = NDArray[np.float64]
 
 
 @lru_cache(maxsize=1)
 def _bed_on_the_map() -> tuple[Points, Points]:
     """Heights of a rough bed, and places along a line over it."""
-    changes = {
-        "seabed.relief": {"kind": "fractal", "beta": 1.6, "period": 12.8, "rms": 0.1},
-        "seabed.spacing": CELL,
-    }
-    return relief(level_scene(changes).seabed), np.linspace(1.0, 11.0, 2001)
+    return relief(ON_THE_MAP.seabed), np.linspace(1.0, 11.0, 2001)
 
 
 def heights_in_single_precision(heights: Points, northing: Points) -> Points:
@@ -91,12 +88,18 @@ def _towards_a_ball() -> tuple[Points, Points, Points, float]:
     return origins, ways / np.linalg.norm(ways, axis=1, keepdims=True), centre, radius
 
 
-def _plain_self_hits() -> float:
+@lru_cache(maxsize=1)
+def _met_again() -> Points:
+    """Distance at which each ray, mirrored, meets its own ball again; infinite where it does not."""
     origins, ways, centre, radius = _towards_a_ball()
     points = origins + next_hit(origins, ways, centre, radius)[:, None] * ways
     normals = (points - centre) / radius
     mirrored = ways - 2.0 * (ways * normals).sum(axis=1, keepdims=True) * normals
-    return float(100.0 * np.isfinite(next_hit(points, mirrored, centre, radius)).mean())
+    return next_hit(points, mirrored, centre, radius)
+
+
+def _plain_self_hits() -> float:
+    return float(100.0 * np.isfinite(_met_again()).mean())
 
 
 def _own_self_hits() -> float:
@@ -109,12 +112,16 @@ def _own_self_hits() -> float:
     return float(100.0 * again.sum() / max((paths.bounce == 0).sum(), 1))
 
 
-def _own_swallowed() -> float:
-    """Percentage of pings that are empty, without a word, when the sonar runs into a pipe."""
+def _into_a_pipe() -> NDArray[np.float32]:
+    """Record pings of a sonar that runs into a pipe."""
     pipe = {"kind": "pipe", "position": [20.0, 0.0, -20.0], "length": 10.0, "heading": 90.0}
-    simulation = prepare(level_scene({"targets": [pipe], "track.pings": 512}))
+    return prepare(level_scene({"targets": [pipe], "track.pings": 512})).intensity(np.arange(512))
+
+
+def _own_swallowed() -> float:
+    """Percentage of pings that are empty, without a word."""
     try:
-        record = simulation.intensity(np.arange(512))
+        record = _into_a_pipe()
     except SceneError:
         return 0.0
     return float(100.0 * (record.sum(axis=(1, 2)) == 0.0).mean())
@@ -165,6 +172,55 @@ def _known(licences: object) -> float:
     return abs(guarded_mean(values, licences) - 1.0)
 
 
+def _draw_self_hits(figure: Figure) -> None:
+    origins, ways, centre, radius = _towards_a_ball()
+    again = _met_again()
+    points = origins + next_hit(origins, ways, centre, radius)[:, None] * ways - centre
+    met = np.isfinite(again)
+    axes = panel(figure, 121, x="east of its centre (m)", y="above it (m)", title="hits on a mirroring ball")
+    axes.plot(points[~met, 0], points[~met, 2], ".", color=RIGHT, markersize=1.5, label="mirrored away")
+    axes.plot(points[met, 0], points[met, 2], ".", color=WRONG, markersize=1.5, label="met the ball again")
+    axes.set_ylim(-0.6, 1.5)
+    axes.legend(loc="upper right", frameon=False, fontsize=8.5, markerscale=5.0)
+    axes = panel(figure, 122, x="distance of that second hit (m)", y="rays")
+    axes.set_xscale("log")
+    axes.hist(again[met], bins=np.logspace(-12, 1, 53).tolist(), color=WRONG)
+    axes.set_title(f"own: {_own_self_hits():g} %, whatever the distance", fontsize=9.5, color=RIGHT, loc="left")
+
+
+def _draw_fast(figure: Figure) -> None:
+    values = np.ones(100)
+    values[::7] = math.nan
+    axes = panel(figure, x="node", y="value")
+    axes.plot(values, ".", color=INK, markersize=4, label="known")
+    axes.plot(np.flatnonzero(np.isnan(values)), np.ones(15), "x", color=FAINT, markersize=4, label="missing")
+    axes.axhline(guarded_mean(values, FAST), color=RIGHT, linewidth=1.6, label="mean, with the kernels' licences")
+    plain = guarded_mean(values, True)
+    shown = f"{plain:g}" if math.isfinite(plain) else "not a number"
+    axes.plot([], [], color=WRONG, label=f"mean, with all licences: {shown}")
+    axes.set_ylim(0.5, 1.9)
+    named(axes, "upper right")
+
+
+def _draw_swallowed(figure: Figure) -> None:
+    lost = f"returns; {swallowed():.0f} % of the results were never written"
+    try:
+        _into_a_pipe()
+        said = ""
+    except SceneError as error:
+        said = str(error)
+    asked = "a mistake in the last tenth of a parallel loop"
+    told(figure, ("what goes wrong", "raised inside the loop", "status returned, raised above"), [(asked, lost, said)])
+
+
+def _draw_threads(figure: Figure) -> None:
+    axes = panel(figure, x="bin", y="change with four workers, over the energy")
+    one = summed_by(1)
+    axes.plot((summed_by(4) - one) / one, ".", color=WRONG, markersize=4, label="float32, share by share")
+    axes.axhline(0.0, color=RIGHT, linewidth=1.6, label="whole numbers, ping by ping")
+    named(axes)
+
+
 CASES = (
     Case(
         "Large coordinates",
@@ -173,6 +229,7 @@ CASES = (
         Way("Looks heights up by map coordinates in float32.", lambda: _height_error(_single_heights()), 20.0),
         Way("Subtracts a local origin in float64.", lambda: _height_error(_own_heights()), 0.01),
         _draw_terraces,
+        "breaks-terraces",
     ),
     Case(
         "A ray that meets its own surface",
@@ -180,6 +237,7 @@ CASES = (
         "mirrored rays that meet their own ball again", "%",
         Way("Begins at the hit and takes the next distance above 0.", _plain_self_hits, 10.0),
         Way("Keeps clear of the surface by a distance that grows with the coordinates.", _own_self_hits, 0.0),
+        _draw_self_hits,
     ),
     Case(
         "Fast arithmetic",
@@ -187,6 +245,7 @@ CASES = (
         "error of a mean over nodes of which some are missing", "",
         Way("Is compiled with all licences of fast-math.", lambda: _known(True), 0.0),
         Way("Is compiled with the kernels' licences, none of which touches NaN.", lambda: _known(FAST), 1e-12),
+        _draw_fast,
     ),
     Case(
         "An exception inside a parallel loop",
@@ -194,6 +253,7 @@ CASES = (
         "results missing without a word", "%",
         Way("Raises in a function that a parallel loop calls.", swallowed, 5.0),
         Way("Returns a status from every kernel and raises above it.", _own_swallowed, 0.0),
+        _draw_swallowed,
     ),
     Case(
         "Threads and blocks",
@@ -201,5 +261,6 @@ CASES = (
         "bins that change with it", "%",
         Way("Adds up the shares of one worker and of four, in float32.", _plain_threads, 10.0),
         Way("Traces each ping by itself, in whole numbers.", _own_threads, 0.0),
+        _draw_threads,
     ),
 )  # fmt: skip

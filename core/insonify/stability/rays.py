@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from insonify.scene import load_scene
 from insonify.sound.caustics import airy_pressure
 from insonify.sound.paths import eigenrays, ray_paths, shadow_zones
 from insonify.stability.case import Case, Way
@@ -111,7 +112,8 @@ def _draw_eigenrays(figure: Figure) -> None:
     axes.set_ylim(200.0, 0.0)
 
 
-UPWARD, HIGH, GRADIENT = profile([0.0, 10.0, 30.0], [1499.5, 1500.0, 1501.0]), 20.0, 0.05
+UPWARD, HIGH, GRADIENT = load_scene("breaks-grazing").water, 20.0, 0.05
+GRAZING = math.acos(1500.0 / 1501.0)
 
 
 def _limit() -> float:
@@ -121,8 +123,8 @@ def _limit() -> float:
 
 
 @lru_cache(maxsize=1)
-def stepped_limit() -> float:
-    """Farthest hit of the bed by rays integrated with adaptive steps, as many as a touch can be aimed with."""
+def _stepped_hits() -> tuple[Values, Values]:
+    """Angles below the one that touches, and ranges at which rays integrated with adaptive steps are seen to hit."""
     from scipy.integrate import solve_ivp
 
     def bend(_: float, ray: Values) -> tuple[float, float, float]:
@@ -132,12 +134,16 @@ def stepped_limit() -> float:
         return float(30.0 - ray[1])
 
     touch.terminal = True  # type: ignore[attr-defined]
-    grazing, farthest = math.acos(1500.0 / 1501.0), 0.0
-    for above in np.geomspace(1e-9, 0.1, 24):
-        ray = solve_ivp(bend, (0.0, 3000.0), (0.0, 10.0, grazing + above), events=touch)
-        if ray.t_events[0].size:
-            farthest = max(farthest, float(ray.y_events[0][0][0]))
-    return farthest
+    angles, hits = np.geomspace(1e-9, 0.1, 24), []
+    for above in angles:
+        ray = solve_ivp(bend, (0.0, 3000.0), (0.0, 10.0, GRAZING + above), events=touch)
+        hits.append(float(ray.y_events[0][0][0]) if ray.t_events[0].size else math.nan)
+    return angles, np.array(hits)
+
+
+def stepped_limit() -> float:
+    """Farthest of those hits."""
+    return float(np.nanmax(_stepped_hits()[1]))
 
 
 def _own_limit() -> float:
@@ -207,6 +213,37 @@ def _draw_caustic(figure: Figure) -> None:
     named(axes)
 
 
+def _draw_touch(figure: Figure) -> None:
+    above, hits = _stepped_hits()
+    axes = panel(figure, x="launch angle below the one that just touches (rad)", y="range of the hit (m)")
+    axes.set_xscale("log")
+    found = np.isfinite(hits)
+    paths = ray_paths(UPWARD, 10.0, np.degrees(GRAZING + above), max_range=3000.0, bottom=30.0)
+    exact = np.where(paths.hit.values, paths.range.values, 0.0).max(axis=1)
+    axes.plot(above, exact, color=RIGHT, label="exact arcs")
+    axes.plot(above[found], hits[found], "o", color=WRONG, markersize=4, label="adaptive steps")
+    axes.plot(above[~found], np.full((~found).sum(), 0.0), "x", color=WRONG, markersize=5, label="hit not noticed")
+    axes.axhline(_limit(), color=INK, linewidth=0.8, linestyle="--", label="limit, √(2Rh − h²)")
+    named(axes, "center left")
+
+
+def _draw_time(figure: Figure) -> None:
+    depth, across = (4000.0, 4100.0), np.linspace(1000.0, 5000.0, 41)
+    exact = [exact_time(x, depth) for x in across]
+    own = [float(eigenrays(DEEP, depth[0], x, depth[1]).time[0]) for x in across]
+    axes = panel(figure, x="range (m)", y="error of the phase (turns)")
+    axes.set_yscale("log")
+    for times, colour, words in (
+        ([single_time(x, depth) for x in across], WRONG, "float32"),
+        (own, RIGHT, "float64, without cancellation"),
+    ):
+        off = [max(abs(float(Decimal(t) - e)) * CARRIER, 1e-12) for t, e in zip(times, exact)]
+        axes.plot(across, off, color=colour, label=words)
+    axes.axhline(0.5, color=FAINT, linewidth=0.8, linestyle=":")
+    axes.text(1000.0, 0.6, "half a turn", fontsize=8, color=FAINT)
+    named(axes, "center right")
+
+
 CASES = (
     Case(
         "A shadow zone",
@@ -238,6 +275,8 @@ CASES = (
         "error of the limiting range", "m",
         Way("Integrates with adaptive steps and watches the depth.", lambda: abs(stepped_limit() - _limit()), 100.0),
         Way("Finds the grazing ray among exact arcs.", lambda: abs(_own_limit() - _limit()), 0.05),
+        _draw_touch,
+        "breaks-grazing",
     ),
     Case(
         "Travel time in float32",
@@ -245,5 +284,6 @@ CASES = (
         "worst error of the phase, from 1 to 5 km", "turns",
         Way("Takes the closed form in float32.", lambda: _phase_off(own=False), 0.1),
         Way("Keeps times in float64, by a form without cancellation.", lambda: _phase_off(own=True), 1e-6),
+        _draw_time,
     ),
 )  # fmt: skip

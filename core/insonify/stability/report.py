@@ -146,9 +146,14 @@ def _section(outcome: Outcome, number: int) -> str:
     )
     return (
         f'<section id="case-{number}"><h3>{escape(case.name)}</h3>\n<p>{escape(case.trigger)} '
-        f'<span class="faint">Measured: {escape(case.figure)}.</span></p>\n'
+        f'<span class="faint">Measured: {escape(case.figure)}{_scene(case)}.</span></p>\n'
         f"<dl>{''.join(ways)}</dl>\n{_picture(case)}</section>\n"
     )
+
+
+def _scene(case: Case) -> str:
+    """Name the scene of a case."""
+    return f", on the scene <code>{escape(case.scene)}</code>" if case.scene else ""
 
 
 def _way(kind: str, name: str, value: float, way: Way, unit: str) -> str:
@@ -164,9 +169,7 @@ def _class(outcome: Outcome) -> str:
 
 
 def _picture(case: Case) -> str:
-    """Draw a case's picture into the page; nothing if it has none."""
-    if case.picture is None:
-        return ""
+    """Draw a case's picture into the page."""
     figure = Figure(figsize=(WIDTH, HEIGHT), facecolor="white", layout="constrained")
     case.picture(figure)
     memory = BytesIO()

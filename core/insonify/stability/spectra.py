@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.scene import Scene, SceneError, edit
+from insonify.scene import Scene, SceneError, load_scene
 from insonify.stability.case import Case, Way
-from insonify.stability.drawing import FAINT, RIGHT, WRONG, named, panel
+from insonify.stability.drawing import FAINT, RIGHT, WRONG, named, panel, told
 from insonify.stability.scenery import level_scene
 from insonify.terrain import relief, relief_picture
 from insonify.terrain.exponent import amplitude_exponent
@@ -45,15 +45,17 @@ def _taken_by_noise() -> float:
     return float(made)
 
 
+def _refusal(wrong: dict[str, Any]) -> str:
+    """Tell what is said of a relief; nothing if it is made."""
+    try:
+        _fractal(**wrong)
+    except SceneError as error:
+        return str(error)
+    return ""
+
+
 def _taken_by_scenes() -> float:
-    made = 0
-    for wrong in BAD:
-        try:
-            _fractal(**wrong)
-            made += 1
-        except SceneError as error:
-            made += "\n" in str(error) or "relief" not in str(error)
-    return float(made)
+    return float(sum("\n" in said or "relief" not in said for said in map(_refusal, BAD)))
 
 
 RIPPLES = 90.0  # cycles per period, more than a grid of 128 holds
@@ -114,7 +116,7 @@ def _own_grids() -> float:
 @lru_cache(maxsize=1)
 def _smooth_bed() -> tuple[Field, Field]:
     """Heights of β = 2, and their picture in 256 greys."""
-    scene = edit(_fractal(beta=2.0), {"seabed.relief.period": 51.2})
+    scene = load_scene("breaks-greys")
     return relief(scene.seabed), relief_picture(scene)[::-1].astype(np.float64)
 
 
@@ -135,6 +137,40 @@ def _draw_exponents(figure: Figure) -> None:
     named(axes)
 
 
+def _draw_bad(figure: Figure) -> None:
+    rows = []
+    for wrong in BAD:
+        peak = wrong.get("peaks", [[0.0, 0.0]])[0]
+        field = filtered_noise((64, 64), float(wrong.get("beta", 1.4)), (peak[0], peak[1]))
+        asked = ", ".join(f"{name} = {value}" for name, value in wrong.items())
+        rows.append((asked, f"heights from {field.min():.2g} to {field.max():.2g}", _refusal(wrong)))
+    told(figure, ("relief", "filtered all the same", "what is said of it"), rows)
+
+
+def _draw_grids(figure: Figure) -> None:
+    seabed = _fractal(beta=1.4).seabed
+    shapes = (CELLS, CELLS), (CELLS, 128)
+    plain = [filtered_noise(shape, 1.4, (0.0, 0.0)) for shape in shapes]
+    own = [relief(seabed, shape) for shape in shapes]
+    for place, fields, colour, words in (
+        (121, plain, WRONG, "noise, sample by sample"),
+        (122, own, RIGHT, "hashed waves"),
+    ):
+        axes = panel(figure, place, x="along y (m)", y="height over its rms", title=words)
+        for field, style, width in zip(fields, ("-", "--"), (1.0, 1.6)):
+            axes.plot(np.arange(CELLS) * 0.1, smoothed(field)[:, 0], style, color=colour, linewidth=width,
+                      label=f"{field.shape[1]} columns")  # fmt: skip
+        named(axes)
+
+
+def smoothed(field: Field) -> Field:
+    """Keep of a relief what both grids hold, over its rms."""
+    half = np.fft.rfft2(field, norm="forward")
+    half[40:-40], half[:, 40:] = 0.0, 0.0
+    wave = np.fft.irfft2(half, field.shape, norm="forward")
+    return np.asarray(wave / wave.std())
+
+
 CASES = (
     Case(
         "Peaks and exponents out of bounds",
@@ -143,6 +179,7 @@ CASES = (
         "such beds made without a word", "of 4",
         Way("Filters whatever comes by array indices.", _taken_by_noise, 3.0),
         Way("Refuses each in one sentence that names the field.", _taken_by_scenes, 0.0),
+        _draw_bad,
     ),
     Case(
         "Undersampled ripples",
@@ -160,6 +197,7 @@ CASES = (
         "difference between the waves that both grids hold", "%",
         Way("Draws noise for each grid and filters it by indices.", _plain_grids, 100.0),
         Way("Hashes each wave's coefficient from the seed and its frequency.", _own_grids, 1e-9),
+        _draw_grids,
     ),
     Case(
         "β measured on a picture",
@@ -168,5 +206,6 @@ CASES = (
         Way("Fits the spectrum of a picture in 256 greys.", lambda: _exponent_off(1), 0.2),
         Way("Fits the spectrum of the heights themselves.", lambda: _exponent_off(0), 0.02),
         _draw_exponents,
+        "breaks-greys",
     ),
 )  # fmt: skip

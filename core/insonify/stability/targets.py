@@ -7,12 +7,14 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from insonify.kernels.types import Problem
 from insonify.scene import SceneError
 from insonify.simulate import prepare, simulate
 from insonify.stability.case import Case, Way
+from insonify.stability.drawing import FAINT, RIGHT, WRONG, panel, told
 from insonify.stability.scenery import level_scene
 from insonify.tracers import rays
 
@@ -46,10 +48,15 @@ def triangles_met(corners: Vectors, origin: Vectors, direction: Vectors) -> int:
     return int(((u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (t > 0.0)).sum())
 
 
-def _plain_walls() -> float:
+@lru_cache(maxsize=1)
+def _walls_met() -> NDArray[np.int64]:
+    """Walls that each ray meets, triangle by triangle."""
     problem, origins, ways = _from_within()
-    met = [triangles_met(problem.mesh.corners, origin, way) for origin, way in zip(origins, ways)]
-    return float(100.0 * np.mean(np.array(met) != 1))
+    return np.array([triangles_met(problem.mesh.corners, origin, way) for origin, way in zip(origins, ways)])
+
+
+def _plain_walls() -> float:
+    return float(100.0 * np.mean(_walls_met() != 1))
 
 
 def _own_walls() -> float:
@@ -92,10 +99,13 @@ def _own_intervals() -> float:
     return float(sum(not _is_right(name, place, bare) for name, place in PLACES.items()))
 
 
+def _ball(place: list[float]) -> dict[str, Any]:
+    return {"kind": "sphere", "position": place, "radius": RADIUS, "material": "rock"}
+
+
 def _is_right(name: str, place: list[float], bare: NDArray[np.float32]) -> bool:
-    ball = {"kind": "sphere", "position": place, "radius": RADIUS, "material": "rock"}
     try:
-        port, starboard = simulate(level_scene({"targets": [ball]})).intensity.values[:, 0]
+        port, starboard = simulate(level_scene({"targets": [_ball(place)]})).intensity.values[:, 0]
     except SceneError as error:
         return name == "around the sonar" and "the sonar runs into it" in str(error)
     if not (np.isfinite(port).all() and (port >= 0.0).all() and (starboard >= 0.0).all()):
@@ -107,6 +117,36 @@ def _is_right(name: str, place: list[float], bare: NDArray[np.float32]) -> bool:
     return np.array_equal(port, bare[0]) and (name != "on the other side" or not np.array_equal(starboard, bare[1]))
 
 
+def _draw_walls(figure: Figure) -> None:
+    ways = _from_within()[2]
+    met = _walls_met()
+    axes = panel(figure, x="direction of the ray (°)", y="elevation (°)", title="rays from inside a block to its edges")
+    around = np.degrees(np.arctan2(ways[:, 1], ways[:, 0]))
+    up = np.degrees(np.arctan2(ways[:, 2], np.hypot(ways[:, 0], ways[:, 1])))
+    for meets, colour, size, words in (
+        (met == 1, RIGHT, 1.5, "one wall: all of them, by the own way"),
+        (met > 1, FAINT, 2.5, "two walls at once, in float32"),
+        (met == 0, WRONG, 4.0, "none: a leak, in float32"),
+    ):
+        axes.plot(around[meets], up[meets], ".", color=colour, markersize=size, label=words)
+    axes.set_xlim(-185.0, 420.0)
+    axes.legend(loc="center right", frameon=False, fontsize=8.5, markerscale=4.0)
+
+
+def _draw_places(figure: Figure) -> None:
+    rows = []
+    bare = simulate(level_scene()).intensity.values[:, 0]
+    for name, place in PLACES.items():
+        near, far = shadow_interval(place[1], place[2] + 30.0, 10.0)
+        shadow = f"shadow {near:.3g} to {far:.3g} m" if math.isfinite(near + far) else "no interval"
+        rows.append((f"a ball {name}", shadow, "told rightly" if _is_right(name, place, bare) else "told wrongly"))
+    try:
+        simulate(level_scene({"targets": [_ball(PLACES["around the sonar"])]}))
+    except SceneError as error:
+        rows[0] = (*rows[0][:2], str(error))
+    told(figure, ("place", "H / sin(φ ± α)", "own record"), rows)
+
+
 CASES = (
     Case(
         "Edges that two walls share",
@@ -114,6 +154,7 @@ CASES = (
         "rays that meet not exactly one wall", "%",
         Way("Tests every triangle for itself, in float32.", _plain_walls, 5.0),
         Way("Decides each edge once, in the same way for both its triangles.", _own_walls, 0.0),
+        _draw_walls,
     ),
     Case(
         "Targets in odd places",
@@ -122,5 +163,6 @@ CASES = (
         "places told wrongly", "of 5",
         Way("Hides the bed from H / sin(φ + α) to H / sin(φ − α).", _plain_intervals, 2.0),
         Way("Hears what is in sight, and refuses a sonar inside a target in one sentence.", _own_intervals, 0.0),
+        _draw_places,
     ),
 )  # fmt: skip
