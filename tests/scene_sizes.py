@@ -34,7 +34,7 @@ def most_bytes(scene: Scene) -> float:
     knots = KNOTS_PER_CELL * cells_along(scene) + 64.0
     lines = min(scene.track.pings, 64) * 2.0 * (scene.sonar.bins + pulse_bins(scene))
     held = ALWAYS + (os.cpu_count() or 1) * knots * PER_KNOT + _grid(scene) * PER_CELL + lines * PER_BIN
-    held += MOST_PLANES * knots * 8.0 if isinstance(scene.receiver.speckle, Coherent) else 0.0
+    held += MOST_PLANES * knots * 16.0 if isinstance(scene.receiver.speckle, Coherent) else 0.0
     held += 0.0 if isinstance(scene.water, UniformWater) else OF_BENT_SOUND
     return held + (OF_ENDLESS_GROUND if scene.seabed.endless else 0.0) + 64.0 * _waves(scene)
 

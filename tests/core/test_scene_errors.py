@@ -49,6 +49,7 @@ WRONG = [
     ({"water.absorption": "lots"}, ["water.absorption", "lots"]),
     ({"receiver.speckle": "coherent", "sonar.law": "light"}, ["coherent", "light", "'sonar'"]),
     ({"receiver.speckle": "coherent", "sonar.beam": "knife"}, ["coherent", "knife", "fan"]),
+    ({"receiver.speckle": {"kind": "k", "shape": 1e-300}}, ["receiver.speckle.shape", "1e-300", "at least 0.01"]),
     ({"receiver.speckle": "glitter"}, ["receiver.speckle", "glitter", "rayleigh"]),
     ({"seed": -1}, ["seed", "-1", "at least 0"]),
     ({"wind": 3}, ["wind", "unknown key"]),

@@ -114,7 +114,7 @@ class Material(Declaration):
     speckle_shape: float | None = parameter(
         None,
         description="shape of K speckle on this material; fewer scatterers make it smaller and the speckle spikier",
-        gt=0.0,
+        ge=0.01,
         le=1e4,
         slider=(0.1, 100.0),
         log=True,

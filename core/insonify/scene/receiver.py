@@ -29,7 +29,7 @@ class K(Choice):
     shape: float = parameter(
         2.0,
         description="shape of the gamma distribution; fewer scatterers make it smaller and the speckle spikier",
-        gt=0.0,
+        ge=0.01,
         le=1e4,
         slider=(0.1, 100.0),
         log=True,
