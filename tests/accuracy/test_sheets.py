@@ -9,6 +9,7 @@ import pytest
 
 from beds import bed_of, gaussian_pattern, poses_of, problem_of, rough
 from insonify.accuracy import compare
+from insonify.charts.reference import trace
 from insonify.kernels.types import LIGHT, SONAR, Water
 from insonify.scene import SceneError
 from insonify.sound.flat_bed import flat_bed_curve
@@ -85,3 +86,9 @@ def test_a_bed_with_holes():
     poses = poses_of(3.0, 1.0, 4.0)
     right = rays.trace(problem, poses, rays=1 << 17)
     assert compare(problem, poses, sheets.trace(problem, poses, sheets=128, rays=4096), right).all_bins < 0.006
+
+
+def test_a_reference_is_right_at_nadir_too():
+    problem = CASES["bodies"]
+    many = rays.trace(problem, POSES, rays=1 << 19)
+    assert compare(problem, POSES, trace(problem, POSES, 1 << 18), many).all_bins < 0.002

@@ -24,9 +24,10 @@ from insonify.charts.style import (
 if TYPE_CHECKING:
     from insonify.charts.measure import Chart, Row
 
-FLOOR = 1e-6  # errors below it are drawn there
+FLOOR = 1e-5  # errors below it are drawn there
 CEILING = 10.0  # and errors above it there
-WIDE, HIGH = 6.4, 6.6  # inches of one panel with its margins, and of the whole
+WIDE, HIGH = 5.6, 6.4  # inches of one panel with its margins, and of the whole
+LEFT, NAMES = 1.0, 2.75  # inches to the left of the panels and, for the names of the methods, to their right
 COUNTED = {"march": "step", "rays": "rays a side", "sweep": "planes", "embree": "rays a side"}
 
 
@@ -63,7 +64,7 @@ def draw(chart: Chart) -> Drawing:
     write_headings(figure, "Speed against accuracy", _told(chart), chart.machine)
     grid = figure.subplots(1, panels, sharex=True, sharey=True, squeeze=False)[0]
     width = figure.get_size_inches()[0]
-    figure.subplots_adjust(0.75 / width, 0.95 / HIGH, 1.0 - 0.2 / width, 1.0 - 1.25 / HIGH, wspace=0.06)
+    figure.subplots_adjust(LEFT / width, 0.95 / HIGH, 1.0 - NAMES / width, 1.0 - 1.25 / HIGH, wspace=0.09)
     marks: dict[Line2D, list[Row]] = {}
     for axes, targets in zip(grid, sorted(chart.cases)):
         marks |= _panel(axes, chart, targets)

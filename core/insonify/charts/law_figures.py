@@ -147,12 +147,13 @@ def _series(
 
 def _finish(axes: Axes) -> None:
     axes.margins(0.1)
-    axes.xaxis.set_major_locator(LogLocator(base=10.0, subs=(1.0, 2.0, 5.0), numticks=20))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.tick_params(labelsize=8.5)
     low, high = axes.get_ylim()
     axes.set_ylim(low, high * (high / low) ** 0.18)
+    short = high < 30.0 * low
+    for axis, every in ((axes.xaxis, True), (axes.yaxis, short)):
+        axis.set_major_locator(LogLocator(base=10.0, subs=(1.0, 2.0, 5.0) if every else (1.0,), numticks=20))
+        axis.set_minor_formatter(NullFormatter())
+    axes.tick_params(labelsize=8.5)
     axes.legend(loc="upper left", frameon=False, fontsize=8.5, labelcolor=INK, handletextpad=0.4)
 
 

@@ -273,7 +273,8 @@ def _right_of_triangles(problem: Problem, poses: Poses) -> Reference | None:
         return None
     bed = TriangulatedBed(problem, poses)
     half, whole = (bed.trace(poses, rays=count) for count in (RAYS_OF_TRIANGLES // 2, RAYS_OF_TRIANGLES))
-    return Reference(whole, compare(problem, poses, half, whole).beyond, RAYS_OF_TRIANGLES)
+    moved = compare(problem, poses, half, whole)
+    return Reference(whole, moved.beyond, RAYS_OF_TRIANGLES, moved.all_bins)
 
 
 def _clocked(one: Contender, poses: Poses) -> tuple[Callable[[], Record], int]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.accuracy import compare
+from insonify.accuracy import BEYOND, compare
 from insonify.kernels.types import Poses, Problem
 from insonify.tracers import rays, sheets
 from insonify.tracers.poses import take
@@ -20,7 +20,8 @@ from insonify.tracers.poses import take
 RESOLVED = 10.0  # times finer than an error the reference is to be
 FIRST_RAYS = 1 << 16
 MOST_RAYS = 1 << 22
-RAYS_A_SHEET = 16  # for every sheet of a fan
+RAYS_A_SHEET = 32  # for every sheet of a fan; with as many both halves of the error are alike
+RAYS_AT_NADIR = 4  # in all for every one near nadir, whose bins are few
 # Of the error, by which more rays are foreseen.
 SHEET_ORDER, RAY_ORDER = 1.0, 0.75
 
@@ -38,11 +39,14 @@ class Reference(NamedTuple):
         How far the last doubling of its rays moved it, as a share of the record beyond 1.4 times the altitude.
     rays : int
         Rays per side.
+    moved_all : float
+        Likewise over all bins from the first return; NaN where it is not known.
     """
 
     record: Record
     moved: float
     rays: int
+    moved_all: float = math.nan
 
     @property
     def floor(self) -> float:
@@ -84,14 +88,15 @@ def prove(
         progress(min((perf_counter() - began) / seconds, 1.0))
         start = perf_counter()
         finer = trace(problem, poses, 2 * count)
-        per_ray = (perf_counter() - start) / (2 * count)
-        moved = compare(problem, poses, record, finer).beyond
+        per_ray = (process_time() - start) / (2 * count)
+        by = compare(problem, poses, record, finer)
+        moved = by.beyond
         smallest = min(compare(problem, poses, other, finer).beyond for other in shown)
         left = seconds - (perf_counter() - began)
         doublings = _doublings(RESOLVED * moved / smallest if smallest > 0.0 else math.inf, order)
         doublings = min(doublings, _affordable(left / per_ray, count), int(math.log2(MOST_RAYS / (2 * count))))
         if moved * RESOLVED <= smallest or doublings < 1:
-            return Reference(finer, moved, 2 * count)
+            return Reference(finer, moved, 2 * count, by.all_bins)
         count <<= doublings
         record = finer if doublings == 1 else trace(problem, poses, count)
 
@@ -100,10 +105,18 @@ def trace(problem: Problem, poses: Poses, count: int) -> Record:
     """Trace with so many exact rays a side, in sheets where these do, each ping on whatever core is free."""
 
     def single(pose: Poses) -> Record:
-        if not sheets.can_trace(problem):
+        near = min(math.ceil(BEYOND * float(pose.z[0]) / problem.bin_length), problem.bins)
+        if not sheets.can_trace(problem) or near == problem.bins:
             return rays.trace(problem, pose, rays=count, threads=1)
-        across = round(math.sqrt(count / RAYS_A_SHEET)) if problem.half_width > 0.0 else 1
-        return sheets.trace(problem, pose, sheets=across, rays=count // across, threads=1)
+        if problem.half_width <= 0.0:
+            return sheets.trace(problem, pose, rays=count, threads=1)
+        across = round(math.sqrt(count / RAYS_A_SHEET))
+        record = sheets.trace(problem, pose, sheets=across, rays=count // across, threads=1)
+        if near > 0:
+            # Near nadir a cone takes in all azimuths, and sheets lie far apart: there rays do better.
+            nadir = problem._replace(bins=near, range_factor=problem.range_factor[:near])
+            record[..., :near] = rays.trace(nadir, pose, rays=count // RAYS_AT_NADIR, threads=1)
+        return record
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         return np.concatenate(list(pool.map(single, (take(poses, slice(k, k + 1)) for k in range(poses.x.size)))))

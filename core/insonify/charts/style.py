@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
@@ -139,4 +139,4 @@ def as_time(microseconds: float) -> str:
 
 def as_percent(share: float) -> str:
     """Write a share in percent, to two digits."""
-    return f"{float(f'{100.0 * share:.2g}'):g} %" if math.isfinite(share) else ""
+    return f"{np.format_float_positional(100.0 * share, 2, fractional=False, trim='-')} %"

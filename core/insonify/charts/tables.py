@@ -24,6 +24,7 @@ ACCURACY_COLUMNS = (
     "shadow_edge_m",
     "echo_position_m",
     "reference_moved",
+    "reference_moved_all_bins",
     "resolved",
     "best_for_its_time",
 )
@@ -51,6 +52,7 @@ def accuracy_table(chart: Chart) -> Table:
                 moved.shadow_edge,
                 moved.echo,
                 reference.moved,
+                reference.moved_all,
                 "yes" if errors.beyond >= reference.floor else "no",
                 "yes" if row.name in best else "no",
             )
