@@ -56,7 +56,7 @@ def measured():
 
 
 def test_every_method_is_measured(measured):
-    methods = {"march", "rays", "sweep", "sweep, every 2nd node", "sweep, every 4th node"}
+    methods = {"march", "rays", "sweep", "sweep, float64", "sweep, every 2nd node", "sweep, every 4th node"}
     assert methods <= {row.method for row in measured.rows}
     assert all(row.microseconds > 0.0 and row.spread >= 0.0 for row in measured.rows)
     assert measured.pings == 2
@@ -89,6 +89,12 @@ def test_a_bed_of_fewer_nodes_is_cheaper_and_farther_from_the_truth(measured):
         found[method, "16 planes"] for method in ("sweep", "sweep, every 2nd node", "sweep, every 4th node")
     )
     assert full.errors.beyond < half.errors.beyond < quarter.errors.beyond
+
+
+def test_double_precision_matters_little(measured):
+    found = {(row.method, row.setting): row for row in measured.rows if not row.targets}
+    single, double = (found[method, "16 planes"].errors.beyond for method in ("sweep", "sweep, float64"))
+    assert single == pytest.approx(double, abs=1e-4)
 
 
 def test_record_of_a_point_and_its_reference(measured):

@@ -19,6 +19,7 @@ PLANES = (1, 2, 4, 8, 16, 32, 64)
 STILL_RAYS, STILL_PLANES = (16000,), (4, 16, 64)
 COARSER = {2: "2nd", 4: "4th"}  # nodes of the bed
 COARSE_PLANES = (4, 16)
+DOUBLE_PLANES = (4, 16, 64)
 EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
 
 Record = NDArray[np.float32]
@@ -85,7 +86,7 @@ def contenders(problem: Problem, poses: Poses) -> list[Contender]:
         bed = TriangulatedBed(problem, poses)
         out += [Contender(EMBREE, f"{count:,} rays", count, partial(bed.trace, rays=count)) for count in RAYS]
     if problem.water.station.size == 1:  # the sweep hears no water that differs along the level
-        out += sweeps("sweep", problem, PLANES)
+        out += sweeps("sweep", problem, PLANES) + sweeps("sweep, float64", problem, DOUBLE_PLANES, double=True)
         for every, ordinal in COARSER.items():
             if (coarse := coarser(problem.bed, every)) is not None:
                 out += sweeps(f"sweep, every {ordinal} node", problem._replace(bed=coarse), COARSE_PLANES)
@@ -125,10 +126,15 @@ def rays_of(method: str, problem: Problem, counts: Sequence[int]) -> list[Conten
     return [Contender(method, f"{count:,} rays", count, _bound(rays.trace, problem, rays=count)) for count in counts]
 
 
-def sweeps(method: str, problem: Problem, counts: Sequence[int]) -> list[Contender]:
-    """Fans of planes; a knife has one."""
+def sweeps(method: str, problem: Problem, counts: Sequence[int], *, double: bool = False) -> list[Contender]:
+    """Fans of planes, in single or double precision; a knife has one."""
     return [
-        Contender(method, f"{planes} plane{'s' * (planes > 1)}", planes, _bound(sweep.trace, problem, planes=planes))
+        Contender(
+            method,
+            f"{planes} plane{'s' * (planes > 1)}",
+            planes,
+            _bound(sweep.trace, problem, planes=planes, double=double),
+        )
         for planes in (counts if problem.half_width > 0.0 else (1,))
     ]
 

@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 WIDE, HIGH = 3.9, 3.2  # inches of a panel
 ABOVE, BELOW, LEFT = 1.15, 0.75, 0.75
 ROOM = 0.75  # of an inch between panels
+AGAINST = {
+    "march, step in m": "error against as many exact rays",
+    "sweep, spacing in m": "error against all nodes of the bed",
+}
 
 
 def draw_cost(chart: CostChart) -> Figure:
@@ -87,7 +91,7 @@ def draw_convergence(chart: ConvergenceChart) -> Figure:
         scale_axes(axes, x=_count, y=as_percent)
         method, _, what = name.partition(", ")
         axes.set_xlabel(what or "rays a side", fontsize=10, color=INK)
-        axes.set_title(_AGAINST.get(name, "error against the reference"), fontsize=9.5, color=FAINT, loc="left")
+        axes.set_title(AGAINST.get(name, "error against the reference"), fontsize=9.5, color=FAINT, loc="left")
         known, unknown = ([point for point in points if point.resolved is told] for told in (True, False))
         x, y = [point.size for point in known], [point.error for point in known]
         _series(axes, method, x, y, fits[name], "size")
@@ -102,12 +106,6 @@ def draw_convergence(chart: ConvergenceChart) -> Figure:
         axes.set_ylim(0.5 * min(point.error for point in points), 2.5 * max(point.error for point in points))
         _finish(axes)
     return figure
-
-
-_AGAINST = {
-    "march, step in m": "error against as many exact rays",
-    "sweep, spacing in m": "error against all nodes of the bed",
-}
 
 
 def _panels(count: int, across: int) -> tuple[Figure, list[Axes]]:

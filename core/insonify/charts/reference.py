@@ -19,7 +19,8 @@ from insonify.tracers.poses import take
 
 RESOLVED = 10.0  # times finer than an error the reference is to be
 FIRST_RAYS = 1 << 16
-MOST_RAYS = 1 << 22
+# Rays of one sheet are held in memory together, by every core.
+MOST_IN_SHEETS, MOST_TOGETHER = 1 << 22, 1 << 20
 RAYS_A_SHEET = 32  # for every sheet of a fan; with as many both halves of the error are alike
 RAYS_AT_NADIR = 4  # in all for every one near nadir, whose bins are few
 # Of the error, by which more rays are foreseen.
@@ -83,6 +84,7 @@ def prove(
     """
     began, count = perf_counter(), FIRST_RAYS
     order = SHEET_ORDER if sheets.can_trace(problem) else RAY_ORDER
+    most = MOST_IN_SHEETS if sheets.can_trace(problem) and problem.half_width > 0.0 else MOST_TOGETHER
     record = trace(problem, poses, count)
     while True:
         progress(min((perf_counter() - began) / seconds, 1.0))
@@ -94,7 +96,7 @@ def prove(
         smallest = min(compare(problem, poses, other, finer).beyond for other in shown)
         left = seconds - (perf_counter() - began)
         doublings = _doublings(RESOLVED * moved / smallest if smallest > 0.0 else math.inf, order)
-        doublings = min(doublings, _affordable(left / per_ray, count), int(math.log2(MOST_RAYS / (2 * count))))
+        doublings = min(doublings, _affordable(left / per_ray, count), int(math.log2(most / (2 * count))))
         if moved * RESOLVED <= smallest or doublings < 1:
             return Reference(finer, moved, 2 * count, by.all_bins)
         count <<= doublings
