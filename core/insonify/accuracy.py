@@ -330,6 +330,7 @@ def time_calls(
     *,
     rounds: int = 7,
     seconds: float = math.inf,
+    clock: Callable[[], float] = perf_counter,
     progress: Callable[[float], None] = lambda share: None,
 ) -> dict[Name, Timing]:
     """Time several calls in turns, so that what else the machine does falls on all of them alike.
@@ -342,6 +343,8 @@ def time_calls(
         Times that each is called, at least 3.
     seconds : float
         After these no further round begins.
+    clock : callable
+        Tells seconds: by the wall, or those of this thread alone, so that what else the machine does hardly counts.
     progress : callable
         Called after every round with the share of the rounds done; may raise to stop.
 
@@ -357,9 +360,9 @@ def time_calls(
         if turn >= 3 and perf_counter() - began > seconds:
             break
         for name, call in calls.items():
-            start = perf_counter()
+            start = clock()
             call()
-            taken[name].append(perf_counter() - start)
+            taken[name].append(clock() - start)
         progress((turn + 1) / max(rounds, 3))
     return {name: _timing(np.array(times)) for name, times in taken.items()}
 

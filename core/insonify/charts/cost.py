@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from time import thread_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -130,8 +131,8 @@ def cost_chart(scene: Scene, *, progress: Callable[[float], None] | None = None)
         calls["rays", "rays a side", count] = _rays(problem, poses, count)
     timings = time_calls(
         {key: call for key, (call, _) in calls.items()},
-        rounds=5,
         seconds=SECONDS,
+        clock=thread_time,
         progress=progress or (lambda _: None),
     )
     rows = [

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from textwrap import fill
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from insonify.charts.contenders import EMBREE_OWN
 from insonify.charts.style import (
     FAINT,
     INK,
+    OUTLINE,
     as_percent,
     as_time,
     colour_of,
@@ -59,7 +62,7 @@ def draw(chart: Chart) -> Drawing:
     Drawing
     """
     panels = len(chart.cases)
-    figure = Figure(figsize=(WIDE * panels + 1.6 * (panels == 1), HIGH), facecolor="white")
+    figure = Figure(figsize=(LEFT + WIDE * panels + NAMES, HIGH), facecolor="white")
     FigureCanvasAgg(figure)
     write_headings(figure, "Speed against accuracy", _told(chart), chart.machine)
     grid = figure.subplots(1, panels, sharex=True, sharey=True, squeeze=False)[0]
@@ -69,17 +72,23 @@ def draw(chart: Chart) -> Drawing:
     for axes, targets in zip(grid, sorted(chart.cases)):
         marks |= _panel(axes, chart, targets)
     _limit(grid, chart)
+    _name(figure, grid, chart.notes)
     for axes, targets in zip(grid, sorted(chart.cases)):
         _floor(axes, chart, targets)
         rows = [row for row in chart.rows if row.targets == targets]
-        place_labels(axes, [(row.label, row.microseconds, _height(row), colour_of(row.method)) for row in rows])
+        labels = [
+            (row.label, row.microseconds, _height(row), colour_of(row.method))
+            for row in rows
+            if row.method != EMBREE_OWN
+        ]
+        place_labels(axes, labels)
     grid[0].set_ylabel("error beyond 1.4 × altitude", fontsize=10.5, color=INK, labelpad=6)
     return Drawing(figure, marks)
 
 
 def _told(chart: Chart) -> str:
     pings = f"{chart.pings} ping{'s' * (chart.pings != 1)}"
-    return f"{chart.title or 'untitled scene'} · {pings} · bars: half the distance between the quartiles of the times"
+    return f"{chart.title or 'untitled scene'} · {pings}"
 
 
 def _panel(axes: Axes, chart: Chart, targets: bool) -> dict[Line2D, list[Row]]:
@@ -98,7 +107,6 @@ def _panel(axes: Axes, chart: Chart, targets: bool) -> dict[Line2D, list[Row]]:
     for method in dict.fromkeys(row.method for row in chart.rows if row.targets == targets):
         rows = [row for row in chart.rows if row.targets == targets and row.method == method]
         marks[_points(axes, method, rows)] = rows
-    axes.legend(loc="upper right", frameon=False, fontsize=9, labelcolor=INK, handlelength=1.8)
     return marks
 
 
@@ -111,16 +119,38 @@ def _points(axes: Axes, method: str, rows: list[Row]) -> Line2D:
     (line,) = axes.plot(
         x, y, color=colour, linewidth=1.2, linestyle="--" if "," in method else "-",
         marker=mark_of(method), markersize=6.5, markeredgecolor="white", zorder=3,
-        label=f"{method} ({COUNTED[method.partition(',')[0]]})", picker=5,
+        label=_named(method), picker=5,
     )  # fmt: skip
     return line
 
 
+def _named(method: str) -> str:
+    """Tell what a method's labels count; of a family's others in a line more what tells them apart."""
+    family, _, rest = method.partition(", ")
+    return f"{family},\n{rest}" if rest else f"{family} ({COUNTED[family]})"
+
+
+def _name(figure: Figure, grid: list[Axes], notes: tuple[str, ...]) -> None:
+    """Name the methods of all panels to their right, each once, and below them what there is to note."""
+    named: dict[str, Any] = {}
+    for axes in grid:
+        for handle, label in zip(*axes.get_legend_handles_labels()):
+            named.setdefault(label, handle)
+    place = grid[-1].get_position()
+    figure.legend(
+        list(named.values()), list(named), loc="upper left", bbox_to_anchor=(place.x1 + 0.003, place.y1), frameon=False,
+        fontsize=9, labelcolor=INK, handlelength=1.8, labelspacing=0.9,
+    )  # fmt: skip
+    told = "\n\n".join(fill(note, 40) for note in notes)
+    left = place.x1 + 0.15 / figure.get_size_inches()[0]
+    figure.text(left, place.y0, told, ha="left", va="bottom", fontsize=8.0, color=FAINT)
+
+
 def _limit(grid: list[Axes], chart: Chart) -> None:
-    """Leave room for labels, and for the names of the methods above the points."""
+    """Leave room for labels."""
     heights = [_height(row) for row in chart.rows] + [max(case.reference.floor, FLOOR) for case in chart.cases.values()]
     grid[0].margins(x=0.08)
-    grid[0].set_ylim(0.5 * min(heights), 12.0 * max(heights))
+    grid[0].set_ylim(0.5 * min(heights), 2.0 * max(heights))
 
 
 def _floor(axes: Axes, chart: Chart, targets: bool) -> None:
@@ -129,8 +159,8 @@ def _floor(axes: Axes, chart: Chart, targets: bool) -> None:
     low, moved = max(reference.floor, FLOOR), as_percent(reference.moved)
     axes.axhspan(FLOOR / 10.0, low, color=FAINT, alpha=0.10, linewidth=0, zorder=0)
     axes.text(
-        0.01, low, f"not resolved: doubling to {reference.rays:,} rays a side moved the reference {moved}",
-        transform=axes.get_yaxis_transform(), ha="left", va="bottom", fontsize=8.0, color=FAINT,
+        0.012, 0.012, f"not resolved: doubling to {reference.rays:,} rays a side moved the reference {moved}",
+        transform=axes.transAxes, ha="left", va="bottom", fontsize=8.0, color=FAINT, path_effects=OUTLINE,
     )  # fmt: skip
 
 

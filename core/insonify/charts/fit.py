@@ -30,7 +30,8 @@ class Fit(NamedTuple):
         """Say the exponent with its spread; nothing where there is none."""
         if math.isnan(self.exponent):
             return ""
-        return f"{self.exponent:.2f}" + (f" ± {self.spread:.2f}" if math.isfinite(self.spread) else "")
+        exponent = f"{self.exponent:.2f}".replace("-", "−")
+        return exponent + (f" ± {self.spread:.2f}" if math.isfinite(self.spread) else "")
 
 
 def fit_power(x: Sequence[float], y: Sequence[float]) -> Fit:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from insonify.charts.cost import CostChart
 
 WIDE, HIGH = 3.9, 3.2  # inches of a panel
-ABOVE, BELOW, LEFT = 1.15, 0.75, 0.75
+ABOVE, BELOW, LEFT = 1.15, 0.95, 0.85
 ROOM = 0.75  # of an inch between panels
 AGAINST = {
     "march, step in m": "error against as many exact rays",
@@ -58,7 +58,7 @@ def draw_cost(chart: CostChart) -> Figure:
         scale_axes(axes, x=_count, y=as_time)
         axes.set_xlabel(axis, fontsize=10, color=INK)
         axes.set_title(
-            "time of them all" if axis == "pings" else "time per ping", fontsize=9.5, color=FAINT, loc="left"
+            "time of all pings" if axis == "pings" else "time per ping", fontsize=9.5, color=FAINT, loc="left"
         )
         for method in dict.fromkeys(row.method for row in chart.rows if row.axis == axis):
             rows = [row for row in chart.rows if (row.axis, row.method) == (axis, method)]
@@ -94,7 +94,9 @@ def draw_convergence(chart: ConvergenceChart) -> Figure:
         axes.set_title(AGAINST.get(name, "error against the reference"), fontsize=9.5, color=FAINT, loc="left")
         known, unknown = ([point for point in points if point.resolved is told] for told in (True, False))
         x, y = [point.size for point in known], [point.error for point in known]
-        _series(axes, method, x, y, fits[name], "size")
+        _series(
+            axes, method, x, y, fits[name], "step" if "step" in name else "spacing" if "spacing" in name else "count"
+        )
         axes.plot(
             [point.size for point in unknown], [point.error for point in unknown], linestyle="none",
             marker=mark_of(method), markersize=6.5, markerfacecolor="white", markeredgecolor=colour_of(method),
@@ -111,7 +113,7 @@ def draw_convergence(chart: ConvergenceChart) -> Figure:
 def _panels(count: int, across: int) -> tuple[Figure, list[Axes]]:
     """Lay panels out in rows."""
     rows = math.ceil(count / across)
-    width, height = LEFT + across * WIDE + 0.2, ABOVE + rows * (HIGH + ROOM) - ROOM + BELOW
+    width, height = LEFT + across * WIDE - ROOM + 0.3, ABOVE + rows * (HIGH + ROOM) - ROOM + BELOW
     figure = Figure(figsize=(width, height), facecolor="white")
     FigureCanvasAgg(figure)
     panels = []
@@ -133,7 +135,7 @@ def _series(
 ) -> None:
     """One method: its points and the law through them."""
     colour = colour_of(method)
-    law = f"{method}: {symbol}^({fit.words()})" if fit.words() else method
+    law = f"{method} ∝ {symbol} to the {fit.words()}" if fit.words() else method
     axes.errorbar(
         x, y, yerr=bars, fmt=mark_of(method), color=colour, markersize=6.5, markeredgecolor="white", elinewidth=1.0,
         zorder=3, label=law,

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from time import perf_counter
+from time import process_time
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +24,7 @@ MOST_IN_SHEETS, MOST_TOGETHER = 1 << 22, 1 << 20
 RAYS_A_SHEET = 32  # for every sheet of a fan; with as many both halves of the error are alike
 RAYS_AT_NADIR = 4  # in all for every one near nadir, whose bins are few
 # Of the error, by which more rays are foreseen.
-SHEET_ORDER, RAY_ORDER = 1.0, 0.75
+SHEET_ORDER, RAY_ORDER = 0.8, 0.75
 
 Record = NDArray[np.float32]
 
@@ -74,7 +74,7 @@ def prove(
     shown : sequence of (n, 2, bins) float32
         Records whose errors are to be resolved.
     seconds : float
-        Time that it may take, about; the last doubling that fits is the last.
+        Processor time that it may take, of all cores together; the last doubling that fits is the last.
     progress : callable
         Called with the share done; may raise to stop.
 
@@ -82,19 +82,19 @@ def prove(
     -------
     Reference
     """
-    began, count = perf_counter(), FIRST_RAYS
+    began, count = process_time(), FIRST_RAYS
     order = SHEET_ORDER if sheets.can_trace(problem) else RAY_ORDER
     most = MOST_IN_SHEETS if sheets.can_trace(problem) and problem.half_width > 0.0 else MOST_TOGETHER
     record = trace(problem, poses, count)
     while True:
-        progress(min((perf_counter() - began) / seconds, 1.0))
-        start = perf_counter()
+        progress(min((process_time() - began) / seconds, 1.0))
+        start = process_time()
         finer = trace(problem, poses, 2 * count)
         per_ray = (process_time() - start) / (2 * count)
         by = compare(problem, poses, record, finer)
         moved = by.beyond
         smallest = min(compare(problem, poses, other, finer).beyond for other in shown)
-        left = seconds - (perf_counter() - began)
+        left = seconds - (process_time() - began)
         doublings = _doublings(RESOLVED * moved / smallest if smallest > 0.0 else math.inf, order)
         doublings = min(doublings, _affordable(left / per_ray, count), int(math.log2(most / (2 * count))))
         if moved * RESOLVED <= smallest or doublings < 1:

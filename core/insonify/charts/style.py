@@ -16,7 +16,6 @@ from matplotlib.transforms import Bbox
 INK, FAINT = "#22262b", "#6b737c"
 COLOURS = {"march": "#b5651d", "rays": "#2f6f9f", "sweep": "#1f8a5b", "embree": "#8a3f8f"}
 MARKS = {"march": "s", "rays": "o", "sweep": "D", "embree": "^"}
-OTHER_SWEEPS = ("#7aa32b", "#c2a017", "#5f9ea0")  # of the sweeps that differ from the first
 SHADES = {
     "sweep, every 2nd node": "#7fa83a",
     "sweep, every 4th node": "#c4a32a",
@@ -73,7 +72,7 @@ def scale_axes(axes: Axes, *, x: Any, y: Any) -> None:
 def write_headings(figure: Figure, title: str, line: str, foot: str) -> None:
     """Write what a chart shows above it, what it was measured on below."""
     width, height = figure.get_size_inches()
-    left = 0.75 / width
+    left = 0.85 / width
     figure.text(left, 1.0 - 0.38 / height, title, fontsize=16, fontweight="bold", color=INK, va="center")
     figure.text(left, 1.0 - 0.70 / height, line, fontsize=10.5, color=FAINT, va="center")
     figure.text(left, 0.22 / height, foot, fontsize=8.5, color=FAINT, va="center")
