@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.types import Poses, Problem
+from insonify.kernels.types import Poses, Problem, still_water
 from insonify.layout import ACROSS, coordinates, labels, platform
 from insonify.plan import Plan, plan
 from insonify.receive import Reception, make_reception, receive
@@ -40,6 +40,13 @@ TRACERS: dict[str, Tracer] = {
 }
 
 
+class Modelled(NamedTuple):
+    """A problem and the ground about each ping, less what the plan leaves out."""
+
+    problem: Problem
+    windows: Windows
+
+
 @dataclass(frozen=True, eq=False)
 class Simulation:
     """A scene made ready to trace any of its pings.
@@ -56,6 +63,8 @@ class Simulation:
         All of it as the tracers take it; of endless ground only a piece.
     windows : Windows
         The ground about each ping.
+    modelled : Modelled
+        What of both is traced.
     reception : Reception
         What becomes of the echoes.
     spiky : Problem or None
@@ -69,6 +78,7 @@ class Simulation:
     ground: AnyGround
     problem: Problem
     windows: Windows
+    modelled: Modelled
     reception: Reception
     spiky: Problem | None
     interference: Interference | None
@@ -101,8 +111,8 @@ class Simulation:
         pings = np.asarray(pings, dtype=np.int64)
         trace = TRACERS[self.plan.method] if self.interference is None else self.interference.trace
         poses = self.poses(pings)
-        refuse_sonar_in_mesh(self.problem, poses)
-        traced = self._traced(trace, self.problem, poses)
+        refuse_sonar_in_mesh(self.modelled.problem, poses)
+        traced = self._traced(trace, self.modelled.problem, poses)
         spiky = None if self.spiky is None else self._traced(trace, self.spiky, poses)
 
         def block(first: int, last: int) -> NDArray[np.float32]:
@@ -129,7 +139,7 @@ class Simulation:
         poses = self.poses(np.asarray(pings, dtype=np.int64))
         refuse_sonar_in_mesh(self.problem, poses)
         crosstalk = self.reception.crosstalk
-        places, problems = zip(*self.windows.over(self.problem, poses))
+        places, problems = zip(*self.modelled.windows.over(self.modelled.problem, poses))
         found = [
             trace_truth(problem, take(poses, some), crosstalk=crosstalk, **fine)
             for some, problem in zip(places, problems)
@@ -138,7 +148,7 @@ class Simulation:
 
     def _traced(self, trace: Tracer, problem: Problem, poses: Poses) -> NDArray[np.float32]:
         """Trace pings window by window."""
-        places, problems = zip(*self.windows.over(problem, poses))
+        places, problems = zip(*self.modelled.windows.over(problem, poses))
         found = [trace(part, take(poses, some), **self.plan.settings) for some, part in zip(places, problems)]
         return in_order(places, found)
 
@@ -165,20 +175,26 @@ def prepare(
     chosen = plan(scene, tolerance, method=method, forced=forced)
     ground = build_ground(scene)
     _refuse_silence(scene, ground)
-    traced = ground.thinned(chosen.every)
-    problem = lessened(
-        make_problem(scene, ground),
-        bent=chosen.bent,
-        ways=chosen.ways,
-        bounces=chosen.bounces,
-        targets=chosen.targets,
-        bed=None if traced is ground else make_bed(traced.around(scene.track.start, 0.0)),
-    )
+    problem = make_problem(scene, ground)
+    if not chosen.bent:
+        problem = problem._replace(water=still_water(problem.water.reference, problem.water.surface))
     reception = _make_reception(scene, ground, problem)
-    spiky, interference = _spiky(scene, ground, problem), make_interference(scene, problem)
-    beyond = 0 if interference is None else interference.beyond
-    windows = Windows(traced, (problem.bins + beyond) * problem.bin_length)
-    return Simulation(scene, chosen, ground, problem, windows, reception, spiky, interference)
+    interference = make_interference(scene, problem)
+    reach = (problem.bins + (0 if interference is None else interference.beyond)) * problem.bin_length
+    windows = Windows(ground, reach)
+    modelled = _modelled(scene, chosen, ground, problem, windows)
+    spiky = _spiky(scene, ground, modelled.problem)
+    return Simulation(scene, chosen, ground, problem, windows, modelled, reception, spiky, interference)
+
+
+def _modelled(scene: Scene, chosen: Plan, ground: AnyGround, problem: Problem, windows: Windows) -> Modelled:
+    """Leave out what the plan does."""
+    bed = problem.bed
+    if chosen.every > 1:
+        thinned = ground.thinned(chosen.every)
+        bed, windows = make_bed(thinned.around(scene.track.start, 0.0)), Windows(thinned, windows.reach)
+    less = lessened(problem, bed=bed, ways=chosen.ways, bounces=chosen.bounces, targets=chosen.targets)
+    return Modelled(less, windows)
 
 
 def _refuse_silence(scene: Scene, ground: AnyGround) -> None:

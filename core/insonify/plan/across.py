@@ -1,48 +1,69 @@
-"""Planes across the beam, and single rays: how many a tolerance asks for."""
+"""Planes across the beam, and single rays: what error they leave, and how many a tolerance asks for."""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from insonify.plan import laws
 from insonify.plan.view import View
 from insonify.scene import Scene
-from insonify.scene.fractal import Fractal
-from insonify.scene.materials import Material
-from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
 from insonify.scene.targets import AnyTarget, Box, MeshFile
 
 
-class Demand(NamedTuple):
-    """What asks for planes."""
-
-    error: float  # that a single plane would make, as a share of the record
-    of_what: str
-
-
-def demand_of(scene: Scene, view: View) -> Demand | None:
-    """Return what of a scene asks for most planes; nothing of a knife, nor of a level bed without targets."""
-    if isinstance(scene.sonar.beam, Knife):
-        return None
-    return max([*_of_bed(scene, view), *_of_targets(scene, view)], default=None)
+def target_demand(scene: Scene, view: View, targets: tuple[int, ...]) -> float:
+    """Return the error that a single plane would make of a scene's targets, as a share of the record."""
+    if not targets or view.half_width == 0.0:
+        return 0.0
+    radius = math.exp(sum(math.log(radius_of(scene.targets[k])) for k in targets) / len(targets))
+    light = laws.TARGET_LIGHT if view.light else 1.0
+    return laws.TARGET_PLANES * view.width**laws.TARGET_WIDTH * radius**laws.TARGET_RADIUS * light
 
 
-def planes_for(demand: Demand | None, error: float, *, knife: bool) -> int:
-    """Return the fewest planes that keep to an error."""
-    if knife:
-        return 1
-    if demand is None:
-        return 2
-    if error <= 0.0:
-        return laws.MOST_PLANES
-    return min(laws.MOST_PLANES, 2 * max(1, math.ceil(math.sqrt(demand.error / error) / 2.0)))
+def radius_of(target: AnyTarget) -> float:
+    """Radius of a target, half the smallest side of a box, what the thin parts of a mesh are taken to have."""
+    if isinstance(target, Box):
+        return min(target.size) / 2.0
+    return laws.THIN if isinstance(target, MeshFile) else target.radius
 
 
-def error_of_planes(demand: Demand | None, planes: int) -> float:
-    """Return the error that planes leave, as a share of the record."""
-    return 0.0 if demand is None else demand.error / planes**2
+class Planes:
+    """Errors of planes by their number, never greater with more of them.
+
+    Parameters
+    ----------
+    bed : (n,) float64
+        What each of ``laws.COUNTS`` leaves of the bed.
+    targets : float
+        What a single plane would make of the targets.
+    most : int
+        Planes that may be chosen.
+    """
+
+    def __init__(self, bed: NDArray[np.float64], targets: float, most: int = laws.MOST_PLANES) -> None:
+        self._counts, self._most = np.asarray(laws.COUNTS, dtype=np.float64), most
+        self._bed = np.maximum.accumulate(bed[::-1])[::-1]
+        self._targets = targets
+        of_targets = targets * self._counts**-laws.TARGET_ORDER
+        self._wary = np.hypot(laws.MARGIN * self._bed, laws.MARGIN_OF_TARGETS * of_targets)
+
+    def error(self, planes: int) -> float:
+        """Error of so many planes, as a share of the record."""
+        # Between the counts of the table it falls as a power.
+        bed = math.exp(float(np.interp(math.log(planes), np.log(self._counts), np.log(np.maximum(self._bed, 1e-12)))))
+        return math.hypot(bed if bed > 2e-12 else 0.0, self._targets * planes**-laws.TARGET_ORDER)
+
+    def wary(self, planes: int) -> float:
+        """Error that one scene in a hundred may have instead."""
+        return float(self._wary[laws.COUNTS.index(planes)])
+
+    def fewest(self, error: float) -> int:
+        """Fewest planes that keep to an error even then; the most there are if none do."""
+        kept = np.flatnonzero(self._wary <= error)
+        return min(laws.COUNTS[int(kept[0])], self._most) if kept.size else self._most
 
 
 def rays_for(scene: Scene, error: float) -> int:
@@ -59,30 +80,3 @@ def error_of_rays(scene: Scene, rays: int) -> float:
 
 def _ray_law(scene: Scene) -> tuple[float, float]:
     return laws.KNIFE_RAYS if isinstance(scene.sonar.beam, Knife) else laws.FAN_RAYS
-
-
-def _of_bed(scene: Scene, view: View) -> list[Demand]:
-    """Demand of the bed's detail; none of a level bed of one material."""
-    relief, spacing = scene.seabed.relief, view.spacing
-    if isinstance(relief, Flat) and isinstance(scene.seabed.material, Material):
-        return []
-    beta, rms = laws.OTHER_BETA, laws.LAW_RMS
-    if isinstance(relief, Fractal) and isinstance(scene.seabed.material, Material):
-        beta, rms = min(relief.exponents), relief.rms / spacing
-    at_one_cell = laws.ERROR_AT_ONE_CELL * 10.0 ** ((laws.LAW_BETA - beta) / laws.BETA_PER_DECADE) * rms / laws.LAW_RMS
-    return [Demand(at_one_cell * (view.width / spacing) ** 2, f"a cell of the bed is {spacing:.3g} m")]
-
-
-def _of_targets(scene: Scene, view: View) -> list[Demand]:
-    """Demand of every target."""
-    return [
-        Demand(laws.ERROR_AT_ONE_RADIUS * (view.width / radius) ** 2, f"target {number} has a radius of {radius:.3g} m")
-        for number, radius in enumerate(map(_radius, scene.targets))
-    ]
-
-
-def _radius(target: AnyTarget) -> float:
-    """Radius of a target, half the smallest side of a box, what the thin parts of a mesh are taken to have."""
-    if isinstance(target, Box):
-        return min(target.size) / 2.0
-    return laws.THIN if isinstance(target, MeshFile) else target.radius

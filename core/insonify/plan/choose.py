@@ -4,19 +4,36 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import takewhile
+from typing import NamedTuple
 
-from insonify.plan.across import demand_of, planes_for, rays_for
+from insonify.plan.across import rays_for
 from insonify.plan.drafts import Draft, cost
 from insonify.plan.entries import Plan
+from insonify.plan.errors import Errors
 from insonify.plan.forcing import METHODS, Forced
+from insonify.plan.reach import is_heard
 from insonify.plan.refusals import refuse, refuse_bent
 from insonify.plan.telling import Told, entries_of
 from insonify.plan.view import View, look_at
 from insonify.scene import Scene, SceneError
+from insonify.scene.materials import Material
+from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
-from insonify.scene.surface import WAYS
 from insonify.scene.water import SectionWater
-from insonify.sound.straightness import Bending, bending_of
+
+FEWEST_CELLS = 8  # that a period of the bed keeps
+THINNED = (1, 2, 4, 8, 16, 32)
+AT_ONCE = 64e6  # bytes of a block, by all its copies
+COPIES, MOST_AT_ONCE = 8, 64
+
+
+class Budget(NamedTuple):
+    """What a plan may spend and what is forced."""
+
+    tolerance: float
+    asked: str  # method
+    forced: Forced
 
 
 def plan(
@@ -39,6 +56,8 @@ def plan(
     Returns
     -------
     Plan
+        Of all models whose predicted error keeps to the tolerance, with a margin, the cheapest; if none does, the most
+        accurate. So a greater tolerance never costs more.
 
     Raises
     ------
@@ -50,13 +69,14 @@ def plan(
     if method not in METHODS:
         raise SceneError(f"method: {method!r} is not known; choose one of {', '.join(METHODS)}")
     wishes = Forced(forced or {})
-    asked = wishes.method() if method == "auto" else method
-    bounces = 0 if wishes.switch("bounces") is False else scene.sonar.bounces
-    refuse(scene, asked, bounces)
-    view, bending = look_at(scene), bending_of(scene)
-    draft = _draft(scene, view, tolerance, asked, bending, wishes, bounces)
-    told = Told(scene, view, draft, bending, asked, wishes)
-    entries, error = entries_of(told)
+    budget = Budget(tolerance, wishes.method() if method == "auto" else method, wishes)
+    refuse(scene, budget.asked, 0 if wishes.switch("bounces") is False else scene.sonar.bounces)
+    view = look_at(scene)
+    errors = Errors(scene, view)
+    draft = _cheapest(scene, view, errors, budget)
+    if draft.bent:
+        refuse_bent(scene, budget.asked)
+    entries, error = entries_of(Told(scene, view, draft, errors, budget.asked, wishes))
     return Plan(
         method=draft.method,
         settings=draft.settings(),
@@ -64,43 +84,101 @@ def plan(
         every=draft.every,
         bounces=draft.bounces,
         ways=draft.ways,
-        targets=tuple(range(draft.targets)),
+        targets=draft.targets,
+        block=_block(view),
         entries=entries,
         error=error,
         cost=cost(view, draft),
     )
 
 
-def _draft(
-    scene: Scene, view: View, tolerance: float, asked: str, bending: Bending, wishes: Forced, bounces: int
-) -> Draft:
-    """Choose how to model a scene."""
-    bent = bending.most >= tolerance if (switch := wishes.switch("bending")) is None else switch
-    bent = bent and bending.most > 0.0
-    if bent:
-        refuse_bent(scene, asked)
-    surface = scene.water.surface
-    draft = Draft(
-        method=_method(scene, asked, bent, bounces),
-        bent=bent,
-        bounces=bounces,
-        every=int(wishes.number("spacing") or 1),
-        targets=0 if wishes.switch("targets") is False else len(scene.targets),
-        ways=frozenset(way for way in WAYS if getattr(surface, way, False) and wishes.switch(way) is not False),
+def _cheapest(scene: Scene, view: View, errors: Errors, budget: Budget) -> Draft:
+    """Choose among all ways to model a scene."""
+    drafts = [
+        _fine_enough(scene, view, errors, budget, Draft("", every=every, bent=bent, bounces=bounces))
+        for bounces in _bounces(scene, budget)
+        for bent in _bent(errors, budget)
+        for every in _every(scene, errors, budget)
+    ]
+    judged = [(errors.wary(draft), cost(view, draft), -draft.every, draft) for draft in drafts]
+    kept = [row[1:] for row in judged if row[0] <= budget.tolerance]
+    return min(kept)[-1] if kept else min(judged)[-1]
+
+
+def _fine_enough(scene: Scene, view: View, errors: Errors, budget: Budget, draft: Draft) -> Draft:
+    """Complete a draft with its tracer and as many planes or rays as the rest of the tolerance asks for."""
+    forced = budget.forced
+    draft = draft._replace(
+        method=_method(scene, budget.asked, draft),
+        targets=_targets(errors, forced),
+        ways=frozenset(
+            way for way, first in errors.ways.items() if _wanted(forced.switch(way), is_heard(scene, first))
+        ),
     )
-    rays = int(wishes.number("rays") or rays_for(scene, tolerance))
+    rest = math.sqrt(max(budget.tolerance**2 - errors.wary(draft._replace(method="")) ** 2, 0.0))
+    rays = int(forced.number("rays") or rays_for(scene, budget.tolerance))
     if draft.method == "march":
-        step = wishes.number("step") or view.spacing * min(1.0, tolerance / 0.03)
-        return draft._replace(step=step, rays=int(wishes.number("rays") or view.bins))
+        step = forced.number("step") or view.spacing * min(1.0, budget.tolerance / 0.03)
+        return draft._replace(step=step, rays=int(forced.number("rays") or view.bins))
     if draft.method == "rays":
         return draft._replace(rays=rays)
-    knife = isinstance(scene.sonar.beam, Knife)
-    planes = int(wishes.number("planes") or planes_for(demand_of(scene, view), tolerance, knife=knife))
-    return draft._replace(planes=1 if knife else planes, rays=rays if bent else 0)
+    planes = 1 if isinstance(scene.sonar.beam, Knife) else int(forced.number("planes") or errors.planes.fewest(rest))
+    return draft._replace(planes=planes, rays=rays if draft.bent else 0)
 
 
-def _method(scene: Scene, asked: str, bent: bool, bounces: int) -> str:
+def _targets(errors: Errors, forced: Forced) -> tuple[int, ...]:
+    """Targets to model: those in reach, unless they or the others are forced otherwise."""
+    near = errors.targets if _wanted(forced.switch("targets"), True) else ()
+    far = errors.far_targets if _wanted(forced.switch("far_targets"), False) else ()
+    return tuple(sorted((*near, *far)))
+
+
+def _wanted(forced: bool | None, otherwise: bool) -> bool:
+    return otherwise if forced is None else forced
+
+
+def _method(scene: Scene, asked: str, draft: Draft) -> str:
     """Pick the tracer."""
     if asked != "auto":
         return asked
-    return "rays" if bounces > 0 or (bent and isinstance(scene.water, SectionWater)) else "sweep"
+    return "rays" if draft.bounces > 0 or (draft.bent and isinstance(scene.water, SectionWater)) else "sweep"
+
+
+def _bounces(scene: Scene, budget: Budget) -> tuple[int, ...]:
+    """Bounces that may be followed."""
+    asked, wish = scene.sonar.bounces, budget.forced.switch("bounces")
+    if asked == 0 or wish is not None:
+        return (asked if wish else 0,)
+    return (asked,) if budget.asked in ("sweep", "march") else (asked, 0)
+
+
+def _bent(errors: Errors, budget: Budget) -> tuple[bool, ...]:
+    """Whether sound may be taken to bend or to go straight."""
+    wish = budget.forced.switch("bending")
+    if errors.bending.most == 0.0:
+        return (False,)
+    return (True, False) if wish is None else (wish,)
+
+
+def _every(scene: Scene, errors: Errors, budget: Budget) -> tuple[int, ...]:
+    """Nodes of the relief of which one may be kept, as long as the tolerance allows it."""
+    seabed, wish = scene.seabed, budget.forced.number("spacing")
+    cells = {round(part.period / seabed.spacing) for part in seabed.made if not part.endless}
+    if wish is not None:
+        every = int(wish)
+        if any(count % every for count in cells):
+            raise SceneError(
+                f"model spacing: '{every}' does not divide the {min(cells)} cells after which the bed repeats; "
+                "give a number that does, such as 1"
+            )
+        return (every,)
+    if not isinstance(seabed.material, Material) or not (seabed.made or isinstance(seabed.relief, Flat)):
+        return (1,)
+    fitting = (n for n in THINNED if all(count % n == 0 and count >= FEWEST_CELLS * n for count in cells))
+    return tuple(takewhile(lambda n: errors.thinned(n) <= budget.tolerance, fitting))
+
+
+def _block(view: View) -> int:
+    """Pings at a time that fit into little memory."""
+    fitting = AT_ONCE / (COPIES * 2 * 4 * view.bins)
+    return int(min(max(fitting, 1.0), MOST_AT_ONCE))

@@ -18,7 +18,7 @@ class Draft(NamedTuple):
     every: int = 1  # of so many nodes of the relief one is kept
     bent: bool = False
     bounces: int = 0
-    targets: int = 0  # modelled
+    targets: tuple[int, ...] = ()  # modelled
     ways: frozenset[str] = frozenset()  # by the sea surface
 
     def settings(self) -> dict[str, Any]:
@@ -33,12 +33,14 @@ class Draft(NamedTuple):
 def cost(view: View, draft: Draft) -> float:
     """Predict what a ping costs, both sides on one thread, in seconds of the machine of the laws."""
     base = laws.A_PING + 2.0 * view.bins * laws.A_BIN
-    per_way = (1.0 + laws.A_WAY * len(draft.ways)) * (1.0 + laws.A_BOUNCE * draft.bounces)
+    per_way = 1.0 + laws.A_WAY * len(draft.ways)
     if draft.method != "sweep":
         steps = view.reach / draft.step * laws.A_STEP if draft.method == "march" else 0.0
         bent = laws.BENT_RAYS if draft.bent else 1.0
-        return base + 2.0 * draft.rays * (laws.A_RAY + steps) * bent * per_way
+        per_ray = (laws.A_RAY + steps) * bent * (1.0 + laws.A_BOUNCE * draft.bounces)
+        return base + 2.0 * draft.rays * per_ray * per_way
     knots = 2.0 * view.ground / (view.spacing * draft.every)
     bent = laws.BENT if draft.bent else 1.0
-    plane = knots * laws.A_KNOT * bent + draft.targets * laws.A_TARGET
-    return base + draft.planes * plane * per_way
+    plane = laws.A_PLANE + knots * laws.A_KNOT * bent + len(draft.targets) * laws.A_TARGET
+    planes = draft.planes if draft.planes == 1 else draft.planes + laws.NEAR_PLANES
+    return base + planes * plane * per_way

@@ -28,7 +28,7 @@ NUMBERS = {
     "step": _Number(1e-6, 1e4, False, ("0.02", "0.05", "0.1", "0.2", "0.5")),
     "spacing": _Number(1, 64, True, ("1", "2", "4", "8")),
 }
-SWITCHES = ("bending", "bounces", "targets", *WAYS)
+SWITCHES = ("bending", "bounces", "targets", "far_targets", *WAYS)
 SUBJECTS = ("method", *NUMBERS, *SWITCHES)
 
 

@@ -1,31 +1,58 @@
-"""Laws of error and cost as numbers, all that was measured in one place."""
+"""Laws of error and cost as numbers, all that was measured in one place.
+
+``pytest -m bench -s tests/bench/test_laws.py`` measures them anew.
+"""
 
 from __future__ import annotations
 
-MOST_PLANES = 64
+# Errors are predicted as they come out in the middle; one scene's may be this much greater.
+MARGIN, MARGIN_OF_TARGETS = 1.7, 2.2
 
-# Error of a fan of planes against 128, over fractal beds of β 1.2 to 2 with rms 0.4 cells: share of the record when
-# planes lie one cell apart at the greatest range; a factor of ten for every 0.4 of β; square of the spacing.
-ERROR_AT_ONE_CELL, LAW_BETA, LAW_RMS = 0.012, 1.2, 0.4
-BETA_PER_DECADE = 0.4
-# Likewise for targets, whose glint is narrow: with planes one radius apart.
-ERROR_AT_ONE_RADIUS = 0.18
-THIN = 0.15  # m, radius of the thin parts of a mesh, which it does not tell before it is read
-# A bed that no β describes (measured heights, patches of material) counts as this smooth.
-OTHER_BETA = 1.4
-# Error law of single rays over a rough bed, at 1000 rays a side, and its order: a fan spreads them over two angles.
+# Planes: counts that may be chosen.
+COUNTS = (*range(2, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
+MOST_PLANES = COUNTS[-1]
+MOST_OF_PATTERNS = 64  # of a beam that is no level top-hat, whose near field has many more
+# Planes that a beam's weight leaves of one, by its kind.
+WORTH = {"knife": 1.0, "fan": 1.0, "gaussian": 0.85, "array": 0.6}
+# What planes leave of a fan's near field, however little the bed has of detail: over a grazing angle of tangent t at
+# the greatest range, a share of the record LEFT + LEFT_STEEP t², and after how many planes that is gone.
+LEFT, LEFT_STEEP, LEFT_UP_TO = 0.001, 0.015, 16
+
+# Error of planes across targets: TARGET_PLANES · width^0.75 · radius^−0.5 · planes^−1.5, lengths in metres, the beam's
+# width at the greatest range and the mean radius; less in light, whose targets glint less.
+TARGET_PLANES, TARGET_WIDTH, TARGET_RADIUS, TARGET_ORDER, TARGET_LIGHT = 0.36, 0.75, -0.5, 1.5, 0.42
+THIN = 0.15  # m, radius of the thin parts of a mesh
+
+# Of the shadows of a rough bed: how steep a slope casts one, in rms slopes over the tangent of the grazing angle, and
+# how long they are along the track, in cells.
+SHADOWING, SHADOW_CELLS = 1.0, 4.0
+# Variance of a cascade's slopes where they are steep, over the mean.
+CASCADE = 4.0
+# Relief of a bed that no spectrum describes (a measured one): exponent, and rms in cells.
+OTHER_BETA, OTHER_RMS = 1.4, 0.4
+# A level bed of wide cells: error by cells over bins, and the most that it comes to.
+LEVEL, LEVEL_ORDER, LEVEL_MOST = 2.5e-4, 1.8, 6e-3
+
+# Error of single rays over a rough bed, at 1000 rays a side, and its order: a fan spreads them over two angles.
 KNIFE_RAYS, FAN_RAYS = (0.13, 1.0), (0.31, 0.75)
-# Of a march over a rough bed, in steps of a cell, and its order.
+# Of a march in steps of a cell, and its order.
 MARCH, MARCH_ORDER = 0.3, 0.5
+# What the sweep is off rays, in spite of any number of planes, over a bed and with targets.
+SWEEP, SWEEP_TARGETS = 0.002, 0.004
+# What bounces add, over the energy that the best mirror returns.
+BOUNCED = 2.0
+# Numbers of 32 bits, with sums of 64.
+SINGLE = 1e-6
 
 # Seconds of one thread of the machine that the laws were measured on.
 A_PING = 1.0e-6
 A_BIN = 2.0e-9
+A_PLANE = 0.5e-6
 A_KNOT = 7.0e-9  # of a profile
-A_RAY = 0.1e-6
+NEAR_PLANES = 2.0  # of a beam's near field, in whole ones
+A_RAY = 0.12e-6
 A_STEP = 2.0e-9
-BENT = 1.3  # by which bent sound costs more than straight
-BENT_RAYS = 4.0
+BENT, BENT_RAYS = 1.3, 4.0  # by which bent sound costs more than straight
 A_BOUNCE = 1.0  # share of the first echo's cost
-A_TARGET = 3.0e-6  # in one plane
-A_WAY = 1.0  # by the surface, share of the direct one's cost
+A_TARGET = 0.3e-6  # in one plane
+A_WAY = 2.0  # by the surface, share of the direct one's cost

@@ -18,6 +18,8 @@ class View(NamedTuple):
     bins: int  # per side
     spacing: float  # of the relief's nodes
     half_width: float  # of the beam's main lobe, rad; 0 for a knife
+    light: bool  # whether the law is that of light
+    beam: str  # its kind
 
     @property
     def bin_length(self) -> float:
@@ -49,4 +51,6 @@ def look_at(scene: Scene) -> View:
         bins=scene.sonar.bins,
         spacing=scene.seabed.spacing,
         half_width=main_lobe(scene.sonar, speed_at_sonar(scene)),
+        light=scene.sonar.law == "light",
+        beam=scene.sonar.beam.kind,
     )

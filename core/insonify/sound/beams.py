@@ -45,10 +45,7 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, Pattern]:
     sonar = scene.sonar
     beam = sonar.beam
     half_width = main_lobe(sonar, sound_speed)
-    aimed = not isinstance(beam, Knife) and beam.squint != 0.0
-    tilts = not isinstance(beam, Knife) and bool(TILTING.intersection(scene.track.kinds))
-    is_vertical = isinstance(sonar.vertical, (VerticalFan, VerticalGaussian))
-    if isinstance(beam, (Knife, Fan)) and not (aimed or tilts or is_vertical):
+    if not is_patterned(scene):
         return half_width, plain_pattern()
     centre = 0.0 if isinstance(beam, Knife) else math.sin(math.radians(beam.squint))
     if isinstance(beam, LineArray):
@@ -69,6 +66,15 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, Pattern]:
         s_vertical=s_vertical,
         two_way=not isinstance(beam, (Gaussian, LineArray)) or beam.two_way,
     )
+
+
+def is_patterned(scene: Scene) -> bool:
+    """Tell a beam that must be tabled from a level top-hat or knife that hears every grazing angle alike."""
+    beam = scene.sonar.beam
+    aimed = not isinstance(beam, Knife) and beam.squint != 0.0
+    tilts = not isinstance(beam, Knife) and bool(TILTING.intersection(scene.track.kinds))
+    is_vertical = isinstance(scene.sonar.vertical, (VerticalFan, VerticalGaussian))
+    return not isinstance(beam, (Knife, Fan)) or aimed or tilts or is_vertical
 
 
 def main_lobe(sonar: Sonar, sound_speed: float) -> float:

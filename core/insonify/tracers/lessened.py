@@ -9,48 +9,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.tree import make_mesh
-from insonify.kernels.types import Bed, Problem, Solids, still_water
+from insonify.kernels.types import Bed, Problem, Solids
 from insonify.scene.surface import WAYS
 
 
-def lessened(
-    problem: Problem,
-    *,
-    bent: bool,
-    ways: Collection[str],
-    bounces: int,
-    targets: Collection[int],
-    bed: Bed | None = None,
-) -> Problem:
+def lessened(problem: Problem, *, bed: Bed, ways: Collection[str], bounces: int, targets: Collection[int]) -> Problem:
     """Leave out what is not modelled.
 
     Parameters
     ----------
     problem : Problem
         With all that the scene declares.
-    bent : bool
-        Whether sound follows the water; if not, it goes straight at the sonar's speed.
+    bed : Bed
+        With as many nodes as are modelled.
     ways : collection of str
         Ways by the sea surface that are heard.
     bounces : int
         Mirror-like bounces followed.
     targets : collection of int
         Targets that are there, by their places in the scene; the others leave their numbers behind.
-    bed : Bed, optional
-        In place of the problem's own.
 
     Returns
     -------
     Problem
     """
-    water, ghosts = problem.water, problem.ghosts
+    ghosts = problem.ghosts
     heard: dict[str, Any] = {way: getattr(ghosts, way) and way in ways for way in WAYS}
-    problem = problem._replace(
-        water=water if bent else still_water(water.reference, water.surface),
-        ghosts=ghosts._replace(heard=any(heard.values()), **heard),
-        bounces=bounces,
-        bed=problem.bed if bed is None else bed,
-    )
+    problem = problem._replace(ghosts=ghosts._replace(heard=any(heard.values()), **heard), bounces=bounces, bed=bed)
     kept = np.asarray(sorted(targets), dtype=np.int64)
     return _without_others(problem, np.isin(problem.solids.target, kept), np.isin(problem.mesh.target, kept))
 

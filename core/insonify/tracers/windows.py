@@ -32,7 +32,7 @@ class Windows:
     """
 
     def __init__(self, ground: AnyGround, reach: float) -> None:
-        self._ground, self._reach = ground, MARGIN * reach
+        self._ground, self.reach = ground, reach
         self._bed = lru_cache(maxsize=KEPT_BEDS)(self._made_bed)
 
     def over(self, problem: Problem, poses: Poses) -> Iterator[tuple[NDArray[np.int64] | slice, Problem]]:
@@ -61,7 +61,7 @@ class Windows:
 
     def _made_bed(self, row: int, column: int) -> Bed:
         assert isinstance(self._ground, EndlessGround)
-        return make_bed(self._ground.window(row, column, self._reach))
+        return make_bed(self._ground.window(row, column, MARGIN * self.reach))
 
 
 def in_order(places: Sequence[NDArray[np.int64] | slice], columns: Sequence[Column]) -> Column:

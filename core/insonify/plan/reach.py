@@ -1,0 +1,75 @@
+"""What lies out of reach of every ping, and is left out without any error."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+from insonify.meshes import read_mesh
+from insonify.scene import Scene
+from insonify.scene.files import file_version
+from insonify.scene.motion import Heave, Pitch, Roll, Straight, Sway, Yaw
+from insonify.scene.reliefs import Dem
+from insonify.scene.surface import WAYS
+from insonify.scene.targets import AnyTarget, Box, Cone, MeshFile, Pipe
+
+FARTHER = 1.1  # bent sound may go farther in the time of a slant range
+NEARER = 0.9  # over a rough bed an echo by the surface may come sooner
+
+
+def targets_in_reach(scene: Scene) -> tuple[int, ...]:
+    """Return the targets that some ping of a tow without end may hear; all of them where the tow is no line."""
+    track = scene.track
+    motions = getattr(track.motion, "of", (track.motion,))
+    if not all(isinstance(motion, (Straight, Heave, Pitch, Roll, Yaw, Sway)) for motion in motions):
+        return tuple(range(len(scene.targets)))
+    strayed = sum(motion.amplitude for motion in motions if isinstance(motion, Sway))
+    reach = FARTHER * scene.sonar.range + strayed
+    return tuple(k for k, target in enumerate(scene.targets) if _distance(scene, target) <= reach + size_of(target))
+
+
+def _distance(scene: Scene, target: AnyTarget) -> float:
+    """Level distance of a target's place from the line of the tow, that goes on for ever from its start."""
+    x, y = (target.position[k] - scene.track.start[k] for k in (0, 1))
+    c, s = math.cos(math.radians(scene.track.heading)), math.sin(math.radians(scene.track.heading))
+    along, athwart = x * c + y * s, y * c - x * s
+    return math.hypot(min(along, 0.0), athwart)
+
+
+def size_of(target: AnyTarget) -> float:
+    """Radius of a ball that holds a target."""
+    if isinstance(target, Pipe):
+        return math.hypot(target.length / 2.0, target.radius)
+    if isinstance(target, Box):
+        return math.hypot(*target.size) / 2.0
+    if isinstance(target, Cone):
+        return math.hypot(target.radius, target.height / 2.0)
+    if isinstance(target, MeshFile):
+        return target.scale * _extent(target.path, file_version(target.path))
+    return target.radius
+
+
+def ways_in_reach(scene: Scene) -> dict[str, float]:
+    """Return the ways by the sea surface that a scene declares, and the slant range of the first echo of each, m."""
+    surface, altitude = scene.water.surface, scene.altitude
+    depth = scene.seabed.depth - altitude
+    first = {
+        "surface_bottom": depth + altitude,
+        "surface_bottom_surface": 2.0 * depth + altitude,
+        "second_bottom": 2.0 * altitude + depth,
+        "surface_echo": depth,
+    }
+    return {way: first[way] for way in WAYS if getattr(surface, way, False)}
+
+
+def is_heard(scene: Scene, first: float) -> bool:
+    """Tell whether an echo by the surface that first comes at a slant range may come within the sonar's own."""
+    return isinstance(scene.seabed.relief, Dem) or NEARER * first <= scene.sonar.range
+
+
+@lru_cache(maxsize=64)
+def _extent(path: str, version: tuple[int, int] | None) -> float:
+    """Radius of a ball that holds a file's shape, in its units."""
+    del version  # part of the key alone: a file written anew is read anew
+    corners = read_mesh(path)
+    return float(math.hypot(*(corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)))) / 2.0)
