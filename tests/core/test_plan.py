@@ -26,8 +26,8 @@ def test_a_knife_needs_one_plane():
     assert any("no width" in line for line in knife.lines())
 
 
-def test_a_bed_without_detail_needs_two():
-    assert plan(edit(BARE, {"seabed.relief": "flat"})).planes == 2
+def test_a_bed_without_detail_needs_no_more():
+    assert plan(edit(BARE, {"seabed.relief": "flat"})).planes == 1
 
 
 @pytest.mark.parametrize(
@@ -49,8 +49,8 @@ def test_more_detail_across_a_wider_beam_needs_more_planes(less, more):
 def test_planes_come_in_pairs_and_in_bounds():
     for tolerance in np.geomspace(1e-7, 10.0, 30):
         planes = plan(DEFAULT, tolerance).planes
-        assert 2 <= planes <= MOST_PLANES
-        assert planes % 2 == 0
+        assert 1 <= planes <= MOST_PLANES
+        assert planes == 1 or planes % 2 == 0
     assert plan(DEFAULT, 1e-7).planes == MOST_PLANES
 
 

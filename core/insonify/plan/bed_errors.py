@@ -73,7 +73,7 @@ class Echo:
         missed = 0.5 * (1.0 / (count * np.sin(np.pi * np.minimum(turns, 0.5))) - mean) ** 2
         missed = np.where(turns < 0.5, np.minimum(missed, 1.0 / count), 1.0 / count)
         left = laws.LEFT + laws.LEFT_STEEP / self._cot[-1, 0] ** 2 if self._view.beam == "fan" else 0.0
-        left = np.where(np.asarray(planes) <= laws.LEFT_UP_TO, left, 0.0)
+        left = np.where((worth > 1.0) & (worth <= laws.LEFT_UP_TO), left, 0.0)
         return np.asarray(np.hypot(np.sqrt((self._along * missed).sum(axis=2).mean(axis=1)), left))
 
     def of_thinning(self, every: int) -> float:

@@ -174,7 +174,7 @@ def _every(scene: Scene, errors: Errors, budget: Budget) -> tuple[int, ...]:
         return (every,)
     if not isinstance(seabed.material, Material) or not (seabed.made or isinstance(seabed.relief, Flat)):
         return (1,)
-    fitting = (n for n in THINNED if all(count % n == 0 and count >= FEWEST_CELLS * n for count in cells))
+    fitting = (n for n in THINNED if n == 1 or all(count % n == 0 and count >= FEWEST_CELLS * n for count in cells))
     return tuple(takewhile(lambda n: errors.thinned(n) <= budget.tolerance, fitting))
 
 
