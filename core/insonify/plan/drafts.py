@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 from insonify.plan import laws
@@ -32,15 +33,36 @@ class Draft(NamedTuple):
 
 def cost(view: View, draft: Draft) -> float:
     """Predict what a ping costs, both sides on one thread, in seconds of the machine of the laws."""
-    base = laws.A_PING + 2.0 * view.bins * laws.A_BIN
-    per_way = 1.0 + laws.A_WAY * len(draft.ways)
+    return sum(laws.SECONDS[name] * amount for name, amount in amounts(view, draft).items())
+
+
+def amounts(view: View, draft: Draft) -> dict[str, float]:
+    """Count what a ping is made of, by the names of the laws of cost."""
+    counts = {"ping": 1.0, "bin": 2.0 * view.bins}
+    ways = len(draft.ways)
     if draft.method != "sweep":
-        steps = view.reach / draft.step * laws.A_STEP if draft.method == "march" else 0.0
-        bent = laws.BENT_RAYS if draft.bent else 1.0
-        per_ray = (laws.A_RAY + steps) * bent * (1.0 + laws.A_BOUNCE * draft.bounces)
-        return base + 2.0 * draft.rays * per_ray * per_way
-    knots = 2.0 * view.ground / (view.spacing * draft.every)
-    bent = laws.BENT if draft.bent else 1.0
-    plane = laws.A_PLANE + knots * laws.A_KNOT * bent + len(draft.targets) * laws.A_TARGET
-    planes = draft.planes if draft.planes == 1 else draft.planes + laws.NEAR_PLANES
-    return base + planes * plane * per_way
+        rays = 2.0 * draft.rays * (1.0 + ways) * (1.0 + draft.bounces)
+        steps = rays * view.reach / draft.step if draft.method == "march" else 0.0
+        return counts | {"bent ray" if draft.bent else "ray": rays, "step": steps}
+    planes, knots = _profiles(view, draft)
+    met = planes * len(draft.targets)
+    return counts | {
+        "plane": planes,
+        "knot": knots,
+        "bent knot": knots if draft.bent else 0.0,
+        "target": met,
+        "way's plane": planes * ways,
+        "way's knot": knots * ways,
+        "way's target": met * ways,
+    }
+
+
+def _profiles(view: View, draft: Draft) -> tuple[float, float]:
+    """Profiles of a ping, and knots of all of them: planes across the beam, and shorter ones of its near field."""
+    per_metre = 1.0 / (view.spacing * draft.every)
+    planes, knots = 2.0 * draft.planes, 2.0 * draft.planes * view.ground * per_metre
+    if draft.planes > 1:
+        growth = laws.NEAR_GROWTH * min(laws.NEAR_FEW / draft.planes, 1.0)
+        planes += 4.0 * math.log(1.0 / math.sin(view.half_width)) / math.log(1.0 + growth)
+        knots += 4.0 * laws.NEAR_LENGTH / growth * view.altitude * per_metre
+    return planes, knots

@@ -44,15 +44,22 @@ BOUNCED = 2.0
 # Numbers of 32 bits, with sums of 64.
 SINGLE = 1e-6
 
-# Seconds of one thread of the machine that the laws were measured on.
-A_PING = 1.0e-6
-A_BIN = 2.0e-9
-A_PLANE = 0.5e-6
-A_KNOT = 7.0e-9  # of a profile
-NEAR_PLANES = 2.0  # of a beam's near field, in whole ones
-A_RAY = 0.12e-6
-A_STEP = 2.0e-9
-BENT, BENT_RAYS = 1.3, 4.0  # by which bent sound costs more than straight
-A_BOUNCE = 1.0  # share of the first echo's cost
-A_TARGET = 0.3e-6  # in one plane
-A_WAY = 2.0  # by the surface, share of the direct one's cost
+# The planes of a beam's near field lie in growing steps, the narrower the more planes there are; each is as long as
+# the beam hears it, in altitudes.
+NEAR_GROWTH, NEAR_FEW, NEAR_LENGTH = 0.4, 16, 1.0
+
+# Seconds of one thread of the machine that the laws were measured on, for each of what a ping is made of.
+SECONDS = {
+    "ping": 1.0e-6,
+    "bin": 2.0e-9,
+    "plane": 0.3e-6,
+    "knot": 6.0e-9,
+    "bent knot": 3.0e-9,
+    "target": 0.2e-6,
+    "way's plane": 0.3e-6,
+    "way's knot": 60.0e-9,
+    "way's target": 2.0e-6,
+    "ray": 0.06e-6,
+    "bent ray": 1.0e-6,
+    "step": 2.0e-9,
+}

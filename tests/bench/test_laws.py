@@ -1,0 +1,78 @@
+"""The laws of cost measured anew, printed as `insonify.plan.laws` has them: run with `pytest -m bench -s`."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import numpy as np
+import pytest
+from scipy.optimize import nnls
+
+from insonify.plan import laws
+from insonify.plan.drafts import Draft, amounts
+from insonify.plan.view import look_at
+from insonify.scene import SceneError
+from insonify.simulate import Simulation, prepare
+from planned_scenes import planned_scene
+
+pytestmark = pytest.mark.bench
+SEEDS = range(500_000, 500_060)
+PLANES, RAYS, EVERY = ("1", "2", "6", "16", "40"), ("1000", "4000"), ("1", "2")
+PINGS, ROUNDS = 16, 3
+SLOW = 2e-3  # s a ping; what takes longer is timed by few pings
+
+
+def seconds(simulation: Simulation, pings: np.ndarray) -> float:
+    """Least time of one thread for a ping."""
+    from insonify.simulate import TRACERS
+
+    trace, poses = TRACERS[simulation.plan.method], simulation.poses(pings)
+    taken = []
+    for _ in range(ROUNDS):
+        began = time.thread_time()
+        trace(simulation.modelled.problem, poses, threads=1, **simulation.plan.settings)
+        taken.append(time.thread_time() - began)
+    return min(taken) / pings.size
+
+
+def draft_of(simulation: Simulation) -> Draft:
+    plan = simulation.plan
+    return Draft(
+        plan.method,
+        planes=plan.planes,
+        rays=plan.settings.get("rays", 0),
+        every=plan.every,
+        bent=plan.bent,
+        bounces=plan.bounces,
+        targets=plan.targets,
+        ways=plan.ways,
+    )
+
+
+def test_what_a_ping_costs(capsys, tmp_path):
+    rows, costs = [], []
+    for seed in SEEDS:
+        scene, pings = planned_scene(seed, tmp_path)
+        view = look_at(scene)
+        settings = [{"planes": planes, "spacing": every} for planes in PLANES for every in EVERY]
+        settings += [{"method": "rays", "rays": rays} for rays in RAYS]
+        for forced in settings:
+            try:
+                simulation = prepare(scene, forced=forced | ({"bending": "off"} if "rays" in forced else {}))
+            except SceneError:
+                continue
+            prepare_time = seconds(simulation, pings[:1])
+            rows.append(amounts(view, draft_of(simulation)))
+            costs.append(seconds(simulation, np.resize(pings, PINGS if prepare_time < SLOW else 2)))
+    names = list(laws.SECONDS)
+    table, cost = np.array([[row.get(name, 0.0) for name in names] for row in rows]), np.array(costs)
+    # Relative errors count: a cheap ping is to be foretold as well as a dear one.
+    found, _ = nnls(table / cost[:, None], np.ones(cost.size))
+    off = np.exp(np.abs(np.log(table @ found / cost)))
+    with capsys.disabled():
+        lines = "\n".join(f'    "{name}": {value:.3g},' for name, value in zip(names, found))
+        sys.stdout.write(
+            f"\n{lines}\n{cost.size} settings: within a factor of {np.median(off):.2f} in the middle, "
+            f"{np.percentile(off, 90):.2f} in nine of ten"
+        )

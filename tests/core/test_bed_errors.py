@@ -1,0 +1,93 @@
+"""Errors predicted from the spectrum of a bed, against the bed as made and against what the sweep makes of it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from insonify.accuracy import compare
+from insonify.plan import laws
+from insonify.plan.bed_errors import Echo
+from insonify.plan.detail import detail_of
+from insonify.plan.view import look_at
+from insonify.scene import edit, load_scene
+from insonify.simulate import prepare
+from insonify.sound.straightness import Bending
+from insonify.terrain import build_ground
+from insonify.tracers import sweep
+
+PLAIN = edit(load_scene("default"), {"targets": [], "sonar.pulse": "ideal", "seabed.relief": "flat"})
+KINDS = {
+    "fractal": {"kind": "fractal", "beta": 1.5, "rms": 0.03, "period": 51.2},
+    "peaked": {"kind": "fractal", "beta": 1.6, "rms": 0.03, "period": 51.2, "peaks": [[20.0, 9.0]]},
+    "power_law": {"kind": "power_law", "strength": 0.004, "exponent": 3.2, "period": 51.2},
+    "von_karman": {"kind": "von_karman", "rms": 0.03, "across": 4.0, "along": 4.0, "hurst": 0.6, "period": 51.2},
+    "exponential": {"kind": "autocorrelation", "rms": 0.02, "function": {"kind": "exponential"}, "period": 51.2},
+    "gaussian": {"kind": "autocorrelation", "rms": 0.03, "function": {"kind": "gaussian"}, "period": 51.2},
+}
+PINGS = np.arange(0, 200, 20)
+
+
+def echo(scene):
+    return Echo(look_at(scene), detail_of(scene.seabed, scene.track.heading))
+
+
+def over(relief, **changes):
+    return edit(PLAIN, {"seabed.relief": relief} | {path.replace("__", "."): value for path, value in changes.items()})
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_steepness_is_that_of_the_bed_as_it_is_made(kind):
+    scene = over(KINDS[kind])
+    heights = build_ground(scene).heights.astype(np.float64)
+    made = np.diff(heights, axis=0).std() / scene.seabed.spacing
+    # Slopes of waves against those between nodes, which are a little gentler.
+    assert detail_of(scene.seabed, 0.0).steepness == pytest.approx(made, rel=0.35)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_errors_fall_with_planes_and_rise_with_wider_cells(kind):
+    of = echo(over(KINDS[kind], sonar__beam__width=2.0))
+    planes = of.of_planes(np.array([2.0, 4.0, 8.0, 20.0, 40.0, 128.0]))
+    assert (np.diff(planes) < 0.0).all()
+    thinned = [of.of_thinning(every) for every in (1, 2, 4, 8, 16)]
+    assert thinned[0] == 0.0
+    assert thinned == sorted(thinned)
+
+
+def test_planes_closer_than_cells_count_by_their_square():
+    of = echo(over(KINDS["power_law"]))
+    near, nearer = of.of_planes(np.array([40.0, 80.0]))
+    assert math.log2(near / nearer) == pytest.approx(2.0, abs=0.4)
+
+
+def test_a_level_bed_of_one_material_needs_neither_planes_nor_nodes():
+    of = echo(PLAIN)
+    assert of.of_planes(np.array([1.0, 64.0])).max() == 0.0
+    assert of.of_thinning(32) <= laws.LEVEL_MOST
+
+
+def test_sound_that_is_not_shifted_is_not_missed():
+    of = echo(over(KINDS["fractal"]))
+    errors = [of.of_shift(Bending(shift, 0.0, shift)) for shift in (0.0, 0.003, 0.01, 0.03)]
+    assert errors[0] == 0.0
+    assert errors == sorted(errors)
+    assert of.of_shift(Bending(0.0, 0.2, 0.2)) == pytest.approx(0.1, rel=0.5)  # most of it far out
+
+
+@pytest.mark.parametrize("kind", ["fractal", "power_law", "exponential"])
+@pytest.mark.parametrize("beam", ["knife", {"kind": "fan", "width": 2.0}])
+def test_thinned_beds_and_few_planes_miss_about_what_is_predicted(kind, beam):
+    scene = over(KINDS[kind], sonar__beam=beam)
+    simulation, of = prepare(scene), echo(scene)
+    problem, poses = simulation.problem, simulation.poses(PINGS)
+    planes = 1 if beam == "knife" else 64
+    right = sweep.trace(problem, poses, planes=planes)
+    thinned = prepare(scene, forced={"spacing": "4", "planes": str(planes)})
+    measured = compare(problem, poses, thinned.intensity(PINGS), right).beyond
+    assert of.of_thinning(4) == pytest.approx(measured, rel=0.5)
+    if planes > 1:
+        few = compare(problem, poses, sweep.trace(problem, poses, planes=4), right).beyond
+        assert of.of_planes(np.array([4.0]))[0] == pytest.approx(few, rel=0.6)
