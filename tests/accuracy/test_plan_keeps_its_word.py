@@ -29,7 +29,7 @@ JUDGED = range(300)
 QUICK = (2, 5, 6, 12, 17, 21, 22, 30, 35, 44, 47, 58)
 TOLERANCES = (0.01, 0.15)
 FLOOR = 0.003  # share of the record
-SETTLED, FIRST_RAYS, MOST_RAYS = 0.3, 1 << 14, 1 << 20  # share of the tolerance; rays a side
+SETTLED, FIRST_RAYS, MOST_RAYS = 0.3, 1 << 14, 1 << 19  # share of the tolerance; rays a side
 PLANES, EVERY = (1, 2, 4, 8, 16, 32, 64), (1, 2, 4)
 TIMED, ROUNDS = 12, 3  # pings, and times that each setting is timed
 

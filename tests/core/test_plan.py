@@ -46,16 +46,17 @@ def test_more_detail_across_a_wider_beam_needs_more_planes(less, more):
     assert plan(edit(before, more)).planes > plan(before).planes
 
 
-def test_planes_come_in_pairs_and_in_bounds():
+def test_planes_come_in_bounds():
     for tolerance in np.geomspace(1e-7, 10.0, 30):
         planes = plan(DEFAULT, tolerance).planes
         assert 1 <= planes <= MOST_PLANES
-        assert planes == 1 or planes % 2 == 0
     assert plan(DEFAULT, 1e-7).planes == MOST_PLANES
 
 
 def test_a_finer_tolerance_never_takes_fewer_planes():
-    counts = [plan(DEFAULT, tolerance).planes for tolerance in np.geomspace(0.5, 1e-4, 20)]
+    # Over the same nodes: with fewer of them more planes may be cheaper.
+    same = {"spacing": "1"}
+    counts = [plan(DEFAULT, tolerance, forced=same).planes for tolerance in np.geomspace(0.5, 1e-4, 20)]
     assert counts == sorted(counts)
 
 

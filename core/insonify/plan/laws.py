@@ -9,7 +9,7 @@ from __future__ import annotations
 MARGIN, MARGIN_OF_TARGETS = 1.7, 2.2
 
 # Planes: counts that may be chosen.
-COUNTS = (1, *range(2, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
+COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
 MOST_PLANES = COUNTS[-1]
 MOST_OF_PATTERNS = 64  # of a beam that is no level top-hat, whose near field has many more
 # Planes that a beam's weight leaves of one, by its kind.
