@@ -18,9 +18,10 @@ def target_demand(scene: Scene, view: View, targets: tuple[int, ...]) -> float:
     """Return the error that a single plane would make of a scene's targets, as a share of the record."""
     if not targets or view.half_width == 0.0:
         return 0.0
-    radius = math.exp(sum(math.log(radius_of(scene.targets[k])) for k in targets) / len(targets))
+    radius = min(radius_of(scene.targets[k]) for k in targets)
     light = laws.TARGET_LIGHT if view.light else 1.0
-    return laws.TARGET_PLANES * view.width**laws.TARGET_WIDTH * radius**laws.TARGET_RADIUS * light
+    worth = laws.WORTH[view.beam] ** -laws.TARGET_ORDER
+    return laws.TARGET_PLANES * view.width**laws.TARGET_WIDTH * radius**laws.TARGET_RADIUS * light * worth
 
 
 def radius_of(target: AnyTarget) -> float:

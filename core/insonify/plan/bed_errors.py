@@ -72,9 +72,13 @@ class Echo:
         # A comb of planes for the mean over the beam: sin(πfW) (1 / K sin(πfW/K) − 1 / πfW), mean square.
         missed = 0.5 * (1.0 / (count * np.sin(np.pi * np.minimum(turns, 0.5))) - mean) ** 2
         missed = np.where(turns < 0.5, np.minimum(missed, 1.0 / count), 1.0 / count)
+        return np.asarray(np.hypot(np.sqrt((self._along * missed).sum(axis=2).mean(axis=1)), self._left(planes)))
+
+    def _left(self, planes: Field) -> Field:
+        """Error of planes over a bed without detail."""
+        count = np.asarray(planes)
         left = laws.LEFT + laws.LEFT_STEEP / self._cot[-1, 0] ** 2 if self._view.beam == "fan" else 0.0
-        left = np.where((worth > 1.0) & (worth <= laws.LEFT_UP_TO), left, 0.0)
-        return np.asarray(np.hypot(np.sqrt((self._along * missed).sum(axis=2).mean(axis=1)), left))
+        return np.where(count > 1, np.where(count <= laws.LEFT_UP_TO, left, 0.0), laws.LEFT_BY_ONE)
 
     def of_thinning(self, every: int) -> float:
         """Error of a bed of every so many nodes, a share of the record."""
@@ -82,7 +86,8 @@ class Echo:
             return 0.0
         if not self._detail.slopes.any():
             cells = every * self._detail.spacing / self._view.bin_length
-            return min(laws.LEVEL * cells**laws.LEVEL_ORDER, laws.LEVEL_MOST)
+            near = laws.LEVEL_NEAR * (every * self._detail.spacing / self._view.altitude) ** 2
+            return max(min(laws.LEVEL * cells**laws.LEVEL_ORDER, laws.LEVEL_MOST), near)
         detail = self._detail
         limit = 0.5 / (every * detail.spacing)
         lost = (self._waves * _lost(every)).sum(axis=1)

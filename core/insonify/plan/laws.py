@@ -17,10 +17,12 @@ WORTH = {"knife": 1.0, "fan": 1.0, "gaussian": 0.85, "array": 0.6}
 # What planes leave of a fan's near field, however little the bed has of detail: over a grazing angle of tangent t at
 # the greatest range, a share of the record LEFT + LEFT_STEEP t², and after how many planes that is gone.
 LEFT, LEFT_STEEP, LEFT_UP_TO = 0.001, 0.015, 16
+# And a single plane for a whole beam, which hears nothing of what lies off its axis.
+LEFT_BY_ONE = 0.05
 
-# Error of planes across targets: TARGET_PLANES · width^0.75 · radius^−0.5 · planes^−1.5, lengths in metres, the beam's
-# width at the greatest range and the mean radius; less in light, whose targets glint less.
-TARGET_PLANES, TARGET_WIDTH, TARGET_RADIUS, TARGET_ORDER, TARGET_LIGHT = 0.36, 0.75, -0.5, 1.5, 0.42
+# Error of planes across targets: TARGET_PLANES · width^0.75 · radius^−0.7 · planes^−1.5, lengths in metres, the beam's
+# width at the greatest range and the least radius; less in light, whose targets glint less.
+TARGET_PLANES, TARGET_WIDTH, TARGET_RADIUS, TARGET_ORDER, TARGET_LIGHT = 0.28, 0.75, -0.7, 1.5, 0.42
 THIN = 0.15  # m, radius of the thin parts of a mesh
 
 # Of the shadows of a rough bed: how steep a slope casts one, in rms slopes over the tangent of the grazing angle, and
@@ -30,8 +32,9 @@ SHADOWING, SHADOW_CELLS = 1.0, 4.0
 CASCADE = 4.0
 # Relief of a bed that no spectrum describes (a measured one): exponent, and rms in cells.
 OTHER_BETA, OTHER_RMS = 1.4, 0.4
-# A level bed of wide cells: error by cells over bins, and the most that it comes to.
-LEVEL, LEVEL_ORDER, LEVEL_MOST = 2.5e-4, 1.8, 6e-3
+# A level bed of wide cells: error by cells over bins, the most that it comes to, and what the near field misses by the
+# square of cells over altitudes, which the eye sees though no tolerance means it.
+LEVEL, LEVEL_ORDER, LEVEL_MOST, LEVEL_NEAR = 2.5e-4, 1.8, 6e-3, 200.0
 
 # Error of single rays over a rough bed, at 1000 rays a side, and its order: a fan spreads them over two angles.
 KNIFE_RAYS, FAN_RAYS = (0.13, 1.0), (0.31, 0.75)
