@@ -53,12 +53,12 @@ NEAR_GROWTH, NEAR_FEW, NEAR_LENGTH = 0.4, 16, 1.0
 
 # Seconds of one thread of the machine that the laws were measured on, for each of what a ping is made of.
 SECONDS = {
-    "ping": 1.0e-6,
-    "bin": 2.0e-9,
-    "plane": 0.3e-6,
-    "knot": 6.0e-9,
-    "bent knot": 3.0e-9,
-    "target": 0.2e-6,
+    "ping": 4.5e-6,
+    "bin": 0.0,
+    "plane": 1.0e-6,
+    "knot": 3.1e-9,
+    "bent knot": 1.5e-9,
+    "target": 0.29e-6,
     "way's plane": 0.3e-6,
     "way's knot": 60.0e-9,
     "way's target": 2.0e-6,
