@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.jit import kernel
+from insonify.kernels.jit import fused, kernel
 
 # Constants of splitmix64 (Steele, Lea and Flood 2014; Vigna's public-domain implementation).
 GOLDEN = np.uint64(0x9E3779B97F4A7C15)
@@ -43,7 +43,7 @@ def unit_interval(bits):
     return (np.float64(bits >> LOW_BITS) + 0.5) * UNIT
 
 
-@kernel
+@fused
 def hash_uniform(seed, stream, a, b, c):
     """Uniform float64 inside (0, 1), a function of five integers alone."""
     return unit_interval(hash_integers(seed, stream, a, b, c))
