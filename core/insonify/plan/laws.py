@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 # Errors are predicted as they come out in the middle; one scene's may be this much greater.
-MARGIN, MARGIN_OF_TARGETS = 1.7, 2.2
+MARGIN, MARGIN_OF_TARGETS = 1.7, 3.5
 
 # Planes: counts that may be chosen.
 COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))

@@ -114,8 +114,9 @@ def _planes(told: Told) -> Entry:
         if of_targets > 0.5 * error:
             smallest = min(radius_of(told.scene.targets[k]) for k in draft.targets)
             what = f"the smallest target has a radius of {smallest:.3g} m"
-        apart = view.width / draft.planes
-        reason += f"; {draft.planes} planes lie {apart:.2g} m apart there, {what}: error about {100 * error:.2g} %"
+        apart = f"{draft.planes} planes lie {view.width / draft.planes:.2g} m apart there"
+        planes = apart if draft.planes > 1 else "one plane stands for it all"
+        reason += f"; {planes}, {what}: error about {100 * error:.2g} %"
     choice = f"{draft.planes} plane{'s' * (draft.planes > 1)}"
     plain = Draft("sweep", every=draft.every)
     adds = cost(view, plain._replace(planes=draft.planes)) - cost(view, plain)
