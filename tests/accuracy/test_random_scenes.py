@@ -56,7 +56,7 @@ class Judged:
 def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> Judged:
     """Trace a random scene by the sweep and by rays that have settled to a tolerance."""
     scene, pings = random_scene(seed, folder, bent=bent)
-    simulation = prepare(scene, method="rays")
+    simulation = prepare(scene, method="rays", forced={"bending": "on" if bent else "off"})
     assert simulation.problem.water.bent == bent
     problem, poses = simulation.problem, simulation.poses(pings)
     right, moved = reference(problem, poses, tolerance=tolerance)

@@ -6,7 +6,7 @@ import math
 from functools import lru_cache
 
 from insonify.meshes import read_mesh
-from insonify.scene import Scene
+from insonify.scene import Scene, SceneError
 from insonify.scene.files import file_version
 from insonify.scene.motion import Heave, Pitch, Roll, Straight, Sway, Yaw
 from insonify.scene.reliefs import Dem
@@ -25,7 +25,7 @@ def targets_in_reach(scene: Scene) -> tuple[int, ...]:
         return tuple(range(len(scene.targets)))
     strayed = sum(motion.amplitude for motion in motions if isinstance(motion, Sway))
     reach = FARTHER * scene.sonar.range + strayed
-    return tuple(k for k, target in enumerate(scene.targets) if _distance(scene, target) <= reach + size_of(target))
+    return tuple(k for k, target in enumerate(scene.targets) if _distance(scene, target) <= reach + size_of(target, k))
 
 
 def _distance(scene: Scene, target: AnyTarget) -> float:
@@ -36,8 +36,8 @@ def _distance(scene: Scene, target: AnyTarget) -> float:
     return math.hypot(min(along, 0.0), athwart)
 
 
-def size_of(target: AnyTarget) -> float:
-    """Radius of a ball that holds a target."""
+def size_of(target: AnyTarget, number: int) -> float:
+    """Radius of a ball that holds a target, in metres; its number tells which it is should its file be wrong."""
     if isinstance(target, Pipe):
         return math.hypot(target.length / 2.0, target.radius)
     if isinstance(target, Box):
@@ -45,7 +45,10 @@ def size_of(target: AnyTarget) -> float:
     if isinstance(target, Cone):
         return math.hypot(target.radius, target.height / 2.0)
     if isinstance(target, MeshFile):
-        return target.scale * _extent(target.path, file_version(target.path))
+        try:
+            return target.scale * _extent(target.path, file_version(target.path))
+        except SceneError as error:
+            raise SceneError(f"targets.{number}.path: {error}") from None
     return target.radius
 
 
