@@ -23,7 +23,7 @@ class Patchy(Choice):
         0.5, description="share of the bed that the patches cover", gt=0.0, lt=1.0, slider=(0.05, 0.95)
     )
     size: float = parameter(
-        10.0, unit="m", description="typical width of a patch", gt=0.0, le=1e5, slider=(1.0, 50.0), log=True
+        10.0, unit="m", description="typical width of a patch", ge=1e-3, le=1e5, slider=(1.0, 50.0), log=True
     )
     softness: float = parameter(
         0.3,

@@ -154,7 +154,7 @@ class Patches(Declaration):
     kind: Literal["patches"] = "patches"
     of: tuple[Material, ...] = parameter(description="materials of the patches", min_length=2, max_length=32)
     size: float = parameter(
-        8.0, unit="m", description="typical width of a patch", gt=0.0, le=1e5, slider=(0.5, 50.0), log=True
+        8.0, unit="m", description="typical width of a patch", ge=1e-3, le=1e5, slider=(0.5, 50.0), log=True
     )
 
 

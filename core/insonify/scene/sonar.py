@@ -43,7 +43,7 @@ class Fan(Aimed):
 
     kind: Literal["fan"] = "fan"
     width: float = parameter(
-        1.0, unit="°", description="one-way full beamwidth", gt=0.0, le=60.0, slider=(0.1, 10.0), log=True
+        1.0, unit="°", description="one-way full beamwidth", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
     )
 
     @property
@@ -57,7 +57,7 @@ class Gaussian(Aimed):
 
     kind: Literal["gaussian"] = "gaussian"
     width: float = parameter(
-        1.0, unit="°", description="one-way full beamwidth to -3 dB", gt=0.0, le=60.0, slider=(0.1, 10.0), log=True
+        1.0, unit="°", description="one-way full beamwidth to -3 dB", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
     )
     two_way: bool = parameter(True, description="whether sound passes the beam going and coming, or once")
 
@@ -207,7 +207,7 @@ class Sonar(Declaration):
         10.0,
         unit="Hz",
         description="pings per second, at most c / (2 range)",
-        gt=0.0,
+        ge=1e-3,
         le=1e4,
         slider=(0.5, 50.0),
         log=True,

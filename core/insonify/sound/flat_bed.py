@@ -32,7 +32,8 @@ def flat_bed_curve(problem: Problem, altitude: float, reflectivity: Reflectivity
     diffuse, specular, shininess = (reflectivity or LAMBERT)[:3]
     edges = np.arange(problem.bins + 1) * problem.bin_length
     near, far = np.maximum(edges[:-1], altitude), np.maximum(edges[1:], altitude)
-    x_near, x_far = np.sqrt(near**2 - altitude**2), np.sqrt(far**2 - altitude**2)
+    # As a product: the difference of two squares may come out below zero.
+    x_near, x_far = (np.sqrt((r - altitude) * (r + altitude)) for r in (near, far))
     heard = far > near
     r = np.where(heard, 0.5 * (near + far), 1.0)
     cos_incidence = altitude / r
