@@ -86,7 +86,7 @@ class Seabed(Declaration):
             if cells > MOST_CELLS and not part.endless:
                 endless = ', or take extent = "endless"' if isinstance(part, MadeAnywhere) else ""
                 raise ValueError(
-                    f"relief.period {part.period:g} m at spacing {self.spacing:g} m makes {cells:.0f} cells a side; "
+                    f"relief.period {part.period:g} m at spacing {self.spacing:g} m makes {cells:g} cells a side; "
                     f"shorten the period or widen the spacing to stay within {MOST_CELLS}{endless}"
                 )
             if isinstance(part, Fractal):
@@ -139,7 +139,7 @@ class Seabed(Declaration):
         cells = 2.0 * relief.reach / self.spacing
         if cells > MOST_CELLS:
             raise ValueError(
-                f"relief.reach {relief.reach:g} m at spacing {self.spacing:g} m makes {cells:.0f} cells across; "
+                f"relief.reach {relief.reach:g} m at spacing {self.spacing:g} m makes {cells:g} cells across; "
                 f"shorten the reach or widen the spacing to stay within {MOST_CELLS}"
             )
         if not isinstance(self.material, Material):

@@ -36,7 +36,7 @@ class Track(Declaration):
         le=11000.0,
         slider=(0.0, 200.0),
     )
-    speed: float = parameter(2.0, unit="m/s", description="speed over ground", gt=0.0, le=50.0, slider=(0.1, 5.0))
+    speed: float = parameter(2.0, unit="m/s", description="speed over ground", ge=1e-3, le=50.0, slider=(0.1, 5.0))
     pings: int = parameter(512, description="number of pings", ge=1, le=100_000_000, slider=(64, 2048), log=True)
     terrain_following: bool = parameter(
         False, description="count the altitude from the bed beneath, smoothed over one altitude to either side"
