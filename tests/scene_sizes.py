@@ -16,6 +16,7 @@ from insonify.scene.water import UniformWater
 ALWAYS = 64e6  # bytes: tables of beams and of water, and what Python needs
 OF_ENDLESS_GROUND = 600e6  # the tiles that are kept
 OF_BENT_SOUND = 100e6  # the tables of some pings
+OF_MESHES = 300e6  # what the many planes of a beam with a pattern cut of thousands of triangles
 PER_KNOT, PER_CELL, PER_BIN = 500.0, 150.0, 400.0  # bytes of all arrays that are held at once
 KNOTS_PER_CELL = 8.0 * math.sqrt(2.0) * 2.0  # crossings of both families, halved twice; bent sound goes farther
 TILE = 512
@@ -36,6 +37,7 @@ def most_bytes(scene: Scene) -> float:
     held = ALWAYS + (os.cpu_count() or 1) * knots * PER_KNOT + _grid(scene) * PER_CELL + lines * PER_BIN
     held += MOST_PLANES * knots * 16.0 if isinstance(scene.receiver.speckle, Coherent) else 0.0
     held += 0.0 if isinstance(scene.water, UniformWater) else OF_BENT_SOUND
+    held += OF_MESHES if any(target.kind == "mesh" for target in scene.targets) else 0.0
     return held + (OF_ENDLESS_GROUND if scene.seabed.endless else 0.0) + 64.0 * _waves(scene)
 
 
