@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.bending import empty_table
+from insonify.kernels.bending import Bending, empty_table
 from insonify.kernels.echoes import empty_echoes
 from insonify.kernels.ghosts import Outlook, empty_outlook, sweep_ghosts
 from insonify.kernels.hear import empty_heard
@@ -64,38 +64,44 @@ def trace(
         If the sonar runs into a target.
     """
     bending, folded = make_bending(problem, poses)
-    capacity = profile_capacity(bending.stretch * problem.bins * problem.bin_length, problem.bed.spacing)
     out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
     if folded.any():
         out[folded] = trace_rays(problem, take(poses, np.flatnonzero(folded)), rays=rays, threads=threads)
     clear = np.flatnonzero(~folded)
     for among, beam, lifted in lay_planes_of_images(problem, take(poses, clear), planes):
         places = clear[among]
-        some = take(poses, places)
         traced = out if places.size == poses.x.size else np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
-
-        def block(
-            first: int,
-            last: int,
-            some: Poses = some,
-            beam: Planes = beam,
-            lifted: Planes = lifted,
-            traced: Record = traced,
-        ) -> int:
-            part = take(some, slice(first, last))
-            real = np.float64 if double else np.float32
-            screen = empty_screen(problem.solids, problem.mesh)
-            room = empty_profile(capacity, real), empty_heard(capacity, real), screen
-            status = sweep_pings(problem, part, beam, bending, empty_table(bending), *room, traced[first:last])
-            if problem.ghosts.heard and status == 0:
-                far = *room_for_ghosts(problem, capacity), empty_ledger(0, 0)
-                sweep_ghosts(problem, part, beam, lifted, room[0], *far, traced[first:last])
-            return status
-
-        refuse_sonar_inside(problem.solids, in_parallel(block, places.size, threads))
+        _trace_alike(problem, take(poses, places), (beam, lifted), bending, double, threads, traced)
         if traced is not out:
             out[places] = traced
     return out
+
+
+def _trace_alike(
+    problem: Problem,
+    poses: Poses,
+    beams: tuple[Planes, Planes],
+    bending: Bending,
+    double: bool,
+    threads: int | None,
+    out: Record,
+) -> None:
+    """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
+    capacity = profile_capacity(bending.stretch * problem.bins * problem.bin_length, problem.bed.spacing)
+    real = np.float64 if double else np.float32
+    beam, lifted = beams
+
+    def block(first: int, last: int) -> int:
+        part = take(poses, slice(first, last))
+        screen = empty_screen(problem.solids, problem.mesh)
+        room = empty_profile(capacity, real), empty_heard(capacity, real), screen
+        status = sweep_pings(problem, part, beam, bending, empty_table(bending), *room, out[first:last])
+        if problem.ghosts.heard and status == 0:
+            far = *room_for_ghosts(problem, capacity), empty_ledger(0, 0)
+            sweep_ghosts(problem, part, beam, lifted, room[0], *far, out[first:last])
+        return int(status)
+
+    refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
 
 
 def room_for_ghosts(
