@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 
+from insonify.meshes import read_mesh
 from insonify.plan import Plan
 from insonify.scene import Scene
 from insonify.scene.made import Made
@@ -18,6 +19,7 @@ OF_ENDLESS_GROUND = 600e6  # the tiles that are kept
 OF_BENT_SOUND = 100e6  # the tables of some pings
 OF_MESHES = 300e6  # what the many planes of a beam with a pattern cut of thousands of triangles
 PER_KNOT, PER_CELL, PER_BIN = 500.0, 150.0, 400.0  # bytes of all arrays that are held at once
+PER_TRIANGLE = 8.0  # steps of a plane that cuts it
 KNOTS_PER_CELL = 8.0 * math.sqrt(2.0) * 2.0  # crossings of both families, halved twice; bent sound goes farther
 TILE = 512
 LEVEL_CELLS = 4096
@@ -80,5 +82,11 @@ def most_steps(scene: Scene, plan: Plan) -> float:
     knots = KNOTS_PER_CELL * cells_along(scene) + 64.0
     rays = float(plan.settings.get("rays", 0)) * 2.0 ** min(sonar.bounces, 16)
     lines = MOST_PLANES if plan.method == "sweep" else 0
+    cut = lines * PER_TRIANGLE * _triangles(scene) * (1.0 + len(plan.ways))
     bins = sonar.bins * (1.0 + pulse_bins(scene))
-    return 100.0 * _grid(scene) + 2.0 * pings * ((lines + rays) * (knots + 100.0) + bins) + _waves(scene)
+    return 100.0 * _grid(scene) + 2.0 * pings * ((lines + rays) * (knots + 100.0) + cut + bins) + _waves(scene)
+
+
+def _triangles(scene: Scene) -> int:
+    """Triangles of all meshes, each of which planes cut and ghosts meet again."""
+    return sum(len(read_mesh(target.path)) for target in scene.targets if target.kind == "mesh")

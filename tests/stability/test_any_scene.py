@@ -85,17 +85,25 @@ def check_record(scene: Scene) -> None:
 
 
 def check_size(scene: Scene, steps: float) -> None:
-    """No more memory than the declaration tells, nor work; by now all is compiled, but another seed is made anew."""
+    """No more memory than the declaration tells, nor work, of the same ground made anew by another seed."""
     other = edit(scene, {"seed": scene.seed ^ 1})
+    allowed = ALWAYS + SECONDS_PER_STEP * steps
+    worked, peak = work_of(other)
+    if worked >= allowed:
+        worked, peak = work_of(other)  # another bed may go through what was not compiled till now
+    assert peak < most_bytes(scene)
+    assert worked < allowed
+
+
+def work_of(scene: Scene) -> tuple[float, int]:
+    """Seconds of work on a scene, and the most bytes that it holds at once."""
     tracemalloc.start()
     began = process_time()
     try:
-        prepare(other, tolerance=TOLERANCE).intensity(np.arange(scene.track.pings))
-        worked, (_, peak) = process_time() - began, tracemalloc.get_traced_memory()
+        prepare(scene, tolerance=TOLERANCE).intensity(np.arange(scene.track.pings))
+        return process_time() - began, tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert peak < most_bytes(scene)
-    assert worked < ALWAYS + SECONDS_PER_STEP * steps
 
 
 @settings(max_examples=50, deadline=None, suppress_health_check=PATIENT)
