@@ -15,7 +15,7 @@ from insonify.scene.sonar import Chirp, Ideal, Pulse, Tone
 WINDOWS = {"uniform": (1.0, 0.0), "hamming": (0.54, 0.46), "hann": (0.5, 0.5)}
 SAMPLES = 64  # of a chirp's response, per bin and per resolution cell
 AT_ONCE = 1 << 18  # of them
-# Sidelobes of the coherence further off than this many resolution cells are left out: they are below 1/50.
+# Sidelobes of a response further off than this many resolution cells are left out of coherence: they are below 1/50.
 COHERENT_CELLS = 16
 
 
@@ -141,24 +141,29 @@ def coherence(pulse: Pulse, sound_speed: float, bin_length: float) -> NDArray[np
     Returns
     -------
     (n,) float64
-        At 0 to n - 1 bins apart, 0 beyond: the envelope's own correlation. For a tone 1 − r/(cτ/2); for a chirp the
-        transform of its power spectrum.
+        At 0 to n - 1 bins apart, 0 beyond: the envelope's own correlation ∫h(r) h(r + Δ) dr / ∫h². For a tone it is
+        1 − Δ/(cτ/2); of a chirp's response, `COHERENT_CELLS` on either hand count.
     """
     if isinstance(pulse, Ideal):
         return np.ones(1)
     length = 0.5 * sound_speed * pulse.duration / bin_length
     if isinstance(pulse, Tone):
         return 1.0 - np.arange(max(math.ceil(length), 1)) / length
-    a, b = WINDOWS[pulse.window]
-    cell = 0.5 * sound_speed / pulse.bandwidth / bin_length
-    span = min(2.0 * length, COHERENT_CELLS * cell)
-    lag = np.arange(max(math.ceil(span), 1))
-    # (a + b cos u)² = a² + b²/2 + 2ab cos u + (b²/2) cos 2u; a cosine over the band shifts the sinc by whole cells.
-    x = lag / cell
-    near, far = np.sinc(x - 1.0) + np.sinc(x + 1.0), np.sinc(x - 2.0) + np.sinc(x + 2.0)
-    value = np.sinc(x) + (a * b * near + 0.25 * b * b * far) / (a * a + 0.5 * b * b)
-    # The triangle keeps the spectrum positive where the sidelobes end.
-    return value * (1.0 - lag / span)
+    return _chirp_coherence(pulse, sound_speed, bin_length)
+
+
+def _chirp_coherence(pulse: Chirp, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
+    """Correlate the response to a chirp with itself, sampled finely, at whole bins."""
+    cell = 0.5 * sound_speed / pulse.bandwidth
+    length = min(0.5 * sound_speed * pulse.duration, COHERENT_CELLS * cell)
+    per_bin = math.ceil(4 * SAMPLES * bin_length / cell)  # finer than for taps: the pulse ends between two samples
+    step = bin_length / per_bin
+    count = math.ceil(length / step)  # on either hand
+    response = envelope(pulse, (np.arange(-count, count) + 0.5) * step, sound_speed)
+    size = 4 * count  # so that the ends do not meet
+    correlation = np.fft.irfft(np.abs(np.fft.rfft(response, size)) ** 2, size)
+    lags = np.arange(max(math.ceil(2.0 * length / bin_length), 1)) * per_bin
+    return correlation[lags] / correlation[0]
 
 
 @lru_cache(maxsize=16)
