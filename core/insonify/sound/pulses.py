@@ -159,7 +159,8 @@ def _chirp_coherence(pulse: Chirp, sound_speed: float, bin_length: float) -> NDA
     per_bin = math.ceil(4 * SAMPLES * bin_length / cell)  # finer than for taps: the pulse ends between two samples
     step = bin_length / per_bin
     count = math.ceil(length / step)  # on either hand
-    response = envelope(pulse, (np.arange(-count, count) + 0.5) * step, sound_speed)
+    offset = (np.arange(-count, count, dtype=np.float64) + 0.5) * step
+    response = envelope(pulse, offset, sound_speed)
     size = 4 * count  # so that the ends do not meet
     correlation = np.fft.irfft(np.abs(np.fft.rfft(response, size)) ** 2, size)
     lags = np.arange(max(math.ceil(2.0 * length / bin_length), 1)) * per_bin
