@@ -106,35 +106,26 @@ class Recorded(Choice):
     )
 
 
-Oscillating = (
-    Annotated[Sway, Tag("sway")]
+AnyMotion = (
+    Annotated[Straight, Tag("straight")]
+    | Annotated[Sway, Tag("sway")]
     | Annotated[Heave, Tag("heave")]
     | Annotated[Yaw, Tag("yaw")]
     | Annotated[Pitch, Tag("pitch")]
     | Annotated[Roll, Tag("roll")]
-)
-OneMotion = Annotated[
-    Annotated[Straight, Tag("straight")]
-    | Oscillating
     | Annotated[Turn, Tag("turn")]
-    | Annotated[Recorded, Tag("recorded")],
-    Discriminator(lambda value: kind_of(value, "straight")),
-]
+    | Annotated[Recorded, Tag("recorded")]
+)
+_by_kind = Discriminator(lambda value: kind_of(value, "straight"))
 
 
 class Sum(Choice):
     """Several motions at once."""
 
     kind: Literal["sum"] = "sum"
-    of: tuple[OneMotion, ...] = parameter(description="the motions, in any order", min_length=1, max_length=32)
+    of: tuple[Annotated[AnyMotion, _by_kind], ...] = parameter(
+        description="the motions, in any order", min_length=1, max_length=32
+    )
 
 
-Motion = Annotated[
-    Annotated[Straight, Tag("straight")]
-    | Oscillating
-    | Annotated[Turn, Tag("turn")]
-    | Annotated[Recorded, Tag("recorded")]
-    | Annotated[Sum, Tag("sum")],
-    Discriminator(lambda value: kind_of(value, "straight")),
-]
-AnyMotion = Straight | Sway | Heave | Yaw | Pitch | Roll | Turn | Recorded
+Motion = Annotated[AnyMotion | Annotated[Sum, Tag("sum")], _by_kind]

@@ -18,16 +18,15 @@ MOST_CELLS = 16384  # a side, of a made bed
 FEWEST_CELLS = 3  # of one ripple
 HIGHEST_PEAK = 0.9  # of the Nyquist frequency, on endless ground
 
-AnyMade = Fractal | PowerLaw | VonKarman | Ripples | Cascade | Autocorrelated
-Part = Annotated[
+AnyMade = (
     Annotated[Fractal, Tag("fractal")]
     | Annotated[PowerLaw, Tag("power_law")]
     | Annotated[VonKarman, Tag("von_karman")]
     | Annotated[Ripples, Tag("ripples")]
     | Annotated[Cascade, Tag("cascade")]
-    | Annotated[Autocorrelated, Tag("autocorrelation")],
-    Discriminator(lambda value: kind_of(value, "fractal")),
-]
+    | Annotated[Autocorrelated, Tag("autocorrelation")]
+)
+Part = Annotated[AnyMade, Discriminator(lambda value: kind_of(value, "fractal"))]
 
 
 class Sum(Choice):
@@ -54,12 +53,7 @@ class Sum(Choice):
 
 Relief = Annotated[
     Annotated[Flat, Tag("flat")]
-    | Annotated[Fractal, Tag("fractal")]
-    | Annotated[PowerLaw, Tag("power_law")]
-    | Annotated[VonKarman, Tag("von_karman")]
-    | Annotated[Ripples, Tag("ripples")]
-    | Annotated[Cascade, Tag("cascade")]
-    | Annotated[Autocorrelated, Tag("autocorrelation")]
+    | AnyMade
     | Annotated[Sum, Tag("sum")]
     | Annotated[Dem, Tag("dem")]
     | Annotated[Mimic, Tag("mimic")],
