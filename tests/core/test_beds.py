@@ -27,13 +27,13 @@ def scene(path, *, spacing=0.1, origin=None, **dem):
 
 def write_tiff(path, rows, *, pixel=(2.0, 2.0), corner=(EAST, NORTH), **profile):
     """Write rows from north to south; the corner is that of the north-western pixel."""
-    rows = np.asarray(rows, dtype=np.float32)
+    rows = np.asarray(rows, dtype=np.complex64 if np.iscomplexobj(rows) else np.float32)
     if corner is not None:
         profile["transform"] = Affine(pixel[0], 0.0, corner[0], 0.0, -pixel[1], corner[1])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NotGeoreferencedWarning)
         with rasterio.open(
-            path, "w", driver="GTiff", height=rows.shape[0], width=rows.shape[1], count=1, dtype="float32", **profile
+            path, "w", driver="GTiff", height=rows.shape[0], width=rows.shape[1], count=1, dtype=rows.dtype, **profile
         ) as raster:
             raster.write(rows, 1)
     return path
@@ -183,6 +183,8 @@ def bad_files(folder):
     write_tiff(folder / "nodata.tif", np.full((3, 3), -9999.0), **UTM)
     write_tiff(folder / "degrees.tif", sloped(3, 3), pixel=(1e-4, 1e-4), corner=(10.0, 50.0), crs="EPSG:4326")
     write_tiff(folder / "feet.tif", sloped(3, 3), crs="EPSG:2263")
+    write_tiff(folder / "waves.tif", sloped(3, 3).astype(np.complex64), **UTM)
+    np.save(folder / "gaps.npy", np.array([[-30.0, -31.0], [-9999999.0, -30.0]]))
     return {
         "absent.tif": "does not exist; give",
         "text.tif": "cannot be read .*; give a valid",
@@ -201,6 +203,8 @@ def bad_files(folder):
         "nodata.tif": "holds no valid height; check",
         "degrees.tif": "is in degrees; project it",
         "feet.tif": "is in .*foot; project it",
+        "waves.tif": "holds complex64 values; save",
+        "gaps.npy": "has heights from -1e.07 to -30 m; declare its nodata value",
     }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from insonify.beds.arrays import SAMPLE, read_array, read_sample
 from insonify.beds.grid import Grid, refusal
 
-__all__ = ["Grid", "read_grid"]
+__all__ = ["Grid", "read_grid", "refusal"]
 
 ARRAYS = (".npy", ".npz")
 RASTERS = (".tif", ".tiff", ".bag", ".asc")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.beds.grid import Grid, check_size, refusal
+from insonify.beds.grid import Grid, check_size, check_type, refusal
 
 NAMES = ("elevation", "z")
 SAMPLE = "sample:"
@@ -69,8 +69,7 @@ def _heights(path: str, array: NDArray[Any]) -> NDArray[np.float64]:
     """Check an array and turn what is not finite into NaN."""
     if array.ndim != 2:
         raise refusal(path, f"has {array.ndim} dimensions", "save the heights as a 2-D array")
-    if array.dtype.kind not in "fiu":
-        raise refusal(path, f"holds {array.dtype} values", "save the heights as real numbers")
+    check_type(path, array.dtype)
     check_size(path, array.shape)
     heights = array.astype(np.float64)
     heights[~np.isfinite(heights)] = np.nan

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,3 +44,9 @@ def check_size(path: str, shape: tuple[int, ...]) -> None:
         raise refusal(path, f"is only {shape[1]} by {shape[0]} heights", "give at least 2 by 2")
     if max(shape) > LARGEST_SIDE:
         raise refusal(path, f"is {shape[1]} by {shape[0]} heights", f"crop or thin it to {LARGEST_SIDE} a side")
+
+
+def check_type(path: str, stored: np.dtype[Any]) -> None:
+    """Refuse numbers that are no heights: complex ones, truth values, text."""
+    if stored.kind not in "fiu":
+        raise refusal(path, f"holds {stored} values", "save the heights as real numbers")

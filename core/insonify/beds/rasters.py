@@ -10,7 +10,7 @@ import rasterio
 from numpy.typing import NDArray
 from rasterio.errors import NotGeoreferencedWarning, RasterioError
 
-from insonify.beds.grid import Grid, check_size, refusal
+from insonify.beds.grid import Grid, check_size, check_type, refusal
 
 ELEVATION = 1  # band of either format that holds the heights
 
@@ -39,6 +39,7 @@ def _open(path: str) -> Any:
 
 def _read(path: str, raster: Any) -> Grid:
     check_size(path, raster.shape)
+    check_type(path, np.dtype(raster.dtypes[ELEVATION - 1]))
     heights = _flipped(raster.read(ELEVATION, masked=True))
     if raster.crs is None and raster.transform.is_identity:
         return Grid(heights)

@@ -8,10 +8,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.beds import Grid, read_grid
+from insonify.beds import Grid, read_grid, refusal
 from insonify.scene.files import file_version
 from insonify.scene.reliefs import Dem
 
+HIGHEST = 2e4  # m, of any bed, up or down
 SQUARE = 1e-6  # relative difference of spacings that still counts as square
 
 
@@ -54,7 +55,17 @@ def measured_bed(dem: Dem, spacing: float, origin: tuple[float, float] | None) -
     if origin is not None and grid.corner is not None:
         # Map coordinates reach millions of metres: subtract before anything becomes float32.
         x0, y0 = grid.corner[0] - origin[0], grid.corner[1] - origin[1]
-    return Measured(grid.heights * dem.scale + dem.datum, step, x0, y0)
+    return Measured(_on_earth(dem, grid.heights * dem.scale + dem.datum), step, x0, y0)
+
+
+def _on_earth(dem: Dem, heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Refuse heights that no bed has: a number that was to say "none", or another unit."""
+    low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
+    if not -HIGHEST <= low <= high <= HIGHEST:
+        raise refusal(
+            dem.path, f"has heights from {low:g} to {high:g} m", "declare its nodata value, or turn its unit by scale"
+        )
+    return heights
 
 
 @lru_cache(maxsize=2)
