@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -215,6 +216,8 @@ def test_a_column_without_a_number_is_none(tmp_path):
         ("", "has no column time"),
         ("time,roll\n0,port\n1,2\n", "cannot be read"),
         ("time,roll\n0,1\n1\n", "cannot be read"),
+        ("time,x,y\n0,0,0\n1,1e300,0\n", "has x 1e\\+300 m in row 2"),
+        ("time,pitch\n0,-900\n1,0\n", "has pitch -900 ° in row 1"),
     ],
 )
 def test_a_bad_file_is_one_sentence(tmp_path, text, words):
@@ -222,8 +225,9 @@ def test_a_bad_file_is_one_sentence(tmp_path, text, words):
         poses(csv(tmp_path, text), [0])
 
 
-@pytest.mark.parametrize("name", ["gone.csv", "tow.txt", "broken.nc"])
+@pytest.mark.parametrize("name", ["gone.csv", "tow.txt", "broken.nc", "uneven.nc"])
 def test_a_file_that_is_no_tow_is_one_sentence(tmp_path, name):
+    xr.Dataset({"time": ("t", [0.0, 1.0]), "depth": ("z", [1.0, 2.0, 3.0])}).to_netcdf(tmp_path / "uneven.nc")
     (tmp_path / "tow.txt").write_text("time,x,y\n")
     (tmp_path / "broken.nc").write_text("not a record")
     with pytest.raises(SceneError, match=r"^track\.motion\.path: [^\n]+; [^\n]+$"):

@@ -15,7 +15,18 @@ from insonify.scene import SceneError
 
 __all__ = ["COLUMNS", "RecordedTow", "read_tow"]
 
-COLUMNS = ("x", "y", "depth", "altitude", "heading", "pitch", "roll")
+# Unit and greatest size of a number; a larger one is in another unit. Headings may count on, turn after turn.
+LIMITS = {
+    "time": ("s", 1e12),
+    "x": ("m", 1e8),
+    "y": ("m", 1e8),
+    "depth": ("m", 2e4),
+    "altitude": ("m", 2e4),
+    "heading": ("°", 1e6),
+    "pitch": ("°", 90.0),
+    "roll": ("°", 180.0),
+}
+COLUMNS = tuple(name for name in LIMITS if name != "time")
 PREFIXES = ("platform_", "ping_")  # of the same names in a record
 Column = NDArray[np.float64]
 
@@ -115,7 +126,7 @@ def _known(names: list[str]) -> dict[str, int]:
     bare = [name.strip().strip('"').lower() for name in names]
     for prefix in PREFIXES:
         bare = [name.removeprefix(prefix) for name in bare]
-    return {name: bare.index(name) for name in ("time", *COLUMNS) if name in bare}
+    return {name: bare.index(name) for name in LIMITS if name in bare}
 
 
 def _check(path: str, found: Mapping[str, Column]) -> None:
@@ -124,9 +135,16 @@ def _check(path: str, found: Mapping[str, Column]) -> None:
     if time.size < 2:
         raise _refusal(path, f"holds {time.size} row{'s' * (time.size != 1)}", "give at least two")
     for name, column in found.items():
+        if column.size != time.size:
+            raise _refusal(path, f"has {column.size} of {name} for {time.size} times", "give one for each time")
         if not np.isfinite(column).all():
             row = int(np.flatnonzero(~np.isfinite(column))[0]) + 1
             raise _refusal(path, f"has no number for {name} in row {row}", "leave the row out or fill it in")
+        unit, most = LIMITS[name]
+        if (size := np.abs(column)).max() > most:
+            row = int(size.argmax())
+            fault = f"has {name} {column[row]:g} {unit} in row {row + 1}"
+            raise _refusal(path, fault, f"give it in {unit}, from {-most:g} to {most:g}")
     unsorted = np.flatnonzero(np.diff(time) <= 0.0)
     if unsorted.size:
         raise _refusal(
