@@ -14,6 +14,7 @@ from insonify.scene import SceneError, bundled_meshes
 Y_UP = (".gltf", ".glb")
 FORMATS = (".obj", ".stl", ".ply", *Y_UP)
 MOST = 2_000_000  # triangles; a larger file was surely meant to be thinned
+FARTHEST = 1e15  # units of a file from its origin; squares of squares of it are still numbers
 FLAT = 1e-12  # a triangle's height over its longest side, below which it has no area worth a name
 
 
@@ -52,8 +53,8 @@ def _kept(path: str, file: Path, version: tuple[int, int]) -> NDArray[np.float64
     corners = _triangles(path, file)
     if len(corners) > MOST:
         raise _refusal(path, f"has {len(corners)} triangles", f"thin it to at most {MOST}")
-    if not np.isfinite(corners).all():
-        raise _refusal(path, "has corners that are not finite numbers", "export it again")
+    if not (np.abs(corners) < FARTHEST).all():
+        raise _refusal(path, f"has corners that are not finite or lie beyond {FARTHEST:g}", "export it again")
     corners = corners[_has_area(corners)]
     if not len(corners):
         raise _refusal(path, "holds no triangles", "check that it is whole and holds surfaces")
