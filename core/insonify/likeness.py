@@ -106,7 +106,7 @@ def likeness(record: xr.Dataset) -> Likeness:
     patches = _even_patches(amplitude, bed)
     step = _ping_spacing(record)
     along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), step)
-    across = _spectrum(amplitude, bed, float(r[1] - r[0]))
+    across = _spectrum(amplitude, bed, 2.0 * float(r[0]))
     if patches.size == 0 or along is None or across is None:
         raise SceneError(
             f"{record.attrs.get('title', 'record')}: has too little bed to measure; "
@@ -157,7 +157,8 @@ def _tiles(values: NDArray[np.generic], shape: tuple[int, int]) -> NDArray[np.ge
     """Cut (2, pings, bins) into tiles (n, *shape); what is left over at the ends goes."""
     rows, columns = (size // step for size, step in zip(values.shape[1:], shape))
     cut = values[:, : rows * shape[0], : columns * shape[1]]
-    return cut.reshape(-1, rows, shape[0], columns, shape[1]).swapaxes(2, 3).reshape(-1, *shape)
+    tiles = cut.reshape(len(cut), rows, shape[0], columns, shape[1]).swapaxes(2, 3)
+    return tiles.reshape(len(cut) * rows * columns, *shape)
 
 
 def _ping_spacing(record: xr.Dataset) -> float:

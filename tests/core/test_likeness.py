@@ -88,6 +88,9 @@ def test_a_shadow_may_be_silent():
 def test_too_little_bed_is_one_sentence():
     with pytest.raises(SceneError, match="made up: has too little bed to measure; give at least 128 pings"):
         likeness(record(lambert()[:, :100]))
+    for bins, pings in ((1, 200), (20, 200), (400, 1), (400, 3)):
+        with pytest.raises(SceneError, match="too little bed"):
+            likeness(record(lambert()[:, :pings, :bins]))
     still = record(lambert())
     still["platform_x"][:] = 0.0
     with pytest.raises(SceneError, match="pings that move on"):
