@@ -22,6 +22,7 @@ ACROSS = 480  # columns of the shadow's picture, along the range
 POINTS = 241  # of each ray
 STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # degrees from ray to ray
 MOST_RAYS = 50
+FARTHEST = 1e6  # m; on Earth, rounder farther out than a plane section
 NEAREST_HIT = 0.25  # share of the range at which the steepest ray that is drawn meets the bed or the surface
 
 
@@ -56,10 +57,10 @@ def ray_diagram(
     depth = bottom - scene.altitude if scene.track.depth is None else scene.track.depth
     if not 0.0 <= depth < bottom:
         raise SceneError(f"track: the sonar at {depth:g} m is not in water {bottom:g} m deep; change its depth")
-    if target is not None and not (target[0] > 0.0 and 0.0 <= target[1] <= bottom):
+    if target is not None and not (0.0 < target[0] <= FARTHEST and 0.0 <= target[1] <= bottom):
         raise SceneError(
-            f"target: {target[0]:g} m away and {target[1]:g} m deep is no point of the water; give a range above 0 "
-            f"and a depth from 0 to {bottom:g} m"
+            f"target: {target[0]:g} m away and {target[1]:g} m deep is no point of the water; give a range above 0, "
+            f"to {FARTHEST:g} m, and a depth from 0 to {bottom:g} m"
         )
     reach = scene.sonar.range if target is None else max(scene.sonar.range, 1.05 * target[0])
     limits = Limits(reach, 0.0, bottom, False, False)
