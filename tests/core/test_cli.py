@@ -40,6 +40,7 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
         (["render", "default", "-o", "x"], "'' is no format written here"),
         (["render", "default", "-o", "nowhere/x.png"], "there is no folder 'nowhere'; create it"),
         (["render", "default", "-o", "."], "is a folder; give the name of a file in it"),
+        (["render", "default", "-o", os.devnull], "is a device, not a file; give another name"),
         (["render", "default", "-o", "x.nc", "--gain", "3"], "--gain is for pictures, not x.nc"),
         (["render", "default", "-o", "x.npz", "--ground-range"], "--ground-range is for pictures"),
         (["render", "default", "-o", "x.png", "--palette", "jet"], "invalid choice: 'jet'"),

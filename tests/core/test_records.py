@@ -1,5 +1,7 @@
 """Records on disk: what is read back is what was simulated, and no file is ever half there."""
 
+import signal
+
 import netCDF4
 import numpy as np
 import pytest
@@ -90,6 +92,22 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, trouble):
 
     with pytest.raises(type(trouble)):
         write_netcdf(path, blocks())
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_request_to_end_leaves_the_old_file(tmp_path):
+    path = tmp_path / "record.nc"
+    path.write_bytes(b"old")
+
+    def blocks():
+        yield block(0, 4)
+        signal.raise_signal(signal.SIGTERM)
+
+    with pytest.raises(SystemExit) as leaving:
+        write_netcdf(path, blocks())
+    assert leaving.value.code == 128 + signal.SIGTERM
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
 

@@ -110,6 +110,8 @@ def output(name: str, suffixes: tuple[str, ...]) -> Path:
     path = Path(name)
     if path.is_dir():
         raise SceneError(f"-o {name}: is a folder; give the name of a file in it")
+    if path.exists() and not path.is_file():
+        raise SceneError(f"-o {name}: is a device, not a file; give another name")
     if path.suffix.lower() not in suffixes:
         raise SceneError(
             f"-o {name}: {path.suffix!r} is no format written here; end the name in {' or '.join(suffixes)}"
