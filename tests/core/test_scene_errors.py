@@ -7,9 +7,21 @@ from insonify.scene import SceneError, edit, load_scene, read_setting, scene_fro
 WRONG = [
     ({"sonar.range": -5}, ["sonar.range", "-5", "above 0"]),
     ({"sonar.range": float("nan")}, ["sonar.range", "nan", "finite number"]),
-    ({"sonar.range": "far"}, ["sonar.range", "'far'"]),
+    ({"sonar.range": "far"}, ["sonar.range", "'far'", "plain number"]),
     ({"sonar.bins": 0}, ["sonar.bins", "0", "at least 1"]),
-    ({"sonar.bins": 2.5}, ["sonar.bins", "2.5"]),
+    ({"sonar.bins": 2.5}, ["sonar.bins", "2.5", "without a fraction"]),
+    ({"sonar": 3}, ["sonar: 3", "not a table"]),
+    ({"title": 3}, ["title: 3", "quotes"]),
+    ({"title": "x" * 300}, ["title: 'xxx", "length 300", "at most 200"]),
+    ({"track.terrain_following": "maybe"}, ["track.terrain_following: 'maybe'", "true or false"]),
+    ({"track.start": 3}, ["track.start: 3", "not a list"]),
+    ({"track.start": [1.0, 2.0, 3.0]}, ["track.start: [1.0, 2.0, 3.0]", "at most 2"]),
+    ({"track.start": [1e300, 0.0]}, ["track.start.0: 1e+300", "at most 1e+08"]),
+    ({"targets.1.position": [0.0, -1e300]}, ["targets.1.position.1: -1e+300", "at least -1e+08"]),
+    ({"targets.1.position": [1.0, 2.0, 1e9]}, ["targets.1.position.2: 1000000000.0", "at most 20000"]),
+    ({"targets.0.gap": [[0.0, 0.0], [1.0]]}, ["targets.0.gap.1.1", "missing"]),
+    ({"track.motion": {"kind": "sum", "of": []}}, ["track.motion.of: []", "at least 1"]),
+    ({"track.motion": {"kind": "heave", "amplitude": 50.0}}, ["track.motion: a heave of 50 m", "below 10 m"]),
     ({"sonar.ping_rate": 16}, ["sonar.ping_rate", "16", "lower it to 15 Hz", "sonar.range"]),
     (
         {"seabed.relief": "flat", "seabed.spacing": 1e-3, "sonar.range": 1e4, "sonar.ping_rate": 0.05},
@@ -87,7 +99,7 @@ def test_a_file_that_is_no_text_is_refused(tmp_path):
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(SceneError, match="cannot be read"):
         load_scene(path)
-    with pytest.raises(SceneError, match="cannot be read"):
+    with pytest.raises(SceneError, match=r"cannot be read \(Is a directory\)"):
         load_scene(tmp_path)
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+# m, along x or y; no map reaches farther, and farther out numbers would tell places apart no finer than relief is.
+Place = Annotated[float, Field(ge=-1e8, le=1e8)]
 
 
 class SceneError(ValueError):

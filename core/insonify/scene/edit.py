@@ -184,9 +184,11 @@ def models_of(parent: type[BaseModel], field: str) -> list[type[BaseModel]]:
 
 def _sentence(error: ValidationError) -> str:
     """Say the first fault in one sentence: field, value, remedy."""
-    fault = error.errors()[0]
-    path = _path(fault["loc"])
-    where = path or "scene"
+    faults = error.errors()
+    path = _path(faults[0]["loc"])
+    # Where a field may be several things, the one that the value comes nearest to fails deepest within.
+    fault = max((f for f in faults if _path(f["loc"]).startswith(path)), key=lambda f: len(f["loc"]))
+    where = _path(fault["loc"]) or "scene"
     kind, value = fault["type"], fault["input"]
     context = fault.get("ctx", {})
     if kind == "extra_forbidden":
@@ -199,17 +201,32 @@ def _sentence(error: ValidationError) -> str:
         return f"{where}.kind: {given!r} is not a kind known here; choose one of {expected}"
     if kind == "value_error":
         text = str(context["error"])
-        return f"{where}: {_shown(value)} {text}" if text.startswith(("is ", "must ")) else f"{where}: {text}"
+        if text.startswith(("is ", "must ")):
+            return f"{where}: {_shown(value)} {text}"
+        return f"{where}: {text}" if fault["loc"] else text
     if kind == "literal_error":
         return f"{where}: {_shown(value)} is not known; choose {context['expected']}"
     if kind in _BOUNDS:
         bound = context[_BOUNDS[kind][0]]
         return f"{where}: {_shown(value)} is out of bounds; give a value {_BOUNDS[kind][1]} {bound:g}"
+    if kind.endswith(("too_short", "too_long")):
+        bound = f"least {context['min_length']}" if "min_length" in context else f"most {context['max_length']}"
+        return f"{where}: {_shown(value)} has length {len(value)}; give at {bound}"
     if kind == "finite_number":
         return f"{where}: {_shown(value)} is not a finite number; give a plain number"
-    return f"{where}: {_shown(value)} does not fit ({fault['msg'][0].lower()}{fault['msg'][1:]}); correct it"
+    wanted, remedy = next((said for start, said in _WANTED.items() if kind.startswith(start)), ("fits", fault["msg"]))
+    return f"{where}: {_shown(value)} is not {wanted}; {remedy}"
 
 
+# What pydantic's kinds of faults say a value should have been, and the remedy.
+_WANTED = {
+    "float": ("a number", "give a plain number"),
+    "int": ("a whole number", "give a number without a fraction"),
+    "bool": ("a truth value", "write true or false"),
+    "string": ("text", "put it in quotes"),
+    "tuple": ("a list", "write [..., ...] with one value for each place"),
+    "model": ("a table", "write { field = value }, or the fields in a section of their own"),
+}
 _BOUNDS = {
     "greater_than": ("gt", "above"),
     "greater_than_equal": ("ge", "of at least"),

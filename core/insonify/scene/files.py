@@ -63,7 +63,8 @@ def load_scene(name_or_path: str | Path) -> Scene:
         names = ", ".join(bundled_scenes())
         raise SceneError(f"scene {str(name_or_path)!r}: no such file; give a TOML file or one of {names}") from None
     except (OSError, UnicodeDecodeError) as error:
-        raise SceneError(f"scene {str(name_or_path)!r}: cannot be read ({error}); give a readable TOML file") from None
+        reason = error.strerror if isinstance(error, OSError) else "it is no text in UTF-8"
+        raise SceneError(f"scene {str(name_or_path)!r}: cannot be read ({reason}); give a readable TOML file") from None
     return scene_from_toml(text, source=path)
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, SceneError, parameter
+from insonify.scene.base import Declaration, Place, SceneError, parameter
 from insonify.scene.receiver import Coherent, Receiver
 from insonify.scene.reliefs import Dem
 from insonify.scene.seabed import Seabed
@@ -24,7 +24,7 @@ MOST_CELLS, MOST_ENDLESS_CELLS = 262_144, 4096
 class World(Declaration):
     """Where the scene's own coordinates lie on Earth."""
 
-    origin: tuple[float, float] | None = parameter(
+    origin: tuple[Place, Place] | None = parameter(
         None, unit="m", description="map coordinates of the scene's (0, 0); a DEM's centre when left out"
     )
     crs: str = parameter("", description="coordinate reference system of the origin, as written to files")

@@ -7,10 +7,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
-from insonify.scene.base import Declaration, kind_of, parameter
+from insonify.scene.base import Declaration, Place, kind_of, parameter
 from insonify.scene.materials import Material
 
-Position = tuple[float, float] | tuple[float, float, float]
+Height = Annotated[float, Field(ge=-2e4, le=2e4)]
+Position = tuple[Place, Place] | tuple[Place, Place, Height]
 Gap = float | tuple[tuple[float, float], ...]
 LEAST = 0.001  # m, of whatever measures a target
 Side = Annotated[float, Field(ge=LEAST, le=1000.0)]

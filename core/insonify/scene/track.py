@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, parameter
+from insonify.scene.base import Declaration, Place, parameter
 from insonify.scene.motion import AnyMotion, Heave, Motion, Straight, Sum
 
 
 class Track(Declaration):
     """A line at constant speed, and how the fish strays from it."""
 
-    start: tuple[float, float] = parameter((0.0, 0.0), unit="m", description="position of the first ping")
+    start: tuple[Place, Place] = parameter((0.0, 0.0), unit="m", description="position of the first ping")
     heading: float = parameter(
         0.0,
         unit="°",
