@@ -67,8 +67,9 @@ def time_varied_gain(scene: Scene, problem: Problem, echo: Curve, noise: float, 
     Returns
     -------
     (bins,) float64
-        10^(spreading · log₁₀ r + 2αr)/10, r in metres, as far as that echo stands above the noise; farther out the
-        gain stays as it is there, for it would lift nothing but noise.
+        10^((spreading · log₁₀ r + 2αr)/10), r in metres and α in dB/m, as far as that echo stands above the noise;
+        farther out the gain stays as it is there, for it would lift nothing but noise. With the source it lifts by no
+        more than `MOST`.
     """
     declared = scene.receiver.tvg
     if isinstance(declared, NoTvg):
