@@ -15,6 +15,7 @@ from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
 from insonify.scene import Scene, SceneError
+from insonify_viewer.collecting import collecting_here
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.files import save_picture
 from insonify_viewer.views.theme import dress
@@ -26,11 +27,12 @@ PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles first
 def open_window(scene: Scene) -> int:
     """Open the viewer and stay until it is closed; return an exit code."""
     application = make_application()
-    viewer = Viewer(scene, accelerated=has_opengl())
-    viewer.window.show()
-    QTimer.singleShot(0, viewer.start)
-    signal.signal(signal.SIGINT, lambda *_: viewer.window.close())
-    return application.exec()
+    with collecting_here():
+        viewer = Viewer(scene, accelerated=has_opengl())
+        viewer.window.show()
+        QTimer.singleShot(0, viewer.start)
+        signal.signal(signal.SIGINT, lambda *_: viewer.window.close())
+        return application.exec()
 
 
 def draw_window(scene: Scene, path: Path) -> None:
@@ -42,6 +44,11 @@ def draw_window(scene: Scene, path: Path) -> None:
         If the scene cannot be simulated, or the picture not written.
     """
     application = make_application()
+    with collecting_here():
+        _draw(application, scene, path)
+
+
+def _draw(application: QApplication, scene: Scene, path: Path) -> None:
     viewer = Viewer(scene, accelerated=False)
     viewer.window.resize(*SNAPSHOT_SIZE)
     viewer.window.move(40, 40)  # from under the pointer, which would light a button up

@@ -101,12 +101,16 @@ class ChartPanel:
             self.view.close()
 
     def _take(self, pictured: Pictured) -> None:
+        if not self.busy:  # it was on its way when the window closed
+            return
         self._end()
         self._pictured = pictured
         assert self.view is not None
         self.view.show_chart(pictured)
 
     def _fail(self, sentence: str) -> None:
+        if not self.busy:
+            return
         self._end()
         assert self.view is not None
         self.view.say(sentence or "stopped")

@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -168,15 +169,16 @@ class Simulator(QObject):
         return bool(self._waiting or self._errands or self._closing)
 
     def _serve(self, request: Request) -> None:
+        refuse = partial(self.refused.emit, request.number)
         try:
             for answer in self._trace(request):
-                self.answered.emit(answer)
+                self._called_back.emit(self.answered.emit, answer)
                 if self._waiting is not None or self._closing:
                     return
         except SceneError as error:
-            self.refused.emit(request.number, str(error))
+            self._called_back.emit(refuse, str(error))
         except Exception as error:  # a worker that dies would freeze the picture without a word
-            self.refused.emit(request.number, f"this scene cannot be simulated ({type(error).__name__}: {error})")
+            self._called_back.emit(refuse, f"this scene cannot be simulated ({type(error).__name__}: {error})")
 
     def _trace(self, request: Request) -> Iterator[Answer]:
         from insonify.picture import normalise
@@ -215,7 +217,8 @@ class Simulator(QObject):
         return last[2:]
 
     def _call_back(self, receive: Callable[[Any], None], result: Any) -> None:
-        receive(result)
+        if not self._closing:  # else it was on its way when the window closed
+            receive(result)
 
 
 _Errand = tuple[Callable[[], Any], Callable[[Any], None]]

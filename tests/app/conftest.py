@@ -11,12 +11,13 @@ import pytest
 
 os.environ.setdefault("QT_API", "pyside6")
 
-from PySide6.QtCore import QTimer
+from PySide6.QtCore import QCoreApplication, QEvent, QTimer
 from PySide6.QtWidgets import QApplication
 from stand_in import StandIn
 
 from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.application import has_opengl
+from insonify_viewer.collecting import collecting_here
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.theme import dress
 
@@ -51,10 +52,14 @@ def open_viewer(qtbot: Any, qapp: QApplication) -> Iterator[Opener]:
         qtbot.waitUntil(lambda: until(viewer), timeout=240000)  # while the kernels compile, at worst
         return viewer
 
-    yield open_one
-    for viewer in viewers:
-        viewer.window.close()
-        viewer.window.deleteLater()
-    qapp.processEvents()
-    assert not [t for t in set(threading.enumerate()) - before if t.name.startswith("insonify")]
-    assert not [t for viewer in viewers for t in viewer.findChildren(QTimer) if t.isActive()]
+    with collecting_here():
+        yield open_one
+        for window in [viewer.window for viewer in viewers]:
+            window.close()
+            window.deleteLater()
+        qapp.processEvents()
+        assert not [t for t in set(threading.enumerate()) - before if t.name.startswith("insonify")]
+        assert not [t for viewer in viewers for t in viewer.findChildren(QTimer) if t.isActive()]
+        # A loop of events deletes what a test leaves to be deleted later; here there is none.
+        QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+        viewers.clear()

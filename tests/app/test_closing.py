@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import gc
+import threading
 from typing import Any
 
 import pytest
+from PySide6.QtCore import QObject, Qt
 
-from insonify.scene import Scene
+from insonify.scene import Scene, SceneError
+from insonify_viewer import application
 from insonify_viewer.application import has_opengl
 
 
@@ -21,3 +24,34 @@ def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer
     assert len(kept) == 1  # this window's own: those of the tests before left none
     viewer.window.close()
     assert kept[0]._surface is None
+
+
+def test_no_worker_collects_what_belongs_to_a_window(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    part, ends, done = QObject(), [], []
+    part.itself = part  # type: ignore[attr-defined]
+    part.destroyed.connect(lambda: ends.append(threading.current_thread()), Qt.ConnectionType.DirectConnection)
+    del part
+    viewer.simulator.send(lambda: len([[number] for number in range(300_000)]), done.append)
+    qtbot.waitUntil(lambda: bool(done), timeout=20000)
+    kept = [[number] for number in range(2 * gc.get_threshold()[0])]
+    qtbot.waitUntil(lambda: bool(ends), timeout=20000)
+    assert kept
+    assert ends == [threading.main_thread()]
+
+
+def test_windows_are_opened_and_drawn_with_garbage_in_one_place(
+    small: Scene, qapp: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Any
+) -> None:
+    opened: list[bool] = []
+
+    def viewer(*_: Any, **__: Any) -> Any:
+        opened.append(gc.isenabled())
+        raise SceneError("enough is seen")
+
+    monkeypatch.setattr(application, "Viewer", viewer)
+    for use in (lambda: application.open_window(small), lambda: application.draw_window(small, tmp_path / "w.png")):
+        with pytest.raises(SceneError):
+            use()
+    assert opened == [False, False]
+    assert gc.isenabled()
