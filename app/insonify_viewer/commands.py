@@ -5,11 +5,9 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from pathlib import Path
 from typing import Any
 
 from insonify.commands.options import add_scene, chosen_scene, output, say
-from insonify.scene import SceneError
 from insonify_viewer.display import why_no_window
 
 FALLBACK = "insonify.png"
@@ -51,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         from insonify_viewer.application import open_window
 
         return open_window(scene)
-    path = picture_path(arguments.snapshot or FALLBACK)
+    path = output(arguments.snapshot or FALLBACK, (".png",), "--snapshot")
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
     if reason and sys.platform.startswith("linux"):
         # Else VTK would look for the display first, and complain.
@@ -80,21 +78,3 @@ def run_light(arguments: argparse.Namespace) -> int:
     width, height = write_light(path, make_setting(scene))
     say(f"{path}: {width} x {height} pixels")
     return 0
-
-
-def picture_path(name: str) -> Path:
-    """Check that a picture can be written there.
-
-    Raises
-    ------
-    SceneError
-        One sentence with the remedy.
-    """
-    path = Path(name)
-    if path.is_dir():
-        raise SceneError(f"--snapshot {name!r}: this is a folder; give the name of a file in it")
-    if path.suffix.lower() != ".png":
-        raise SceneError(f"--snapshot {name!r}: the picture is a PNG; give a name that ends in .png")
-    if not path.parent.is_dir():
-        raise SceneError(f"--snapshot {name!r}: there is no folder {str(path.parent)!r}; create it first")
-    return path

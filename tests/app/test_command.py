@@ -53,7 +53,7 @@ def test_no_display_draws_the_window_and_says_so(tmp_path: Path) -> None:
     ("words", "part"),
     [
         (("nowhere",), "no such file"),
-        (("default", "--snapshot", "w.jpg"), "ends in .png"),
+        (("default", "--snapshot", "w.jpg"), "end the name in .png"),
         (("default", "--snapshot", "nowhere/w.png"), "no folder"),
         (("default", "--set", "sonar.range=-1"), "sonar.range"),
     ],

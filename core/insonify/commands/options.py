@@ -99,25 +99,36 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
     return edit(scene, changes) if changes else scene
 
 
-def output(name: str, suffixes: tuple[str, ...]) -> Path:
+def output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:
     """Check that a file of one of these kinds can be written there.
+
+    Parameters
+    ----------
+    name : str
+        As given.
+    suffixes : tuple of str
+        Of the kinds, each with its dot.
+    option : str
+        By which it was given.
+
+    Returns
+    -------
+    Path
 
     Raises
     ------
     SceneError
         One sentence with the remedy.
     """
-    path = Path(name)
+    path, where = Path(name), f"{option} {name}"
     if path.is_dir():
-        raise SceneError(f"-o {name}: is a folder; give the name of a file in it")
+        raise SceneError(f"{where}: is a folder; give the name of a file in it")
     if path.exists() and not path.is_file():
-        raise SceneError(f"-o {name}: is a device, not a file; give another name")
+        raise SceneError(f"{where}: is a device, not a file; give another name")
     if path.suffix.lower() not in suffixes:
-        raise SceneError(
-            f"-o {name}: {path.suffix!r} is no format written here; end the name in {' or '.join(suffixes)}"
-        )
+        raise SceneError(f"{where}: {path.suffix!r} is no format written here; end the name in {' or '.join(suffixes)}")
     if not path.parent.is_dir():
-        raise SceneError(f"-o {name}: there is no folder {str(path.parent)!r}; create it or choose another")
+        raise SceneError(f"{where}: there is no folder {str(path.parent)!r}; create it or choose another")
     return path
 
 
