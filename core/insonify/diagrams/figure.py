@@ -28,7 +28,6 @@ ROW = 0.034  # of the figure, for a row of the legend
 MARGIN = 0.075  # of the depth, above the surface and below the bed
 FAINTEST = 1e-3  # share of the water in shadow that is worth a word
 LABELS = 0.036  # of the axes' width and height that a label of a ray needs for itself
-HALO = [withStroke(linewidth=2.5, foreground="white")]
 
 
 def draw(diagram: Diagram) -> Figure:
