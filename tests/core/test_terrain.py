@@ -112,6 +112,18 @@ def test_picture_has_north_at_the_top_and_the_whole_range_of_grey():
     assert not relief_picture(scene(relief="flat")).any()
 
 
+def test_a_narrow_measured_bed_is_pictured_as_it_is(tmp_path):
+    np.save(tmp_path / "bed.npy", np.arange(15.0).reshape(5, 3))
+    picture = relief_picture(scene(relief={"kind": "dem", "path": str(tmp_path / "bed.npy")}))
+    np.testing.assert_array_equal(picture[::-1], np.rint(np.arange(15.0).reshape(5, 3) * 255.0 / 14.0))
+
+
+def test_dunes_are_as_high_alone_as_on_their_ground_however_coarse():
+    for spacing in (0.4, 1e3):
+        dunes = scene(relief="mimic", spacing=spacing)
+        np.testing.assert_allclose(relief(dunes.seabed), build_ground(dunes).heights, atol=1e-6)
+
+
 @pytest.mark.parametrize("material", [Patches(of=THREE, size=3.0), FractalMap(of=THREE)])
 def test_map_repeats_with_its_bed_and_shares_the_area(material):
     lattice = Lattice((512, 512), 0.1)

@@ -15,7 +15,7 @@ from insonify.scene.seabed import AnyMade, Seabed
 from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles, kept
 from insonify.terrain.endless_relief import endless_heights, endless_materials
 from insonify.terrain.ground import Ground
-from insonify.terrain.inverse import mimicking_heights
+from insonify.terrain.inverse import mimic_cells, mimicking_heights
 from insonify.terrain.lattice import Lattice, Map
 from insonify.terrain.materials import material_indices, material_table
 from insonify.terrain.measured import measured_bed
@@ -128,7 +128,7 @@ def _kept_made(parts: tuple[AnyMade, ...], spacing: float, seed: int) -> tuple[N
 
 @lru_cache(maxsize=2)
 def _kept_mimic(mimic: Mimic, spacing: float) -> tuple[NDArray[np.float32], Lattice]:
-    heights = mimicking_heights(mimic, max(FLAT_CELLS, round(2.0 * mimic.reach / spacing)))
+    heights = mimicking_heights(mimic, mimic_cells(mimic, spacing))
     lattice = Lattice((heights.size, FLAT_CELLS), 2.0 * mimic.reach / heights.size)
     return np.tile(heights.astype(np.float32)[:, np.newaxis], (1, FLAT_CELLS)), lattice
 

@@ -12,7 +12,7 @@ from insonify.terrain.build import FLAT_CELLS, build_ground, made_cells
 from insonify.terrain.endless import gathered
 from insonify.terrain.endless_ground import EndlessGround
 from insonify.terrain.endless_relief import endless_heights
-from insonify.terrain.inverse import mimicking_heights
+from insonify.terrain.inverse import mimic_cells, mimicking_heights
 from insonify.terrain.measured import measured_bed
 from insonify.terrain.spectra import Field
 from insonify.terrain.synthesis import made_heights
@@ -57,7 +57,7 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
         heights = measured_bed(seabed.relief, seabed.spacing, None).heights
         return np.asarray(heights - np.nanmean(heights))
     if isinstance(seabed.relief, Mimic):
-        ny, nx = shape or (round(2.0 * seabed.relief.reach / seabed.spacing), FLAT_CELLS)
+        ny, nx = shape or (mimic_cells(seabed.relief, seabed.spacing), FLAT_CELLS)
         return np.tile(mimicking_heights(seabed.relief, ny)[:, np.newaxis], (1, nx))
     return np.zeros(shape or (FLAT_CELLS, FLAT_CELLS))
 
@@ -81,7 +81,7 @@ def relief_picture(scene: Scene) -> NDArray[np.uint8]:
         heights = gathered(ground.heights, (0, 0), (SHOWN, SHOWN))[::-1]
     else:
         heights = ground.heights[::-1]
-    if heights.shape[1] <= FLAT_CELLS:
+    if heights.shape[1] <= FLAT_CELLS and (heights == heights[:, :1]).all():
         heights = np.tile(heights, (1, 256 // heights.shape[1]))
     low, high = np.nanmin(heights), np.nanmax(heights)
     if high == low:

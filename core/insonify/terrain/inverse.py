@@ -32,6 +32,7 @@ Curve = NDArray[np.float64]
 
 FROM = 1.4  # altitudes of slant range from which dunes pass
 STEPS_A_CELL = 8
+FEWEST_CELLS = 4
 MEAN_OF = 1 << 14  # samples
 
 
@@ -61,6 +62,11 @@ def mimicking_heights(mimic: Mimic, cells: int) -> Curve:
     heights[port] = _one_side(mimic, y[port], 1.0, cells)
     heights[~port] = _one_side(mimic, 2.0 * mimic.reach - y[~port], -1.0, cells)
     return heights
+
+
+def mimic_cells(mimic: Mimic, spacing: float) -> int:
+    """Cells across the track of one period of dunes, at about this spacing in metres."""
+    return max(FEWEST_CELLS, round(2.0 * mimic.reach / spacing))
 
 
 def mean_diffuse(pattern: PatternMap) -> float:
