@@ -12,19 +12,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.accuracy import BEYOND, compare
+from insonify.accuracy import compare
 from insonify.kernels.types import Poses, Problem
 from insonify.tracers import rays, sheets
 from insonify.tracers.poses import take
 
 RESOLVED = 10.0  # times finer than an error the reference is to be
 FIRST_RAYS = 1 << 16
-# Rays of one sheet are held in memory together, by every core.
-MOST_IN_SHEETS, MOST_TOGETHER = 1 << 22, 1 << 20
-RAYS_A_SHEET = 32  # for every sheet of a fan; with as many both halves of the error are alike
-RAYS_AT_NADIR = 4  # in all for every one near nadir, whose bins are few
+MOST_IN_SHEETS, MOST_TOGETHER = 1 << 24, 1 << 20  # rays one by one are held in memory together, by every core
+RAYS_A_SHEET = 16  # for every sheet of a fan; with as many both halves of the error are alike
 # Of the error, by which more rays are foreseen.
-SHEET_ORDER, RAY_ORDER = 0.8, 0.75
+SHEET_ORDER, RAY_ORDER = 1.0, 0.75
 
 Record = NDArray[np.float32]
 
@@ -84,7 +82,7 @@ def prove(
     """
     began, count = process_time(), FIRST_RAYS
     order = SHEET_ORDER if sheets.can_trace(problem) else RAY_ORDER
-    most = MOST_IN_SHEETS if sheets.can_trace(problem) and problem.half_width > 0.0 else MOST_TOGETHER
+    most = MOST_IN_SHEETS if sheets.can_trace(problem) else MOST_TOGETHER
     record = trace(problem, poses, count)
     while True:
         progress(min((process_time() - began) / seconds, 1.0))
@@ -107,18 +105,11 @@ def trace(problem: Problem, poses: Poses, count: int) -> Record:
     """Trace with so many exact rays a side, in sheets where these do, each ping on whatever core is free."""
 
     def single(pose: Poses) -> Record:
-        near = min(math.ceil(BEYOND * float(pose.z[0]) / problem.bin_length), problem.bins)
-        if not sheets.can_trace(problem) or near == problem.bins:
+        if not sheets.can_trace(problem):
             return rays.trace(problem, pose, rays=count, threads=1)
-        if problem.half_width <= 0.0:
-            return sheets.trace(problem, pose, rays=count, threads=1)
-        across = round(math.sqrt(count / RAYS_A_SHEET))
-        record = sheets.trace(problem, pose, sheets=across, rays=count // across, threads=1)
-        if near > 0:
-            # Near nadir a cone takes in all azimuths, and sheets lie far apart: there rays do better.
-            nadir = problem._replace(bins=near, range_factor=problem.range_factor[:near])
-            record[..., :near] = rays.trace(nadir, pose, rays=count // RAYS_AT_NADIR, threads=1)
-        return record
+        # In pairs: half the places within a beam with a pattern are for its main lobe.
+        across = 2 * round(0.5 * math.sqrt(count / RAYS_A_SHEET)) if problem.half_width > 0.0 else 1
+        return sheets.trace(problem, pose, sheets=across, rays=count // across, threads=1)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         return np.concatenate(list(pool.map(single, (take(poses, slice(k, k + 1)) for k in range(poses.x.size)))))

@@ -1,9 +1,9 @@
-"""Rays in sheets, each spread over the step of slant range that it stands for: nearer the truth than as many alone.
+"""Rays in sheets, each sheet integrated over elevation: nearer the truth than as many rays one by one.
 
-The rays of a sheet keep one place within the beam and follow one another in elevation. Where a ray and both its
-neighbours land on one surface, what it returns is spread evenly over the step of range that its landing makes as its
-elevation grows through its own share. At the edge of a shadow it stays a point: every sheet shares the elevations out
-differently, so that over all of them points fill just what is lit, and no edge is blurred.
+The rays of a sheet keep one place within the beam and follow one another in elevation. Where two neighbours land on one
+surface, and as far apart as their own landings grow, what is returned between them is spread over the range between
+them, its kink, if there is one, found by how far apart they are. Anything else between two neighbours, the edge of a
+shadow or of a target, is halved until what is left is a small share of a bin.
 """
 
 from __future__ import annotations
@@ -14,28 +14,37 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.beam import widest_extent
 from insonify.kernels.bent_hits import bent_hits, empty_arrivals
 from insonify.kernels.bent_pings import echo_of, sea_of
 from insonify.kernels.double import mixed_echoes
-from insonify.kernels.jit import kernel
-from insonify.kernels.launch import aim, cone_azimuth, gather, highest_elevation, inside_body, make_beam, turn
+from insonify.kernels.jit import fused, kernel
+from insonify.kernels.launch import Launch, aim, cone_azimuth, gather, highest_elevation, inside_body, make_beam, turn
 from insonify.kernels.pilots import aim_bent
-from insonify.kernels.rays import empty_bundle, empty_hits, empty_launch, returned, tilt
+from insonify.kernels.rays import empty_bundle, empty_hits, empty_launch, returned, tilt, weigh
+from insonify.kernels.types import LIGHT
 from insonify.kernels.walk import first_hits
 
-STEADY = 2.0  # steps of range that two neighbours may land apart on one surface
+KINKED = 0.02  # share by which growths differ on both sides of a kink
+FINE = 1.0 / 64.0  # of a bin, that rays may land apart unresolved
+FINEST = 1e-9  # rad, and closer than which no rays go
+OF_NADIR = 4  # of the rays of a sheet one more about nadir
+OF_THREE = 3  # rays of a gap: both ends and the middle
 
 
 class Landed(NamedTuple):
-    """What the rays of one sheet return."""
+    """What the rays of one sheet return, by ascending elevation."""
 
-    value: NDArray[np.float64]  # (n,)
-    step: NDArray[np.float64]  # (n,) of slant range that each stands for, m
+    angle: NDArray[np.float64]  # (n,) elevation, rad
+    distance: NDArray[np.float64]  # (n,) slant range, m, infinite where nothing is met
+    surface: NDArray[np.int64]  # (n,) what is met: a body, all triangles alike, BED or NOTHING
+    value: NDArray[np.float64]  # (n,) per radian of elevation
+    growth: NDArray[np.float64]  # (n,) of slant range, m per radian of elevation
 
 
 @kernel
 def trace_sheets(problem, poses, sheets, rays, out):
-    """Trace all pings into ``out`` (pings, 2, bins) with so many sheets a side of about so many rays.
+    """Trace all pings into ``out`` (pings, 2, bins) with so many sheets a side of so many rays to begin with.
 
     Return -1 - k if the sonar is inside body k, else 0.
     """
@@ -45,107 +54,238 @@ def trace_sheets(problem, poses, sheets, rays, out):
         if body >= 0:
             return -1 - body
         for side in range(2):
-            beam = make_beam(problem, poses, ping, side)
+            beam, pitch = make_beam(problem, poses, ping, side), poses.pitch[ping]
             sums[:] = 0.0
-            for sheet in range(sheets):
-                # Every sheet has another number of rays, so that its shares of the elevations lie differently.
-                count, place = rays + sheet - sheets // 2, (sheet + 0.5) / sheets
-                if problem.water.bent:
-                    _add_bent_sheet(problem, beam, poses.z[ping], count, place, sums)
-                else:
-                    _add_sheet(problem, beam, poses.z[ping], near, count, place, sums)
+            if problem.water.bent:
+                _add_bent_sheets(problem, beam, pitch, sheets, rays, sums)
+            else:
+                _add_sheets(problem, beam, pitch, near, sheets, rays, sums)
             for k in range(problem.bins):
                 out[ping, side, k] = sums[k] * problem.range_factor[k] / sheets
     return 0
 
 
 @kernel
-def _add_sheet(problem, beam, z, near, count, place, sums):
-    """Sum what one sheet of straight rays returns."""
-    launch, bundle, hits = empty_launch(count), empty_bundle(count), empty_hits(count)
+def _add_sheets(problem, beam, pitch, near, sheets, rays, sums):
+    """Sum what sheets of straight rays return."""
     bodies, top = gather(problem.solids, problem.mesh, beam, near)
-    top = max(top, highest_elevation(problem.bed.high - z, 0.0, beam.reach))
-    aim(launch, z, top, beam.reach, problem.half_width, problem.law, False)
-    _lay(launch, problem.half_width, place)
-    turn(launch, beam, bundle)
-    first_hits(problem.bed, problem.solids, near, bodies, problem.mesh, bundle, beam.reach, hits)
-    landed, fan = Landed(np.zeros(count), np.zeros(count)), problem.half_width > 0.0
-    for k in range(count):
-        value, growth = returned(bundle, hits, k, problem.reflectivity, problem.law, fan, problem.bin_length)
-        landed.value[k], landed.step[k] = value * launch.weight[k], growth * _share(launch.up, k)
-    _spread(landed, hits, problem.bin_length, sums)
+    top = max(top, highest_elevation(problem.bed.high - beam.z, 0.0, beam.reach))
+    launch = empty_launch(rays)
+    aim(launch, beam.z, top, beam.reach, 0.0, LIGHT, True)
+    angle = _elevations(launch.up, top)
+    for sheet in range(sheets):
+        place, together = (sheet + 0.5) / sheets, angle.size
+        landed = _land(problem, beam, pitch, near, bodies, angle, place)
+        while landed.angle.size > 0:
+            gaps = _spread(landed, together, problem.bin_length, sums)
+            middles = _land(problem, beam, pitch, near, bodies, _middles(landed, gaps), place)
+            landed, together = _halved(landed, gaps, middles), OF_THREE
 
 
 @kernel
-def _add_bent_sheet(problem, beam, z, count, place, sums):
-    """Sum what one sheet of rays returns that follow arcs."""
-    launch, bundle, hits, arrivals = empty_launch(count), empty_bundle(count), empty_hits(count), empty_arrivals(count)
-    sea = sea_of(problem, beam)
-    landings = aim_bent(launch, sea, z, problem.half_width, problem.law, False)
-    _lay(launch, problem.half_width, place)
-    turn(launch, beam, bundle)
+def _add_bent_sheets(problem, beam, pitch, sheets, rays, sums):
+    """Sum what sheets of rays return that follow arcs."""
+    sea, launch = sea_of(problem, beam), empty_launch(rays)
+    # A level light's weights are the angles alone that rays stand for.
+    landings = aim_bent(launch, sea, beam.z, 0.0, LIGHT, True)
+    angle = _elevations(launch.up, 0.5 * math.pi)
+    for sheet in range(sheets):
+        place, together = (sheet + 0.5) / sheets, angle.size
+        landed = _land_bent(problem, beam, pitch, angle, place)
+        while landed.angle.size > 0:
+            gaps = _spread(landed, together, problem.bin_length, sums)
+            middles = _land_bent(problem, beam, pitch, _middles(landed, gaps), place)
+            landed, together = _halved(landed, gaps, middles), OF_THREE
+        if landings.fold < math.inf:
+            _add_mixed(problem, beam, pitch, sea, landings, launch, place, sums)
+
+
+@kernel
+def _add_mixed(problem, beam, pitch, sea, landings, launch, place, sums):
+    """Sum what goes out by the rays of one place within the beam and back by others."""
+    n, angles = launch.up.size, launch.weight
+    bundle, weight = _send(problem, beam, pitch, np.arcsin(launch.up), place)
+    for k in range(n):
+        weight[k] *= angles[k]
+    launch = Launch(launch.ahead, launch.abeam, launch.up, weight)
+    hits, arrivals = empty_hits(n), empty_arrivals(n)
     bent_hits(problem, bundle, sea.reach, 0.0, hits, arrivals)
-    landed = Landed(np.zeros(count), np.zeros(count))
-    for k in range(count):
-        b, value, cos_incidence = echo_of(problem, hits, arrivals, launch.weight, k)
+    _, bins, values = mixed_echoes(problem, beam, sea, beam.z, landings, launch, bundle, hits, arrivals)
+    for m in range(bins.size):
+        if bins[m] >= 0:
+            sums[bins[m]] += values[m]
+
+
+@kernel
+def _elevations(up, top):
+    """Elevations at which a sheet begins, ascending: those aimed at, many about nadir, and both ends of all."""
+    n = up.size
+    few = max(n // OF_NADIR, 1)
+    angle = np.empty(n + few + 1)
+    angle[:n] = np.arcsin(up)
+    for k in range(few):
+        # Equal steps of slant and ground range together; of slant range alone, those about nadir are too wide.
+        angle[n + k] = -2.0 * math.atan(1.0 / (1.0 + math.sqrt(2.0) * k / few))
+    angle[n + few] = top
+    return np.sort(angle)
+
+
+@kernel
+def _land(problem, beam, pitch, near, bodies, angle, place):
+    """Send straight rays of one place within the beam at these elevations."""
+    n, fan = angle.size, problem.half_width > 0.0
+    bundle, density = _send(problem, beam, pitch, angle, place)
+    hits, landed = empty_hits(n), Landed(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
+    first_hits(problem.bed, problem.solids, near, bodies, problem.mesh, bundle, beam.reach, hits)
+    if problem.pattern.tabled:
+        density = weigh(problem, beam, bundle, hits, density, np.empty(n))
+    for k in range(n):
+        landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], problem.solids.shape.size)
+        value, growth = returned(bundle, hits, k, problem.reflectivity, problem.law, fan, problem.bin_length)
+        landed.value[k], landed.growth[k] = value * density[k], growth
+    return landed
+
+
+@kernel
+def _land_bent(problem, beam, pitch, angle, place):
+    """Send rays along arcs of one place within the beam at these elevations."""
+    n = angle.size
+    bundle, density = _send(problem, beam, pitch, angle, place)
+    hits, arrivals = empty_hits(n), empty_arrivals(n)
+    bent_hits(problem, bundle, beam.reach, 0.0, hits, arrivals)
+    if problem.pattern.tabled:
+        density = weigh(problem, beam, bundle, hits, density, np.empty(n))
+    landed = Landed(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
+    for k in range(n):
+        landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], problem.solids.shape.size)
+        b, value, cos_incidence = echo_of(problem, hits, arrivals, density, k)
         if b >= 0:
             rise = tilt(arrivals.dx[k], arrivals.dy[k], arrivals.dz[k], hits.nx[k], hits.ny[k], hits.nz[k])
-            growth = problem.water.reference / arrivals.speed[k] * arrivals.tube[k] * rise / cos_incidence
-            landed.value[k], landed.step[k] = value, growth * _share(launch.up, k)
-    _spread(landed, hits, problem.bin_length, sums)
-    if landings.fold < math.inf:
-        _, bins, values = mixed_echoes(problem, beam, sea, z, landings, launch, bundle, hits, arrivals)
-        for m in range(bins.size):
-            if bins[m] >= 0:
-                sums[bins[m]] += values[m]
+            landed.value[k] = value
+            landed.growth[k] = problem.water.reference / arrivals.speed[k] * arrivals.tube[k] * rise / cos_incidence
+    return landed
 
 
 @kernel
-def _lay(launch, half_width, place):
-    """Turn rays to one place, in [0, 1), within a top-hat beam."""
-    if half_width <= 0.0:
+def _send(problem, beam, pitch, angle, place):
+    """Point rays to one place, in [0, 1), within the beam; tell what each stands for per radian of elevation."""
+    n, fan, tabled = angle.size, problem.half_width > 0.0, problem.pattern.tabled
+    centre, extent = problem.pattern.centre, widest_extent(problem.pattern)
+    launch, bundle = empty_launch(n), empty_bundle(n)
+    for k in range(n):
+        c, s = math.cos(angle[k]), math.sin(angle[k])
+        azimuth, wide = 0.0, 1.0
+        if fan and tabled:
+            level, tip = math.cos(pitch) * c, math.sin(pitch) * s
+            azimuth, wide = _azimuth(centre - tip, extent, math.sin(problem.half_width), level, place)
+        elif fan:
+            wide = 2.0 * cone_azimuth(c, problem.half_width)
+            azimuth = wide * (place - 0.5)
+            wide = 1.0 if problem.law == LIGHT else wide  # which averages over the beam
+        launch.ahead[k], launch.abeam[k], launch.up[k] = c * math.sin(azimuth), c * math.cos(azimuth), s
+        launch.weight[k] = wide * c if fan and problem.law != LIGHT else wide
+    turn(launch, beam, bundle)
+    return bundle, launch.weight
+
+
+@fused
+def _azimuth(centre, extent, main, level, place):
+    """Azimuth of a place in [0, 1) within a beam with a pattern, and what it grows by per place.
+
+    Half the places are in the main lobe, where that is less than half of what is heard; away from it they lie ever
+    farther apart. Over azimuths φ, level · sin φ runs from centre - extent to centre + extent.
+    """
+    low, high = max((centre - extent) / level, -1.0), min((centre + extent) / level, 1.0)
+    if not low < high:
+        return 0.0, 0.0
+    middle = math.asin(min(max(centre / level, low), high))
+    side = 2.0 * place - 1.0
+    whole = math.asin(high) - middle if side > 0.0 else middle - math.asin(low)
+    lobe = math.asin(min(main / level, 1.0)) / max(whole, 1e-300)
+    if lobe >= 0.5:
+        return middle + whole * side, 2.0 * whole
+    # sinh(k/2) / sinh(k) is the lobe's share.
+    k = 2.0 * math.acosh(0.5 / lobe)
+    return middle + whole * math.sinh(k * side) / math.sinh(k), 2.0 * whole * k * math.cosh(k * side) / math.sinh(k)
+
+
+@kernel
+def _spread(landed, together, bin_length, sums):
+    """Sum what is returned between neighbours over the bins that it spans; list those gaps that must be halved.
+
+    So many rays at a time are neighbours of one another.
+    """
+    n = landed.angle.size
+    gaps, count = np.empty(n, np.int64), 0
+    for k in range(n - 1):
+        if (k + 1) % together == 0 or (landed.value[k] == 0.0 and landed.value[k + 1] == 0.0):
+            continue
+        angle = landed.angle[k + 1] - landed.angle[k]
+        one, other = landed.growth[k] * angle, landed.growth[k + 1] * angle
+        apart = abs(landed.distance[k + 1] - landed.distance[k])
+        alike = landed.surface[k] == landed.surface[k + 1] and landed.value[k] > 0.0 and landed.value[k + 1] > 0.0
+        if alike and abs(apart - 0.5 * (one + other)) <= 0.5 * max(one, other):
+            _fill(landed, k, angle, one, other, bin_length, sums)
+        elif max(one, other) > FINE * bin_length and angle > FINEST:
+            gaps[count] = k
+            count += 1
+        else:
+            _add(0.5 * angle * landed.value[k], landed.distance[k], landed.distance[k], bin_length, sums)
+            _add(0.5 * angle * landed.value[k + 1], landed.distance[k + 1], landed.distance[k + 1], bin_length, sums)
+    return gaps[:count]
+
+
+@fused
+def _fill(landed, k, angle, one, other, bin_length, sums):
+    """Spread what is returned between two neighbours over the range between them, on either side of its kink."""
+    near, far, share = landed.distance[k], landed.distance[k + 1], 0.5
+    if abs(one - other) > KINKED * max(one, other):
+        # One growth up to the kink, the other beyond: how far both have landed apart tells where it is.
+        share = min(max((abs(far - near) - other) / (one - other), 0.0), 1.0)
+    kink = near + math.copysign(min(share * one, abs(far - near)), far - near)
+    _add(share * angle * landed.value[k], near, kink, bin_length, sums)
+    _add((1.0 - share) * angle * landed.value[k + 1], kink, far, bin_length, sums)
+
+
+@kernel
+def _add(value, one, other, bin_length, sums):
+    """Spread a value evenly over the bins between two ranges."""
+    if value == 0.0:
         return
-    for k in range(launch.up.size):
-        c = math.sqrt(launch.ahead[k] * launch.ahead[k] + launch.abeam[k] * launch.abeam[k])
-        azimuth = cone_azimuth(c, half_width) * (2.0 * place - 1.0)
-        launch.ahead[k], launch.abeam[k] = c * math.sin(azimuth), c * math.cos(azimuth)
+    near, far = min(one, other) / bin_length, max(one, other) / bin_length
+    first, last = int(near), int(far)
+    if first == last:
+        if first < sums.size:
+            sums[first] += value
+        return
+    density = value / (far - near)
+    for b in range(first, min(last + 1, sums.size)):
+        sums[b] += density * (min(far, b + 1.0) - max(near, b))
 
 
 @kernel
-def _share(up, k):
-    """Elevation that a ray stands for: up to halfway to its neighbours, of which one may belong to another run."""
-    elevation, share = math.asin(up[k]), math.pi
-    if k > 0:
-        share = min(share, abs(elevation - math.asin(up[k - 1])))
-    if k + 1 < up.size:
-        share = min(share, abs(math.asin(up[k + 1]) - elevation))
-    return share
+def _middles(landed, gaps):
+    """Elevations halfway across gaps."""
+    angle = np.empty(gaps.size)
+    for m in range(gaps.size):
+        angle[m] = 0.5 * (landed.angle[gaps[m]] + landed.angle[gaps[m] + 1])
+    return angle
 
 
 @kernel
-def _spread(landed, hits, bin_length, sums):
-    """Sum what rays return over the bins that each spans."""
-    for k in range(landed.value.size):
-        value = landed.value[k]
-        if value == 0.0:
-            continue
-        half = 0.5 * landed.step[k] if _goes_on(landed, hits, k - 1, k) and _goes_on(landed, hits, k, k + 1) else 0.0
-        near = max(hits.distance[k] - half, 0.0) / bin_length
-        far = (hits.distance[k] + half) / bin_length
-        first, last = int(near), int(far)
-        if first == last:
-            if first < sums.size:
-                sums[first] += value
-            continue
-        density = value / (far - near)
-        for b in range(first, min(last + 1, sums.size)):
-            sums[b] += density * (min(far, b + 1.0) - max(near, b))
+def _halved(landed, gaps, middles):
+    """Put the rays halfway across gaps between those that bound them."""
+    n = OF_THREE * gaps.size
+    halved = Landed(np.empty(n), np.empty(n), np.empty(n, np.int64), np.empty(n), np.empty(n))
+    for m in range(gaps.size):
+        _copy(landed, gaps[m], halved, OF_THREE * m)
+        _copy(middles, m, halved, OF_THREE * m + 1)
+        _copy(landed, gaps[m] + 1, halved, OF_THREE * m + 2)
+    return halved
 
 
-@kernel
-def _goes_on(landed, hits, one, other):
-    """Whether two neighbours land on one surface without a gap between."""
-    if one < 0 or other >= landed.value.size or landed.value[one] == 0.0 or landed.value[other] == 0.0:
-        return False
-    apart = abs(hits.distance[other] - hits.distance[one])
-    return hits.body[one] == hits.body[other] and apart <= STEADY * max(landed.step[one], landed.step[other])
+@fused
+def _copy(landed, k, other, m):
+    """Copy one ray to another place."""
+    other.angle[m], other.distance[m], other.surface[m] = landed.angle[k], landed.distance[k], landed.surface[k]
+    other.value[m], other.growth[m] = landed.value[k], landed.growth[k]

@@ -16,18 +16,18 @@ from insonify.tracers.poses import take
 def trace(
     problem: Problem, poses: Poses, *, sheets: int = 64, rays: int = 1024, threads: int | None = None
 ) -> NDArray[np.float32]:
-    """Trace pings by exact rays, sheet by sheet, each ray spread over the slant range that it stands for.
+    """Trace pings by exact rays, sheet by sheet, each sheet integrated over elevation.
 
     Parameters
     ----------
     problem : Problem
-        The scene as kernels see it: a level knife or top-hat, no ghosts, no bounces.
+        The scene as kernels see it: no ghosts, no bounces.
     poses : Poses
         Where the sonar is, n pings.
     sheets : int
         Sheets across the beam; a knife has one.
     rays : int
-        Rays per sheet and side.
+        Rays per sheet and side to begin with; at edges more are sent.
     threads : int, optional
         Threads to use, all cores when left out. The result does not depend on it.
 
@@ -45,7 +45,7 @@ def trace(
     if not 1 <= sheets <= rays:
         raise SceneError(f"rays: {rays} a sheet of {sheets} sheets is too few; give at least as many as sheets, from 1")
     if not can_trace(problem):
-        raise SceneError("sheets: hear first echoes of a level knife or fan alone; take rays for ghosts and bounces")
+        raise SceneError("sheets: hear first echoes alone; take rays for ghosts and bounces")
     out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
 
     def block(first: int, last: int) -> int:
@@ -56,5 +56,5 @@ def trace(
 
 
 def can_trace(problem: Problem) -> bool:
-    """Tell whether a problem has first echoes alone, and a level beam that hears all of its width alike."""
-    return not (problem.ghosts.heard or problem.bounces or problem.pattern.tabled)
+    """Tell whether a problem has first echoes alone."""
+    return not (problem.ghosts.heard or problem.bounces)
