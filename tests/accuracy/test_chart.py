@@ -128,6 +128,21 @@ def test_front_keeps_what_none_beats():
     assert [each.setting for each in made(ROWS + slow).front(targets=False)] == ["1 plane", "16,000 rays"]
 
 
+def test_time_to_come_within_an_error():
+    whole = made()
+    # Straight in the logarithms: halfway between two settings in error is halfway in time.
+    assert whole.time_to("rays", (0.31 * 0.08) ** 0.5, targets=False) == pytest.approx((120.0 * 470.0) ** 0.5)
+    assert whole.time_to("sweep", 0.02, targets=False) == 12.0
+    assert np.isnan(whole.time_to("rays", 0.02, targets=False))
+    assert np.isnan(whole.time_to("sweep", 0.5 * whole.cases[False].reference.floor, targets=False))
+
+
+def test_how_much_sooner_the_sweep_is_near_the_truth_is_said(measured):
+    for note, which in zip(measured.notes, ("without", "with")):
+        assert note.startswith(f"{which} targets: 2 % in ")
+        assert float(note.split("× ")[1]) > 1.0
+
+
 def test_tables_hold_what_was_measured(tmp_path):
     made().save(tmp_path / "chart.csv")
     with (tmp_path / "chart.csv").open(encoding="utf-8", newline="") as file:

@@ -15,6 +15,7 @@ from insonify.tracers import march, rays, sweep
 
 STEPS = (16.0, 4.0, 1.0, 0.5)  # of a march, in cells of the bed
 RAYS = (250, 1000, 4000, 16000)
+MANY_RAYS = (64000, 256000)  # beside those, where rays are straight: along arcs they take too long
 PLANES = (1, 2, 4, 8, 16, 32, 64)
 STILL_RAYS, STILL_PLANES = (16000,), (4, 16, 64)
 COARSER = {2: "2nd", 4: "4th"}  # nodes of the bed
@@ -81,7 +82,8 @@ def contenders(problem: Problem, poses: Poses) -> list[Contender]:
     """
     if problem.bounces:
         return rays_of("rays", problem, RAYS)
-    out = marches(problem, STEPS) + rays_of("rays", problem, RAYS)
+    counts = RAYS if problem.water.bent else RAYS + MANY_RAYS
+    out = marches(problem, STEPS) + rays_of("rays", problem, counts)
     if not why_not(problem, poses):
         bed = TriangulatedBed(problem, poses)
         out += [Contender(EMBREE, f"{count:,} rays", count, partial(bed.trace, rays=count)) for count in RAYS]
