@@ -9,9 +9,10 @@ import pytest
 
 from beds import bed_of, gaussian_pattern, poses_of, problem_of, rough
 from insonify.accuracy import compare
+from insonify.charts.measure import ready
 from insonify.charts.reference import trace
 from insonify.kernels.types import LIGHT, SONAR, Water
-from insonify.scene import SceneError
+from insonify.scene import SceneError, load_scene
 from insonify.sound.flat_bed import flat_bed_curve
 from insonify.tracers import rays, sheets
 
@@ -69,6 +70,14 @@ def test_what_is_found_converges(name):
     first, second = compare(problem, POSES, one, four).beyond, compare(problem, POSES, two, four).beyond
     assert second < 0.4 * first
     assert second < 0.004
+
+
+def test_what_comes_back_by_other_paths_fills_the_elevations():
+    problem, poses = ready(load_scene("double-image"), 1)
+    right = rays.trace(problem, poses, rays=1 << 18)
+    one, two = (compare(problem, poses, sheets.trace(problem, poses, sheets=n, rays=16 * n), right) for n in (32, 128))
+    assert two.beyond < min(0.3 * one.beyond, 0.025)
+    assert abs(two.energy_bias) < 2e-3
 
 
 def test_no_record_depends_on_the_threads():

@@ -19,7 +19,17 @@ from insonify.kernels.bent_hits import bent_hits, empty_arrivals
 from insonify.kernels.bent_pings import echo_of, sea_of
 from insonify.kernels.double import mixed_echoes
 from insonify.kernels.jit import fused, kernel
-from insonify.kernels.launch import Launch, aim, cone_azimuth, gather, highest_elevation, inside_body, make_beam, turn
+from insonify.kernels.launch import (
+    GOLDEN,
+    Launch,
+    aim,
+    cone_azimuth,
+    gather,
+    highest_elevation,
+    inside_body,
+    make_beam,
+    turn,
+)
 from insonify.kernels.pilots import aim_bent
 from insonify.kernels.rays import empty_bundle, empty_hits, empty_launch, returned, tilt, weigh
 from insonify.kernels.types import LIGHT
@@ -97,14 +107,18 @@ def _add_bent_sheets(problem, beam, pitch, sheets, rays, sums):
             middles = _land_bent(problem, beam, pitch, _middles(landed, gaps), place)
             landed, together = _halved(landed, gaps, middles), OF_THREE
         if landings.fold < math.inf:
-            _add_mixed(problem, beam, pitch, sea, landings, launch, place, sums)
+            shift = (sheet + 1) * GOLDEN
+            _add_mixed(problem, beam, pitch, sea, landings, launch, place, shift - math.floor(shift) - 0.5, sums)
 
 
 @kernel
-def _add_mixed(problem, beam, pitch, sea, landings, launch, place, sums):
-    """Sum what goes out by the rays of one place within the beam and back by others."""
+def _add_mixed(problem, beam, pitch, sea, landings, launch, place, shift, sums):
+    """Sum what goes out by the rays of one place within the beam and back by others.
+
+    It comes ray by ray; every sheet has its rays shifted within what they stand for, so that all fill the elevations.
+    """
     n, angles = launch.up.size, launch.weight
-    bundle, weight = _send(problem, beam, pitch, np.arcsin(launch.up), place)
+    bundle, weight = _send(problem, beam, pitch, np.arcsin(launch.up) + shift * angles, place)
     for k in range(n):
         weight[k] *= angles[k]
     launch = Launch(launch.ahead, launch.abeam, launch.up, weight)
