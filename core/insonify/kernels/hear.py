@@ -15,8 +15,9 @@ from insonify.kernels.bins import FIXED_POINT
 from insonify.kernels.jit import bare
 from insonify.kernels.pieces import FINE
 from insonify.kernels.scatter import INVERSE_PI, gloss
+from insonify.kernels.slice import in_full
 from insonify.kernels.types import EVERY_GRAZING, LIGHT
-from insonify.kernels.wedge import FADING, pattern_width, strip_width, vertical_weight, weight
+from insonify.kernels.wedge import beam_share, pattern_width, strip_width, vertical_weight, weight
 
 NADIR = -1e30  # slope of a ray straight down
 WORD = 8  # marks in an int64
@@ -30,10 +31,6 @@ class Heard(NamedTuple):
     launch: NDArray[np.float32]  # tan of the launch angle above the horizontal, knots
     horizon: NDArray[np.float32]  # greatest launch slope so far, knots
     weight: NDArray[np.float32]  # what the plane stands for there, knots
-    run: NDArray[np.float32]  # ground range, segments, m
-    rise: NDArray[np.float32]  # by which slant range grows, segments, m
-    middle: NDArray[np.float32]  # slant range of their middles, m
-    offset: NDArray[np.float32]  # height of their lines over nadir, m
     cos_squared: NDArray[np.float32]  # of the incidence, segments
     scale: NDArray[np.float32]  # what turns a scattering strength into energy per bin, segments
     energy: NDArray[np.float32]  # per bin in fixed-point units, of segments heard whole
@@ -45,13 +42,11 @@ class Heard(NamedTuple):
 
 def empty_heard(capacity: int, dtype: DTypeLike = np.float32) -> Heard:
     """Make room for profiles of up to ``capacity`` knots, in single precision or, to tell what it costs, in double."""
-    launch, horizon, weight, run, rise, middle, offset, cos_squared, scale, energy = np.zeros((10, capacity), dtype)
+    launch, horizon, weight, cos_squared, scale, energy = np.zeros((6, capacity), dtype)
     r, cut = np.zeros(capacity), np.zeros(capacity + WORD, np.bool_)
     early, late = np.zeros((2, capacity), np.int64)
     place = np.zeros(capacity, np.int32)
-    return Heard(
-        r, launch, horizon, weight, run, rise, middle, offset, cos_squared, scale, energy, cut, early, late, place
-    )
+    return Heard(r, launch, horizon, weight, cos_squared, scale, energy, cut, early, late, place)
 
 
 @bare
@@ -61,26 +56,23 @@ def hear(profile, count, problem, wedge, hidden_from, hidden_to, heard):
     Targets may hide the bed between the launch slopes ``hidden_from`` and ``hidden_to``; segments that meet them are
     cut.
     """
-    x, z, slope, area, segments = profile.x, profile.z, profile.slope, profile.area, count - 1
-    _slant_ranges(count, x, z, heard.r)
-    _launch_slopes(count, x, z, heard.launch)
+    x, z, slope, area, knots = profile.x, profile.z, profile.slope, profile.area, in_full(count)
+    _slant_ranges(knots, x, z, heard.r)
+    _launch_slopes(knots, x, z, heard.launch)
     _horizons(count, heard.launch, heard.horizon)
-    _lines(segments, x, z, slope, heard.run, heard.offset)
-    _spans(segments, heard.r, heard.rise, heard.middle)
-    _incidences(segments, heard.offset, heard.middle, area, heard.cos_squared)
-    if problem.law == LIGHT:
-        _light_scales(segments, heard.rise, heard.scale)
-    else:
-        _sonar_scales(segments, heard.run, heard.rise, area, problem.bin_length, heard.scale)
+    _measure(
+        knots, x, z, heard.r, slope, area, problem.law, problem.bin_length, heard.cos_squared, heard.scale, heard.cut
+    )
     if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
-        weigh(x[:count], z, heard.r, wedge, problem.pattern, problem.law, heard.weight)
+        # A place in a pattern's table is not to be looked up by rubbish.
+        weigh(x[: count if wedge.tabled else knots], z, heard.r, wedge, problem.pattern, problem.law, heard.weight)
         if wedge.bent and problem.law != LIGHT:
-            _amplify(count, profile.gain, heard.weight)
-        _multiply(segments, heard.weight, heard.scale)
-    _echo(segments, profile.material, problem.reflectivity, problem.bed.mapped, problem.law, heard)
-    _mark_uneven(segments, heard.run, slope, heard.rise, heard.middle, heard.cut)
-    _mark_cut(segments, heard.launch, heard.horizon, area, hidden_from, hidden_to, heard.cut, heard.energy)
-    heard.cut[segments : segments + WORD] = False
+            _amplify(knots, profile.gain, heard.weight)
+        _multiply(knots, heard.weight, heard.scale)
+    _echo(knots, profile.material, problem.reflectivity, problem.bed.mapped, problem.law, heard)
+    _mark_cut(knots, heard.launch, heard.horizon, area, hidden_from, hidden_to, heard.cut, heard.energy)
+    heard.energy[count - 1] = 0.0
+    heard.cut[count - 1 : count - 1 + WORD] = False
 
 
 @bare
@@ -128,42 +120,26 @@ def _lift(horizon, least):
 
 
 @bare
-def _lines(segments, x, z, slope, run, offset):
-    real = run.dtype.type
+def _measure(segments, x, z, r, slope, area, law, bin_length, cos_squared, scale, uneven):
+    """Tell the incidence of segments and how energetic they are, and which are too long to be of one density.
+
+    The incidence, its cosine squared, is that at the middle, from the height of the segment's line over nadir. Law
+    `light`: a bin takes the radiance itself. Law `sonar`: area over slant range, of a strip 1 m wide. Both are negative
+    where a segment comes nearer outwards. Too long is what is so against its range, or near the foot of its
+    perpendicular.
+    """
+    real = scale.dtype.type
+    one, fine, unit = real(1.0), real(FINE * FINE), real(FIXED_POINT if law == LIGHT else FIXED_POINT * bin_length)
     for i in range(segments):
-        run[i] = real(x[i + 1] - x[i])
-        offset[i] = real(z[i] - slope[i] * x[i])
-
-
-@bare
-def _spans(segments, r, rise, middle):
-    real = rise.dtype.type
-    for i in range(segments):
-        rise[i] = real(r[i + 1] - r[i])
-        middle[i] = real(0.5 * (r[i] + r[i + 1]))
-
-
-@bare
-def _incidences(segments, offset, middle, area, cos_squared):
-    """Cosine squared of the incidence at the middle, from the height of the segment's line over nadir."""
-    for i in range(segments):
-        cos_squared[i] = offset[i] * offset[i] / (middle[i] * middle[i] * area[i])
-
-
-@bare
-def _light_scales(segments, rise, scale):
-    """Law `light`: a bin takes the radiance itself; negative where a segment comes nearer outwards."""
-    unit = scale.dtype.type(FIXED_POINT)
-    for i in range(segments):
-        scale[i] = unit if rise[i] >= 0 else -unit
-
-
-@bare
-def _sonar_scales(segments, run, rise, area, bin_length, scale):
-    """Law `sonar`: area over slant range, of a strip 1 m wide; negative where a segment comes nearer outwards."""
-    unit = scale.dtype.type(FIXED_POINT * bin_length)
-    for i in range(segments):
-        scale[i] = unit * math.sqrt(area[i]) * run[i] / rise[i]
+        run, rise, middle = real(x[i + 1] - x[i]), real(r[i + 1] - r[i]), real(0.5 * (r[i] + r[i + 1]))
+        offset, middle_squared = real(z[i] - slope[i] * x[i]), middle * middle
+        cos_squared[i] = offset * offset / (middle_squared * area[i])
+        if law == LIGHT:
+            scale[i] = unit if rise >= 0 else -unit
+        else:
+            scale[i] = unit * math.sqrt(area[i]) * run / rise
+        length_squared = run * run * (one + slope[i] * slope[i])
+        uneven[i] = (length_squared > abs(rise) * middle) | (length_squared > fine * middle_squared)
 
 
 @bare
@@ -173,32 +149,23 @@ def weigh(x, z, r, wedge, pattern, law, out):
         for i in range(x.size):
             out[i] = 1.0  # a knife
         return
+    if not wedge.tabled and law == LIGHT:
+        for i in range(x.size):
+            out[i] = beam_share(x[i], r[i], wedge)
+        return
+    if not wedge.tabled:
+        for i in range(x.size):
+            out[i] = strip_width(x[i], r[i], wedge)
+        return
     if law == LIGHT or wedge.angle == 0.0:
         for i in range(x.size):
             out[i] = weight(x[i], z[i], r[i], wedge, pattern, law)
         return
-    if wedge.tabled:
-        parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
-        _weigh_pattern(x, z, r, wedge, *parts, out)
-        if pattern.vertical != EVERY_GRAZING:
-            for i in range(x.size):
-                out[i] *= vertical_weight(x[i] / r[i], z[i] / r[i], wedge, pattern)
-        return
-    # As `strip_width` has it, near, between and far apart for the vector units.
-    near = min(np.searchsorted(x, wedge.near_field, side="right"), x.size)
-    far = min(np.searchsorted(x, wedge.near_field * (1.0 + FADING), side="right"), x.size)
-    for i in range(far, x.size):
-        out[i] = r[i] * wedge.far_angle
-    if wedge.s_high <= wedge.s_beam:
-        for i in range(near):
-            out[i] = x[i] * wedge.angle
-        per_metre = 1.0 / (FADING * wedge.near_field)
-        for i in range(near, far):
-            width = x[i] * wedge.angle
-            out[i] = width + (x[i] - wedge.near_field) * per_metre * (r[i] * wedge.far_angle - width)
-        return
-    for i in range(far):
-        out[i] = strip_width(x[i], r[i], wedge)
+    parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
+    _weigh_pattern(x, z, r, wedge, *parts, out)
+    if pattern.vertical != EVERY_GRAZING:
+        for i in range(x.size):
+            out[i] *= vertical_weight(x[i] / r[i], z[i] / r[i], wedge, pattern)
 
 
 @bare
@@ -286,15 +253,6 @@ def _scatter_evenly(segments, diffuse, specular, power, cos_squared, scale, law,
             energy[i] = scale[i] * (diffuse * math.sqrt(cos_squared[i]) + specular * lobe)
         else:
             energy[i] = scale[i] * cos_squared[i] * (diffuse + specular * lobe)
-
-
-@bare
-def _mark_uneven(segments, run, slope, rise, middle, cut):
-    """Segments too long against their range, or near the foot of their perpendicular, to be of one density."""
-    one, fine = run.dtype.type(1.0), run.dtype.type(FINE * FINE)
-    for i in range(segments):
-        length_squared = run[i] * run[i] * (one + slope[i] * slope[i])
-        cut[i] = (length_squared > abs(rise[i]) * middle[i]) | (length_squared > fine * (middle[i] * middle[i]))
 
 
 @bare

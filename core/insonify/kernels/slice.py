@@ -20,6 +20,9 @@ from insonify.kernels.prefetch import LINE, ask_to_read
 MERGED = 1e-6
 # Product of the direction's components from which segments are halved once, and twice.
 SLIGHTLY_OBLIQUE, OBLIQUE = 0.04, 0.2
+# Entries that the vector units take at a time. Passes go on to a whole multiple and leave rubbish past the last entry,
+# for one by one the few that are left over would take as long as many more together.
+AT_ONCE = 32
 
 
 class Profile(NamedTuple):
@@ -45,8 +48,14 @@ def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
 
 
 def profile_capacity(reach: float, spacing: float) -> int:
-    """Knots that a slice of the given reach can have at most: crossings of both families, halved twice."""
+    """Knots that a slice of the given reach can have at most: crossings of both families, halved twice, and room."""
     return int(8.0 * math.sqrt(2.0) * reach / spacing) + 64
+
+
+@bare
+def in_full(entries):
+    """Entries that a pass works on for the first so many to be done."""
+    return (entries + (AT_ONCE - 1)) // AT_ONCE * AT_ONCE
 
 
 @bare
@@ -57,16 +66,14 @@ def slice_bed(bed, x, y, z, ex, ey, reach, profile):
     nodes = bed.transposed if v_is_y else bed.heights
     if not v_is_y:
         u0, v0, ex, ey = v0, u0, ey, ex
-    count = _walk(bed, nodes, v_is_y, u0, v0, ex, ey, reach, profile)
-    if not bed.mapped:
-        profile.material[:count] = bed.materials[0, 0]
-    for k in range(count):
-        profile.z[k] -= z
-    return count
+    # Profiles are of one bed each: if the first segment knows its only material, so do all.
+    if not bed.mapped and profile.material[0] != bed.materials[0, 0]:
+        profile.material[:] = bed.materials[0, 0]
+    return _walk(bed, nodes, v_is_y, u0, v0, z, ex, ey, reach, profile)
 
 
 @bare
-def _walk(bed, nodes, v_is_y, u0, v0, eu, ev, reach, profile):
+def _walk(bed, nodes, v_is_y, u0, v0, z0, eu, ev, reach, profile):
     """Walk strip by strip; v is the axis crossed most often, ``nodes[u, v]`` its heights."""
     nu, nv = nodes.shape
     spacing = bed.spacing
@@ -87,7 +94,7 @@ def _walk(bed, nodes, v_is_y, u0, v0, eu, ev, reach, profile):
             if count == 0:
                 count = 1
                 profile.x[0] = start
-            count = _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profile)
+            count = _strip(bed, nodes, v_is_y, column, u0, v0, z0, eu, ev, start, end, count, profile)
             start = end
         elif end >= far:
             break
@@ -96,7 +103,7 @@ def _walk(bed, nodes, v_is_y, u0, v0, eu, ev, reach, profile):
 
 
 @bare
-def _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profile):
+def _strip(bed, nodes, v_is_y, column, u0, v0, z0, eu, ev, start, end, count, profile):
     """Add the knots of one strip: its first (already counted), the nodes within, its last."""
     spacing = bed.spacing
     step = 1 if ev > 0.0 else -1
@@ -105,30 +112,27 @@ def _strip(bed, nodes, v_is_y, column, u0, v0, eu, ev, start, end, count, profil
     behind = math.floor(v_start + MERGED) if step > 0 else math.ceil(v_start - MERGED)
     beyond = math.ceil(v_end - MERGED) if step > 0 else math.floor(v_end + MERGED)
     inner = max((beyond - behind) * step - 1, 0)
-    low, high = profile.low[: inner + 2], profile.high[: inner + 2]
+    nodes_read = in_full(inner + 2)
+    low, high = profile.low[:nodes_read], profile.high[:nodes_read]
     _row(nodes[wrapped(column, nodes.shape[0])], behind, step, low)
     _row(nodes[wrapped(column + 1, nodes.shape[0])], behind, step, high)
     head, segments = count - 1, inner + 1
     halvings = _halvings(eu, ev)
     tail = head + (segments << halvings)
-    x, z, across = profile.x[head : tail + 1], profile.z[head : tail + 1], profile.across[: tail - head + 1]
-    per_node = step * spacing / ev
-    _even((behind - v0) * spacing / ev, per_node, x[: segments + 1])
-    x[0], x[segments] = start, end
-    fu, du = u0 - column, eu / spacing
+    x, z, across = profile.x[head:], profile.z[head:], profile.across
     before = z[0]
-    _blend(low, high, fu + (behind - v0) * eu / ev, per_node * du, z[: segments + 1])
-    _rise(low, high, 1.0 / spacing, across[: segments + 1])
+    fu, du, x_behind, per_node = u0 - column, eu / spacing, (behind - v0) * spacing / ev, step * spacing / ev
+    _knots(low, high, x_behind, per_node, fu + x_behind * du, per_node * du, z0, spacing, x, z, across)
+    x[0], x[segments] = start, end
     # The ends lie between two nodes; the first is computed from the pair behind it, before that pair is overwritten.
     z_end, across_end = _between(low, high, inner, (v_end - behind) * step - inner, fu + end * du, spacing)
     z_start, across[0] = _between(low, high, 0, (v_start - behind) * step, fu + start * du, spacing)
     # Two strips share this knot; beside a hole in the bed only one of them knows its height.
-    z[0] = before if head > 0 and before == before else z_start
-    z[segments], across[segments] = z_end, across_end
+    z[0] = before if head > 0 and before == before else z_start - z0
+    z[segments], across[segments] = z_end - z0, across_end
     for halving in range(halvings):
         _halve(x, z, across, eu, segments << halving)
-    _slopes(x, z, profile.slope[head:tail])
-    _areas(across, profile.slope[head:tail], eu, 1.0 / ev, profile.area[head:tail])
+    _segments(in_full(tail - head), x, z, across, eu, 1.0 / ev, profile.slope[head:], profile.area[head:])
     if bed.mapped:
         _materials(bed.materials, v_is_y, column, behind, step, halvings, profile.material[head:tail])
     return tail + 1
@@ -200,12 +204,6 @@ def _between(low, high, node, fv, fu, spacing):
 
 
 @bare
-def _even(start, step, x):
-    for k in range(x.size):
-        x[k] = start + k * step
-
-
-@bare
 def _row(row, first, step, out):
     """Read consecutive nodes of a row, upward or downward, round its end; runs suit the vector units."""
     done = 0
@@ -235,33 +233,26 @@ def _reverse(source, out):
 
 
 @bare
-def _blend(low, high, fu, dfu, z):
-    for k in range(z.size):
-        z[k] = low[k] + np.float64(high[k] - low[k]) * (fu + k * dfu)
+def _knots(low, high, x_behind, per_node, fu, du, z0, spacing, x, z, across):
+    """Ground range, height above the sonar and gradient across the strip, where the plane passes its nodes."""
+    per_spacing = across.dtype.type(1.0 / spacing)
+    for k in range(low.size):
+        difference = high[k] - low[k]
+        x[k] = x_behind + k * per_node
+        z[k] = (low[k] - z0) + np.float64(difference) * (fu + k * du)
+        across[k] = difference * per_spacing
 
 
 @bare
-def _rise(low, high, per_spacing, across):
-    per_spacing = across.dtype.type(per_spacing)
-    for k in range(across.size):
-        across[k] = (high[k] - low[k]) * per_spacing
-
-
-@bare
-def _slopes(x, z, slope):
-    real = slope.dtype.type
-    for i in range(slope.size):
-        slope[i] = real(z[i + 1] - z[i]) / real(x[i + 1] - x[i])
-
-
-@bare
-def _areas(across, slope, eu, per_ev, area):
-    """Across the strip the gradient is linear in v; along the plane it is the segment's own slope."""
+def _segments(segments, x, z, across, eu, per_ev, slope, area):
+    """Slope and area: across the strip the gradient is linear in v, along the plane it is the segment's own slope."""
     real = area.dtype.type
     eu, per_ev, half, one = real(eu), real(per_ev), real(0.5), real(1.0)
-    for i in range(area.size):
+    for i in range(segments):
+        rise = real(z[i + 1] - z[i]) / real(x[i + 1] - x[i])
         middle = half * (across[i] + across[i + 1])
-        along = (slope[i] - eu * middle) * per_ev
+        along = (rise - eu * middle) * per_ev
+        slope[i] = rise
         area[i] = one + middle * middle + along * along
 
 

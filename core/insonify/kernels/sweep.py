@@ -24,7 +24,7 @@ from insonify.kernels.pieces import Surface, deposit_piece
 from insonify.kernels.prefetch import ask_for_row
 from insonify.kernels.screen import fill_screen
 from insonify.kernels.sections import View
-from insonify.kernels.slice import ask_for_strip, on_grid, slice_bed
+from insonify.kernels.slice import ask_for_strip, in_full, on_grid, slice_bed
 from insonify.kernels.types import PORT, STARBOARD
 from insonify.kernels.wedge import Wedge
 
@@ -51,8 +51,9 @@ def deposit(profile, count, problem, wedge, screen, cells, heard, bins):
     """
     last, per_bin = bins.size - 2.0, 1.0 / problem.bin_length
     # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
-    _steps(count - 1, heard.energy, heard.early)
-    _split(count, heard.r, per_bin, last, heard.early, heard.late, heard.place)
+    knots = in_full(count)
+    _steps(knots, heard.energy, heard.early)
+    _split(knots, heard.r, per_bin, last, heard.early, heard.late, heard.place)
     _scatter(count, heard.place, heard.early, heard.late, bins)
     # Taking an array out of a tuple of them costs as much as a piece: out of the loops with them.
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
@@ -106,12 +107,11 @@ def in_sight_from(surface, x_from, x_to, launch, horizon):
 
 
 @bare
-def _steps(segments, energy, change):
-    """By how much the density changes at each knot."""
+def _steps(count, energy, change):
+    """By how much the density changes at each knot; beyond the last one there is no energy."""
     change[0] = np.int64(energy[0])
-    for i in range(1, segments):
+    for i in range(1, count):
         change[i] = np.int64(energy[i]) - np.int64(energy[i - 1])
-    change[segments] = -np.int64(energy[segments - 1])
 
 
 @bare

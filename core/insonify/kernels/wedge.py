@@ -53,7 +53,7 @@ def weight(x, z, r, wedge, pattern, law):
         return _pattern_weight(x, z, r, wedge, pattern, law)
     if wedge.angle == 0.0:
         return 1.0
-    return _beam_share(x, r, wedge) if law == LIGHT else strip_width(x, r, wedge)
+    return beam_share(x, r, wedge) if law == LIGHT else strip_width(x, r, wedge)
 
 
 @bare
@@ -64,39 +64,42 @@ def strip_width(x, r, wedge):
     by each counts by the share of its azimuths that the cone takes in. Both add up to the whole beam, and so does
     what lies between them: over a stretch of range one passes into the other.
     """
-    far = far_share(x, wedge)
-    if far == 1.0:
-        return r * wedge.far_angle
-    if x <= 0.0:
-        return 0.0
-    near = x * wedge.angle * _taken_in(wedge.s_beam * r / x, wedge)
-    return near + far * (r * wedge.far_angle - near)
+    near = x * _azimuth_taken_in(x, r, wedge) if wedge.s_high > BENT else _width_taken_in(x, r, wedge)
+    return near + far_share(x, wedge) * (r * wedge.far_angle - near)
 
 
 @bare
 def far_share(x, wedge):
     """How far the far field has taken over at a ground range."""
-    return min(max((x / wedge.near_field - 1.0) * (1.0 / FADING), 0.0), 1.0)
+    return min(max((x - wedge.near_field) * (1.0 / (FADING * wedge.near_field)), 0.0), 1.0)
 
 
 @bare
-def _beam_share(x, r, wedge):
+def beam_share(x, r, wedge):
     """Share of a top-hat's azimuths at that place which the plane stands for."""
-    reach = min(wedge.s_beam * r / max(x, 1e-9), 1.0)
-    near = wedge.angle * _taken_in(reach, wedge) / (2.0 * math.asin(reach))
+    near = _azimuth_taken_in(x, r, wedge) / (2.0 * arcsine(min(wedge.s_beam * r / x, 1.0)))
     return near + far_share(x, wedge) * (wedge.far_angle / wedge.span - near)
 
 
 @bare
-def _taken_in(reach, wedge):
-    """Share of a wedge's azimuths within |sin φ| <= reach."""
-    if reach >= wedge.s_high:
-        return 1.0
-    if reach <= wedge.s_low:
-        return 0.0
-    if wedge.s_high > BENT:
-        return (math.asin(reach) - math.asin(wedge.s_low)) / wedge.angle
-    return (reach - wedge.s_low) / (wedge.s_high - wedge.s_low)
+def _width_taken_in(x, r, wedge):
+    """Width that the cone takes in of a wedge so narrow that azimuths are proportional to their sines."""
+    per_sine = wedge.angle / (wedge.s_high - wedge.s_low)
+    return min(max((wedge.s_beam * r - wedge.s_low * x) * per_sine, 0.0), x * wedge.angle)
+
+
+@bare
+def _azimuth_taken_in(x, r, wedge):
+    """Azimuth that the cone takes in of any wedge: its part with |sin φ| <= sin(w/2) / cos θ."""
+    return min(max(arcsine(min(wedge.s_beam * r / x, 1.0)) - arcsine(wedge.s_low), 0.0), wedge.angle)
+
+
+@bare
+def arcsine(s):
+    """Arcsine from 0 to 1, to 2e-8, in a form that the vector units can take (Abramowitz and Stegun, 4.4.46)."""
+    tail = 0.0308918810 + s * (-0.0170881256 + s * (0.0066700901 - s * 0.0012624911))
+    series = 1.5707963050 + s * (-0.2145988016 + s * (0.0889789874 + s * (-0.0501743046 + s * tail)))
+    return 0.5 * math.pi - math.sqrt(1.0 - s) * series
 
 
 @bare
