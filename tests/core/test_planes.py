@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from insonify.kernels.wedge import arcsine
 from insonify.tracers.planes import beam_planes
 
 
@@ -30,3 +31,8 @@ def test_an_odd_plane_lies_athwart_and_the_others_in_pairs(planes):
     azimuth = beam_planes(0.02, planes).azimuth
     assert np.count_nonzero(azimuth == 0.0) == planes % 2
     np.testing.assert_array_equal(np.sort(azimuth), np.sort(-azimuth))
+
+
+def test_the_arcsine_of_wedges_is_fine_enough_for_single_precision():
+    sines = np.append(1.0 - np.geomspace(1e-9, 1.0, 500), 1.0)
+    np.testing.assert_allclose([arcsine(s) for s in sines], np.arcsin(sines), rtol=0.0, atol=2.5e-8)

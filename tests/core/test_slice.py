@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import naive
 from beds import bed_of, rough
 from insonify.kernels.jit import kernel
-from insonify.kernels.slice import empty_profile, profile_capacity, slice_bed
+from insonify.kernels.slice import AT_ONCE, Profile, empty_profile, profile_capacity, slice_bed
 
 REACH = 20.0
 SPACING = 0.5
@@ -154,3 +154,17 @@ def test_heights_that_are_missing_stay_missing():
     _, r, z, *_ = slice_of(bed_of(heights, 1.0), 2.0, 10.3, 5.0, 0.0)
     gone = np.isnan(z)
     np.testing.assert_allclose(r[gone], [8.0], atol=1e-6)
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(azimuth=azimuths, x=places, y=places, reach=st.floats(1e-3, 3.0) | st.just(REACH))
+def test_what_passes_leave_past_the_last_knot_stays_within_the_arrays(azimuth, x, y, reach):
+    bed = bed_of(rough(40, 36, 0.3, 0), SPACING, periodic=True)
+    capacity = profile_capacity(reach, SPACING)
+    wider = empty_profile(capacity + 4 * AT_ONCE)
+    for array in wider:
+        array[capacity:] = 77
+    count = cut(bed, x, y, 7.0, math.cos(azimuth), math.sin(azimuth), reach, Profile(*(a[:capacity] for a in wider)))
+    assert count + AT_ONCE <= capacity
+    for array in wider:
+        assert (array[capacity:] == 77).all()
