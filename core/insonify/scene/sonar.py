@@ -12,7 +12,7 @@ MOST_BINS = 100_000  # of a record, and that a pulse may last
 
 
 class Knife(Choice):
-    """A beam without width: one upright line across the track, 1 m wide by definition."""
+    """A beam without width: one upright line across the track, however the fish is pitched, 1 m wide by definition."""
 
     kind: Literal["knife"] = "knife"
 
