@@ -217,8 +217,9 @@ def record_caption(record: xr.Dataset, along: float, look: Look) -> Caption:
     if np.isfinite(altitude).any():
         low, high = float(np.nanmin(altitude)), float(np.nanmax(altitude))
         parts.insert(0, f"altitude {low:.1f} m" if high - low < 0.1 else f"altitude {low:.1f} to {high:.1f} m")
-    if record.attrs.get("frequency"):
-        parts.insert(1, f"{record.attrs['frequency'] / 1e3:g} kHz")
+    frequency = record.attrs.get("frequency")
+    if isinstance(frequency, (float, np.floating)) and frequency > 0.0:
+        parts.insert(1, f"{frequency / 1e3:g} kHz")
     if along > 0.0:
         parts.append(f"ping every {100.0 * along / pings:.3g} cm")
     return Caption(str(record.attrs.get("title", "")), _line(parts, look), "the median at its range")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from insonify.look import Look
 from insonify.picture import binned, column_edges, mirrored, normalise, recorded_curve
+from insonify.scene import SceneError
 
 Curves = Callable[[NDArray[np.int64]], NDArray[np.float64]]
 MOST_ROWS = 4096
@@ -57,6 +58,11 @@ def gather(blocks: Iterable[xr.Dataset], curves: Curves, pings: int, look: Look)
     Returns
     -------
     Sheet
+
+    Raises
+    ------
+    SceneError
+        If ground range is asked for and the record ends before the bed begins.
     """
     columns = WIDTH[look.side]
     together = math.ceil(pings / MOST_ROWS)  # pings that share a row
@@ -140,7 +146,12 @@ def _reaches(block: xr.Dataset, look: Look) -> tuple[float, float | None]:
     if not look.ground_range:
         return reach, None
     lowest = float(known_altitude(block).min())
-    return reach, math.sqrt(max(reach**2 - lowest**2, 0.0))
+    if lowest >= reach:
+        raise SceneError(
+            f"--ground-range: the record ends at a slant range of {reach:g} m, before the bed {lowest:g} m beneath; "
+            "leave it out"
+        )
+    return reach, math.sqrt(reach**2 - lowest**2)
 
 
 def known_altitude(block: xr.Dataset) -> NDArray[np.float64]:

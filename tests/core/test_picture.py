@@ -197,6 +197,14 @@ def test_a_long_tow_keeps_a_bounded_sheet():
     np.testing.assert_allclose(sheet.amplitude, 1.0, rtol=1e-5)
 
 
+def test_ground_range_needs_a_bed_within_range():
+    with pytest.raises(
+        SceneError,
+        match=r"--ground-range: the record ends at a slant range of 50 m, before the bed 60 m beneath; leave",
+    ):
+        gather([record(np.ones((2, 4, BINS)), altitude=60.0)], even(), 4, Look(ground_range=True))
+
+
 def test_ground_range_shows_no_water_column():
     bins = np.arange(BINS) * REACH / BINS
     record_ = record(np.broadcast_to((bins >= ALTITUDE).astype(float), (2, 4, BINS)))

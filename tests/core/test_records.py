@@ -8,7 +8,8 @@ import pytest
 import xarray as xr
 
 import insonify.records.netcdf
-from insonify.records import replacing, write_netcdf, write_npz
+from insonify.records import read_record, replacing, write_netcdf, write_npz
+from insonify.scene import SceneError
 
 
 def block(first: int, pings: int, bins: int = 16) -> xr.Dataset:
@@ -133,3 +134,36 @@ def test_a_full_disk_is_called_by_its_name(tmp_path, monkeypatch):
         write_netcdf(tmp_path / "record.nc", [block(0, 4)])
     assert caught.value.filename == str(tmp_path / "record.nc")
     assert list(tmp_path.iterdir()) == []
+
+
+def whole_record() -> xr.Dataset:
+    across = ("ping_time", np.full(4, 2.0))
+    return block(0, 4).assign(platform_y=across, platform_altitude=across)
+
+
+def test_a_record_is_read_as_it_was_written(tmp_path):
+    untold = whole_record().assign(platform_altitude=("ping_time", np.full(4, np.nan)))
+    for record in (whole_record(), untold, untold.isel(ping_time=[0], range_sample=[0])):
+        write_netcdf(tmp_path / "record.nc", [record])
+        np.testing.assert_array_equal(read_record(tmp_path / "record.nc").intensity, record.intensity)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda r: r.drop_vars("platform_x"), r"it lacks platform_x"),
+        (lambda r: r.isel(channel=[0]), r"it has 1 channels, 4 pings and 16 bins"),
+        (lambda r: r.isel(ping_time=[]), r"it has 2 channels, 0 pings and 16 bins"),
+        (lambda r: r.isel(range_sample=[]), r"it has 2 channels, 4 pings and 0 bins"),
+        (lambda r: r.assign(intensity=r.intensity * np.nan), r"intensity holds what is no number"),
+        (lambda r: r.assign(intensity=r.intensity - 1.0), r"intensity is negative"),
+        (lambda r: r.assign(intensity=r.intensity.astype(str)), r"intensity is not of numbers over channel, ping_time"),
+        (lambda r: r.assign(intensity=r.intensity.transpose("ping_time", ...)), r"intensity is not of numbers over"),
+        (lambda r: r.assign(platform_y=r.platform_y * np.nan), r"platform_y holds what is no number"),
+        (lambda r: r.assign(slant_range=r.slant_range * 0.0), r"slant_range does not increase"),
+    ],
+)
+def test_what_is_no_record_is_told_in_one_sentence(tmp_path, spoil, words):
+    spoil(whole_record()).drop_encoding().to_netcdf(tmp_path / "record.nc")
+    with pytest.raises(SceneError, match=rf"record\.nc: is no record \({words}[^\n]*\); give one made by insonify$"):
+        read_record(tmp_path / "record.nc")

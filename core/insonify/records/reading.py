@@ -8,11 +8,15 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from insonify.layout import ACROSS
+from insonify.layout import ACROSS, CHANNELS
 from insonify.records.xtf import read_xtf
 from insonify.scene import SceneError
 
-NEEDED = ("intensity", "slant_range", "platform_x", "platform_y", "platform_altitude")
+# What a record is shown by, and over which dimensions.
+LAID_OUT = {"intensity": ACROSS, "slant_range": ACROSS[2:]} | {
+    f"platform_{name}": ACROSS[1:2] for name in ("x", "y", "altitude")
+}
+UNTOLD = ("platform_altitude",)  # which may be told of some pings or none
 
 
 def read_record(path: str | Path) -> xr.Dataset:
@@ -44,12 +48,28 @@ def read_record(path: str | Path) -> xr.Dataset:
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         reason = " ".join(str(error).split())[:120]
         raise SceneError(f"{path}: cannot be read ({reason}); give a record written by insonify") from None
-    lacking = [name for name in NEEDED if name not in record.variables]
-    if lacking or record["intensity"].dims != ACROSS:
-        raise SceneError(
-            f"{path}: is no record (it lacks {', '.join(lacking) or ACROSS[0]}); give one made by insonify"
-        )
+    fault = _fault(record)
+    if fault is not None:
+        raise SceneError(f"{path}: is no record ({fault}); give one made by insonify")
     return record
+
+
+def _fault(record: xr.Dataset) -> str | None:
+    """Say what keeps a file from being a record of pings that can be shown."""
+    lacking = [name for name in LAID_OUT if name not in record.variables]
+    if lacking:
+        return f"it lacks {', '.join(lacking)}"
+    for name, dimensions in LAID_OUT.items():
+        if record[name].dims != dimensions or record[name].dtype.kind not in "fiu":
+            return f"{name} is not of numbers over {', '.join(dimensions)}"
+        if name not in UNTOLD and not np.isfinite(record[name].values).all():
+            return f"{name} holds what is no number"
+    sizes = tuple(record.sizes[name] for name in ACROSS)
+    if sizes[0] != len(CHANNELS) or 0 in sizes:
+        return "it has {} channels, {} pings and {} bins".format(*sizes)
+    if record["intensity"].values.min() < 0.0:
+        return "intensity is negative somewhere"
+    return None if (np.diff(record["slant_range"].values, prepend=0.0) > 0.0).all() else "slant_range does not increase"
 
 
 def _read_netcdf(path: Path) -> xr.Dataset:
