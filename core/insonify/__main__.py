@@ -1,6 +1,8 @@
 """The process of ``insonify`` and ``python -m insonify``, about the command itself."""
 
 import gc
+import io
+import os
 import sys
 from collections.abc import Callable
 
@@ -19,11 +21,24 @@ def load() -> Callable[[], int]:
 
 def main() -> int:
     """Load the command and run it; returns its exit code."""
-    command = load()
+    _settle_output()
+    try:
+        command = load()
+    except KeyboardInterrupt:
+        sys.stderr.write("insonify: interrupted; no file was touched\n")
+        return 130
     try:
         return command()
     finally:
         gc.freeze()
+
+
+def _settle_output() -> None:
+    """Let every character be written, escaped where an encoding lacks it; what a closed output is told is lost."""
+    if sys.stdout is None:
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # open as long as the process is
+    elif isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 if __name__ == "__main__":

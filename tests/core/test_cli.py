@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 from PIL import Image
 
+from insonify import __main__ as process
 from insonify.cli import main
 from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.simulate import simulate
@@ -218,6 +219,39 @@ def test_the_installed_command_needs_no_window():
     )
     assert wrong.returncode == 2
     assert wrong.stderr.count("\n") == 1
+
+
+def test_what_an_encoding_lacks_is_escaped():
+    """A plan's costs are in microseconds."""
+    done = subprocess.run(
+        [sys.executable, "-m", "insonify", "plan", "default"],
+        env=os.environ | {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert r"\xb5s" in done.stdout
+
+
+def test_a_closed_output_is_no_trouble():
+    code = "import os, subprocess, sys; os.close(1); sys.exit(subprocess.call([*sys.argv[1:]]))"
+    done = subprocess.run(
+        [sys.executable, "-c", code, sys.executable, "-m", "insonify", "scenes"],
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_an_interrupt_while_the_command_loads_is_one_sentence(monkeypatch, capsys):
+    def interrupted():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(process, "load", interrupted)
+    assert process.main() == 130
+    assert capsys.readouterr().err == "insonify: interrupted; no file was touched\n"
 
 
 def test_a_reader_that_leaves_is_no_trouble():

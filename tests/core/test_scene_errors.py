@@ -103,6 +103,12 @@ def test_a_file_that_is_no_text_is_refused(tmp_path):
         load_scene(tmp_path)
 
 
+def test_a_byte_order_mark_is_no_matter(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text('title = "Marked"', encoding="utf-8-sig")
+    assert load_scene(path).title == "Marked"
+
+
 def test_the_file_is_named(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text("[sonar]\nrange = -1\n")

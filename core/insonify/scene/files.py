@@ -58,7 +58,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
     named = bundled_scenes().get(str(name_or_path))
     path = named or Path(name_or_path)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # some editors begin with a byte order mark
     except FileNotFoundError:
         names = ", ".join(bundled_scenes())
         raise SceneError(f"scene {str(name_or_path)!r}: no such file; give a TOML file or one of {names}") from None
