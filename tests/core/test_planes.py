@@ -1,4 +1,4 @@
-"""Planes of a top-hat: between them they stand for every azimuth once, in pairs about athwart."""
+"""Planes of a beam: between them they stand for every azimuth once, a top-hat's in pairs about athwart."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from beds import gaussian_pattern, problem_of
 from insonify.kernels.wedge import arcsine
-from insonify.tracers.planes import beam_planes
+from insonify.tracers.planes import beam_planes, pattern_planes
 
 
 @pytest.mark.parametrize("width", [0.2, 1.0, 2.5, 20.0, 90.0])
@@ -36,3 +37,20 @@ def test_an_odd_plane_lies_athwart_and_the_others_in_pairs(planes):
 def test_the_arcsine_of_wedges_is_fine_enough_for_single_precision():
     sines = np.append(1.0 - np.geomspace(1e-9, 1.0, 500), 1.0)
     np.testing.assert_allclose([arcsine(s) for s in sines], np.arcsin(sines), rtol=0.0, atol=2.5e-8)
+
+
+@pytest.mark.parametrize("targets", [False, True])
+@pytest.mark.parametrize("planes", [4, 64, 900])
+@pytest.mark.parametrize("width", [0.05, 0.3, 1.0, 20.0])
+def test_wedges_of_a_pattern_leave_out_what_is_not_heard_and_nothing_else(width, planes, targets):
+    half = math.radians(width)
+    bodies = [((0.0, 12.0, 0.6), 0.6)] if targets else []
+    pattern = gaussian_pattern(math.radians(width))
+    problem = problem_of(np.zeros((8, 8)), 4.0, periodic=True, half_width=half, pattern=pattern, solids=bodies)
+    laid = pattern_planes(problem, planes, 10.0, np.zeros(1))
+    np.testing.assert_array_equal(laid.s_low[1:], laid.s_high[:-1])
+    # Nearer than a hundredth of the height no ground range is looked at.
+    farthest = min(pattern.extent[0] * math.hypot(1.0, 0.01) / 0.01, 1.0)
+    assert laid.s_high[-1] >= farthest
+    assert laid.s_low[0] <= -farthest
+    assert laid.azimuth.size < 30 * planes + 60

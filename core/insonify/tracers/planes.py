@@ -29,7 +29,6 @@ SIDELOBE_STEP = 2.0  # spacing of the planes across sidelobes, in that of the ma
 SIDELOBE_GROWTH = 0.25  # and its growth, as a share of the distance from the main lobe, over a bed without targets
 HEIGHTS_PER_OCTAVE = 16.0  # to which heights are rounded up
 PITCH_STEP = 0.5  # to which pitches are rounded, in half widths of the main lobe
-MOST_EDGES = 512  # on one hand, whatever is asked for
 AT_NADIR = 1e-9  # per metre of height: all but nadir itself is far field to a plane that stands for a whole fan
 GROUND_RANGES = 256  # at which the beam's azimuths are looked at
 
@@ -251,7 +250,7 @@ def _edges(cone: _Cone, start: float, way: float, planes: int) -> list[float]:
     """Edges of the wedges from an azimuth to the bow or the stern."""
     edges: list[float] = []
     azimuth = start
-    while way * azimuth < math.pi / 2.0 and len(edges) < MOST_EDGES:
+    while way * azimuth < math.pi / 2.0:
         azimuth += way * cone.step(azimuth, planes)
         azimuth = min(max(azimuth, -math.pi / 2.0), math.pi / 2.0)
         edges.append(azimuth)
@@ -280,12 +279,17 @@ class _Cone:
         off = np.abs(math.sin(azimuth) - self.centre)
         cosine = max(math.cos(azimuth), 0.05)
         taken = np.flatnonzero((off <= self.main_half * 1.001).any(axis=0))
-        if not taken.size:
-            growth = 0.0 if self.targets else SIDELOBE_GROWTH
-            return float(max(SIDELOBE_STEP * 2.0 * self.main / planes, growth * (off - self.main_half).min()) / cosine)
-        step = self._main_step(taken[-1], planes)
         heard = np.flatnonzero((off <= self.half).any(axis=0))
-        if self.targets and heard.size:
+        if not heard.size:
+            # What is nowhere heard is passed over, up to the nearest that is.
+            return float(max((off - self.half).min(), SIDELOBE_STEP * 2.0 * self.main / planes) / cosine)
+        if not taken.size and not self.targets:
+            growth = SIDELOBE_GROWTH * (off - self.main_half).min()
+            return float(max(SIDELOBE_STEP * 2.0 * self.main / planes, growth) / cosine)
+        if not taken.size:
+            return SIDELOBE_STEP * self._main_step(heard[-1], planes) / cosine
+        step = self._main_step(taken[-1], planes)
+        if self.targets:
             # Sidelobes hear farther out than the main lobe takes in this azimuth, and a target there may be small.
             step = min(step, SIDELOBE_STEP * self._main_step(heard[-1], planes))
         return step / cosine
