@@ -23,7 +23,7 @@ PLANES = (2, 4, 8, 16, 32, 64)
 NODES = (8, 4, 2)
 FINEST_PLANES = 64
 PINGS = 8
-PROVING = 90.0  # s of processor time, all cores together
+PROVING = 150.0  # s of processor time, all cores together
 
 
 class Point(NamedTuple):

@@ -30,7 +30,7 @@ from insonify.tracers.windows import Windows
 PINGS = 8
 AS_NEAR = 0.02  # error by which methods are compared
 TINY = 1e-9  # error less than which none counts
-PROVING = 90.0  # s of processor time for a reference, all cores together; straight rays seldom take as much
+PROVING = 150.0  # s of processor time for a reference, all cores together; straight rays seldom take as much
 TIMING = 8.0  # s
 CLOCKED = 0.01  # s, that a timed call is to take at least, by tracing more pings if need be
 MOST_CLOCKED = 512  # pings
