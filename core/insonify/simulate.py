@@ -304,7 +304,14 @@ def simulate_blocks(
     ------
     Dataset
         Successive pings.
+
+    Raises
+    ------
+    SceneError
+        One sentence with what is wrong and the remedy.
     """
+    if block is not None and block < 1:
+        raise SceneError(f"block: {block} pings at a time are none; give at least 1")
     simulation = prepare(scene, method=method, tolerance=tolerance, forced=forced)
     attributes: dict[str, Any] = {
         "title": scene.title,
@@ -316,7 +323,7 @@ def simulate_blocks(
     }
     if forced:
         attributes["model"] = " ".join(f"{subject}={choice}" for subject, choice in forced.items())
-    size = block or simulation.plan.block
+    size = simulation.plan.block if block is None else block
     for first in range(0, scene.track.pings, size):
         pings = np.arange(first, min(first + size, scene.track.pings), dtype=np.int64)
         yield _dataset(simulation, pings, attributes, truth)

@@ -79,6 +79,7 @@ def test_a_section_of_equal_profiles_joins_points_as_layers_do():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
+        ({"angles": [[1.0, 2.0]]}, "angles: an array of 2 dimensions"),
         ({"angles": 95.0}, "angles: 95 must lie between -90 and 90 degrees"),
         ({"angles": [1.0, math.nan]}, "angles: nan"),
         ({"source_depth": -1.0}, "source_depth: -1"),

@@ -41,6 +41,12 @@ def test_the_dataset_keeps_the_contract():
     assert all(record[name].attrs["units"] for name in ("slant_range", "travel_time", "platform_altitude", "intensity"))
 
 
+@pytest.mark.parametrize("block", [0, -1])
+def test_blocks_of_no_pings_are_refused(block):
+    with pytest.raises(SceneError, match=f"^block: {block} .*; give at least 1$"):
+        next(simulate_blocks(load_scene("default"), block=block))
+
+
 def test_blocks_of_any_size_make_the_same_record():
     scene = small(BLOCK + 7, receiver__speckle="rayleigh")
     whole = simulate(scene)

@@ -160,6 +160,8 @@ def prepare_paths(
 ) -> tuple[LaidWater, Values, Limits]:
     """Check what rays are asked for: the water laid out, the angles, and where rays end; parameters of `ray_paths`."""
     launch = np.atleast_1d(np.asarray(angles, dtype=np.float64))
+    if launch.ndim != 1:
+        raise SceneError(f"angles: an array of {launch.ndim} dimensions is no list of angles; flatten it")
     if not (np.abs(launch) <= 90.0).all():
         raise SceneError(f"angles: {_first(launch, np.abs(launch) <= 90.0)} must lie between -90 and 90 degrees")
     _check("max_range", max_range, max_range > 0.0, "give a length above 0")
