@@ -170,6 +170,15 @@ def test_trouble_leaves_the_old_file(tmp_path, capsys, monkeypatch, suffix, trou
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.parametrize("protected", ["x.png", "."])
+def test_what_is_write_protected_is_left_alone(tmp_path, capsys, monkeypatch, protected):
+    monkeypatch.chdir(tmp_path)
+    Path("x.png").write_bytes(b"old")
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != Path(protected))
+    assert f"-o x.png: {protected!r} is write-protected; allow" in refused(capsys, "relief", "default", "-o", "x.png")
+    assert Path("x.png").read_bytes() == b"old"
+
+
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere")
 def test_a_folder_without_rights_is_a_sentence(tmp_path, capsys):
     tmp_path.chmod(0o500)

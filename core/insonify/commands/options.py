@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -129,6 +130,10 @@ def output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:
         raise SceneError(f"{where}: {path.suffix!r} is no format written here; end the name in {' or '.join(suffixes)}")
     if not path.parent.is_dir():
         raise SceneError(f"{where}: there is no folder {str(path.parent)!r}; create it or choose another")
+    # Said before the work is done, not after; a file may be protected in a folder where it could be replaced.
+    locked = next((place for place in (path, path.parent) if place.exists() and not os.access(place, os.W_OK)), None)
+    if locked is not None:
+        raise SceneError(f"{where}: {str(locked)!r} is write-protected; allow writing or choose another")
     return path
 
 
