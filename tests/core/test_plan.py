@@ -26,8 +26,8 @@ def test_a_knife_needs_one_plane():
     assert any("no width" in line for line in knife.lines())
 
 
-def test_a_bed_without_detail_needs_two():
-    assert plan(edit(BARE, {"seabed.relief": "flat"})).planes == 2
+def test_a_bed_without_detail_needs_one():
+    assert plan(edit(BARE, {"seabed.relief": "flat"})).planes == 1
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,8 @@ from insonify.scene import Scene
 from insonify.scene.sonar import Knife
 from insonify.scene.targets import AnyTarget, Box, MeshFile
 
+FAINTEST = 1e-12  # error that is none
+
 
 def target_demand(scene: Scene, view: View, targets: tuple[int, ...]) -> float:
     """Return the error that a single plane would make of a scene's targets, as a share of the record."""
@@ -45,26 +47,31 @@ class Planes:
     """
 
     def __init__(self, bed: NDArray[np.float64], targets: float, most: int = laws.MOST_PLANES) -> None:
-        self._counts, self._most = np.asarray(laws.COUNTS, dtype=np.float64), most
+        self._most = most
         self._bed = np.maximum.accumulate(bed[::-1])[::-1]
         self._targets = targets
-        of_targets = targets * self._counts**-laws.TARGET_ORDER
+        of_targets = targets * np.asarray(laws.COUNTS, dtype=np.float64) ** -laws.TARGET_ORDER
         self._wary = np.hypot(laws.MARGIN * self._bed, laws.MARGIN_OF_TARGETS * of_targets)
 
     def error(self, planes: int) -> float:
         """Error of so many planes, as a share of the record."""
-        # Between the counts of the table it falls as a power.
-        bed = math.exp(float(np.interp(math.log(planes), np.log(self._counts), np.log(np.maximum(self._bed, 1e-12)))))
-        return math.hypot(bed if bed > 2e-12 else 0.0, self._targets * planes**-laws.TARGET_ORDER)
+        return math.hypot(among_counts(self._bed, planes), self._targets * planes**-laws.TARGET_ORDER)
 
     def wary(self, planes: int) -> float:
         """Error that one scene in a hundred may have instead."""
         return float(self._wary[laws.COUNTS.index(planes)])
 
-    def fewest(self, error: float) -> int:
-        """Fewest planes that keep to an error even then; the most there are if none do."""
-        kept = np.flatnonzero(self._wary <= error)
+    def fewest(self, error: float, besides: NDArray[np.float64]) -> int:
+        """Fewest planes that keep to an error even then, besides another by their number; the most if none do."""
+        kept = np.flatnonzero(np.hypot(self._wary, besides) <= error)
         return min(laws.COUNTS[int(kept[0])], self._most) if kept.size else self._most
+
+
+def among_counts(errors: NDArray[np.float64], planes: int) -> float:
+    """Take the error of so many planes from one for each of ``laws.COUNTS``, between which it falls as a power."""
+    logs = np.log(np.maximum(errors, FAINTEST))
+    found = math.exp(float(np.interp(math.log(planes), np.log(laws.COUNTS), logs)))
+    return found if found > 2.0 * FAINTEST else 0.0
 
 
 def rays_for(scene: Scene, error: float) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from insonify.plan import laws
+from insonify.plan.combs import Comb
 from insonify.plan.detail import ALONG, AWAY, Detail, detail_of
 from insonify.plan.view import View
 from insonify.scene.seabed import Seabed
@@ -17,6 +19,9 @@ from insonify.sound.straightness import Bending
 Field = NDArray[np.float64]
 RANGES = 4  # beyond 1.4 altitudes, at which an error is looked at
 BEYOND = 1.4
+EVEN = math.sqrt(
+    0.5 * math.pi / math.log(2.0)
+)  # width of a top-hat that averages as a Gaussian, over that at half power
 
 
 class Echo:
@@ -34,10 +39,13 @@ class Echo:
         near = min(BEYOND * view.altitude, view.reach)
         r = near + (view.reach - near) * (np.arange(RANGES) + 0.5) / RANGES
         x = np.sqrt(np.maximum(r**2 - view.altitude**2, (0.1 * view.altitude) ** 2))
-        self._view, self._share = view, r / view.reach
+        self._view, self._r, self._x, self._share = view, r, x, r / view.reach
         self._detail, self._bin = detail, (view.bin_length * r / x)[:, None]
         self._cot = (x / view.altitude)[:, None]
-        self._width = 2.0 * r[:, None] * np.sin(view.half_width)
+        # Of the main lobe, and of a top-hat that averages as much.
+        self._lobe = 2.0 * r * np.sin(view.half_width)
+        self._half_power = [view.half_power_at(at) for at in r.tolist()]
+        self._width = np.array([w * (EVEN * s or 1.0) for w, s in zip(self._lobe, self._half_power)])[:, None]
         # Lambert's law squares the sine of the grazing angle; of light it is the sine itself.
         self._per_slope = (1.0 if view.light else 4.0) * self._cot**2
         fx, fy = detail.fx, detail.fy
@@ -45,8 +53,9 @@ class Echo:
         # (RANGES, FX, FY): variance of the echo by frequency, before the beam
         self._waves = within[:, :, None] * detail.slopes
         self._shadows = self._of_shadows()
+        self._edges = self._of_edges()
         self._beam = 1.0 / (1.0 + 2.0 * (np.pi * fy * self._width) ** 2)
-        along = self._waves.sum(axis=1) + self._of_materials() + self._shadows
+        along = self._waves.sum(axis=1) + self._of_materials() + self._shadows + self._edges
         self._square = 1.0 + (along * self._beam).sum(axis=1)
         self._along = along / self._square[:, None]
 
@@ -58,47 +67,69 @@ class Echo:
         density = 4.0 * length / (1.0 + (2.0 * np.pi * detail.fy * length) ** 2)
         return np.asarray(share * density * detail.steps * length / (length + self._bin))
 
+    def _of_edges(self) -> Field:
+        """Variance of the edges between cells, which run aslant to the track and are sharp where bins are short."""
+        detail = self._detail
+        spread = np.exp(-0.5 * (np.log(detail.fy / detail.edges_along) / laws.EDGES_SPREAD) ** 2)
+        heard = 1.0 / (1.0 + (laws.EDGES_IN_BINS * detail.edges_away * self._bin) ** 2)
+        return np.asarray(self._per_slope * detail.bends.sum() * heard * spread / spread.sum())
+
     def _of_materials(self) -> Field:
         """Variance of what borders of materials do, which run aslant through bins."""
         return np.asarray(self._detail.materials / (1.0 + (2.0 * self._detail.fy * self._bin) ** 2))
 
-    def of_planes(self, planes: Field) -> Field:
-        """Error of so many planes, (n,) shares of the record."""
-        worth = laws.WORTH[self._view.beam] * np.asarray(planes, dtype=np.float64)
-        count = worth[:, None, None]
-        fy, width = self._detail.fy, self._width
-        turns = fy * width / count
-        mean = 1.0 / np.maximum(np.pi * fy * width, 1e-9)
-        # A comb of planes for the mean over the beam: sin(πfW) (1 / K sin(πfW/K) − 1 / πfW), mean square.
-        missed = 0.5 * (1.0 / (count * np.sin(np.pi * np.minimum(turns, 0.5))) - mean) ** 2
-        missed = np.where(turns < 0.5, np.minimum(missed, 1.0 / count), 1.0 / count)
-        return np.asarray(np.hypot(np.sqrt((self._along * missed).sum(axis=2).mean(axis=1)), self._left(planes)))
+    def of_planes(self) -> Field:
+        """Error of each of ``laws.COUNTS`` planes, as shares of the record."""
+        missed = np.array([self._missed(k) for k in range(RANGES)])
+        return np.asarray(np.hypot(np.sqrt(missed.mean(axis=0)), self._left()))
 
-    def _left(self, planes: Field) -> Field:
-        """Error of planes over a bed without detail."""
-        count = np.asarray(planes)
-        left = laws.LEFT + laws.LEFT_STEEP / self._cot[-1, 0] ** 2 if self._view.beam == "fan" else 0.0
-        return np.where(count > 1, np.where(count <= laws.LEFT_UP_TO, left, 0.0), laws.LEFT_BY_ONE)
+    def _missed(self, k: int) -> Field:
+        """Variance that each count of planes misses at one range."""
+        worth = laws.ARRAY_WORTH if self._view.beam == "array" else 1.0
+        comb = Comb(self._detail.fy[0], float(self._lobe[k]), self._half_power[k], worth)
+        missed = comb.missed
+        if self._view.squint != 0.0:
+            # A single plane keeps to its azimuth, and a squinting beam is a cone.
+            beside = 2.0 * np.pi * self._detail.fy[0] * self._view.squint * (self._r[k] - self._x[k])
+            missed[0] = 1.0 + comb.mean**2 - 2.0 * comb.mean * np.cos(beside)
+        return np.asarray(missed @ self._along[k])
 
-    def of_thinning(self, every: int) -> float:
-        """Error of a bed of every so many nodes, a share of the record."""
-        if every == 1:
-            return 0.0
-        if not self._detail.slopes.any():
-            cells = every * self._detail.spacing / self._view.bin_length
-            near = laws.LEVEL_NEAR * (every * self._detail.spacing / self._view.altitude) ** 2
-            return max(min(laws.LEVEL * cells**laws.LEVEL_ORDER, laws.LEVEL_MOST), near)
+    def _left(self) -> Field:
+        """Error of planes over a bed without fine detail, by how steep it is: by that a beam is wider or narrower."""
+        if self._view.beam != "fan":
+            return np.zeros(len(laws.COUNTS))
+        count = np.asarray(laws.COUNTS)
+        fading = np.minimum(laws.LEFT_UP_TO / count, 1.0) ** laws.LEFT_ORDER
+        return np.where(count > 1, laws.LEFT * self._detail.steepness * fading, 0.0)
+
+    def of_thinning(self, every: int) -> Field:
+        """Error of a bed of every so many nodes, as shares of the record, heard by each of ``laws.COUNTS`` planes."""
         detail = self._detail
+        if every == 1:
+            return np.zeros(len(laws.COUNTS))
+        if not detail.slopes.any() and not detail.materials.any():
+            return np.full(len(laws.COUNTS), self._of_level_cells(every))
         limit = 0.5 / (every * detail.spacing)
-        lost = (self._waves * _lost(every)).sum(axis=1)
-        # Long cells are flat where the bed bends, which bins as long as they are do not tell.
-        bends = self._per_slope * (detail.slopes * _bends(every)).sum(axis=0)
-        lost += bends / (1.0 + (2.0 * limit * self._bin) ** 2)
+        lost = ((self._waves * _lost(every)).sum(axis=1) * self._beam).sum(axis=1)
+        # Long cells are flat where the bed bends, which bins as long as they are do not tell; planes average that by
+        # their number at most.
+        bends = self._per_slope * np.where(_folded(every), 0.0, detail.bends).sum(axis=0) * (every**2 - 1.0)
+        bends /= 1.0 + (2.0 * limit * self._bin) ** 2
         # What is too fine for the coarse nodes comes back as long waves that neither bin nor beam averages.
         folded = self._per_slope[:, 0] * (detail.heights * _folded(every)).sum() * (2.0 * np.pi * limit) ** 2 / 3.0
-        folded /= (1.0 + 2.0 * limit * self._bin[:, 0]) * (1.0 + 2.0 * limit * self._width[:, 0])
-        error = ((lost * self._beam).sum(axis=1) + folded) / self._square
-        return float(np.sqrt(error.mean()))
+        # So do the borders of materials, which lie where the nodes are.
+        folded += laws.BORDERS * (detail.materials * (detail.fy > limit)).sum()
+        folded /= 1.0 + 2.0 * limit * self._bin[:, 0]
+        single = 1.0 / np.asarray(laws.COUNTS)[:, None, None]
+        coarse = (np.maximum(self._beam, single) * bends).sum(axis=2)
+        coarse += np.maximum(1.0 / (1.0 + 2.0 * limit * self._width[:, 0]), single[..., 0]) * folded
+        return np.asarray(np.sqrt(((lost + coarse) / self._square).mean(axis=1)))
+
+    def _of_level_cells(self, every: int) -> float:
+        """Likewise of a level bed of one material."""
+        cells = every * self._detail.spacing / self._view.bin_length
+        near = laws.LEVEL_NEAR * (every * self._detail.spacing / self._view.altitude) ** 2
+        return max(min(laws.LEVEL * cells**laws.LEVEL_ORDER, laws.LEVEL_MOST), near)
 
     def of_shift(self, bending: Bending) -> float:
         """Error of sound that is taken to go straight: echoes lie elsewhere and are louder or fainter."""
@@ -117,13 +148,6 @@ def _lost(every: int) -> Field:
     across, along = np.minimum(ALONG, 0.5), AWAY
     gain = np.sinc(along * every) * np.sinc(across * every) ** 2 / (np.sinc(along) * np.sinc(across) ** 2)
     return np.where(_folded(every), 1.0, (1.0 - gain) ** 2)
-
-
-@lru_cache(maxsize=16)
-def _bends(every: int) -> Field:
-    """Mean square by which the slope of coarse cells misses that of each wave that they hold, over its own."""
-    bend = np.minimum((np.pi * AWAY * every) ** 2 / 3.0, 1.0) * (1.0 - 1.0 / every**2)
-    return np.where(_folded(every), 0.0, bend)
 
 
 @lru_cache(maxsize=16)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from itertools import takewhile
 from typing import NamedTuple
 
+from insonify.plan import laws
 from insonify.plan.across import rays_for
 from insonify.plan.drafts import Draft, cost
 from insonify.plan.entries import Plan
@@ -17,7 +18,6 @@ from insonify.plan.refusals import refuse, refuse_bent
 from insonify.plan.telling import Told, entries_of
 from insonify.plan.view import View, look_at
 from insonify.scene import Scene, SceneError
-from insonify.scene.materials import Material
 from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
 from insonify.scene.water import SectionWater
@@ -115,14 +115,18 @@ def _fine_enough(scene: Scene, view: View, errors: Errors, budget: Budget, draft
             way for way, first in errors.ways.items() if _wanted(forced.switch(way), is_heard(scene, first))
         ),
     )
-    rest = math.sqrt(max(budget.tolerance**2 - errors.wary(draft._replace(method="")) ** 2, 0.0))
     rays = int(forced.number("rays") or rays_for(scene, budget.tolerance))
     if draft.method == "march":
         step = forced.number("step") or view.spacing * min(1.0, budget.tolerance / 0.03)
         return draft._replace(step=step, rays=int(forced.number("rays") or view.bins))
     if draft.method == "rays":
         return draft._replace(rays=rays)
-    planes = 1 if isinstance(scene.sonar.beam, Knife) else int(forced.number("planes") or errors.planes.fewest(rest))
+    if isinstance(scene.sonar.beam, Knife):
+        planes = 1
+    else:
+        rest = math.sqrt(max(budget.tolerance**2 - errors.wary(draft._replace(method="", every=1)) ** 2, 0.0))
+        of_nodes = laws.MARGIN_OF_NODES * errors.thinned(draft.every)
+        planes = int(forced.number("planes") or errors.planes.fewest(rest, of_nodes))
     return draft._replace(planes=planes, rays=rays if draft.bent else 0)
 
 
@@ -172,10 +176,10 @@ def _every(scene: Scene, errors: Errors, budget: Budget) -> tuple[int, ...]:
                 "give a number that does, such as 1"
             )
         return (every,)
-    if not isinstance(seabed.material, Material) or not (seabed.made or isinstance(seabed.relief, Flat)):
+    if not (seabed.made or isinstance(seabed.relief, Flat)):
         return (1,)
     fitting = (n for n in THINNED if n == 1 or all(count % n == 0 and count >= FEWEST_CELLS * n for count in cells))
-    return tuple(takewhile(lambda n: errors.thinned(n) <= budget.tolerance, fitting))
+    return tuple(takewhile(lambda n: errors.thinned(n).min() <= budget.tolerance, fitting))
 
 
 def _block(view: View) -> int:

@@ -24,8 +24,9 @@ from insonify.scene.seabed import AnyMade, Seabed
 
 Field = NDArray[np.float64]
 FX, FY = 28, 44  # frequencies, on a logarithmic scale
-LONGEST, FINEST = 256.0, 32.0  # from cycles of so many nodes to parts of one
+LONGEST, FINEST = 1024.0, 32.0  # from cycles of so many nodes to parts of one
 TAIL = 0.8  # of what corners at the nodes leave beyond
+RIPPLED, HARMONICS = 0.81, 4  # share of ripples' variance that dying crests leave, and waves of their shape
 WIDENED = 0.3  # a peak is spread by so much of its frequency, that those frequencies may not miss it
 
 # Frequencies in cycles a node: away from the track, and along it to beyond what nodes hold.
@@ -34,7 +35,7 @@ ALONG = np.geomspace(1.0 / LONGEST, FINEST, FY)[None, :]
 STEPS = np.gradient(ALONG, axis=1)
 AREAS = 4.0 * np.gradient(AWAY, axis=0) * STEPS
 # Between nodes the bed is straight: cells flatten its waves, and beyond the nodes' Nyquist frequency it falls as f⁻⁴.
-BETWEEN = np.sinc(AWAY) ** 2 * np.sinc(np.minimum(ALONG, 0.5)) ** 4
+BETWEEN = np.sinc(AWAY) ** 4 * np.sinc(np.minimum(ALONG, 0.5)) ** 4
 BETWEEN = BETWEEN * np.where(ALONG > 0.5, TAIL * (0.5 / ALONG) ** 4, 1.0)
 
 
@@ -46,6 +47,9 @@ class Detail(NamedTuple):
     steps: Field  # (1, FY) between those
     slopes: Field  # (FX, FY) variance of slopes as cells have them, in each cell of frequencies
     heights: Field  # (FX, FY) variance of the nodes' heights, likewise
+    bends: Field  # (FX, FY) variance of slopes by which the bed bends within cells, which are flat along each axis
+    edges_away: float  # cycles a metre of those, away from the track
+    edges_along: float  # and along it
     steepness: float  # rms of slopes
     materials: Field  # (1, FY) variance of strengths along the track
     spacing: float  # m, of nodes
@@ -62,15 +66,42 @@ def detail_of(seabed: Seabed, heading: float) -> Detail:
     variance = power * AREAS / spacing**2
     slopes = variance * (2.0 * math.pi * fx) ** 2
     steepness = math.sqrt(float((slopes * (ALONG <= 0.5)).sum()))
-    materials = _materials(seabed, fy) * steps
-    return Detail(fx, fy, steps, slopes * BETWEEN, variance * (ALONG <= 0.5), steepness, materials, spacing)
+    return Detail(
+        fx=fx,
+        fy=fy,
+        steps=steps,
+        slopes=slopes * BETWEEN,
+        heights=variance * (ALONG <= 0.5),
+        bends=variance * _bends(heading) * (ALONG <= 0.5) / spacing**2,
+        edges_away=max(abs(math.cos(math.radians(heading))), abs(math.sin(math.radians(heading)))) / spacing,
+        edges_along=math.hypot(0.5 * math.sin(math.radians(2.0 * heading)), laws.EDGES) / spacing,
+        steepness=steepness,
+        materials=_materials(seabed, fy) * steps,
+        spacing=spacing,
+    )
+
+
+def _bends(heading: float) -> Field:
+    """Squared bend of a wave of height 1 within a cell, in slopes away from the track per cell, by its frequencies.
+
+    Within a cell the slope along one axis of the grid does not change along it, while that of a wave of f cycles a
+    cell runs through π f of itself; the variance of that is a third of its square.
+    """
+    s, c = math.sin(math.radians(heading)), math.cos(math.radians(heading))
+    total: Field = np.zeros(np.broadcast_shapes(AWAY.shape, ALONG.shape))
+    for sign in (1.0, -1.0):
+        east, north = _east(AWAY, sign * np.minimum(ALONG, 0.5), heading)
+        total = total + 0.5 * (2.0 * math.pi) ** 2 * math.pi**2 / 3.0 * (s**2 * east**4 + c**2 * north**4)
+    return total
 
 
 def _parts(seabed: Seabed) -> tuple[AnyMade, ...]:
     """Parts of the relief; a measured bed is taken for a fractal."""
     if isinstance(seabed.relief, Flat):
         return ()
-    other = Fractal(beta=laws.OTHER_BETA, rms=laws.OTHER_RMS * seabed.spacing, period=LONGEST * seabed.spacing)
+    other = Fractal(
+        beta=laws.OTHER_BETA, rms=laws.OTHER_RMS * seabed.spacing, period=laws.OTHER_PERIOD * seabed.spacing
+    )
     return seabed.made or (other,)
 
 
@@ -113,14 +144,18 @@ def _density(part: AnyMade, fx: Field, fy: Field, spacing: float) -> Field:
 
 
 def _ripples(part: Ripples, fx: Field, fy: Field) -> Field:
-    """Band about the ripples' own wave, widened to what the grid of frequencies resolves, and its second harmonic."""
+    """Bands about the ripples' own wave and its harmonics, widened to what the grid of frequencies resolves.
+
+    Sharp ripples are parabolas, of the amplitudes 8 / (πn)²; near forks and ends they die down.
+    """
     from insonify.terrain.densities import ripple_wave
 
     total: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
-    for order, share in ((1.0, 1.0), (2.0, 0.3 * part.sharpness**2), (4.0, 0.1 * part.sharpness**4)):
+    for order in range(1, HARMONICS + 1):
+        amplitude = part.sharpness * 8.0 / (math.pi * order) ** 2 + (1.0 - part.sharpness) * (order == 1)
         wx, wy = (order * w for w in ripple_wave(part))
         spread = max(part.bandwidth, WIDENED) * order / part.wavelength
-        level = share * part.height**2 / 8.0 / (4.0 * math.pi * spread**2)
+        level = RIPPLED * amplitude**2 * part.height**2 / 8.0 / (4.0 * math.pi * spread**2)
         for sign in (1.0, -1.0):
             total = total + level * np.exp(-0.5 * ((fx - sign * wx) ** 2 + (fy - sign * wy) ** 2) / spread**2)
     return np.asarray(total)
@@ -163,5 +198,5 @@ def _materials(seabed: Seabed, fy: Field) -> Field:
 
 def _width_of(material: Patches | FractalMap | PatternMap | ImageMap) -> float:
     if isinstance(material, Patches):
-        return material.size
-    return material.period / len(material.of) if isinstance(material, PatternMap) else 4.0
+        return laws.PATCH * material.size
+    return laws.PATCH * material.period / len(material.of) if isinstance(material, PatternMap) else 4.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 from insonify.plan import laws
@@ -44,25 +43,25 @@ def amounts(view: View, draft: Draft) -> dict[str, float]:
         rays = 2.0 * draft.rays * (1.0 + ways) * (1.0 + draft.bounces)
         steps = rays * view.reach / draft.step if draft.method == "march" else 0.0
         return counts | {"bent ray" if draft.bent else "ray": rays, "step": steps}
-    planes, knots = _profiles(view, draft)
-    met = planes * len(draft.targets)
+    planes, knots = _profiles(view, draft, laws.PROFILES)
+    of_ways = _profiles(view, draft, laws.PROFILES_OF_WAYS)
+    met = 2.0 * draft.planes * len(draft.targets)
     return counts | {
         "plane": planes,
         "knot": knots,
+        "aslant knot": knots * view.aslant,
         "bent knot": knots if draft.bent else 0.0,
         "target": met,
-        "way's plane": planes * ways,
-        "way's knot": knots * ways,
+        "way's plane": of_ways[0] * ways,
+        "way's knot": of_ways[1] * ways,
+        "way's aslant knot": of_ways[1] * ways * view.aslant,
         "way's target": met * ways,
     }
 
 
-def _profiles(view: View, draft: Draft) -> tuple[float, float]:
-    """Profiles of a ping, and knots of all of them: planes across the beam, and shorter ones of its near field."""
-    per_metre = 1.0 / (view.spacing * draft.every)
-    planes, knots = 2.0 * draft.planes, 2.0 * draft.planes * view.ground * per_metre
-    if draft.planes > 1:
-        growth = laws.NEAR_GROWTH * min(laws.NEAR_FEW / draft.planes, 1.0)
-        planes += 4.0 * math.log(1.0 / math.sin(view.half_width)) / math.log(1.0 + growth)
-        knots += 4.0 * laws.NEAR_LENGTH / growth * view.altitude * per_metre
-    return planes, knots
+def _profiles(view: View, draft: Draft, as_many: dict[str, tuple[float, float, float]]) -> tuple[float, float]:
+    """Profiles of a ping, and knots of all of them, with those of its near field and its sidelobes as whole ones."""
+    each, few, near = as_many[view.pattern]
+    whole = 1.0 if draft.planes == 1 else each * draft.planes + few + near * min(view.altitude / view.reach, 1.0)
+    looked_up = laws.LOOKED_UP if view.pattern in laws.TABLED else 1.0
+    return 2.0 * whole, 2.0 * whole * looked_up * view.ground / (view.spacing * draft.every)

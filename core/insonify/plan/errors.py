@@ -6,9 +6,10 @@ import math
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.plan import laws
-from insonify.plan.across import Planes, error_of_rays, target_demand
+from insonify.plan.across import Planes, among_counts, error_of_rays, target_demand
 from insonify.plan.bed_errors import Echo, echo_of
 from insonify.plan.drafts import Draft
 from insonify.plan.reach import targets_in_reach, ways_in_reach
@@ -19,6 +20,8 @@ from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
 from insonify.sound.beams import is_patterned
 from insonify.sound.straightness import bending_of
+
+Field = NDArray[np.float64]
 
 
 class Errors:
@@ -42,7 +45,7 @@ class Errors:
         self.targets = targets_in_reach(scene)
         self.far_targets = tuple(k for k in range(len(scene.targets)) if k not in self.targets)
         self.ways = ways_in_reach(scene)
-        self._thinned = {1: 0.0}
+        self._thinned = {1: np.zeros(len(laws.COUNTS))}
 
     @cached_property
     def echo(self) -> Echo:
@@ -54,7 +57,7 @@ class Errors:
         """Errors of planes."""
         if isinstance(self._scene.sonar.beam, Knife):
             return Planes(np.zeros(len(laws.COUNTS)), 0.0)
-        bed = self.echo.of_planes(np.asarray(laws.COUNTS))
+        bed = self.echo.of_planes()
         most = laws.MOST_OF_PATTERNS if is_patterned(self._scene) else laws.MOST_PLANES
         return Planes(bed, target_demand(self._scene, self._view, self.targets), most)
 
@@ -68,8 +71,8 @@ class Errors:
             error = math.hypot(error, min(self.bending.shift / self._view.bin_length, 1.0))
         return min(error, 1.0)
 
-    def thinned(self, every: int) -> float:
-        """Error of a bed of every so many nodes."""
+    def thinned(self, every: int) -> Field:
+        """Error of a bed of every so many nodes, by each of ``laws.COUNTS`` planes."""
         if every not in self._thinned:
             self._thinned[every] = self.echo.of_thinning(every)
         return self._thinned[every]
@@ -96,13 +99,16 @@ class Errors:
         """Error of what a draft leaves out, by subject."""
         return {
             "bending": 0.0 if draft.bent else self.straight,
-            "spacing": self.thinned(draft.every),
+            "spacing": among_counts(self.thinned(draft.every), draft.planes),
             "bounces": self.bounced if draft.bounces < self._scene.sonar.bounces else 0.0,
         }
 
     def wary(self, draft: Draft) -> float:
         """Error of all that a draft chooses, with the margin by which a scene may differ from the others."""
-        parts = [laws.MARGIN * error for error in self.left_out(draft).values()]
+        parts = [
+            (laws.MARGIN_OF_NODES if subject == "spacing" else laws.MARGIN) * error
+            for subject, error in self.left_out(draft).items()
+        ]
         if draft.method == "sweep":
             parts.append(self.planes.wary(draft.planes) if draft.planes in laws.COUNTS else 0.0)
         return math.hypot(*parts)

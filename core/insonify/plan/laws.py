@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 # Errors are predicted as they come out in the middle; one scene's may be this much greater.
-MARGIN, MARGIN_OF_TARGETS = 1.7, 3.5
+MARGIN, MARGIN_OF_NODES, MARGIN_OF_TARGETS = 1.3, 1.5, 3.5
 
 # Planes: counts that may be chosen.
 COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
@@ -14,11 +14,12 @@ MOST_PLANES = COUNTS[-1]
 MOST_OF_PATTERNS = 64  # of a beam that is no level top-hat, whose near field has many more
 # Planes that a beam's weight leaves of one, by its kind.
 WORTH = {"knife": 1.0, "fan": 1.0, "gaussian": 0.85, "array": 0.6}
-# What planes leave of a fan's near field, however little the bed has of detail: over a grazing angle of tangent t at
-# the greatest range, a share of the record LEFT + LEFT_STEEP t², and after how many planes that is gone.
-LEFT, LEFT_STEEP, LEFT_UP_TO = 0.001, 0.015, 16
-# And a single plane for a whole beam, which hears nothing of what lies off its axis.
-LEFT_BY_ONE = 0.05
+# What planes leave of a steep bed in a fan's near field, by the rms of its slopes; with more than so many planes it
+# falls, by this power.
+LEFT, LEFT_UP_TO, LEFT_ORDER = 0.03, 16, 3.0
+# The edges of cells: least frequency along the track, in cycles a cell, its spread as a power of e, and how fast they
+# fade in longer bins.
+EDGES, EDGES_SPREAD, EDGES_IN_BINS = 0.15, 0.5, 4.0
 
 # Error of planes across targets: TARGET_PLANES · width^0.75 · radius^−0.7 · planes^−1.5, lengths in metres, the beam's
 # width at the greatest range and the least radius; less in light, whose targets glint less.
@@ -28,13 +29,17 @@ THIN = 0.15  # m, radius of the thin parts of a mesh
 # Of the shadows of a rough bed: how steep a slope casts one, in rms slopes over the tangent of the grazing angle, and
 # how long they are along the track, in cells.
 SHADOWING, SHADOW_CELLS = 1.0, 4.0
+# Planes across an array's main lobe are worth the fewer the more there are, for its sidelobes have half as many.
+ARRAY_WORTH = 0.9
 # Variance of a cascade's slopes where they are steep, over the mean.
-CASCADE = 4.0
-# Relief of a bed that no spectrum describes (a measured one): exponent, and rms in cells.
-OTHER_BETA, OTHER_RMS = 1.4, 0.4
+CASCADE = 2.0
+# Relief of a bed that no spectrum describes (a measured one): exponent, rms and period in cells.
+OTHER_BETA, OTHER_RMS, OTHER_PERIOD = 1.8, 1.0, 256.0
+# Borders of materials: how long they run, in patches and stripes, and what coarse nodes make of them.
+PATCH, BORDERS = 0.4, 4.0
 # A level bed of wide cells: error by cells over bins, the most that it comes to, and what the near field misses by the
 # square of cells over altitudes, which the eye sees though no tolerance means it.
-LEVEL, LEVEL_ORDER, LEVEL_MOST, LEVEL_NEAR = 2.5e-4, 1.8, 6e-3, 200.0
+LEVEL, LEVEL_ORDER, LEVEL_MOST, LEVEL_NEAR = 2.5e-4, 1.8, 6e-3, 1.0
 
 # Error of single rays over a rough bed, at 1000 rays a side, and its order: a fan spreads them over two angles.
 KNIFE_RAYS, FAN_RAYS = (0.13, 1.0), (0.31, 0.75)
@@ -47,20 +52,36 @@ BOUNCED = 2.0
 # Numbers of 32 bits, with sums of 64.
 SINGLE = 1e-6
 
-# The planes of a beam's near field lie in growing steps, the narrower the more planes there are; each is as long as
-# the beam hears it, in altitudes.
-NEAR_GROWTH, NEAR_FEW, NEAR_LENGTH = 0.4, 16, 1.0
-
+# Profiles of more than one plane, in those of a single one: so many for each plane, for the near field and sidelobes,
+# and for the near field of a sonar as high as its range.
+PROFILES = {
+    "knife": (1.0, 0.0, 0.0),
+    "fan": (0.8, 1.7, 7.0),
+    "squinting": (1.6, 0.0, 16.0),
+    "gaussian": (1.5, 3.7, 0.0),
+    "array": (1.9, 6.9, 0.0),
+}
+# Likewise of what comes by the sea surface, whose images are higher.
+PROFILES_OF_WAYS = {
+    "knife": (1.0, 0.0, 0.0),
+    "fan": (0.85, 5.0, 0.0),
+    "squinting": (1.6, 7.0, 0.0),
+    "gaussian": (1.1, 3.5, 0.0),
+    "array": (1.5, 6.0, 0.0),
+}
+TABLED, LOOKED_UP = ("squinting", "gaussian", "array"), 1.7  # beams read from tables, and what that makes a knot cost
 # Seconds of one thread of the machine that the laws were measured on, for each of what a ping is made of.
 SECONDS = {
-    "ping": 4.5e-6,
+    "ping": 3.0e-6,
     "bin": 0.0,
     "plane": 1.0e-6,
     "knot": 3.1e-9,
+    "aslant knot": 36.0e-9,
     "bent knot": 1.5e-9,
     "target": 0.29e-6,
-    "way's plane": 0.3e-6,
-    "way's knot": 60.0e-9,
+    "way's plane": 3.0e-6,
+    "way's knot": 0.12e-6,
+    "way's aslant knot": 0.3e-6,
     "way's target": 2.0e-6,
     "ray": 0.06e-6,
     "bent ray": 1.0e-6,

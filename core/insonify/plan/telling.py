@@ -129,7 +129,7 @@ def _spacing(told: Told) -> Iterator[Entry]:
     if every == 1:
         yield told.entry("spacing", "every node of the relief", f"{spacing:.3g} m apart", options)
         return
-    error = told.errors.thinned(every)
+    error = told.errors.left_out(told.draft)["spacing"]
     finest = 2.0 * every * spacing
     level = isinstance(told.scene.seabed.relief, Flat)
     lost = "a level bed has no detail" if level else f"waves shorter than {finest:.3g} m are left out"
