@@ -12,13 +12,13 @@ from scipy import special
 from insonify.plan import laws
 from insonify.plan.combs import Comb
 from insonify.plan.detail import ALONG, AWAY, Detail, detail_of
-from insonify.plan.view import View
+from insonify.plan.view import BEYOND, View
 from insonify.scene.seabed import Seabed
 from insonify.sound.straightness import Bending
 
 Field = NDArray[np.float64]
 RANGES = 4  # beyond 1.4 altitudes, at which an error is looked at
-BEYOND = 1.4
+
 EVEN = math.sqrt(
     0.5 * math.pi / math.log(2.0)
 )  # width of a top-hat that averages as a Gaussian, over that at half power
@@ -124,6 +124,20 @@ class Echo:
         coarse = (np.maximum(self._beam, single) * bends).sum(axis=2)
         coarse += np.maximum(1.0 / (1.0 + 2.0 * limit * self._width[:, 0]), single[..., 0]) * folded
         return np.asarray(np.sqrt(((lost + coarse) / self._square).mean(axis=1)))
+
+    @property
+    def rms_height(self) -> float:
+        """Of the bed, in metres."""
+        return math.sqrt(float(self._detail.heights.sum()))
+
+    @property
+    def steepness(self) -> float:
+        """Rms slope of the bed."""
+        return self._detail.steepness
+
+    def height_lost(self, every: int) -> float:
+        """Rms height that a bed of every so many nodes lacks, in metres."""
+        return math.sqrt(float((self._detail.heights * _lost(every)).sum()))
 
     def _of_level_cells(self, every: int) -> float:
         """Likewise of a level bed of one material."""

@@ -13,13 +13,13 @@ from insonify.plan.drafts import Draft, cost
 from insonify.plan.entries import Plan
 from insonify.plan.errors import Errors
 from insonify.plan.forcing import METHODS, Forced
-from insonify.plan.reach import is_heard
 from insonify.plan.refusals import refuse, refuse_bent
 from insonify.plan.telling import Told, entries_of
 from insonify.plan.view import View, look_at
 from insonify.scene import Scene, SceneError
 from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
+from insonify.scene.surface import WAYS
 from insonify.scene.water import SectionWater
 
 FEWEST_CELLS = 8  # that a period of the bed keeps
@@ -72,7 +72,7 @@ def plan(
     budget = Budget(tolerance, wishes.method() if method == "auto" else method, wishes)
     refuse(scene, budget.asked, 0 if wishes.switch("bounces") is False else scene.sonar.bounces)
     view = look_at(scene)
-    errors = Errors(scene, view)
+    errors = Errors(scene, view, frozenset(way for way in WAYS if wishes.switch(way) is False))
     draft = _cheapest(scene, view, errors, budget)
     if draft.bent:
         refuse_bent(scene, budget.asked)
@@ -95,10 +95,11 @@ def plan(
 def _cheapest(scene: Scene, view: View, errors: Errors, budget: Budget) -> Draft:
     """Choose among all ways to model a scene."""
     drafts = [
-        _fine_enough(scene, view, errors, budget, Draft("", every=every, bent=bent, bounces=bounces))
+        _fine_enough(scene, view, errors, budget, Draft("", every=every, bent=bent, bounces=bounces, ways=ways))
         for bounces in _bounces(scene, budget)
         for bent in _bent(errors, budget)
-        for every in _every(scene, errors, budget)
+        for ways in _ways(errors, budget)
+        for every in _every(scene, errors, budget, ways)
     ]
     judged = [(errors.wary(draft), cost(view, draft), -draft.every, draft) for draft in drafts]
     kept = [row[1:] for row in judged if row[0] <= budget.tolerance]
@@ -108,13 +109,7 @@ def _cheapest(scene: Scene, view: View, errors: Errors, budget: Budget) -> Draft
 def _fine_enough(scene: Scene, view: View, errors: Errors, budget: Budget, draft: Draft) -> Draft:
     """Complete a draft with its tracer and as many planes or rays as the rest of the tolerance asks for."""
     forced = budget.forced
-    draft = draft._replace(
-        method=_method(scene, budget.asked, draft),
-        targets=_targets(errors, forced),
-        ways=frozenset(
-            way for way, first in errors.ways.items() if _wanted(forced.switch(way), is_heard(scene, first))
-        ),
-    )
+    draft = draft._replace(method=_method(scene, budget.asked, draft), targets=_targets(errors, forced))
     rays = int(forced.number("rays") or rays_for(scene, budget.tolerance))
     if draft.method == "march":
         step = forced.number("step") or view.spacing * min(1.0, budget.tolerance / 0.03)
@@ -125,8 +120,8 @@ def _fine_enough(scene: Scene, view: View, errors: Errors, budget: Budget, draft
         planes = 1
     else:
         rest = math.sqrt(max(budget.tolerance**2 - errors.wary(draft._replace(method="", every=1)) ** 2, 0.0))
-        of_nodes = laws.MARGIN_OF_NODES * errors.thinned(draft.every)
-        planes = int(forced.number("planes") or errors.planes.fewest(rest, of_nodes))
+        of_nodes = laws.MARGIN_OF_NODES * errors.thinned(draft.every, draft.ways)
+        planes = int(forced.number("planes") or errors.planes(draft.ways).fewest(rest, of_nodes))
     return draft._replace(planes=planes, rays=rays if draft.bent else 0)
 
 
@@ -135,6 +130,17 @@ def _targets(errors: Errors, forced: Forced) -> tuple[int, ...]:
     near = errors.targets if _wanted(forced.switch("targets"), True) else ()
     far = errors.far_targets if _wanted(forced.switch("far_targets"), False) else ()
     return tuple(sorted((*near, *far)))
+
+
+def _ways(errors: Errors, budget: Budget) -> tuple[frozenset[str], ...]:
+    """Ways by the sea surface that may be modelled: all that are heard, or less those that are faint."""
+    forced = budget.forced
+    heard = frozenset(way for way in errors.ways if _wanted(forced.switch(way), way in errors.heard))
+    free = [way for way in heard if forced.switch(way) is None and way != "surface_echo"]
+    faint = sorted((errors.ghosts.shares[way], way) for way in free)
+    last = [n + 1 for n, (share, _) in enumerate(faint) if share <= budget.tolerance]
+    fewer = [frozenset(way for _, way in faint[:n]) for n in last]
+    return (heard, *(heard - some for some in fewer))
 
 
 def _wanted(forced: bool | None, otherwise: bool) -> bool:
@@ -164,7 +170,7 @@ def _bent(errors: Errors, budget: Budget) -> tuple[bool, ...]:
     return (True, False) if wish is None else (wish,)
 
 
-def _every(scene: Scene, errors: Errors, budget: Budget) -> tuple[int, ...]:
+def _every(scene: Scene, errors: Errors, budget: Budget, ways: frozenset[str]) -> tuple[int, ...]:
     """Nodes of the relief of which one may be kept, as long as the tolerance allows it."""
     seabed, wish = scene.seabed, budget.forced.number("spacing")
     cells = {round(part.period / seabed.spacing) for part in seabed.made if not part.endless}
@@ -179,7 +185,7 @@ def _every(scene: Scene, errors: Errors, budget: Budget) -> tuple[int, ...]:
     if not (seabed.made or isinstance(seabed.relief, Flat)):
         return (1,)
     fitting = (n for n in THINNED if n == 1 or all(count % n == 0 and count >= FEWEST_CELLS * n for count in cells))
-    return tuple(takewhile(lambda n: errors.thinned(n).min() <= budget.tolerance, fitting))
+    return tuple(takewhile(lambda n: errors.thinned(n, ways).min() <= budget.tolerance, fitting))
 
 
 def _block(view: View) -> int:

@@ -12,12 +12,14 @@ from insonify.plan import laws
 from insonify.plan.across import Planes, among_counts, error_of_rays, target_demand
 from insonify.plan.bed_errors import Echo, echo_of
 from insonify.plan.drafts import Draft
-from insonify.plan.reach import targets_in_reach, ways_in_reach
+from insonify.plan.ghosts import Ghosts
+from insonify.plan.reach import height_of_echoes, targets_in_reach, ways_in_reach
 from insonify.plan.view import View
 from insonify.scene import Scene
 from insonify.scene.materials import Material
 from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
+from insonify.scene.surface import WAYS
 from insonify.sound.beams import is_patterned
 from insonify.sound.straightness import bending_of
 
@@ -32,6 +34,8 @@ class Errors:
     scene : Scene
     view : View
         Its lengths.
+    silent : frozenset of str
+        Ways by the sea surface that are not wanted.
 
     Raises
     ------
@@ -39,13 +43,14 @@ class Errors:
         If a file that the scene names cannot be read.
     """
 
-    def __init__(self, scene: Scene, view: View) -> None:
-        self._scene, self._view = scene, view
+    def __init__(self, scene: Scene, view: View, silent: frozenset[str] = frozenset()) -> None:
+        self._scene, self._view, self._silent = scene, view, silent
         self.bending = bending_of(scene)
         self.targets = targets_in_reach(scene)
         self.far_targets = tuple(k for k in range(len(scene.targets)) if k not in self.targets)
         self.ways = ways_in_reach(scene)
-        self._thinned = {1: np.zeros(len(laws.COUNTS))}
+        self._planes: dict[frozenset[str], Planes] = {}
+        self._thinned: dict[tuple[int, frozenset[str]], Field] = {}
 
     @cached_property
     def echo(self) -> Echo:
@@ -53,13 +58,35 @@ class Errors:
         return echo_of(self._view, self._scene.seabed, self._scene.track.heading)
 
     @cached_property
-    def planes(self) -> Planes:
-        """Errors of planes."""
-        if isinstance(self._scene.sonar.beam, Knife):
-            return Planes(np.zeros(len(laws.COUNTS)), 0.0)
-        bed = self.echo.of_planes()
-        most = laws.MOST_OF_PATTERNS if is_patterned(self._scene) else laws.MOST_PLANES
-        return Planes(bed, target_demand(self._scene, self._view, self.targets), most)
+    def heard(self) -> frozenset[str]:
+        """Ways by the sea surface whose echoes may come within the range."""
+        scene = self._scene
+        late = {way: first for way, first in self.ways.items() if first > scene.sonar.range}
+        sooner = height_of_echoes(scene, self.echo.rms_height) if late else {}
+        heard = (way for way in self.ways if way not in late or late[way] - sooner[way] <= scene.sonar.range)
+        return frozenset(heard) - self._silent
+
+    @cached_property
+    def ghosts(self) -> Ghosts:
+        """Levels of those."""
+        ways = [way for way in WAYS if way in self.heard and way != "surface_echo"]
+        return Ghosts(self._scene, self._view, ways, self.echo.steepness if ways else 0.0)
+
+    def planes(self, ways: frozenset[str]) -> Planes:
+        """Errors of planes, where so many ways are modelled."""
+        if ways not in self._planes:
+            bed = np.zeros(len(laws.COUNTS))
+            if not isinstance(self._scene.sonar.beam, Knife):
+                bed = self.echo.of_planes()
+                if self._louder(ways):
+                    bed = np.hypot(self.ghosts.direct * bed, self.ghosts.of_planes())
+            most = laws.MOST_OF_PATTERNS if is_patterned(self._scene) else laws.MOST_PLANES
+            self._planes[ways] = Planes(bed, target_demand(self._scene, self._view, self.targets), most)
+        return self._planes[ways]
+
+    def _louder(self, ways: frozenset[str]) -> bool:
+        """Tell whether bed and targets are heard by any of some ways."""
+        return bool((ways & self.heard) - {"surface_echo"})
 
     @cached_property
     def straight(self) -> float:
@@ -71,11 +98,14 @@ class Errors:
             error = math.hypot(error, min(self.bending.shift / self._view.bin_length, 1.0))
         return min(error, 1.0)
 
-    def thinned(self, every: int) -> Field:
+    def thinned(self, every: int, ways: frozenset[str]) -> Field:
         """Error of a bed of every so many nodes, by each of ``laws.COUNTS`` planes."""
-        if every not in self._thinned:
-            self._thinned[every] = self.echo.of_thinning(every)
-        return self._thinned[every]
+        if (every, ways) not in self._thinned:
+            error = self.echo.of_thinning(every)
+            if every > 1 and self._louder(ways):
+                error = np.hypot(error, self.ghosts.of_cells(every * self._view.spacing, self.echo.height_lost(every)))
+            self._thinned[every, ways] = error
+        return self._thinned[every, ways]
 
     @cached_property
     def bounced(self) -> float:
@@ -99,16 +129,20 @@ class Errors:
         """Error of what a draft leaves out, by subject."""
         return {
             "bending": 0.0 if draft.bent else self.straight,
-            "spacing": among_counts(self.thinned(draft.every), draft.planes),
+            "spacing": among_counts(self.thinned(draft.every, draft.ways), draft.planes),
+            "ways": self._unheard(draft.ways),
             "bounces": self.bounced if draft.bounces < self._scene.sonar.bounces else 0.0,
         }
 
+    def _unheard(self, ways: frozenset[str]) -> float:
+        """Error of leaving out all ways but some."""
+        missed = self.heard - ways - {"surface_echo"}
+        return min(sum(self.ghosts.shares[way] for way in missed), 1.0) if missed else 0.0
+
     def wary(self, draft: Draft) -> float:
         """Error of all that a draft chooses, with the margin by which a scene may differ from the others."""
-        parts = [
-            (laws.MARGIN_OF_NODES if subject == "spacing" else laws.MARGIN) * error
-            for subject, error in self.left_out(draft).items()
-        ]
+        margins = {"spacing": laws.MARGIN_OF_NODES, "ways": laws.MARGIN_OF_WAYS}
+        parts = [margins.get(subject, laws.MARGIN) * error for subject, error in self.left_out(draft).items()]
         if draft.method == "sweep":
-            parts.append(self.planes.wary(draft.planes) if draft.planes in laws.COUNTS else 0.0)
+            parts.append(self.planes(draft.ways).wary(draft.planes) if draft.planes in laws.COUNTS else 0.0)
         return math.hypot(*parts)

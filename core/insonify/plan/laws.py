@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 # Errors are predicted as they come out in the middle; one scene's may be this much greater.
-MARGIN, MARGIN_OF_NODES, MARGIN_OF_TARGETS = 1.3, 1.5, 3.5
+MARGIN, MARGIN_OF_NODES, MARGIN_OF_WAYS, MARGIN_OF_TARGETS = 1.3, 1.5, 3.0, 3.5
 
 # Planes: counts that may be chosen.
 COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
@@ -31,6 +31,16 @@ THIN = 0.15  # m, radius of the thin parts of a mesh
 SHADOWING, SHADOW_CELLS = 1.0, 4.0
 # Planes across an array's main lobe are worth the fewer the more there are, for its sidelobes have half as many.
 ARRAY_WORTH = 0.9
+# What comes by the sea surface: error of a single plane by what the bed rises across the beam, in bins, and by the beam
+# over what the first bin holds of the bed, and share that more planes leave. Of a beam with a pattern, of a single
+# one, of two, and the power by which it falls.
+GHOSTS_RISE, GHOSTS_WIDE, GHOSTS_FEW = 0.5, 0.22, 0.1
+# Of a bed of several materials, which glint differently beneath an image; planes that a pattern needs there.
+GHOSTS_UNEVEN, GHOSTS_FEWEST = 0.07, 3
+# And of coarse cells, by the heights they miss, in bins, and by their length over what the first bin holds of the bed,
+# of a level one by the square of that.
+GHOSTS_LOST, GHOSTS_CELL, GHOSTS_LEVEL = 2.0, 0.07, 0.005
+GHOSTS_SINGLE, GHOSTS_TABLED, GHOSTS_ORDER = 0.5, 0.03, 1.6
 # Variance of a cascade's slopes where they are steep, over the mean.
 CASCADE = 2.0
 # Relief of a bed that no spectrum describes (a measured one): exponent, rms and period in cells.

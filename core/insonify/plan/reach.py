@@ -10,11 +10,12 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.files import file_version
 from insonify.scene.motion import Heave, Pitch, Roll, Straight, Sway, Yaw
 from insonify.scene.reliefs import Dem
-from insonify.scene.surface import WAYS
+from insonify.scene.surface import WAYS, RoughSurface
 from insonify.scene.targets import AnyTarget, Box, Cone, MeshFile, Pipe
+from insonify.sound.sea_surface import rms_height
 
 FARTHER = 1.1  # bent sound may go farther in the time of a slant range
-NEARER = 0.9  # over a rough bed an echo by the surface may come sooner
+HIGHEST = 5.0  # rms heights, of a bed and of waves
 
 
 def targets_in_reach(scene: Scene) -> tuple[int, ...]:
@@ -65,9 +66,26 @@ def ways_in_reach(scene: Scene) -> dict[str, float]:
     return {way: first[way] for way in WAYS if getattr(surface, way, False)}
 
 
-def is_heard(scene: Scene, first: float) -> bool:
-    """Tell whether an echo by the surface that first comes at a slant range may come within the sonar's own."""
-    return isinstance(scene.seabed.relief, Dem) or NEARER * first <= scene.sonar.range
+def height_of_echoes(scene: Scene, rms_bed: float) -> dict[str, float]:
+    """Return by how much of slant range the first echo of each way may come sooner than over a level bed, in metres.
+
+    Parameters
+    ----------
+    scene : Scene
+    rms_bed : float
+        Rms height of the bed, in metres.
+    """
+    surface = scene.water.surface
+    waves = HIGHEST * rms_height(surface.wind_speed) if isinstance(surface, RoughSurface) else 0.0
+    # A measured bed may lie at any depth.
+    bed = math.inf if isinstance(scene.seabed.relief, Dem) else HIGHEST * rms_bed
+    bed += max((2.0 * size_of(target, k) for k, target in enumerate(scene.targets)), default=0.0)
+    return {
+        "surface_bottom": bed + waves,
+        "surface_bottom_surface": bed + 2.0 * waves,
+        "second_bottom": 3.0 * bed + waves,
+        "surface_echo": waves,
+    }
 
 
 @lru_cache(maxsize=64)

@@ -14,7 +14,6 @@ from insonify.plan.drafts import Draft, cost
 from insonify.plan.entries import Entry
 from insonify.plan.errors import Errors
 from insonify.plan.forcing import METHODS, NUMBERS, SWITCH, Forced
-from insonify.plan.reach import is_heard
 from insonify.plan.view import View
 from insonify.scene import Scene
 from insonify.scene.materials import Material
@@ -104,7 +103,7 @@ def _fineness(told: Told) -> Iterator[Entry]:
 def _planes(told: Told) -> Entry:
     """Tell the planes across a beam."""
     view, draft, errors = told.view, told.draft, told.errors
-    error = errors.planes.error(draft.planes)
+    error = errors.planes(draft.ways).error(draft.planes)
     reason = f"the main lobe of a {told.scene.sonar.beam.words} is {view.width:.3g} m wide at {view.reach:g} m"
     of_targets = target_demand(told.scene, view, draft.targets) / draft.planes**laws.TARGET_ORDER
     if isinstance(told.scene.seabed.relief, Flat) and of_targets == 0.0:
@@ -196,12 +195,18 @@ def _ways(told: Told) -> Iterator[Entry]:
             f"{height:.2g} m rms and slopes of {slope:.2g}° rms, along the beam alone"
         )
     for way, first in told.errors.ways.items():
-        reason = images
-        if way not in draft.ways:
-            late = f"its first echo comes from {first:.3g} m, beyond the range of {view.reach:g} m"
-            reason = "left out as forced" if is_heard(told.scene, first) else late
+        heard = way in told.errors.heard
+        share = told.errors.ghosts.shares.get(way, 0.0) if heard else 0.0
+        if way in draft.ways:
+            reason = images
+        elif way in told.forced:
+            reason = "left out as forced"
+        elif heard:
+            reason = f"it is {100 * share:.2g} % of the record"
+        else:
+            reason = f"its first echo comes from {first:.3g} m, beyond the range of {view.reach:g} m"
         pair = draft._replace(ways=draft.ways | {way}), draft._replace(ways=draft.ways - {way})
-        yield told.switch(way, f"{surface.kind} sea, {way.replace('_', '-')}", reason, *pair, 0.0)
+        yield told.switch(way, f"{surface.kind} sea, {way.replace('_', '-')}", reason, *pair, share)
 
 
 def _bounces(told: Told) -> Iterator[Entry]:

@@ -10,6 +10,7 @@ from insonify.scene.sonar import Fan, Gaussian, Knife, LineArray
 from insonify.sound.beams import is_patterned, main_lobe
 from insonify.sound.water import speed_at_sonar
 
+BEYOND = 1.4  # altitudes, from which an error counts
 # Width at half power of a line array's far field, in wavelengths over its length, one way and there and back.
 HALF_POWER = {
     "uniform": (0.886, 0.638),
