@@ -19,6 +19,7 @@ GHOSTS = edit(
     {"track.start": [30.0, 0.0], "track.pings": 3, "receiver.speckle": "none", "receiver.tvg": "none"},
 )
 FLAT = np.zeros((4, 4))
+ALIKE = {"planes": "8", "spacing": "1"}  # records that differ in their scenes alone
 
 
 def test_truth_tells_by_which_way_the_strongest_sound_came():
@@ -113,6 +114,6 @@ def test_the_second_bottom_is_as_loud_as_the_bed_mirrors():
     for reflection in (0.2, 0.4):
         ways = {"kind": "flat"} | dict.fromkeys(WAYS, False) | {"second_bottom": True}
         scene = edit(GHOSTS, {"water.surface": ways, "seabed.material.reflection": reflection, "targets": []})
-        base = simulate(edit(scene, {"water.surface": "none"})).intensity.values
-        records.append(simulate(scene).intensity.values.astype(float) - base)
+        base = simulate(edit(scene, {"water.surface": "none"}), forced=ALIKE).intensity.values
+        records.append(simulate(scene, forced=ALIKE).intensity.values.astype(float) - base)
     assert records[1].sum() / records[0].sum() == pytest.approx(4.0, rel=1e-3)

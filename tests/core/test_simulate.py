@@ -13,6 +13,7 @@ from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.simulate import prepare, simulate, simulate_blocks
 
 BLOCK = 64  # pings, as planned
+ALIKE = {"planes": "8", "spacing": "1"}  # records that differ in their scenes alone
 SMALL = edit(
     load_scene("default"),
     {"seabed.spacing": 0.4, "seabed.relief.period": 51.2, "seabed.relief.peaks": [[12.0, 6.0]], "sonar.bins": 200},
@@ -98,7 +99,7 @@ def test_every_method_makes_the_same_picture(method, scatter):
 def test_port_is_to_the_left(heading, port):
     ball = {"kind": "sphere", "position": [20.0 * port[0], 20.0 * port[1]], "radius": 1.0}
     scene = small(1, track__heading=heading, targets=[ball], seabed__relief="flat", track__start=[0.0, 0.0])
-    with_ball, without = simulate(scene).intensity, simulate(edit(scene, {"targets": []})).intensity
+    with_ball, without = (simulate(of, forced=ALIKE).intensity for of in (scene, edit(scene, {"targets": []})))
     changed = (abs(with_ball - without) > 1e-3 * without.max()).any("range_sample").squeeze()
     assert changed.values.tolist() == [True, False]
 

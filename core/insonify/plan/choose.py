@@ -185,7 +185,8 @@ def _every(scene: Scene, errors: Errors, budget: Budget, ways: frozenset[str]) -
     if not (seabed.made or isinstance(seabed.relief, Flat)):
         return (1,)
     fitting = (n for n in THINNED if n == 1 or all(count % n == 0 and count >= FEWEST_CELLS * n for count in cells))
-    return tuple(takewhile(lambda n: errors.thinned(n, ways).min() <= budget.tolerance, fitting))
+    most = min(budget.tolerance, laws.LEVEL_SEEN) if isinstance(seabed.relief, Flat) else budget.tolerance
+    return tuple(takewhile(lambda n: errors.thinned(n, ways).min() <= most, fitting))
 
 
 def _block(view: View) -> int:
