@@ -141,9 +141,9 @@ class Echo:
 
     def _of_level_cells(self, every: int) -> float:
         """Likewise of a level bed of one material."""
-        cells = every * self._detail.spacing / self._view.bin_length
-        near = laws.LEVEL_NEAR * (every * self._detail.spacing / self._view.altitude) ** 2
-        return max(min(laws.LEVEL * cells**laws.LEVEL_ORDER, laws.LEVEL_MOST), near)
+        length = every * self._detail.spacing
+        error = min(laws.LEVEL * (length / self._view.bin_length) ** laws.LEVEL_ORDER, laws.LEVEL_MOST)
+        return max(error, laws.LEVEL_SHADED * (length / self._view.altitude) ** 2 if self._view.shaded else 0.0)
 
     def of_shift(self, bending: Bending) -> float:
         """Error of sound that is taken to go straight: echoes lie elsewhere and are louder or fainter."""

@@ -185,8 +185,11 @@ def _every(scene: Scene, errors: Errors, budget: Budget, ways: frozenset[str]) -
     if not (seabed.made or isinstance(seabed.relief, Flat)):
         return (1,)
     fitting = (n for n in THINNED if n == 1 or all(count % n == 0 and count >= FEWEST_CELLS * n for count in cells))
-    most = min(budget.tolerance, laws.LEVEL_SEEN) if isinstance(seabed.relief, Flat) else budget.tolerance
-    return tuple(takewhile(lambda n: errors.thinned(n, ways).min() <= most, fitting))
+    if not isinstance(seabed.relief, Flat):
+        return tuple(takewhile(lambda n: errors.thinned(n, ways).min() <= budget.tolerance, fitting))
+    peak = laws.LEVEL_PEAK * (seabed.spacing / scene.altitude) ** 2 / (laws.PEAK_SEEN * budget.tolerance)
+    most = min(budget.tolerance, laws.LEVEL_SEEN)
+    return tuple(n for n in fitting if n == 1 or (n * n * peak <= 1.0 and errors.thinned(n, ways).min() <= most))
 
 
 def _block(view: View) -> int:

@@ -17,6 +17,7 @@ from insonify.plan.reach import height_of_echoes, targets_in_reach, ways_in_reac
 from insonify.plan.view import View
 from insonify.scene import Scene
 from insonify.scene.materials import Material
+from insonify.scene.receiver import Coherent
 from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
 from insonify.scene.surface import WAYS
@@ -80,6 +81,8 @@ class Errors:
                 bed = self.echo.of_planes()
                 if self._louder(ways):
                     bed = np.hypot(self.ghosts.direct * bed, self.ghosts.of_planes())
+            if isinstance(self._scene.receiver.speckle, Coherent):
+                bed[0] = 1.0  # scatterers are heard one by one, each in the part of the beam where it lies
             most = laws.MOST_OF_PATTERNS if is_patterned(self._scene) else laws.MOST_PLANES
             self._planes[ways] = Planes(bed, target_demand(self._scene, self._view, self.targets), most)
         return self._planes[ways]

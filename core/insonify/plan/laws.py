@@ -47,10 +47,11 @@ CASCADE = 2.0
 OTHER_BETA, OTHER_RMS, OTHER_PERIOD = 1.8, 1.0, 256.0
 # Borders of materials: how long they run, in patches and stripes, and what coarse nodes make of them.
 PATCH, BORDERS = 0.4, 4.0
-# A level bed of wide cells: error by cells over bins, the most that it comes to, and what the near field misses by the
-# square of cells over altitudes, which the eye sees though no tolerance means it. More than a share of the record is
-# never left, for what a level bed looks like anybody knows.
-LEVEL, LEVEL_ORDER, LEVEL_MOST, LEVEL_NEAR, LEVEL_SEEN = 2.5e-4, 1.8, 6e-3, 1.0, 2e-3
+# A level bed of wide cells: error by cells over bins, and the most that it comes to; by the square of cells over
+# altitudes, what a vertical beam shades wrongly. More than a share of the record is never left, for what a level bed
+# looks like anybody knows; nor at nadir, which no tolerance means, more than some tolerances of the first echo's peak.
+LEVEL, LEVEL_ORDER, LEVEL_MOST, LEVEL_SHADED, LEVEL_SEEN = 2.5e-4, 1.8, 6e-3, 50.0, 6e-3
+LEVEL_PEAK, PEAK_SEEN = 90.0, 3.0
 
 # Error of single rays over a rough bed, at 1000 rays a side, and its order: a fan spreads them over two angles.
 KNIFE_RAYS, FAN_RAYS = (0.13, 1.0), (0.31, 0.75)

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from insonify.scene import Scene
-from insonify.scene.sonar import Fan, Gaussian, Knife, LineArray
+from insonify.scene.sonar import Fan, Gaussian, Knife, LineArray, Uniform
 from insonify.sound.beams import is_patterned, main_lobe
 from insonify.sound.water import speed_at_sonar
 
@@ -34,6 +34,7 @@ class View(NamedTuple):
     half_power: float  # sine at which a Gaussian's sensitivity, or an array's far off, is down to a half; else 0
     aperture: float  # of an array; else 0
     squint: float  # sine
+    shaded: bool  # whether it hears some grazing angles better than others
     pattern: str  # kind of the beam, or "squinting" for a fan that does
     aslant: float  # sine of twice the angle between the track and the relief's grid: cells are cut the smaller
 
@@ -83,6 +84,7 @@ def look_at(scene: Scene) -> View:
         half_power=_half_power(scene),
         aperture=beam.length if isinstance(beam, LineArray) else 0.0,
         squint=squint,
+        shaded=not isinstance(scene.sonar.vertical, Uniform),
         pattern="squinting" if isinstance(beam, Fan) and is_patterned(scene) else beam.kind,
         aslant=abs(math.sin(math.radians(2.0 * scene.track.heading))),
     )
