@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import sys
 from collections.abc import Iterator
@@ -40,7 +39,7 @@ def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
         metavar="PATH=VALUE",
         help="change a field of the scene, e.g. sonar.beam.width=2.5; may be repeated",
     )
-    parser.add_argument("--seed", type=int, metavar="N", help="short for --set seed=N")
+    parser.add_argument("--seed", metavar="N", help="short for --set seed=N")
 
 
 def add_method(parser: argparse.ArgumentParser) -> None:
@@ -96,7 +95,7 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
     changes = dict(read_setting(text) for text in arguments.set)
     seed = getattr(arguments, "seed", None)  # the viewer's own commands may lack it
     if seed is not None:
-        changes["seed"] = seed
+        changes |= dict([read_setting(f"seed={seed}")])
     return edit(scene, changes) if changes else scene
 
 
@@ -149,8 +148,8 @@ def tracked(blocks: Iterator[xr.Dataset], pings: int) -> Iterator[xr.Dataset]:
 
 def decibels(text: str) -> float:
     """Read a finite number of decibels."""
-    value = float(text)
-    if not math.isfinite(value) or abs(value) > 200.0:
+    value = _number(text)
+    if not abs(value) <= 200.0:
         raise argparse.ArgumentTypeError(f"{text} is out of bounds; give decibels from -200 to 200")
     return value
 
@@ -161,7 +160,14 @@ def say(line: str) -> None:
 
 
 def _share(text: str) -> float:
-    value = float(text)
+    value = _number(text)
     if not 0.0 < value <= 1.0:
         raise argparse.ArgumentTypeError(f"{text} is out of bounds; give a number above 0 and at most 1, e.g. 0.03")
     return value
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number; give a plain number") from None
