@@ -149,7 +149,7 @@ def displacement(problem: Problem, poses: Poses, a: NDArray[np.floating], b: NDA
     curve = np.broadcast_to(flat_bed_curves(problem, poses), np.shape(b))
     scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0)
     beyond = min(math.ceil(BEYOND * float(poses.z.max(initial=0.0)) / problem.bin_length), problem.bins)
-    sides = [(one.reshape(-1, problem.bins)[:, beyond:]) for one in (a * scale, b * scale)]
+    sides = [one.reshape(-1, problem.bins)[:, beyond:] for one in (a * scale, b * scale)]
     edges = [moved for one, other in zip(*sides) for moved in edge_shifts(one, other)]
     echoes = [moved for one, other in zip(*sides) for moved in echo_shifts(one, other)]
     return Displacement(*(problem.bin_length * _mean_size(shifts) for shifts in (edges, echoes)))

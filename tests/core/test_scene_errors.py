@@ -1,8 +1,10 @@
 """Every mistake gives one sentence with the field, the value and the remedy."""
 
+import math
+
 import pytest
 
-from insonify.scene import SceneError, edit, load_scene, read_setting, scene_from_toml
+from insonify.scene import SceneError, edit, load_scene, plain, read_setting, scene_from_toml
 
 WRONG = [
     ({"sonar.range": -5}, ["sonar.range", "-5", "above 0"]),
@@ -81,6 +83,32 @@ def test_a_wrong_value_is_named(changes, words):
     assert is_one_sentence(sentence)
     for word in words:
         assert word in sentence
+
+
+ODD = [None, True, -1e400, math.nan, 10**400, "x", "", b"\xff", [], [[1]], {}, {"a": 1}, object(), "y" * 9999]
+
+
+def paths(values, place=()):
+    """Every path within plain values."""
+    items = values.items() if isinstance(values, dict) else enumerate(values) if isinstance(values, list) else ()
+    for key, value in items:
+        yield ".".join(map(str, (*place, key)))
+        yield from paths(value, (*place, key))
+
+
+@pytest.mark.parametrize("name", ["default", "raw-record", "rough-tow", "thermocline", "figure-5-relief"])
+def test_odd_values_are_told_in_plain_words(name):
+    scene, sentences = load_scene(name), {}
+    for path in paths(plain(scene)):
+        for number, value in enumerate(ODD):
+            try:
+                edit(scene, {path: value})
+            except SceneError as error:
+                sentences[path, number] = str(error)
+    assert len(sentences) > 100
+    assert {
+        where: said for where, said in sentences.items() if not is_one_sentence(said) or "nput should" in said
+    } == {}
 
 
 @pytest.mark.parametrize("text", ["sonar.range", "=5", "", "  = 3"])

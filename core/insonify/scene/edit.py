@@ -81,7 +81,7 @@ def _put(values: dict[str, Any], path: str, value: Any) -> None:
     for key in parents:
         walked.append(key)
         child = _child(place, key, path)
-        if child is None or not isinstance(child, (dict, list)):
+        if not isinstance(child, (dict, list)):
             child = _expanded(walked, child)
             place[key if isinstance(place, dict) else int(key)] = child
         place = child
@@ -198,7 +198,7 @@ def _sentence(error: ValidationError) -> str:
     if kind.startswith("union_tag"):
         expected = str(context.get("expected_tags", "")).replace("'", "")
         given = value.get("kind", "nothing") if isinstance(value, dict) else value
-        return f"{where}.kind: {given!r} is not a kind known here; choose one of {expected}"
+        return f"{where}.kind: {_shown(given)} is not a kind known here; choose one of {expected}"
     if kind == "value_error":
         text = str(context["error"])
         if text.startswith(("is ", "must ")):
@@ -214,7 +214,8 @@ def _sentence(error: ValidationError) -> str:
         return f"{where}: {_shown(value)} has length {len(value)}; give at {bound}"
     if kind == "finite_number":
         return f"{where}: {_shown(value)} is not a finite number; give a plain number"
-    wanted, remedy = next((said for start, said in _WANTED.items() if kind.startswith(start)), ("fits", fault["msg"]))
+    unsaid = ("what fits", fault["msg"])
+    wanted, remedy = next((said for start, said in _WANTED.items() if kind.startswith(start)), unsaid)
     return f"{where}: {_shown(value)} is not {wanted}; {remedy}"
 
 
