@@ -38,7 +38,7 @@ def test_a_bed_without_detail_needs_one():
         ({}, {"seabed.relief.beta": 1.0}),
         ({}, {"seabed.relief.rms": 0.2}),
         ({"seabed.spacing": 0.2}, {"seabed.spacing": 0.1}),
-        ({"targets": [{"kind": "sphere", "position": [0, 20], "radius": 1.0}]}, {"targets.0.radius": 0.05}),
+        ({"targets": [{"kind": "sphere", "position": [0, 20], "material": "silt"}]}, {"targets.0.material": "steel"}),
     ],
 )
 def test_more_detail_across_a_wider_beam_needs_more_planes(less, more):

@@ -3,34 +3,115 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.plan import laws
+from insonify.plan.bodies import BEYOND, Seen, see
 from insonify.plan.view import View
 from insonify.scene import Scene
+from insonify.scene.materials import Material
+from insonify.scene.seabed import Seabed
 from insonify.scene.sonar import Knife
-from insonify.scene.targets import AnyTarget, Box, MeshFile
 
-FAINTEST = 1e-12  # error that is none
+FAINTEST = 1e-12  # error that is none, and sum of squares
+FLATTEST = 0.01  # square of a cosine
 
 
-def target_demand(scene: Scene, view: View, targets: tuple[int, ...]) -> float:
-    """Return the error that a single plane would make of a scene's targets, as a share of the record."""
+class Demand(NamedTuple):
+    """What a scene's targets ask of the planes."""
+
+    error: float  # that a single plane would make of pings across them, as a share of the record
+    least: float = 0.0  # that the planes are to be kept to however faint a target is, so that none is heard as a comb
+    most: Seen | None = None  # the target to which most of it is due
+
+
+def target_demand(scene: Scene, view: View, targets: tuple[int, ...], bed: float) -> Demand:
+    """Foretell the error that a single plane would make of the pings that go out at a scene's targets.
+
+    Planes W / K apart at a target, over which its parts are so and so long, miss so much of what the parts return, and
+    their shadows hide; in each ping what its own target adds and those beside it, over all that it hears.
+
+    Parameters
+    ----------
+    scene : Scene
+    view : View
+        Its lengths.
+    targets : tuple of int
+        Numbers of those that are modelled.
+    bed : float
+        Mean square of the bed's echo over that of an even bed of its mean strength.
+
+    Returns
+    -------
+    Demand
+
+    Raises
+    ------
+    SceneError
+        If a mesh cannot be read.
+    """
     if not targets or view.half_width == 0.0:
-        return 0.0
-    radius = min(radius_of(scene.targets[k]) for k in targets)
-    light = laws.TARGET_LIGHT if view.light else 1.0
+        return Demand(0.0)
+    seen = [one for one in (see(scene, view, number) for number in targets) if one is not None]
+    if not seen:
+        return Demand(0.0)
+    strength = _strength(scene.seabed)
+    bins = 2.0 * max(view.bins * (1.0 - BEYOND * view.altitude / view.reach), 1.0)
+    loud = max(bins * bed * strength**2, FAINTEST)
+    missed, energy = np.array([_returns(one, view, strength) for one in seen]).T
+    beside = _beside(seen)
+    errors = (beside @ missed) / (loud + beside @ energy)
     worth = laws.WORTH[view.beam] ** -laws.TARGET_ORDER
-    return laws.TARGET_PLANES * view.width**laws.TARGET_WIDTH * radius**laws.TARGET_RADIUS * light * worth
+    shortest = max(one.width / one.length for one in seen)
+    return Demand(
+        error=worth * math.sqrt(errors.mean()),
+        least=laws.UNHEARD * shortest**laws.TARGET_ORDER,
+        most=seen[int(np.argmax(missed / (loud + energy)))],
+    )
 
 
-def radius_of(target: AnyTarget) -> float:
-    """Radius of a target, half the smallest side of a box, what the thin parts of a mesh are taken to have."""
-    if isinstance(target, Box):
-        return min(target.size) / 2.0
-    return laws.THIN if isinstance(target, MeshFile) else target.radius
+def _returns(seen: Seen, view: View, strength: float) -> tuple[float, float]:
+    """Return what one plane misses of a target's echoes and shadow, and the echoes: sums of squares over bins.
+
+    Echoes are over those of a level Lambert bed there: σ cos θ / sin² θ per metre of slant range, of light 1 / sin θ.
+    """
+    missed = energy = 0.0
+    over = seen.grazing if view.light else seen.grazing**2 / math.sqrt(max(1.0 - seen.grazing**2, FLATTEST))
+    of_body = laws.COMBED[seen.kind] * (laws.COMBED_LIGHT if view.light else 1.0)
+    for part in seen.parts:
+        if view.light and part.depth == 0.0:
+            continue  # light is even over slant range, of which a glint has none
+        shown = min(part.along / seen.width, 1.0)
+        loudness = part.echo / (part.along * over) * (laws.LIGHT_ECHO if view.light else 1.0)
+        depth = math.hypot(part.depth, view.bin_length) + part.turn * min(seen.width / part.along, 1.0)
+        square = (loudness * shown) ** 2 / (view.bin_length * depth)
+        energy += square
+        missed += square * (of_body * _comb(seen.width, part.along, part.turn, view.bin_length)) ** 2
+    hidden = strength**2 * seen.shadow / view.bin_length * min(seen.length / seen.width, 1.0) ** 2
+    return missed + hidden * (laws.COMBED["shadow"] * _comb(seen.width, seen.length, 0.0, view.bin_length)) ** 2, energy
+
+
+def _strength(seabed: Seabed) -> float:
+    """Strength of a bed's echo over that of a perfect Lambert bed, beyond where its lobe is heard."""
+    material = seabed.material
+    of = (material,) if isinstance(material, Material) else material.of
+    return sum(one.reflectivity.diffuse for one in of) / len(of)
+
+
+def _comb(width: float, along: float, turn: float, bin_length: float) -> float:
+    """Error of one plane over a part: the coarser the shorter it is, and the fewer of its lines share a bin."""
+    lines = 1.0 + (laws.CURVED * along + turn) / bin_length
+    return width / along * (1.0 + bin_length / along) * lines**laws.TURNED
+
+
+def _beside(seen: list[Seen]) -> NDArray[np.float64]:
+    """Share of each target (columns) that a ping hears which goes out at another (rows), none hiding another."""
+    place, length, width = (np.array(values) for values in zip(*((one.place, one.length, one.width) for one in seen)))
+    overlap = 0.5 * (length + width) - np.abs(place[:, None] - place)
+    return np.clip(overlap / np.minimum(length, width), 0.0, 1.0)
 
 
 class Planes:
@@ -40,18 +121,19 @@ class Planes:
     ----------
     bed : (n,) float64
         What each of ``laws.COUNTS`` leaves of the bed.
-    targets : float
-        What a single plane would make of the targets.
+    demand : Demand
+        What the targets ask.
     most : int
         Planes that may be chosen.
     """
 
-    def __init__(self, bed: NDArray[np.float64], targets: float, most: int = laws.MOST_PLANES) -> None:
+    def __init__(self, bed: NDArray[np.float64], demand: Demand, most: int = laws.MOST_PLANES) -> None:
         self._most = most
         self._bed = np.maximum.accumulate(bed[::-1])[::-1]
-        self._targets = targets
-        of_targets = targets * np.asarray(laws.COUNTS, dtype=np.float64) ** -laws.TARGET_ORDER
-        self._wary = np.hypot(laws.MARGIN * self._bed, laws.MARGIN_OF_TARGETS * of_targets)
+        self._targets = demand.error
+        fewer = np.asarray(laws.COUNTS, dtype=np.float64) ** -laws.TARGET_ORDER
+        wary = np.hypot(laws.MARGIN * self._bed, laws.MARGIN_OF_TARGETS * demand.error * fewer)
+        self._wary = np.maximum(wary, demand.least * fewer)
 
     def error(self, planes: int) -> float:
         """Error of so many planes, as a share of the record."""

@@ -59,6 +59,11 @@ class Echo:
         self._square = 1.0 + (along * self._beam).sum(axis=1)
         self._along = along / self._square[:, None]
 
+    @property
+    def square(self) -> float:
+        """Mean square of the echo after the beam, over that of its mean."""
+        return float(self._square.mean())
+
     def _of_shadows(self) -> Field:
         """Variance of what shadows with sharp edges cut out, by the share of slopes steeper than sound comes."""
         detail = self._detail

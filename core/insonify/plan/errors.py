@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.plan import laws
-from insonify.plan.across import Planes, among_counts, error_of_rays, target_demand
+from insonify.plan.across import Demand, Planes, among_counts, error_of_rays, target_demand
 from insonify.plan.bed_errors import Echo, echo_of
 from insonify.plan.drafts import Draft
 from insonify.plan.ghosts import Ghosts
@@ -73,6 +73,13 @@ class Errors:
         ways = [way for way in WAYS if way in self.heard and way != "surface_echo"]
         return Ghosts(self._scene, self._view, ways, self.echo.steepness if ways else 0.0)
 
+    @cached_property
+    def demand(self) -> Demand:
+        """What the targets in reach ask of planes."""
+        if isinstance(self._scene.sonar.beam, Knife) or not self.targets:
+            return Demand(0.0)
+        return target_demand(self._scene, self._view, self.targets, self.echo.square)
+
     def planes(self, ways: frozenset[str]) -> Planes:
         """Errors of planes, where so many ways are modelled."""
         if ways not in self._planes:
@@ -84,7 +91,7 @@ class Errors:
             if isinstance(self._scene.receiver.speckle, Coherent):
                 bed[0] = 1.0  # scatterers are heard one by one, each in the part of the beam where it lies
             most = laws.MOST_OF_PATTERNS if is_patterned(self._scene) else laws.MOST_PLANES
-            self._planes[ways] = Planes(bed, target_demand(self._scene, self._view, self.targets), most)
+            self._planes[ways] = Planes(bed, self.demand, most)
         return self._planes[ways]
 
     def _louder(self, ways: frozenset[str]) -> bool:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 
-from insonify.meshes import read_mesh
-from insonify.scene import Scene, SceneError
-from insonify.scene.files import file_version
+from insonify.plan.bodies import place_of, solid_of
+from insonify.scene import Scene
 from insonify.scene.motion import Heave, Pitch, Roll, Straight, Sway, Yaw
 from insonify.scene.reliefs import Dem
 from insonify.scene.surface import WAYS, RoughSurface
@@ -31,9 +29,7 @@ def targets_in_reach(scene: Scene) -> tuple[int, ...]:
 
 def _distance(scene: Scene, target: AnyTarget) -> float:
     """Level distance of a target's place from the line of the tow, that goes on for ever from its start."""
-    x, y = (target.position[k] - scene.track.start[k] for k in (0, 1))
-    c, s = math.cos(math.radians(scene.track.heading)), math.sin(math.radians(scene.track.heading))
-    along, athwart = x * c + y * s, y * c - x * s
+    along, athwart = place_of(scene, target)
     return math.hypot(min(along, 0.0), athwart)
 
 
@@ -46,10 +42,7 @@ def size_of(target: AnyTarget, number: int) -> float:
     if isinstance(target, Cone):
         return math.hypot(target.radius, target.height / 2.0)
     if isinstance(target, MeshFile):
-        try:
-            return target.scale * _extent(target.path, file_version(target.path))
-        except SceneError as error:
-            raise SceneError(f"targets.{number}.path: {error}") from None
+        return target.scale * math.hypot(*solid_of(target, number).size) / 2.0
     return target.radius
 
 
@@ -86,11 +79,3 @@ def height_of_echoes(scene: Scene, rms_bed: float) -> dict[str, float]:
         "second_bottom": 3.0 * bed + waves,
         "surface_echo": waves,
     }
-
-
-@lru_cache(maxsize=64)
-def _extent(path: str, version: tuple[int, int] | None) -> float:
-    """Radius of a ball that holds a file's shape, in its units."""
-    del version  # part of the key alone: a file written anew is read anew
-    corners = read_mesh(path)
-    return float(math.hypot(*(corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)))) / 2.0)

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 from insonify.meshes import read_mesh
 from insonify.plan import laws
-from insonify.plan.across import radius_of, target_demand
 from insonify.plan.drafts import Draft, cost
 from insonify.plan.entries import Entry
 from insonify.plan.errors import Errors
@@ -105,14 +104,15 @@ def _planes(told: Told) -> Entry:
     view, draft, errors = told.view, told.draft, told.errors
     error = errors.planes(draft.ways).error(draft.planes)
     reason = f"the main lobe of a {told.scene.sonar.beam.words} is {view.width:.3g} m wide at {view.reach:g} m"
-    of_targets = target_demand(told.scene, view, draft.targets) / draft.planes**laws.TARGET_ORDER
+    demand = errors.demand
+    of_targets = demand.error / draft.planes**laws.TARGET_ORDER if draft.targets else 0.0
     if isinstance(told.scene.seabed.relief, Flat) and of_targets == 0.0:
         reason += ", over a bed without relief"
     else:
         what = f"a cell of the bed is {view.spacing:.3g} m"
-        if of_targets > 0.5 * error:
-            smallest = min(radius_of(told.scene.targets[k]) for k in draft.targets)
-            what = f"the smallest target has a radius of {smallest:.3g} m"
+        if demand.most and of_targets > 0.5 * error:
+            most = demand.most
+            what = f"of the targets, {most.kind} {most.number} {most.distance:.3g} m away asks for most"
         apart = f"{draft.planes} planes lie {view.width / draft.planes:.2g} m apart there"
         planes = apart if draft.planes > 1 else "one plane stands for it all"
         reason += f"; {planes}, {what}: error about {100 * error:.2g} %"

@@ -122,7 +122,7 @@ CASES = (
         "A target narrower than the distance between two planes is heard when one meets it and not in between.",
         "swing of a small ball's echo within the beam", "%",
         Way(f"Cuts the beam into {FEW} planes.", lambda: _comb(_past_a_ball()[1]), 100.0),
-        Way("Lets the plan choose by the smallest target and the widest place of the beam.",
+        Way("Lets the plan choose by the ball and how wide the beam is there.",
             lambda: _comb(_past_a_ball()[2]), 60.0),
         _draw_comb,
     ),
