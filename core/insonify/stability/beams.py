@@ -5,55 +5,121 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 from textwrap import wrap
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from insonify.plan import plan
-from insonify.scene import Scene, edit
+from insonify.scene import Scene, edit, load_scene
+from insonify.scene.fractal import Fractal
+from insonify.scene.sonar import Fan
+from insonify.scene.targets import Sphere
 from insonify.simulate import prepare, simulate
 from insonify.sound.flat_bed import along_track_width
 from insonify.stability.case import Case, Way
 from insonify.stability.drawing import FAINT, INK, RIGHT, WRONG, named, panel
 from insonify.stability.scenery import level_scene
-from insonify.tracers import sweep
 
 Curve = NDArray[np.float64]
-FEW = 4
-BALL = {"kind": "sphere", "position": [2.0, 38.0], "radius": 0.05}
 WIDE = {"sonar.beam": {"kind": "fan", "width": 2.5}}
+FARTHEST = 3  # which of the balls of the scene that combs
+AS_WIDE = 3.0  # °, of a fan that at far ranges is wider than the way between two pings
+SLOWLY = 0.1  # of the speed
+FAR_BINS = 200
+SHOWN = 18.0  # m along the track
+LAX = 1.0  # a tolerance that lets planes lie farther apart than a ball is wide
+
+
+class Pass(NamedTuple):
+    """A ball that passes through the beam."""
+
+    along: Curve  # place along the track from abreast of it, m
+    few: Curve  # its echo over the bed's, by few planes
+    planned: Curve  # and by those planned
+    counts: tuple[int, int]  # of both planes
+    width: float  # of the beam there, m
 
 
 @lru_cache(maxsize=1)
-def _past_a_ball() -> tuple[Curve, Curve, Curve, int]:
-    """Places along the track, the ball's echo over the bed's by few planes and by those planned, and their number."""
-    scene = level_scene(WIDE | {"targets": [BALL], "track.speed": 0.5, "track.pings": 80})
-    simulation, bare = prepare(scene), prepare(level_scene(WIDE))
-    near = math.hypot(38.0, 10.0 - 0.05) - 0.05
-    echo = slice(int(near / 0.05), int(near / 0.05) + 2)
-    poses = simulation.poses(np.arange(80))
-    bed = sweep.trace(bare.problem, bare.poses(np.arange(1)))[0, 0, echo].sum()
-    few, planned = (
-        sweep.trace(simulation.problem, poses, planes=n)[:, 0, echo].sum(axis=1) / bed - 1.0
-        for n in (FEW, simulation.plan.planes)
-    )
-    return poses.x - 2.0, few, planned, simulation.plan.planes
+def _past_a_ball() -> Pass:
+    scene = load_scene("breaks-comb")
+    ball, beam, sonar = scene.targets[FARTHEST], scene.sonar.beam, scene.sonar
+    assert isinstance(ball, Sphere)
+    assert isinstance(beam, Fan)
+    x, y = ball.position[:2]
+    near = math.hypot(y, scene.altitude - ball.radius) - ball.radius
+    echo = slice(*(int(r * sonar.bins / sonar.range) for r in (near - ball.radius, near + 2.0 * ball.radius)))
+    pings, alone = np.arange(scene.track.pings), edit(scene, {"targets": [ball]})
+    bed = prepare(edit(scene, {"targets": []})).intensity(pings[:1])[0, 0, echo].sum()
+    some = [prepare(alone, tolerance=LAX), prepare(alone)]
+    few, planned = (one.intensity(pings)[:, 0, echo].sum(axis=1) / bed - 1.0 for one in some)
+    counts = some[0].plan.planes, some[1].plan.planes
+    return Pass(some[0].poses(pings).x - x, few, planned, counts, near * math.radians(beam.width))
 
 
 def _comb(echo: Curve) -> float:
     """Greatest swing of the echo within the beam, over its mean there."""
-    along = _past_a_ball()[0]
-    inside = np.abs(along) < 0.35 * 39.3 * math.radians(2.5)
-    return float(100.0 * np.ptp(echo[inside]) / _past_a_ball()[2][inside].mean())
+    passed = _past_a_ball()
+    inside = np.abs(passed.along) < 0.35 * passed.width
+    return float(100.0 * np.ptp(echo[inside]) / passed.planned[inside].mean())
 
 
 def _draw_comb(figure: Figure) -> None:
-    along, few, planned, count = _past_a_ball()
+    passed = _past_a_ball()
     axes = panel(figure, x="place along the track, from abreast of the ball (m)", y="the ball's echo over the bed's")
-    axes.plot(along, few, ".-", color=WRONG, linewidth=1.0, markersize=3, label=f"{FEW} planes")
-    axes.plot(along, planned, ".-", color=RIGHT, linewidth=1.0, markersize=3, label=f"the plan's {count} planes")
+    for echo, colour, words in (
+        (passed.few, WRONG, f"{passed.counts[0]} planes"),
+        (passed.planned, RIGHT, f"the plan's {passed.counts[1]} planes"),
+    ):
+        axes.plot(passed.along, echo, ".-", color=colour, linewidth=1.0, markersize=3, label=words)
+    axes.set_xlim(-passed.width, passed.width)
     named(axes)
+
+
+@lru_cache(maxsize=1)
+def _towed_over_ripples() -> tuple[Curve, Curve, Curve]:
+    """Far bins of a record of ripples over their mean, pings by bins: by a knife, by a fan, by a knife towed slowly."""
+    scene = load_scene("breaks-beats")
+    fan, slow = {"kind": "fan", "width": AS_WIDE}, SLOWLY * scene.track.speed
+    changes: tuple[dict[str, Any], ...] = ({}, {"sonar.beam": fan}, {"track.speed": slow})
+    return tuple(_over_mean(edit(scene, one)) for one in changes)  # type: ignore[return-value]
+
+
+def _over_mean(scene: Scene) -> Curve:
+    record = simulate(scene).intensity.values[0, :, -FAR_BINS:].astype(np.float64)
+    return np.asarray(record / record.mean(axis=0) - 1.0)
+
+
+def _beats(record: Curve) -> float:
+    """Contrast, along a quick tow, of all that is longer than four ripples."""
+    scene = load_scene("breaks-beats")
+    apart, waves = scene.track.speed / scene.sonar.ping_rate, np.fft.rfft(record, axis=0)
+    long = np.abs(np.fft.rfftfreq(record.shape[0], apart)) < 0.25 / _ripple(scene)
+    return float(100.0 * np.fft.irfft(waves * long[:, None], record.shape[0], axis=0).std())
+
+
+def _ripple(scene: Scene) -> float:
+    """Metres from crest to crest along the track."""
+    relief = scene.seabed.relief
+    assert isinstance(relief, Fractal)
+    return float(relief.period / relief.peaks[0][0])
+
+
+def _draw_beats(figure: Figure) -> None:
+    scene = load_scene("breaks-beats")
+    apart, first = scene.track.speed / scene.sonar.ping_rate, 1.0 - FAR_BINS / scene.sonar.bins
+    words = f"knife, pings {apart:g} m apart", f"fan of {AS_WIDE:g}°", f"knife, {SLOWLY * apart:g} m apart"
+    for place, record, title, colour, step in zip(
+        (131, 132, 133), _towed_over_ripples(), words, (WRONG, RIGHT, RIGHT), (apart, apart, SLOWLY * apart)
+    ):
+        axes = panel(figure, place, x="along the track (m)", y="slant range (m)" if place == 131 else " ")
+        shown = record[: round(SHOWN / step)].T
+        frame = (0.0, shown.shape[1] * step, first * scene.sonar.range, scene.sonar.range)
+        axes.imshow(shown, cmap="gray", vmin=-1.0, vmax=1.0, extent=frame, origin="lower", aspect="auto")
+        axes.set_title(title, fontsize=9.5, color=colour, loc="left")
+        axes.grid(False)
 
 
 def _sparse() -> Scene:
@@ -121,10 +187,22 @@ CASES = (
         "Too few planes across a fan",
         "A target narrower than the distance between two planes is heard when one meets it and not in between.",
         "swing of a small ball's echo within the beam", "%",
-        Way(f"Cuts the beam into {FEW} planes.", lambda: _comb(_past_a_ball()[1]), 100.0),
+        Way("Cuts the beam into as few planes as a tolerance of 1 allows.", lambda: _comb(_past_a_ball().few), 100.0),
         Way("Lets the plan choose by the ball and how wide the beam is there.",
-            lambda: _comb(_past_a_ball()[2]), 60.0),
+            lambda: _comb(_past_a_ball().planned), 30.0),
         _draw_comb,
+        "breaks-comb",
+    ),
+    Case(
+        "Pings that beat with ripples",
+        "A knife looks at a line of the bed each time, and ripples about as long as the way between two lines come "
+        "back as bands many times as long.",
+        "contrast along the track of bands longer than four ripples", "%",
+        Way("Looks at lines as far apart as the ripples are long.", lambda: _beats(_towed_over_ripples()[0]), 50.0),
+        Way("Hears a fan that is wider than the way between two pings.",
+            lambda: _beats(_towed_over_ripples()[1]), 20.0),
+        _draw_beats,
+        "breaks-beats",
     ),
     Case(
         "Pings too far apart",
