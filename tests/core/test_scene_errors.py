@@ -131,6 +131,32 @@ def test_a_file_that_is_no_text_is_refused(tmp_path):
         load_scene(tmp_path)
 
 
+@pytest.mark.parametrize("text", [f"x = {'[' * 9999}", f"[{'a.' * 9999}a]"])
+def test_what_is_nested_too_deeply_is_told(tmp_path, text):
+    path = tmp_path / "scene.toml"
+    path.write_text(text)
+    with pytest.raises(SceneError, match=r"scene\.toml: is nested too deeply to be read; a scene is"):
+        load_scene(path)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        '[water]\nkind = "cast"',
+        '[seabed.relief]\nkind = "dem"',
+        '[seabed.relief]\nkind = "autocorrelation"\n[seabed.relief.function]\nkind = "file"',
+        '[seabed.material]\nkind = "image"\nof = ["silt", "rock"]',
+        '[track.motion]\nkind = "recorded"',
+        '[[targets]]\nkind = "mesh"\nposition = [1, 2]',
+    ],
+)
+def test_a_name_that_no_file_can_have_is_told(tmp_path, table):
+    path = tmp_path / "scene.toml"
+    path.write_text(f'{table}\npath = "a\\u0000b"\n')
+    with pytest.raises(SceneError, match=r"^scene\.toml: [\w.]+path: holds a NUL character, .*; leave it out$"):
+        load_scene(path)
+
+
 def test_a_byte_order_mark_is_no_matter(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text('title = "Marked"', encoding="utf-8-sig")

@@ -4,10 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 # m, along x or y; no map reaches farther, and farther out numbers would tell places apart no finer than relief is.
 Place = Annotated[float, Field(ge=-1e8, le=1e8)]
+
+
+def _without_nul(path: str) -> str:
+    if "\0" in path:
+        raise ValueError("holds a NUL character, which no name of a file can; leave it out")
+    return path
+
+
+FilePath = Annotated[str, AfterValidator(_without_nul)]
 
 
 class SceneError(ValueError):

@@ -68,7 +68,7 @@ def read_setting(text: str) -> tuple[str, Any]:
         raise SceneError(f"--set {text!r} is not of the form path.to.field=value; write for example sonar.range=75")
     try:
         value = tomllib.loads(f"value = {literal}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (tomllib.TOMLDecodeError, RecursionError):
         value = literal.strip()
     return path, value
 

@@ -70,13 +70,14 @@ def load_scene(name_or_path: str | Path) -> Scene:
 
 def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
     """Build a scene from TOML text; relative file paths in it are taken from the folder of ``source``."""
+    name = "scene" if source is None else str(source)
     try:
         values = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        name = "scene" if source is None else str(source)
-        raise SceneError(f"{name}: is not valid TOML ({error}); mend that line") from None
-    try:
         return build(values if source is None else _with_paths_beside(source, values))
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"{name}: is not valid TOML ({error}); mend that line") from None
+    except RecursionError:
+        raise SceneError(f"{name}: is nested too deeply to be read; a scene is but a few tables deep") from None
     except SceneError as error:
         raise SceneError(str(error) if source is None else f"{source.name}: {error}") from None
 
@@ -109,6 +110,6 @@ def _with_paths_beside(source: Path, value: Any) -> Any:
 
 def _beside(source: Path, path: str) -> str:
     """Resolve a path against the scene's folder; sample grids (``sample:...``) and bundled meshes stay names."""
-    if path.startswith("sample:") or path in bundled_meshes() or Path(path).is_absolute():
+    if "\0" in path or path.startswith("sample:") or path in bundled_meshes() or Path(path).is_absolute():
         return path
     return str((source.parent / path).resolve())

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Discriminator, Tag, field_validator, model_validator
 
-from insonify.scene.base import Declaration, kind_of, parameter
+from insonify.scene.base import Declaration, FilePath, kind_of, parameter
 
 
 class Reflectivity(NamedTuple):
@@ -199,7 +199,7 @@ class ImageMap(Declaration):
     """A picture laid on the bed, north up, repeated from its lower left corner at (0, 0)."""
 
     kind: Literal["image"] = "image"
-    path: str = parameter(description="PNG or TIFF, grey or with a palette", min_length=1)
+    path: FilePath = parameter(description="PNG or TIFF, grey or with a palette", min_length=1)
     of: tuple[Material, ...] = parameter(
         description="materials from black to white, or of the palette's first colours", min_length=2, max_length=256
     )

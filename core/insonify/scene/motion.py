@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Tag
 
-from insonify.scene.base import Choice, kind_of, parameter
+from insonify.scene.base import Choice, FilePath, kind_of, parameter
 
 
 class Straight(Choice):
@@ -99,7 +99,7 @@ class Recorded(Choice):
     """As a file has it; what the file leaves out is as without it."""
 
     kind: Literal["recorded"] = "recorded"
-    path: str = parameter(
+    path: FilePath = parameter(
         description="CSV with a column time (s) and any of x, y, depth, altitude (m), heading, pitch, roll (°), "
         "or a record (.nc)",
         min_length=1,

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from insonify.scene.base import Choice, parameter
+from insonify.scene.base import Choice, FilePath, parameter
 from insonify.scene.materials import Material, PatternMap
 
 
@@ -20,7 +20,9 @@ class Dem(Choice):
     """A measured bed: a grid of heights from a file."""
 
     kind: Literal["dem"] = "dem"
-    path: str = parameter(description="GeoTIFF, BAG, .asc, .npy or .npz grid of heights (positive up)", min_length=1)
+    path: FilePath = parameter(
+        description="GeoTIFF, BAG, .asc, .npy or .npz grid of heights (positive up)", min_length=1
+    )
     datum: float = parameter(0.0, unit="m", description="added to every height of the file", ge=-2e4, le=2e4)
     scale: float = parameter(1.0, description="multiplies every height, before the datum is added", gt=0.0, le=1e3)
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Tag, field_validator
 
-from insonify.scene.base import Choice, kind_of, parameter
+from insonify.scene.base import Choice, FilePath, kind_of, parameter
 from insonify.scene.made import Made, MadeAnywhere, crest_heading, rms_height
 
 
@@ -120,7 +120,7 @@ class TableFile(Choice):
     """Straight lines between the points of a file, 0 beyond the last."""
 
     kind: Literal["file"] = "file"
-    path: str = parameter(description="CSV with a column lag (m) and one autocorrelation, from 0, 1", min_length=1)
+    path: FilePath = parameter(description="CSV with a column lag (m) and one autocorrelation, from 0, 1", min_length=1)
 
 
 Correlation = Annotated[

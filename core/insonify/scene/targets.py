@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
-from insonify.scene.base import Declaration, Place, kind_of, parameter
+from insonify.scene.base import Declaration, FilePath, Place, kind_of, parameter
 from insonify.scene.materials import Material
 
 Height = Annotated[float, Field(ge=-2e4, le=2e4)]
@@ -139,7 +139,7 @@ class MeshFile(Posed):
     """A shape from a file of triangles; its centre is that of the shape's bounding box, unturned."""
 
     kind: Literal["mesh"] = "mesh"
-    path: str = parameter(
+    path: FilePath = parameter(
         description="OBJ, STL, PLY, glTF or GLB file, x ahead and z up (glTF: y up), or the name of a bundled mesh",
         min_length=1,
     )

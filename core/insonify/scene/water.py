@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
-from insonify.scene.base import Choice, Declaration, kind_of, parameter
+from insonify.scene.base import Choice, Declaration, FilePath, kind_of, parameter
 from insonify.scene.surface import NoSurface, Surface
 
 Depth = Annotated[float, Field(ge=0.0, le=12000.0)]
@@ -145,7 +145,7 @@ class CastWater(AnyWater):
     """Water as an instrument measured it on its way down."""
 
     kind: Literal["cast"] = "cast"
-    path: str = parameter(description="measured cast: Sea-Bird .cnv, .asvp, .svp or CSV", min_length=1)
+    path: FilePath = parameter(description="measured cast: Sea-Bird .cnv, .asvp, .svp or CSV", min_length=1)
     interpolation: Interpolation = parameter(
         "linear", description="between the depths: straight, or a smooth curve that never overshoots"
     )
