@@ -214,7 +214,7 @@ def _draw_swallowed(figure: Figure) -> None:
 
 
 def _draw_threads(figure: Figure) -> None:
-    axes = panel(figure, x="bin", y="change with four workers, over the energy")
+    axes = panel(figure, x="bin", y="change over the energy")
     one = summed_by(1)
     axes.plot((summed_by(4) - one) / one, ".", color=WRONG, markersize=4, label="float32, share by share")
     axes.axhline(0.0, color=RIGHT, linewidth=1.6, label="whole numbers, ping by ping")

@@ -42,7 +42,8 @@ th { font-weight: 600; color: var(--faint); border-bottom-color: var(--ink); }
 td:first-child, th:first-child { padding-left: 0; }
 td:first-child { min-width: 11rem; }
 tr.theme td { padding-top: 1.1rem; font-weight: 600; }
-.figure { white-space: nowrap; font-variant-numeric: tabular-nums; }
+code, .figure { white-space: nowrap; }
+.figure { font-variant-numeric: tabular-nums; }
 dl { display: grid; grid-template-columns: 3.5rem 8.5rem 1fr; gap: .15rem 1rem; margin: .5rem 0 .8rem; }
 dl { font-size: .93rem; max-width: 56rem; }
 dt { font-weight: 600; }

@@ -129,8 +129,9 @@ def _draw_walls(figure: Figure) -> None:
         (met == 0, WRONG, 4.0, "none: a leak, in float32"),
     ):
         axes.plot(around[meets], up[meets], ".", color=colour, markersize=size, label=words)
-    axes.set_xlim(-185.0, 420.0)
-    axes.legend(loc="center right", frameon=False, fontsize=8.5, markerscale=4.0)
+    axes.set_xlim(-185.0, 185.0)
+    axes.set_xticks(range(-180, 181, 90))
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=8.5, markerscale=4.0)
 
 
 def _draw_places(figure: Figure) -> None:
