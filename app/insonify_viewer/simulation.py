@@ -71,6 +71,8 @@ class Answer:
         That it took.
     alike : int
         How many pings in succession have the amplitudes of the first of them.
+    reach : (bins,) float64, optional
+        Pings that the beam takes in, where the amplitudes are still to be averaged over them.
     """
 
     number: int
@@ -81,6 +83,7 @@ class Answer:
     simulation: Simulation
     seconds: float
     alike: int
+    reach: NDArray[np.float64] | None = None
 
 
 class Simulator(QObject):
@@ -197,7 +200,8 @@ class Simulator(QObject):
             if not request.fine:
                 self._cost = seconds / len(traced)
             amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
-            yield Answer(request.number, request.fine, block, amplitude, level, simulation, seconds, stride)
+            reach = None if request.fine else _reach(simulation)
+            yield Answer(request.number, request.fine, block, amplitude, level, simulation, seconds, stride, reach)
 
     def _stride(self, pings: int) -> int:
         """Thin the pings as far as the last coarse ones' cost demands."""
@@ -229,6 +233,18 @@ def _prepare(scene: Scene, **how: Any) -> Simulation:
     from insonify.simulate import prepare
 
     return prepare(scene, **how)
+
+
+def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
+    """Tell over how many pings a beam spreads what one plane hears; None where random numbers would spread too."""
+    from insonify.sound.cell import bin_centres, coherence_angle
+
+    scene, problem = simulation.scene, simulation.problem
+    receiver = scene.receiver
+    if problem.half_width <= 0.0 or {receiver.speckle.kind, receiver.noise.kind, receiver.fluctuation.kind} != {"none"}:
+        return None
+    step = scene.track.speed / scene.sonar.ping_rate
+    return coherence_angle(problem) * bin_centres(problem) / step
 
 
 def _result(errand: Callable[[], Any]) -> Any:

@@ -285,7 +285,7 @@ class Viewer(QObject):
         stamp = 2 * answer.number + answer.fine
         rows = self.record.put(answer.pings[on_screen], answer.amplitude[on_screen], stamp)
         self._settle_levels()
-        self.window.waterfall.show_rows(rows, answer.alike if on_screen.all() else 1)
+        self.window.waterfall.show_rows(rows, answer.alike if on_screen.all() else 1, answer.reach)
         self.window.waterfall.show_top(self._newest_held())
         if not answer.fine:
             self.window.waterfall.repaint()  # at once: whoever drags a slider looks there

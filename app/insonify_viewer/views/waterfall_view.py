@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QWidget
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.session import Mark
 from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
+from insonify_viewer.views.smearing import smeared
 from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
 
 LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 12
@@ -69,9 +70,21 @@ class WaterfallView(QWidget):
         else:
             self._fit()
 
-    def show_rows(self, rows: Rows, alike: int = 1) -> None:
-        """Take over rows that the record has just received, of which so many in succession are the same."""
+    def show_rows(self, rows: Rows, alike: int = 1, reach: NDArray[np.float64] | None = None) -> None:
+        """Take over rows that the record has just received.
+
+        Parameters
+        ----------
+        rows : (n,) int64
+            Of pings in succession.
+        alike : int
+            How many of them in succession are the same.
+        reach : (bins,) float64, optional
+            Pings over which their energies are to be averaged, as a beam does.
+        """
         means = column_means(self._record.amplitude[rows[::alike]], self._columns.shape[1])
+        if reach is not None and rows.size:
+            means = smeared(means, reach / alike)
         self._columns[rows] = means if alike == 1 else np.repeat(means, alike, axis=0)[: rows.size]
         self._paint_rows(rows)
 
