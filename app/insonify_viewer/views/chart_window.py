@@ -11,7 +11,7 @@ from insonify_viewer.views.strips_view import StripsView
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET
 
 SIZE, SMALLEST = (1120, 860), (560, 460)
-STRIPS = 320  # px, height of the strips at first
+STRIPS, MOST = 320, 0.42  # px, height of the strips at first, and the share of the window's that they take at most
 GRASP = 14.0  # px within which a point is picked
 INVITATION = (
     "“Measure here” times every method on this scene and holds its record against a reference that proves itself. "
@@ -87,7 +87,11 @@ class ChartWindow(QWidget):
 
     def show_judged(self, judged: Judged) -> None:
         """Show the record behind a point."""
-        self._bottom.show()
+        if self._bottom.isHidden():
+            self._bottom.show()
+            height = self._splitter.height()
+            strips = min(STRIPS, round(MOST * height))
+            self._splitter.setSizes([height - strips, strips])
         self._strips.show_judged(judged)
         self._numbers.setText(in_numbers(judged))
         self._picture.show_chosen(judged.row)
@@ -107,10 +111,9 @@ class ChartWindow(QWidget):
         below.addWidget(self._strips, 1)
         below.addWidget(self._numbers)
         self._bottom.hide()
-        splitter = QSplitter(Qt.Orientation.Vertical)
+        self._splitter = splitter = QSplitter(Qt.Orientation.Vertical)
         splitter.addWidget(self._picture)
         splitter.addWidget(self._bottom)
-        splitter.setSizes([SIZE[1] - STRIPS, STRIPS])
         splitter.setStretchFactor(0, 1)
         splitter.setChildrenCollapsible(False)
         column = QVBoxLayout(self)

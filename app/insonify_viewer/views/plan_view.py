@@ -116,6 +116,7 @@ class Group(FoldingBox):
         self._column.setContentsMargins(6, 4, 2, 4)
         self._column.setSpacing(8)
         super().__init__(title, self._rows, unfolded=True)
+        self.hide()
 
     def show_entries(self, entries: list[Entry], forced: dict[str, str], force: Force) -> None:
         """Show these entries; lines of the same subjects in the same order stay what they are."""

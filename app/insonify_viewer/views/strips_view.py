@@ -41,10 +41,20 @@ class StripsView(QWidget):
             largest = LARGE * (high - low)
             for number, (title, strip, ends, table) in enumerate(
                 (
-                    (f"record: {judged.row.method}, {judged.row.setting}", judged.record, (low, high), shades),
-                    (f"reference: {judged.rays:,} rays a side", judged.reference, (low, high), shades),
                     (
-                        "difference, full colour at half the picture's span: too bright, too dark",
+                        ((f"record: {judged.row.method}, {judged.row.setting}", TEXT),),
+                        judged.record,
+                        (low, high),
+                        shades,
+                    ),
+                    (((f"reference: {judged.rays:,} rays a side", TEXT),), judged.reference, (low, high), shades),
+                    (
+                        (
+                            ("difference, full colour at half the picture's span: ", TEXT),
+                            ("too bright", ACCENT),
+                            (" or ", TEXT),
+                            ("too dark", MARK),
+                        ),
                         judged.record - judged.reference,
                         (-largest, largest),
                         _two_sided(),
@@ -59,14 +69,17 @@ class StripsView(QWidget):
         self,
         painter: QPainter,
         number: int,
-        title: str,
+        title: tuple[tuple[str, str], ...],
         strip: NDArray[np.float32],
         ends: tuple[float, float],
         table: NDArray[np.uint32],
     ) -> None:
         place = self._place(number)
-        painter.setPen(QColor(TEXT))
-        painter.drawText(place.adjusted(0, -TITLE, 0, 0), Qt.AlignmentFlag.AlignLeft, title)
+        line = place.adjusted(0, -TITLE, 0, 0)
+        for words, colour in title:
+            painter.setPen(QColor(colour))
+            painter.drawText(line, Qt.AlignmentFlag.AlignLeft, words)
+            line.setLeft(line.left() + painter.fontMetrics().horizontalAdvance(words))
         pixels = np.ascontiguousarray(colours(column_means(strip, place.width()), *ends, table))
         rows, width = pixels.shape
         painter.drawImage(place, QImage(pixels.data, width, rows, 4 * width, QImage.Format.Format_RGB32))
