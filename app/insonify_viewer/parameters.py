@@ -15,11 +15,12 @@ from insonify.scene.edit import kind_name, models_of
 from insonify.scene.fractal import Fractal
 from insonify.scene.made import Made
 from insonify.scene.materials import MATERIALS, Material, PatternMap
-from insonify.scene.receiver import K, PowerTvg
+from insonify.scene.receiver import K, NoSpeckle, PowerTvg
 from insonify.scene.reliefs import Dem
 from insonify.scene.roughness import PowerLaw
+from insonify.scene.sonar import LineArray
 from insonify.scene.targets import Pipe, Target
-from insonify.scene.water import AnyWater
+from insonify.scene.water import AnyWater, FrancoisGarrison
 from insonify.sound.absorption import NEPER_PER_DB, absorption_coefficient
 from insonify.sound.water import speed_at_sonar
 
@@ -60,6 +61,8 @@ class Number:
         Whether the slider moves in equal ratios.
     integer : bool
         Whether only whole numbers fit.
+    idle : str
+        Why it changes nothing at present, empty if it does.
     """
 
     path: str
@@ -71,6 +74,7 @@ class Number:
     slider: tuple[float, float] | None
     log: bool
     integer: bool
+    idle: str = ""
 
 
 @dataclass(frozen=True)
@@ -184,7 +188,8 @@ def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) 
     elif not isinstance(value, str):
         applies = _value_that_applies(scene, part, name) if value is None else value
         if applies is not None:
-            yield _number(field, path, label, indent, applies, most=_most(scene, path))
+            number = _number(field, path, label, indent, applies, most=_most(scene, path))
+            yield replace(number, idle=_idle(scene, path))
 
 
 def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
@@ -268,6 +273,16 @@ def _most(scene: Scene, path: str) -> float:
     if not isinstance(scene.seabed.relief, Dem):
         limits |= {"track.altitude": scene.seabed.depth, "track.depth": 0.999 * scene.seabed.depth}
     return limits.get(path, math.inf)
+
+
+def _idle(scene: Scene, path: str) -> str:
+    """Tell why a number changes nothing as the rest of the scene is, empty if it does."""
+    if path != "sonar.frequency":
+        return ""
+    heard = isinstance(scene.sonar.beam, LineArray) or isinstance(scene.water.absorption, FrancoisGarrison)
+    if heard or not isinstance(scene.receiver.speckle, NoSpeckle):
+        return ""
+    return "changes nothing as long as the beam is no array, absorption no Francois-Garrison, and there is no speckle"
 
 
 def known_speed(scene: Scene) -> float:

@@ -230,7 +230,7 @@ def test_range_takes_the_ping_rate_along(open_viewer: Any, small: Scene) -> None
 
 
 def test_typing_a_value_and_nonsense(open_viewer: Any, small: Scene) -> None:
-    viewer = open_viewer(small)
+    viewer = open_viewer(edit(small, {"sonar.beam": "array"}))
     field = number_row(viewer, "sonar.frequency").field
     for text, expected in (("600 kHz", 6e5), ("0.3MHz", 3e5), ("abc", 3e5), ("-5", 3e5)):
         field.clear()
@@ -239,6 +239,25 @@ def test_typing_a_value_and_nonsense(open_viewer: Any, small: Scene) -> None:
         assert viewer.session.scene.sonar.frequency == pytest.approx(expected)
     assert "frequency" in viewer.window._sentence.text()
     assert field.text() == "300 kHz"
+
+
+def test_a_slider_that_changes_nothing_stands_aside(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    row = number_row(viewer, "sonar.frequency")
+    assert not row.slider.isEnabled()
+    assert "changes nothing as long as" in row.slider.toolTip()
+    assert number_row(viewer, "sonar.range").slider.isEnabled()
+    for changes in (
+        {"sonar.beam": "array"},
+        {"water.absorption": "francois_garrison"},
+        {"receiver.speckle": "rayleigh"},
+    ):
+        viewer.session.settle(changes)
+        row = number_row(viewer, "sonar.frequency")
+        assert row.slider.isEnabled(), changes
+        assert "changes nothing" not in row.field.toolTip()
+        viewer.session.undo()
+        assert not number_row(viewer, "sonar.frequency").field.isEnabled()
 
 
 def test_undo_and_redo(open_viewer: Any, small: Scene) -> None:

@@ -57,14 +57,13 @@ class NumberRow:
         self._number, self._dragged, self._settled = number, dragged, settled
         self._showing = False
         self.label = _label(number.label, number.indent, number.tooltip, number.unit)
+        self._tooltip = self.label.toolTip()
         self.slider = _Slider()
-        self.slider.setToolTip(self.label.toolTip())
         self.slider.setVisible(number.slider is not None)
         self.field = QLineEdit()
         self.field.setObjectName("value")
         self.field.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.field.setFixedWidth(76)
-        self.field.setToolTip(self.label.toolTip())
         self.slider.valueChanged.connect(self._moved)
         self.slider.sliderReleased.connect(self._released)
         self.field.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
@@ -82,6 +81,7 @@ class NumberRow:
     def show_value(self, number: Number) -> None:
         """Show another value, unless the slider is in the person's hand."""
         self._number = number
+        self._let_be(number.idle)
         if not self.field.hasFocus() or not self.field.isModified():
             self.field.setText(shown(number.value, number.unit))
             self.field.setCursorPosition(0)
@@ -89,6 +89,12 @@ class NumberRow:
             self._showing = True
             self.slider.setValue(round(STEPS * fraction(number.value, number.slider, log=number.log)))
             self._showing = False
+
+    def _let_be(self, idle: str) -> None:
+        """Put the row aside while it changes nothing, and say why."""
+        for widget in (self.label, self.slider, self.field):
+            widget.setEnabled(not idle)
+            widget.setToolTip(f"{self._tooltip}; {idle}" if idle else self._tooltip)
 
     def _moved(self, position: int) -> None:
         if self._showing or self._number.slider is None:

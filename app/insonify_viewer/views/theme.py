@@ -55,6 +55,8 @@ QComboBox:hover {{ border-color: {ACCENT}; }}
 QComboBox QAbstractItemView {{ background: {RAISED}; selection-background-color: {EDGE}; }}
 QSlider::groove:horizontal {{ height: 3px; background: {EDGE}; border-radius: 1px; }}
 QSlider::sub-page:horizontal {{ background: #9a7445; border-radius: 1px; }}
+QSlider::sub-page:horizontal:disabled {{ background: {EDGE}; }}
+QLabel#name:disabled {{ color: #566573; }}
 QSlider::handle:horizontal {{ background: {TEXT}; width: 11px; height: 11px; margin: -4px 0; border-radius: 5px; }}
 QSlider::handle:horizontal:hover, QSlider::handle:horizontal:focus {{ background: {ACCENT}; }}
 QSlider::handle:horizontal:disabled {{ background: #566573; }}
