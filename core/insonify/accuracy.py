@@ -346,7 +346,7 @@ def time_calls(
     clock : callable
         Tells seconds: by the wall, or those of this thread alone, so that what else the machine does hardly counts.
     progress : callable
-        Called after every round with the share of the rounds done; may raise to stop.
+        Called after every call with the share of the rounds done; may raise to stop.
 
     Returns
     -------
@@ -354,16 +354,17 @@ def time_calls(
     """
     for call in calls.values():
         call()
+        progress(0.0)
     taken: dict[Name, list[float]] = {name: [] for name in calls}
     began = perf_counter()
     for turn in range(max(rounds, 3)):
         if turn >= 3 and perf_counter() - began > seconds:
             break
-        for name, call in calls.items():
+        for number, (name, call) in enumerate(calls.items(), 1):
             start = clock()
             call()
             taken[name].append(clock() - start)
-        progress((turn + 1) / max(rounds, 3))
+            progress((turn + number / len(calls)) / max(rounds, 3))
     return {name: _timing(np.array(times)) for name, times in taken.items()}
 
 

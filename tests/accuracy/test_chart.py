@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import itertools
 import json
+import time
 
 import numpy as np
 import pytest
 
 from beds import poses_of, problem_of
 from insonify.accuracy import Displacement, Errors, similarity
-from insonify.charts import Chart, Row, chart, measure
+from insonify.charts import Chart, Row, chart, measure, reference
 from insonify.charts.measure import Case
 from insonify.charts.reference import Reference
 from insonify.scene import SceneError, edit, load_scene
@@ -121,6 +122,22 @@ def test_progress_is_told_and_may_stop():
         chart(SMALL, pings=2, progress=progress)
     assert told == sorted(told)
     assert all(0.0 <= share <= 1.0 for share in told)
+
+
+def test_a_reference_is_given_up_after_any_ping(monkeypatch):
+    class Stop(Exception):
+        pass
+
+    def told():
+        raise Stop
+
+    traced = []
+    monkeypatch.setattr(reference.sheets, "can_trace", lambda problem: False)
+    monkeypatch.setattr(reference.rays, "trace", lambda problem, pose, **how: traced.append(time.sleep(0.01)))
+    poses = poses_of(np.arange(64.0), 0.0, 8.0)
+    with pytest.raises(Stop):
+        reference.trace(None, poses, 1 << 16, told)
+    assert len(traced) < 32
 
 
 def test_front_keeps_what_none_beats():

@@ -301,7 +301,10 @@ def _measure(
         records[name] = one.trace(poses)
     right = prove(problem, poses, list(records.values()), seconds=PROVING, progress=lambda s: progress(0.2 + 0.5 * s))
     case = Case(problem, poses, right, _right_of_triangles(problem, poses))
-    clocked = {name: _clocked(one, poses) for name, one in named.items()}
+    clocked = {}
+    for name, one in named.items():
+        progress(0.7)
+        clocked[name] = _clocked(one, poses)
     timings = time_calls(
         {name: call for name, (call, _) in clocked.items()},
         seconds=TIMING,

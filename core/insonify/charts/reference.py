@@ -83,11 +83,14 @@ def prove(
     began, count = process_time(), FIRST_RAYS
     order = SHEET_ORDER if sheets.can_trace(problem) else RAY_ORDER
     most = MOST_IN_SHEETS if sheets.can_trace(problem) else MOST_TOGETHER
-    record = trace(problem, poses, count)
-    while True:
+
+    def told() -> None:
         progress(min((process_time() - began) / seconds, 1.0))
+
+    record = trace(problem, poses, count, told)
+    while True:
         start = process_time()
-        finer = trace(problem, poses, 2 * count)
+        finer = trace(problem, poses, 2 * count, told)
         per_ray = (process_time() - start) / (2 * count)
         by = compare(problem, poses, record, finer)
         moved = by.beyond
@@ -98,11 +101,14 @@ def prove(
         if moved * RESOLVED <= smallest or doublings < 1:
             return Reference(finer, moved, 2 * count, by.all_bins)
         count <<= doublings
-        record = finer if doublings == 1 else trace(problem, poses, count)
+        record = finer if doublings == 1 else trace(problem, poses, count, told)
 
 
-def trace(problem: Problem, poses: Poses, count: int) -> Record:
-    """Trace with so many exact rays a side, in sheets where these do, each ping on whatever core is free."""
+def trace(problem: Problem, poses: Poses, count: int, told: Callable[[], None] = lambda: None) -> Record:
+    """Trace with so many exact rays a side, in sheets where these do, each ping on whatever core is free.
+
+    After every ping ``told`` is called, which may raise to stop.
+    """
 
     def single(pose: Poses) -> Record:
         if not sheets.can_trace(problem):
@@ -111,8 +117,16 @@ def trace(problem: Problem, poses: Poses, count: int) -> Record:
         across = 2 * round(0.5 * math.sqrt(count / RAYS_A_SHEET)) if problem.half_width > 0.0 else 1
         return sheets.trace(problem, pose, sheets=across, rays=count // across, threads=1)
 
+    records = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return np.concatenate(list(pool.map(single, (take(poses, slice(k, k + 1)) for k in range(poses.x.size)))))
+        try:
+            for record in pool.map(single, (take(poses, slice(k, k + 1)) for k in range(poses.x.size))):
+                records.append(record)
+                told()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return np.concatenate(records)
 
 
 def _doublings(factor: float, order: float) -> int:
