@@ -91,8 +91,9 @@ def _bends(heading: float) -> Field:
     total: Field = np.zeros(np.broadcast_shapes(AWAY.shape, ALONG.shape))
     for sign in (1.0, -1.0):
         east, north = _east(AWAY, sign * np.minimum(ALONG, 0.5), heading)
-        total = total + 0.5 * (2.0 * math.pi) ** 2 * math.pi**2 / 3.0 * (s**2 * east**4 + c**2 * north**4)
-    return total
+        # Squared twice, for a fourth power takes numpy a hundred times as long.
+        total = total + (s * east**2) ** 2 + (c * north**2) ** 2
+    return 0.5 * (2.0 * math.pi) ** 2 * math.pi**2 / 3.0 * total
 
 
 def _parts(seabed: Seabed) -> tuple[AnyMade, ...]:
