@@ -21,8 +21,8 @@ MERGED = 1e-6
 # Product of the direction's components from which segments are halved once, and twice.
 SLIGHTLY_OBLIQUE, OBLIQUE = 0.04, 0.2
 # Entries that the vector units take at a time. Passes go on to a whole multiple and leave rubbish past the last entry,
-# for one by one the few that are left over would take as long as many more together.
-AT_ONCE = 32
+# for one by one the few that are left over would take as long as many more together. Up to so many are best one by one.
+AT_ONCE, FEW = 32, 8
 
 
 class Profile(NamedTuple):
@@ -55,7 +55,7 @@ def profile_capacity(reach: float, spacing: float) -> int:
 @bare
 def in_full(entries):
     """Entries that a pass works on for the first so many to be done."""
-    return (entries + (AT_ONCE - 1)) // AT_ONCE * AT_ONCE
+    return (entries + (AT_ONCE - 1)) // AT_ONCE * AT_ONCE if entries > FEW else entries
 
 
 @bare
