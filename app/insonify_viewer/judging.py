@@ -127,6 +127,7 @@ def in_numbers(judged: Judged) -> str:
         f"SSIM {judged.similarity:.3f}",
         _metres("shadow edges off by", moved.shadow_edge),
         _metres("echoes off by", moved.echo),
+        f"{moved.lost} echo{'es' * (moved.lost > 1)} lost" if moved.lost else "",
         f"energy {100.0 * errors.energy_bias:+.2g} %",
         f"{_percent(errors.dark_leakage)} leaked into the dark",
     )

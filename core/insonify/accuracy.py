@@ -21,6 +21,7 @@ Name = TypeVar("Name", bound=Hashable)
 BEYOND = 1.4  # altitudes; an error counts from there
 DARK, SHADOW = 0.1, 8  # of the median, and bins in a row: a shadow
 LOUD = 4.0  # medians; an echo that stands out
+LOST = 0.25  # of an echo, less than which is none
 ABOUT, FARTHEST = 8, 96  # bins about an echo, and those by which it is looked for
 SSIM_COLUMNS = 7
 FIRST_RAYS = 1 << 15
@@ -124,10 +125,13 @@ class Displacement:
         Mean distance between the edges of the reference's shadows and the record's; NaN if there are none.
     echo : float
         Likewise between echoes that stand out of the bed's.
+    lost : int
+        Echoes that stand out of the reference and are nowhere near in the record; these have no distance.
     """
 
     shadow_edge: float
     echo: float
+    lost: int = 0
 
 
 def displacement(problem: Problem, poses: Poses, a: NDArray[np.floating], b: NDArray[np.floating]) -> Displacement:
@@ -152,7 +156,9 @@ def displacement(problem: Problem, poses: Poses, a: NDArray[np.floating], b: NDA
     sides = [one.reshape(-1, problem.bins)[:, beyond:] for one in (a * scale, b * scale)]
     edges = [moved for one, other in zip(*sides) for moved in edge_shifts(one, other)]
     echoes = [moved for one, other in zip(*sides) for moved in echo_shifts(one, other)]
-    return Displacement(*(problem.bin_length * _mean_size(shifts) for shifts in (edges, echoes)))
+    found = [moved for moved in echoes if not math.isnan(moved)]
+    edge, echo = (problem.bin_length * _mean_size(shifts) for shifts in (edges, found))
+    return Displacement(edge, echo, len(echoes) - len(found))
 
 
 def edge_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]:
@@ -205,7 +211,8 @@ def echo_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]
 
     An echo stands out where the reference exceeds `LOUD` times the median of what is heard and all else within `ABOUT`
     bins. Its window is slid along the record, up to `FARTHEST` bins either way, to where both agree best by their
-    normalised correlation; there the centroids of both tell the parts of a bin.
+    normalised correlation; there the centroids of both tell the parts of a bin. Where nothing in it is half as loud as
+    what stands out, or a quarter as loud as the echo, that is lost.
 
     Parameters
     ----------
@@ -215,13 +222,14 @@ def echo_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]
     Returns
     -------
     list of float
-        Positive away from the sonar, in order of range.
+        Positive away from the sonar, in order of range; NaN of those that are lost.
     """
     heard = b[b > 0.0]
     if heard.size == 0:
         return []
+    loud = LOUD * float(np.median(heard))
     highest = maximum_filter1d(b, 2 * ABOUT + 1, mode="constant")
-    peaks = np.flatnonzero((b == highest) & (b > LOUD * np.median(heard)))
+    peaks = np.flatnonzero((b == highest) & (b > loud))
     around = np.arange(-ABOUT, ABOUT + 1)
     padded = np.pad(np.asarray(a, dtype=np.float64), ABOUT + FARTHEST)
     lags = np.arange(-FARTHEST, FARTHEST + 1)
@@ -233,10 +241,10 @@ def echo_shifts(a: NDArray[np.floating], b: NDArray[np.floating]) -> list[float]
         match = np.divide(slid @ window, norms, out=np.zeros_like(norms), where=norms > 0.0)
         # Of equal ones the nearest.
         best = min(np.flatnonzero(match == match.max()), key=lambda k: abs(int(lags[k])))
-        if norms[best] == 0.0:
-            shifts.append(float(FARTHEST))
-            continue
         there = slid[best]
+        if there.max() < max(0.5 * loud, LOST * window.max()):
+            shifts.append(math.nan)
+            continue
         shifts.append(float(lags[best] + there @ around / there.sum() - window @ around / window.sum()))
     return shifts
 

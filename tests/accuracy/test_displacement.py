@@ -64,8 +64,15 @@ def test_echoes_are_found_where_they_went(moved):
     assert found == pytest.approx([moved, moved], abs=1e-4)
 
 
-def test_a_lost_echo_is_as_far_as_it_is_looked_for():
-    assert echo_shifts(np.zeros(BINS), echoes(150.0)) == [96.0]
+def test_a_lost_echo_is_told_as_such():
+    assert np.isnan(echo_shifts(np.zeros(BINS), echoes(150.0))).all()
+    bed = np.random.default_rng(1).exponential(0.3, BINS)
+    # Specks of the bed stand out too, and are where they were.
+    found = np.array(echo_shifts(bed, bed + echoes(150.0)))
+    assert np.count_nonzero(np.isnan(found)) == 1
+    np.testing.assert_allclose(found[~np.isnan(found)], 0.0, atol=1e-4)
+    one_lost = echo_shifts(echoes(150.0), echoes(150.0, 350.0))
+    np.testing.assert_allclose(one_lost, [0.0, np.nan], atol=1e-9)
     assert echo_shifts(echoes(150.0), np.full(BINS, 1.0)) == []
 
 
@@ -79,6 +86,11 @@ def test_in_metres_of_a_record():
     found = displacement(problem, poses, curve * np.stack([stepped(118.0, 203.0), np.ones(BINS)]), right)
     assert found.shadow_edge == pytest.approx(0.25 * 2.5, rel=1e-6)
     assert math.isnan(found.echo)
+    assert found.lost == 0
+    both = curve * np.stack([echoes(150.0, 300.0), np.ones(BINS)])
+    some = displacement(problem, poses, curve * np.stack([echoes(152.0), np.ones(BINS)]), both)
+    assert some.echo == pytest.approx(0.5, abs=1e-3)
+    assert some.lost == 1
 
 
 def test_the_shadow_of_a_span_from_a_sonar_at_another_height():
