@@ -87,7 +87,8 @@ class Ghosts:
         count = np.asarray(laws.COUNTS, dtype=np.float64)
         share, uneven = math.hypot(*self.shares.values()), 0.0 if self._even else laws.GHOSTS_UNEVEN
         if self._view.pattern not in laws.TABLED:
-            risen = np.where(count > 1, laws.GHOSTS_FEW * self._rise, self._rise)
+            few = min(laws.GHOSTS_FEW * self._rise, laws.GHOSTS_LEFT) * np.sqrt(2.0 / count)
+            risen = np.where(count > 1, few, self._rise)
             return np.hypot(risen, share * uneven / np.sqrt(count))
         # The two images hear a place with different parts of the beam, of which few planes tell little.
         few = laws.GHOSTS_TABLED * (2.0 if self._view.squint else 1.0) * (2.0 / count) ** laws.GHOSTS_ORDER

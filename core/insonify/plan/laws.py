@@ -40,9 +40,9 @@ SHADOWING, SHADOW_CELLS = 1.0, 4.0
 # Planes across an array's main lobe are worth the fewer the more there are, for its sidelobes have half as many.
 ARRAY_WORTH = 0.9
 # What comes by the sea surface: error of a single plane by what the bed rises across the beam, in bins, and by the beam
-# over what the first bin holds of the bed, and share that more planes leave. Of a beam with a pattern, of a single
-# one, of two, and the power by which it falls.
-GHOSTS_RISE, GHOSTS_WIDE, GHOSTS_FEW = 0.5, 0.22, 0.1
+# over what the first bin holds of the bed; share that two planes leave, and the most. Of a beam with a pattern, of a
+# single one, of two, and the power by which it falls.
+GHOSTS_RISE, GHOSTS_WIDE, GHOSTS_FEW, GHOSTS_LEFT = 0.5, 0.22, 0.1, 0.02
 # Of a bed of several materials, which glint differently beneath an image; planes that a pattern needs there.
 GHOSTS_UNEVEN, GHOSTS_FEWEST = 0.07, 3
 # And of coarse cells, by the heights they miss, in bins, and by their length over what the first bin holds of the bed,
