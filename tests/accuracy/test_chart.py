@@ -155,7 +155,7 @@ def test_time_to_come_within_an_error():
 
 
 def test_how_much_sooner_the_sweep_is_near_the_truth_is_said(measured):
-    for note, which in zip(measured.notes, ("without", "with")):
+    for note, which in zip(measured.told, ("without", "with")):
         assert note.startswith(f"{which} targets: 2 % in ")
         assert float(note.split("× ")[1]) > 1.0
 

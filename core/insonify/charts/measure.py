@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from time import thread_time
@@ -166,6 +166,23 @@ class Chart:
             before = row
         return math.nan
 
+    def lead(self, targets: bool) -> str:
+        """Tell how much sooner the sweep comes near the truth than exact rays do; nothing where either does not."""
+        from insonify.charts.style import as_percent, as_time
+
+        sweeps, exact = (self.time_to(method, AS_NEAR, targets) for method in ("sweep", "rays"))
+        if not exact / sweeps > 0.0:
+            return ""
+        times = f"{exact / sweeps:,.0f}" if exact > 10.0 * sweeps else f"{exact / sweeps:.2g}"
+        return f"{as_percent(AS_NEAR)} in {as_time(sweeps)} by the sweep, in {as_time(exact)} by exact rays: × {times}"
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """What there is to tell in words: how much sooner the sweep is, and what was left out."""
+        which = {False: "without targets: ", True: "with targets: "} if len(self.cases) > 1 else {}
+        leads = {targets: self.lead(targets) for targets in sorted(self.cases)}
+        return (*(which.get(targets, "") + lead for targets, lead in leads.items() if lead), *self.notes)
+
     def shown(self, row: Row) -> tuple[Record, Record]:
         """Return a row's record and its reference as a picture shows them: amplitudes over those of a level bed.
 
@@ -232,26 +249,11 @@ def chart(scene: Scene, *, pings: int = PINGS, progress: Callable[[float], None]
         cases[targets] = case
         records |= found
     notes = dict.fromkeys(filter(None, map(_note, cases.values())))
-    whole = Chart(scene.title, tuple(rows), cases[False].poses.x.size, machine(), cases, records)
-    return replace(whole, notes=(*filter(None, (_lead(whole, targets) for targets in cases)), *notes))
+    return Chart(scene.title, tuple(rows), cases[False].poses.x.size, machine(), cases, records, tuple(notes))
 
 
 def _time_of(row: Row) -> float:
     return row.microseconds
-
-
-def _lead(chart: Chart, targets: bool) -> str:
-    """Tell how much sooner the sweep comes near the truth than exact rays do; nothing where either does not."""
-    from insonify.charts.style import as_percent, as_time
-
-    sweeps, exact = (chart.time_to(method, AS_NEAR, targets) for method in ("sweep", "rays"))
-    if not exact / sweeps > 0.0:
-        return ""
-    which = f"{'with' if targets else 'without'} targets: " if len(chart.cases) > 1 else ""
-    return (
-        f"{which}{as_percent(AS_NEAR)} in {as_time(sweeps)} a ping by the sweep, "
-        f"in {as_time(exact)} by exact rays: × {exact / sweeps:.2g}"
-    )
 
 
 def _note(case: Case) -> str:

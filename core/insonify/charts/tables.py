@@ -59,7 +59,7 @@ def accuracy_table(chart: Chart) -> Table:
                 "yes" if row.name in best else "no",
             )
         )
-    facts = {"title": chart.title, "machine": chart.machine, "pings": chart.pings, "notes": "; ".join(chart.notes)}
+    facts = {"title": chart.title, "machine": chart.machine, "pings": chart.pings, "notes": "; ".join(chart.told)}
     return Table(facts, ACCURACY_COLUMNS, rows)
 
 

@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     with _bar() as progress:
         measured = kinds[arguments.of](scene, progress=progress)
     measured.save(path)
-    for note in getattr(measured, "notes", ()):
+    for note in getattr(measured, "told", ()):
         say(note)
     say(str(path))
     return 0
