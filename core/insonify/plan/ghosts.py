@@ -22,6 +22,7 @@ from insonify.sound.sea_surface import rms_height
 
 Field = NDArray[np.float64]
 CELLS = 256  # of slant range at most
+FAINTEST = 1e-12  # echo over the loudest that counts
 
 
 class Pair(NamedTuple):
@@ -60,8 +61,11 @@ class Ghosts:
         edges = np.linspace(min(BEYOND * view.altitude, 0.9 * view.reach), view.reach, min(view.bins, CELLS) + 1)
         sonar = Pair(view.altitude, view.altitude, 1, 1.0)
         of = _material(scene)
-        direct = np.maximum(_levels(sonar, edges, view, of), 1e-300)
-        levels = {way: _levels(pair, edges, view, of) / direct for way, pair in self._pairs.items()}
+        direct = _levels(sonar, edges, view, of)
+        by_way = {way: _levels(pair, edges, view, of) for way, pair in self._pairs.items()}
+        # A bed that sends back next to nothing aslant is told apart from none by so much alone.
+        direct = np.maximum(direct, max(FAINTEST * max(level.max() for level in (direct, *by_way.values())), 1e-200))
+        levels = {way: level / direct for way, level in by_way.items()}
         whole = _rms(1.0 + sum(levels.values()))
         self.direct = 1.0 / whole
         self.shares = {way: _rms(level) / whole for way, level in levels.items()}
