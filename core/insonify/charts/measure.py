@@ -302,7 +302,7 @@ def _measure(
         progress(0.2 * number / len(named))
         records[name] = one.trace(poses)
     right = prove(problem, poses, list(records.values()), seconds=PROVING, progress=lambda s: progress(0.2 + 0.5 * s))
-    case = Case(problem, poses, right, _right_of_triangles(problem, poses))
+    case = Case(problem, poses, right, _right_of_triangles(problem, poses, lambda: progress(0.7)))
     clocked = {}
     for name, one in named.items():
         progress(0.7)
@@ -325,14 +325,23 @@ def _measure(
     return sorted(rows, key=lambda row: row.method == EMBREE_OWN), case, records
 
 
-def _right_of_triangles(problem: Problem, poses: Poses) -> Reference | None:
+def _right_of_triangles(problem: Problem, poses: Poses, told: Callable[[], None]) -> Reference | None:
     """Trace a bed of triangles with many rays, and with half as many; None where it is not traced at all."""
     if why_not(problem, poses):
         return None
     bed = TriangulatedBed(problem, poses)
-    half, whole = (bed.trace(poses, rays=count) for count in (RAYS_OF_TRIANGLES // 2, RAYS_OF_TRIANGLES))
+    half, whole = (_ping_by_ping(bed, poses, count, told) for count in (RAYS_OF_TRIANGLES // 2, RAYS_OF_TRIANGLES))
     moved = compare(problem, poses, half, whole)
     return Reference(whole, moved.beyond, RAYS_OF_TRIANGLES, moved.all_bins)
+
+
+def _ping_by_ping(bed: TriangulatedBed, poses: Poses, rays: int, told: Callable[[], None]) -> Record:
+    """Trace with many rays; ``told`` is called after every ping."""
+    records = []
+    for ping in range(poses.x.size):
+        records.append(bed.trace(take(poses, slice(ping, ping + 1)), rays=rays))
+        told()
+    return np.concatenate(records)
 
 
 def _clocked(one: Contender, poses: Poses) -> tuple[Callable[[], Record], int]:
