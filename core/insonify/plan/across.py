@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.plan import laws
-from insonify.plan.bodies import BEYOND, Seen, see
-from insonify.plan.view import View
+from insonify.plan.bodies import Seen, see
+from insonify.plan.view import BEYOND, View
 from insonify.scene import Scene
 from insonify.scene.materials import Material
 from insonify.scene.seabed import Seabed

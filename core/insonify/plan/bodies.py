@@ -15,14 +15,13 @@ import numpy as np
 
 from insonify.meshes import read_mesh
 from insonify.plan import laws
-from insonify.plan.view import View
+from insonify.plan.view import BEYOND, View
 from insonify.scene import Scene, SceneError
 from insonify.scene.files import file_version
 from insonify.scene.materials import Reflectivity
 from insonify.scene.targets import AnyTarget, Box, Cone, MeshFile, Pipe, Sphere
 
 Vector = tuple[float, float, float]
-BEYOND = 1.4  # altitudes, from where an error counts
 SLIGHT = 1e-3  # m, and share of an altitude: nothing is taken to be shorter or lower
 AROUND = 12  # lines of a cone that stand for all of it
 
