@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import tomllib
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -143,7 +144,7 @@ def _shared_fields(value: Any, parent: type[BaseModel], key: str) -> Any:
     return kept | {"kind": str(kind)} if isinstance(kind, _Switched) else kept
 
 
-def _foreign_fields(models: list[type[BaseModel]], model: type[BaseModel], kind: _Switched) -> frozenset[str]:
+def _foreign_fields(models: tuple[type[BaseModel], ...], model: type[BaseModel], kind: _Switched) -> frozenset[str]:
     """Fields of the kind before that the new one lacks, or that are columns of another table."""
     before = _model_of_kind(models, kind.before)
     if before is None:
@@ -157,7 +158,7 @@ def _table(model: type[BaseModel]) -> frozenset[str]:
     return model.table if issubclass(model, Choice) else frozenset()
 
 
-def _model_of_kind(models: list[type[BaseModel]], kind: Any) -> type[BaseModel] | None:
+def _model_of_kind(models: tuple[type[BaseModel], ...], kind: Any) -> type[BaseModel] | None:
     return next((model for model in models if kind_name(model) == kind), None)
 
 
@@ -167,10 +168,11 @@ def kind_name(model: type[BaseModel]) -> str | None:
     return None if field is None else str(field.default)
 
 
-def models_of(parent: type[BaseModel], field: str) -> list[type[BaseModel]]:
+@cache
+def models_of(parent: type[BaseModel], field: str) -> tuple[type[BaseModel], ...]:
     """List the declarations a field can hold, in the order declared; empty for plain numbers and names."""
     if field not in parent.model_fields:
-        return []
+        return ()
     found: list[type[BaseModel]] = []
     pending: list[Any] = [parent.model_fields[field].annotation]
     while pending:
@@ -179,7 +181,7 @@ def models_of(parent: type[BaseModel], field: str) -> list[type[BaseModel]]:
             found.append(annotation)
         else:
             pending.extend(getattr(annotation, "__args__", ()))
-    return found
+    return tuple(found)
 
 
 def _sentence(error: ValidationError) -> str:
