@@ -80,6 +80,27 @@ def test_bundled_scenes_are_as_near_as_said(name, changes, beyond, all_bins):
     assert errors.dark_leakage < 2e-3
 
 
+def test_a_beam_that_squints_is_heard_to_the_range_over_ground_that_rises():
+    # The same azimuth takes in other ground ranges of high ground than of low.
+    scene = edit(
+        load_scene("default"),
+        {
+            "seabed.relief": {"kind": "von_karman", "rms": 1.2, "across": 40.0, "along": 40.0, "hurst": 1.0},
+            "sonar.beam": {"kind": "fan", "width": 4.5, "squint": 9.5},
+            "track.altitude": 3.5,
+            "sonar.range": 15.0,
+            "sonar.bins": 150,
+            "targets": [],
+        },
+    )
+    simulation = prepare(scene)
+    poses = simulation.poses(np.arange(60, 340, 70))
+    right = rays.trace(simulation.problem, poses, rays=1 << 18)
+    errors = compare(simulation.problem, poses, sweep.trace(simulation.problem, poses, planes=16), right)
+    assert errors.beyond < 0.015
+    assert abs(errors.energy_bias) < 5e-3
+
+
 def test_the_sweep_is_nearer_than_what_it_replaces():
     simulation = prepare(edit(load_scene("default"), {"sonar.beam": "knife"}))
     problem, poses = simulation.problem, simulation.poses(np.arange(60, 340, 40))

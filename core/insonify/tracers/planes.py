@@ -207,6 +207,7 @@ def pattern_planes(problem: Problem, planes: int, height: float, pitches: NDArra
         per_octave=pattern.per_octave,
         main=math.sin(problem.half_width),
         reach=problem.bins * problem.bin_length,
+        relief=problem.bed.high - problem.bed.low,
         targets=problem.solids.shape.size + problem.mesh.target.size > 0,
     )
     return _lay(outline, planes, height, tuple(pitches.tolist()))
@@ -221,6 +222,7 @@ class _Outline(NamedTuple):
     per_octave: float
     main: float  # sine of half the main lobe
     reach: float  # m
+    relief: float  # m, from the lowest bed to the highest
     targets: bool  # whether there are any
 
 
@@ -258,20 +260,23 @@ def _edges(cone: _Cone, start: float, way: float, planes: int) -> list[float]:
 
 
 class _Cone:
-    """Azimuths that a beam takes in, ground range by ground range, over a level bed.
+    """Azimuths that a beam takes in, ground range by ground range, over a level bed as low as any and one as high.
 
     There s = cos p · sin φ · x/r − sin p · h/r.
     """
 
     def __init__(self, outline: _Outline, height: float, pitches: NDArray[np.float64]) -> None:
-        farthest = math.sqrt(max(outline.reach**2 - height**2, (0.1 * height) ** 2))
+        above_highest = max(height - outline.relief, 0.0)
+        farthest = math.sqrt(max(outline.reach**2 - above_highest**2, (0.1 * height) ** 2))
         self.height, self.main, self.targets = height, outline.main, outline.targets
         self.x = np.geomspace(0.01 * min(height, farthest), farthest, GROUND_RANGES)
-        r = np.hypot(self.x, height)
-        row = np.log2(np.maximum(r / outline.first_range, 1.0)) * outline.per_octave
-        extent = np.interp(row, np.arange(len(outline.extent)), outline.extent)
-        per_sine = r / (np.cos(pitches)[:, None] * self.x)
-        self.centre = outline.centre * per_sine + np.tan(pitches)[:, None] * height / self.x
+        # One row for each height and pitch.
+        h, p = (grid.reshape(-1, 1) for grid in np.meshgrid(np.unique([above_highest, height]), pitches))
+        r = np.hypot(self.x, h)
+        octaves = np.log2(np.maximum(r / outline.first_range, 1.0)) * outline.per_octave
+        extent = np.interp(octaves, np.arange(len(outline.extent)), outline.extent)
+        per_sine = r / (np.cos(p) * self.x)
+        self.centre = outline.centre * per_sine + np.tan(p) * h / self.x
         self.main_half, self.half = outline.main * per_sine, extent * per_sine
 
     def step(self, azimuth: float, planes: int) -> float:
