@@ -41,6 +41,7 @@ CASES = {
     "all in one place": np.repeat(soup(1), 100, axis=0),
     "most in one place": np.concatenate([np.repeat(soup(1), 300, axis=0), soup(20)]),
     "sizes of every order": soup(400) * np.logspace(-6, 3, 400)[:, None, None],
+    "level, but for next to nothing": soup(60) * (1.0, 1.0, 1e-311),
 }
 
 

@@ -10,6 +10,7 @@ from insonify.kernels.types import Mesh
 
 LEAF = 4  # triangles at most
 SLABS = 8  # per axis, between which a branch may be cut
+ONE_PLACE = 1e-9  # m, twice the distance of centres that no cut parts
 
 
 def make_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target: NDArray[np.int64]) -> Mesh:
@@ -98,7 +99,7 @@ def _cut(order, low, high, start, stop):
         for k in range(start, stop):
             centre = low[order[k], axis] + high[order[k], axis]
             centre_low, centre_high = min(centre_low, centre), max(centre_high, centre)
-        if centre_high <= centre_low:
+        if centre_high - centre_low < ONE_PLACE:
             continue
         per_metre = SLABS * (1.0 - 1e-9) / (centre_high - centre_low)
         counts[:], lows[:], highs[:] = 0, np.inf, -np.inf
