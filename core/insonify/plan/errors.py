@@ -112,6 +112,9 @@ class Errors:
         """Error of a bed of every so many nodes, by each of ``laws.COUNTS`` planes."""
         if (every, ways) not in self._thinned:
             error = self.echo.of_thinning(every)
+            if every > 1 and self.targets:
+                # Targets rest on the bed that is left, and their echoes come from where that lets them.
+                error = np.hypot(error, laws.TARGETS_LOST * self.echo.height_lost(every) / self._view.bin_length)
             if every > 1 and self._louder(ways):
                 error = np.hypot(error, self.ghosts.of_cells(every * self._view.spacing, self.echo.height_lost(every)))
             self._thinned[every, ways] = error

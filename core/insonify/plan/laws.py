@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 # Errors are predicted as they come out in the middle; one scene's may be this much greater.
-MARGIN, MARGIN_OF_NODES, MARGIN_OF_WAYS, MARGIN_OF_TARGETS = 1.3, 1.5, 3.0, 3.2
+MARGIN, MARGIN_OF_NODES, MARGIN_OF_WAYS, MARGIN_OF_TARGETS = 1.3, 1.5, 3.0, 4.0
 
 # Planes: counts that may be chosen.
 COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
@@ -31,6 +31,8 @@ LIGHT_ECHO = 0.6  # of light, whose bins are filled by slant range, over the ech
 # However faint a target is, planes lie so close to it that UNHEARD · (spacing / length)^TARGET_ORDER keeps to the
 # tolerance: at the usual one about three of them meet it.
 UNHEARD = 0.13
+# What targets are moved by coarse cells beneath them: error by the heights that those lack, in bins.
+TARGETS_LOST = 0.8
 # Slant range that most of a rounded side's echo comes from, over half of all that it is deep.
 FRONT = 0.35
 
