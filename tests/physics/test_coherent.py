@@ -299,6 +299,13 @@ def test_skin_has_the_area_of_the_bodies():
     assert [np.sort(skin.number[skin.target == t]).tolist() == list(range((skin.target == t).sum())) for t in range(4)]
 
 
+def test_boxes_of_more_patches_than_can_be_kept_are_refused():
+    box = {"kind": "box", "position": [10.0, 30.0], "size": [900.0, 900.0, 5.0]}
+    huge = edit(load_scene("default"), {"receiver.speckle": "coherent", "track.pings": 1, "targets": [box]})
+    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' keeps .* patches .* smaller boxes"):
+        prepare(huge).intensity(np.arange(1))
+
+
 def test_more_scatterers_than_can_be_heard_are_refused():
     declared = edit(load_scene("default"), {"receiver.speckle": {"kind": "coherent", "density": 1e6}})
     with pytest.raises(SceneError, match=r"^receiver\.speckle\.density: 1e\+06 scatterers .* lower it to "):

@@ -30,6 +30,7 @@ from insonify.tracers.sweep import Record
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
 MOST_SAMPLES, MOST_KNOTS = 1 << 25, 1 << 26  # of a line of waves, and of all planes of a beam: half a gigabyte each
+MOST_PATCHES = 250_000  # of all boxes and meshes
 FAINT = 1e-3  # share of the beam's energy that may go unheard
 RESOLVED = 8  # cells of the line, at least, per resolution cell of the pulse
 
@@ -118,6 +119,7 @@ def make_interference(scene: Scene, problem: Problem) -> Interference | None:
             f"lower it to {density * MOST / count:.2g} or shorten sonar.range"
         )
     per_wave = 2.0 * scene.sonar.frequency / speed
+    _refuse_large_meshes(problem.mesh.corners)
     skin = make_skin(problem.solids, problem.mesh)
     return Interference(
         Scatterers(scene.seed, density, per_wave, skin), heard_at_once(pulse, speed, problem.bin_length, problem.bins)
@@ -179,6 +181,19 @@ def _refuse_fine_bed(planes: int, knots: int, problem: Problem) -> None:
             f"receiver.speckle: 'coherent' keeps what {planes} planes see of a bed of seabed.spacing {spacing:g} m, "
             f"and here it is too much; widen the spacing to {spacing * planes * knots / MOST_KNOTS:.2g} m, "
             "shorten sonar.range or take another speckle"
+        )
+
+
+def _refuse_large_meshes(corners: NDArray[np.float64]) -> None:
+    """Refuse boxes and meshes of more patches than can be kept."""
+    edges = corners - np.roll(corners, -1, axis=1)
+    areas = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    # Triangles halved until no edge is longer than a metre: sixths of a square metre, or slivers.
+    patches = float((6.0 * areas + 10.0 * np.linalg.norm(edges, axis=2).max(axis=1, initial=0.0)).sum())
+    if patches > MOST_PATCHES:
+        raise SceneError(
+            f"receiver.speckle: 'coherent' keeps {patches:.2g} patches of the targets' sides, and here it is too much; "
+            "give smaller boxes and meshes or take another speckle"
         )
 
 
