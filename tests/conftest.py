@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import settings
 
 # The same examples at every run: a change is what makes a test fail, never luck.
 settings.register_profile("same", derandomize=True)
 settings.load_profile("same")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Let golden figures be taken anew."""
+    parser.addoption("--update-golden", action="store_true", help="take the golden figures anew")

@@ -1,0 +1,74 @@
+"""Records of the bundled scenes are what they were: bit for bit where the digests were taken, closely anywhere else.
+
+``pytest tests/core/test_golden_records.py --update-golden`` takes them anew.
+"""
+
+import hashlib
+import json
+import platform
+from pathlib import Path
+
+import llvmlite
+import numba
+import numpy as np
+import pytest
+
+from insonify.scene import bundled_scenes, edit, load_scene
+from insonify.simulate import prepare
+
+GOLDEN = Path(__file__).parent.parent / "golden" / "records.json"
+PINGS = 12
+BLOCKS = 8  # of bins, a side, whose energies are kept in plain numbers
+# Scene, changes, method: what the bundled scenes alone do not reach.
+VARIANTS = {
+    "default by rays": ("default", {"track.pings": 64}, "rays"),
+    "default by march": ("default", {"track.pings": 64}, "march"),
+    "default by coherent speckle": ("default", {"receiver.speckle": {"kind": "coherent", "density": 20.0}}, "auto"),
+    "targets under an array": ("targets", {"sonar.beam": {"kind": "array", "length": 0.5, "squint": 3.0}}, "auto"),
+    "targets in light": ("targets", {"sonar.law": "light", "sonar.vertical": {"kind": "fan"}}, "auto"),
+    "ghosts on a rough sea": ("ghosts", {"water.surface": {"kind": "rough", "wind_speed": 6.0}}, "auto"),
+    "ghosts by rays": ("ghosts", {"sonar.beam": "knife", "receiver.speckle": "none"}, "rays"),
+    "thermocline by rays": ("thermocline", {"sonar.beam": "knife"}, "rays"),
+    "sediments in K speckle": ("sediments", {"receiver.speckle": "k", "sonar.pulse": "chirp"}, "auto"),
+}
+CASES = {name: (name, {}, "auto") for name in bundled_scenes()} | VARIANTS
+
+
+def machine() -> str:
+    """Name all that machine code depends on: the same sources then give the same bits."""
+    features = llvmlite.binding.get_host_cpu_features().flatten()
+    code = f"{llvmlite.binding.get_host_cpu_name()} {features} {numba.__version__} {llvmlite.__version__}"
+    return f"{platform.machine()} numpy {np.__version__} {hashlib.sha256(code.encode()).hexdigest()[:16]}"
+
+
+def digest(name: str) -> dict[str, object]:
+    scene_name, changes, method = CASES[name]
+    scene = edit(load_scene(scene_name), changes)
+    simulation = prepare(scene, method=method)
+    pings = np.unique(np.linspace(0, scene.track.pings - 1, PINGS).astype(np.int64))
+    record = simulation.intensity(pings)
+    truth = simulation.truth(pings)
+    blocks = np.array_split(record.astype(np.float64), BLOCKS, axis=2)
+    return {
+        "record": hashlib.sha256(np.ascontiguousarray(record).tobytes()).hexdigest()[:16],
+        "truth": hashlib.sha256(b"".join(np.ascontiguousarray(column).tobytes() for column in truth)).hexdigest()[:16],
+        "energy": [[float(f"{block[:, side].sum():.6e}") for block in blocks] for side in range(2)],
+    }
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_record_is_what_it_was(name: str, request: pytest.FixtureRequest) -> None:
+    found = digest(name)
+    golden = json.loads(GOLDEN.read_text()) if GOLDEN.exists() else {}
+    if request.config.getoption("--update-golden"):
+        if golden.get("machine") != machine():
+            golden = {"machine": machine(), "records": {}}
+        golden["records"][name] = found
+        GOLDEN.write_text(json.dumps(golden, indent=1, sort_keys=True) + "\n")
+        return
+    kept = golden["records"][name]
+    energy = np.array(kept["energy"])
+    np.testing.assert_allclose(found["energy"], energy, rtol=1e-4, atol=1e-6 * energy.max())
+    if golden["machine"] == machine():
+        assert found["record"] == kept["record"]
+        assert found["truth"] == kept["truth"]
