@@ -8,8 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from insonify.kernels.tree import make_mesh
-from insonify.kernels.types import (
+from insonify.kernels.common.types import (
     EVERY_GRAZING,
     FRUSTUM,
     SONAR,
@@ -18,10 +17,11 @@ from insonify.kernels.types import (
     Mesh,
     Pattern,
     Poses,
-    Problem,
+    SceneArrays,
     Solids,
     plain_pattern,
 )
+from insonify.kernels.geometry.bvh import make_mesh
 
 NO_MESH = make_mesh(np.zeros((0, 3, 3)), np.zeros(0, np.int64), np.zeros(0, np.int64))
 Sphere = tuple[tuple[float, float, float], float]  # centre, radius
@@ -141,7 +141,7 @@ def gaussian_pattern(
     )
 
 
-def problem_of(
+def arrays_of(
     heights: ArrayLike,
     spacing: float = 1.0,
     *,
@@ -157,10 +157,10 @@ def problem_of(
     bin_length: float = 0.05,
     reflectivity: Sequence[tuple[float, float, float]] = ((1.0, 0.0, 1.0),),
     spreading: bool = False,
-) -> Problem:
+) -> SceneArrays:
     """Problem over (ny, nx) heights; everything is of the first material, and the range factor 1 unless spreading."""
     centres = (np.arange(bins) + 0.5) * bin_length
-    return Problem(
+    return SceneArrays(
         bed=bed_of(heights, spacing, x0=x0, y0=y0, periodic=periodic),
         solids=solids_of(solids),
         mesh=mesh or NO_MESH,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from insonify.kernels.types import Problem, Water
+from insonify.kernels.common.types import SceneArrays, Water
 
 Heights = Callable[[np.ndarray], np.ndarray]
 Disc = tuple[float, float, float]  # ground range and height of the centre above the sonar's datum, radius
@@ -74,7 +74,7 @@ def follow(
 
 
 def knife(
-    problem: Problem, sonar: float, bed: Heights, discs: Sequence[Disc] = (), *, rays: int = 20000, step: float = 0.1
+    arrays: SceneArrays, sonar: float, bed: Heights, discs: Sequence[Disc] = (), *, rays: int = 20000, step: float = 0.1
 ) -> np.ndarray:
     """One side of a knife's ping of law `sonar` over a bed that is the same all along the track, (bins,).
 
@@ -88,12 +88,12 @@ def knife(
             met = np.where((x - cx) ** 2 + (z - cz) ** 2 <= radius**2, k, met)
         return met
 
-    reach = problem.bins * problem.bin_length * 1.02
+    reach = arrays.bins * arrays.bin_length * 1.02
     angles = np.concatenate(
         [np.arctan(-np.geomspace(300.0, 1.0, rays // 4)), np.arctan(np.linspace(-1.0, 0.3, rays)[1:])]
     )
-    end = follow(problem.water, sonar, angles, hit, reach, step)
-    x, z, r = end["x"], end["z"], problem.water.reference * end["time"]
+    end = follow(arrays.water, sonar, angles, hit, reach, step)
+    x, z, r = end["x"], end["z"], arrays.water.reference * end["time"]
     same = (end["what"][1:] == end["what"][:-1]) & (end["what"][1:] > -2)
     dx, dz = np.diff(x), np.diff(z)
     ds = np.hypot(dx, dz)
@@ -101,19 +101,19 @@ def knife(
     with np.errstate(invalid="ignore", divide="ignore"):
         cosine = np.abs(dz * np.cos(angle) - dx * np.sin(angle)) / ds
         spread = np.cos(0.5 * (angles[1:] + angles[:-1])) * np.diff(angles) / (0.5 * (x[1:] + x[:-1]) * ds * cosine)
-    diffuse = problem.reflectivity[0, 0]
+    diffuse = arrays.reflectivity[0, 0]
     middle = 0.5 * (r[1:] + r[:-1])
     energy = cosine**2 * diffuse / np.pi * ds * spread**2 * middle**4
     # A jump from one ridge to the next is no piece of surface.
     same &= ds * cosine < 4.0 * np.diff(angles) * middle
-    return _spread(problem, r[:-1][same], r[1:][same], energy[same]) * problem.range_factor
+    return _spread(arrays, r[:-1][same], r[1:][same], energy[same]) * arrays.range_factor
 
 
-def _spread(problem: Problem, near: np.ndarray, far: np.ndarray, energy: np.ndarray) -> np.ndarray:
+def _spread(arrays: SceneArrays, near: np.ndarray, far: np.ndarray, energy: np.ndarray) -> np.ndarray:
     """Spread energies evenly over stretches of slant range."""
-    out = np.zeros(problem.bins)
+    out = np.zeros(arrays.bins)
     for share in (np.arange(8) + 0.5) / 8:
-        k = np.floor((near + share * (far - near)) / problem.bin_length).astype(int)
-        inside = (k >= 0) & (k < problem.bins)
+        k = np.floor((near + share * (far - near)) / arrays.bin_length).astype(int)
+        inside = (k >= 0) & (k < arrays.bins)
         np.add.at(out, k[inside], energy[inside] / 8)
     return out

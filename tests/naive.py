@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from insonify.kernels.types import BED, LIGHT, PORT, SPHERE, Bed, Problem, Solids
+from insonify.kernels.common.types import BED, LIGHT, PORT, SPHERE, Bed, SceneArrays, Solids
 
 NOTHING = -2
 
@@ -66,44 +66,44 @@ def body_depth(solids: Solids, k: int, point: np.ndarray) -> np.ndarray:
     return np.maximum(across, np.maximum(-along, along - solids.length[k]))
 
 
-def cast(problem: Problem, origin: Sequence[float], direction: Sequence[float], step: float) -> tuple[float, int]:
+def cast(arrays: SceneArrays, origin: Sequence[float], direction: Sequence[float], step: float) -> tuple[float, int]:
     """Find the first hit of one ray: (distance, target, BED or NOTHING).
 
     Bed and analytic bodies are felt for by tiny steps and bisection, triangles are asked one by one.
     """
     o, d = np.asarray(origin, dtype=float), np.asarray(direction, dtype=float)
     d = d / np.linalg.norm(d)
-    felt, met = _feel(problem, o, d, step), _first_triangle(problem, o, d)
+    felt, met = _feel(arrays, o, d, step), _first_triangle(arrays, o, d)
     return felt if felt[0] <= met[0] else met
 
 
-def _first_triangle(problem: Problem, o: np.ndarray, d: np.ndarray) -> tuple[float, int]:
+def _first_triangle(arrays: SceneArrays, o: np.ndarray, d: np.ndarray) -> tuple[float, int]:
     """Nearest of all triangles within reach: (distance, target)."""
-    distances = [meet_triangle(corners, o, d[None])[0][0] for corners in problem.mesh.corners]
-    distances.append(problem.bins * problem.bin_length)
+    distances = [meet_triangle(corners, o, d[None])[0][0] for corners in arrays.mesh.corners]
+    distances.append(arrays.bins * arrays.bin_length)
     nearest = int(np.argmin(distances))
-    if nearest == len(problem.mesh.corners):
+    if nearest == len(arrays.mesh.corners):
         return math.inf, NOTHING
-    return float(distances[nearest]), int(problem.mesh.target[nearest])
+    return float(distances[nearest]), int(arrays.mesh.target[nearest])
 
 
-def _feel(problem: Problem, o: np.ndarray, d: np.ndarray, step: float) -> tuple[float, int]:
-    reach = problem.bins * problem.bin_length
+def _feel(arrays: SceneArrays, o: np.ndarray, d: np.ndarray, step: float) -> tuple[float, int]:
+    reach = arrays.bins * arrays.bin_length
 
     def below(t: float) -> int:
         x, y, z = o + t * d
-        if z <= height(problem.bed, x, y):
+        if z <= height(arrays.bed, x, y):
             return BED
-        for k in range(problem.solids.shape.size):
-            if body_depth(problem.solids, k, o + t * d) <= 0:
-                return int(problem.solids.target[k])
+        for k in range(arrays.solids.shape.size):
+            if body_depth(arrays.solids, k, o + t * d) <= 0:
+                return int(arrays.solids.target[k])
         return NOTHING
 
     t = np.arange(0.0, reach + step, step)
     points = o + t[:, None] * d
-    inside = points[:, 2] <= heights(problem.bed, points[:, 0], points[:, 1])
-    for k in range(problem.solids.shape.size):
-        inside |= body_depth(problem.solids, k, points) <= 0
+    inside = points[:, 2] <= heights(arrays.bed, points[:, 0], points[:, 1])
+    for k in range(arrays.solids.shape.size):
+        inside |= body_depth(arrays.solids, k, points) <= 0
     if not inside.any():
         return math.inf, NOTHING
     first = int(np.argmax(inside))
@@ -128,7 +128,7 @@ def strength(law: int, cos_incidence: np.ndarray, diffuse: float, specular: floa
 
 
 def plane_samples(
-    problem: Problem, pose: tuple[float, float, float], ex: float, ey: float, samples_per_cell: int
+    arrays: SceneArrays, pose: tuple[float, float, float], ex: float, ey: float, samples_per_cell: int
 ) -> dict[str, np.ndarray]:
     """Everything heard in one vertical half-plane: short pieces of bed and bodies.
 
@@ -136,13 +136,13 @@ def plane_samples(
     incidence, change of slant range over the piece, material.
     """
     px, py, pz = pose
-    reach = problem.bins * problem.bin_length
-    n = math.ceil(reach / problem.bed.spacing * samples_per_cell)
+    reach = arrays.bins * arrays.bin_length
+    n = math.ceil(reach / arrays.bed.spacing * samples_per_cell)
     edges = np.arange(n + 1) * (reach / n)
     # Heights above the sonar of the pieces' ends and middles.
-    z = heights(problem.bed, px + edges * ex, py + edges * ey) - pz
+    z = heights(arrays.bed, px + edges * ex, py + edges * ey) - pz
     x = 0.5 * (edges[1:] + edges[:-1])
-    gx, gy = gradients(problem.bed, px + x * ex, py + x * ey)
+    gx, gy = gradients(arrays.bed, px + x * ex, py + x * ey)
     area = np.sqrt(1 + gx**2 + gy**2)
     dx, dz = np.diff(edges), np.diff(z)
     zm = 0.5 * (z[1:] + z[:-1])
@@ -151,7 +151,7 @@ def plane_samples(
     slope = np.where(np.isnan(zm), -np.inf, zm / x)
     horizon = np.maximum.accumulate(np.concatenate([[-np.inf], slope[:-1]]))
     heard = np.isfinite(zm) & (slope > horizon)
-    hits = _bodies_in_plane(problem, pose, ex, ey)
+    hits = _bodies_in_plane(arrays, pose, ex, ey)
     angle = np.arctan2(zm, x)
     if hits is not None:
         blocked = np.interp(angle, hits["angle"], hits["r"], left=np.inf, right=np.inf)
@@ -159,7 +159,7 @@ def plane_samples(
     columns = {
         "x": x, "r": r, "seen": np.abs(x * dz - zm * dx) / r, "cos": cos_incidence,
         "dr": np.abs(np.hypot(edges[1:], z[1:]) - np.hypot(edges[:-1], z[:-1])),
-        "material": _materials(problem.bed, px + x * ex, py + x * ey),
+        "material": _materials(arrays.bed, px + x * ex, py + x * ey),
     }  # fmt: skip
     out = {name: column[heard] for name, column in columns.items()}
     if hits is None:
@@ -179,21 +179,21 @@ def _materials(bed: Bed, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def _bodies_in_plane(
-    problem: Problem, pose: tuple[float, float, float], ex: float, ey: float, angles: int = 20001
+    arrays: SceneArrays, pose: tuple[float, float, float], ex: float, ey: float, angles: int = 20001
 ) -> dict[str, np.ndarray] | None:
     """Nearest body along a fine fan of launch angles, from the equations of sphere and cylinder."""
-    if problem.solids.shape.size + len(problem.mesh.corners) == 0:
+    if arrays.solids.shape.size + len(arrays.mesh.corners) == 0:
         return None
     angle = np.linspace(-np.pi / 2, np.pi / 2, angles)
     direction = np.column_stack([np.cos(angle) * ex, np.cos(angle) * ey, np.sin(angle)])
     # Concentrate the fan on what there is to see.
-    coarse = np.min([hit[0] for hit in _meet_everything(problem, pose, direction)], axis=0)
+    coarse = np.min([hit[0] for hit in _meet_everything(arrays, pose, direction)], axis=0)
     seen = np.flatnonzero(np.isfinite(coarse))
     if seen.size == 0:
         return None
     angle = np.linspace(angle[max(seen[0] - 1, 0)], angle[min(seen[-1] + 1, angles - 1)], angles)
     direction = np.column_stack([np.cos(angle) * ex, np.cos(angle) * ey, np.sin(angle)])
-    every = _meet_everything(problem, pose, direction)
+    every = _meet_everything(arrays, pose, direction)
     nearest = np.argmin([hit[0] for hit in every], axis=0)
     pick = np.arange(angles)
     r = np.array([hit[0] for hit in every])[nearest, pick]
@@ -202,7 +202,7 @@ def _bodies_in_plane(
     with np.errstate(invalid="ignore"):
         seen_length, dr = r * step, np.abs(np.gradient(np.where(np.isfinite(r), r, np.nan)))
     dr = np.where(np.isnan(dr), 0.0, dr)
-    materials = np.concatenate([problem.solids.material, problem.mesh.material])
+    materials = np.concatenate([arrays.solids.material, arrays.mesh.material])
     return {
         "angle": angle, "x": np.where(np.isfinite(r), r, 0.0) * np.cos(angle), "r": r, "seen": seen_length,
         "cos": cos_incidence, "dr": dr, "material": materials[nearest],
@@ -210,11 +210,11 @@ def _bodies_in_plane(
 
 
 def _meet_everything(
-    problem: Problem, pose: tuple[float, float, float], d: np.ndarray
+    arrays: SceneArrays, pose: tuple[float, float, float], d: np.ndarray
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """Distances and cosines of incidence at every analytic body, then at every triangle."""
-    solids = [_meet(problem.solids, k, pose, d) for k in range(problem.solids.shape.size)]
-    return solids + [meet_triangle(corners, np.asarray(pose), d) for corners in problem.mesh.corners]
+    solids = [_meet(arrays.solids, k, pose, d) for k in range(arrays.solids.shape.size)]
+    return solids + [meet_triangle(corners, np.asarray(pose), d) for corners in arrays.mesh.corners]
 
 
 def meet_triangle(corners: np.ndarray, o: np.ndarray, d: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -262,7 +262,7 @@ def _meet(solids: Solids, k: int, origin: tuple[float, float, float], d: np.ndar
 
 
 def naive_ping(
-    problem: Problem,
+    arrays: SceneArrays,
     pose_x: float,
     pose_y: float,
     pose_z: float,
@@ -277,39 +277,39 @@ def naive_ping(
     at 0; for a fan give many, spread evenly over (-π/2, π/2): what is outside the cone |cos θ sin φ| <= sin(w/2)
     counts nothing, so that they need to be fine against the beam.
     """
-    out = np.zeros((2, problem.bins))
-    fan = problem.half_width > 0.0
+    out = np.zeros((2, arrays.bins))
+    fan = arrays.half_width > 0.0
     wedge = math.pi / len(azimuths) if len(azimuths) < 2 else azimuths[1] - azimuths[0]
     for side in (0, 1):
         for azimuth in azimuths:
             turned = heading + (math.pi / 2 - azimuth if side == PORT else azimuth - math.pi / 2)
             ex, ey = (0.0 if abs(c) < 1e-12 else c for c in (math.cos(turned), math.sin(turned)))
-            s = plane_samples(problem, (pose_x, pose_y, pose_z), ex, ey, samples_per_cell)
-            share = _share_of_beam(problem, s, azimuth, wedge) if fan else np.ones_like(s["x"])
-            out[side] += _deposit(problem, s, share, wedge if fan else 0.0)
-    return out * problem.range_factor
+            s = plane_samples(arrays, (pose_x, pose_y, pose_z), ex, ey, samples_per_cell)
+            share = _share_of_beam(arrays, s, azimuth, wedge) if fan else np.ones_like(s["x"])
+            out[side] += _deposit(arrays, s, share, wedge if fan else 0.0)
+    return out * arrays.range_factor
 
 
-def _share_of_beam(problem: Problem, s: dict[str, np.ndarray], azimuth: float, wedge: float) -> np.ndarray:
+def _share_of_beam(arrays: SceneArrays, s: dict[str, np.ndarray], azimuth: float, wedge: float) -> np.ndarray:
     """How much of a wedge of azimuths is inside the cone, sample by sample."""
-    widest = np.arcsin(np.minimum(math.sin(problem.half_width) * s["r"] / np.maximum(s["x"], 1e-300), 1.0))
+    widest = np.arcsin(np.minimum(math.sin(arrays.half_width) * s["r"] / np.maximum(s["x"], 1e-300), 1.0))
     low, high = abs(azimuth) - wedge / 2, abs(azimuth) + wedge / 2
     return np.clip((widest - low) / (high - low), 0.0, 1.0)
 
 
-def _deposit(problem: Problem, s: dict[str, np.ndarray], share: np.ndarray, wedge: float) -> np.ndarray:
+def _deposit(arrays: SceneArrays, s: dict[str, np.ndarray], share: np.ndarray, wedge: float) -> np.ndarray:
     """Sum samples into bins."""
     value = np.zeros_like(s["x"])
-    for m, numbers in enumerate(problem.reflectivity):
-        value = np.where(s["material"] == m, strength(problem.law, s["cos"], *numbers), value)
-    if problem.law == LIGHT:
-        energy = value * s["dr"] / problem.bin_length
+    for m, numbers in enumerate(arrays.reflectivity):
+        value = np.where(s["material"] == m, strength(arrays.law, s["cos"], *numbers), value)
+    if arrays.law == LIGHT:
+        energy = value * s["dr"] / arrays.bin_length
         if wedge:
-            s_beam = math.sin(problem.half_width)
+            s_beam = math.sin(arrays.half_width)
             energy *= wedge / (2 * np.arcsin(np.minimum(s_beam * s["r"] / np.maximum(s["x"], 1e-300), 1.0)))
     else:
         width = s["x"] * wedge if wedge else 1.0
         energy = value * s["seen"] * width / np.maximum(s["cos"], 1e-9)
-    k = np.floor(s["r"] / problem.bin_length).astype(int)
-    ok = (k < problem.bins) & (s["cos"] > 0)
-    return np.bincount(k[ok], weights=(energy * share)[ok], minlength=problem.bins)
+    k = np.floor(s["r"] / arrays.bin_length).astype(int)
+    ok = (k < arrays.bins) & (s["cos"] > 0)
+    return np.bincount(k[ok], weights=(energy * share)[ok], minlength=arrays.bins)

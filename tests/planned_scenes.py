@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from insonify.acoustics.beam_patterns import is_patterned
 from insonify.scene import Scene
-from insonify.sound.beams import is_patterned
 from random_scenes import DEPTH, SUBSTANCES, _ground_material, _moved, _places, _ridges, _target
 
 Spec = dict[str, Any]

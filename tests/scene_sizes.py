@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 import os
 
-from insonify.meshes import read_mesh
-from insonify.plan import Plan
+from insonify.io.meshes import read_mesh
+from insonify.planning import Plan
 from insonify.scene import Scene
 from insonify.scene.made import Made
 from insonify.scene.materials import Material

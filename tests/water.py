@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from insonify.kernels.arcs import launch_ray, step
-from insonify.kernels.eigenrays import eigenray, shoot
-from insonify.kernels.jit import kernel
-from insonify.kernels.paths import Limits
-from insonify.kernels.types import Water
-from insonify.sound.rays import follow_paths
+from insonify.acoustics.rays import follow_paths
+from insonify.kernels.common.jit import kernel
+from insonify.kernels.common.types import Water
+from insonify.kernels.refraction.arcs import launch_ray, step
+from insonify.kernels.refraction.eigenrays import eigenray, shoot
+from insonify.kernels.refraction.ray_paths import Limits
 
 NO_FLOOR, NO_CEILING = -math.inf, math.inf
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from insonify.kernels.types import Mesh, Solids
+    from insonify.kernels.common.types import Mesh, Solids
     from insonify.terrain import Ground
     from insonify_viewer.setting import Setting
 
@@ -79,12 +79,12 @@ def make_block(setting: Setting) -> Block:
     ----------
     setting : Setting
     """
-    pose, problem = setting.pose, setting.problem
+    pose, arrays = setting.pose, setting.arrays
     ahead, lamp = _ahead(setting.heading), np.array([pose.x[0], pose.y[0], pose.z[0]])
     axes = np.array([ahead, [-ahead[1], ahead[0], 0.0], [0.0, 0.0, 1.0]])
-    reach = problem.bins * problem.bin_length
+    reach = arrays.bins * arrays.bin_length
     beneath = float(np.nan_to_num(setting.ground.height_at(lamp[:1], lamp[1:2])[0]))
-    points = _target_points(problem.solids, problem.mesh)
+    points = _target_points(arrays.solids, arrays.mesh)
     if len(points):
         sides = np.vstack([lamp, points, _shadow_tips(points, lamp, beneath, reach)]) @ axes[:2].T
     else:
@@ -101,7 +101,7 @@ def make_block(setting: Setting) -> Block:
         np.append(high, top + ROOM * longer),
         lamp,
         np.vstack([corners, lamp, points]),
-        -1.0 if _to_port(problem.solids, problem.mesh, lamp, axes[1]) >= 0.0 else 1.0,
+        -1.0 if _to_port(arrays.solids, arrays.mesh, lamp, axes[1]) >= 0.0 else 1.0,
     )
 
 

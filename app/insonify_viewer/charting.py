@@ -14,7 +14,7 @@ from insonify_viewer.session import Session
 from insonify_viewer.views.chart_window import ChartWindow
 
 if TYPE_CHECKING:
-    from insonify.charts import Chart, Row
+    from insonify.accuracy.charts import Chart, Row
     from insonify_viewer.simulation import Simulator
     from insonify_viewer.views.main_window import MainWindow
 

@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene.materials import MATERIALS, Material, PatternMap, Reflectivity
 from insonify.scene.motion import Straight, Sum
 from insonify.scene.reliefs import Mimic
-from insonify.sound.water import speed_at_sonar
 from insonify_viewer.entailed_relief import endless, parts, spectrum, together
 
 Changes = dict[str, Any]

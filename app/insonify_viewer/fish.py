@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.types import Problem, Solids
-from insonify.tracers.shapes import Solid, ball, frustum
+from insonify.kernels.common.types import SceneArrays, Solids
+from insonify.packing.primitives import Solid, ball, frustum
 from insonify_viewer.block import Block
 
 FISH = np.array([0.85, 0.47, 0.03])  # as shown
@@ -16,7 +16,7 @@ SIZE = 0.045  # length over the block's longer side: larger than life, to be see
 LINE = 0.0007  # of it: radius of the plumb line
 
 
-def with_fish(problem: Problem, block: Block, of_bed: int) -> Problem:
+def with_fish(arrays: SceneArrays, block: Block, of_bed: int) -> SceneArrays:
     """Add the fish, and a plumb line from it to the bed, to what is seen.
 
     Parameters
@@ -39,10 +39,10 @@ def with_fish(problem: Problem, block: Block, of_bed: int) -> Problem:
         frustum(tail - 0.06 * length * ahead, tail + 0.1 * length * ahead, 0.12 * length, 0.02 * length),
         frustum(foot, block.lamp, LINE * longer, LINE * longer),
     ]
-    return problem._replace(
-        solids=_added(problem.solids, bodies, len(problem.reflectivity), of_bed),
-        reflectivity=np.vstack([problem.reflectivity, [0.3, 0.0, 1.0]]),
-        interface=np.vstack([problem.interface, [0.0, 1.0]]),
+    return arrays._replace(
+        solids=_added(arrays.solids, bodies, len(arrays.reflectivity), of_bed),
+        reflectivity=np.vstack([arrays.reflectivity, [0.3, 0.0, 1.0]]),
+        interface=np.vstack([arrays.interface, [0.0, 1.0]]),
     )
 
 

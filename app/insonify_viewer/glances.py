@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.types import Problem
+from insonify.kernels.common.types import SceneArrays
 from insonify.tracers.rays import Paths, cast, follow
 from insonify_viewer.block import Vectors
 
@@ -41,7 +41,7 @@ class Glances(NamedTuple):
     escaped: NDArray[np.float64]
 
 
-def glances(problem: Problem, starts: Vectors, ways: Vectors, reach: NDArray[np.float64], of_bed: int) -> Glances:
+def glances(arrays: SceneArrays, starts: Vectors, ways: Vectors, reach: NDArray[np.float64], of_bed: int) -> Glances:
     """Find what rays meet, the first hit of each within its own reach.
 
     Parameters
@@ -59,27 +59,27 @@ def glances(problem: Problem, starts: Vectors, ways: Vectors, reach: NDArray[np.
     -------
     Glances
     """
-    distance, what, normal = cast(problem, starts, ways, reach=float(reach.max(initial=0.0)))
+    distance, what, normal = cast(arrays, starts, ways, reach=float(reach.max(initial=0.0)))
     ray = np.flatnonzero(distance <= reach)
-    if problem.bounces > 0:
-        return _followed(problem, starts[ray], ways[ray], ray, of_bed)
+    if arrays.bounces > 0:
+        return _followed(arrays, starts[ray], ways[ray], ray, of_bed)
     where = starts[ray] + distance[ray, None] * ways[ray]
     ones = np.ones(ray.size)
     return Glances(ray, where, ways[ray], normal[ray], what[ray], ones, 0.0 * ones)
 
 
-def _followed(problem: Problem, starts: Vectors, ways: Vectors, ray: NDArray[np.int64], of_bed: int) -> Glances:
+def _followed(arrays: SceneArrays, starts: Vectors, ways: Vectors, ray: NDArray[np.int64], of_bed: int) -> Glances:
     """Follow rays that are known to meet something."""
-    paths = follow(problem, starts, ways, problem.bounces, reach=LONG)
+    paths = follow(arrays, starts, ways, arrays.bounces, reach=LONG)
     before = _before(paths)
     whence = np.where(paths.bounce[:, None] == 0, starts[paths.ray], paths.position[before])
     way = paths.position - whence
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     # From just before it a hit has a normal if it is seen from the water.
-    near, _, normal = cast(problem, paths.position - SHORT * way, way, reach=2.0 * SHORT)
+    near, _, normal = cast(arrays, paths.position - SHORT * way, way, reach=2.0 * SHORT)
     within = np.isinf(near)
     share = np.where(within, 0.0, paths.throughput)
-    escaped = _escaped(problem, paths, before, within, of_bed)
+    escaped = _escaped(arrays, paths, before, within, of_bed)
     return Glances(ray[paths.ray], paths.position, way, normal, paths.what, share, escaped)
 
 
@@ -95,11 +95,11 @@ def _before(paths: Paths) -> NDArray[np.int64]:
 
 
 def _escaped(
-    problem: Problem, paths: Paths, before: NDArray[np.int64], within: NDArray[np.bool_], of_bed: int
+    arrays: SceneArrays, paths: Paths, before: NDArray[np.int64], within: NDArray[np.bool_], of_bed: int
 ) -> NDArray[np.float64]:
     """Share of every hit's ray that goes on from there and meets nothing."""
-    rows = material_rows(problem, paths.position, paths.what, of_bed)
-    share, mirrored = paths.throughput, problem.interface[rows, 0] ** 2
+    rows = material_rows(arrays, paths.position, paths.what, of_bed)
+    share, mirrored = paths.throughput, arrays.interface[rows, 0] ** 2
     later = paths.bounce > 0
     parent, arrived = before[later], share[later]
     # A refracted ray always meets the far side of its body; of those from the water only mirrored ones are lost.
@@ -110,9 +110,9 @@ def _escaped(
     return np.maximum(np.where(within, share, share * mirrored) - met, 0.0)
 
 
-def material_rows(problem: Problem, where: Vectors, what: NDArray[np.int64], of_bed: int) -> NDArray[np.int64]:
+def material_rows(arrays: SceneArrays, where: Vectors, what: NDArray[np.int64], of_bed: int) -> NDArray[np.int64]:
     """Return the rows of the reflectivity table at places of the bed and of targets, whose rows follow the bed's."""
-    bed = problem.bed
+    bed = arrays.bed
     ny, nx = bed.materials.shape
     i = np.floor((where[:, 0] - bed.x0) / bed.spacing).astype(np.int64) % nx
     j = np.floor((where[:, 1] - bed.y0) / bed.spacing).astype(np.int64) % ny

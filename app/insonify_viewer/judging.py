@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from insonify_viewer.quantities import span
 
 if TYPE_CHECKING:
-    from insonify.charts import Chart, Row
+    from insonify.accuracy.charts import Chart, Row
 
 DPI = 150.0
 
@@ -46,7 +46,7 @@ class Pictured:
 
 def picture(chart: Chart) -> Pictured:
     """Draw a chart as it is saved."""
-    from insonify.charts.figure import draw
+    from insonify.accuracy.charts.figure import draw
 
     figure, marks = draw(chart)
     figure.set_dpi(DPI)
@@ -108,11 +108,11 @@ class Judged:
 
 def judge(chart: Chart, row: Row) -> Judged:
     """Lay a row's record beside its reference."""
-    from insonify.accuracy import similarity
+    from insonify.accuracy.metrics import similarity
 
     record, reference = chart.shown(row)
     case = chart.cases[row.targets]
-    reach = case.problem.bins * case.problem.bin_length
+    reach = case.arrays.bins * case.arrays.bin_length
     return Judged(
         row, _laid(record), _laid(reference), case.judge(row.method).rays, similarity(record, reference), reach
     )

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.types import BED
-from insonify.tracers.parallel import in_parallel
+from insonify.kernels.common.types import BED
+from insonify.parallel import in_parallel
 from insonify.tracers.rays import cast
 from insonify_viewer.block import Block, Camera, Vectors, make_camera
 from insonify_viewer.fish import FISH, with_fish
@@ -73,10 +73,10 @@ class Stage:
 
     def __init__(self, setting: Setting, block: Block) -> None:
         self._block = block
-        self._problem, self._ground = setting.problem, setting.ground
+        self._arrays, self._ground = setting.arrays, setting.ground
         self._of_bed = len(self._ground.names)
         names = (*self._ground.names, *(target.material.name for target in setting.scene.targets))
-        self._shown = with_fish(self._problem, self._block, self._of_bed)
+        self._shown = with_fish(self._arrays, self._block, self._of_bed)
         self._hues = hues(names)
 
     def rows(self, camera: Camera, first: int, last: int) -> Vectors:
@@ -128,7 +128,7 @@ class Stage:
         far = np.linalg.norm(to_lamp, axis=1)
         to_lamp /= far[:, None]
         cosine = np.einsum("ij,ij->i", found.normal, to_lamp)
-        free, _, _ = cast(self._problem, found.where + OFF * found.normal, to_lamp, reach=FAR)
+        free, _, _ = cast(self._arrays, found.where + OFF * found.normal, to_lamp, reach=FAR)
         lamp = LAMP * ((cosine > 0.0) & (free > far - 2.0 * OFF))[:, None]
         mirrored = 2.0 * cosine[:, None] * found.normal - to_lamp
         lobe = np.maximum(-np.einsum("ij,ij->i", mirrored, found.way), 0.0) ** shininess
@@ -142,8 +142,8 @@ class Stage:
 
     def _cut(self, where: Vectors, face: NDArray[np.int64]) -> Vectors:
         """Light of the block's sides, (n, 6)."""
-        rows = material_rows(self._problem, where, np.full(len(where), BED), self._of_bed)
-        lit = (self._problem.reflectivity[rows, 0] * CUT[face])[:, None] * self._hues[rows]
+        rows = material_rows(self._arrays, where, np.full(len(where), BED), self._of_bed)
+        lit = (self._arrays.reflectivity[rows, 0] * CUT[face])[:, None] * self._hues[rows]
         return np.concatenate([lit, np.zeros(lit.shape)], axis=1)
 
 

@@ -12,7 +12,7 @@ from insonify.scene import Scene, SceneError
 from insonify_viewer.judging import picture
 
 if TYPE_CHECKING:
-    from insonify.charts import Chart
+    from insonify.accuracy.charts import Chart
 
 Progress = Callable[[float], None]
 
@@ -77,6 +77,6 @@ class Measurement(QObject):
 
 def _measured(scene: Scene, progress: Progress) -> Chart:
     # Imported here: the window is there before Numba and matplotlib are.
-    from insonify.charts import chart
+    from insonify.accuracy.charts import chart
 
     return chart(scene, progress=progress)

@@ -10,6 +10,8 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from insonify.acoustics.absorption import NEPER_PER_DB, absorption_coefficient
+from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError
 from insonify.scene.edit import kind_name, models_of
 from insonify.scene.fractal import Fractal
@@ -21,8 +23,6 @@ from insonify.scene.roughness import PowerLaw
 from insonify.scene.sonar import LineArray
 from insonify.scene.targets import Pipe, Target
 from insonify.scene.water import AnyWater, FrancoisGarrison
-from insonify.sound.absorption import NEPER_PER_DB, absorption_coefficient
-from insonify.sound.water import speed_at_sonar
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
 PAIR_NAMES = {

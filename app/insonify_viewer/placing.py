@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.meshes import read_mesh
+from insonify.io.meshes import read_mesh
 from insonify.scene import Scene, SceneError
 
 if TYPE_CHECKING:
-    from insonify.simulate import Simulation
+    from insonify.simulation import Simulation
 
 BEHIND = (0.15, 0.3, 0.45, 0.6)  # shares of what is on screen
 ABEAM = (-0.45, 0.45, -0.7, 0.7, -0.25, 0.25)  # of the farthest ground range, port positive

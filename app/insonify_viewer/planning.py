@@ -9,7 +9,7 @@ from insonify_viewer.changes import Heard, difference, in_words, subject_of
 from insonify_viewer.session import Session
 
 if TYPE_CHECKING:
-    from insonify.simulate import Simulation
+    from insonify.simulation import Simulation
     from insonify_viewer.record import Record
     from insonify_viewer.simulation import Answer
     from insonify_viewer.views.main_window import MainWindow

@@ -10,13 +10,13 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from insonify.tracers.rotation import rotation
+from insonify.packing.rotation import rotation
 from insonify_viewer.shading import bed_image, sampled
 
 if TYPE_CHECKING:
-    from insonify.kernels.types import Mesh, Poses, Problem, Solids
+    from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
+    from insonify.packing.track import Line
     from insonify.terrain import AnyGround
-    from insonify.tracers.line import Line
 
 MESH_NODES = 256
 TEXTURE_SIZE = 768
@@ -201,7 +201,7 @@ class Fan:
         self.footprint = pv.PolyData(np.zeros((2 * n, 3), np.float32), faces=quads.ravel())
         self.footprint.point_data["colour"] = np.full((2 * n, 3), 255, np.uint8)
 
-    def move(self, ground: AnyGround, problem: Problem, pose: Poses, tones: NDArray[np.float32]) -> None:
+    def move(self, ground: AnyGround, arrays: SceneArrays, pose: Poses, tones: NDArray[np.float32]) -> None:
         """Follow the sonar.
 
         Parameters
@@ -215,17 +215,17 @@ class Fan:
         tones : (2 bins,) float32
             Brightness of the record's newest row, 0 to 1, far port to far starboard.
         """
-        line, slant = scan_line(ground, problem, pose)
+        line, slant = scan_line(ground, arrays, pose)
         ahead = np.array([math.cos(pose.heading[0]), math.sin(pose.heading[0]), 0.0])
-        reach = problem.bins * problem.bin_length
-        half = np.maximum(slant * math.sin(problem.half_width), 0.006 * reach)[:, None]
+        reach = arrays.bins * arrays.bin_length
+        half = np.maximum(slant * math.sin(arrays.half_width), 0.006 * reach)[:, None]
         lifted = line + np.array([0.0, 0.0, 0.0015 * reach])
         self.sheet.points = np.vstack([[[pose.x[0], pose.y[0], pose.z[0]]], line]).astype(np.float32)
         self.footprint.points = (
             np.stack([lifted - half * ahead, lifted + half * ahead], 1).reshape(-1, 3).astype(np.float32)
         )
-        bins = problem.bins
-        bin_heard = np.clip((slant / problem.bin_length).astype(np.int64), 0, bins - 1)
+        bins = arrays.bins
+        bin_heard = np.clip((slant / arrays.bin_length).astype(np.int64), 0, bins - 1)
         columns = np.concatenate([bins - 1 - bin_heard[:LINE_POINTS], bins + bin_heard[LINE_POINTS:]])
         self.footprint.point_data["colour"] = np.repeat(heard_colours(tones[columns]), 2, axis=0)
 
@@ -236,7 +236,7 @@ def heard_colours(tones: NDArray[np.float32]) -> NDArray[np.uint8]:
     return np.asarray((dark + tones[:, None] * (bright - dark)).astype(np.uint8))
 
 
-def scan_line(ground: AnyGround, problem: Problem, pose: Poses) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def scan_line(ground: AnyGround, arrays: SceneArrays, pose: Poses) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Points of the bed across the track, far port to far starboard, and their slant ranges.
 
     Returns
@@ -246,9 +246,9 @@ def scan_line(ground: AnyGround, problem: Problem, pose: Poses) -> tuple[NDArray
     slant : (2 LINE_POINTS,) float64
         Metres from the sonar.
     """
-    reach = problem.bins * problem.bin_length
+    reach = arrays.bins * arrays.bin_length
     below = bed_below(ground, pose)
-    height, squint = float(pose.z[0]) - below, problem.pattern.centre
+    height, squint = float(pose.z[0]) - below, arrays.pattern.centre
     farthest = (squint * reach + height * math.sin(pose.pitch[0])) / math.cos(pose.pitch[0])
     far = math.sqrt(max(reach**2 - height**2 - farthest**2, 0.0))
     across = np.concatenate([np.linspace(far, 0.0, LINE_POINTS), np.linspace(0.0, -far, LINE_POINTS)])

@@ -11,8 +11,8 @@ from insonify_viewer.record import Record
 from insonify_viewer.session import Mark
 
 if TYPE_CHECKING:
-    from insonify.picture import LevelBed
-    from insonify.simulate import Simulation
+    from insonify.display.picture import LevelBed
+    from insonify.simulation import Simulation
 
 Place = tuple[float, float, float]
 SIDES = ("port", "starboard")
@@ -42,9 +42,9 @@ def place_of(simulation: Simulation, mark: Mark) -> tuple[float, float | None, P
     pose = simulation.poses(np.array([mark.ping], dtype=np.int64))
     below = float(ground.height_at(pose.x, pose.y)[0])
     height = float(pose.z[0]) - (0.0 if math.isnan(below) else below)
-    true_slant = (mark.bin + 0.5) * simulation.problem.bin_length
+    true_slant = (mark.bin + 0.5) * simulation.arrays.bin_length
     # The beam is a cone about the fish's axis, squinted from the plane athwart; with the bow up it leans forward.
-    pitch, squint = float(pose.pitch[0]), simulation.problem.pattern.centre
+    pitch, squint = float(pose.pitch[0]), simulation.arrays.pattern.centre
     ahead = (squint * true_slant + height * math.sin(pitch)) / math.cos(pitch)
     if true_slant < math.hypot(height, ahead):
         return slant, None, None

@@ -14,8 +14,8 @@ from insonify_viewer.simulation import Simulator
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
 
-    from insonify.kernels.types import Mesh, Solids
-    from insonify.simulate import Simulation
+    from insonify.kernels.common.types import Mesh, Solids
+    from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
     from insonify_viewer.pv_meshes import BedPatch
 
@@ -68,13 +68,13 @@ class Seabed:
 
         sent = np.array([ping], dtype=np.int64)
         pose, line = simulation.poses(sent), simulation.line(sent)
-        reach = simulation.problem.bins * simulation.problem.bin_length
+        reach = simulation.arrays.bins * simulation.arrays.bin_length
         ground, bed = simulation.ground, (simulation.ground, window_centre(line, reach), reach)
-        bodies = (simulation.problem.solids, simulation.problem.mesh, target_colours(simulation.scene))
+        bodies = (simulation.arrays.solids, simulation.arrays.mesh, target_colours(simulation.scene))
         if self._bed != bed or not _same(self._bodies, bodies):
             self._bed, self._bodies = bed, bodies
             self._bake(bed, bodies)
-        self._view.show_sonar(ground, simulation.problem, pose, float(line.heading[0]), tones)
+        self._view.show_sonar(ground, simulation.arrays, pose, float(line.heading[0]), tones)
         scene = simulation.scene
         step = scene.track.speed / scene.sonar.ping_rate
         self._view.show_path(simulation.poses(path_pings(ping, step, reach)))

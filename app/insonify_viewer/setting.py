@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from insonify.kernels.types import Poses, Problem, still_water
+from insonify.kernels.common.types import Poses, SceneArrays, still_water
+from insonify.packing.navigation import make_poses
+from insonify.packing.scene_arrays import make_bed, pack_scene
+from insonify.packing.track import line_at
 from insonify.scene import Scene
 from insonify.terrain import Ground, build_ground
-from insonify.tracers.line import line_at
-from insonify.tracers.poses import make_poses
-from insonify.tracers.problem import make_bed, make_problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Setting:
 
     scene: Scene
     ground: Ground
-    problem: Problem
+    arrays: SceneArrays
     pose: Poses
     heading: float
 
@@ -48,10 +48,10 @@ def make_setting(scene: Scene) -> Setting:
         One sentence with what is wrong and the remedy.
     """
     everywhere = build_ground(scene)
-    problem = make_problem(scene, everywhere)
+    arrays = pack_scene(scene, everywhere)
     middle = np.array([scene.track.pings // 2], dtype=np.int64)
     pose = make_poses(scene, everywhere, middle)
-    reach = problem.bins * problem.bin_length
+    reach = arrays.bins * arrays.bin_length
     ground = everywhere.around((float(pose.x[0]), float(pose.y[0])), 1.5 * reach)  # to the block's corners
-    straight = problem._replace(bed=make_bed(ground), water=still_water())
+    straight = arrays._replace(bed=make_bed(ground), water=still_water())
     return Setting(scene, ground, straight, pose, float(line_at(scene, middle).heading[0]))

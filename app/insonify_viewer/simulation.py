@@ -17,8 +17,8 @@ from insonify.scene import Scene, SceneError
 from insonify_viewer.modelling import Modelling
 
 if TYPE_CHECKING:
-    from insonify.picture import LevelBed
-    from insonify.simulate import Simulation
+    from insonify.display.picture import LevelBed
+    from insonify.simulation import Simulation
 
 BLOCK = 64
 COARSE_TIME = 0.01  # s, to trace a screen while a slider moves
@@ -184,7 +184,7 @@ class Simulator(QObject):
             self._called_back.emit(refuse, f"this scene cannot be simulated ({type(error).__name__}: {error})")
 
     def _trace(self, request: Request) -> Iterator[Answer]:
-        from insonify.picture import normalise
+        from insonify.display.picture import normalise
 
         modelling = request.modelling if request.fine else request.modelling.coarse
         simulation, level = self._prepared(request.scene, modelling, fine=request.fine)
@@ -212,7 +212,7 @@ class Simulator(QObject):
 
     def _prepared(self, scene: Scene, modelling: Modelling, *, fine: bool) -> tuple[Simulation, LevelBed]:
         """Prepare a scene, or take the last one if it is the same."""
-        from insonify.picture import LevelBed
+        from insonify.display.picture import LevelBed
 
         last = self._last.get(fine)
         if last is None or last[:2] != (scene, modelling):
@@ -230,21 +230,21 @@ _Errand = tuple[Callable[[], Any], Callable[[Any], None]]
 
 def _prepare(scene: Scene, **how: Any) -> Simulation:
     # Imported here, on the worker: the window is there before Numba is.
-    from insonify.simulate import prepare
+    from insonify.simulation import prepare
 
     return prepare(scene, **how)
 
 
 def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
     """Tell over how many pings a beam spreads what one plane hears; None where random numbers would spread too."""
-    from insonify.sound.cell import bin_centres, coherence_angle
+    from insonify.acoustics.resolution_cell import bin_centres, coherence_angle
 
-    scene, problem = simulation.scene, simulation.problem
+    scene, arrays = simulation.scene, simulation.arrays
     receiver = scene.receiver
-    if problem.half_width <= 0.0 or {receiver.speckle.kind, receiver.noise.kind, receiver.fluctuation.kind} != {"none"}:
+    if arrays.half_width <= 0.0 or {receiver.speckle.kind, receiver.noise.kind, receiver.fluctuation.kind} != {"none"}:
         return None
     step = scene.track.speed / scene.sonar.ping_rate
-    return coherence_angle(problem) * bin_centres(problem) / step
+    return coherence_angle(arrays) * bin_centres(arrays) / step
 
 
 def _result(errand: Callable[[], Any]) -> Any:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from insonify.terrain import EndlessGround
 
 if TYPE_CHECKING:
-    from insonify.kernels.types import Mesh, Poses, Solids
-    from insonify.simulate import Simulation
+    from insonify.kernels.common.types import Mesh, Poses, Solids
+    from insonify.simulation import Simulation
     from insonify.terrain.ground import Ground
 
 MARGIN = 1 / 32  # of the screen, left below the first target
@@ -69,10 +69,10 @@ def leaves(ground: Ground, poses: Poses) -> bool:
 def _first_abeam(simulation: Simulation) -> int | None:
     """Return the first ping of the declared track that has part of a target abeam, None if none has."""
     line = simulation.line(np.arange(simulation.scene.track.pings, dtype=np.int64))
-    problem = simulation.problem
-    reach = problem.bins * problem.bin_length
+    arrays = simulation.arrays
+    reach = arrays.bins * arrays.bin_length
     pings = []
-    for x, y in _ends(problem.solids, problem.mesh):
+    for x, y in _ends(arrays.solids, arrays.mesh):
         away = np.hypot(line.x - x, line.y - y)
         if away.min() < reach:
             pings.append(int(away.argmin()))

@@ -10,7 +10,7 @@ from insonify_viewer.placing import new_target
 from insonify_viewer.session import Session
 
 if TYPE_CHECKING:
-    from insonify.simulate import Simulation
+    from insonify.simulation import Simulation
     from insonify_viewer.simulation import Simulator
     from insonify_viewer.views.files import Files
     from insonify_viewer.views.main_window import MainWindow

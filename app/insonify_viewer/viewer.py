@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QGuiApplication
 
-from insonify.picture import PALETTES, contrast, palette
+from insonify.display.picture import PALETTES, contrast, palette
 from insonify.scene import Scene, SceneError
 from insonify_viewer.charting import ChartPanel
 from insonify_viewer.parameters import sections_of
@@ -115,7 +115,7 @@ class Viewer(QObject):
         if isinstance(simulation, SceneError):
             self._refuse(self._number, str(simulation))
             return
-        silence = np.zeros(2 * simulation.problem.bins, dtype=np.float32)
+        silence = np.zeros(2 * simulation.arrays.bins, dtype=np.float32)
         self._seabed.show_sonar(simulation, self.tow.top, silence)
         self._ask()
 

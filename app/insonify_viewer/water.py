@@ -9,7 +9,7 @@ from insonify.scene.water import ProfileWater, UniformWater
 from insonify_viewer.session import Session
 
 if TYPE_CHECKING:
-    from insonify.diagrams.diagram import Diagram
+    from insonify.display.ray_diagram.diagram import Diagram
     from insonify_viewer.simulation import Simulator
     from insonify_viewer.views.main_window import MainWindow
 
@@ -103,7 +103,7 @@ class WaterPanel:
 
 
 def _diagram(scene: Scene, target: Target, fine: bool) -> Diagram:
-    from insonify.diagrams.rays import ACROSS, ray_diagram
+    from insonify.display.ray_diagram.rays import ACROSS, ray_diagram
     from insonify.terrain import build_ground
 
     datum = build_ground(scene).datum

@@ -2,44 +2,61 @@
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
-from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-_HOMES = {
+if TYPE_CHECKING:
+    from insonify.accuracy.charts import chart
+    from insonify.acoustics.caustics import caustics
+    from insonify.acoustics.paths import eigenrays, ray_paths, shadow_zones
+    from insonify.planning import plan
+    from insonify.scene import Scene, SceneError, load_scene
+    from insonify.simulation import prepare, simulate, simulate_blocks
+    from insonify.terrain import relief
+
+__all__ = [
+    "Scene",
+    "SceneError",
+    "caustics",
+    "chart",
+    "eigenrays",
+    "load_scene",
+    "plan",
+    "prepare",
+    "ray_paths",
+    "relief",
+    "shadow_zones",
+    "simulate",
+    "simulate_blocks",
+]
+
+# Public names are imported when they are first used, so that a command loads only the modules that it needs.
+_MODULES = {
     "Scene": "scene",
     "SceneError": "scene",
-    "caustics": "sound.caustics",
-    "chart": "charts",
-    "eigenrays": "sound.paths",
+    "caustics": "acoustics.caustics",
+    "chart": "accuracy.charts",
+    "eigenrays": "acoustics.paths",
     "load_scene": "scene",
-    "plan": "plan",
-    "prepare": "simulate",
-    "ray_paths": "sound.paths",
+    "plan": "planning",
+    "prepare": "simulation",
+    "ray_paths": "acoustics.paths",
     "relief": "terrain",
-    "shadow_zones": "sound.paths",
-    "simulate": "simulate",
-    "simulate_blocks": "simulate",
+    "shadow_zones": "acoustics.paths",
+    "simulate": "simulation",
+    "simulate_blocks": "simulation",
 }
-__all__ = list(_HOMES)
 
 
-class _Package(ModuleType):
-    """A package whose functions `plan`, `simulate` and `chart` are not hidden by the modules they live in."""
-
-    def __getattr__(self, name: str) -> Any:
-        """Import a public name when it is first asked for, so that no command waits for what it does not use."""
-        if name not in _HOMES:
-            raise AttributeError(f"module 'insonify' has no attribute {name!r}")
-        value = getattr(import_module(f"insonify.{_HOMES[name]}"), name)
-        super().__setattr__(name, value)
-        return value
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        """Refuse only a submodule that would take the place of a public function."""
-        if not (name in _HOMES and isinstance(value, ModuleType)):
-            super().__setattr__(name, value)
+def __getattr__(name: str) -> Any:
+    """Import a public name on first use."""
+    if name not in _MODULES:
+        raise AttributeError(f"module 'insonify' has no attribute {name!r}")
+    value = getattr(import_module(f"insonify.{_MODULES[name]}"), name)
+    globals()[name] = value
+    return value
 
 
-sys.modules[__name__].__class__ = _Package
+def __dir__() -> list[str]:
+    """List the public names, imported or not."""
+    return sorted([*globals(), *__all__])

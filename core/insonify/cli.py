@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 
 from insonify.commands import chart, compare, plan, rays, relief, render, show, stability
 from insonify.commands.options import add_scene, chosen_scene, output
-from insonify.look import Look
+from insonify.display.options import Look
 from insonify.scene import SceneError, bundled_scenes
 
 GROUP = "insonify.commands"

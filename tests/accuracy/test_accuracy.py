@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of, rough
-from insonify.accuracy import compare, flat_bed_curves, record_error, reference, time_calls
+from beds import arrays_of, poses_of, rough
+from insonify.accuracy.metrics import compare, flat_bed_curves, record_error, reference, time_calls
 from insonify.tracers import rays
 
 
-def bed_problem(half_width=0.0, **options):
+def bed_arrays(half_width=0.0, **options):
     options = {"bins": 500, "bin_length": 0.06, **options}
-    return problem_of(rough(256, 256, 0.05), 0.1, periodic=True, half_width=half_width, **options)
+    return arrays_of(rough(256, 256, 0.05), 0.1, periodic=True, half_width=half_width, **options)
 
 
 def order(counts, errors):
@@ -52,15 +52,15 @@ def test_near_bins_do_not_rule():
     poses = poses_of(0.0, 0.0, 8.0)
     errors = []
     for spreading in (False, True):
-        problem = problem_of(np.zeros((8, 8)), 4.0, periodic=True, spreading=spreading)
-        record = rays.trace(problem, poses, rays=8400).astype(float)
-        errors.append(compare(problem, poses, record * np.where(np.arange(1000) > 700, 1.1, 1.0), record))
+        arrays = arrays_of(np.zeros((8, 8)), 4.0, periodic=True, spreading=spreading)
+        record = rays.trace(arrays, poses, rays=8400).astype(float)
+        errors.append(compare(arrays, poses, record * np.where(np.arange(1000) > 700, 1.1, 1.0), record))
     assert errors[0].all_bins == pytest.approx(errors[1].all_bins, rel=1e-3)
 
 
 def test_each_ping_has_the_curve_of_its_altitude():
-    problem = bed_problem()
-    curves = flat_bed_curves(problem, poses_of(0.0, 0.0, [8.0, 5.0, 8.0]))
+    arrays = bed_arrays()
+    curves = flat_bed_curves(arrays, poses_of(0.0, 0.0, [8.0, 5.0, 8.0]))
     assert curves.shape == (3, 1, 500)
     np.testing.assert_array_equal(curves[0], curves[2])
     assert np.flatnonzero(curves[1, 0])[0] == int(5.0 / 0.06)
@@ -73,20 +73,20 @@ def test_each_ping_has_the_curve_of_its_altitude():
     [(0.0, 1.0), (math.radians(1.0), 0.75)],
 )
 def test_rays_converge_in_their_order(half_width, expected):
-    problem, poses = bed_problem(half_width), poses_of(np.arange(4) * 0.9, 1.3, 8.0)
-    finest = rays.trace(problem, poses, rays=1 << 18)
+    arrays, poses = bed_arrays(half_width), poses_of(np.arange(4) * 0.9, 1.3, 8.0)
+    finest = rays.trace(arrays, poses, rays=1 << 18)
     counts = np.array([1 << k for k in range(10, 15)])
-    errors = [compare(problem, poses, rays.trace(problem, poses, rays=int(n)), finest).beyond for n in counts]
+    errors = [compare(arrays, poses, rays.trace(arrays, poses, rays=int(n)), finest).beyond for n in counts]
     assert order(counts, errors) == pytest.approx(expected, rel=0.1)
 
 
 def test_reference_moves_less_than_asked():
-    problem, poses = bed_problem(), poses_of([0.0, 3.0], 1.3, 8.0)
-    record, moved = reference(problem, poses, tolerance=0.003)
+    arrays, poses = bed_arrays(), poses_of([0.0, 3.0], 1.3, 8.0)
+    record, moved = reference(arrays, poses, tolerance=0.003)
     assert moved < 0.003
-    finest = rays.trace(problem, poses, rays=1 << 18)
-    assert compare(problem, poses, record, finest).beyond < 0.003
-    np.testing.assert_array_equal(record, reference(problem, poses, tolerance=0.003)[0])
+    finest = rays.trace(arrays, poses, rays=1 << 18)
+    assert compare(arrays, poses, record, finest).beyond < 0.003
+    np.testing.assert_array_equal(record, reference(arrays, poses, tolerance=0.003)[0])
 
 
 def test_calls_are_timed_in_turns():

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify.accuracy import compare
+from insonify.accuracy.metrics import compare
+from insonify.packing.navigation import take
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.tracers import rays, sweep
-from insonify.tracers.poses import take
 
 KNIFE = {"sonar.beam": "knife", "receiver.speckle": "none"}
 RAYS = 100_000
@@ -34,11 +34,11 @@ WATERS = {
 def errors(name, changes, pings):
     """Error of each ping against many rays, and both records."""
     simulation = prepare(edit(load_scene(name), KNIFE | changes))
-    problem, poses = simulation.problem, simulation.poses(np.array(pings))
-    assert problem.water.bent
-    swept, right = sweep.trace(problem, poses), rays.trace(problem, poses, rays=RAYS)
+    arrays, poses = simulation.arrays, simulation.poses(np.array(pings))
+    assert arrays.water.bent
+    swept, right = sweep.trace(arrays, poses), rays.trace(arrays, poses, rays=RAYS)
     single = [slice(k, k + 1) for k in range(len(pings))]
-    return [compare(problem, take(poses, k), swept[k], right[k]) for k in single], swept, right
+    return [compare(arrays, take(poses, k), swept[k], right[k]) for k in single], swept, right
 
 
 @pytest.mark.parametrize("water", WATERS)

@@ -10,11 +10,11 @@ import time
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of
-from insonify.accuracy import Displacement, Errors, similarity
-from insonify.charts import Chart, Row, chart, measure, reference
-from insonify.charts.measure import Case
-from insonify.charts.reference import Reference
+from beds import arrays_of, poses_of
+from insonify.accuracy.charts import Chart, Row, chart, measure, reference
+from insonify.accuracy.charts.measure import Case
+from insonify.accuracy.charts.reference import Reference
+from insonify.accuracy.metrics import Displacement, Errors, similarity
 from insonify.scene import SceneError, edit, load_scene
 
 
@@ -32,9 +32,9 @@ ROWS = (
 
 
 def made(rows=ROWS):
-    poses, problem = poses_of([0.0, 1.0], 0.0, 8.0), problem_of(np.zeros((8, 8)), 4.0, periodic=True)
-    record = np.ones((2, 2, problem.bins), dtype=np.float32)
-    case = Case(problem, poses, Reference(record, 0.001, 65536))
+    poses, arrays = poses_of([0.0, 1.0], 0.0, 8.0), arrays_of(np.zeros((8, 8)), 4.0, periodic=True)
+    record = np.ones((2, 2, arrays.bins), dtype=np.float32)
+    case = Case(arrays, poses, Reference(record, 0.001, 65536))
     return Chart("Pipe", rows, 2, "a machine, two cores", {False: case}, {each.name: record for each in rows})
 
 
@@ -132,8 +132,8 @@ def test_a_reference_is_given_up_after_any_ping(monkeypatch):
         raise Stop
 
     traced = []
-    monkeypatch.setattr(reference.sheets, "can_trace", lambda problem: False)
-    monkeypatch.setattr(reference.rays, "trace", lambda problem, pose, **how: traced.append(time.sleep(0.01)))
+    monkeypatch.setattr(reference.sheets, "can_trace", lambda arrays: False)
+    monkeypatch.setattr(reference.rays, "trace", lambda arrays, pose, **how: traced.append(time.sleep(0.01)))
     poses = poses_of(np.arange(64.0), 0.0, 8.0)
     with pytest.raises(Stop):
         reference.trace(None, poses, 1 << 16, told)

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of, rough
-from insonify.accuracy import compare
-from insonify.charts.embree import TriangulatedBed, why_not
+from beds import arrays_of, poses_of, rough
+from insonify.accuracy.charts.embree import TriangulatedBed, why_not
+from insonify.accuracy.metrics import compare
 from insonify.scene import SceneError
 from insonify.tracers import rays
 
@@ -17,9 +17,9 @@ POSES = poses_of([0.0, 3.7], 1.3, 8.0, [0.3, 1.9])
 FAN = math.radians(1.0)
 
 
-def bed_problem(**options):
+def bed_arrays(**options):
     options = {"bins": 300, "bin_length": 0.1, "periodic": True, "half_width": FAN, **options}
-    return problem_of(rough(256, 256, 0.05), 0.1, **options)
+    return arrays_of(rough(256, 256, 0.05), 0.1, **options)
 
 
 @pytest.fixture(autouse=True)
@@ -30,39 +30,39 @@ def _installed():
 @pytest.mark.parametrize("half_width", [0.0, FAN])
 def test_over_a_level_bed_every_ray_returns_the_same(half_width):
     # Triangles and bilinear cells are then one surface: only single precision is left.
-    problem = problem_of(np.zeros((64, 64)), 1.0, periodic=True, half_width=half_width, bins=300, bin_length=0.1)
-    record, right = TriangulatedBed(problem, POSES).trace(POSES, rays=3000), rays.trace(problem, POSES, rays=3000)
-    assert compare(problem, POSES, record, right).beyond < 0.01
-    assert abs(compare(problem, POSES, record, right).energy_bias) < 1e-5
+    arrays = arrays_of(np.zeros((64, 64)), 1.0, periodic=True, half_width=half_width, bins=300, bin_length=0.1)
+    record, right = TriangulatedBed(arrays, POSES).trace(POSES, rays=3000), rays.trace(arrays, POSES, rays=3000)
+    assert compare(arrays, POSES, record, right).beyond < 0.01
+    assert abs(compare(arrays, POSES, record, right).energy_bias) < 1e-5
 
 
 def test_over_a_rough_bed_the_surface_differs_as_its_cells_are_cut():
-    problem = bed_problem()
-    bed = TriangulatedBed(problem, POSES)
+    arrays = bed_arrays()
+    bed = TriangulatedBed(arrays, POSES)
     own = bed.trace(POSES, rays=1 << 17)
-    surface = compare(problem, POSES, own, rays.trace(problem, POSES, rays=1 << 17)).beyond
-    sampling = compare(problem, POSES, bed.trace(POSES, rays=4000), own).beyond
+    surface = compare(arrays, POSES, own, rays.trace(arrays, POSES, rays=1 << 17)).beyond
+    sampling = compare(arrays, POSES, bed.trace(POSES, rays=4000), own).beyond
     single = compare(
-        problem, POSES, rays.trace(problem, POSES, rays=4000), rays.trace(problem, POSES, rays=1 << 17)
+        arrays, POSES, rays.trace(arrays, POSES, rays=4000), rays.trace(arrays, POSES, rays=1 << 17)
     ).beyond
     assert 0.005 < surface < 0.2
     assert sampling == pytest.approx(single, rel=0.5)
 
 
 def test_a_bed_with_an_edge_and_a_hole_is_silent_there():
-    problem = bed_problem(periodic=False)
-    heights = problem.bed.heights.copy()
+    arrays = bed_arrays(periodic=False)
+    heights = arrays.bed.heights.copy()
     heights[60:80, 20:60] = np.nan
-    problem = problem._replace(bed=problem.bed._replace(heights=heights))
+    arrays = arrays._replace(bed=arrays.bed._replace(heights=heights))
     poses = poses_of(4.0, 4.0, 6.0)
-    record, right = TriangulatedBed(problem, poses).trace(poses, rays=20_000), rays.trace(problem, poses, rays=20_000)
+    record, right = TriangulatedBed(arrays, poses).trace(poses, rays=20_000), rays.trace(arrays, poses, rays=20_000)
     heard, dark = right > 0.0, (right == 0.0) & (record > 0.0)
     assert heard.any()
     assert dark.sum() < 0.03 * heard.sum()
 
 
 def test_what_it_is_not_asked_for_is_said():
-    assert "straight" in why_not(bed_problem()._replace(bounces=1), POSES)
-    assert "targets" in why_not(bed_problem(solids=[((0.0, 9.0, 0.5), 0.5)]), POSES)
+    assert "straight" in why_not(bed_arrays()._replace(bounces=1), POSES)
+    assert "targets" in why_not(bed_arrays(solids=[((0.0, 9.0, 0.5), 0.5)]), POSES)
     with pytest.raises(SceneError, match="targets"):
-        TriangulatedBed(bed_problem(solids=[((0.0, 9.0, 0.5), 0.5)]), POSES)
+        TriangulatedBed(bed_arrays(solids=[((0.0, 9.0, 0.5), 0.5)]), POSES)

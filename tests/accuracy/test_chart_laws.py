@@ -8,11 +8,11 @@ import math
 import numpy as np
 import pytest
 
-from insonify.charts import ConvergenceChart, CostChart, convergence, convergence_chart, cost, cost_chart
-from insonify.charts.convergence import Point
-from insonify.charts.cost import Cost
-from insonify.charts.fit import fit_power
-from insonify.charts.reference import Reference
+from insonify.accuracy.charts import ConvergenceChart, CostChart, convergence, convergence_chart, cost, cost_chart
+from insonify.accuracy.charts.convergence import Point
+from insonify.accuracy.charts.cost import Cost
+from insonify.accuracy.charts.fit import fit_power
+from insonify.accuracy.charts.reference import Reference
 from insonify.scene import edit, load_scene
 
 SMALL = edit(

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of
-from insonify.accuracy import displacement, echo_shifts, edge_shifts, flat_bed_curves, similarity
-from insonify.tracers import rays, sheets
+from beds import arrays_of, poses_of
+from insonify.accuracy.metrics import displacement, echo_shifts, edge_shifts, flat_bed_curves, similarity
+from insonify.tracers import ray_sheets, rays
 
 BINS = 400
 
@@ -77,18 +77,18 @@ def test_a_lost_echo_is_told_as_such():
 
 
 def test_in_metres_of_a_record():
-    problem, poses = (
-        problem_of(np.zeros((8, 8)), 4.0, periodic=True, bins=BINS, bin_length=0.25),
+    arrays, poses = (
+        arrays_of(np.zeros((8, 8)), 4.0, periodic=True, bins=BINS, bin_length=0.25),
         poses_of(0.0, 0.0, 10.0),
     )
-    curve = flat_bed_curves(problem, poses)
+    curve = flat_bed_curves(arrays, poses)
     right = curve * np.stack([stepped(120.0, 200.0), np.ones(BINS)])
-    found = displacement(problem, poses, curve * np.stack([stepped(118.0, 203.0), np.ones(BINS)]), right)
+    found = displacement(arrays, poses, curve * np.stack([stepped(118.0, 203.0), np.ones(BINS)]), right)
     assert found.shadow_edge == pytest.approx(0.25 * 2.5, rel=1e-6)
     assert math.isnan(found.echo)
     assert found.lost == 0
     both = curve * np.stack([echoes(150.0, 300.0), np.ones(BINS)])
-    some = displacement(problem, poses, curve * np.stack([echoes(152.0), np.ones(BINS)]), both)
+    some = displacement(arrays, poses, curve * np.stack([echoes(152.0), np.ones(BINS)]), both)
     assert some.echo == pytest.approx(0.5, abs=1e-3)
     assert some.lost == 1
 
@@ -102,11 +102,11 @@ def test_the_shadow_of_a_span_from_a_sonar_at_another_height():
         return height / math.sin(phi + alpha), height / math.sin(phi - alpha)
 
     pipe = [((-50.0, 30.0, 1.5), (50.0, 30.0, 1.5), 0.5)]
-    problem = problem_of(np.zeros((8, 8)), 32.0, x0=-128.0, y0=-128.0, solids=pipe, bins=2000, bin_length=0.025)
-    low, high = (sheets.trace(problem, poses_of(0.0, 0.0, z), rays=1 << 15)[:, :1] for z in (10.0, 10.4))
-    curve = flat_bed_curves(problem, poses_of(0.0, 0.0, 10.0))
+    arrays = arrays_of(np.zeros((8, 8)), 32.0, x0=-128.0, y0=-128.0, solids=pipe, bins=2000, bin_length=0.025)
+    low, high = (ray_sheets.trace(arrays, poses_of(0.0, 0.0, z), rays=1 << 15)[:, :1] for z in (10.0, 10.4))
+    curve = flat_bed_curves(arrays, poses_of(0.0, 0.0, 10.0))
     a, b = (np.divide(each, curve, out=np.zeros_like(curve), where=curve > 0.0)[0, 0, 500:] for each in (high, low))
-    expected = [(one - other) / problem.bin_length for one, other in zip(shadow(10.4), shadow(10.0))]
+    expected = [(one - other) / arrays.bin_length for one, other in zip(shadow(10.4), shadow(10.0))]
     assert edge_shifts(a, b) == pytest.approx(expected, abs=0.35)  # of 25 mm
 
 
@@ -120,10 +120,8 @@ def test_pictures_alike():
 
 
 def test_what_is_exact_is_not_displaced():
-    problem = problem_of(np.zeros((8, 8)), 32.0, periodic=True, solids=[((0.0, 20.0, 1.0), 1.0)])
+    arrays = arrays_of(np.zeros((8, 8)), 32.0, periodic=True, solids=[((0.0, 20.0, 1.0), 1.0)])
     poses = poses_of(0.0, 0.0, 8.0)
-    found = displacement(
-        problem, poses, rays.trace(problem, poses, rays=60_000), rays.trace(problem, poses, rays=90_000)
-    )
+    found = displacement(arrays, poses, rays.trace(arrays, poses, rays=60_000), rays.trace(arrays, poses, rays=90_000))
     assert found.shadow_edge < 0.01
     assert found.echo < 0.01

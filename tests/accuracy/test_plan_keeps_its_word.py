@@ -19,11 +19,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from insonify.accuracy import compare
-from insonify.charts.reference import trace
-from insonify.kernels.types import Poses, Problem
+from insonify.accuracy.charts.reference import trace
+from insonify.accuracy.metrics import compare
+from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene, edit
-from insonify.simulate import Simulation, prepare
+from insonify.simulation import Simulation, prepare
 from planned_scenes import planned_scene
 
 JUDGED = range(300)
@@ -97,23 +97,23 @@ def judge(seed: int, folder: Path, *, timed: bool = True) -> Word:
     said = prepare(scene, tolerance=tolerance)
     whole = prepare(scene, method="rays", tolerance=tolerance, forced={"bending": "on"})
     poses = whole.poses(pings)
-    right, moved = settled(whole.problem, poses, SETTLED * tolerance)
+    right, moved = settled(whole.arrays, poses, SETTLED * tolerance)
 
     def error(simulation: Simulation) -> float:
-        return compare(whole.problem, poses, simulation.intensity(pings), right).beyond
+        return compare(whole.arrays, poses, simulation.intensity(pings), right).beyond
 
     ratio = _cost_ratio(scene, said, tolerance, pings, error) if timed else math.nan
     return Word(scene, said, tolerance, error(said), moved, ratio)
 
 
-def settled(problem: Problem, poses: Poses, wanted: float) -> tuple[np.ndarray, float]:
+def settled(arrays: SceneArrays, poses: Poses, wanted: float) -> tuple[np.ndarray, float]:
     """Record of exact rays, twice as many until that moves it by no more than is wanted; and how far it did."""
     count, moved = FIRST_RAYS, math.inf
-    record = trace(problem, poses, count)
+    record = trace(arrays, poses, count)
     while moved > wanted and count < MOST_RAYS:
         count *= 4
-        finer = trace(problem, poses, count)
-        moved, record = compare(problem, poses, record, finer).beyond, finer
+        finer = trace(arrays, poses, count)
+        moved, record = compare(arrays, poses, record, finer).beyond, finer
     return record, moved
 
 
@@ -122,7 +122,7 @@ def _cost_ratio(
 ) -> float:
     """Time of a plan over that of the cheapest charted setting that keeps to the tolerance."""
     knife = scene.sonar.beam.kind == "knife"
-    bent = ("on", "off") if said.problem.water.bent or said.plan.entry("bending") else ("off",)
+    bent = ("on", "off") if said.arrays.water.bent or said.plan.entry("bending") else ("off",)
     nodes = EVERY if scene.seabed.relief.kind in ("flat", "dem") or _divides(scene) else (1,)
     settings = itertools.product((1,) if knife else PLANES, nodes, bent)
     charted = (
@@ -144,9 +144,9 @@ def _divides(scene: Scene) -> bool:
 
 def _seconds(simulation: Simulation, pings: np.ndarray) -> float:
     """Time of one thread, so that what else the machine does hardly counts."""
-    from insonify.simulate import TRACERS
+    from insonify.simulation import TRACERS
 
-    poses, modelled = simulation.poses(pings), simulation.modelled.problem
+    poses, modelled = simulation.poses(pings), simulation.modelled.arrays
     began = time.thread_time()
     TRACERS[simulation.plan.method](modelled, poses, threads=1, **simulation.plan.settings)
     return time.thread_time() - began

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from insonify.accuracy import Errors, compare, flat_bed_curves, reference
-from insonify.kernels.types import Poses, Problem
+from insonify.accuracy.metrics import Errors, compare, flat_bed_curves, reference
+from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.tracers import sweep
 from random_scenes import random_scene
 
@@ -57,17 +57,17 @@ def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> J
     """Trace a random scene by the sweep and by rays that have settled to a tolerance."""
     scene, pings = random_scene(seed, folder, bent=bent)
     simulation = prepare(scene, method="rays", forced={"bending": "on" if bent else "off"})
-    assert simulation.problem.water.bent == bent
-    problem, poses = simulation.problem, simulation.poses(pings)
-    right, moved = reference(problem, poses, tolerance=tolerance)
-    record = sweep.trace(problem, poses, planes=PLANES)
-    errors = compare(problem, poses, record, right)
+    assert simulation.arrays.water.bent == bent
+    arrays, poses = simulation.arrays, simulation.poses(pings)
+    right, moved = reference(arrays, poses, tolerance=tolerance)
+    record = sweep.trace(arrays, poses, planes=PLANES)
+    errors = compare(arrays, poses, record, right)
     return Judged(
         scene,
-        problem.mesh.target.size,
+        arrays.mesh.target.size,
         errors,
         moved,
-        missed_edges(problem, poses, record, right),
+        missed_edges(arrays, poses, record, right),
         worst_level(record, right),
     )
 
@@ -100,9 +100,9 @@ def worst_level(record: np.ndarray, right: np.ndarray) -> float:
     return float(np.abs(10.0 * np.log10(one[heard] / other[heard])).max())
 
 
-def missed_edges(problem: Problem, poses: Poses, record: np.ndarray, right: np.ndarray) -> np.ndarray:
+def missed_edges(arrays: SceneArrays, poses: Poses, record: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Bins by which a record misses each edge of a shadow in its reference."""
-    curves = flat_bed_curves(problem, poses)
+    curves = flat_bed_curves(arrays, poses)
     missed = []
     for a, b, curve in zip(record, right, curves):
         heard = curve[0] > 0.0

@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from beds import bed_of, gaussian_pattern, poses_of, problem_of, rough
-from insonify.accuracy import compare
-from insonify.charts.measure import ready
-from insonify.charts.reference import trace
-from insonify.kernels.types import LIGHT, SONAR, Water
+from beds import arrays_of, bed_of, gaussian_pattern, poses_of, rough
+from insonify.accuracy.charts.measure import ready
+from insonify.accuracy.charts.reference import trace
+from insonify.accuracy.metrics import compare
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.kernels.common.types import LIGHT, SONAR, Water
 from insonify.scene import SceneError, load_scene
-from insonify.sound.flat_bed import flat_bed_curve
-from insonify.tracers import rays, sheets
+from insonify.tracers import ray_sheets, rays
 
 FAN = math.radians(1.0)
 POSES = poses_of([0.0, 3.7], 1.3, 8.0)
@@ -23,40 +23,40 @@ THERMOCLINE = Water(True, np.array([-5.0, 3.0, 5.0, 20.0]), SPEEDS, np.zeros(1),
 BODIES = [((0.0, 12.0, 0.6), 0.6), ((-5.0, -15.0, 0.9), (9.0, -14.0, 0.9), 0.4)]
 
 
-def bed_problem(half_width=0.0, **options):
+def bed_arrays(half_width=0.0, **options):
     options = {"bins": 300, "bin_length": 0.1, **options}
-    return problem_of(rough(256, 256, 0.05), 0.1, periodic=True, half_width=half_width, **options)
+    return arrays_of(rough(256, 256, 0.05), 0.1, periodic=True, half_width=half_width, **options)
 
 
 @pytest.mark.parametrize("law", [SONAR, LIGHT])
 @pytest.mark.parametrize("half_width", [0.0, FAN])
 def test_a_level_bed_is_as_its_closed_form(half_width, law):
-    problem = problem_of(np.zeros((8, 8)), 4.0, periodic=True, half_width=half_width, law=law)
-    record = sheets.trace(problem, poses_of(0.0, 0.0, 8.0), sheets=4, rays=4000)[0, 0]
-    right = flat_bed_curve(problem, 8.0)
-    first = math.ceil(1.4 * 8.0 / problem.bin_length)
+    arrays = arrays_of(np.zeros((8, 8)), 4.0, periodic=True, half_width=half_width, law=law)
+    record = ray_sheets.trace(arrays, poses_of(0.0, 0.0, 8.0), sheets=4, rays=4000)[0, 0]
+    right = flat_bed_curve(arrays, 8.0)
+    first = math.ceil(1.4 * 8.0 / arrays.bin_length)
     np.testing.assert_allclose(record[first:-1] / right[first:-1], record[-2] / right[-2], rtol=1e-3)
 
 
 CASES = {
-    "knife": bed_problem(),
-    "fan": bed_problem(FAN),
-    "light": bed_problem(FAN, law=LIGHT),
-    "bodies": bed_problem(FAN, solids=BODIES),
-    "bent": bed_problem(FAN)._replace(water=THERMOCLINE),
-    "pattern": bed_problem(FAN, pattern=gaussian_pattern(FAN)),
-    "pattern, light": bed_problem(FAN, pattern=gaussian_pattern(FAN), law=LIGHT),
-    "pattern, bent": bed_problem(FAN, pattern=gaussian_pattern(FAN), solids=BODIES)._replace(water=THERMOCLINE),
+    "knife": bed_arrays(),
+    "fan": bed_arrays(FAN),
+    "light": bed_arrays(FAN, law=LIGHT),
+    "bodies": bed_arrays(FAN, solids=BODIES),
+    "bent": bed_arrays(FAN)._replace(water=THERMOCLINE),
+    "pattern": bed_arrays(FAN, pattern=gaussian_pattern(FAN)),
+    "pattern, light": bed_arrays(FAN, pattern=gaussian_pattern(FAN), law=LIGHT),
+    "pattern, bent": bed_arrays(FAN, pattern=gaussian_pattern(FAN), solids=BODIES)._replace(water=THERMOCLINE),
 }
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_single_rays_tend_to_the_same_as_sheets(name):
-    problem = CASES[name]
-    across = 1 if problem.half_width == 0.0 else 64
-    found = sheets.trace(problem, POSES, sheets=across, rays=4096)
-    few, many = (rays.trace(problem, POSES, rays=1 << k) for k in (15, 18))
-    by_few, by_many = (compare(problem, POSES, record, found) for record in (few, many))
+    arrays = CASES[name]
+    across = 1 if arrays.half_width == 0.0 else 64
+    found = ray_sheets.trace(arrays, POSES, sheets=across, rays=4096)
+    few, many = (rays.trace(arrays, POSES, rays=1 << k) for k in (15, 18))
+    by_few, by_many = (compare(arrays, POSES, record, found) for record in (few, many))
     assert by_many.beyond < min(0.3 * by_few.beyond, 0.004)
     assert by_many.all_bins < 0.01
     assert abs(by_many.energy_bias) < 5e-4
@@ -64,45 +64,47 @@ def test_single_rays_tend_to_the_same_as_sheets(name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_found_converges(name):
-    problem = CASES[name]
-    across = (1, 1, 1) if problem.half_width == 0.0 else (16, 32, 64)
-    one, two, four = (sheets.trace(problem, POSES, sheets=n, rays=512 << k) for k, n in enumerate(across))
-    first, second = compare(problem, POSES, one, four).beyond, compare(problem, POSES, two, four).beyond
+    arrays = CASES[name]
+    across = (1, 1, 1) if arrays.half_width == 0.0 else (16, 32, 64)
+    one, two, four = (ray_sheets.trace(arrays, POSES, sheets=n, rays=512 << k) for k, n in enumerate(across))
+    first, second = compare(arrays, POSES, one, four).beyond, compare(arrays, POSES, two, four).beyond
     assert second < 0.4 * first
     assert second < 0.004
 
 
 def test_what_comes_back_by_other_paths_fills_the_elevations():
-    problem, poses = ready(load_scene("double-image"), 1)
-    right = rays.trace(problem, poses, rays=1 << 18)
-    one, two = (compare(problem, poses, sheets.trace(problem, poses, sheets=n, rays=16 * n), right) for n in (32, 128))
+    arrays, poses = ready(load_scene("double-image"), 1)
+    right = rays.trace(arrays, poses, rays=1 << 18)
+    one, two = (
+        compare(arrays, poses, ray_sheets.trace(arrays, poses, sheets=n, rays=16 * n), right) for n in (32, 128)
+    )
     assert two.beyond < min(0.3 * one.beyond, 0.025)
     assert abs(two.energy_bias) < 2e-3
 
 
 def test_no_record_depends_on_the_threads():
     poses = poses_of(np.arange(20) * 0.3, 1.3, 8.0)
-    one, two = (sheets.trace(CASES["bodies"], poses, sheets=4, rays=100, threads=threads) for threads in (1, 2))
+    one, two = (ray_sheets.trace(CASES["bodies"], poses, sheets=4, rays=100, threads=threads) for threads in (1, 2))
     np.testing.assert_array_equal(one, two)
 
 
 def test_what_cannot_be_traced_is_refused():
     with pytest.raises(SceneError, match="bounces"):
-        sheets.trace(CASES["fan"]._replace(bounces=1), POSES)
+        ray_sheets.trace(CASES["fan"]._replace(bounces=1), POSES)
     with pytest.raises(SceneError, match="as many as sheets"):
-        sheets.trace(CASES["fan"], POSES, sheets=8, rays=4)
+        ray_sheets.trace(CASES["fan"], POSES, sheets=8, rays=4)
 
 
 def test_a_bed_with_holes():
     heights = rough(64, 64, 0.05)
     heights[20:30, 20:40] = np.nan
-    problem = CASES["fan"]._replace(bed=bed_of(heights, 0.1))
+    arrays = CASES["fan"]._replace(bed=bed_of(heights, 0.1))
     poses = poses_of(3.0, 1.0, 4.0)
-    right = rays.trace(problem, poses, rays=1 << 17)
-    assert compare(problem, poses, sheets.trace(problem, poses, sheets=128, rays=4096), right).all_bins < 0.006
+    right = rays.trace(arrays, poses, rays=1 << 17)
+    assert compare(arrays, poses, ray_sheets.trace(arrays, poses, sheets=128, rays=4096), right).all_bins < 0.006
 
 
 def test_a_reference_is_right_at_nadir_too():
-    problem = CASES["bodies"]
-    many = rays.trace(problem, POSES, rays=1 << 19)
-    assert compare(problem, POSES, trace(problem, POSES, 1 << 18), many).all_bins < 0.002
+    arrays = CASES["bodies"]
+    many = rays.trace(arrays, POSES, rays=1 << 19)
+    assert compare(arrays, POSES, trace(arrays, POSES, 1 << 18), many).all_bins < 0.002

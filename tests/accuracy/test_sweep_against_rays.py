@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of, rough
-from insonify.accuracy import compare
-from insonify.kernels.types import LIGHT, SONAR
+from beds import arrays_of, poses_of, rough
+from insonify.accuracy.metrics import compare
+from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.tracers import march, rays, sweep
 
 POSES = poses_of(np.arange(6) * 1.37 + 0.1, 0.23, 7.0, 0.3)
@@ -34,11 +34,11 @@ def finer(heights, times):
 def test_finer_grids_of_the_same_bed_converge_in_second_order(law):
     # Each segment has the normal of its middle and spreads its energy evenly: both err with the square of its length.
     options = {"periodic": True, "bins": 300, "bin_length": 0.1, "law": law}
-    problem = problem_of(HEIGHTS, 0.5, **options)
-    right = rays.trace(problem, POSES, rays=1 << 21)
+    arrays = arrays_of(HEIGHTS, 0.5, **options)
+    right = rays.trace(arrays, POSES, rays=1 << 21)
     times = np.array([1, 2, 4])
     errors = [
-        compare(problem, POSES, sweep.trace(problem_of(finer(HEIGHTS, n), 0.5 / n, **options), POSES), right).beyond
+        compare(arrays, POSES, sweep.trace(arrays_of(finer(HEIGHTS, n), 0.5 / n, **options), POSES), right).beyond
         for n in times
     ]
     assert order(times, errors) == pytest.approx(2.0, rel=0.1)
@@ -46,11 +46,11 @@ def test_finer_grids_of_the_same_bed_converge_in_second_order(law):
 
 
 def test_planes_converge_in_second_order():
-    problem = problem_of(rough(256, 256, 0.05), 0.2, periodic=True, bins=400, bin_length=0.1, half_width=0.04)
+    arrays = arrays_of(rough(256, 256, 0.05), 0.2, periodic=True, bins=400, bin_length=0.1, half_width=0.04)
     poses = poses_of(np.arange(8) * 1.37 + 0.1, 0.23, 7.0, 0.3)
-    right = sweep.trace(problem, poses, planes=512)
+    right = sweep.trace(arrays, poses, planes=512)
     planes = np.array([8, 16, 32, 64, 128])
-    errors = [compare(problem, poses, sweep.trace(problem, poses, planes=int(n)), right).beyond for n in planes]
+    errors = [compare(arrays, poses, sweep.trace(arrays, poses, planes=int(n)), right).beyond for n in planes]
     assert order(planes, errors) == pytest.approx(2.0, rel=0.15)  # edges of shadows cost a little
 
 
@@ -72,8 +72,8 @@ def test_planes_converge_in_second_order():
 def test_bundled_scenes_are_as_near_as_said(name, changes, beyond, all_bins):
     simulation = prepare(edit(load_scene(name), changes))
     poses = simulation.poses(np.arange(60, 340, 70))
-    right = rays.trace(simulation.problem, poses, rays=1 << 18)
-    errors = compare(simulation.problem, poses, sweep.trace(simulation.problem, poses, planes=64), right)
+    right = rays.trace(simulation.arrays, poses, rays=1 << 18)
+    errors = compare(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=64), right)
     assert errors.beyond < beyond
     assert errors.all_bins < all_bins
     assert abs(errors.energy_bias) < 2e-3
@@ -95,22 +95,22 @@ def test_a_beam_that_squints_is_heard_to_the_range_over_ground_that_rises():
     )
     simulation = prepare(scene)
     poses = simulation.poses(np.arange(60, 340, 70))
-    right = rays.trace(simulation.problem, poses, rays=1 << 18)
-    errors = compare(simulation.problem, poses, sweep.trace(simulation.problem, poses, planes=16), right)
+    right = rays.trace(simulation.arrays, poses, rays=1 << 18)
+    errors = compare(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=16), right)
     assert errors.beyond < 0.015
     assert abs(errors.energy_bias) < 5e-3
 
 
 def test_the_sweep_is_nearer_than_what_it_replaces():
     simulation = prepare(edit(load_scene("default"), {"sonar.beam": "knife"}))
-    problem, poses = simulation.problem, simulation.poses(np.arange(60, 340, 40))
-    right = rays.trace(problem, poses, rays=1 << 18)
+    arrays, poses = simulation.arrays, simulation.poses(np.arange(60, 340, 40))
+    right = rays.trace(arrays, poses, rays=1 << 18)
     ours, a_thousand_rays, marched = (
-        compare(problem, poses, record, right).beyond
+        compare(arrays, poses, record, right).beyond
         for record in (
-            sweep.trace(problem, poses),
-            rays.trace(problem, poses, rays=1000),
-            march.trace(problem, poses, rays=1000, step=0.1),
+            sweep.trace(arrays, poses),
+            rays.trace(arrays, poses, rays=1000),
+            march.trace(arrays, poses, rays=1000, step=0.1),
         )
     )
     assert ours < 0.1 * a_thousand_rays
@@ -122,8 +122,8 @@ def test_small_bright_balls_enter_and_leave_the_beam_where_they_must():
     # along the track by at most that, and its sum over the pings that pass it stays.
     simulation = prepare(load_scene("figure-4b"))
     pings = np.arange(150, 320)
-    right = rays.trace(simulation.problem, simulation.poses(pings), rays=1 << 16)
-    record = sweep.trace(simulation.problem, simulation.poses(pings), planes=64)
+    right = rays.trace(simulation.arrays, simulation.poses(pings), rays=1 << 16)
+    record = sweep.trace(simulation.arrays, simulation.poses(pings), planes=64)
     for ground_range in (22.0, 40.0):
         near = np.hypot(ground_range, 9.85) - 0.15
         echo = slice(int(near / 0.05), int(near / 0.05) + 4)

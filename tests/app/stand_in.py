@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.plan import plan
-from insonify.receive import make_reception
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.packing.navigation import make_poses
+from insonify.packing.scene_arrays import pack_scene
+from insonify.packing.track import line_at
+from insonify.planning import plan
+from insonify.receiver import make_reception
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MATERIALS
-from insonify.sound.flat_bed import flat_bed_curve
 from insonify.terrain.ground import Ground
-from insonify.tracers.line import line_at
-from insonify.tracers.poses import make_poses
-from insonify.tracers.problem import make_problem
 
 
 class StandIn:
@@ -26,10 +26,10 @@ class StandIn:
             raise SceneError("seed: 666 is refused by the stand-in; take another")
         self.scene, self.tolerance, self.forced = scene, tolerance, forced
         self.ground = ground_of(scene)
-        self.problem = make_problem(scene, self.ground)
+        self.arrays = pack_scene(scene, self.ground)
         self.plan = plan(scene, tolerance, forced=forced)
-        self.reception = make_reception(scene, self.problem, altitude=scene.altitude, depth=0.0)
-        self.curve = self.reception.expected(flat_bed_curve(self.problem, scene.altitude))
+        self.reception = make_reception(scene, self.arrays, altitude=scene.altitude, depth=0.0)
+        self.curve = self.reception.expected(flat_bed_curve(self.arrays, scene.altitude))
 
     def poses(self, pings: NDArray[np.int64]) -> Any:
         return make_poses(self.scene, self.ground, pings)

@@ -12,10 +12,10 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 from stand_in import StandIn
 
-from insonify.accuracy import compare, displacement
-from insonify.charts.contenders import Name
-from insonify.charts.measure import Case, Chart, Row
-from insonify.charts.reference import Reference
+from insonify.accuracy.charts.contenders import Name
+from insonify.accuracy.charts.measure import Case, Chart, Row
+from insonify.accuracy.charts.reference import Reference
+from insonify.accuracy.metrics import compare, displacement
 from insonify.scene import Scene, SceneError
 from insonify_viewer.judging import Point, in_numbers, judge, nearest, picture
 
@@ -29,13 +29,13 @@ def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None
     rows = tuple(
         Row(
             *(name.method, name.setting, size, True, size, 0.05),
-            compare(simulation.problem, poses, records[name], right),
-            displacement(simulation.problem, poses, records[name], right),
+            compare(simulation.arrays, poses, records[name], right),
+            displacement(simulation.arrays, poses, records[name], right),
         )
         for name, size in zip(records, (4.0, 1000.0))
     )
     progress(0.5)
-    cases = {True: Case(simulation.problem, poses, Reference(right, 1e-4, 65536))}
+    cases = {True: Case(simulation.arrays, poses, Reference(right, 1e-4, 65536))}
     return Chart(scene.title, rows, 4, "this machine", cases, records)
 
 

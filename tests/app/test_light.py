@@ -71,7 +71,7 @@ def test_a_mirror_shows_what_stands_before_it() -> None:
     # From the ball's side of the mirror at y = 26.9, looking at the ball's image behind it.
     eye, image = np.array([16.0, 10.0, 4.0]), np.array([10.0, 2 * 26.9 - 20.0, 0.8])
     way = (image - eye) / np.linalg.norm(image - eye)
-    found = glances(setting.problem, eye[None], way[None], np.array([100.0]), len(setting.ground.names))
+    found = glances(setting.arrays, eye[None], way[None], np.array([100.0]), len(setting.ground.names))
     assert found.what.tolist() == [0, 1]
     assert np.linalg.norm(found.where[1] - [10.0, 20.0, 0.8]) == pytest.approx(0.8, abs=1e-6)
     assert found.share[1] == pytest.approx(1.0)
@@ -86,7 +86,7 @@ def test_what_leaves_into_the_water_is_accounted_for() -> None:
     eyes = centre + np.column_stack([rng.uniform(-6.0, 6.0, (500, 2)), rng.uniform(3.0, 8.0, 500)])
     ways = centre + rng.uniform(-1.2, 1.2, (500, 3)) - eyes
     ways /= np.linalg.norm(ways, axis=1)[:, None]
-    found = glances(setting.problem, eyes, ways, np.full(500, 100.0), len(setting.ground.names))
+    found = glances(setting.arrays, eyes, ways, np.full(500, 100.0), len(setting.ground.names))
     ended = np.zeros(500)
     np.add.at(ended, found.ray, found.escaped)
     others = (found.what != 5) & (found.share > 0.0)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from stand_in import StandIn
 
-from insonify.kernels.types import PORT, STARBOARD
+from insonify.kernels.common.types import PORT, STARBOARD
 from insonify.scene import Scene, edit
 from insonify_viewer.pv_meshes import PATH_POINTS, path_pings, placed, scan_line
 from insonify_viewer.readout import place_of
@@ -63,7 +63,7 @@ def test_a_squinted_beam_is_a_cone_about_the_fish(small: Scene, motions: Any, sq
     simulation = moved(edit(small, {"sonar.beam.squint": squint}), *(motions or ("straight",)))
     pose = one(simulation, 115)
     bow = placed(pose, 1.0)[:3, 0]
-    line, slant = scan_line(simulation.ground, simulation.problem, pose)
+    line, slant = scan_line(simulation.ground, simulation.arrays, pose)
     away = line - [pose.x[0], pose.y[0], pose.z[0]]
     np.testing.assert_allclose(away @ bow, slant * math.sin(math.radians(squint)), atol=0.05)
     assert slant.max() == pytest.approx(50.0, abs=0.05)
@@ -76,7 +76,7 @@ def test_a_squinted_beam_is_a_cone_about_the_fish(small: Scene, motions: Any, sq
 def test_the_line_of_the_beam_on_the_bed_leans_with_the_pitch(small: Scene) -> None:
     simulation = moved(small, TILTED, YAWED)
     pose = one(simulation, 40)
-    line, slant = scan_line(simulation.ground, simulation.problem, pose)
+    line, slant = scan_line(simulation.ground, simulation.arrays, pose)
     away = line - [pose.x[0], pose.y[0], pose.z[0]]
     np.testing.assert_allclose(away @ placed(pose, 1.0)[:3, 0], 0.0, atol=0.05)
     np.testing.assert_allclose(np.linalg.norm(away, axis=1), slant, rtol=1e-6)

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from insonify.accuracy import compare
+from insonify.accuracy.metrics import compare
 from insonify.cli import main
 from insonify.scene import Scene, edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.tracers import sweep
 from insonify_viewer.changes import Heard, difference, in_words, subject_of
 from insonify_viewer.modelling import COARSE, Modelling
@@ -154,5 +154,5 @@ def test_what_a_drag_leaves_out_of_the_default_scene_is_a_fifth_at_most() -> Non
         prepare(scene, forced={**dict(Modelling().coarse.forced), **finer}) for finer in ({}, {"planes": "32"})
     )
     poses = fine.poses(pings)
-    records = (sweep.trace(fine.problem, poses, planes=one.plan.planes) for one in (coarse, fine))
-    assert 0.05 < compare(fine.problem, poses, *records).beyond < COARSE
+    records = (sweep.trace(fine.arrays, poses, planes=one.plan.planes) for one in (coarse, fine))
+    assert 0.05 < compare(fine.arrays, poses, *records).beyond < COARSE

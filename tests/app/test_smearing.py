@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from stand_in import StandIn
 
-from insonify.picture import LevelBed, normalise
+from insonify.display.picture import LevelBed, normalise
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.simulation import Request, Simulator
 from insonify_viewer.views.smearing import smeared

@@ -163,8 +163,8 @@ def test_the_drawn_targets_are_where_the_traced_ones_are(small: Scene) -> None:
     box = {"kind": "box", "position": [5.0, 20.0], "size": [3.0, 2.0, 1.0], "heading": 90.0}
     cone = {"kind": "cone", "position": [15.0, 20.0], "radius": 2.0, "height": 1.0}
     scene = edit(small, {"targets": [box, {**cone, "material": "rock"}]})
-    problem = StandIn(scene, 0.03).problem
-    drawn = targets_mesh(problem.solids, problem.mesh, target_colours(scene))
+    arrays = StandIn(scene, 0.03).arrays
+    drawn = targets_mesh(arrays.solids, arrays.mesh, target_colours(scene))
     low, high = np.array(drawn.bounds).reshape(3, 2).T
     np.testing.assert_allclose(low[:2], [4.0, 18.0], atol=0.03)
     np.testing.assert_allclose(high[:2], [17.0, 22.0], atol=0.03)

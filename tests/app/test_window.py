@@ -344,7 +344,7 @@ def test_picture_is_saved_whole_or_not_at_all(open_viewer: Any, small: Scene, tm
 
 
 def test_dem_is_opened_and_the_tow_ends_with_it(open_viewer: Any, small: Scene, tmp_path: Any, qtbot: Any) -> None:
-    from insonify.simulate import prepare
+    from insonify.simulation import prepare
 
     y, x = np.mgrid[0:60, 0:90]
     np.save(tmp_path / "hill.npy", np.hypot(x - 45.0, y - 30.0) / -20.0)

@@ -8,10 +8,10 @@ import sys
 import numpy as np
 import pytest
 
-from insonify.accuracy import time_calls
-from insonify.kernels.eigenrays import eigenray
-from insonify.kernels.jit import kernel
-from insonify.sound.rays import join_points
+from insonify.accuracy.metrics import time_calls
+from insonify.acoustics.rays import join_points
+from insonify.kernels.common.jit import kernel
+from insonify.kernels.refraction.eigenrays import eigenray
 from water import NO_CEILING, NO_FLOOR, followed, layers, water_of
 
 pytestmark = pytest.mark.bench

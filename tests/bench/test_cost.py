@@ -14,7 +14,7 @@ import pytest
 
 from beds import icosphere
 from insonify.scene import edit, load_scene
-from insonify.simulate import Simulation, prepare
+from insonify.simulation import Simulation, prepare
 from insonify.tracers import sweep
 
 pytestmark = pytest.mark.bench
@@ -32,7 +32,7 @@ def microseconds(**calls: tuple[Simulation, np.ndarray, int]) -> dict[str, tuple
     for turn in range(ROUNDS + 1):
         for name, (simulation, pings, planes) in calls.items():
             began = time.thread_time()
-            sweep.trace(simulation.problem, posed[name], planes=planes, threads=1)
+            sweep.trace(simulation.arrays, posed[name], planes=planes, threads=1)
             if turn > 0:  # the first one compiles
                 taken[name].append(1e6 * (time.thread_time() - began) / pings.size)
     return {name: (min(times), float(np.median(times))) for name, times in taken.items()}

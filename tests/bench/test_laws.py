@@ -1,4 +1,4 @@
-"""The laws of cost measured anew, printed as `insonify.plan.laws` has them: run with `pytest -m bench -s`."""
+"""The laws of cost measured anew, printed as `insonify.planning.laws` has them: run with `pytest -m bench -s`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from insonify.plan import laws
-from insonify.plan.drafts import Draft, amounts
-from insonify.plan.view import look_at
+from insonify.planning import laws
+from insonify.planning.candidates import Draft, amounts
+from insonify.planning.scene_summary import look_at
 from insonify.scene import SceneError
-from insonify.simulate import Simulation, prepare
+from insonify.simulation import Simulation, prepare
 from planned_scenes import planned_scene
 
 pytestmark = pytest.mark.bench
@@ -25,13 +25,13 @@ SLOW = 2e-3  # s a ping; what takes longer is timed by few pings
 
 def seconds(simulation: Simulation, pings: np.ndarray) -> float:
     """Least time of one thread for a ping."""
-    from insonify.simulate import TRACERS
+    from insonify.simulation import TRACERS
 
     trace, poses = TRACERS[simulation.plan.method], simulation.poses(pings)
     taken = []
     for _ in range(ROUNDS):
         began = time.thread_time()
-        trace(simulation.modelled.problem, poses, threads=1, **simulation.plan.settings)
+        trace(simulation.modelled.arrays, poses, threads=1, **simulation.plan.settings)
         taken.append(time.thread_time() - began)
     return min(taken) / pings.size
 

@@ -7,11 +7,11 @@ import sys
 import numpy as np
 import pytest
 
-from insonify.accuracy import time_calls
-from insonify.receive import receive
+from insonify.accuracy.metrics import time_calls
+from insonify.parallel import in_parallel
+from insonify.receiver import receive
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
-from insonify.tracers.parallel import in_parallel
+from insonify.simulation import prepare
 
 pytestmark = pytest.mark.bench
 PINGS = np.arange(512)
@@ -57,11 +57,11 @@ def test_what_coherent_speckle_costs(capsys):
     for density in (None, 100.0, 10.0):
         speckle = {"kind": "coherent", "density": density}
         simulation = prepare(edit(load_scene("default"), {"receiver.speckle": speckle}))
-        waves, problem, poses = simulation.interference, simulation.problem, simulation.poses(pings)
+        waves, arrays, poses = simulation.interference, simulation.arrays, simulation.poses(pings)
         assert waves is not None
 
-        def call(waves=waves, problem=problem, poses=poses, planes=simulation.plan.planes):
-            waves.trace(problem, poses, planes=planes, threads=1)
+        def call(waves=waves, arrays=arrays, poses=poses, planes=simulation.plan.planes):
+            waves.trace(arrays, poses, planes=planes, threads=1)
 
         timing = time_calls({"coherent": call}, rounds=5)["coherent"]
         with capsys.disabled():

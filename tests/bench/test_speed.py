@@ -8,9 +8,9 @@ from time import thread_time
 import numpy as np
 import pytest
 
-from insonify.accuracy import compare, time_calls
+from insonify.accuracy.metrics import compare, time_calls
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.tracers import rays, sweep
 
 pytestmark = pytest.mark.bench
@@ -26,17 +26,17 @@ def say(capsys, text):
 
 def test_a_knife_on_one_thread(capsys):
     simulation = prepare(edit(DEFAULT, {"sonar.beam": "knife", "targets": []}))
-    problem, poses = simulation.problem, simulation.poses(PINGS)
-    timing = time_calls({"knife": lambda: sweep.trace(problem, poses, threads=1)}, rounds=9, clock=thread_time)["knife"]
+    arrays, poses = simulation.arrays, simulation.poses(PINGS)
+    timing = time_calls({"knife": lambda: sweep.trace(arrays, poses, threads=1)}, rounds=9, clock=thread_time)["knife"]
     few = simulation.poses(SOME)
-    errors = compare(problem, few, sweep.trace(problem, few), rays.trace(problem, few, rays=1 << 18))
+    errors = compare(arrays, few, sweep.trace(arrays, few), rays.trace(arrays, few, rays=1 << 18))
     say(
         capsys,
         f"knife, 2 × 1000 bins over 1024²: {PINGS.size / timing.median:,.0f} pings/s a thread "
         f"({1e6 * timing.median / PINGS.size:.1f} µs a ping, ± {100 * timing.spread:.0f} %), "
         f"error {100 * errors.beyond:.2f} % beyond 1.4 altitudes, {100 * errors.all_bins:.2f} % in all",
     )
-    single = compare(problem, few, sweep.trace(problem, few), sweep.trace(problem, few, double=True))
+    single = compare(arrays, few, sweep.trace(arrays, few), sweep.trace(arrays, few, double=True))
     say(capsys, f"knife: single precision errs by {single.beyond:.1e} of double")
 
 
@@ -51,13 +51,13 @@ def test_a_fan_as_planned(capsys):
 
     def tracing(simulation):
         poses = simulation.poses(PINGS)
-        return lambda: sweep.trace(simulation.problem, poses, planes=simulation.plan.planes, threads=2)
+        return lambda: sweep.trace(simulation.arrays, poses, planes=simulation.plan.planes, threads=2)
 
     timings = time_calls({name: tracing(simulation) for name, simulation in fans.items()}, rounds=5)
     for name, simulation in fans.items():
         poses = simulation.poses(SOME)
-        record, fine = (sweep.trace(simulation.problem, poses, planes=n) for n in (simulation.plan.planes, 64))
-        errors = compare(simulation.problem, poses, record, fine)
+        record, fine = (sweep.trace(simulation.arrays, poses, planes=n) for n in (simulation.plan.planes, 64))
+        errors = compare(simulation.arrays, poses, record, fine)
         say(
             capsys,
             f"fan of {name}: {simulation.plan.planes} planes, {1e3 * timings[name].median:.0f} ms for "
@@ -71,12 +71,12 @@ def test_a_fan_by_planes(capsys):
     poses, some = bare.poses(PINGS), bare.poses(SOME)
 
     def tracing(planes):
-        return lambda: sweep.trace(bare.problem, poses, planes=planes, threads=2)
+        return lambda: sweep.trace(bare.arrays, poses, planes=planes, threads=2)
 
     timings = time_calls({planes: tracing(planes) for planes in range(8, 14)}, rounds=7)
-    fine = sweep.trace(bare.problem, some, planes=64)
+    fine = sweep.trace(bare.arrays, some, planes=64)
     for planes, timing in timings.items():
-        errors = compare(bare.problem, some, sweep.trace(bare.problem, some, planes=planes), fine)
+        errors = compare(bare.arrays, some, sweep.trace(bare.arrays, some, planes=planes), fine)
         say(
             capsys,
             f"fan of 2.5°, no targets, {planes} planes: {1e3 * timing.median:.0f} ms for {PINGS.size} pings on two "

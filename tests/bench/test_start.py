@@ -16,7 +16,7 @@ from insonify.__main__ import load
 load()  # all that the command loads before it knows what is wanted
 import numpy as np
 from insonify.scene import load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 prepare(load_scene("default")).intensity(np.arange(1))
 print(time.monotonic())
 """

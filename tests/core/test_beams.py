@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from beds import gaussian_pattern, poses_of, problem_of, rough
-from insonify.kernels.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TOP_HAT, Pattern
+from beds import arrays_of, gaussian_pattern, poses_of, rough
+from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TOP_HAT, Pattern
 from insonify.tracers import rays
 
 FLAT = np.zeros((8, 8))
@@ -52,28 +52,28 @@ def heard(pattern, fish, side, direction, r):
     return along, np.ones_like(r)
 
 
-def level_bed(problem, heading, pitch, roll):
+def level_bed(arrays, heading, pitch, roll):
     """Record of a Lambert bed by a dense sum over slant range and azimuth, (2, bins)."""
     fish = axes(heading, pitch, roll)
     # Finer below the fish, where a beam opens from all azimuths to a few within centimetres.
-    near, far = np.linspace(HEIGHT, 9.0, 257), np.linspace(9.0, problem.bins * problem.bin_length, 497)
+    near, far = np.linspace(HEIGHT, 9.0, 257), np.linspace(9.0, arrays.bins * arrays.bin_length, 497)
     edges = np.concatenate([near, far[1:]])
     r, dr = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-    out = np.zeros((2, problem.bins))
+    out = np.zeros((2, arrays.bins))
     azimuth = (np.arange(6000) + 0.5) / 6000 * math.pi - math.pi / 2  # from athwart
     for side in (0, 1):
         turned = heading + (math.pi / 2 - azimuth if side == 0 else azimuth - math.pi / 2)
         for k in range(r.size):
             c = math.sqrt(1.0 - (HEIGHT / r[k]) ** 2)
             direction = np.column_stack([c * np.cos(turned), c * np.sin(turned), np.full(6000, -HEIGHT / r[k])])
-            along, vertical = heard(problem.pattern, fish, side, direction, np.full(6000, r[k]))
-            if problem.law == LIGHT:
+            along, vertical = heard(arrays.pattern, fish, side, direction, np.full(6000, r[k]))
+            if arrays.law == LIGHT:
                 # Averaged along the track, weighted by the vertical beam.
-                value = HEIGHT / r[k] * (along * vertical).sum() / max(along.sum(), 1e-300) * dr[k] / problem.bin_length
+                value = HEIGHT / r[k] * (along * vertical).sum() / max(along.sum(), 1e-300) * dr[k] / arrays.bin_length
             else:
                 # dA = r dr dφ, σ = cos²α / π.
                 value = (HEIGHT / r[k]) ** 2 / math.pi * (along * vertical).sum() * math.pi / 6000 * r[k] * dr[k]
-            out[side, int(r[k] / problem.bin_length)] += value
+            out[side, int(r[k] / arrays.bin_length)] += value
     return out
 
 
@@ -93,11 +93,11 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_a_level_bed_is_the_sum_over_it(case, law):
     pattern, (pitch, roll) = CASES[case]
-    problem = problem_of(
+    arrays = arrays_of(
         FLAT, 4.0, periodic=True, law=law, half_width=0.03, pattern=pattern, bins=80, bin_length=0.5
     )  # fmt: skip
-    record = rays.trace(problem, poses_of(1.0, 2.0, HEIGHT, 0.3, pitch, roll), rays=1 << 16)[0]
-    truth = level_bed(problem, 0.3, pitch, roll)
+    record = rays.trace(arrays, poses_of(1.0, 2.0, HEIGHT, 0.3, pitch, roll), rays=1 << 16)[0]
+    truth = level_bed(arrays, 0.3, pitch, roll)
     # A hard edge of the vertical beam falls within a bin, which the sum resolves to an eighth.
     bound = 0.02 if pattern.vertical == TOP_HAT else 0.003
     assert np.linalg.norm(record[:, 18:] - truth[:, 18:]) < bound * np.linalg.norm(truth[:, 18:])
@@ -109,19 +109,19 @@ def test_a_top_hat_from_a_table_is_the_top_hat(law):
     half_width = math.radians(1.5)
     options = {"periodic": True, "law": law, "half_width": half_width, "bins": 120, "bin_length": 0.3}
     heights, ball = rough(64, 64, 0.15), ((3.0, 12.0, 0.6), 0.5)
-    plain = problem_of(heights, 0.5, solids=[ball], **options)
+    plain = arrays_of(heights, 0.5, solids=[ball], **options)
     tabled = plain._replace(pattern=top_hat(half_width))
-    one, other = (rays.trace(problem, poses_of(3.0, 1.0, 6.0, 0.1), rays=1 << 17) for problem in (tabled, plain))
+    one, other = (rays.trace(arrays, poses_of(3.0, 1.0, 6.0, 0.1), rays=1 << 17) for arrays in (tabled, plain))
     assert np.linalg.norm(one - other) < 0.01 * np.linalg.norm(other)
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 def test_a_knife_knows_its_vertical_beam(law):
     pattern = gaussian_pattern(0.02, vertical=GAUSSIAN, tilt=0.5, vertical_width=0.4)
-    plain = problem_of(FLAT, 4.0, periodic=True, law=law, bins=150, bin_length=0.2)
+    plain = arrays_of(FLAT, 4.0, periodic=True, law=law, bins=150, bin_length=0.2)
     record, bare = (
-        rays.trace(problem, poses_of(0.0, 0.0, HEIGHT, roll=0.1), rays=8000)[0, 0]
-        for problem in (plain._replace(pattern=pattern), plain)
+        rays.trace(arrays, poses_of(0.0, 0.0, HEIGHT, roll=0.1), rays=8000)[0, 0]
+        for arrays in (plain._replace(pattern=pattern), plain)
     )
     theta = np.arcsin(HEIGHT / ((np.arange(45, 150) + 0.5) * 0.2))
     # Port up: the axis lies at 0.5 - 0.1 below the horizon, on the athwart plane itself.
@@ -136,17 +136,17 @@ def test_the_mixture_of_azimuths_converges_on_sidelobes_too():
     energy = np.maximum(2.0 ** (-2.0 * (s / 0.005) ** 2), 1e-3)
     integral = np.concatenate([[0.0], np.cumsum(0.5 * (energy[1:] + energy[:-1]) * np.diff(s))])
     pattern = Pattern(True, 0.0, np.array([0.9]), energy[None], integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
-    problem = problem_of(FLAT, 4.0, periodic=True, half_width=0.005, pattern=pattern, bins=80, bin_length=0.5)
-    truth = level_bed(problem, 0.0, 0.0, 0.0)
+    arrays = arrays_of(FLAT, 4.0, periodic=True, half_width=0.005, pattern=pattern, bins=80, bin_length=0.5)
+    truth = level_bed(arrays, 0.0, 0.0, 0.0)
     errors = []
     for count in (1 << 12, 1 << 14, 1 << 16):
-        record = rays.trace(problem, poses_of(0.0, 0.0, HEIGHT), rays=count)[0]
+        record = rays.trace(arrays, poses_of(0.0, 0.0, HEIGHT), rays=count)[0]
         errors.append(np.linalg.norm(record[:, 18:] - truth[:, 18:]) / np.linalg.norm(truth[:, 18:]))
     assert errors[2] < 0.01
     assert errors[2] < 0.5 * errors[0]
 
 
 def test_attitude_matters_only_to_patterns():
-    problem = problem_of(rough(64, 64, 0.15), 0.5, periodic=True, half_width=0.02)
-    still, swung = (rays.trace(problem, poses_of(0.0, 0.0, 8.0, 0.2, *a), rays=500) for a in ((0, 0), (0.1, 0.2)))
+    arrays = arrays_of(rough(64, 64, 0.15), 0.5, periodic=True, half_width=0.02)
+    still, swung = (rays.trace(arrays, poses_of(0.0, 0.0, 8.0, 0.2, *a), rays=500) for a in ((0, 0), (0.1, 0.2)))
     np.testing.assert_array_equal(still, swung)

@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from insonify.accuracy import compare
-from insonify.plan import laws
-from insonify.plan.bed_errors import Echo
-from insonify.plan.detail import detail_of
-from insonify.plan.view import look_at
+from insonify.accuracy.metrics import compare
+from insonify.acoustics.straightness import Bending
+from insonify.planning import laws
+from insonify.planning.bed_errors import Echo
+from insonify.planning.relief_detail import detail_of
+from insonify.planning.scene_summary import look_at
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
-from insonify.sound.straightness import Bending
+from insonify.simulation import prepare
 from insonify.terrain import build_ground
 from insonify.tracers import sweep
 
@@ -80,16 +80,16 @@ def test_sound_that_is_not_shifted_is_not_missed():
 def test_thinned_beds_and_few_planes_miss_about_what_is_predicted(kind, beam):
     scene = over(KINDS[kind], sonar__beam=beam)
     simulation, of = prepare(scene), echo(scene)
-    problem, poses = simulation.problem, simulation.poses(PINGS)
+    arrays, poses = simulation.arrays, simulation.poses(PINGS)
     planes = 1 if beam == "knife" else 64
-    right = sweep.trace(problem, poses, planes=planes)
+    right = sweep.trace(arrays, poses, planes=planes)
     thinned = prepare(scene, forced={"spacing": "4", "planes": str(planes)})
-    measured = compare(problem, poses, thinned.intensity(PINGS), right).beyond
+    measured = compare(arrays, poses, thinned.intensity(PINGS), right).beyond
     assert of.of_thinning(4)[laws.COUNTS.index(planes)] == pytest.approx(measured, rel=0.5)
     if planes > 1:
-        few = compare(problem, poses, sweep.trace(problem, poses, planes=4), right).beyond
+        few = compare(arrays, poses, sweep.trace(arrays, poses, planes=4), right).beyond
         assert by_planes(of, 4)[0] == pytest.approx(few, rel=0.6)
-        single = compare(problem, poses, sweep.trace(problem, poses, planes=1), right).beyond
+        single = compare(arrays, poses, sweep.trace(arrays, poses, planes=1), right).beyond
         assert by_planes(of, 1)[0] == pytest.approx(single, rel=0.4)
 
 

@@ -10,7 +10,7 @@ import rasterio
 from rasterio import Affine
 from rasterio.errors import NotGeoreferencedWarning
 
-from insonify.beds import read_grid
+from insonify.io.bathymetry import read_grid
 from insonify.scene import SceneError, build
 from insonify.terrain import build_ground, relief
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from insonify.kernels.bins import FIXED_POINT, accumulate, spread, step
+from insonify.kernels.common.range_bins import FIXED_POINT, accumulate, spread, step
 
 
 def spread_over(pieces, count=20):

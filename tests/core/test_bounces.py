@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from beds import icosphere, mesh_of, poses_of, problem_of, rough
-from insonify.kernels.bounce import _meet_next, _split, arrive, set_out
-from insonify.kernels.jit import kernel
-from insonify.kernels.scatter import bistatic, strength
-from insonify.kernels.types import BED, LIGHT, SONAR
-from insonify.plan import plan
+from beds import arrays_of, icosphere, mesh_of, poses_of, rough
+from insonify.kernels.common.jit import kernel
+from insonify.kernels.common.scattering import bistatic, strength
+from insonify.kernels.common.types import BED, LIGHT, SONAR
+from insonify.kernels.rays.specular_paths import _meet_next, _split, arrive, set_out
+from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.tracers import rays
 
 DEEP = np.full((2, 2), -1e6)  # a bed out of the way
@@ -33,16 +33,16 @@ def scene_of(interface, *, mesh=None, mesh_material=0, **options):
     if mesh is not None:
         mesh = mesh._replace(material=np.full(len(mesh.material), mesh_material))
     options = {"reflectivity": [(0.0, 0.0, 1.0)] * len(interface), "bins": 700, **options}
-    return problem_of(DEEP, periodic=True, mesh=mesh, **options)._replace(interface=np.array(interface, dtype=float))
+    return arrays_of(DEEP, periodic=True, mesh=mesh, **options)._replace(interface=np.array(interface, dtype=float))
 
 
 def test_two_facing_mirrors():
     # Seven metres apart, slantwise between them: the gain is the product of the coefficients, range by range.
     walls = mesh_of([*np.array(WALL) - (0, 20, 0), *np.array(WALL) - (0, 13, 0)], [*QUAD, (4, 5, 6), (4, 6, 7)])
-    problem = scene_of([(0.9, 1.0), (0.7, 1.0)])._replace(
+    arrays = scene_of([(0.9, 1.0), (0.7, 1.0)])._replace(
         mesh=walls._replace(material=np.where(walls.corners[:, 0, 1] == 0.0, 0, 1))
     )
-    paths = rays.follow(problem, (0.0, 3.0, 0.0), (0.4, 1.0, 0.1), 9)
+    paths = rays.follow(arrays, (0.0, 3.0, 0.0), (0.4, 1.0, 0.1), 9)
     k = np.arange(10)
     assert paths.bounce.tolist() == k.tolist()
     np.testing.assert_allclose(paths.length, (4.0 + 7.0 * k) * math.sqrt(1.17), rtol=1e-9)
@@ -55,8 +55,8 @@ def test_two_facing_mirrors():
 def test_a_closed_furnace(reflection):
     # Inside a closed surface of albedo a all hits together carry 1 + a + a² + … : 1 / (1 − a) but for a^depth.
     rng = np.random.default_rng(1)
-    problem = scene_of([(reflection, 1.0)], mesh=mesh_of(*icosphere(2, 5.0)))
-    paths = rays.follow(problem, rng.uniform(-2, 2, (200, 3)), rng.normal(size=(200, 3)), 16)
+    arrays = scene_of([(reflection, 1.0)], mesh=mesh_of(*icosphere(2, 5.0)))
+    paths = rays.follow(arrays, rng.uniform(-2, 2, (200, 3)), rng.normal(size=(200, 3)), 16)
     a, carried = reflection**2, np.bincount(paths.ray, paths.throughput)
     depth = np.searchsorted(-(a ** np.arange(17)), -1e-6, side="right")  # the faintest are dropped
     np.testing.assert_allclose(carried, (a ** np.arange(depth)).sum(), rtol=1e-9)
@@ -70,15 +70,15 @@ def test_energy_is_neither_made_nor_lost_where_nothing_absorbs():
     bodies = [((2.0, 0.0, 0.0), 1.0), ((-3.0, -1.0, 0.0), (-1.0, -2.0, 1.0), 0.4, 0.9), ((0.0, 2.0, -2.0), 0.7)]
     room, box = icosphere(2, 6.0), CUBE * 1.5 + (0.0, 0.0, 2.5)
     mesh = mesh_of([*room[0], *box], [*room[1].tolist(), *(np.array(CUBE_FACES) + len(room[0])).tolist()], target=7)
-    problem = scene_of([(0.6, 1.6), (1.0, 1.0), (0.3, 0.6)], solids=bodies)
+    arrays = scene_of([(0.6, 1.6), (1.0, 1.0), (0.3, 0.6)], solids=bodies)
     outside = np.linalg.norm(mesh.corners, axis=2).min(axis=1) > 5.9
-    problem = problem._replace(
+    arrays = arrays._replace(
         mesh=mesh._replace(material=np.where(outside, 1, 2), target=np.where(outside, 8, 7)),
-        solids=problem.solids._replace(material=np.array([0, 2, 0])),
+        solids=arrays.solids._replace(material=np.array([0, 2, 0])),
     )
     origins = rng.uniform(-4, 4, (600, 3))
-    from_water = rays.cast(problem, origins, (0, 0, 1))[1] == 8
-    paths = rays.follow(problem, origins[from_water], rng.normal(size=(from_water.sum(), 3)), 5)
+    from_water = rays.cast(arrays, origins, (0, 0, 1))[1] == 8
+    paths = rays.follow(arrays, origins[from_water], rng.normal(size=(from_water.sum(), 3)), 5)
     carried = np.zeros((from_water.sum(), 6))
     np.add.at(carried, (paths.ray, paths.bounce), paths.throughput)
     assert (carried <= 1.0 + 1e-12).all()
@@ -89,10 +89,10 @@ def test_energy_is_neither_made_nor_lost_where_nothing_absorbs():
 
 def test_a_lens_by_snell_and_by_its_focus():
     # A ball of speed ratio 2/3 (n = 1.5) focuses rays near its axis n R / (2 (n − 1)) = 1.5 R behind its middle.
-    problem = scene_of([(0.2, 2.0 / 3.0)], solids=[((0.0, 0.0, 0.0), 1.0)])
-    problem = problem._replace(bed=problem.bed._replace(heights=np.full((2, 2), -3.0, np.float32), low=-3.0, high=-3.0))
+    arrays = scene_of([(0.2, 2.0 / 3.0)], solids=[((0.0, 0.0, 0.0), 1.0)])
+    arrays = arrays._replace(bed=arrays.bed._replace(heights=np.full((2, 2), -3.0, np.float32), low=-3.0, high=-3.0))
     offsets = np.array([1e-3, 1e-2, 0.3, 0.7])
-    paths = rays.follow(problem, np.column_stack([offsets, 0 * offsets, 0 * offsets + 4.0]), (0, 0, -1), 2)
+    paths = rays.follow(arrays, np.column_stack([offsets, 0 * offsets, 0 * offsets + 4.0]), (0, 0, -1), 2)
     on_ball = np.abs(np.linalg.norm(paths.position, axis=1) - 1.0) < 1e-9
     through = np.flatnonzero((paths.bounce == 2) & (paths.what == BED))
     landed, left = paths.position[through], paths.position[(paths.bounce == 1) & on_ball]
@@ -119,10 +119,10 @@ def test_a_slab_shifts_a_ray_and_steel_turns_it_back(shift):
     # A closed box of triangles: in and out again parallel; beyond the critical angle everything is reflected.
     box, bound = mesh_of(CUBE * (40.0, 40.0, 2.0) + shift, CUBE_FACES), 1e-10 if shift[0] == 0.0 else 1e-6
     for speeds, sine, passes in ((1.5, 0.3, True), (0.7, 0.6, True), (3.9, 0.3, False)):
-        problem = scene_of([(0.8, speeds)], mesh=box)
+        arrays = scene_of([(0.8, speeds)], mesh=box)
         start = np.add(shift, (0.1, 0.2, 4.0))
         direction = np.array([sine, 0.0, -math.sqrt(1.0 - sine**2)])
-        paths = rays.follow(problem, start, direction, 1)
+        paths = rays.follow(arrays, start, direction, 1)
         inside = paths.position[paths.bounce == 1]
         if not passes:
             assert not len(inside)
@@ -137,27 +137,27 @@ def test_a_slab_shifts_a_ray_and_steel_turns_it_back(shift):
 def test_a_chain_of_cylinders_is_one_body():
     # A bent pipe: the ball in its elbow and the flat ends inside it are no surfaces to a ray within.
     elbow = [((-4.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5), ((0.0, 0.0, 0.0), (3.0, 2.0, 0.0), 0.5), ((0.0, 0.0, 0.0), 0.5)]
-    problem = scene_of([(0.5, 1.0)], solids=elbow)
-    problem = problem._replace(solids=problem.solids._replace(target=np.zeros(3, dtype=np.int64)))
-    paths = rays.follow(problem, (-6.0, 0.0, 0.1), (1.0, 0.02, 0.0), 1)
+    arrays = scene_of([(0.5, 1.0)], solids=elbow)
+    arrays = arrays._replace(solids=arrays.solids._replace(target=np.zeros(3, dtype=np.int64)))
+    paths = rays.follow(arrays, (-6.0, 0.0, 0.1), (1.0, 0.02, 0.0), 1)
     assert paths.bounce.tolist() == [0, 1]
     np.testing.assert_allclose(paths.position[0, 0], -4.0, atol=1e-12)
     assert paths.position[1, 0] > 0.4
 
 
 @kernel
-def last_edges(problem, bundle, through, out):
+def last_edges(arrays, bundle, through, out):
     """Follow each ray, passing on where ``through`` says so and mirrored elsewhere: where it ends, and its edges."""
     for k in range(bundle.x.size):
         path = set_out(bundle, k)
         for passes in through:
-            meeting = _meet_next(problem, path, 1e3)
-            path = arrive(problem, path, meeting)
+            meeting = _meet_next(arrays, path, 1e3)
+            path = arrive(arrays, path, meeting)
             waiting = [path]
             waiting.pop()
-            _split(problem, path, meeting, 1e9, waiting)
+            _split(arrays, path, meeting, 1e9, waiting)
             path = waiting[0] if passes else waiting[-1]
-        path = arrive(problem, path, _meet_next(problem, path, 1e3))
+        path = arrive(arrays, path, _meet_next(arrays, path, 1e3))
         out[k, 0], out[k, 1], out[k, 2] = path.x, path.y, path.z
         out[k, 3], out[k, 4], out[k, 5] = path.up.x, path.up.y, path.up.z
         out[k, 6], out[k, 7], out[k, 8] = path.across.x, path.across.y, path.across.z
@@ -178,7 +178,7 @@ def last_edges(problem, bundle, through, out):
 def test_the_edges_of_a_tube_are_what_neighbouring_rays_show(body, through):
     # Off and through balls, pipes and cones, onto the walls and the floor of a room around them.
     room = mesh_of(CUBE * 60.0, CUBE_FACES)
-    problem = scene_of([(0.5, 0.8), (1.0, 1.0)], solids=[body], mesh=room, mesh_material=1)._replace(bounces=9)
+    arrays = scene_of([(0.5, 0.8), (1.0, 1.0)], solids=[body], mesh=room, mesh_material=1)._replace(bounces=9)
     elevation, azimuth, step = -0.44, 1.53, 1e-5
     angles = [(0, 0), (step, 0), (-step, 0), (0, step), (0, -step)]
     ways = [
@@ -187,14 +187,14 @@ def test_the_edges_of_a_tube_are_what_neighbouring_rays_show(body, through):
         for e, a in angles
     ]  # fmt: skip
     out = np.empty((5, 9))
-    last_edges(problem, rays._bundle((0.0, 0.0, 10.0), ways), np.array(through), out)
+    last_edges(arrays, rays._bundle((0.0, 0.0, 10.0), ways), np.array(through), out)
     up = (out[1, :3] - out[2, :3]) / (2.0 * step)
     across = (out[3, :3] - out[4, :3]) / (2.0 * step) / math.cos(elevation)
     np.testing.assert_allclose(out[0, 3:6], up, rtol=1e-5, atol=1e-5 * np.abs(up).max())
     np.testing.assert_allclose(out[0, 6:9], across, rtol=1e-5, atol=1e-5 * np.abs(across).max())
 
 
-def circle_cut(image, sonar, centre, radius, law, mixed, problem):
+def circle_cut(image, sonar, centre, radius, law, mixed, arrays):
     """Ghosts of a circle in the athwart plane by a dense sum along it, (bins,); image and sonar as (y, z)."""
     psi = np.linspace(-math.pi, math.pi, 2_000_001)
     normal = np.column_stack([np.cos(psi), np.sin(psi)])
@@ -210,25 +210,25 @@ def circle_cut(image, sonar, centre, radius, law, mixed, problem):
     ranges = 0.5 * (s + r)
     if law == LIGHT:
         value = SHINY[0] * (cos_s + cos_r) * ways / 2.0 + ways * SHINY[1] * mirrored
-        value *= np.abs(np.gradient(ranges)) / problem.bin_length
+        value *= np.abs(np.gradient(ranges)) / arrays.bin_length
     else:
         sigma = cos_s * cos_r / math.pi * (SHINY[0] + SHINY[1] * (SHINY[2] + 2.0) / 2.0 * mirrored)
         value = ways * sigma * ranges**4 / (s * r) ** 2 * radius * (psi[1] - psi[0])
-    return np.bincount((ranges[seen] / problem.bin_length).astype(int), value[seen], problem.bins)[: problem.bins]
+    return np.bincount((ranges[seen] / arrays.bin_length).astype(int), value[seen], arrays.bins)[: arrays.bins]
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 def test_ghosts_of_a_ball_before_a_mirror(law):
     # The wall at y = 20 shows the ball to an image of the sonar at y = 40: straight echo, mixed and retro ghost.
     centre, radius, gain = np.array([12.0, 4.0]), 0.8, 0.9
-    problem = scene_of(
+    arrays = scene_of(
         [(1.0, 1.0), (gain, 1.0)], solids=[((0.0, *centre), radius)], mesh=mesh_of(WALL, QUAD), mesh_material=1,
         law=law, reflectivity=[SHINY, (0.0, 0.0, 1.0)], bins=350, bin_length=0.1,
     )  # fmt: skip
     sonar, image = np.array([0.0, 10.0]), np.array([40.0, 10.0])
-    record = rays.trace(problem._replace(bounces=1), poses_of(0.0, 0.0, 10.0), rays=1 << 18)[0, 0]
-    direct = rays.trace(problem, poses_of(0.0, 0.0, 10.0), rays=1 << 18)[0, 0]
-    mixed, retro = (circle_cut(image, sonar, centre, radius, law, m, problem) for m in (True, False))
+    record = rays.trace(arrays._replace(bounces=1), poses_of(0.0, 0.0, 10.0), rays=1 << 18)[0, 0]
+    direct = rays.trace(arrays, poses_of(0.0, 0.0, 10.0), rays=1 << 18)[0, 0]
+    mixed, retro = (circle_cut(image, sonar, centre, radius, law, m, arrays) for m in (True, False))
     ghosts = record.astype(float) - direct
     first = np.flatnonzero(ghosts > 1e-6 * ghosts.max())[0] * 0.1
     assert first == pytest.approx(np.flatnonzero(mixed)[0] * 0.1, abs=0.11)
@@ -248,7 +248,7 @@ def test_the_retro_ghost_is_what_an_image_of_the_sonar_hears(law):
     heights = np.roll(rough(64, 64, 0.2, seed=4), 16, axis=0)
     options = {"periodic": True, "half_width": math.radians(3.0), "law": law, "bins": 240, "bin_length": 0.25}
     options |= {"solids": [((0.3, 14.0, 2.0), 1.0)], "reflectivity": [SHINY, (0.0, 0.0, 1.0)]}
-    bare = problem_of(heights, 0.5, **options)._replace(interface=np.array([[0.0, 1.0], [1.0, 1.0]]))
+    bare = arrays_of(heights, 0.5, **options)._replace(interface=np.array([[0.0, 1.0], [1.0, 1.0]]))
     wall = mesh_of(WALL, QUAD)
     mirror = bare._replace(mesh=wall._replace(material=np.ones(2, np.int64)))
     pose, image = poses_of(0.0, 0.0, 9.0), poses_of(0.0, 40.0, 9.0, math.pi)
@@ -265,11 +265,11 @@ def test_the_retro_ghost_is_what_an_image_of_the_sonar_hears(law):
 
 
 def test_nothing_changes_where_nothing_goes_on():
-    problem = problem_of(rough(64, 64, 0.2), 0.5, periodic=True, half_width=0.02)
+    arrays = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, half_width=0.02)
     poses = poses_of(np.arange(12) * 0.3, 0.0, 8.0)
-    once = rays.trace(problem, poses, rays=400)
-    np.testing.assert_array_equal(once, rays.trace(problem._replace(bounces=4), poses, rays=400))
-    ball = problem._replace(interface=np.array([[0.5, 1.2]]), bounces=3)
+    once = rays.trace(arrays, poses, rays=400)
+    np.testing.assert_array_equal(once, rays.trace(arrays._replace(bounces=4), poses, rays=400))
+    ball = arrays._replace(interface=np.array([[0.5, 1.2]]), bounces=3)
     one, other = (rays.trace(ball, poses, rays=400, threads=n) for n in (1, 3))
     np.testing.assert_array_equal(one, other)
     assert (one >= once).all()

@@ -6,11 +6,11 @@ import gsw
 import numpy as np
 import pytest
 
-from insonify.casts import read_cast
+from insonify.acoustics.layers import lay_out
+from insonify.acoustics.sound_speed import EQUATIONS
+from insonify.io.sound_speed_casts import read_cast
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.water import CastWater
-from insonify.sound.layers import lay_out
-from insonify.sound.sound_speed import EQUATIONS
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "casts"
 SEABIRD = """* Sea-Bird SBE19plus  Data File:
@@ -215,7 +215,7 @@ def test_an_equation_without_its_columns_is_refused(tmp_path):
 
 
 def test_a_missing_cast_is_named_before_anything_is_traced():
-    from insonify.simulate import prepare
+    from insonify.simulation import prepare
 
     scene = edit(load_scene("default"), {"water": {"kind": "cast", "path": "nowhere.cnv"}})
     with pytest.raises(SceneError, match=r"water.path: 'nowhere.cnv' does not exist"):

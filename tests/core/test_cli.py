@@ -14,7 +14,7 @@ from PIL import Image
 from insonify import __main__ as process
 from insonify.cli import main
 from insonify.scene import bundled_scenes, edit, load_scene
-from insonify.simulate import simulate
+from insonify.simulation import simulate
 
 SMALL = ["pipe-span", "--set", "track.pings=3", "--set", "sonar.bins=100"]
 
@@ -157,7 +157,7 @@ def test_the_seed_changes_the_bed(tmp_path):
 def test_trouble_leaves_the_old_file(tmp_path, capsys, monkeypatch, suffix, trouble):
     path = tmp_path / f"record{suffix}"
     path.write_bytes(b"old")
-    simulate_module = importlib.import_module("insonify.simulate")  # the package's own name is the function
+    simulate_module = importlib.import_module("insonify.simulation")
     blocks = simulate_module.simulate_blocks
 
     def troubled(*arguments, **options):

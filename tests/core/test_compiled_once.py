@@ -11,7 +11,7 @@ import sys
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 
 for name in {SCENES}:
     simulation = prepare(edit(load_scene(name), {{"track.pings": 2}}))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from insonify.scene import build, edit
-from insonify.simulate import prepare, simulate_blocks
+from insonify.simulation import prepare, simulate_blocks
 from insonify.terrain import EndlessGround, Ground, build_ground, relief, relief_picture
 from insonify.terrain.endless import TILE, gathered
 from insonify.tracers import sweep
@@ -55,7 +55,7 @@ def test_record_is_that_over_a_bed_held_whole(record):
     simulation = prepare(SCENE)
     nodes = gathered(simulation.ground.heights, (TILE - 150, TILE - 150), (400, 400))
     corner = 0.4 * (TILE - 150)
-    bed = simulation.problem.bed._replace(
+    bed = simulation.arrays.bed._replace(
         heights=nodes,
         transposed=np.ascontiguousarray(nodes.T),
         materials=np.zeros(nodes.shape, np.uint8),
@@ -66,7 +66,7 @@ def test_record_is_that_over_a_bed_held_whole(record):
         high=float(nodes.max()),
     )
     whole = edit(SCENE, {"sonar.pulse": "ideal"})
-    held = sweep.trace(simulation.problem._replace(bed=bed), simulation.poses(PINGS), **simulation.plan.settings)
+    held = sweep.trace(simulation.arrays._replace(bed=bed), simulation.poses(PINGS), **simulation.plan.settings)
     np.testing.assert_allclose(prepare(whole).intensity(PINGS), held, rtol=2e-4, atol=2e-5 * held.max())
 
 
@@ -141,7 +141,7 @@ def test_parts_of_a_sum_are_as_they_are_alone():
 def test_a_target_lies_on_it():
     scene = edit(SCENE, {"targets": [{"kind": "sphere", "position": [SIDE - 6.5, SIDE + 12.1], "radius": 0.8}]})
     simulation = prepare(scene)
-    sphere = simulation.problem.solids.start[0]
+    sphere = simulation.arrays.solids.start[0]
     below = simulation.ground.height_at(sphere[:1], sphere[1:2])[0]
     assert sphere[2] - below == pytest.approx(0.8, abs=1e-6)
     assert not np.array_equal(simulation.intensity(PINGS), prepare(SCENE).intensity(PINGS))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.tracers import sweep
 
 HEIGHT, GROUND_RANGE, RADIUS = 10.0, 30.0, 0.5
@@ -67,7 +67,7 @@ def pair_profile(name: str, ground_range: float) -> np.ndarray:
     poses = with_pair.poses(np.arange(scene.track.pings))
     # The same planes for both, so that the bed cancels exactly.
     planes = with_pair.plan.planes
-    with_pair, without = (sweep.trace(s.problem, poses, planes=planes)[:, 1, bins] for s in (with_pair, without))
+    with_pair, without = (sweep.trace(s.arrays, poses, planes=planes)[:, 1, bins] for s in (with_pair, without))
     return np.maximum(with_pair.astype(float) - without, 0.0).sum(axis=1)
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify.plan import plan
+from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene
-from insonify.simulate import prepare, simulate
+from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
 
 DEFAULT = load_scene("default")
@@ -68,14 +68,14 @@ def test_ways_by_the_surface_forced_off_are_not_heard():
 
 def test_a_thinned_bed_has_the_same_nodes():
     whole, thinned = prepare(SMALL), prepare(SMALL, forced={"spacing": "4"})
-    np.testing.assert_array_equal(thinned.modelled.problem.bed.heights, whole.problem.bed.heights[::4, ::4])
-    assert thinned.modelled.problem.bed.spacing == 4.0 * whole.problem.bed.spacing
+    np.testing.assert_array_equal(thinned.modelled.arrays.bed.heights, whole.arrays.bed.heights[::4, ::4])
+    assert thinned.modelled.arrays.bed.spacing == 4.0 * whole.arrays.bed.spacing
     # The bed of the scene, on which the platform and the targets stand, stays what it is.
     poses, same = whole.poses(PINGS), thinned.poses(PINGS)
     np.testing.assert_array_equal(whole.altitude(PINGS), thinned.altitude(PINGS))
     np.testing.assert_array_equal(poses.z, same.z)
-    assert thinned.problem.bed.spacing == whole.problem.bed.spacing
-    assert sweep.trace(thinned.modelled.problem, poses).any()
+    assert thinned.arrays.bed.spacing == whole.arrays.bed.spacing
+    assert sweep.trace(thinned.modelled.arrays, poses).any()
 
 
 def test_a_record_tells_how_it_was_forced():

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify.accuracy import compare
-from insonify.plan import laws, plan
-from insonify.plan.errors import Errors
-from insonify.plan.ghosts import Ghosts
-from insonify.plan.view import look_at
+from insonify.accuracy.metrics import compare
+from insonify.planning import laws, plan
+from insonify.planning.errors import Errors
+from insonify.planning.multipath_errors import Ghosts
+from insonify.planning.scene_summary import look_at
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.tracers import sweep
 
 FLAT = edit(
@@ -38,7 +38,7 @@ def test_a_way_is_as_loud_as_foretold(way, changes):
     forced = {other: "off" for other in WAYS if other != way} | {"planes": "8", "spacing": "1"}
     with_it, without = prepare(scene, forced=forced), prepare(scene, forced=forced | {way: "off"})
     poses = with_it.poses(PINGS)
-    measured = compare(with_it.problem, poses, with_it.intensity(PINGS), without.intensity(PINGS)).beyond
+    measured = compare(with_it.arrays, poses, with_it.intensity(PINGS), without.intensity(PINGS)).beyond
     assert foretold.shares[way] / foretold.direct == pytest.approx(measured, rel=0.5)
 
 
@@ -59,7 +59,7 @@ def test_a_squinting_beam_hears_no_place_both_ways():
 def test_what_a_single_plane_misses_beneath_images_is_foretold():
     simulation = prepare(FLAT, tolerance=1e-4, forced={"spacing": "1"})
     poses, foretold = simulation.poses(PINGS), Errors(FLAT, look_at(FLAT)).ghosts.of_planes()
-    right = sweep.trace(simulation.problem, poses, planes=32)
+    right = sweep.trace(simulation.arrays, poses, planes=32)
     for planes in (1, 2):
-        missed = compare(simulation.problem, poses, sweep.trace(simulation.problem, poses, planes=planes), right).beyond
+        missed = compare(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=planes), right).beyond
         assert missed < 1.5 * foretold[laws.COUNTS.index(planes)] + 1e-3

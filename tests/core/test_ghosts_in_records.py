@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of, rough
+from beds import arrays_of, poses_of, rough
 from ghosts import bright_ball, under_sea
-from insonify.plan import plan
+from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.surface import WAYS
-from insonify.simulate import prepare, simulate
+from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
-from insonify.tracers.truth import PATHS, trace_truth
+from insonify.tracers.labels import PATHS, trace_truth
 
 GHOSTS = edit(
     load_scene("ghosts"),
@@ -23,8 +23,8 @@ ALIKE = {"planes": "8", "spacing": "1"}  # records that differ in their scenes a
 
 
 def test_truth_tells_by_which_way_the_strongest_sound_came():
-    problem = bright_ball(problem_of(FLAT, 0.5, periodic=True, bins=600, bin_length=0.1), (0.0, 20.0, 0.0), 0.3)
-    sea = under_sea(problem, 18.0, *WAYS)
+    arrays = bright_ball(arrays_of(FLAT, 0.5, periodic=True, bins=600, bin_length=0.1), (0.0, 20.0, 0.0), 0.3)
+    sea = under_sea(arrays, 18.0, *WAYS)
     poses = poses_of(0.0, 0.0, 12.0)
     truth, record = trace_truth(sea, poses), sweep.trace(sea, poses)
     assert ((truth.path[0] >= 0) == (record[0] > 0.0)).all()
@@ -47,9 +47,9 @@ def test_truth_tells_by_which_way_the_strongest_sound_came():
 
 
 def test_every_heard_bin_has_a_way_and_no_other():
-    problem = problem_of(rough(64, 64, 0.2), 0.5, periodic=True, bins=500, bin_length=0.1, half_width=0.02)
+    arrays = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, bins=500, bin_length=0.1, half_width=0.02)
     for wind in (0.0, 5.0):
-        sea = under_sea(problem, 13.0, *WAYS, wind_speed=wind)
+        sea = under_sea(arrays, 13.0, *WAYS, wind_speed=wind)
         poses = poses_of([0.1, 2.7], 0.2, 7.0, 0.4)
         truth, record = trace_truth(sea, poses, planes=4), sweep.trace(sea, poses, planes=4)
         np.testing.assert_array_equal(truth.path >= 0, record > 0.0)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from insonify.scene import bundled_scenes, edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 
 GOLDEN = Path(__file__).parent.parent / "golden" / "records.json"
 PINGS = 12

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from insonify.kernels.hashing import hash_integers, hash_uniform, splitmix64, unit_interval, wave_noise
+from insonify.kernels.common.hashing import hash_integers, hash_uniform, splitmix64, unit_interval, wave_noise
 from insonify.terrain.spectra import Shape
 
 

@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 from PIL import Image
 
+from insonify.accuracy.record_statistics import likeness
 from insonify.cli import main
-from insonify.likeness import likeness
-from insonify.records import read_record, write_npz
+from insonify.io.records import read_record, write_npz
 from insonify.scene import SceneError
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"

@@ -7,27 +7,27 @@ import math
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of, rough
-from insonify.accuracy import compare
-from insonify.kernels.march import march_hits
-from insonify.kernels.rays import empty_hits
-from insonify.kernels.types import BED, LIGHT, SONAR
-from insonify.kernels.walk import Bundle
+from beds import arrays_of, poses_of, rough
+from insonify.accuracy.metrics import compare
+from insonify.kernels.common.types import BED, LIGHT, SONAR
+from insonify.kernels.rays.cell_walk import Bundle
+from insonify.kernels.rays.first_echoes import empty_hits
+from insonify.kernels.rays.march import march_hits
 from insonify.scene import SceneError
 from insonify.tracers import march, rays
 
 FLAT = np.zeros((8, 8))
 
 
-def hits_of(problem, origin, directions, step):
+def hits_of(arrays, origin, directions, step):
     ways = np.asarray(directions, dtype=float)
     ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
     starts = np.broadcast_to(np.asarray(origin, dtype=float), ways.shape)
     hits = empty_hits(len(ways))
-    near = np.arange(problem.solids.shape.size)
+    near = np.arange(arrays.solids.shape.size)
     bundle = Bundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
-    reach = problem.bins * problem.bin_length
-    march_hits(problem.bed, problem.solids, near, near.size, problem.mesh, bundle, reach, step, hits)
+    reach = arrays.bins * arrays.bin_length
+    march_hits(arrays.bed, arrays.solids, near, near.size, arrays.mesh, bundle, reach, step, hits)
     return hits
 
 
@@ -39,33 +39,32 @@ def order(steps, errors):
 @pytest.mark.parametrize("step", [0.03, 0.7, 3.0])
 def test_level_bed_is_exact_at_any_step(law, step):
     # A plane is linear along a ray, so that one interpolation finds it.
-    problem = problem_of(FLAT, 4.0, periodic=True, law=law, half_width=0.01)
+    arrays = arrays_of(FLAT, 4.0, periodic=True, law=law, half_width=0.01)
     poses = poses_of(1.0, 2.0, 10.0, 0.3)
-    one, other = march.trace(problem, poses, step=step, rays=3200), rays.trace(problem, poses, rays=3200)
+    one, other = march.trace(arrays, poses, step=step, rays=3200), rays.trace(arrays, poses, rays=3200)
     assert np.isclose(one, other, rtol=1e-5).mean() > 0.998
     assert one.sum() == pytest.approx(other.sum(), rel=1e-4)
 
 
 def test_one_interpolation_is_of_second_order():
     # A single saddle: along an oblique ray the height above it is a parabola.
-    problem = problem_of([[0.0, 3.0], [3.0, 0.0]], 40.0, bins=800, bin_length=0.1)
+    arrays = arrays_of([[0.0, 3.0], [3.0, 0.0]], 40.0, bins=800, bin_length=0.1)
     directions = [(1.0, 0.9, -slope) for slope in np.linspace(0.4, 1.2, 400)]
-    exact, what, _ = rays.cast(problem, (2.0, 3.0, 12.0), directions)
+    exact, what, _ = rays.cast(arrays, (2.0, 3.0, 12.0), directions)
     assert (what == BED).all()
     steps = np.array([0.8, 0.4, 0.2, 0.1])
-    errors = [np.abs(hits_of(problem, (2.0, 3.0, 12.0), directions, step).distance - exact).mean() for step in steps]
+    errors = [np.abs(hits_of(arrays, (2.0, 3.0, 12.0), directions, step).distance - exact).mean() for step in steps]
     assert order(steps, errors) == pytest.approx(2.0, rel=0.1)
 
 
 def test_steps_leak_through_crests_in_first_order():
     # Over kinked crests the share of rays that step across is proportional to the step.
-    problem = problem_of(rough(256, 256, 0.05), 0.1, periodic=True, bins=500, bin_length=0.06)
+    arrays = arrays_of(rough(256, 256, 0.05), 0.1, periodic=True, bins=500, bin_length=0.06)
     poses = poses_of(np.arange(4) * 0.9, 1.3, 8.0)
-    right = rays.trace(problem, poses, rays=1 << 14)
+    right = rays.trace(arrays, poses, rays=1 << 14)
     steps = np.array([0.1, 0.05, 0.025, 0.0125])
     leaks = [
-        compare(problem, poses, march.trace(problem, poses, step=step, rays=1 << 14), right).energy_bias
-        for step in steps
+        compare(arrays, poses, march.trace(arrays, poses, step=step, rays=1 << 14), right).energy_bias for step in steps
     ]
     assert (np.array(leaks) < 0.0).all()
     assert order(steps, leaks) == pytest.approx(1.0, rel=0.1)
@@ -74,20 +73,20 @@ def test_steps_leak_through_crests_in_first_order():
 def test_long_steps_pass_through_a_ridge():
     heights = np.zeros((3, 400))
     heights[:, 200:203] = 3.0
-    problem = problem_of(heights, 0.1, y0=-0.1, bins=800)
+    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=800)
     poses = poses_of(0.0, 0.0, 5.0, -math.pi / 2)
     shadow = slice(int(math.hypot(22, 5) / 0.05), int(math.hypot(36, 5) / 0.05))
-    assert not rays.trace(problem, poses, rays=4000)[0, 0, shadow].any()
-    assert not march.trace(problem, poses, step=0.01, rays=4000)[0, 0, shadow].any()
-    assert march.trace(problem, poses, step=2.0, rays=4000)[0, 0, shadow].any()
+    assert not rays.trace(arrays, poses, rays=4000)[0, 0, shadow].any()
+    assert not march.trace(arrays, poses, step=0.01, rays=4000)[0, 0, shadow].any()
+    assert march.trace(arrays, poses, step=2.0, rays=4000)[0, 0, shadow].any()
 
 
 def test_bodies_are_met_where_they_are():
     bodies = [((0.0, 9.0, 2.0), 1.0), ((5.0, 0.0, 3.0), (9.0, 0.0, 3.0), 0.5)]
-    problem = problem_of(FLAT, 4.0, periodic=True, solids=bodies)
+    arrays = arrays_of(FLAT, 4.0, periodic=True, solids=bodies)
     directions = [(0.0, 1.0, 0.0), (0.05, 1.0, 0.02), (1.0, 0.0, 0.2), (1.0, 0.02, 0.15), (0.0, -1.0, 0.1)]
-    exact, what, normals = rays.cast(problem, (0.0, 0.0, 2.0), directions)
-    hits = hits_of(problem, (0.0, 0.0, 2.0), directions, 1e-3)
+    exact, what, normals = rays.cast(arrays, (0.0, 0.0, 2.0), directions)
+    hits = hits_of(arrays, (0.0, 0.0, 2.0), directions, 1e-3)
     assert what[:4].tolist() == hits.body[:4].tolist() == [0, 0, 1, 1]
     np.testing.assert_allclose(hits.distance[:4], exact[:4], atol=1e-5)
     np.testing.assert_allclose(np.column_stack([hits.nx, hits.ny, hits.nz])[:4], normals[:4], atol=1e-4)
@@ -95,26 +94,26 @@ def test_bodies_are_met_where_they_are():
 
 
 def test_small_bodies_are_stepped_over():
-    problem = problem_of(FLAT, 4.0, periodic=True, solids=[((0.0, 9.25, 2.0), 0.1)])
-    assert hits_of(problem, (0.0, 0.0, 2.0), [(0.0, 1.0, 0.0)], 0.05).body[0] == 0
-    assert hits_of(problem, (0.0, 0.0, 2.0), [(0.0, 1.0, 0.0)], 0.5).body[0] == -2
+    arrays = arrays_of(FLAT, 4.0, periodic=True, solids=[((0.0, 9.25, 2.0), 0.1)])
+    assert hits_of(arrays, (0.0, 0.0, 2.0), [(0.0, 1.0, 0.0)], 0.05).body[0] == 0
+    assert hits_of(arrays, (0.0, 0.0, 2.0), [(0.0, 1.0, 0.0)], 0.5).body[0] == -2
 
 
 def test_no_bed_where_nodes_are_missing():
     heights = np.zeros((21, 21))
     heights[10, 10] = np.nan
-    hits = hits_of(problem_of(heights, 1.0), (10.5, 10.5, 5.0), [(0, 0, -1), (0.3, 0, -1), (0, 3, -1)], 0.1)
+    hits = hits_of(arrays_of(heights, 1.0), (10.5, 10.5, 5.0), [(0, 0, -1), (0.3, 0, -1), (0, 3, -1)], 0.1)
     assert hits.body.tolist() == [-2, BED, -2]
 
 
 def test_any_number_of_threads_gives_the_same_bits():
-    problem = problem_of(rough(64, 64, 0.2), 0.5, periodic=True, half_width=0.02)
+    arrays = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, half_width=0.02)
     poses = poses_of(np.arange(40) * 0.3, 0.0, 8.0)
-    one = march.trace(problem, poses, rays=100, step=0.2, threads=1)
-    np.testing.assert_array_equal(one, march.trace(problem, poses, rays=100, step=0.2, threads=3))
+    one = march.trace(arrays, poses, rays=100, step=0.2, threads=1)
+    np.testing.assert_array_equal(one, march.trace(arrays, poses, rays=100, step=0.2, threads=3))
 
 
 @pytest.mark.parametrize("step", [0.0, -1.0, math.nan, math.inf])
 def test_a_step_that_is_no_length_is_refused(step):
     with pytest.raises(SceneError, match="step"):
-        march.trace(problem_of(FLAT), poses_of(0.0, 0.0, 5.0), step=step)
+        march.trace(arrays_of(FLAT), poses_of(0.0, 0.0, 5.0), step=step)

@@ -8,11 +8,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from insonify.kernels.jit import kernel
-from insonify.kernels.scatter import backscatter
+from insonify.kernels.common.jit import kernel
+from insonify.kernels.common.scattering import backscatter
 from insonify.scene import SceneError, build, edit, load_scene
 from insonify.scene.materials import MATERIALS, Material, Reflectivity
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 
 GRAZING = (10.0, 20.0, 30.0, 45.0, 60.0)
 # Jackson model at 300 kHz: R0, S_b in dB at those grazing angles, 10 log μ of the Lambert fit at 30°.
@@ -118,13 +118,13 @@ def test_interfaces_follow_the_ground_and_then_the_targets():
             ],
         }
     )
-    problem = prepare(scene).problem
+    arrays = prepare(scene).arrays
     silt, rock, steel = MATERIALS["silt"], MATERIALS["rock"], MATERIALS["steel"]
     np.testing.assert_array_equal(
-        problem.interface,
+        arrays.interface,
         [(silt.reflection, silt.speed_ratio), (0.5, rock.speed_ratio), (1.0, 1.0), (steel.reflection, 3.0)],
     )
-    assert problem.interface.shape[0] == problem.reflectivity.shape[0]
+    assert arrays.interface.shape[0] == arrays.reflectivity.shape[0]
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from insonify.kernels.tree import make_mesh
-from insonify.meshes import read_mesh
+from insonify.io.meshes import read_mesh
+from insonify.kernels.geometry.bvh import make_mesh
 from insonify.scene import SceneError, bundled_meshes, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 
 FORMATS = ["obj", "stl", "ply", "glb", "gltf"]
 
@@ -178,7 +178,7 @@ def test_meshes_are_found_beside_the_scene_or_by_name(tmp_path):
     file.write_text(text.format(1.0, "shape.obj") + text.format(9.0, "tetrapod"))
     scene = load_scene(file)
     assert [target.path for target in scene.targets] == [str(tmp_path / "shape.obj"), "tetrapod"]
-    mesh = prepare(scene).problem.mesh
+    mesh = prepare(scene).arrays.mesh
     assert np.bincount(mesh.target).tolist() == [6, 320]
 
 
@@ -188,6 +188,6 @@ def test_scale_turns_units_into_metres_about_the_middle(tmp_path):
     scene.write_text(
         f'[[targets]]\nkind = "mesh"\nposition = [5.0, 7.0]\nscale = 0.5\nheading = 90.0\npath = "{path}"\n'
     )
-    corners = prepare(load_scene(scene)).problem.mesh.corners
+    corners = prepare(load_scene(scene)).arrays.mesh.corners
     np.testing.assert_allclose(corners.min(axis=(0, 1)), [4.5, 6.25, 0.0], atol=1e-12)
     np.testing.assert_allclose(corners.max(axis=(0, 1)), [5.5, 7.75, 0.5], atol=1e-12)

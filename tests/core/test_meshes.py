@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from beds import icosphere, mesh_of, poses_of, problem_of
-from insonify.accuracy import compare
-from insonify.kernels.types import LIGHT, SONAR
+from beds import arrays_of, icosphere, mesh_of, poses_of
+from insonify.accuracy.metrics import compare
+from insonify.kernels.common.types import LIGHT, SONAR
+from insonify.packing.containment import solid_angle
 from insonify.scene import Scene, SceneError, edit
-from insonify.simulate import prepare, simulate
+from insonify.simulation import prepare, simulate
 from insonify.tracers import march, rays
-from insonify.tracers.inside import solid_angle
 
 FLAT = np.zeros((8, 8))
 DEEP = -1e6  # a bed out of the way
@@ -23,7 +23,7 @@ MAP = np.array([500_000.0, 5_800_000.0, 0.0])
 
 def alone(mesh, **options):
     """A mesh over a bed so deep that nothing else is met."""
-    return problem_of(np.full((2, 2), DEEP), 1.0, periodic=True, mesh=mesh, **options)
+    return arrays_of(np.full((2, 2), DEEP), 1.0, periodic=True, mesh=mesh, **options)
 
 
 def moller_trumbore(mesh, origin, direction):
@@ -79,13 +79,13 @@ def test_no_ray_slips_through_an_edge_or_a_corner(centre):
     share = np.where(np.isnan(share), rng.random((100_000, 1)), share)
     goals = (1.0 - share) * picked[:, 0] + share * picked[:, 1]
     origins = centre + rng.uniform(-0.3, 0.3, (100_000, 3))
-    problem = alone(mesh_of(vertices, faces))
-    distance, what, _ = rays.cast(problem, origins, goals - origins)
+    arrays = alone(mesh_of(vertices, faces))
+    distance, what, _ = rays.cast(arrays, origins, goals - origins)
     assert (what == 0).all()
     np.testing.assert_allclose(distance, np.linalg.norm(goals - origins, axis=1), atol=1e-7)
     # The same from outside: through a point of an edge in front, towards a point inside.
     outside = goals - 3.0 * unit(origins - goals)
-    _, what, _ = rays.cast(problem, outside, goals - outside)
+    _, what, _ = rays.cast(arrays, outside, goals - outside)
     assert (what == 0).all()
 
 
@@ -119,7 +119,7 @@ def test_a_fine_mesh_becomes_the_sphere():
     origins = 6.0 * unit(rng.normal(size=(4000, 3)))
     goals = rng.uniform(-0.5, 0.5, (4000, 3))
     exact, _, exact_normal = rays.cast(
-        problem_of(np.full((2, 2), DEEP), periodic=True, solids=[((0.0, 0.0, 0.0), 1.0)]), origins, goals - origins
+        arrays_of(np.full((2, 2), DEEP), periodic=True, solids=[((0.0, 0.0, 0.0), 1.0)]), origins, goals - origins
     )
     errors, lean = [], []
     for halvings in (1, 2, 3, 4):
@@ -134,10 +134,10 @@ def test_a_fine_mesh_becomes_the_sphere():
 def test_a_record_of_a_fine_mesh_is_that_of_the_sphere(law, half_width):
     ball = ((0.0, 18.0, 1.3), 1.0)
     options = {"periodic": True, "law": law, "half_width": half_width, "bins": 400, "bin_length": 0.1}
-    sphere = problem_of(FLAT, 4.0, solids=[ball], **options)
-    mesh = problem_of(FLAT, 4.0, mesh=mesh_of(*icosphere(4, 1.0, ball[0])), **options)
+    sphere = arrays_of(FLAT, 4.0, solids=[ball], **options)
+    mesh = arrays_of(FLAT, 4.0, mesh=mesh_of(*icosphere(4, 1.0, ball[0])), **options)
     poses = poses_of(np.array([-0.4, 0.0, 0.3]), 0.0, 10.0)
-    one, other = (rays.trace(problem, poses, rays=1 << 14) for problem in (mesh, sphere))
+    one, other = (rays.trace(arrays, poses, rays=1 << 14) for arrays in (mesh, sphere))
     assert compare(sphere, poses, one, other).beyond < 0.02
     marched = march.trace(mesh, poses, step=0.01, rays=1 << 14)
     assert compare(sphere, poses, marched, one).beyond < 0.03
@@ -146,9 +146,9 @@ def test_a_record_of_a_fine_mesh_is_that_of_the_sphere(law, half_width):
 def test_a_mesh_above_the_fish_is_seen():
     ball = ((0.0, 15.0, 14.0), 1.0)
     options = {"periodic": True, "bins": 300, "bin_length": 0.1}
-    sphere = problem_of(FLAT, 4.0, solids=[ball], **options)
-    mesh = problem_of(FLAT, 4.0, mesh=mesh_of(*icosphere(4, *ball[::-1])), **options)
-    one, other = (rays.trace(problem, poses_of(0.0, 0.0, 10.0), rays=1 << 15)[0, 0] for problem in (mesh, sphere))
+    sphere = arrays_of(FLAT, 4.0, solids=[ball], **options)
+    mesh = arrays_of(FLAT, 4.0, mesh=mesh_of(*icosphere(4, *ball[::-1])), **options)
+    one, other = (rays.trace(arrays, poses_of(0.0, 0.0, 10.0), rays=1 << 15)[0, 0] for arrays in (mesh, sphere))
     assert np.linalg.norm(one - other) < 0.03 * np.linalg.norm(other)
 
 

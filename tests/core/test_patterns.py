@@ -8,7 +8,7 @@ from PIL import Image
 
 from insonify.scene import SceneError, build, load_scene, plain
 from insonify.scene.materials import MATERIALS, ImageMap, Material, PatternMap
-from insonify.simulate import simulate
+from insonify.simulation import simulate
 from insonify.terrain import build_ground
 from insonify.terrain.lattice import Lattice
 from insonify.terrain.materials import material_indices, material_table

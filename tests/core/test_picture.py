@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from insonify.look import Look
-from insonify.page import decibel_ticks, scene_caption, write_page
-from insonify.picture import (
+from insonify.display.options import Look
+from insonify.display.page import decibel_ticks, scene_caption, write_page
+from insonify.display.picture import (
     PALETTES,
     binned,
     colours,
@@ -22,8 +22,8 @@ from insonify.picture import (
     recorded_curve,
     tones,
 )
+from insonify.display.sheet import gather, stretched
 from insonify.scene import SceneError, edit, load_scene
-from insonify.sheet import gather, stretched
 
 BINS = 200
 REACH = 50.0

@@ -8,11 +8,11 @@ import re
 import numpy as np
 import pytest
 
-from insonify.accuracy import compare
-from insonify.plan import MOST_PLANES, plan
+from insonify.accuracy.metrics import compare
+from insonify.acoustics.straightness import bending_of
+from insonify.planning import MOST_PLANES, plan
 from insonify.scene import SceneError, edit, load_scene
-from insonify.simulate import prepare
-from insonify.sound.straightness import bending_of
+from insonify.simulation import prepare
 from insonify.tracers import sweep
 
 DEFAULT = load_scene("default")
@@ -65,9 +65,9 @@ def test_a_finer_tolerance_never_takes_fewer_planes():
 def test_the_planes_keep_what_they_promise(changes, tolerance):
     simulation = prepare(edit(DEFAULT, changes), tolerance=tolerance)
     poses = simulation.poses(np.arange(40, 480, 40))
-    record, fine = (sweep.trace(simulation.problem, poses, planes=n) for n in (simulation.plan.planes, 2 * MOST_PLANES))
+    record, fine = (sweep.trace(simulation.arrays, poses, planes=n) for n in (simulation.plan.planes, 2 * MOST_PLANES))
     # The law is a fit over many beds; one bed may lie a little above it.
-    assert compare(simulation.problem, poses, record, fine).beyond < 1.2 * tolerance
+    assert compare(simulation.arrays, poses, record, fine).beyond < 1.2 * tolerance
 
 
 def test_too_few_planes_comb_a_small_target_and_the_plan_raises_them():
@@ -80,9 +80,9 @@ def test_too_few_planes_comb_a_small_target_and_the_plan_raises_them():
     near = math.hypot(38.0, 10.0 - 0.05) - 0.05
     echo = slice(int(near / 0.05), int(near / 0.05) + 2)
     few, planned = (
-        sweep.trace(simulation.problem, poses, planes=n)[:, 0, echo].sum(axis=1) for n in (4, simulation.plan.planes)
+        sweep.trace(simulation.arrays, poses, planes=n)[:, 0, echo].sum(axis=1) for n in (4, simulation.plan.planes)
     )
-    bed = sweep.trace(prepare(edit(scene, {"targets": []})).problem, poses)[0, 0, echo].sum()
+    bed = sweep.trace(prepare(edit(scene, {"targets": []})).arrays, poses)[0, 0, echo].sum()
     assert (few / bed - 1.0).std() > 5.0 * (planned / bed - 1.0).std()
 
 
@@ -148,7 +148,7 @@ def test_sound_that_bends_is_followed_and_what_it_matters_is_said():
     )
     simulation = prepare(edit(DEFAULT, THERMOCLINE))
     assert simulation.plan.method == "sweep"
-    assert simulation.problem.water.bent
+    assert simulation.arrays.water.bent
     entry = plan(edit(DEFAULT, THERMOCLINE), method="rays").entry("bending")
     assert entry.reason.startswith("along arcs; it moves the farthest echo")
     assert plan(DEFAULT).entry("bending") is None
@@ -159,12 +159,12 @@ def test_bending_that_matters_less_than_the_tolerance_is_left_out():
     entry = plan(scene).entry("bending")
     assert (entry.choice, entry.modelled) == ("straight sound", False)
     assert "bending is left out" in entry.reason
-    assert not prepare(scene).problem.water.bent
+    assert not prepare(scene).arrays.water.bent
     # What is left out is less than the tolerance.
     precise = prepare(scene, tolerance=1e-6)
-    assert precise.problem.water.bent
+    assert precise.arrays.water.bent
     pings = np.arange(3)
-    one, other = prepare(scene).problem, precise.problem
+    one, other = prepare(scene).arrays, precise.arrays
     poses = precise.poses(pings)
     left_out = compare(other, poses, sweep.trace(one, poses), sweep.trace(other, poses)).beyond
     assert 0.0 < left_out < 0.03

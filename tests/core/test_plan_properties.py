@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from drawn_scenes import scenes
-from insonify.plan import plan
+from insonify.planning import plan
 from insonify.scene import Scene, SceneError, edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from planned_scenes import planned_scene
 
 TOLERANCES = st.floats(math.log(1e-4), math.log(0.5)).map(math.exp)
@@ -84,9 +84,9 @@ def test_what_was_forced_as_it_was_chosen_changes_nothing(tmp_path):
 def test_a_plain_scene_is_traced_by_the_bare_sweep():
     simulation = prepare(edit(load_scene("default"), KNIFE))
     assert (simulation.plan.method, simulation.plan.settings) == ("sweep", {"planes": 1})
-    bare = simulation.modelled.problem
+    bare = simulation.modelled.arrays
     assert (bare.water.bent, bare.ghosts.heard, bare.bounces, bare.solids.shape.size) == (False, False, 0, 0)
-    assert bare.bed.heights is simulation.problem.bed.heights
+    assert bare.bed.heights is simulation.arrays.bed.heights
 
 
 @pytest.mark.bench

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from beds import gaussian_pattern, problem_of
-from insonify.kernels.wedge import arcsine
-from insonify.tracers.planes import beam_planes, pattern_planes
+from beds import arrays_of, gaussian_pattern
+from insonify.kernels.beam.azimuth_sector import arcsine
+from insonify.tracers.azimuth_fan import beam_planes, pattern_planes
 
 
 @pytest.mark.parametrize("width", [0.2, 1.0, 2.5, 20.0, 90.0])
@@ -46,8 +46,8 @@ def test_wedges_of_a_pattern_leave_out_what_is_not_heard_and_nothing_else(width,
     half = math.radians(width)
     bodies = [((0.0, 12.0, 0.6), 0.6)] if targets else []
     pattern = gaussian_pattern(math.radians(width))
-    problem = problem_of(np.zeros((8, 8)), 4.0, periodic=True, half_width=half, pattern=pattern, solids=bodies)
-    laid = pattern_planes(problem, planes, 10.0, np.zeros(1))
+    arrays = arrays_of(np.zeros((8, 8)), 4.0, periodic=True, half_width=half, pattern=pattern, solids=bodies)
+    laid = pattern_planes(arrays, planes, 10.0, np.zeros(1))
     np.testing.assert_array_equal(laid.s_low[1:], laid.s_high[:-1])
     # Nearer than a hundredth of the height no ground range is looked at.
     farthest = min(pattern.extent[0] * math.hypot(1.0, 0.01) / 0.01, 1.0)

@@ -10,12 +10,12 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from insonify.records import write_netcdf
+from insonify.io.records import write_netcdf
+from insonify.packing.navigation import bed_beneath, make_poses
+from insonify.packing.track import line_at
 from insonify.scene import SceneError, edit, load_scene
-from insonify.simulate import simulate, simulate_blocks
+from insonify.simulation import simulate, simulate_blocks
 from insonify.terrain import build_ground
-from insonify.tracers.line import line_at
-from insonify.tracers.poses import bed_beneath, make_poses
 
 LEVEL = edit(
     load_scene("default"),

@@ -6,13 +6,13 @@ import math
 import numpy as np
 import pytest
 
+from insonify.acoustics.rays import follow_paths
+from insonify.acoustics.water import make_water
 from insonify.cli import main
-from insonify.diagrams.fan import CELLS
-from insonify.diagrams.rays import ray_diagram
-from insonify.kernels.paths import Limits
+from insonify.display.ray_diagram.fan import CELLS
+from insonify.display.ray_diagram.rays import ray_diagram
+from insonify.kernels.refraction.ray_paths import Limits
 from insonify.scene import SceneError, edit, load_scene
-from insonify.sound.rays import follow_paths
-from insonify.sound.water import make_water
 
 DUCT = {"kind": "profile", "depth": [0.0, 20.0, 40.0], "sound_speed": [1520.0, 1500.0, 1510.0]}
 LIMIT = 346.9867  # m, of a bed 20 m below the sonar in 0.5 (m/s)/m

@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import naive
-from beds import poses_of, problem_of, rough
-from insonify.kernels.types import BED, LIGHT, SONAR
+from beds import arrays_of, poses_of, rough
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.scene import SceneError
 from insonify.scene.materials import Reflectivity
-from insonify.sound.flat_bed import flat_bed_curve
 from insonify.tracers import rays
 
 NOTHING = -2
@@ -24,7 +24,7 @@ MATERIAL = Reflectivity(0.6, 0.3, 5.0)
 
 
 def flat(**options):
-    return problem_of(FLAT, 4.0, periodic=True, **options)
+    return arrays_of(FLAT, 4.0, periodic=True, **options)
 
 
 def slope(x, y):
@@ -34,9 +34,9 @@ def slope(x, y):
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 @pytest.mark.parametrize("half_width", [0.0, FAN, math.radians(15.0)])
 def test_flat_bed_is_its_closed_form(law, half_width):
-    problem = flat(law=law, half_width=half_width, reflectivity=[MATERIAL])
-    port, starboard = rays.trace(problem, poses_of(3.0, 5.0, 10.0, 0.7), rays=8000)[0]
-    curve = flat_bed_curve(problem, 10.0, MATERIAL)
+    arrays = flat(law=law, half_width=half_width, reflectivity=[MATERIAL])
+    port, starboard = rays.trace(arrays, poses_of(3.0, 5.0, 10.0, 0.7), rays=8000)[0]
+    curve = flat_bed_curve(arrays, 10.0, MATERIAL)
     # The curve takes a bin's middle for all of it, which nadir's first metre outruns.
     np.testing.assert_allclose(port[220:], curve[220:], rtol=2e-4)
     np.testing.assert_allclose(port[201:220], curve[201:220], rtol=2e-2)
@@ -47,8 +47,8 @@ def test_flat_bed_is_its_closed_form(law, half_width):
 @pytest.mark.parametrize(("half_width", "order"), [(0.0, -6.0), (FAN, -5.0)])
 def test_flat_bed_falls_as_it_must(half_width, order):
     # Far out, where cos θ is 1: a knife as −60 log r, a fan as −50 log r.
-    problem = problem_of(FLAT, 50.0, periodic=True, bins=2000, half_width=half_width, bin_length=0.1, spreading=True)
-    record = rays.trace(problem, poses_of(0.0, 0.0, 4.0), rays=19600)[0, 0]
+    arrays = arrays_of(FLAT, 50.0, periodic=True, bins=2000, half_width=half_width, bin_length=0.1, spreading=True)
+    record = rays.trace(arrays, poses_of(0.0, 0.0, 4.0), rays=19600)[0, 0]
     r = (np.arange(2000) + 0.5) * 0.1
     assert slope(r[1000:], record[1000:]) == pytest.approx(order, abs=0.01)
 
@@ -69,8 +69,8 @@ def test_light_of_a_half_lit_bin_is_half_its_radiance():
 def test_fan_adds_up_to_the_beam():
     # Everything inside r on a level bed: a strip of constant sin φ_b about the track, capped by the disc.
     half_width, altitude, reach = math.radians(20.0), 10.0, 50.0
-    problem = flat(half_width=half_width, reflectivity=[(math.pi, 0.0, 1.0)])
-    record = rays.trace(problem, poses_of(0.0, 0.0, altitude), rays=1 << 16)[0, 0]
+    arrays = flat(half_width=half_width, reflectivity=[(math.pi, 0.0, 1.0)])
+    record = rays.trace(arrays, poses_of(0.0, 0.0, altitude), rays=1 << 16)[0, 0]
     r = np.linspace(altitude, reach, 2_000_001)
     r = 0.5 * (r[1:] + r[:-1])
     widest = np.arcsin(np.minimum(math.sin(half_width) / np.sqrt(1.0 - (altitude / r) ** 2), 1.0))
@@ -82,11 +82,11 @@ def test_fan_adds_up_to_the_beam():
 def test_wall_is_heard_at_its_distance():
     heights = np.zeros((3, 202))
     heights[:, 130:] = 8.0  # a cliff from x = 12.9 to 13.0
-    problem = problem_of(heights, 0.1, bins=400)
-    problem = problem._replace(bed=problem.bed._replace(y0=-0.1))
+    arrays = arrays_of(heights, 0.1, bins=400)
+    arrays = arrays._replace(bed=arrays.bed._replace(y0=-0.1))
     # Heading −y: x is to port.
-    record = rays.trace(problem, poses_of(5.0, 0.0, 4.0, -math.pi / 2), rays=20000)[0, 0]
-    distance, what, normal = rays.cast(problem, (5.0, 0.0, 4.0), [(1.0, 0.0, 0.0), (1.0, 0.0, 0.4)])
+    record = rays.trace(arrays, poses_of(5.0, 0.0, 4.0, -math.pi / 2), rays=20000)[0, 0]
+    distance, what, normal = rays.cast(arrays, (5.0, 0.0, 4.0), [(1.0, 0.0, 0.0), (1.0, 0.0, 0.4)])
     np.testing.assert_allclose(distance, [7.95, 636.0 / 79.6 * math.hypot(1.0, 0.4)], atol=1e-6)
     assert what.tolist() == [BED, BED]
     np.testing.assert_allclose(normal[0], [-80.0 / math.hypot(1.0, 80.0), 0.0, 1.0 / math.hypot(1.0, 80.0)], atol=1e-6)
@@ -98,8 +98,8 @@ def test_shadow_of_a_step():
     # A plateau 2 m high ends 10 m off; its edge hides the bed from 10 m out to where the ray over it lands.
     heights = np.zeros((3, 1001))
     heights[:, :101] = 2.0
-    problem = problem_of(heights, 0.1, y0=-0.1, bins=2000)
-    record = rays.trace(problem, poses_of(0.0, 0.0, 10.0, -math.pi / 2), rays=200_000)[0, 0]
+    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=2000)
+    record = rays.trace(arrays, poses_of(0.0, 0.0, 10.0, -math.pi / 2), rays=200_000)[0, 0]
     edge, landing = math.hypot(10.0, 8.0), math.hypot(12.5, 10.0)
     dark = np.flatnonzero(record[200:] == 0.0) + 200
     assert dark[0] * 0.05 == pytest.approx(edge, abs=0.1)
@@ -131,8 +131,8 @@ def test_pipe_and_its_shadow(gap, echo, shadow):
 
 def test_sphere_and_its_shadow():
     ball = ((0.0, 20.0, 1.0), 1.0)
-    problem = flat(solids=[ball], bins=4000, bin_length=0.01)
-    record = rays.trace(problem, poses_of(0.0, 0.0, 10.0), rays=200_000)[0, 0]
+    arrays = flat(solids=[ball], bins=4000, bin_length=0.01)
+    record = rays.trace(arrays, poses_of(0.0, 0.0, 10.0), rays=200_000)[0, 0]
     d, middle = math.hypot(20.0, 9.0), math.atan2(9.0, 20.0)
     end = 10.0 / math.sin(middle - math.asin(1.0 / d))
     dark = np.flatnonzero(record[1100:] == 0.0) + 1100
@@ -152,27 +152,27 @@ def test_sphere_and_its_shadow():
 
 def test_vertical_ray_and_rays_along_grid_lines():
     heights = rough(32, 32, 0.4, seed=3)
-    problem = problem_of(heights, 0.5, periodic=True)
-    z = problem.bed.heights.astype(float)
+    arrays = arrays_of(heights, 0.5, periodic=True)
+    z = arrays.bed.heights.astype(float)
     # Exactly over a knot, over a line, in a cell; then along x = node, along y = node, through knots diagonally.
     origins = [(4.0, 6.0, 9.0), (4.0, 6.2, 9.0), (4.1, 6.3, 9.0), (4.0, 6.0, 3.0), (4.0, 6.0, 3.0), (4.0, 6.0, 3.0)]
     directions = [(0, 0, -1), (0, 0, -1), (0, 0, -1), (0.0, 1.0, -0.3), (-1.0, 0.0, -0.3), (1.0, -1.0, -0.3)]
-    distance, what, _ = rays.cast(problem, origins, directions)
+    distance, what, _ = rays.cast(arrays, origins, directions)
     assert (what == BED).all()
     assert distance[0] == pytest.approx(9.0 - z[12, 8], abs=1e-12)
     for k in range(6):
         unit = np.array(directions[k]) / np.linalg.norm(directions[k])
         x, y, height = np.array(origins[k]) + distance[k] * unit
-        assert naive.height(problem.bed, x, y) == pytest.approx(height, abs=1e-9)
-        assert distance[k] == pytest.approx(naive.cast(problem, origins[k], directions[k], 0.003)[0], abs=1e-8)
+        assert naive.height(arrays.bed, x, y) == pytest.approx(height, abs=1e-9)
+        assert distance[k] == pytest.approx(naive.cast(arrays, origins[k], directions[k], 0.003)[0], abs=1e-8)
 
 
 def test_upward_and_level_rays():
     heights = np.zeros((40, 40))
     heights[20:, :] = 5.0
-    problem = problem_of(heights, 1.0)
+    arrays = arrays_of(heights, 1.0)
     distance, what, normal = rays.cast(
-        problem,
+        arrays,
         (20.0, 10.0, 2.0),
         [(0, 0, 1), (0, 1, 0), (0, 1, 0.2), (0, 1, 0.5), (0, -1, 0), (0, 0, -1)],
     )
@@ -186,22 +186,22 @@ def test_upward_and_level_rays():
 def test_no_bed_where_nodes_are_missing():
     heights = np.zeros((21, 21))
     heights[10, 10] = np.nan
-    problem = problem_of(heights, 1.0)
+    arrays = arrays_of(heights, 1.0)
     down = [(x, y, 5.0) for x, y in ((10.5, 10.5), (9.5, 9.5), (8.5, 10.5), (25.0, 3.0), (11.5, 10.0))]
-    _, what, _ = rays.cast(problem, down, (0, 0, -1))
+    _, what, _ = rays.cast(arrays, down, (0, 0, -1))
     assert what.tolist() == [NOTHING, NOTHING, BED, NOTHING, BED]
     # Through the hole, and into its far side from below: nothing comes back.
-    _, what, _ = rays.cast(problem, (9.2, 10.2, 0.05), [(1, 0, -0.1), (1, 0, -0.01)])
+    _, what, _ = rays.cast(arrays, (9.2, 10.2, 0.05), [(1, 0, -0.1), (1, 0, -0.01)])
     assert what.tolist() == [NOTHING, BED]
 
 
 def test_bed_that_rises_above_the_fish():
     heights = np.zeros((3, 400))
     heights[:, 200:] = np.linspace(0.0, 30.0, 200)
-    problem = problem_of(heights, 0.1, y0=-0.1, bins=600, law=LIGHT)
+    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=600, law=LIGHT)
     poses = poses_of(10.0, 0.0, 5.0, -math.pi / 2)
-    record = rays.trace(problem, poses, rays=60_000)[0, 0]
-    twin = naive.naive_ping(problem, 10.0, 0.0, 5.0, -math.pi / 2)[0]
+    record = rays.trace(arrays, poses, rays=60_000)[0, 0]
+    twin = naive.naive_ping(arrays, 10.0, 0.0, 5.0, -math.pi / 2)[0]
     assert record.sum() == pytest.approx(twin.sum(), rel=2e-3)
     top = math.hypot(29.9, 25.0)
     assert np.flatnonzero(record)[-1] * 0.05 == pytest.approx(np.flatnonzero(twin)[-1] * 0.05, abs=0.1)
@@ -211,9 +211,9 @@ def test_bed_that_rises_above_the_fish():
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 def test_body_above_the_fish(law):
     ball = ((0.0, 15.0, 14.0), 1.0)
-    problem = flat(solids=[ball], law=law, bins=300, bin_length=0.1)
-    record = rays.trace(problem, poses_of(0.0, 0.0, 10.0), rays=1 << 17)[0, 0]
-    twin = naive.naive_ping(problem, 0.0, 0.0, 10.0, 0.0, samples_per_cell=4000)[0]
+    arrays = flat(solids=[ball], law=law, bins=300, bin_length=0.1)
+    record = rays.trace(arrays, poses_of(0.0, 0.0, 10.0), rays=1 << 17)[0, 0]
+    twin = naive.naive_ping(arrays, 0.0, 0.0, 10.0, 0.0, samples_per_cell=4000)[0]
     assert np.linalg.norm(record - twin) < 0.01 * np.linalg.norm(twin)
 
 
@@ -221,37 +221,37 @@ def test_body_above_the_fish(law):
 def test_fish_in_a_valley_below_the_mean_bed(law):
     # A bed 20 m deep in the middle, the sonar below the datum: the level bed's fan has nothing to aim at.
     y = np.abs(np.arange(61) - 30.0)
-    problem = problem_of(np.tile(y[:, None] - 20.0, (1, 5)), 1.0, bins=500, bin_length=0.1, law=law)
-    record = rays.trace(problem, poses_of(2.0, 30.3, -12.0), rays=1 << 17)[0]
-    twin = naive.naive_ping(problem, 2.0, 30.3, -12.0, 0.0, samples_per_cell=1000)
+    arrays = arrays_of(np.tile(y[:, None] - 20.0, (1, 5)), 1.0, bins=500, bin_length=0.1, law=law)
+    record = rays.trace(arrays, poses_of(2.0, 30.3, -12.0), rays=1 << 17)[0]
+    twin = naive.naive_ping(arrays, 2.0, 30.3, -12.0, 0.0, samples_per_cell=1000)
     assert twin.any(axis=1).all()
     assert np.linalg.norm(record - twin) < 0.01 * np.linalg.norm(twin)
 
 
 def test_leaving_ray_does_not_hit_where_it_starts():
-    problem = problem_of(rough(32, 32, 0.3, seed=5), 0.5, periodic=True)
+    arrays = arrays_of(rough(32, 32, 0.3, seed=5), 0.5, periodic=True)
     rng = np.random.default_rng(0)
     down = np.column_stack([rng.uniform(0, 16, 500), rng.uniform(0, 16, 500), np.full(500, 900.0)])
-    distance, _, normal = rays.cast(problem, down, (0, 0, -1), reach=2000.0)
+    distance, _, normal = rays.cast(arrays, down, (0, 0, -1), reach=2000.0)
     on_bed = down + distance[:, None] * [0, 0, -1]
-    again, what, _ = rays.cast(problem, on_bed, normal)
+    again, what, _ = rays.cast(arrays, on_bed, normal)
     assert (again[what == BED] > 0.05).all()
     assert (what == NOTHING).mean() > 0.95
 
 
 def test_nearest_of_several_bodies_wins():
-    problem = flat(solids=[((0, 9, 2), 1.0), ((0, 6, 2), 1.0), ((-1, 12, 2), (1, 12, 2), 1.0)])
-    distance, what, normal = rays.cast(problem, (0, 0, 2), [(0, 1, 0), (1, 0, 0), (0, 1, 0.3)])
+    arrays = flat(solids=[((0, 9, 2), 1.0), ((0, 6, 2), 1.0), ((-1, 12, 2), (1, 12, 2), 1.0)])
+    distance, what, normal = rays.cast(arrays, (0, 0, 2), [(0, 1, 0), (1, 0, 0), (0, 1, 0.3)])
     assert what.tolist() == [1, NOTHING, NOTHING]
     assert distance[0] == pytest.approx(5.0, abs=1e-12)
     np.testing.assert_allclose(normal[0], [0, -1, 0], atol=1e-12)
 
 
 def test_cylinder_from_all_sides():
-    problem = flat(solids=[((2.0, 0.0, 5.0), (6.0, 0.0, 5.0), 0.5)])
+    arrays = flat(solids=[((2.0, 0.0, 5.0), (6.0, 0.0, 5.0), 0.5)])
     origins = [(0, 0, 5), (9, 0.3, 5), (4, 3, 5), (4, 0, 9), (0, 0, 5), (1.0, 0.0, 6.0)]
     directions = [(1, 0, 0), (-1, 0, 0), (0, -1, 0), (0, 0, -1), (1, 0, 0.3), (1, 0, -0.6)]
-    distance, what, normal = rays.cast(problem, origins, directions)
+    distance, what, normal = rays.cast(arrays, origins, directions)
     assert what.tolist() == [0, 0, 0, 0, NOTHING, 0]
     np.testing.assert_allclose(distance[:4], [2.0, 3.0, 2.5, 3.5], atol=1e-12)
     np.testing.assert_allclose(normal[:4], [(-1, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], atol=1e-12)
@@ -272,53 +272,53 @@ def test_cast_agrees_with_tiny_steps(seed, periodic, bodies, azimuth, elevation)
     if not periodic:
         heights[rng.integers(0, 9), rng.integers(0, 11)] = np.nan
     solids = [((3.0, 3.0, 1.0), 0.8), ((1.0, 5.0, 1.5), (7.0, 4.0, 2.0), 0.6)] if bodies else []
-    problem = problem_of(heights, 1.0, periodic=periodic, solids=solids, bins=200, bin_length=0.1)
+    arrays = arrays_of(heights, 1.0, periodic=periodic, solids=solids, bins=200, bin_length=0.1)
     origin = (rng.uniform(1, 9), rng.uniform(1, 7), 4.0)
     direction = (
         math.cos(azimuth) * math.cos(elevation), math.sin(azimuth) * math.cos(elevation), math.sin(elevation),
     )  # fmt: skip
-    distance, what, _ = rays.cast(problem, origin, direction)
-    expected, target = naive.cast(problem, origin, direction, 0.002)
-    if _enters_from_the_side(problem, origin, direction, expected):
+    distance, what, _ = rays.cast(arrays, origin, direction)
+    expected, target = naive.cast(arrays, origin, direction, 0.002)
+    if _enters_from_the_side(arrays, origin, direction, expected):
         return
     assert distance[0] <= expected + 1e-7
     if distance[0] < expected - 1e-7:
         # Small steps pass over a graze that the walk sees; it must be on a surface.
         point = np.array(origin) + distance[0] * np.array(direction)
         assert what[0] == BED
-        assert naive.height(problem.bed, point[0], point[1]) == pytest.approx(point[2], abs=1e-6)
+        assert naive.height(arrays.bed, point[0], point[1]) == pytest.approx(point[2], abs=1e-6)
     else:
         assert what[0] == target
 
 
-def _enters_from_the_side(problem, origin, direction, distance):
+def _enters_from_the_side(arrays, origin, direction, distance):
     """Whether there is no bed a little before the hit: its cut sides return nothing."""
     if not math.isfinite(distance):
         return False
     x, y, _ = np.array(origin) + (distance - 1e-6) * np.array(direction)
-    return math.isnan(naive.height(problem.bed, x, y))
+    return math.isnan(naive.height(arrays.bed, x, y))
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 def test_knife_agrees_with_brute_force(law):
     solids = [((3.0, 12.0, 0.6), 0.5), ((0.0, -20.0, 0.5), (8.0, -22.0, 0.6), 0.4)]
-    problem = problem_of(
+    arrays = arrays_of(
         rough(64, 64, 0.15), 0.5, periodic=True, bins=250, bin_length=0.1, law=law, solids=solids,
         reflectivity=[(0.6, 0.3, 6.0)],
     )  # fmt: skip
-    record = rays.trace(problem, poses_of(3.05, 2.2, 6.0, 0.1), rays=1 << 18)[0]
-    twin = naive.naive_ping(problem, 3.05, 2.2, 6.0, 0.1)
+    record = rays.trace(arrays, poses_of(3.05, 2.2, 6.0, 0.1), rays=1 << 18)[0]
+    twin = naive.naive_ping(arrays, 3.05, 2.2, 6.0, 0.1)
     assert np.linalg.norm(record - twin) < 0.01 * np.linalg.norm(twin)
 
 
 def test_fan_agrees_with_brute_force():
-    problem = problem_of(
+    arrays = arrays_of(
         rough(64, 64, 0.15), 0.5, periodic=True, bins=120, bin_length=0.2, half_width=math.radians(12.0),
         solids=[((3.0, 12.0, 0.6), 0.5)], reflectivity=[(0.6, 0.3, 6.0)],
     )  # fmt: skip
-    record = rays.trace(problem, poses_of(3.05, 2.2, 6.0, 0.1), rays=1 << 18)[0]
+    record = rays.trace(arrays, poses_of(3.05, 2.2, 6.0, 0.1), rays=1 << 18)[0]
     azimuths = (np.arange(240) + 0.5) / 240 * math.pi - math.pi / 2
-    twin = naive.naive_ping(problem, 3.05, 2.2, 6.0, 0.1, samples_per_cell=30, azimuths=azimuths)
+    twin = naive.naive_ping(arrays, 3.05, 2.2, 6.0, 0.1, samples_per_cell=30, azimuths=azimuths)
     assert np.linalg.norm(record - twin) < 0.01 * np.linalg.norm(twin)
 
 
@@ -327,8 +327,8 @@ def test_mirrored_bed_swaps_the_channels(half_width):
     heights = rough(64, 64, 0.2)
     mirrored = np.roll(heights[::-1], 1, axis=0)  # y → −y on a period
     poses = poses_of(np.arange(3) * 0.7, 0.3, 8.0), poses_of(np.arange(3) * 0.7, -0.3, 8.0)
-    one = rays.trace(problem_of(heights, 0.5, periodic=True, half_width=half_width), poses[0], rays=5000)
-    other = rays.trace(problem_of(mirrored, 0.5, periodic=True, half_width=half_width), poses[1], rays=5000)
+    one = rays.trace(arrays_of(heights, 0.5, periodic=True, half_width=half_width), poses[0], rays=5000)
+    other = rays.trace(arrays_of(mirrored, 0.5, periodic=True, half_width=half_width), poses[1], rays=5000)
     close = np.isclose(one, other[:, ::-1], rtol=1e-5)
     # A ray on the border of a bin may fall to either side of it.
     assert close.mean() > 0.999
@@ -339,10 +339,10 @@ def test_turned_bed_and_track_make_the_same_record(half_width):
     heights = rough(64, 64, 0.2)
     turned = np.roll(np.rot90(heights, -1), 1, axis=1)  # (x, y) → (−y, x) on a period
     one = rays.trace(
-        problem_of(heights, 0.5, periodic=True, half_width=half_width), poses_of(2.2, 1.3, 8.0, 0.4), rays=5000
+        arrays_of(heights, 0.5, periodic=True, half_width=half_width), poses_of(2.2, 1.3, 8.0, 0.4), rays=5000
     )
     other = rays.trace(
-        problem_of(turned, 0.5, periodic=True, half_width=half_width),
+        arrays_of(turned, 0.5, periodic=True, half_width=half_width),
         poses_of(-1.3, 2.2, 8.0, 0.4 + math.pi / 2),
         rays=5000,
     )
@@ -350,12 +350,12 @@ def test_turned_bed_and_track_make_the_same_record(half_width):
 
 
 def test_any_number_of_threads_gives_the_same_bits():
-    problem = problem_of(rough(64, 64, 0.2), 0.5, periodic=True, solids=[((3.0, 12.0, 0.6), 0.5)], half_width=FAN)
+    arrays = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, solids=[((3.0, 12.0, 0.6), 0.5)], half_width=FAN)
     poses = poses_of(np.arange(40) * 0.3, 0.0, 8.0)
-    one = rays.trace(problem, poses, rays=300, threads=1)
-    np.testing.assert_array_equal(one, rays.trace(problem, poses, rays=300, threads=3))
+    one = rays.trace(arrays, poses, rays=300, threads=1)
+    np.testing.assert_array_equal(one, rays.trace(arrays, poses, rays=300, threads=3))
     backwards = poses_of(np.arange(40)[::-1] * 0.3, 0.0, 8.0)
-    np.testing.assert_array_equal(one[::-1], rays.trace(problem, backwards, rays=300, threads=2))
+    np.testing.assert_array_equal(one[::-1], rays.trace(arrays, backwards, rays=300, threads=2))
 
 
 def test_sonar_inside_a_body_is_refused():
@@ -366,6 +366,6 @@ def test_sonar_inside_a_body_is_refused():
 
 
 def test_sonar_above_its_range_or_below_the_bed_hears_nothing():
-    problem = flat(bins=10)
-    assert not rays.trace(problem, poses_of([0.0, 0.0], 0.0, [10.0, -1.0]), rays=100).any()
-    assert rays.trace(problem, poses_of([], 0.0, 1.0), rays=10).shape == (0, 2, 10)
+    arrays = flat(bins=10)
+    assert not rays.trace(arrays, poses_of([0.0, 0.0], 0.0, [10.0, -1.0]), rays=100).any()
+    assert rays.trace(arrays, poses_of([], 0.0, 1.0), rays=10).shape == (0, 2, 10)

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beds import problem_of
-from insonify.kernels.types import LIGHT, SONAR
-from insonify.receive import make_reception, receive
+from beds import arrays_of
+from insonify.acoustics.pulses import tone_taps
+from insonify.kernels.common.types import LIGHT, SONAR
+from insonify.receiver import make_reception, receive
 from insonify.scene import SceneError, edit, load_scene
-from insonify.sound.pulses import tone_taps
 
 FLAT = np.zeros((4, 4))
 BINS = 1000
@@ -31,8 +31,8 @@ def scene(**changes):
 
 
 def reception(declared, bins=BINS, law=SONAR, **options):
-    problem = problem_of(FLAT, bins=bins, law=law, half_width=np.radians(0.5), spreading=law == SONAR, **options)
-    return make_reception(declared, problem, altitude=10.0, depth=20.0)
+    arrays = arrays_of(FLAT, bins=bins, law=law, half_width=np.radians(0.5), spreading=law == SONAR, **options)
+    return make_reception(declared, arrays, altitude=10.0, depth=20.0)
 
 
 def received(declared, traced, pings=None, law=SONAR):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import insonify.records.netcdf
-from insonify.records import read_record, replacing, write_netcdf, write_npz
+import insonify.io.records.netcdf
+from insonify.io.records import read_record, replacing, write_netcdf, write_npz
 from insonify.scene import SceneError
 
 
@@ -129,7 +129,7 @@ def test_a_full_disk_is_called_by_its_name(tmp_path, monkeypatch):
     def full(file, block):
         raise RuntimeError("NetCDF: HDF error")
 
-    monkeypatch.setattr(insonify.records.netcdf, "append_to", full)
+    monkeypatch.setattr(insonify.io.records.netcdf, "append_to", full)
     with pytest.raises(OSError, match=r"could not be written \(NetCDF: HDF error\)") as caught:
         write_netcdf(tmp_path / "record.nc", [block(0, 4)])
     assert caught.value.filename == str(tmp_path / "record.nc")

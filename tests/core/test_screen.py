@@ -10,20 +10,20 @@ import math
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of
-from insonify.kernels.tree import make_mesh
-from insonify.kernels.types import LIGHT
+from beds import arrays_of, poses_of
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.geometry.bvh import make_mesh
+from insonify.packing.primitives import block
 from insonify.tracers import rays, sweep
-from insonify.tracers.shapes import block
 
 HEIGHT = 10.0
 POSE = poses_of(0.0, 0.0, HEIGHT)  # heading along x, so that y is the ground range to port
 NO_BED = np.full((4, 4), -500.0)
 
 
-def lit(problem):
+def lit(arrays):
     """Radiance times slant range, all bins of the port side together."""
-    return float(sweep.trace(problem, POSE)[0, 0].sum(dtype=float)) * problem.bin_length
+    return float(sweep.trace(arrays, POSE)[0, 0].sum(dtype=float)) * arrays.bin_length
 
 
 def line(start, end):
@@ -40,28 +40,28 @@ def mesh(*blocks):
 
 
 def scene(heights=NO_BED, **options):
-    return problem_of(heights, 100.0, x0=-150.0, y0=-150.0, law=LIGHT, bins=800, bin_length=0.05, **options)
+    return arrays_of(heights, 100.0, x0=-150.0, y0=-150.0, law=LIGHT, bins=800, bin_length=0.05, **options)
 
 
 @pytest.mark.parametrize("level", [9.0, 5.0, 0.0])
 def test_a_cylinder_seen_end_on_turns_at_its_rim(level):
     # Through its axis a plane cuts it in a rectangle: the end, then the top.
-    problem = scene(solids=[((0.0, 20.0, level - 1.0), (0.0, 26.0, level - 1.0), 1.0)])
+    arrays = scene(solids=[((0.0, 20.0, level - 1.0), (0.0, 26.0, level - 1.0), 1.0)])
     expected = line((20.0, level - 2.0), (20.0, level)) + line((20.0, level), (26.0, level))
-    assert lit(problem) == pytest.approx(expected, rel=1e-4)
+    assert lit(arrays) == pytest.approx(expected, rel=1e-4)
 
 
 def test_a_mast_that_runs_into_a_deck_is_heard_from_the_deck_on():
-    problem = scene(mesh=mesh(((9.0, 4.0, 2.0), (0.0, 22.0, 5.0)), ((9.0, 0.2, 3.3), (0.0, 22.0, 6.35))))
+    arrays = scene(mesh=mesh(((9.0, 4.0, 2.0), (0.0, 22.0, 5.0)), ((9.0, 0.2, 3.3), (0.0, 22.0, 6.35))))
     # The top of the mast hides all of the deck behind it.
     corners = [(20.0, 4.0), (20.0, 6.0), (21.9, 6.0), (21.9, 8.0), (22.1, 8.0)]
-    assert lit(problem) == pytest.approx(sum(map(line, corners, corners[1:])), rel=1e-4)
+    assert lit(arrays) == pytest.approx(sum(map(line, corners, corners[1:])), rel=1e-4)
 
 
 def test_two_balls_one_in_the_other_part_where_they_cross():
-    problem = scene(solids=[((0.0, 20.0, 5.0), 1.0), ((0.0, 20.3, 5.9), 0.8)])
-    right = rays.trace(problem, POSE, rays=1 << 20)[0, 0]
-    record = sweep.trace(problem, POSE)[0, 0]
+    arrays = scene(solids=[((0.0, 20.0, 5.0), 1.0), ((0.0, 20.3, 5.9), 0.8)])
+    right = rays.trace(arrays, POSE, rays=1 << 20)[0, 0]
+    record = sweep.trace(arrays, POSE)[0, 0]
     assert np.abs(record - right).max() < 0.01 * right.max()
     assert record.sum() == pytest.approx(right.sum(), rel=3e-3)
 
@@ -75,13 +75,13 @@ def test_a_ramp_comes_out_of_the_bed_where_they_cross(thick):
     c, s = math.cos(turn), math.sin(turn)
     corners = corners @ np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]]) + top
     rows = np.zeros(len(corners), np.int64)
-    problem = scene(np.zeros((4, 4)), mesh=make_mesh(corners, rows, rows))
-    reach = problem.bins * problem.bin_length
+    arrays = scene(np.zeros((4, 4)), mesh=make_mesh(corners, rows, rows))
+    reach = arrays.bins * arrays.bin_length
     far = math.sqrt(reach**2 - HEIGHT**2)
     expected = line((0.0, 0.0), (22.0, 0.0)) + line((22.0, 0.0), (26.0, 1.0))
     expected += line((26.0 * HEIGHT / (HEIGHT - 1.0), 0.0), (far, 0.0))
-    assert lit(problem) == pytest.approx(expected, rel=2e-5)
-    record = sweep.trace(problem, POSE)[0, 0]
+    assert lit(arrays) == pytest.approx(expected, rel=2e-5)
+    record = sweep.trace(arrays, POSE)[0, 0]
     border = int(math.hypot(22.0, HEIGHT) / 0.05)
     near = np.array([HEIGHT / r for r in (np.arange(border) + 0.5) * 0.05])[400:]
     # A piece of one density is up to 2 % of its range long.

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import naive
-from beds import poses_of, problem_of, solids_of
-from insonify.kernels.jit import kernel
-from insonify.kernels.launch import inside_body
-from insonify.kernels.shapes import leave_solid, meet_solid
-from insonify.kernels.types import LIGHT, SONAR
+from beds import arrays_of, poses_of, solids_of
+from insonify.kernels.common.jit import kernel
+from insonify.kernels.common.types import LIGHT, SONAR
+from insonify.kernels.geometry.solids import leave_solid, meet_solid
+from insonify.kernels.rays.launch import inside_body
 from insonify.tracers import march, rays
 
 FLAT = np.zeros((8, 8))
@@ -153,10 +153,10 @@ def test_inside_and_outside():
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 def test_a_record_of_a_cone_agrees_with_brute_force(law):
     cone = ((1.0, 14.0, 0.0), (1.0, 15.0, 3.0), 1.2, 0.1)
-    problem = problem_of(FLAT, 4.0, periodic=True, solids=[cone], law=law, bins=250, bin_length=0.1)
-    record = rays.trace(problem, poses_of(0.9, 0.0, 7.0), rays=1 << 17)[0]
-    twin = naive.naive_ping(problem, 0.9, 0.0, 7.0, 0.0, samples_per_cell=4000)
+    arrays = arrays_of(FLAT, 4.0, periodic=True, solids=[cone], law=law, bins=250, bin_length=0.1)
+    record = rays.trace(arrays, poses_of(0.9, 0.0, 7.0), rays=1 << 17)[0]
+    twin = naive.naive_ping(arrays, 0.9, 0.0, 7.0, 0.0, samples_per_cell=4000)
     assert np.linalg.norm(record - twin) < 0.01 * np.linalg.norm(twin)
-    marched = march.trace(problem, poses_of(0.9, 0.0, 7.0), step=0.002, rays=1 << 12)[0]
-    coarse = rays.trace(problem, poses_of(0.9, 0.0, 7.0), rays=1 << 12)[0]
+    marched = march.trace(arrays, poses_of(0.9, 0.0, 7.0), step=0.002, rays=1 << 12)[0]
+    coarse = rays.trace(arrays, poses_of(0.9, 0.0, 7.0), rays=1 << 12)[0]
     assert np.linalg.norm(marched - coarse) < 0.05 * np.linalg.norm(coarse)

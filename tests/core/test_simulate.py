@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from insonify.plan import plan
+from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
-from insonify.simulate import prepare, simulate, simulate_blocks
+from insonify.simulation import prepare, simulate, simulate_blocks
 
 BLOCK = 64  # pings, as planned
 ALIKE = {"planes": "8", "spacing": "1"}  # records that differ in their scenes alone

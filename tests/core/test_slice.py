@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import naive
 from beds import bed_of, rough
-from insonify.kernels.jit import kernel
-from insonify.kernels.slice import AT_ONCE, Profile, empty_profile, profile_capacity, slice_bed
+from insonify.kernels.bed.slice import AT_ONCE, Profile, empty_profile, profile_capacity, slice_bed
+from insonify.kernels.common.jit import kernel
 
 REACH = 20.0
 SPACING = 0.5

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import naive
-from beds import poses_of, problem_of, rough
-from insonify.kernels.types import LIGHT, SONAR
+from beds import arrays_of, poses_of, rough
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import SceneError
-from insonify.sound.flat_bed import flat_bed_curve
 from insonify.tracers import rays, sweep
 
 FLAT = np.zeros((4, 4))
@@ -28,9 +28,9 @@ def distance(a, b):
     return np.linalg.norm(np.asarray(a, float) - b) / np.linalg.norm(b)
 
 
-def quiet(problem, poses, **options):
+def quiet(arrays, poses, **options):
     """Trace, and see that nothing is negative or not a number."""
-    record = sweep.trace(problem, poses, **options)
+    record = sweep.trace(arrays, poses, **options)
     assert np.isfinite(record).all()
     assert (record >= 0.0).all()
     return record
@@ -47,12 +47,12 @@ def quiet(problem, poses, **options):
 )
 def test_knife_agrees_with_brute_force(seed, x, heading, altitude, law, bodies):
     solids = [((3.0, 12.0, 0.6), 0.5), ((0.0, -14.0, 0.5), (8.0, -12.0, 0.9), 0.4), ((1.0, 9.0, 4.0), 0.3)]
-    problem = problem_of(
+    arrays = arrays_of(
         rough(64, 64, 0.1, seed), 0.5, periodic=True, bins=100, bin_length=0.25, law=law,
         solids=solids if bodies else (), reflectivity=[GLOSSY],
     )  # fmt: skip
-    record = quiet(problem, poses_of(x, 2.2, altitude, heading))[0]
-    twin = naive.naive_ping(problem, x, 2.2, altitude, heading)
+    record = quiet(arrays, poses_of(x, 2.2, altitude, heading))[0]
+    twin = naive.naive_ping(arrays, x, 2.2, altitude, heading)
     assert distance(record, twin) < NEAR
     assert record.sum(dtype=float) == pytest.approx(twin.sum(), rel=0.01)
 
@@ -61,13 +61,13 @@ def test_knife_agrees_with_brute_force(seed, x, heading, altitude, law, bodies):
 @pytest.mark.parametrize(("width", "error"), [(24.0, 0.03), (60.0, 0.06)])
 def test_fan_agrees_with_brute_force(law, width, error):
     # Broad beams keep the error of planes that are fixed while the cone bends, within a few per cent.
-    problem = problem_of(
+    arrays = arrays_of(
         rough(64, 64, 0.15), 0.5, periodic=True, bins=120, bin_length=0.2, half_width=math.radians(width / 2.0),
         solids=[((3.0, 12.0, 0.6), 0.5)], reflectivity=[GLOSSY], law=law,
     )  # fmt: skip
-    record = quiet(problem, poses_of(3.05, 2.2, 6.0, 0.1), planes=96)[0]
+    record = quiet(arrays, poses_of(3.05, 2.2, 6.0, 0.1), planes=96)[0]
     azimuths = (np.arange(240) + 0.5) / 240 * math.pi - math.pi / 2
-    twin = naive.naive_ping(problem, 3.05, 2.2, 6.0, 0.1, samples_per_cell=30, azimuths=azimuths)
+    twin = naive.naive_ping(arrays, 3.05, 2.2, 6.0, 0.1, samples_per_cell=30, azimuths=azimuths)
     assert distance(record, twin) < error
     assert record.sum(dtype=float) == pytest.approx(twin.sum(), rel=0.01)
 
@@ -84,14 +84,14 @@ def test_fan_agrees_with_brute_force(law, width, error):
 )
 def test_agrees_with_rays_over_any_bed(seed, x, y, heading, rms, law, half_width):
     solids = [((x - 9.0 * math.sin(heading), y + 9.0 * math.cos(heading), 0.8), 0.7)]
-    problem = problem_of(
+    arrays = arrays_of(
         rough(64, 64, rms, seed) if rms else np.zeros((64, 64)), 0.4, periodic=True, bins=150, bin_length=0.2,
         half_width=half_width, law=law, solids=solids, reflectivity=[GLOSSY],
     )  # fmt: skip
     poses = poses_of(x, y, 6.0, heading)
-    curve = flat_bed_curve(problem, 6.0)[38:]
-    record = quiet(problem, poses, planes=32)[0, :, 38:] / curve
-    traced = rays.trace(problem, poses, rays=1 << 15)[0, :, 38:] / curve
+    curve = flat_bed_curve(arrays, 6.0)[38:]
+    record = quiet(arrays, poses, planes=32)[0, :, 38:] / curve
+    traced = rays.trace(arrays, poses, rays=1 << 15)[0, :, 38:] / curve
     assert distance(record, traced) < NEAR
     assert record.sum() == pytest.approx(traced.sum(), rel=0.01)
 
@@ -102,7 +102,7 @@ def test_mirrored_bed_swaps_the_channels(half_width, law):
     heights = rough(64, 64, 0.2)
     mirrored = np.roll(heights[::-1], 1, axis=0)  # y → −y on a period
     one, other = (
-        quiet(problem_of(z, 0.5, periodic=True, half_width=half_width, law=law), poses_of([0.0, 0.7, 1.4], y, 8.0))
+        quiet(arrays_of(z, 0.5, periodic=True, half_width=half_width, law=law), poses_of([0.0, 0.7, 1.4], y, 8.0))
         for z, y in ((heights, 0.3), (mirrored, -0.3))
     )
     np.testing.assert_allclose(one, other[:, ::-1], rtol=2e-4, atol=1e-5 * one.max())
@@ -114,8 +114,8 @@ def test_turned_by_a_quarter_the_record_is_the_same(half_width):
     turned = np.roll(np.rot90(heights, -1), 1, axis=1)  # (x, y) → (−y, x) on a period
     ball, moved = ((2.5, 9.0, 0.5), 0.6), ((-9.0, 2.5, 0.5), 0.6)
     options = {"periodic": True, "half_width": half_width}
-    one = quiet(problem_of(heights, 0.5, solids=[ball], **options), poses_of(2.2, 1.3, 8.0, 0.4))
-    other = quiet(problem_of(turned, 0.5, solids=[moved], **options), poses_of(-1.3, 2.2, 8.0, 0.4 + math.pi / 2.0))
+    one = quiet(arrays_of(heights, 0.5, solids=[ball], **options), poses_of(2.2, 1.3, 8.0, 0.4))
+    other = quiet(arrays_of(turned, 0.5, solids=[moved], **options), poses_of(-1.3, 2.2, 8.0, 0.4 + math.pi / 2.0))
     np.testing.assert_allclose(one, other, rtol=2e-3, atol=2e-5 * one.max())
 
 
@@ -131,33 +131,33 @@ def test_turned_by_any_angle_the_record_is_the_same(angle, half_width):
         return 0.3 * np.sin(0.5 * u + 0.2) * np.cos(0.4 * v) + 0.1 * np.sin(1.1 * u + 0.7 * v)
 
     options = {"x0": -30.0, "y0": -30.0, "half_width": half_width, "bins": 250, "bin_length": 0.1}
-    straight = quiet(problem_of(landscape(x, y), 0.15, **options), poses_of([0.0, 1.1], [0.3, 0.3], 7.0))
+    straight = quiet(arrays_of(landscape(x, y), 0.15, **options), poses_of([0.0, 1.1], [0.3, 0.3], 7.0))
     px, py = np.array([0.0, 1.1]), np.array([0.3, 0.3])
     turned = quiet(
-        problem_of(landscape(c * x + s * y, c * y - s * x), 0.15, **options),
+        arrays_of(landscape(c * x + s * y, c * y - s * x), 0.15, **options),
         poses_of(c * px - s * py, s * px + c * py, 7.0, angle),
     )
     assert distance(turned[..., 75:], straight[..., 75:]) < 0.01
 
 
 def test_any_number_of_threads_block_and_order_gives_the_same_bits():
-    problem = problem_of(rough(64, 64, 0.2), 0.5, periodic=True, solids=[((3.0, 12.0, 0.6), 0.5)], half_width=FAN)
+    arrays = arrays_of(rough(64, 64, 0.2), 0.5, periodic=True, solids=[((3.0, 12.0, 0.6), 0.5)], half_width=FAN)
     along = np.arange(90) * 0.3
-    one = sweep.trace(problem, poses_of(along, 0.0, 8.0), threads=1)
-    np.testing.assert_array_equal(one, sweep.trace(problem, poses_of(along, 0.0, 8.0), threads=3))
-    np.testing.assert_array_equal(one[::-1], sweep.trace(problem, poses_of(along[::-1], 0.0, 8.0), threads=2))
-    parts = [sweep.trace(problem, poses_of(along[k : k + 7], 0.0, 8.0)) for k in range(0, 90, 7)]
+    one = sweep.trace(arrays, poses_of(along, 0.0, 8.0), threads=1)
+    np.testing.assert_array_equal(one, sweep.trace(arrays, poses_of(along, 0.0, 8.0), threads=3))
+    np.testing.assert_array_equal(one[::-1], sweep.trace(arrays, poses_of(along[::-1], 0.0, 8.0), threads=2))
+    parts = [sweep.trace(arrays, poses_of(along[k : k + 7], 0.0, 8.0)) for k in range(0, 90, 7)]
     np.testing.assert_array_equal(one, np.concatenate(parts))
 
 
 def test_nobody_is_left_holding_what_a_call_was_given():
-    problem = problem_of(rough(64, 64, 0.05), 0.5, periodic=True, half_width=0.02)
+    arrays = arrays_of(rough(64, 64, 0.05), 0.5, periodic=True, half_width=0.02)
     poses = poses_of(np.arange(4.0), 0.2, 7.0, 0.3)
-    given_arrays = [part for part in (*problem.bed, *poses, problem.reflectivity) if isinstance(part, np.ndarray)]
-    sweep.trace(problem, poses, threads=1)
+    given_arrays = [part for part in (*arrays.bed, *poses, arrays.reflectivity) if isinstance(part, np.ndarray)]
+    sweep.trace(arrays, poses, threads=1)
     held = [sys.getrefcount(array) for array in given_arrays]
     for _ in range(3):
-        sweep.trace(problem, poses, threads=1)
+        sweep.trace(arrays, poses, threads=1)
     assert [sys.getrefcount(array) for array in given_arrays] == held
 
 
@@ -167,8 +167,8 @@ def test_no_energy_is_lost_between_bed_and_bins(law):
     heights = rough(64, 64, 0.2)
     sums = []
     for bins in (1, 3, 40, 1000, 7000):
-        problem = problem_of(heights, 0.5, periodic=True, law=law, bins=bins, bin_length=35.0 / bins, half_width=FAN)
-        record = quiet(problem, poses_of(3.3, 1.2, 8.0, 0.2))[0].astype(float)
+        arrays = arrays_of(heights, 0.5, periodic=True, law=law, bins=bins, bin_length=35.0 / bins, half_width=FAN)
+        record = quiet(arrays, poses_of(3.3, 1.2, 8.0, 0.2))[0].astype(float)
         sums.append(record.sum(axis=1) * (35.0 / bins if law == LIGHT else 1.0))
     np.testing.assert_allclose(sums[1:], [sums[-1]] * 4, rtol=2e-3)
     # No piece is cut finer than a bin, not even under the fish.
@@ -179,20 +179,20 @@ def test_no_energy_is_lost_between_bed_and_bins(law):
 @pytest.mark.parametrize("place", [(4.0, 6.0), (4.0, 6.2), (4.2, 6.0)])
 @pytest.mark.parametrize("heading", [0.0, math.pi / 2.0, math.pi / 4.0])
 def test_exactly_over_a_knot_is_like_beside_it(half_width, place, heading):
-    problem = problem_of(rough(64, 64, 0.1), 0.5, periodic=True, half_width=half_width)
+    arrays = arrays_of(rough(64, 64, 0.1), 0.5, periodic=True, half_width=half_width)
     x, y = place
-    over, beside = quiet(problem, poses_of([x, x + 3e-4], [y, y + 2e-4], 8.0, heading))
+    over, beside = quiet(arrays, poses_of([x, x + 3e-4], [y, y + 2e-4], 8.0, heading))
     assert over[:, 170:].any(axis=1).all()
     assert distance(over, beside) < 0.01
 
 
 def test_range_shorter_than_the_altitude_is_silent():
     for half_width in (0.0, FAN):
-        assert not quiet(problem_of(FLAT, bins=100, half_width=half_width, periodic=True), poses_of(0, 0, 6.0)).any()
+        assert not quiet(arrays_of(FLAT, bins=100, half_width=half_width, periodic=True), poses_of(0, 0, 6.0)).any()
 
 
 def test_a_fish_in_or_under_the_bed_hears_nothing():
-    assert not quiet(problem_of(FLAT, periodic=True), poses_of([0.0, 0.0], 0.0, [-1.0, 0.0])).any()
+    assert not quiet(arrays_of(FLAT, periodic=True), poses_of([0.0, 0.0], 0.0, [-1.0, 0.0])).any()
 
 
 @pytest.mark.parametrize("half_width", [0.0, FAN])
@@ -201,9 +201,9 @@ def test_a_slope_agrees_with_brute_force(half_width, slope):
     # Falling away, rising, and steeper than the line of sight.
     y = np.arange(200) * 0.25 - 25.0
     heights = np.tile((slope * y)[:, None], (1, 8))
-    problem = problem_of(heights, 0.25, x0=-0.875, y0=-25.0, bins=200, bin_length=0.1)
-    record = quiet(problem, poses_of(0.0, 0.0, 5.0))[0]
-    twin = naive.naive_ping(problem, 0.0, 0.0, 5.0, 0.0, samples_per_cell=400)
+    arrays = arrays_of(heights, 0.25, x0=-0.875, y0=-25.0, bins=200, bin_length=0.1)
+    record = quiet(arrays, poses_of(0.0, 0.0, 5.0))[0]
+    twin = naive.naive_ping(arrays, 0.0, 0.0, 5.0, 0.0, samples_per_cell=400)
     assert distance(record, twin) < 0.02
     # Nearest is the foot of the perpendicular, on the falling side, nadir on the other.
     nearest = 5.0 / math.hypot(1.0, slope)
@@ -214,9 +214,9 @@ def test_a_slope_agrees_with_brute_force(half_width, slope):
 def test_bed_above_the_fish():
     heights = np.zeros((3, 400))
     heights[:, 200:] = np.linspace(0.0, 30.0, 200)
-    problem = problem_of(heights, 0.1, y0=-0.1, bins=600, law=LIGHT)
-    record = quiet(problem, poses_of(10.0, 0.0, 5.0, -math.pi / 2.0))[0, 0]
-    twin = naive.naive_ping(problem, 10.0, 0.0, 5.0, -math.pi / 2.0)[0]
+    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=600, law=LIGHT)
+    record = quiet(arrays, poses_of(10.0, 0.0, 5.0, -math.pi / 2.0))[0, 0]
+    twin = naive.naive_ping(arrays, 10.0, 0.0, 5.0, -math.pi / 2.0)[0]
     assert distance(record, twin) < 0.01
     assert np.flatnonzero(record)[-1] == np.flatnonzero(twin)[-1]
 
@@ -226,10 +226,10 @@ def test_holes_in_the_bed_return_nothing_and_spoil_nothing(half_width):
     heights = rough(100, 80, 0.05)
     heights[60, 30:40] = np.nan
     heights[20:25, 33] = np.nan
-    problem = problem_of(heights, 0.2, bins=300, half_width=half_width)
+    arrays = arrays_of(heights, 0.2, bins=300, half_width=half_width)
     poses = poses_of(np.linspace(5.0, 9.0, 40), 8.05, 4.0)
-    record = quiet(problem, poses)
-    traced = rays.trace(problem, poses, rays=1 << 14)
+    record = quiet(arrays, poses)
+    traced = rays.trace(arrays, poses, rays=1 << 14)
     assert distance(record[..., 120:], traced[..., 120:]) < 0.03
     hole = slice(int(math.hypot(3.8, 4.1) / 0.05), int(math.hypot(4.1, 3.9) / 0.05))
     if not half_width:
@@ -238,8 +238,8 @@ def test_holes_in_the_bed_return_nothing_and_spoil_nothing(half_width):
 
 @pytest.mark.parametrize(("bins", "pings"), [(1, 1), (1, 5), (7, 1), (300, 0)])
 def test_the_smallest_records(bins, pings):
-    problem = problem_of(rough(16, 16, 0.1), 0.5, periodic=True, bins=bins, bin_length=30.0 / bins, half_width=FAN)
-    record = quiet(problem, poses_of(np.arange(float(pings)), 0.0, 5.0))
+    arrays = arrays_of(rough(16, 16, 0.1), 0.5, periodic=True, bins=bins, bin_length=30.0 / bins, half_width=FAN)
+    record = quiet(arrays, poses_of(np.arange(float(pings)), 0.0, 5.0))
     assert record.shape == (pings, 2, bins)
     assert record.any() == (pings > 0)
 
@@ -247,23 +247,23 @@ def test_the_smallest_records(bins, pings):
 @pytest.mark.parametrize("shape", [(1, 40), (40, 1), (1, 1), (2, 2)])
 @pytest.mark.parametrize("periodic", [False, True])
 def test_grids_of_one_row(shape, periodic):
-    problem = problem_of(np.zeros(shape), 0.5, periodic=periodic, bins=200, half_width=FAN)
-    record = quiet(problem, poses_of([0.0, 0.25, 3.0], [0.0, 0.25, 3.0], 4.0))
+    arrays = arrays_of(np.zeros(shape), 0.5, periodic=periodic, bins=200, half_width=FAN)
+    record = quiet(arrays, poses_of([0.0, 0.25, 3.0], [0.0, 0.25, 3.0], 4.0))
     if periodic:
-        curve = flat_bed_curve(problem, 4.0)
+        curve = flat_bed_curve(arrays, 4.0)
         np.testing.assert_allclose(record[1, 0, 100:], curve[100:], rtol=0.03)
 
 
 def test_nothing_in_the_way_of_a_target_above_a_hole():
     heights = np.full((40, 40), np.nan)
-    problem = problem_of(heights, 0.5, solids=[((10.0, 15.0, 2.0), 1.0)], bins=400)
-    record = quiet(problem, poses_of(10.0, 5.0, 4.0))[0]
+    arrays = arrays_of(heights, 0.5, solids=[((10.0, 15.0, 2.0), 1.0)], bins=400)
+    record = quiet(arrays, poses_of(10.0, 5.0, 4.0))[0]
     heard = np.flatnonzero(record[0]) * 0.05
     assert heard[0] == pytest.approx(math.hypot(10.0, 2.0) - 1.0, abs=0.051)
     assert not record[1].any()
 
 
 def test_sonar_inside_a_body_is_one_sentence():
-    problem = problem_of(FLAT, periodic=True, solids=[((0.0, 50.0, 1.0), 0.5), ((0.0, 0.0, 10.0), 1.0)])
+    arrays = arrays_of(FLAT, periodic=True, solids=[((0.0, 50.0, 1.0), 0.5), ((0.0, 0.0, 10.0), 1.0)])
     with pytest.raises(SceneError, match=r"^targets\.1\.position: the sonar runs into it; move"):
-        sweep.trace(problem, poses_of(np.arange(-40.0, 40.0), 0.0, 10.0))
+        sweep.trace(arrays, poses_of(np.arange(-40.0, 40.0), 0.0, 10.0))

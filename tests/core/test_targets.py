@@ -5,21 +5,21 @@ import math
 import numpy as np
 import pytest
 
-from beds import problem_of
-from insonify.kernels.tree import make_mesh
-from insonify.kernels.types import FRUSTUM, Mesh
+from beds import arrays_of
+from insonify.kernels.common.types import FRUSTUM, Mesh
+from insonify.kernels.geometry.bvh import make_mesh
+from insonify.packing.primitives import block
+from insonify.packing.rotation import rotation
 from insonify.scene import SceneError, scene_from_toml
-from insonify.simulate import prepare
-from insonify.tracers.rotation import rotation
-from insonify.tracers.shapes import block
+from insonify.simulation import prepare
 from naive import NOTHING, body_depth, cast
 
 POSES = [(0, 0, 0), (90, 0, 0), (30, 20, 0), (30, 0, 40), (-70, 35, 110), (200, -90, 10), (10, 180, 0)]
 HALF_A_BOX = np.array([1.5, 1.0, 0.5])
 
 
-def problem(targets: str, seabed: str = "depth = 30.0"):
-    return prepare(scene_from_toml(f"[seabed]\n{seabed}\n[[targets]]\n{targets}")).problem
+def arrays(targets: str, seabed: str = "depth = 30.0"):
+    return prepare(scene_from_toml(f"[seabed]\n{seabed}\n[[targets]]\n{targets}")).arrays
 
 
 def mesh_of(corners: np.ndarray, target: int = 0) -> Mesh:
@@ -29,7 +29,7 @@ def mesh_of(corners: np.ndarray, target: int = 0) -> Mesh:
 
 def lowest_and_highest(targets: str) -> tuple[float, float]:
     """Extent of a mesh target above the datum."""
-    z = problem(targets).mesh.corners[..., 2]
+    z = arrays(targets).mesh.corners[..., 2]
     return float(z.min()), float(z.max())
 
 
@@ -58,7 +58,7 @@ def test_they_turn_in_this_order(pose):
 
 @pytest.mark.parametrize("pose", POSES)
 def test_a_box_stands_where_its_corners_are(pose):
-    corners = problem(
+    corners = arrays(
         f'kind = "box"\nposition = [3.0, -2.0, -20.0]\nsize = [3.0, 2.0, 1.0]\n{turned(*pose)}'
     ).mesh.corners
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
@@ -87,7 +87,7 @@ def test_the_gap_is_under_the_lowest_point_of_a_box(pose, gap):
 
 @pytest.mark.parametrize("pose", POSES)
 def test_the_gap_is_under_the_rim_or_apex_of_a_cone(pose):
-    solids = problem(
+    solids = arrays(
         f'kind = "cone"\nposition = [3.0, -2.0]\nradius = 0.8\nheight = 1.5\ngap = 0.25\n{turned(*pose)}'
     ).solids
     up, base = solids.axis[0], solids.start[0]
@@ -105,13 +105,13 @@ def test_the_gap_is_under_the_rim_or_apex_of_a_cone(pose):
 
 @pytest.mark.parametrize(("pitch", "lowest"), [(0.0, -0.5), (90.0, -2.0), (30.0, -1.0 - 0.5 * math.cos(math.pi / 6))])
 def test_a_pitched_pipe_stands_on_its_lower_rim(pitch, lowest):
-    solids = problem(f'kind = "pipe"\nposition = [3.0, -2.0]\nlength = 4.0\npitch = {pitch}').solids
+    solids = arrays(f'kind = "pipe"\nposition = [3.0, -2.0]\nlength = 4.0\npitch = {pitch}').solids
     middle = solids.start[0] + 2.0 * solids.axis[0]
     np.testing.assert_allclose(middle, [3.0, -2.0, -lowest], atol=1e-12)
 
 
 def test_a_sphere_hangs_or_sinks_by_its_gap():
-    heights = [problem(f'kind = "sphere"\nposition = [3.0, -2.0]\ngap = {gap}').solids.start[0, 2] for gap in (-0.5, 2)]
+    heights = [arrays(f'kind = "sphere"\nposition = [3.0, -2.0]\ngap = {gap}').solids.start[0, 2] for gap in (-0.5, 2)]
     assert heights == [0.0, 2.5]
 
 
@@ -119,7 +119,7 @@ def test_a_sphere_hangs_or_sinks_by_its_gap():
     "kind", ['kind = "sphere"', 'kind = "cone"\nradius = 0.5', 'kind = "box"\nsize = [1.0, 1.0, 1.0]']
 )
 def test_z_places_the_centre_in_the_world(kind):
-    here = problem(f"{kind}\nposition = [3.0, -2.0, -25.0]")
+    here = arrays(f"{kind}\nposition = [3.0, -2.0, -25.0]")
     points = np.concatenate(
         [here.solids.start + 0.5 * here.solids.length[:, None] * here.solids.axis, here.mesh.low[:1]]
     )
@@ -132,7 +132,7 @@ def test_what_rests_on_a_rough_bed_rests_on_the_height_at_its_position():
     made = prepare(scene)
     bed = made.ground.height_at(np.array([3.3]), np.array([-2.2]))[0]
     assert abs(bed) > 0.01
-    assert made.problem.mesh.corners[..., 2].min() == pytest.approx(bed, abs=1e-12)
+    assert made.arrays.mesh.corners[..., 2].min() == pytest.approx(bed, abs=1e-12)
 
 
 def test_every_target_has_its_own_material_and_number():
@@ -143,7 +143,7 @@ def test_every_target_has_its_own_material_and_number():
             (9, "rock", 'kind = "pipe"\ngap = [[-5.0, 0.0], [0.0, 1.0], [5.0, 0.0]]'), (50, "concrete", 'kind = "box"'),
         ]
     )  # fmt: skip
-    made = prepare(scene_from_toml(text)).problem
+    made = prepare(scene_from_toml(text)).arrays
     np.testing.assert_array_equal(made.solids.target, [1, 3, 3, 3, 3, 3, 3, 3])
     np.testing.assert_array_equal(made.solids.material, made.solids.target + 1)
     np.testing.assert_array_equal(np.unique(made.mesh.target), [0, 2, 4])
@@ -153,7 +153,7 @@ def test_every_target_has_its_own_material_and_number():
 
 
 def test_the_slow_twin_meets_triangles():
-    made = problem_of(
+    made = arrays_of(
         np.full((9, 9), -5.0), 10.0, x0=-40.0, y0=-40.0, solids=[((8.0, 0, 0), 1.0)],
         mesh=mesh_of(np.add(block((2.0, 2.0, 2.0)), [5.0, 0.0, 0.0]), target=1),
     )  # fmt: skip

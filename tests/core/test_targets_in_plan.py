@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from insonify.accuracy import compare
-from insonify.kernels.types import SPHERE, Solids
-from insonify.plan import bodies, laws
-from insonify.plan.across import target_demand
-from insonify.plan.errors import Errors
-from insonify.plan.view import look_at
+from insonify.accuracy.metrics import compare
+from insonify.kernels.common.types import SPHERE, Solids
+from insonify.planning import laws, target_errors
+from insonify.planning.errors import Errors
+from insonify.planning.plane_count import target_demand
+from insonify.planning.scene_summary import look_at
 from insonify.scene import SceneError, edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.tracers import sweep
 
 BARE = edit(load_scene("default"), {"targets": [], "sonar.pulse": "ideal", "seabed.relief": "flat", "track.speed": 0.1})
@@ -37,18 +37,18 @@ def at(target, away=25.0, up=-26.0, **changes):
 
 
 def seen(scene):
-    return bodies.see(scene, look_at(scene), 0)
+    return target_errors.see(scene, look_at(scene), 0)
 
 
 def skin(scene, count=200):
     """Places on the bodies that the tracers have, their normals and areas."""
-    problem = prepare(scene).problem
+    arrays = prepare(scene).arrays
     places, normals, areas = [], [], []
     turn = 2.0 * math.pi * (np.arange(count) + 0.5) / count
     share = (np.arange(count) + 0.5)[:, None] / count
-    for row in range(problem.solids.shape.size):
-        start, axis, length, radius, taper = (getattr(problem.solids, name)[row] for name in Solids._fields[1:6])
-        if problem.solids.shape[row] == SPHERE:
+    for row in range(arrays.solids.shape.size):
+        start, axis, length, radius, taper = (getattr(arrays.solids, name)[row] for name in Solids._fields[1:6])
+        if arrays.solids.shape[row] == SPHERE:
             z = np.broadcast_to(2.0 * share - 1.0, (count, count))
             level = np.sqrt(1.0 - z**2)
             normal = np.stack([level * np.cos(turn), level * np.sin(turn), z], axis=-1).reshape(-1, 3)
@@ -69,7 +69,7 @@ def skin(scene, count=200):
             places.append(start + end * axis + rim * around)
             normals.append(np.broadcast_to(facing, (count, 3)))
             areas.append(np.full(count, math.pi * rim**2 / count))
-    for corners in problem.mesh.corners:
+    for corners in arrays.mesh.corners:
         normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
         places.append(corners)
         normals.append(np.broadcast_to(normal / np.linalg.norm(normal), (3, 3)))
@@ -144,10 +144,10 @@ def test_planes_miss_of_a_target_what_is_foretold(name):
     reach = 0.25 * (found.length + found.width)
     pings = np.unique(np.linspace(max(500.0 - 100.0 * reach, 0.0), 500.0 + 100.0 * reach, 12).astype(np.int64))
     poses, demand = simulation.poses(pings), Errors(scene, look_at(scene)).demand.error
-    fine = sweep.trace(simulation.problem, poses, planes=256)
+    fine = sweep.trace(simulation.arrays, poses, planes=256)
     off = []
     for planes in (4, 8, 16):
-        made = compare(simulation.problem, poses, sweep.trace(simulation.problem, poses, planes=planes), fine).beyond
+        made = compare(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=planes), fine).beyond
         off.append(math.log(demand / planes**laws.TARGET_ORDER / made))
     assert abs(np.mean(off)) < math.log(3.0), off
 
@@ -163,7 +163,7 @@ def test_planes_meet_a_target_however_faint_it_is():
 def test_a_mesh_is_measured_once(monkeypatch):
     scene = at(FREE["mesh"])
     assert seen(scene) is not None
-    monkeypatch.setattr(bodies, "read_mesh", lambda path: pytest.fail("read once more"))
+    monkeypatch.setattr(target_errors, "read_mesh", lambda path: pytest.fail("read once more"))
     assert seen(scene) is not None
 
 

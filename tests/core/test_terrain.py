@@ -153,8 +153,8 @@ def test_patches_of_a_measured_bed_belong_to_places():
 
 
 def test_patches_agree_with_the_slow_search():
-    from insonify.kernels.hashing import hash_integers, hash_uniform
-    from insonify.kernels.patches import ACROSS, ALONG, KIND, nearest_patch
+    from insonify.kernels.bed.nearest_seed import ACROSS, ALONG, KIND, nearest_patch
+    from insonify.kernels.common.hashing import hash_integers, hash_uniform
 
     rng = np.random.default_rng(0)
     squares = [(i % 5, j % 5, i, j) for i in range(-4, 10) for j in range(-4, 10)]

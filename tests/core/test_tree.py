@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from insonify.kernels.tree import LEAF, make_mesh
-from insonify.kernels.types import Mesh
+from insonify.kernels.common.types import Mesh
+from insonify.kernels.geometry.bvh import LEAF, make_mesh
 
 
 def soup(n: int, seed: int = 1, *, scale=(20.0, 20.0, 4.0), size=0.5) -> np.ndarray:

@@ -8,22 +8,22 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from beds import poses_of, problem_of, rough
-from insonify.kernels.types import LIGHT, SONAR
-from insonify.records import write_netcdf
+from beds import arrays_of, poses_of, rough
+from insonify.io.records import write_netcdf
+from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import SceneError, edit, load_scene
-from insonify.simulate import prepare, simulate, simulate_blocks
+from insonify.simulation import prepare, simulate, simulate_blocks
 from insonify.tracers import sweep
-from insonify.tracers.truth import trace_truth
+from insonify.tracers.labels import trace_truth
 
 ALTITUDE = 10.02
 FLAT = np.zeros((4, 4))
 NARROW = math.radians(0.5)
 
 
-def both(problem, poses, planes=4):
+def both(arrays, poses, planes=4):
     """Record and truth by as many planes."""
-    return sweep.trace(problem, poses, planes=planes), trace_truth(problem, poses, planes=planes)
+    return sweep.trace(arrays, poses, planes=planes), trace_truth(arrays, poses, planes=planes)
 
 
 def ground_extent(altitude, bins, step):
@@ -36,8 +36,8 @@ def ground_extent(altitude, bins, step):
 @pytest.mark.parametrize("half_width", [0.0, NARROW])
 @pytest.mark.parametrize("spacing", [0.1, 3.0])
 def test_a_level_bed(law, half_width, spacing):
-    problem = problem_of(FLAT, spacing, periodic=True, law=law, half_width=half_width)
-    _, truth = both(problem, poses_of([0.0, 0.3], 0.1, ALTITUDE, 0.4))
+    arrays = arrays_of(FLAT, spacing, periodic=True, law=law, half_width=half_width)
+    _, truth = both(arrays, poses_of([0.0, 0.3], 0.1, ALTITUDE, 0.4))
     first = int(ALTITUDE / 0.05)
     edges = ground_extent(ALTITUDE, 1000, 0.05)
     assert not truth.shadow.any()
@@ -61,8 +61,8 @@ def test_a_tilted_bed_is_met_at_its_own_angle():
     """A slope of 0.2 towards the sonar: the incidence is less by the tilt."""
     x, spacing = np.arange(401), 0.25
     heights = np.broadcast_to(0.2 * (x - 200.0) * spacing, (401, 401)).T.copy()
-    problem = problem_of(heights, spacing, x0=-50.0, y0=-50.0, bins=800)
-    _, truth = both(problem, poses_of(0.1, 0.1, 10.0))
+    arrays = arrays_of(heights, spacing, x0=-50.0, y0=-50.0, bins=800)
+    _, truth = both(arrays, poses_of(0.1, 0.1, 10.0))
     for side, sign in enumerate((1.0, -1.0)):
         heard = truth.target_id[0, side] == -1
         grazing = np.arctan2(10.0 - sign * 0.2 * truth.ground_range[0, side] - 0.02, truth.ground_range[0, side])
@@ -101,15 +101,15 @@ def test_a_shadow_seen_by_part_of_a_beam_is_none():
     """A ball narrower than the beam leaves light beside its shadow; one plane alone sees it dark."""
     ball = ((0.0, 20.0, 1.0), 0.3)
     options = {"periodic": True, "solids": [ball], "bins": 800}
-    fan = problem_of(FLAT, 0.1, half_width=math.radians(3.0), **options)
+    fan = arrays_of(FLAT, 0.1, half_width=math.radians(3.0), **options)
     assert not both(fan, poses_of(0.0, 0.0, ALTITUDE), planes=16)[1].shadow.any()
-    assert both(problem_of(FLAT, 0.1, **options), poses_of(0.0, 0.0, ALTITUDE))[1].shadow[0, 0].any()
+    assert both(arrays_of(FLAT, 0.1, **options), poses_of(0.0, 0.0, ALTITUDE))[1].shadow[0, 0].any()
 
 
 def test_each_target_is_told_from_others_of_its_material():
     balls = [((0.0, 15.0, 0.5), 0.5), ((0.0, -20.0, 0.5), 0.5)]
-    problem = problem_of(FLAT, 0.1, periodic=True, solids=balls, bins=600)
-    _, truth = both(problem, poses_of(0.0, 0.0, ALTITUDE))
+    arrays = arrays_of(FLAT, 0.1, periodic=True, solids=balls, bins=600)
+    _, truth = both(arrays, poses_of(0.0, 0.0, ALTITUDE))
     for side, distance in enumerate((15.0, 20.0)):
         near = int((math.hypot(distance, ALTITUDE - 0.5) - 0.5) / 0.05) + 1
         assert truth.target_id[0, side, near] == side
@@ -119,12 +119,10 @@ def test_each_target_is_told_from_others_of_its_material():
 
 def test_patches_are_told_by_their_index():
     """Bands along the track: rows of cells of 1 m that change material at y = 4, 8, 12 m."""
-    problem = problem_of(
-        np.zeros((32, 8)), 1.0, periodic=True, reflectivity=[(0.5, 0.0, 1.0), (0.9, 0.0, 1.0)], bins=600
-    )
+    arrays = arrays_of(np.zeros((32, 8)), 1.0, periodic=True, reflectivity=[(0.5, 0.0, 1.0), (0.9, 0.0, 1.0)], bins=600)
     bands = (np.arange(32) // 4 % 2)[:, None] * np.ones((1, 8))
-    bed = problem.bed._replace(materials=bands.astype(np.uint8), mapped=True)
-    _, truth = both(problem._replace(bed=bed), poses_of(0.0, 0.0, ALTITUDE))
+    bed = arrays.bed._replace(materials=bands.astype(np.uint8), mapped=True)
+    _, truth = both(arrays._replace(bed=bed), poses_of(0.0, 0.0, ALTITUDE))
     edges = ground_extent(ALTITUDE, 600, 0.05)
     near, far = edges[:-1], edges[1:]
     one_band = (near // 4 == far // 4) & (near > 0.0)
@@ -132,8 +130,8 @@ def test_patches_are_told_by_their_index():
 
 
 def test_mute_bed_in_sight_is_no_shadow():
-    problem = problem_of(FLAT, 0.1, periodic=True, reflectivity=[(0.0, 0.0, 1.0)])
-    _, truth = both(problem, poses_of(0.0, 0.0, ALTITUDE))
+    arrays = arrays_of(FLAT, 0.1, periodic=True, reflectivity=[(0.0, 0.0, 1.0)])
+    _, truth = both(arrays, poses_of(0.0, 0.0, ALTITUDE))
     assert (truth.target_id == -2).all()
     assert not truth.shadow.any()
 
@@ -142,8 +140,8 @@ def test_beyond_the_bed_there_is_no_shadow():
     """A plate 20 m wide under the sonar, and a wall of holes in it."""
     heights = np.zeros((201, 201))
     heights[140:150] = np.nan
-    problem = problem_of(heights, 0.1, x0=-10.0, y0=-10.0, bins=400)
-    _, truth = both(problem, poses_of(0.0, 0.0, 5.0))
+    arrays = arrays_of(heights, 0.1, x0=-10.0, y0=-10.0, bins=400)
+    _, truth = both(arrays, poses_of(0.0, 0.0, 5.0))
     assert not truth.shadow.any()
     assert (truth.target_id[0, :, int(math.hypot(10.0, 5.0) / 0.05) + 1 :] == -2).all()
 
@@ -157,7 +155,7 @@ def test_what_is_heard_has_a_contributor_and_nothing_else_has(law, half_width):
         ((2.0, -9.0, 4.0), 0.6),
         ((2.4, -9.5, 4.1), 0.6),
     ]
-    problem = problem_of(
+    arrays = arrays_of(
         rough(128, 128, rms=0.3),
         0.2,
         periodic=True,
@@ -169,7 +167,7 @@ def test_what_is_heard_has_a_contributor_and_nothing_else_has(law, half_width):
     )
     rng = np.random.default_rng(3)
     poses = poses_of(rng.uniform(-3, 3, 24), rng.uniform(-2, 2, 24), rng.uniform(6, 9, 24), rng.uniform(-0.3, 0.3, 24))
-    record, truth = both(problem, poses, planes=6)
+    record, truth = both(arrays, poses, planes=6)
     np.testing.assert_array_equal(truth.target_id == -2, record == 0.0)
     np.testing.assert_array_equal(truth.path == -1, record == 0.0)
     np.testing.assert_array_equal(np.isnan(truth.ground_range), record == 0.0)
@@ -179,19 +177,17 @@ def test_what_is_heard_has_a_contributor_and_nothing_else_has(law, half_width):
 
 
 def test_the_number_of_threads_changes_nothing():
-    problem = problem_of(
-        rough(64, 64, rms=0.2), 0.2, periodic=True, solids=[((0.0, 12.0, 0.5), 0.5)], half_width=NARROW
-    )
+    arrays = arrays_of(rough(64, 64, rms=0.2), 0.2, periodic=True, solids=[((0.0, 12.0, 0.5), 0.5)], half_width=NARROW)
     poses = poses_of(np.linspace(0, 5, 20), 0.0, 8.0)
-    one, two = (trace_truth(problem, poses, planes=4, threads=threads) for threads in (1, 2))
+    one, two = (trace_truth(arrays, poses, planes=4, threads=threads) for threads in (1, 2))
     for a, b in zip(one, two):
         np.testing.assert_array_equal(a, b)
 
 
 def test_a_sonar_inside_a_body_is_refused():
-    problem = problem_of(FLAT, 0.1, periodic=True, solids=[((0.0, 0.0, 8.0), 1.0)])
+    arrays = arrays_of(FLAT, 0.1, periodic=True, solids=[((0.0, 0.0, 8.0), 1.0)])
     with pytest.raises(SceneError, match=r"targets\.0\.position: the sonar runs into it"):
-        trace_truth(problem, poses_of(0.0, 0.0, 8.0))
+        trace_truth(arrays, poses_of(0.0, 0.0, 8.0))
 
 
 @pytest.fixture(scope="module")
@@ -215,7 +211,7 @@ def test_truth_is_that_of_an_ideal_pulse(short):
     """The tone of 0.1 ms of this scene reaches on by 7.5 cm, past two bins."""
     simulation = prepare(short)
     record = simulate(short, truth=True)
-    traced = sweep.trace(simulation.problem, simulation.poses(np.arange(6)), planes=simulation.plan.planes)
+    traced = sweep.trace(simulation.arrays, simulation.poses(np.arange(6)), planes=simulation.plan.planes)
     np.testing.assert_array_equal(np.moveaxis(record.target_id.values, 1, 0) == -2, traced == 0.0)
     assert (record.intensity.values[record.target_id.values == -2] > 0.0).any()
 
@@ -240,21 +236,21 @@ def test_the_strongest_is_who_sends_back_most(law):
     """Records in which all the others are mute tell what each sends back."""
     table = [(0.6, 0.3, 5.0), (0.2, 0.0, 1.0), (0.8, 0.1, 9.0), (0.4, 0.6, 20.0)]
     bodies = [((-9.0, 12.0, 1.5), (9.0, 13.0, 0.2), 0.4), ((1.0, -8.0, 0.3), 0.8)]
-    problem = problem_of(
+    arrays = arrays_of(
         rough(96, 96, rms=0.2), 0.25, periodic=True, solids=bodies, law=law, half_width=NARROW, reflectivity=table
     )
     patches = (np.add.outer(np.arange(96) // 5, np.arange(96) // 7) % 2).astype(np.uint8)
-    problem = problem._replace(
-        bed=problem.bed._replace(materials=patches, mapped=True),
-        solids=problem.solids._replace(material=np.array([2, 3])),
+    arrays = arrays._replace(
+        bed=arrays.bed._replace(materials=patches, mapped=True),
+        solids=arrays.solids._replace(material=np.array([2, 3])),
     )
     poses = poses_of(np.linspace(-4.0, 4.0, 12), 0.1, 8.0, 0.1)
     rows = []
     for row in range(4):
         alone = np.zeros((4, 3))
         alone[row] = table[row]
-        rows.append(sweep.trace(problem._replace(reflectivity=alone), poses, planes=6))
-    heard, truth = both(problem, poses, planes=6)
+        rows.append(sweep.trace(arrays._replace(reflectivity=alone), poses, planes=6))
+    heard, truth = both(arrays, poses, planes=6)
     ranked = np.sort(rows, axis=0)
     # Under the sonar the sweep spreads a piece over its bins a little more evenly than it is.
     clear = (heard > 0.0) & (ranked[-1] > 1.2 * ranked[-2])

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
+from insonify.acoustics.layers import lay_out
+from insonify.acoustics.polyline import straightened, thinned
+from insonify.acoustics.sound_speed import mackenzie
+from insonify.acoustics.water import make_water, recording_speed, speed_at_sonar
 from insonify.scene import SceneError, build, edit, load_scene, scene_from_toml, scene_to_toml
 from insonify.scene.water import HydrographyWater, ProfileWater, SectionWater
-from insonify.simulate import prepare
-from insonify.sound.layers import lay_out
-from insonify.sound.polyline import straightened, thinned
-from insonify.sound.sound_speed import mackenzie
-from insonify.sound.water import make_water, recording_speed, speed_at_sonar
+from insonify.simulation import prepare
 
 DEPTHS, SPEEDS = (2.0, 8.0, 16.0, 60.0), (1520.0, 1519.0, 1501.0, 1500.0)
 

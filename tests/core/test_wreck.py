@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from insonify.likeness import likeness
-from insonify.meshes import read_mesh
+from insonify.accuracy.record_statistics import likeness
+from insonify.io.meshes import read_mesh
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare, simulate
+from insonify.simulation import prepare, simulate
 
 MAST = np.arange(352, 378)  # pings about it
 STARBOARD = 1

@@ -11,10 +11,10 @@ import xarray as xr
 from PIL import Image
 
 from insonify.cli import main
-from insonify.records import read_record, write_netcdf, write_npz
-from insonify.records.xtf import read_xtf
+from insonify.io.records import read_record, write_netcdf, write_npz
+from insonify.io.records.xtf import read_xtf
 from insonify.scene import SceneError, edit, load_scene
-from insonify.simulate import simulate
+from insonify.simulation import simulate
 from xtf_files import PORT, STARBOARD, SUBBOTTOM, write_xtf
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from insonify.acoustics.absorption import francois_garrison
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
-from insonify.sound.absorption import francois_garrison
+from insonify.simulation import prepare
 
 # dB/km at pH 8, depth 0, 35 g/kg, by frequency and temperature: Francois & Garrison 1982.
 TABLE = {

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from insonify.kernels.arcs import HIGH, LOW, RANGE
-from insonify.kernels.eigenrays import FOUND, shoot
-from insonify.kernels.paths import Limits
-from insonify.sound.rays import follow_paths
+from insonify.acoustics.rays import follow_paths
+from insonify.kernels.refraction.arcs import HIGH, LOW, RANGE
+from insonify.kernels.refraction.eigenrays import FOUND, shoot
+from insonify.kernels.refraction.ray_paths import Limits
 from water import NO_CEILING, NO_FLOOR, gradient, joined, launched, layers, shot, water_of
 
 BELLHOP = Path(__file__).parents[3] / "shared/data/bellhop"

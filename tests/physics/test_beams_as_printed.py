@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of
+from beds import arrays_of, poses_of
+from insonify.acoustics.beam_patterns import _taper, array_table, make_pattern
 from insonify.scene import edit, load_scene
 from insonify.scene.sonar import LineArray
-from insonify.simulate import prepare, simulate
-from insonify.sound.beams import _taper, array_table, make_pattern
+from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
-from insonify.tracers.planes import pattern_planes
+from insonify.tracers.azimuth_fan import pattern_planes
 
 WAVELENGTH = 1500.0 / 400e3
 LENGTH = 0.5
@@ -133,8 +133,8 @@ def pair_profile(simulation, slant, separation=1.0, radius=0.15, planes=256):
     """Energy of two balls on a bed all but black, a ping every 5 cm from beyond one to beyond the other."""
     x = math.sqrt(slant**2 - ALTITUDE**2)
     bodies = [((s * separation / 2.0, -x, 0.0), radius) for s in (-1.0, 1.0)]
-    given = simulation.problem
-    problem = problem_of(
+    given = simulation.arrays
+    arrays = arrays_of(
         np.zeros((8, 8)),
         16.0,
         periodic=True,
@@ -145,9 +145,9 @@ def pair_profile(simulation, slant, separation=1.0, radius=0.15, planes=256):
         bin_length=given.bin_length,
         reflectivity=[(1e-9, 0.0, 1.0), (1.0, 0.0, 1.0)],
     )
-    problem = problem._replace(solids=problem.solids._replace(material=np.ones(2, np.int64)))
+    arrays = arrays._replace(solids=arrays.solids._replace(material=np.ones(2, np.int64)))
     along = np.arange(-14, 15) * 0.05
-    record = sweep.trace(problem, poses_of(along, 0.0, ALTITUDE), planes=planes)
+    record = sweep.trace(arrays, poses_of(along, 0.0, ALTITUDE), planes=planes)
     return record[:, 1].sum(axis=1, dtype=float)
 
 
@@ -250,14 +250,14 @@ def test_roll_tilts_one_side_up_and_the_other_down():
 def single_profile(simulation, slant, along, planes=64, radius=0.3):
     """Energy of one ball at the origin's abeam by the fish's place along the track."""
     x = math.sqrt(slant**2 - ALTITUDE**2)
-    given = simulation.problem
-    problem = problem_of(
+    given = simulation.arrays
+    arrays = arrays_of(
         np.zeros((8, 8)), 16.0, periodic=True, solids=[((0.0, -x, 0.0), radius)], half_width=given.half_width,
         pattern=given.pattern, bins=given.bins, bin_length=given.bin_length,
         reflectivity=[(1e-9, 0.0, 1.0), (1.0, 0.0, 1.0)],
     )  # fmt: skip
-    problem = problem._replace(solids=problem.solids._replace(material=np.ones(1, np.int64)))
-    record = sweep.trace(problem, poses_of(along, 0.0, ALTITUDE), planes=planes)
+    arrays = arrays._replace(solids=arrays.solids._replace(material=np.ones(1, np.int64)))
+    record = sweep.trace(arrays, poses_of(along, 0.0, ALTITUDE), planes=planes)
     return record[:, 1].sum(axis=1, dtype=float)
 
 
@@ -288,7 +288,7 @@ def test_only_targets_lay_planes_across_sidelobes():
     scene = edit(LEVEL, {"sonar.beam": {"kind": "array", "length": 0.3}})
     ball = {"kind": "sphere", "position": [0.0, -29.0], "radius": 0.3}
     laid = [
-        pattern_planes(prepare(one).problem, 16, 10.0, np.zeros(1)).azimuth.size
+        pattern_planes(prepare(one).arrays, 16, 10.0, np.zeros(1)).azimuth.size
         for one in (scene, edit(scene, {"targets": [ball]}))
     ]
     assert laid[0] < 60

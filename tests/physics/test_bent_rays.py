@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import naive
-from beds import icosphere, mesh_of, poses_of, problem_of, rough
-from insonify.kernels.bent_hits import bent_hits, empty_arrivals
-from insonify.kernels.rays import empty_hits
-from insonify.kernels.types import BED, LIGHT, SONAR, Water, still_water
-from insonify.kernels.walk import Bundle
+from beds import arrays_of, icosphere, mesh_of, poses_of, rough
+from insonify.kernels.common.types import BED, LIGHT, SONAR, Water, still_water
+from insonify.kernels.rays.cell_walk import Bundle
+from insonify.kernels.rays.first_echoes import empty_hits
+from insonify.kernels.refracted_rays.hits import bent_hits, empty_arrivals
 from insonify.scene import SceneError
 from insonify.scene.materials import Reflectivity
 from insonify.tracers import march, rays
@@ -40,7 +40,7 @@ def thermocline(z=20.0):
 
 
 def flat(water, **options):
-    return problem_of(FLAT, 4.0, periodic=True, **options)._replace(water=water)
+    return arrays_of(FLAT, 4.0, periodic=True, **options)._replace(water=water)
 
 
 def downwards(angles, azimuth=0.3):
@@ -49,20 +49,20 @@ def downwards(angles, azimuth=0.3):
     return np.column_stack([level * math.cos(azimuth), level * math.sin(azimuth), -np.sin(angles)])
 
 
-def land(problem, start, directions, reach=1000.0):
+def land(arrays, start, directions, reach=1000.0):
     """All that is known of the first hits."""
     columns = np.broadcast_arrays(*start, *np.asarray(directions, float).T)
     bundle = Bundle(*(np.ascontiguousarray(column, dtype=float) for column in columns))
     hits, arrivals = empty_hits(bundle.x.size), empty_arrivals(bundle.x.size)
-    bent_hits(problem, bundle, reach, 0.0, hits, arrivals)
+    bent_hits(arrays, bundle, reach, 0.0, hits, arrivals)
     return hits, arrivals
 
 
 @pytest.mark.parametrize("g", [-5.0, -0.5, -1e-9, 0.0, 1e-9, 0.5, 5.0])
 def test_arcs_of_one_gradient_land_where_circles_do(g):
-    problem = flat(gradient(g, 10.0))
+    arrays = flat(gradient(g, 10.0))
     angles = np.linspace(0.5, 89.5, 90)
-    found, what, _ = rays.cast(problem, (3.0, -2.0, 10.0), downwards(angles), reach=300.0)
+    found, what, _ = rays.cast(arrays, (3.0, -2.0, 10.0), downwards(angles), reach=300.0)
     xi, s0, c1 = np.cos(np.radians(angles)) / 1500.0, np.sin(np.radians(angles)), 1500.0 - 10.0 * g
     square = s0**2 + xi**2 * g * 10.0 * (1500.0 + c1)  # physics: s1² = s0² − ξ² g Δz (c0 + c1)
     x = np.full(angles.size, 1e4)
@@ -90,11 +90,11 @@ def test_water_that_hardly_bends_is_still_water():
     rng = np.random.default_rng(1)
     bodies = [((10.0, 3.0, 0.5), 1.0), ((5.0, -4.0, 0.2), (9.0, -6.0, 1.0), 0.4)]
     vertices, faces = icosphere(2, 1.0, (-8.0, 2.0, 0.5))
-    problem = problem_of(rough(64, 64), 0.5, periodic=True, solids=bodies, mesh=mesh_of(vertices, faces))
+    arrays = arrays_of(rough(64, 64), 0.5, periodic=True, solids=bodies, mesh=mesh_of(vertices, faces))
     ways = rng.normal(size=(4000, 3))
     ways[:, 2] = -0.5 * np.abs(ways[:, 2])
-    one = rays.cast(problem._replace(water=still_water(1500.0, SURFACE)), (0.0, 0.0, 5.0), ways)
-    other = rays.cast(problem._replace(water=gradient(0.0, 5.0)), (0.0, 0.0, 5.0), ways)
+    one = rays.cast(arrays._replace(water=still_water(1500.0, SURFACE)), (0.0, 0.0, 5.0), ways)
+    other = rays.cast(arrays._replace(water=gradient(0.0, 5.0)), (0.0, 0.0, 5.0), ways)
     assert (one[1] == other[1]).all()
     assert set(np.unique(one[1])) == {-2, BED, 0, 1}
     hit = one[1] != -2
@@ -105,10 +105,10 @@ def test_water_that_hardly_bends_is_still_water():
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 @pytest.mark.parametrize("half_width", [0.0, FAN])
 def test_its_records_are_still_waters(law, half_width):
-    problem = flat(still_water(1500.0, SURFACE), law=law, half_width=half_width, reflectivity=[MATERIAL], bins=500)
+    arrays = flat(still_water(1500.0, SURFACE), law=law, half_width=half_width, reflectivity=[MATERIAL], bins=500)
     poses = poses_of(3.0, 5.0, 10.0, 0.7)
-    still = rays.trace(problem, poses, rays=200_000)
-    bent = rays.trace(problem._replace(water=gradient(0.0, 10.0)), poses, rays=200_000)
+    still = rays.trace(arrays, poses, rays=200_000)
+    bent = rays.trace(arrays._replace(water=gradient(0.0, 10.0)), poses, rays=200_000)
     np.testing.assert_allclose(bent[0, :, 210:].sum(), still[0, :, 210:].sum(), rtol=1e-4)
     # A bin of some four hundred rays has one more or less.
     np.testing.assert_allclose(bent[..., 210:], still[..., 210:], rtol=0.02)
@@ -117,8 +117,8 @@ def test_its_records_are_still_waters(law, half_width):
 @pytest.mark.parametrize(("g", "farthest"), [(0.05, 1095.63), (0.5, 346.99), (5.0, 111.36)])
 def test_the_bed_is_unseen_beyond_where_rays_turn(g, farthest):
     # Faster below: a ray that comes down flatter turns before the bed.
-    problem = flat(gradient(-g, 20.0), bins=2400, bin_length=0.5)
-    record = rays.trace(problem, poses_of(0.0, 0.0, 20.0), rays=4000)[0, 0]
+    arrays = flat(gradient(-g, 20.0), bins=2400, bin_length=0.5)
+    record = rays.trace(arrays, poses_of(0.0, 0.0, 20.0), rays=4000)[0, 0]
     c_bed = 1500.0 + 20.0 * g
     time = math.acosh(1.0 + g * g * (farthest**2 + 400.0) / (2.0 * 1500.0 * c_bed)) / g
     lit = np.flatnonzero(record)
@@ -130,8 +130,8 @@ def test_the_bed_is_unseen_beyond_where_rays_turn(g, farthest):
 def test_or_beyond_the_ray_that_grazes_the_surface(g, farthest):
     # Slower below, sonar 10 m below the surface and 30 m above the bed; what passes the surface is gone.
     water = layered([-5.0, 40.0], [1500.0 - 45.0 * g, 1500.0], 1500.0 - 10.0 * g, surface=40.0)
-    problem = flat(water, bins=4000, bin_length=0.5)
-    record = rays.trace(problem, poses_of(0.0, 0.0, 30.0), rays=4000)[0, 0]
+    arrays = flat(water, bins=4000, bin_length=0.5)
+    record = rays.trace(arrays, poses_of(0.0, 0.0, 30.0), rays=4000)[0, 0]
     c_bed = 1500.0 - 40.0 * g
     time = math.acosh(1.0 + g * g * (farthest**2 + 900.0) / (2.0 * water.reference * c_bed)) / g
     lit = np.flatnonzero(record)
@@ -186,17 +186,17 @@ def integrated(water, z, law, half_width, bins, bin_length, rays=40_000, slabs=4
     ],
 )
 def test_levels_of_a_flat_bed_are_their_integrals(law, half_width, water):
-    problem = flat(water, law=law, half_width=half_width, reflectivity=[MATERIAL], bins=120, bin_length=0.5)
-    record = rays.trace(problem, poses_of(3.0, 5.0, 20.0, 0.7), rays=100_000)[0, 0]
+    arrays = flat(water, law=law, half_width=half_width, reflectivity=[MATERIAL], bins=120, bin_length=0.5)
+    record = rays.trace(arrays, poses_of(3.0, 5.0, 20.0, 0.7), rays=100_000)[0, 0]
     expected = integrated(water, 20.0, law, half_width, 120, 0.5)
     level = 10.0 * np.log10(record[42:] / expected[42:])
     assert np.abs(level).max() < 0.05
     assert abs(level.mean()) < 0.005
 
 
-def crawl(problem, start, direction, reach, step=0.02):
+def crawl(arrays, start, direction, reach, step=0.02):
     """Slant range of a ray's first hit by the midpoint rule in tiny steps, and what it is."""
-    water, bed = problem.water, problem.bed
+    water, bed = arrays.water, arrays.bed
     level = math.hypot(direction[0], direction[1])
     ahead = np.array([direction[0], direction[1], 0.0]) / level
     x, z, angle, time = 0.0, start[2], math.atan2(direction[2], level), 0.0
@@ -210,8 +210,8 @@ def crawl(problem, start, direction, reach, step=0.02):
     def found(x, z):
         point = np.array(start) + x * ahead
         point[2] = z
-        for k in range(problem.solids.shape.size):
-            if naive.body_depth(problem.solids, k, point) <= 0.0:
+        for k in range(arrays.solids.shape.size):
+            if naive.body_depth(arrays.solids, k, point) <= 0.0:
                 return k
         return BED if z <= naive.height(bed, point[0], point[1]) else -2
 
@@ -234,13 +234,13 @@ def crawl(problem, start, direction, reach, step=0.02):
 def test_first_hits_are_those_of_a_crawl():
     height, speed = [-1.0, 1.0, 2.0, 4.0, 8.0], [1480.0, 1482.0, 1490.0, 1500.0, 1501.0]
     bodies = [((14.0, 0.5, 1.2), 1.0), ((22.0, -3.0, 0.6), (22.0, 3.0, 1.0), 0.7), ((30.0, 0.0, 3.0), 0.8)]
-    problem = problem_of(rough(64, 64, rms=0.15), 0.5, periodic=True, solids=bodies)
-    problem = problem._replace(water=layered(height, speed, 1500.0))
+    arrays = arrays_of(rough(64, 64, rms=0.15), 0.5, periodic=True, solids=bodies)
+    arrays = arrays._replace(water=layered(height, speed, 1500.0))
     start, reach = (0.3, 0.2, 4.5), 60.0
     angles = np.concatenate([np.linspace(1.0, 30.0, 30), np.linspace(-6.0, 1.0, 14)])
     ways = downwards(angles, azimuth=0.02)
-    found, what, _ = rays.cast(problem, start, ways, reach=reach)
-    crawled = [crawl(problem, start, way, reach) for way in ways]
+    found, what, _ = rays.cast(arrays, start, ways, reach=reach)
+    crawled = [crawl(arrays, start, way, reach) for way in ways]
     expected, kinds = np.array([c[0] for c in crawled]), np.array([c[1] for c in crawled])
     assert set(kinds) == {-2, BED, 0, 1, 2}
     assert (what == kinds).mean() > 0.97  # but for rays that just graze something
@@ -253,18 +253,18 @@ def test_first_hits_are_those_of_a_crawl():
 def test_sound_goes_back_the_way_it_came():
     water, start = thermocline(), (1.0, 2.0, 20.0)
     sonar = ((1.0, 2.0, 20.0), 0.05)
-    problem = problem_of(rough(64, 64, rms=0.1), 1.0, periodic=True, solids=[sonar])._replace(water=water)
+    arrays = arrays_of(rough(64, 64, rms=0.1), 1.0, periodic=True, solids=[sonar])._replace(water=water)
     ways = downwards(np.linspace(8.0, 80.0, 30), azimuth=1.1)
     outside = np.array(start) + 0.051 * ways
     bundle = Bundle(*(np.ascontiguousarray(column) for column in (*outside.T, *ways.T)))
     hits, arrivals = empty_hits(30), empty_arrivals(30)
-    bent_hits(problem, bundle, 300.0, 0.0, hits, arrivals)
+    bent_hits(arrays, bundle, 300.0, 0.0, hits, arrivals)
     assert (hits.body == BED).all()
     way = np.column_stack([arrivals.dx, arrivals.dy, arrivals.dz])
     x = arrivals.spread * np.hypot(ways[:, 0], ways[:, 1])
     places = outside + x[:, None] * np.array([math.cos(1.1), math.sin(1.1), 0.0])
-    places[:, 2] = [naive.height(problem.bed, *place[:2]) + 1e-3 for place in places]
-    back, what, _ = rays.cast(problem, places, -way, reach=300.0)
+    places[:, 2] = [naive.height(arrays.bed, *place[:2]) + 1e-3 for place in places]
+    back, what, _ = rays.cast(arrays, places, -way, reach=300.0)
     assert (what == 0).all()
     np.testing.assert_allclose(back, hits.distance, atol=0.02)
 
@@ -272,8 +272,8 @@ def test_sound_goes_back_the_way_it_came():
 def test_a_mesh_is_met_as_the_ball_it_stands_for():
     water, centre = thermocline(), (40.0, 0.0, 8.0)
     vertices, faces = icosphere(5, 2.0, centre)
-    ball = problem_of(FLAT, 8.0, periodic=True, solids=[(centre, 2.0)])._replace(water=water)
-    mesh = problem_of(FLAT, 8.0, periodic=True, mesh=mesh_of(vertices, faces))._replace(water=water)
+    ball = arrays_of(FLAT, 8.0, periodic=True, solids=[(centre, 2.0)])._replace(water=water)
+    mesh = arrays_of(FLAT, 8.0, periodic=True, mesh=mesh_of(vertices, faces))._replace(water=water)
     ways = downwards(np.linspace(10.0, 24.0, 400), azimuth=0.0)
     one, other = rays.cast(ball, (0.0, 0.0, 20.0), ways), rays.cast(mesh, (0.0, 0.0, 20.0), ways)
     assert (one[1] == other[1]).mean() > 0.98
@@ -284,17 +284,17 @@ def test_a_mesh_is_met_as_the_ball_it_stands_for():
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 def test_the_march_goes_along_the_same_arcs(law):
-    problem = flat(thermocline(), law=law, half_width=FAN, bins=400, bin_length=0.2)
+    arrays = flat(thermocline(), law=law, half_width=FAN, bins=400, bin_length=0.2)
     poses = poses_of(1.0, 2.0, 20.0, 0.3)
-    one, other = march.trace(problem, poses, step=0.5, rays=8000), rays.trace(problem, poses, rays=8000)
+    one, other = march.trace(arrays, poses, step=0.5, rays=8000), rays.trace(arrays, poses, rays=8000)
     # A level bed is linear along a chord: one interpolation finds it, and no bin has more than a ray too many.
     np.testing.assert_allclose(one, other, rtol=0.06)
     assert one.sum() == pytest.approx(other.sum(), rel=1e-4)
 
 
 def test_what_is_inside_the_bed_meets_nothing():
-    problem = flat(gradient(0.5, 10.0))
-    _, what, _ = rays.cast(problem, (0.0, 0.0, -1.0), downwards([-80.0, -10.0, 0.0, 10.0, 80.0]))
+    arrays = flat(gradient(0.5, 10.0))
+    _, what, _ = rays.cast(arrays, (0.0, 0.0, -1.0), downwards([-80.0, -10.0, 0.0, 10.0, 80.0]))
     assert (what == -2).all()
 
 
@@ -311,12 +311,12 @@ def test_straight_down_is_a_straight_line():
 
 def test_records_do_not_depend_on_threads():
     height, speed = THERMOCLINE
-    problem = problem_of(rough(64, 64), 0.5, periodic=True, half_width=FAN, bins=200, bin_length=0.3)
-    problem = problem._replace(water=layered(height, speed, 1500.0))
+    arrays = arrays_of(rough(64, 64), 0.5, periodic=True, half_width=FAN, bins=200, bin_length=0.3)
+    arrays = arrays._replace(water=layered(height, speed, 1500.0))
     poses = poses_of(np.arange(20.0), 0.0, 20.0 + 0.1 * np.sin(np.arange(20.0)))
-    whole = rays.trace(problem, poses, rays=500, threads=1)
-    assert (rays.trace(problem, poses, rays=500, threads=3) == whole).all()
-    alone = rays.trace(problem, type(poses)(*(column[7:8] for column in poses)), rays=500)
+    whole = rays.trace(arrays, poses, rays=500, threads=1)
+    assert (rays.trace(arrays, poses, rays=500, threads=3) == whole).all()
+    alone = rays.trace(arrays, type(poses)(*(column[7:8] for column in poses)), rays=500)
     assert (alone[0] == whole[7]).all()
 
 
@@ -326,16 +326,16 @@ def test_a_section_that_is_the_same_everywhere_is_layers():
         speed=np.tile(speed, (3, 1)), station=np.array([-20.0, 7.0, 31.0]), axis_x=math.cos(0.4), axis_y=math.sin(0.4)
     )
     ball = ((30.0, 8.0, 2.0), 1.5)
-    problem = problem_of(rough(64, 64), 1.0, periodic=True, solids=[ball], half_width=FAN, bins=200, bin_length=0.4)
+    arrays = arrays_of(rough(64, 64), 1.0, periodic=True, solids=[ball], half_width=FAN, bins=200, bin_length=0.4)
     ways = downwards(np.concatenate([np.linspace(-3.0, 80.0, 300), np.linspace(20.0, 35.0, 100)]), azimuth=0.26)
-    one = rays.cast(problem._replace(water=water), (0.0, 0.0, 20.0), ways)
-    other = rays.cast(problem._replace(water=section), (0.0, 0.0, 20.0), ways)
+    one = rays.cast(arrays._replace(water=water), (0.0, 0.0, 20.0), ways)
+    other = rays.cast(arrays._replace(water=section), (0.0, 0.0, 20.0), ways)
     assert set(one[1]) == {-2, BED, 0}
     assert (one[1] == other[1]).all()
     hit = one[1] != -2
     np.testing.assert_allclose(other[0][hit], one[0][hit], atol=1e-3)
     poses = poses_of(0.0, 0.0, 20.0, 0.3)
-    layers, same = (rays.trace(problem._replace(water=w), poses, rays=2000) for w in (water, section))
+    layers, same = (rays.trace(arrays._replace(water=w), poses, rays=2000) for w in (water, section))
     np.testing.assert_allclose(same.sum(), layers.sum(), rtol=1e-3)
 
 
@@ -355,8 +355,8 @@ def test_of_a_section_each_ray_feels_what_lies_in_its_plane():
 
 
 def test_bounces_are_refused():
-    problem = flat(thermocline())
+    arrays = flat(thermocline())
     with pytest.raises(SceneError, match=r"sonar\.bounces: 2 of them are followed along straight lines"):
-        rays.trace(problem._replace(bounces=2), poses_of(0.0, 0.0, 20.0))
+        rays.trace(arrays._replace(bounces=2), poses_of(0.0, 0.0, 20.0))
     with pytest.raises(SceneError, match=r"sonar\.bounces"):
-        rays.follow(problem, (0.0, 0.0, 20.0), (0.0, 1.0, -1.0), 1)
+        rays.follow(arrays, (0.0, 0.0, 20.0), (0.0, 1.0, -1.0), 1)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import bent
-from beds import icosphere, mesh_of, poses_of, problem_of
-from insonify.kernels.bending import look_up, turn_to
-from insonify.kernels.jit import kernel
+from beds import arrays_of, icosphere, mesh_of, poses_of
+from insonify.kernels.common.jit import kernel
+from insonify.kernels.refraction.apparent_positions import look_up, turn_to
+from insonify.packing.apparent_tables import make_bending
 from insonify.tracers import sweep
-from insonify.tracers.bending import make_bending
-from insonify.tracers.truth import trace_truth
+from insonify.tracers.labels import trace_truth
 
 SONAR = 10.02
 FLAT = np.zeros((4, 4))
@@ -24,8 +24,8 @@ WATERS = {
 }
 
 
-def wet(problem, name, sonar=SONAR):
-    return problem._replace(water=bent.layered(*WATERS[name], sonar))
+def wet(arrays, name, sonar=SONAR):
+    return arrays._replace(water=bent.layered(*WATERS[name], sonar))
 
 
 @kernel
@@ -37,8 +37,8 @@ def places(bending, z, table, x, heights):
     return out
 
 
-def read(problem, z, x, heights):
-    bending, folded = make_bending(problem, poses_of(0.0, 0.0, z))
+def read(arrays, z, x, heights):
+    bending, folded = make_bending(arrays, poses_of(0.0, 0.0, z))
     assert not folded.any()
     return places(bending, z, np.zeros(bending.tables.shape[1:], np.float32), x, heights)
 
@@ -49,11 +49,11 @@ def test_tables_of_one_gradient_hold_the_closed_forms(gradient, sonar):
     # tan θ0 = Δz/x + g D²/(2 x c0), τ = (2/|g|) asinh(|g| D / (2 √(c0 c1))), q = x / cosθ0 (from dz/dθ0 there).
     c0 = 1500.0
     speeds = [c0 - gradient * (200.0 + sonar), c0 + gradient * (200.0 - sonar)]
-    problem = problem_of(np.array([[-1.0, 1.0], [1.0, -1.0]]), bins=1000, bin_length=0.1)
-    problem = problem._replace(water=bent.layered([-200.0, 200.0], speeds, sonar))
+    arrays = arrays_of(np.array([[-1.0, 1.0], [1.0, -1.0]]), bins=1000, bin_length=0.1)
+    arrays = arrays._replace(water=bent.layered([-200.0, 200.0], speeds, sonar))
     rng = np.random.default_rng(1)
     x, heights = rng.uniform(0.0, 100.0, 500), rng.uniform(-1.0, 1.0, 500)
-    level, rise, tube, turn = read(problem, sonar, x, heights).T
+    level, rise, tube, turn = read(arrays, sonar, x, heights).T
     z = heights - sonar
     d, c1 = np.hypot(x, z), c0 + gradient * z
     slope = z / x + gradient * d**2 / (2.0 * x * c0)
@@ -67,11 +67,11 @@ def test_tables_of_one_gradient_hold_the_closed_forms(gradient, sonar):
 
 
 def test_water_that_hardly_bends_is_as_good_as_straight():
-    problem = problem_of(profile(), 0.1, periodic=True, bins=500, bin_length=0.1, solids=[((0.0, 20.0, 0.6), 0.5)])
+    arrays = arrays_of(profile(), 0.1, periodic=True, bins=500, bin_length=0.1, solids=[((0.0, 20.0, 0.6), 0.5)])
     poses = poses_of([0.0, 0.3], 0.1, SONAR, 0.2)
     for changes in ({}, {"half_width": 0.01}, {"law": 0}, {"law": 0, "half_width": 0.01}):
-        straight = sweep.trace(problem._replace(**changes), poses)
-        hardly = problem._replace(water=bent.layered([-50.0, 50.0], [1500.0, 1500.00001], SONAR), **changes)
+        straight = sweep.trace(arrays._replace(**changes), poses)
+        hardly = arrays._replace(water=bent.layered([-50.0, 50.0], [1500.0, 1500.00001], SONAR), **changes)
         # A step of the horizon or a part of a bin may fall to either side.
         assert np.linalg.norm(sweep.trace(hardly, poses) - straight) < 1e-4 * np.linalg.norm(straight)
 
@@ -109,9 +109,9 @@ def in_decibels(a, b, group):
 
 @pytest.mark.parametrize("name", WATERS)
 def test_a_level_bed_echoes_as_fine_rays_say(name):
-    problem = wet(problem_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1, spreading=True), name)
-    record = sweep.trace(problem, poses_of(0.0, 0.0, SONAR))[0, 0].astype(float)
-    twin = bent.knife(problem, SONAR, np.zeros_like, rays=4000, step=0.05)
+    arrays = wet(arrays_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1, spreading=True), name)
+    record = sweep.trace(arrays, poses_of(0.0, 0.0, SONAR))[0, 0].astype(float)
+    twin = bent.knife(arrays, SONAR, np.zeros_like, rays=4000, step=0.05)
     # The first bin of the bed may be touched by less than one of the twin's rays.
     assert abs(int(np.argmax(record > 0.0)) - int(np.argmax(twin > 0.0))) <= 1
     assert abs(in_decibels(record, twin, 20)).max() < 0.1
@@ -121,9 +121,9 @@ def test_a_level_bed_echoes_as_fine_rays_say(name):
 @pytest.mark.parametrize("name", ["faster below", "thermocline"])
 def test_a_rough_bed_echoes_as_fine_rays_say(name):
     heights = profile()
-    problem = wet(problem_of(heights, 0.1, periodic=True, bins=500, bin_length=0.1, spreading=True), name)
-    record = sweep.trace(problem, poses_of(0.0, 0.0, SONAR))[0, 0].astype(float)
-    twin = bent.knife(problem, SONAR, bed_of(heights, 0.1), rays=20000, step=0.05)
+    arrays = wet(arrays_of(heights, 0.1, periodic=True, bins=500, bin_length=0.1, spreading=True), name)
+    record = sweep.trace(arrays, poses_of(0.0, 0.0, SONAR))[0, 0].astype(float)
+    twin = bent.knife(arrays, SONAR, bed_of(heights, 0.1), rays=20000, step=0.05)
     assert np.median(abs(in_decibels(record, twin, 5))) < 0.1
     assert abs(in_decibels(record, twin, 360)).max() < 0.05
 
@@ -133,9 +133,9 @@ def test_a_rough_bed_echoes_as_fine_rays_say(name):
 def test_a_target_and_its_shadow_lie_where_fine_rays_say(name, at, height):
     radius = 0.5
     axis = ((-5.0, at, height), (5.0, at, height), radius)
-    problem = wet(problem_of(FLAT, 0.1, periodic=True, bins=2500, bin_length=0.02, solids=[axis]), name)
-    record = sweep.trace(problem, poses_of(0.0, 0.0, SONAR))[0, 0].astype(float)
-    twin = bent.knife(problem, SONAR, np.zeros_like, [(at, height, radius)], rays=20000, step=0.05)
+    arrays = wet(arrays_of(FLAT, 0.1, periodic=True, bins=2500, bin_length=0.02, solids=[axis]), name)
+    record = sweep.trace(arrays, poses_of(0.0, 0.0, SONAR))[0, 0].astype(float)
+    twin = bent.knife(arrays, SONAR, np.zeros_like, [(at, height, radius)], rays=20000, step=0.05)
     edges = [np.flatnonzero(np.diff((r > 0.02 * np.median(r[r > 0.0])).astype(int))) for r in (record, twin)]
     assert len(edges[0]) == len(edges[1])
     assert abs(edges[0] - edges[1]).max() <= 1
@@ -146,17 +146,17 @@ def test_a_target_and_its_shadow_lie_where_fine_rays_say(name, at, height):
 def test_a_ball_of_triangles_is_heard_as_a_ball():
     options = {"periodic": True, "bins": 500, "bin_length": 0.1, "half_width": 0.01, "spreading": True}
     centre = (0.0, 30.0, 0.9)
-    ball = problem_of(FLAT, 0.1, solids=[(centre, 0.8)], **options)
-    facets = problem_of(FLAT, 0.1, mesh=mesh_of(*icosphere(4, 0.8, centre)), **options)
+    ball = arrays_of(FLAT, 0.1, solids=[(centre, 0.8)], **options)
+    facets = arrays_of(FLAT, 0.1, mesh=mesh_of(*icosphere(4, 0.8, centre)), **options)
     poses = poses_of(np.linspace(-0.6, 0.6, 7), 0.0, SONAR)
-    one, other = (sweep.trace(wet(problem, "thermocline"), poses) for problem in (ball, facets))
+    one, other = (sweep.trace(wet(arrays, "thermocline"), poses) for arrays in (ball, facets))
     assert np.linalg.norm(other - one) < 0.02 * np.linalg.norm(one)
 
 
 def test_a_fan_widens_with_the_azimuth_it_takes_in():
     # A knife's strip is 1 m wide; a narrow fan's, at x, x times the azimuths within its cone: w / cosθ0.
     half_width = 0.002
-    knife = problem_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1, spreading=True)
+    knife = arrays_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1, spreading=True)
     poses = poses_of(0.0, 0.0, SONAR)
     one = sweep.trace(wet(knife, "thermocline"), poses)[0, 0, 200:].astype(float)
     fan = wet(knife._replace(half_width=half_width), "thermocline")
@@ -171,10 +171,10 @@ def test_a_fan_widens_with_the_azimuth_it_takes_in():
 
 @pytest.mark.parametrize("name", WATERS)
 def test_truth_tells_true_ground_ranges_and_incidences(name):
-    problem = wet(problem_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1), name)
-    truth = trace_truth(problem, poses_of(0.0, 0.0, SONAR))
+    arrays = wet(arrays_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1), name)
+    truth = trace_truth(arrays, poses_of(0.0, 0.0, SONAR))
     x = np.linspace(0.01, 52.0, 4000)
-    level, rise, _, turn = read(problem, SONAR, x, np.zeros_like(x)).T
+    level, rise, _, turn = read(arrays, SONAR, x, np.zeros_like(x)).T
     seen_x, seen_z = x * (1.0 + level), rise - SONAR
     r, arrival = np.hypot(seen_x, seen_z), np.arctan2(seen_z, seen_x) + turn
     edges = np.interp(np.arange(501) * 0.1, r, x)
@@ -186,30 +186,30 @@ def test_truth_tells_true_ground_ranges_and_incidences(name):
 
 
 def test_truth_tells_where_targets_are():
-    problem = wet(
-        problem_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1, solids=[((0, 30, 0.9), 0.8)]), "thermocline"
+    arrays = wet(
+        arrays_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1, solids=[((0, 30, 0.9), 0.8)]), "thermocline"
     )
-    truth = trace_truth(problem, poses_of(0.0, 0.0, SONAR))
+    truth = trace_truth(arrays, poses_of(0.0, 0.0, SONAR))
     hit = truth.target_id[0, 0] == 0
     assert 5 < hit.sum() < 15
     assert ((truth.ground_range[0, 0, hit] > 29.2) & (truth.ground_range[0, 0, hit] < 30.4)).all()
 
 
 def test_a_heaving_ping_is_a_function_of_itself():
-    problem = wet(problem_of(profile(), 0.1, periodic=True, bins=500, bin_length=0.1), "thermocline")
+    arrays = wet(arrays_of(profile(), 0.1, periodic=True, bins=500, bin_length=0.1), "thermocline")
     heights = SONAR + 0.9 * np.sin(np.arange(40))
     poses = poses_of(0.1 * np.arange(40), 0.0, heights)
-    whole = sweep.trace(problem, poses)
+    whole = sweep.trace(arrays, poses)
     for first, last in ((0, 7), (7, 40)):
         part = type(poses)(*(column[first:last] for column in poses))
-        assert np.array_equal(sweep.trace(problem, part, threads=1), whole[first:last])
+        assert np.array_equal(sweep.trace(arrays, part, threads=1), whole[first:last])
 
 
 def test_heights_between_tables_are_as_good_as_others():
-    problem = wet(problem_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1, spreading=True), "around the sonar")
+    arrays = wet(arrays_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1, spreading=True), "around the sonar")
     for z in (10.0, 10.125):
-        record = sweep.trace(problem, poses_of(0.0, 0.0, z))[0, 0].astype(float)
-        twin = bent.knife(problem, z, np.zeros_like, rays=4000, step=0.05)
+        record = sweep.trace(arrays, poses_of(0.0, 0.0, z))[0, 0].astype(float)
+        twin = bent.knife(arrays, z, np.zeros_like, rays=4000, step=0.05)
         assert abs(in_decibels(record, twin, 40)).max() < 0.05
 
 
@@ -218,9 +218,9 @@ def test_the_bed_is_unseen_beyond_the_limiting_range(gradient, limit):
     # Sound faster below, R = c_b / g: unseen beyond √(2Rh - h²).
     height, speed = 20.0, 1500.0
     speeds = [speed + gradient * 120.0, speed - gradient * 80.0]
-    problem = problem_of(FLAT, 0.25, periodic=True, bins=400, bin_length=1.0)
-    problem = problem._replace(water=bent.layered([-100.0, 100.0], speeds, height))
-    truth = trace_truth(problem, poses_of(0.0, 0.0, height))
+    arrays = arrays_of(FLAT, 0.25, periodic=True, bins=400, bin_length=1.0)
+    arrays = arrays._replace(water=bent.layered([-100.0, 100.0], speeds, height))
+    truth = trace_truth(arrays, poses_of(0.0, 0.0, height))
     # The very last of it is as faint as it is level with the sound.
     assert np.nanmax(truth.ground_range[0, 0]) == pytest.approx(limit, abs=1.5)
     assert truth.shadow[0, 0, int(limit) + 3 : 380].all()
@@ -229,22 +229,22 @@ def test_the_bed_is_unseen_beyond_the_limiting_range(gradient, limit):
 def test_a_table_too_large_to_hold_is_left_to_rays():
     for high, left in ((1.0, False), (2000.0, True)):
         peak = high * np.eye(4)
-        problem = problem_of(peak, 0.5, periodic=True, bins=1000, bin_length=1.0)
+        arrays = arrays_of(peak, 0.5, periodic=True, bins=1000, bin_length=1.0)
         water = bent.layered([-200.0, 200.0], [1500.0, 1499.9], SONAR, surface=3000.0)
-        bending, folded = make_bending(problem._replace(water=water), poses_of(0.0, 0.0, SONAR))
+        bending, folded = make_bending(arrays._replace(water=water), poses_of(0.0, 0.0, SONAR))
         assert folded.all() == left
         assert bending.tables.nbytes < 2e6
 
 
 def test_waters_in_which_places_are_heard_twice_fold():
     # A strong duct over the bed: rays launched upwards come back to it.
-    problem = problem_of(FLAT, 0.5, periodic=True, bins=3000, bin_length=0.1)
-    duct = problem._replace(water=bent.layered([-50.0, 12.0, 16.0, 50.0], [1490.0, 1490.0, 1500.0, 1500.0], SONAR))
+    arrays = arrays_of(FLAT, 0.5, periodic=True, bins=3000, bin_length=0.1)
+    duct = arrays._replace(water=bent.layered([-50.0, 12.0, 16.0, 50.0], [1490.0, 1490.0, 1500.0, 1500.0], SONAR))
     _, folded = make_bending(duct, poses_of(0.0, 0.0, [SONAR, SONAR + 0.5]))
     assert folded.all()
     _, folded = make_bending(duct._replace(bins=500), poses_of(0.0, 0.0, SONAR))
     assert not folded.any()
     # Beneath a surface near by, the far bed is in its shadow.
-    problem = problem._replace(water=bent.layered([-50.0, 50.0], [1450.0, 1550.0], SONAR, surface=SONAR + 2.0))
-    _, folded = make_bending(problem, poses_of(0.0, 0.0, SONAR))
+    arrays = arrays._replace(water=bent.layered([-50.0, 50.0], [1450.0, 1550.0], SONAR, surface=SONAR + 2.0))
+    _, folded = make_bending(arrays, poses_of(0.0, 0.0, SONAR))
     assert folded.all()

@@ -10,9 +10,9 @@ from pydantic import TypeAdapter
 from scipy.special import airy
 
 import insonify
-from insonify.kernels.arcs import HIGH, LOW
+from insonify.acoustics.caustics import airy_pressure
+from insonify.kernels.refraction.arcs import HIGH, LOW
 from insonify.scene.water import Water
-from insonify.sound.caustics import airy_pressure
 from water import layers, shot
 
 # Pedersen and Gordon's water: 1/c² = (1 + 2.4 z/1550)/1550² over depth; source at 1000 m, receiver at 800 m.
@@ -49,7 +49,7 @@ def layered(water, degrees_up):
 
 
 def shot_on(water, ray):
-    from insonify.kernels.eigenrays import shoot
+    from insonify.kernels.refraction.eigenrays import shoot
 
     return shoot(*water, ray, math.inf, -RECEIVER, math.inf)
 

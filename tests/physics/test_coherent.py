@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from beds import gaussian_pattern, icosphere, mesh_of, poses_of, problem_of, rough
-from insonify.kernels.coherent import BED_STREAM, LOT, Scatterers
-from insonify.kernels.echo import lengthen
-from insonify.kernels.hashing import hash_integers, splitmix64
+from beds import arrays_of, gaussian_pattern, icosphere, mesh_of, poses_of, rough
+from insonify.acoustics.pulses import envelope, pulse_taps
+from insonify.kernels.common.hashing import hash_integers, splitmix64
+from insonify.kernels.receiver.pulse import lengthen
+from insonify.kernels.speckle.scatterers import BED_STREAM, LOT, Scatterers
+from insonify.packing.navigation import take
+from insonify.packing.surface_patches import make_skin
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.sonar import Chirp, Ideal, Tone
-from insonify.simulate import prepare
-from insonify.sound.pulses import envelope, pulse_taps
+from insonify.simulation import prepare
 from insonify.tracers import rays, sweep
-from insonify.tracers.coherent import Interference, heard_at_once
-from insonify.tracers.poses import take
-from insonify.tracers.skin import make_skin
+from insonify.tracers.scatterers import Interference, heard_at_once
 
 SPEED, FREQUENCY = 1500.0, 400e3
 WAVELENGTH = SPEED / FREQUENCY
@@ -31,29 +31,29 @@ TONE = Tone(kind="tone", duration=1e-4)  # 1.5 bins
 
 def even(**changes):
     """A level bed that repeats."""
-    return problem_of(
+    return arrays_of(
         np.zeros((4, 4)), periodic=True, bins=BINS, bin_length=BIN_LENGTH, half_width=HALF_WIDTH, **changes
     )
 
 
-def interference(problem, *, density=1000.0, pulse=TONE, seed=1):
-    scatterers = Scatterers(seed, density, 2.0 / WAVELENGTH, make_skin(problem.solids, problem.mesh))
-    return Interference(scatterers, heard_at_once(pulse, SPEED, problem.bin_length))
+def interference(arrays, *, density=1000.0, pulse=TONE, seed=1):
+    scatterers = Scatterers(seed, density, 2.0 / WAVELENGTH, make_skin(arrays.solids, arrays.mesh))
+    return Interference(scatterers, heard_at_once(pulse, SPEED, arrays.bin_length))
 
 
-def record(problem, poses, *, planes=8, **settings):
+def record(arrays, poses, *, planes=8, **settings):
     """Intensities as float64, (n, 2, bins)."""
-    return interference(problem, **settings).trace(problem, poses, planes=planes).astype(float)
+    return interference(arrays, **settings).trace(arrays, poses, planes=planes).astype(float)
 
 
-def mean_record(problem, poses, pulse=TONE, planes=64):
+def mean_record(arrays, poses, pulse=TONE, planes=64):
     """What the sweep and the pulse make of the same scene."""
-    return lengthened(sweep.trace(problem, poses, planes=planes), pulse, problem)
+    return lengthened(sweep.trace(arrays, poses, planes=planes), pulse, arrays)
 
 
-def lengthened(traced, pulse, problem):
+def lengthened(traced, pulse, arrays):
     """Let a pulse lengthen every echo."""
-    taps = pulse_taps(pulse, SPEED, problem.bin_length)
+    taps = pulse_taps(pulse, SPEED, arrays.bin_length)
     out = np.zeros_like(traced)
     lengthen(traced, taps.weights.astype(np.float32), taps.before, out)
     return out.astype(float)
@@ -72,9 +72,9 @@ def cells(bins, length=0.075):
 
 def normalised(bins, pings=400, **settings):
     """Intensities over their mean, (pings, 2, bins)."""
-    problem = even()
-    mean = mean_record(problem, far_apart(1))
-    return (record(problem, far_apart(pings), **settings)[:, :, bins]) / mean[:, :, bins]
+    arrays = even()
+    mean = mean_record(arrays, far_apart(1))
+    return (record(arrays, far_apart(pings), **settings)[:, :, bins]) / mean[:, :, bins]
 
 
 FAR = np.arange(120, BINS)
@@ -113,9 +113,9 @@ def correlation(intensity, lag, axis):
 
 @pytest.mark.parametrize("pulse", [Tone(duration=2e-4), Chirp(duration=1e-3, bandwidth=6e3)])
 def test_neighbouring_bins_correlate_as_the_pulse_covers_both(pulse):
-    problem = even()
-    mean = mean_record(problem, far_apart(1), pulse)
-    intensity = (record(problem, far_apart(150), pulse=pulse, density=2000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
+    arrays = even()
+    mean = mean_record(arrays, far_apart(1), pulse)
+    intensity = (record(arrays, far_apart(150), pulse=pulse, density=2000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
     fine = 200
     shape = envelope(pulse, np.arange(-20 * fine, 20 * fine) * BIN_LENGTH / fine, SPEED)
     n = intensity.size / 3.0
@@ -127,18 +127,18 @@ def test_neighbouring_bins_correlate_as_the_pulse_covers_both(pulse):
 
 
 def test_bins_of_an_ideal_pulse_are_independent():
-    problem = even()
-    mean = mean_record(problem, far_apart(1), Ideal())
-    intensity = (record(problem, far_apart(150), pulse=Ideal(), density=2000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
+    arrays = even()
+    mean = mean_record(arrays, far_apart(1), Ideal())
+    intensity = (record(arrays, far_apart(150), pulse=Ideal(), density=2000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
     assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(intensity.size))
     assert abs(correlation(intensity, 1, 2)) < 4.0 / math.sqrt(intensity.size)
 
 
 def test_a_bin_longer_than_the_pulse_averages_looks_and_keeps_the_mean():
     pulse = Tone(duration=2.5e-5)  # 3/8 of a bin: three samples
-    problem = even()
-    mean = mean_record(problem, far_apart(1), pulse)
-    intensity = (record(problem, far_apart(150), pulse=pulse, density=6000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
+    arrays = even()
+    mean = mean_record(arrays, far_apart(1), pulse)
+    intensity = (record(arrays, far_apart(150), pulse=pulse, density=6000.0) / np.maximum(mean, 1e-30))[:, :, 140:]
     n = intensity.size
     assert intensity.mean() == pytest.approx(1.0, abs=3.0 / math.sqrt(3.0 * n))
     # Samples a third of a bin apart share 1/9 of a pulse: (1 + 2 · (2/3)(1/9)²)/3; and few scatterers add 2/N a sample.
@@ -154,9 +154,9 @@ def test_pings_decorrelate_as_van_cittert_and_zernike_have_it(half_width, headin
     step = 0.01
     along = step * np.arange(600)
     poses = poses_of(along * math.cos(heading), along * math.sin(heading), HEIGHT, heading)
-    problem = even()._replace(half_width=half_width)
-    mean = mean_record(problem, poses_of(0.0, 0.0, HEIGHT, heading))
-    intensity = (record(problem, poses, density=1000.0) / np.maximum(mean, 1e-30))[:, :, 240:]
+    arrays = even()._replace(half_width=half_width)
+    mean = mean_record(arrays, poses_of(0.0, 0.0, HEIGHT, heading))
+    intensity = (record(arrays, poses, density=1000.0) / np.maximum(mean, 1e-30))[:, :, 240:]
     theta, r = 2.0 * math.sin(half_width), (np.arange(240, BINS) + 0.5) * BIN_LENGTH - 0.0375
     number = 1000.0 * cells(np.arange(240, BINS)) * theta / (2.0 * math.sin(HALF_WIDTH))
     n = intensity.size / (0.5 * WAVELENGTH / theta / step) / 1.3
@@ -171,7 +171,7 @@ def test_pings_decorrelate_as_van_cittert_and_zernike_have_it(half_width, headin
 def scene(**changes):
     """A rough bed with a sphere, a leaning pipe and a mesh, some of them in another's shadow."""
     vertices, faces = icosphere(2, 0.6, (6.0, -9.0, 0.5))
-    return problem_of(
+    return arrays_of(
         rough(64, 64, rms=0.15),
         0.25,
         periodic=True,
@@ -196,20 +196,20 @@ SQUINTING = gaussian_pattern(0.04, squint=0.15, vertical=2, tilt=0.5, vertical_w
 
 @pytest.mark.parametrize("pulse", [TONE, Chirp(duration=5e-4, bandwidth=2e4)], ids=["tone", "chirp"])
 def test_its_mean_over_all_scatterers_is_the_sweeps_record(pulse):
-    problem, poses = scene(), pass_by()
-    agrees(problem, poses, mean_record(problem, poses, pulse), pulse)
+    arrays, poses = scene(), pass_by()
+    agrees(arrays, poses, mean_record(arrays, poses, pulse), pulse)
 
 
 def test_its_mean_is_the_exact_record_for_a_squinting_pattern_of_a_pitched_and_rolled_fish():
-    problem = scene(pattern=SQUINTING, half_width=0.08)
+    arrays = scene(pattern=SQUINTING, half_width=0.08)
     poses = pass_by(pitch=0.05, roll=-0.2)
-    agrees(problem, poses, lengthened(rays.trace(problem, poses, rays=4000), TONE, problem), TONE)
+    agrees(arrays, poses, lengthened(rays.trace(arrays, poses, rays=4000), TONE, arrays), TONE)
 
 
-def agrees(problem, poses, wanted, pulse):
+def agrees(arrays, poses, wanted, pulse):
     """Assert that the mean over seeds is the record wanted, in all and stretch by stretch of half a metre."""
     found = np.mean(
-        [record(problem, poses, planes=64, seed=seed, density=200.0, pulse=pulse) for seed in range(10)], axis=0
+        [record(arrays, poses, planes=64, seed=seed, density=200.0, pulse=pulse) for seed in range(10)], axis=0
     )
     found, wanted = (values[:, :, 100:].reshape(poses.x.size, 2, 30, 10).sum(axis=3) for values in (found, wanted))
     assert found.sum() / wanted.sum() == pytest.approx(1.0, abs=0.03)
@@ -221,38 +221,38 @@ def agrees(problem, poses, wanted, pulse):
 
 
 def test_shadows_are_dark():
-    problem, poses = scene(), pass_by(12)
-    lit = mean_record(problem, poses, Ideal())
+    arrays, poses = scene(), pass_by(12)
+    lit = mean_record(arrays, poses, Ideal())
     # Dark with their neighbours, over which the planes and the scatterers themselves may disagree.
     dark = np.stack([np.roll(lit, k, axis=2) for k in range(-3, 4)]).max(axis=0) == 0.0
     dark[:, :, :110] = False
     assert dark.sum() > 200
-    found = record(problem, poses, pulse=Ideal(), planes=64)
+    found = record(arrays, poses, pulse=Ideal(), planes=64)
     assert found[dark].sum() < 1e-4 * found[lit > 0.0].mean() * dark.sum()
 
 
 @pytest.mark.parametrize("changes", [{}, {"pattern": gaussian_pattern(0.03, near_width=0.3)}], ids=["fan", "pattern"])
 def test_every_ping_is_a_function_of_its_pose_alone(changes):
-    problem, poses = scene(**changes), pass_by(20)
+    arrays, poses = scene(**changes), pass_by(20)
     poses.z[10:] += 1.5
-    waves = interference(problem)
-    whole = waves.trace(problem, poses, planes=8, threads=2)
+    waves = interference(arrays)
+    whole = waves.trace(arrays, poses, planes=8, threads=2)
     backwards = type(poses)(*(column[::-1].copy() for column in poses))
-    np.testing.assert_array_equal(waves.trace(problem, backwards, planes=8, threads=1)[::-1], whole)
-    np.testing.assert_array_equal(waves.trace(problem, take(poses, slice(10, 15)), planes=8), whole[10:15])
+    np.testing.assert_array_equal(waves.trace(arrays, backwards, planes=8, threads=1)[::-1], whole)
+    np.testing.assert_array_equal(waves.trace(arrays, take(poses, slice(10, 15)), planes=8), whole[10:15])
 
 
 def test_a_longer_record_begins_as_a_shorter_one():
-    problem = even()
-    short = problem._replace(bins=200, range_factor=problem.range_factor[:200])
+    arrays = even()
+    short = arrays._replace(bins=200, range_factor=arrays.range_factor[:200])
     for pulse in (TONE, Chirp(duration=5e-4, bandwidth=2e4)):
-        one, other = (record(p, far_apart(4), pulse=pulse) for p in (problem, short))
+        one, other = (record(p, far_apart(4), pulse=pulse) for p in (arrays, short))
         np.testing.assert_allclose(other, one[:, :, :200], rtol=1e-6, atol=1e-12)
 
 
 def test_the_track_may_lie_anywhere_on_a_bed_that_ends():
-    problem = problem_of(np.zeros((5, 30)), 1.0, bins=200, bin_length=0.1, half_width=HALF_WIDTH)
-    beside = record(problem, poses_of([-40.0, 15.0, 15.0], [2.0, -6.0, 2.0], HEIGHT))
+    arrays = arrays_of(np.zeros((5, 30)), 1.0, bins=200, bin_length=0.1, half_width=HALF_WIDTH)
+    beside = record(arrays, poses_of([-40.0, 15.0, 15.0], [2.0, -6.0, 2.0], HEIGHT))
     assert not beside[0].any()
     assert not beside[1, 1].any()  # to starboard there is nothing
     first, last = math.hypot(6.0, HEIGHT), math.hypot(10.0, HEIGHT)
@@ -270,19 +270,19 @@ def test_a_body_alone_echoes_as_loud_as_the_sweep_has_it(kind):
         "cone": [((0.0, 10.0, 19.0), (0.5, 12.0, 21.0), 1.5, 0.2)],
     }
     mesh = mesh_of(*icosphere(1, 1.5, (0.0, 12.0, 20.0))) if kind == "mesh" else None
-    problem = problem_of(
+    arrays = arrays_of(
         np.full((4, 4), -100.0), 10.0, periodic=True, solids=bodies.get(kind, ()), mesh=mesh, bins=BINS,
         bin_length=BIN_LENGTH, half_width=2.0 * HALF_WIDTH,
     )  # fmt: skip
     poses = poses_of(np.linspace(-0.6, 0.6, 5), 0.0, 22.0)
-    wanted = mean_record(problem, poses).sum()
-    found = np.mean([record(problem, poses, seed=seed, density=150.0).sum() for seed in range(60)])
+    wanted = mean_record(arrays, poses).sum()
+    found = np.mean([record(arrays, poses, seed=seed, density=150.0).sum() for seed in range(60)])
     # 10 to 20 samples of range a ping, 300 pings of which neighbours share some.
     assert found / wanted == pytest.approx(1.0, abs=0.06)
 
 
 def test_skin_has_the_area_of_the_bodies():
-    problem = problem_of(
+    arrays = arrays_of(
         np.zeros((4, 4)),
         solids=[
             ((0.0, 0.0, 0.0), 2.0),
@@ -291,7 +291,7 @@ def test_skin_has_the_area_of_the_bodies():
         ],
         mesh=mesh_of([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 6.0, 0.0]], [[0, 1, 2]], target=3),
     )
-    skin = make_skin(problem.solids, problem.mesh)
+    skin = make_skin(arrays.solids, arrays.mesh)
     areas = [skin.area[skin.target == target].sum() for target in range(4)]
     np.testing.assert_allclose(
         areas, [16.0 * math.pi, math.pi * 5.0 + 0.5 * math.pi, 15.0 * math.pi + 9.0 * math.pi, 24.0]
@@ -337,8 +337,8 @@ def test_the_rest_of_the_receiver_goes_on_as_for_other_speckle():
 def test_it_is_what_a_slow_obvious_sum_of_waves_gives():
     # A level bed of perfect Lambert strength under a fish at an angle; every scatterer of every square, one by one.
     x, y, heading, density, seed = 3.3, -1.7, 0.3, 60.0, 5
-    problem = even()._replace(bins=160, range_factor=np.linspace(1.0, 2.0, 160))
-    found = record(problem, poses_of(x, y, HEIGHT, heading), density=density, pulse=Ideal(), seed=seed)[0]
+    arrays = even()._replace(bins=160, range_factor=np.linspace(1.0, 2.0, 160))
+    found = record(arrays, poses_of(x, y, HEIGHT, heading), density=density, pulse=Ideal(), seed=seed)[0]
     pitch, waves = math.sqrt(LOT / density), np.zeros((2, 160), complex)
     middle, around = np.floor(np.array([x, y]) / pitch).astype(int), math.ceil(8.0 / pitch)
     for row, column in itertools.product(range(-around, around + 1), repeat=2):
@@ -355,7 +355,7 @@ def test_it_is_what_a_slow_obvious_sum_of_waves_gives():
             r = math.sqrt(dx * dx + dy * dy + HEIGHT**2)
             k = int(r / BIN_LENGTH)
             if k < 160 and abs(ahead / r) <= math.sin(HALF_WIDTH):
-                energy = (HEIGHT / r) ** 2 / math.pi / density * problem.range_factor[k]
+                energy = (HEIGHT / r) ** 2 / math.pi / density * arrays.range_factor[k]
                 modulus = math.sqrt(-energy * math.log((wave >> 32) / 2**32 + 0.5 / 2**32))
                 phase = 2.0 * math.pi * (2.0 * r / WAVELENGTH + (wave % 2**32) / 2**32)
                 waves[0 if abeam >= 0.0 else 1, k] += modulus * complex(math.cos(phase), math.sin(phase))

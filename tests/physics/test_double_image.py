@@ -7,19 +7,19 @@ import math
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of, rough
-from insonify.kernels.bent_hits import bent_hits, empty_arrivals
-from insonify.kernels.branches import TIME
-from insonify.kernels.ledger import empty_ledger
-from insonify.kernels.ray_truth import find_ray_truth
-from insonify.kernels.rays import empty_hits
-from insonify.kernels.screen import NOBODY
-from insonify.kernels.truth import empty_found
-from insonify.kernels.types import LIGHT, SONAR, Water
-from insonify.kernels.walk import Bundle
-from insonify.sound.rays import join_points
+from beds import arrays_of, poses_of, rough
+from insonify.acoustics.rays import join_points
+from insonify.kernels.common.contributors import empty_ledger
+from insonify.kernels.common.types import LIGHT, SONAR, Water
+from insonify.kernels.labels.refracted_labels import find_ray_truth
+from insonify.kernels.labels.sweep_labels import empty_found
+from insonify.kernels.rays.cell_walk import Bundle
+from insonify.kernels.rays.first_echoes import empty_hits
+from insonify.kernels.refracted_rays.hits import bent_hits, empty_arrivals
+from insonify.kernels.refraction.eigenray_search import TIME
+from insonify.kernels.targets.angular_zbuffer import NOBODY
 from insonify.tracers import rays, sweep
-from insonify.tracers.truth import trace_truth
+from insonify.tracers.labels import trace_truth
 
 SONAR_HEIGHT, SURFACE, REFERENCE = 25.0, 54.0, 1489.0
 # Warm water on cold: what goes up flatter than 13 degrees is bent down again.
@@ -32,8 +32,8 @@ SLANT = (np.arange(BINS) + 0.5) * BIN
 FLAT = np.zeros((8, 8))
 
 
-def problem(**options):
-    return problem_of(FLAT, 8.0, periodic=True, bins=BINS, bin_length=BIN, **options)._replace(water=WATER)
+def arrays(**options):
+    return arrays_of(FLAT, 8.0, periodic=True, bins=BINS, bin_length=BIN, **options)._replace(water=WATER)
 
 
 def record(scene, count=40_000):
@@ -49,8 +49,8 @@ def slant_ranges(x, z):
 @pytest.mark.parametrize("half_width", [0.0, math.radians(0.5)])
 def test_a_ball_shows_three_times(half_width):
     ball = ((0.0, 255.0, 3.0), 0.3)
-    alone = problem(half_width=half_width, solids=[ball], reflectivity=[(1.0, 0.0, 1.0)])
-    bare = problem(half_width=half_width, reflectivity=[(1.0, 0.0, 1.0)])
+    alone = arrays(half_width=half_width, solids=[ball], reflectivity=[(1.0, 0.0, 1.0)])
+    bare = arrays(half_width=half_width, reflectivity=[(1.0, 0.0, 1.0)])
     echo = record(alone) - record(bare)
     direct, bent = slant_ranges(255.0, 3.0)
     assert bent - direct > 4.0
@@ -71,7 +71,7 @@ def landings(up):
     zero = np.zeros(angles.size)
     bundle = Bundle(zero, zero, zero + SONAR_HEIGHT, zero, np.cos(angles), np.sin(angles))
     hits, there = empty_hits(angles.size), empty_arrivals(angles.size)
-    bent_hits(problem(), bundle, 400.0, 0.0, hits, there)
+    bent_hits(arrays(), bundle, 400.0, 0.0, hits, there)
     order = np.argsort(there.x)
     columns = (there.x, -there.dz, 1.0 / (there.tube * there.spread), hits.distance)
     return [column[order] for column in columns]
@@ -92,20 +92,20 @@ def test_a_level_bed_is_heard_by_both_paths_and_by_one_after_the_other(law):
     else:
         loud = [(one[0] * one[1]) ** 2, 2.0 * one[0] * one[1] * other[0] * other[1], (other[0] * other[1]) ** 2]
         energy = [s * r**4 * step / math.pi for s, r in zip(loud, slant)]
-    heard = record(problem(law=law))
+    heard = record(arrays(law=law))
     first, last = 2790, 2880
     expected = sum(np.histogram(r, SLANT[first:last] - 0.5 * BIN, weights=e)[0].sum() for r, e in zip(slant, energy))
     assert heard[first : last - 1].sum() == pytest.approx(expected, rel=0.01)
 
 
 def test_pairs_of_which_one_comes_too_late_are_whole():
-    shorter = problem()._replace(bins=2800, range_factor=np.ones(2800))
-    one, other = record(shorter), record(problem())[:2800]
+    shorter = arrays()._replace(bins=2800, range_factor=np.ones(2800))
+    one, other = record(shorter), record(arrays())[:2800]
     assert one[2760:2795].sum() == pytest.approx(other[2760:2795].sum(), rel=0.01)
 
 
 def test_truth_names_the_ball_in_all_its_images():
-    scene = problem(solids=[((0.0, 255.0, 3.0), 0.3)], half_width=math.radians(0.5))
+    scene = arrays(solids=[((0.0, 255.0, 3.0), 0.3)], half_width=math.radians(0.5))
     poses = poses_of(0.0, 0.0, SONAR_HEIGHT)
     truth, heard = trace_truth(scene, poses, rays=40_000), sweep.trace(scene, poses, rays=40_000)
     assert ((truth.target_id != -2) == (heard > 0.0)).all()
@@ -128,7 +128,7 @@ def test_truth_flags_a_caustic_where_its_rays_come_down():
     water = WATER._replace(height=np.array([0.0, 40.0, 55.0]), speed=np.array([[c, c, c + 15.0 * g]]), reference=c)
     slope = math.sqrt(even * g / (2.0 * c))
     sine = slope / math.sqrt(1.0 + slope * slope)
-    scene = problem_of(FLAT, 8.0, periodic=True, bins=4000, bin_length=BIN)._replace(water=water)
+    scene = arrays_of(FLAT, 8.0, periodic=True, bins=4000, bin_length=BIN)._replace(water=water)
     truth = trace_truth(scene, poses_of(0.0, 0.0, SONAR_HEIGHT), rays=100_000)
     flagged = (np.flatnonzero(truth.caustic[0, 0]) + 0.5) * BIN
     assert flagged.size
@@ -139,7 +139,7 @@ def test_truth_flags_a_caustic_where_its_rays_come_down():
 def test_truth_by_rays_is_that_by_tables():
     ball = ((3.0, 25.0, 0.5), 1.0)
     water = WATER._replace(height=np.array([0.0, 4.0, 8.0, 54.0]), speed=np.array([[1490.0, 1490.0, 1494.0, 1495.0]]))
-    scene = problem_of(
+    scene = arrays_of(
         rough(64, 64, rms=0.1), 0.5, periodic=True, solids=[ball], half_width=0.02, bins=300, bin_length=0.12
     )
     scene, poses = (

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from insonify.kernels.arcs import RANGE
-from insonify.kernels.branches import ANGLE, COSINE, GRAZED, SINE, TIME, TUBE, TURNS
-from insonify.kernels.eigenrays import FOUND, NONE
-from insonify.sound.rays import find_shadows, join_points
+from insonify.acoustics.rays import find_shadows, join_points
+from insonify.kernels.refraction.arcs import RANGE
+from insonify.kernels.refraction.eigenray_search import ANGLE, COSINE, GRAZED, SINE, TIME, TUBE, TURNS
+from insonify.kernels.refraction.eigenrays import FOUND, NONE
 from water import followed, gradient, joined, layers, shot, water_of
 
 HEIGHT = np.array([-60.0, -52.0, -40.0, -33.0, -18.0, -7.0, 0.0])

@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of
-from insonify.kernels.types import LIGHT, SONAR
+from beds import arrays_of, poses_of
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
 from insonify.scene.materials import Reflectivity
-from insonify.simulate import prepare
-from insonify.sound.flat_bed import flat_bed_curve
+from insonify.simulation import prepare
 from insonify.tracers import sweep
-from insonify.tracers.planes import FORESHORTENED
+from insonify.tracers.azimuth_fan import FORESHORTENED
 
 FLAT = np.zeros((4, 4))
 MATERIAL = Reflectivity(0.6, 0.3, 5.0)
@@ -23,7 +23,7 @@ NEAR_FIELD_END = ALTITUDE / math.sqrt(1.0 - (1.0 - FORESHORTENED) ** 2)
 
 
 def flat(**options):
-    return problem_of(FLAT, 0.1, periodic=True, **options)
+    return arrays_of(FLAT, 0.1, periodic=True, **options)
 
 
 def integral(law, half_width, altitude=ALTITUDE, bins=1000, bin_length=0.05, samples=400):
@@ -47,9 +47,9 @@ def integral(law, half_width, altitude=ALTITUDE, bins=1000, bin_length=0.05, sam
 @pytest.mark.parametrize("width", [0.0, 0.5, 2.5, 10.0, 30.0, 60.0])
 @pytest.mark.parametrize("planes", [2, 16])
 def test_every_bin_is_its_integral(law, width, planes):
-    problem = flat(law=law, half_width=math.radians(width / 2.0), reflectivity=[MATERIAL])
-    port, starboard = sweep.trace(problem, poses_of(3.0, 5.0, ALTITUDE, 0.7), planes=planes)[0]
-    expected = integral(law, problem.half_width)
+    arrays = flat(law=law, half_width=math.radians(width / 2.0), reflectivity=[MATERIAL])
+    port, starboard = sweep.trace(arrays, poses_of(3.0, 5.0, ALTITUDE, 0.7), planes=planes)[0]
+    expected = integral(law, arrays.half_width)
     assert not port[:200].any()
     np.testing.assert_allclose(starboard, port, rtol=1e-6)
     ratio = port[200:] / expected[200:]
@@ -67,12 +67,12 @@ def test_every_bin_is_its_integral(law, width, planes):
 @pytest.mark.parametrize("law", [LIGHT, SONAR])
 @pytest.mark.parametrize("width", [0.5, 2.5, 10.0])
 def test_one_plane_stands_for_a_whole_fan(law, width):
-    problem = flat(law=law, half_width=math.radians(width / 2.0), reflectivity=[MATERIAL])
-    port = sweep.trace(problem, poses_of(3.0, 5.0, ALTITUDE, 0.7), planes=1)[0, 0]
-    ratio = port[200:] / integral(law, problem.half_width)[200:]
+    arrays = flat(law=law, half_width=math.radians(width / 2.0), reflectivity=[MATERIAL])
+    port = sweep.trace(arrays, poses_of(3.0, 5.0, ALTITUDE, 0.7), planes=1)[0, 0]
+    ratio = port[200:] / integral(law, arrays.half_width)[200:]
     # Its width is r times the beam's, that of the cone 2 x arcsin(r sin(w/2) / x): all azimuths at nadir.
     r = (np.arange(208, 1000) + 0.5) * 0.05
-    reach = math.sin(problem.half_width) * r / np.sqrt(r**2 - ALTITUDE**2)
+    reach = math.sin(arrays.half_width) * r / np.sqrt(r**2 - ALTITUDE**2)
     short = 1.0 if law == LIGHT else reach / np.arcsin(reach)
     np.testing.assert_allclose(ratio[8:], short, atol=0.004)
 
@@ -91,7 +91,7 @@ def test_one_plane_stands_for_a_whole_pattern(beam, bound):
     scene = edit(load_scene("default"), {"seabed.relief": "flat", "targets": [], "sonar.beam": beam})
     simulation = prepare(scene)
     one, many = (
-        sweep.trace(simulation.problem, simulation.poses(np.zeros(1, dtype=np.int64)), planes=planes)[0, 0]
+        sweep.trace(simulation.arrays, simulation.poses(np.zeros(1, dtype=np.int64)), planes=planes)[0, 0]
         for planes in (1, 64)
     )
     np.testing.assert_allclose(one[280:] / many[280:], 1.0, atol=bound)
@@ -123,8 +123,8 @@ def test_light_of_a_half_lit_bin_is_half_its_radiance():
 @pytest.mark.parametrize(("half_width", "order"), [(0.0, -6.0), (math.radians(1.25), -5.0)])
 def test_a_knife_falls_as_60_log_r_and_a_fan_as_50(half_width, order):
     # Far out, where cos θ is 1.
-    problem = problem_of(FLAT, 0.5, periodic=True, bins=2000, half_width=half_width, bin_length=0.1, spreading=True)
-    record = sweep.trace(problem, poses_of(0.0, 0.0, 4.0))[0, 0]
+    arrays = arrays_of(FLAT, 0.5, periodic=True, bins=2000, half_width=half_width, bin_length=0.1, spreading=True)
+    record = sweep.trace(arrays, poses_of(0.0, 0.0, 4.0))[0, 0]
     r = (np.arange(2000) + 0.5) * 0.1
     slope = np.polyfit(np.log10(r[1000:]), np.log10(record[1000:]), 1)[0]
     assert slope == pytest.approx(order, abs=0.01)

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from beds import problem_of
-from insonify.receive import make_reception, receive
+from beds import arrays_of
+from insonify.receiver import make_reception, receive
 from insonify.scene import edit, load_scene
 
 BINS = 60
@@ -19,7 +19,7 @@ def reception(**fluctuation):
     declared = edit(
         load_scene("default"), {"sonar.pulse": "ideal", "receiver.fluctuation": {"kind": "lognormal", **fluctuation}}
     )
-    return make_reception(declared, problem_of(np.zeros((4, 4)), bins=BINS), altitude=1.0, depth=20.0)
+    return make_reception(declared, arrays_of(np.zeros((4, 4)), bins=BINS), altitude=1.0, depth=20.0)
 
 
 def levels(**fluctuation):

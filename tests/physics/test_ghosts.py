@@ -7,33 +7,33 @@ import math
 import numpy as np
 import pytest
 
-from beds import gaussian_pattern, mesh_of, poses_of, problem_of, rough
+from beds import arrays_of, gaussian_pattern, mesh_of, poses_of, rough
 from ghosts import bright_ball, image_heights, naive_ghost, under_sea
-from insonify.accuracy import compare
-from insonify.kernels.types import GAUSSIAN, LIGHT, SONAR
-from insonify.sound.sea_surface import rms_height, slope_variance
+from insonify.accuracy.metrics import compare
+from insonify.acoustics.sea_surface import rms_height, slope_variance
+from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
+from insonify.packing.navigation import take
 from insonify.tracers import march, rays, sweep
-from insonify.tracers.poses import take
 
 ALTITUDE, DEPTH = 20.0, 30.0
 FLAT = np.zeros((4, 4))
 BOTTOM_WAYS = ("surface_bottom", "surface_bottom_surface", "second_bottom")
-TRACERS = {"sweep": sweep.trace, "rays": lambda problem, poses: rays.trace(problem, poses, rays=20_000)}
+TRACERS = {"sweep": sweep.trace, "rays": lambda arrays, poses: rays.trace(arrays, poses, rays=20_000)}
 
 
-def ghost(trace, problem, poses, surface, *ways, **options):
+def ghost(trace, arrays, poses, surface, *ways, **options):
     """What the named ways add to a record."""
-    with_sea = trace(under_sea(problem, surface, *ways, **options), poses).astype(np.float64)
-    return with_sea - trace(problem, poses)
+    with_sea = trace(under_sea(arrays, surface, *ways, **options), poses).astype(np.float64)
+    return with_sea - trace(arrays, poses)
 
 
 @pytest.mark.parametrize("tracer", TRACERS)
 def test_a_point_comes_back_at_the_ranges_as_printed(tracer):
     """Sonar at a depth of 30 m, 20 m above the bed and 75 m away: ghosts at 91.410 and 107.819 m."""
     step, radius, distance = 0.01, 0.02, math.sqrt(75.0**2 - ALTITUDE**2)
-    problem = problem_of(FLAT, 0.5, periodic=True, bins=12_000, bin_length=step)
-    problem = bright_ball(problem, (0.0, distance, 0.0), radius)
-    sea = under_sea(problem, ALTITUDE + DEPTH, "surface_bottom", "surface_bottom_surface")
+    arrays = arrays_of(FLAT, 0.5, periodic=True, bins=12_000, bin_length=step)
+    arrays = bright_ball(arrays, (0.0, distance, 0.0), radius)
+    sea = under_sea(arrays, ALTITUDE + DEPTH, "surface_bottom", "surface_bottom_surface")
     record = TRACERS[tracer](sea, poses_of(0.0, 0.0, ALTITUDE))
     heard = np.flatnonzero(record[0, 0]) * step
     for printed in (75.0, 91.410, 107.819):
@@ -57,8 +57,8 @@ def test_a_point_comes_back_at_the_ranges_as_printed(tracer):
     ],
 )
 def test_lines_at_nadir(tracer, way, first):
-    problem = problem_of(FLAT, 0.5, periodic=True, bins=1200, bin_length=0.1, spreading=True)
-    added = ghost(TRACERS[tracer], problem, poses_of(0.3, 0.0, ALTITUDE), ALTITUDE + DEPTH, way)
+    arrays = arrays_of(FLAT, 0.5, periodic=True, bins=1200, bin_length=0.1, spreading=True)
+    added = ghost(TRACERS[tracer], arrays, poses_of(0.3, 0.0, ALTITUDE), ALTITUDE + DEPTH, way)
     for side in (0, 1):
         assert np.flatnonzero(added[0, side])[0] * 0.1 == pytest.approx(first, abs=0.15)
 
@@ -68,13 +68,13 @@ def test_the_surface_echoes_as_a_mirror_image_of_the_source(tracer):
     """1 / (2d)² in one bin, whatever the beam; a vertical beam hears what it has of it straight up."""
     options = {"periodic": True, "bins": 1000, "bin_length": 0.1, "spreading": True}
     for half_width in (0.0, 0.02):
-        problem = problem_of(FLAT, 0.5, half_width=half_width, **options)
-        added = ghost(TRACERS[tracer], problem, poses_of(0.0, 0.0, ALTITUDE), ALTITUDE + DEPTH, "surface_echo")
+        arrays = arrays_of(FLAT, 0.5, half_width=half_width, **options)
+        added = ghost(TRACERS[tracer], arrays, poses_of(0.0, 0.0, ALTITUDE), ALTITUDE + DEPTH, "surface_echo")
         assert np.flatnonzero(added[0, 1]).tolist() == [300]
         assert added[0, 1, 300] == pytest.approx(1.0 / (2.0 * DEPTH) ** 2, rel=0.01)
     beam = gaussian_pattern(0.03, vertical=GAUSSIAN, tilt=-0.3, vertical_width=2.0)
-    problem = problem_of(FLAT, 0.5, half_width=0.02, pattern=beam, **options)
-    heard = ghost(TRACERS[tracer], problem, poses_of(0.0, 0.0, ALTITUDE), ALTITUDE + DEPTH, "surface_echo")
+    arrays = arrays_of(FLAT, 0.5, half_width=0.02, pattern=beam, **options)
+    heard = ghost(TRACERS[tracer], arrays, poses_of(0.0, 0.0, ALTITUDE), ALTITUDE + DEPTH, "surface_echo")
     # Straight up lies cos(0.3 rad) / sin(1 rad) of the -3 dB width off the axis, both ways.
     off = math.cos(0.3) / math.sin(1.0)
     assert heard[0, 0, 300] / added[0, 0, 300] == pytest.approx(2.0 ** (-2.0 * off**2), rel=1e-3)
@@ -85,9 +85,9 @@ def test_the_surface_echoes_as_a_mirror_image_of_the_source(tracer):
 @pytest.mark.parametrize("tracer", TRACERS)
 def test_a_level_bed_is_its_integral(way, law, tracer):
     options = {"periodic": True, "bins": 300, "bin_length": 0.2, "spreading": law == SONAR, "law": law}
-    problem = problem_of(FLAT, 0.1, reflectivity=[(0.6, 0.3, 5.0)], **options)
-    added = ghost(TRACERS[tracer], problem, poses_of(0.0, 0.0, 8.0), 15.0, way)[0]
-    expected = naive_ghost(under_sea(problem, 15.0, way), 0.0, 0.0, 8.0, way)
+    arrays = arrays_of(FLAT, 0.1, reflectivity=[(0.6, 0.3, 5.0)], **options)
+    added = ghost(TRACERS[tracer], arrays, poses_of(0.0, 0.0, 8.0), 15.0, way)[0]
+    expected = naive_ghost(under_sea(arrays, 15.0, way), 0.0, 0.0, 8.0, way)
     heard = expected > 0.0
     assert np.abs(added[~heard]).max() == 0.0
     first = np.flatnonzero(heard[0])[0]
@@ -100,8 +100,8 @@ def test_a_fan_takes_in_what_both_cones_do(way):
     """Energy of a level bed heard by a fan: rings cut by the narrower of two cones about the track."""
     altitude, depth, half = 8.0, 7.0, math.radians(2.0)
     options = {"periodic": True, "bins": 300, "bin_length": 0.2, "spreading": True, "half_width": half}
-    problem = problem_of(FLAT, 0.1, **options)
-    added = ghost(sweep.trace, problem, poses_of(0.0, 0.0, altitude), altitude + depth, way)[0, 0]
+    arrays = arrays_of(FLAT, 0.1, **options)
+    added = ghost(sweep.trace, arrays, poses_of(0.0, 0.0, altitude), altitude + depth, way)[0, 0]
     one, other, share = image_heights(way, altitude, depth)
     x = (np.arange(600_000) + 0.5) * 1e-4
     r, s = np.hypot(x, one), np.hypot(x, other)
@@ -116,10 +116,10 @@ def test_a_fan_takes_in_what_both_cones_do(way):
 
 @pytest.mark.parametrize("way", BOTTOM_WAYS)
 def test_the_twin_hears_a_rough_bed_alike(way):
-    problem = problem_of(rough(64, 64, 0.3), 0.5, periodic=True, bins=300, bin_length=0.2, spreading=True)
+    arrays = arrays_of(rough(64, 64, 0.3), 0.5, periodic=True, bins=300, bin_length=0.2, spreading=True)
     pose = (0.2, 0.1, 8.0)
-    added = ghost(sweep.trace, problem, poses_of(*pose), 15.0, way)[0]
-    expected = naive_ghost(under_sea(problem, 15.0, way), *pose, way)
+    added = ghost(sweep.trace, arrays, poses_of(*pose), 15.0, way)[0]
+    expected = naive_ghost(under_sea(arrays, 15.0, way), *pose, way)
     assert np.linalg.norm(added - expected) < 0.01 * np.linalg.norm(expected)
     assert added.sum() == pytest.approx(expected.sum(), rel=5e-3)
 
@@ -148,15 +148,15 @@ BEAMS = {
 @pytest.mark.parametrize("beam", BEAMS)
 @pytest.mark.parametrize("way", BOTTOM_WAYS)
 def test_the_sweep_is_as_near_to_rays_as_it_is_said_to_be(beam, way):
-    problem = problem_of(
+    arrays = arrays_of(
         rough(256, 256, 0.1), 0.125, periodic=True, bins=200, bin_length=0.2, reflectivity=[(0.6, 0.3, 5.0)],
         spreading=True, solids=BODIES, mesh=mesh_of(CORNERS, SIDES, target=4), **BEAMS[beam],
     )  # fmt: skip
     poses = poses_of(1.6, 0.2, 7.0, 0.0, *((0.03, -0.1) if beam == "pattern" else (0.0, 0.0)))
-    ours = ghost(lambda *args: sweep.trace(*args, planes=64), problem, poses, 13.0, way)
+    ours = ghost(lambda *args: sweep.trace(*args, planes=64), arrays, poses, 13.0, way)
     many = 1 << (20 if (beam, way) == ("fan", "second_bottom") else 18)
-    right = ghost(lambda *args: rays.trace(*args, rays=many), problem, poses, 13.0, way)
-    errors = compare(problem, poses, ours.astype(np.float32), right.astype(np.float32))
+    right = ghost(lambda *args: rays.trace(*args, rays=many), arrays, poses, 13.0, way)
+    errors = compare(arrays, poses, ours.astype(np.float32), right.astype(np.float32))
     assert errors.beyond < 0.015
     assert abs(errors.energy_bias) < 0.01
 
@@ -165,12 +165,12 @@ def test_the_sweep_is_as_near_to_rays_as_it_is_said_to_be(beam, way):
 def test_targets_hide_and_are_hidden_from_each_image_by_itself(tracer):
     """Behind a wall the sonar sees no bed, its image does from steeper above: the one ghost without the other."""
     wall = mesh_of([(-9.0, 10.0, 0.0), (9.0, 10.0, 0.0), (9.0, 10.0, 3.0), (-9.0, 10.0, 3.0)], [(0, 1, 2), (0, 2, 3)])
-    problem = problem_of(FLAT, 0.5, periodic=True, bins=800, bin_length=0.05, mesh=wall)
+    arrays = arrays_of(FLAT, 0.5, periodic=True, bins=800, bin_length=0.05, mesh=wall)
     pose, surface = poses_of(0.0, 0.0, 8.0), 14.0
     # Shadows on the bed end where the line over the top of the wall comes down.
     straight, by_image = 10.0 * 8.0 / (8.0 - 3.0), 10.0 * 20.0 / (20.0 - 3.0)
-    twice = ghost(TRACERS[tracer], problem, pose, surface, "surface_bottom_surface")[0, 0]
-    mixed = ghost(TRACERS[tracer], problem, pose, surface, "surface_bottom")[0, 0]
+    twice = ghost(TRACERS[tracer], arrays, pose, surface, "surface_bottom_surface")[0, 0]
+    mixed = ghost(TRACERS[tracer], arrays, pose, surface, "surface_bottom")[0, 0]
     for record, end in ((twice, by_image), (mixed, straight)):
         near, far = math.hypot(10.05, 20.0), math.hypot(end, 20.0)
         if record is mixed:
@@ -180,9 +180,9 @@ def test_targets_hide_and_are_hidden_from_each_image_by_itself(tracer):
 
 
 def test_land_is_not_seen_through_the_surface():
-    problem = problem_of(np.tile(np.linspace(-10.0, 10.0, 41)[:, None], (1, 9)), 1.0, x0=-4.0, y0=-20.0, bins=600)
+    arrays = arrays_of(np.tile(np.linspace(-10.0, 10.0, 41)[:, None], (1, 9)), 1.0, x0=-4.0, y0=-20.0, bins=600)
     for trace in TRACERS.values():
-        added = ghost(trace, problem, poses_of(0.0, -12.0, 0.5), 2.0, "surface_bottom_surface")[0]
+        added = ghost(trace, arrays, poses_of(0.0, -12.0, 0.5), 2.0, "surface_bottom_surface")[0]
         # The shore lies 16 m from the sonar, 1.5 m above it.
         assert np.flatnonzero(added[0])[-1] * 0.05 == pytest.approx(math.hypot(16.0, 1.5), abs=0.3)
 
@@ -194,7 +194,7 @@ class TestRough:
     POSE = poses_of(0.3, 0.0, 12.0)
 
     def ball(self, distance=20.0):
-        return bright_ball(problem_of(FLAT, 0.5, **self.OPTIONS), (0.3, distance, 0.0), 0.05)
+        return bright_ball(arrays_of(FLAT, 0.5, **self.OPTIONS), (0.3, distance, 0.0), 0.05)
 
     @pytest.mark.parametrize("tracer", TRACERS)
     @pytest.mark.parametrize("way", ["surface_bottom", "surface_bottom_surface"])
@@ -217,26 +217,26 @@ class TestRough:
         assert math.sqrt(spread - mean**2) == pytest.approx(math.sqrt(height**2 + tilts), rel=0.06)
 
     def test_the_surface_itself_is_as_thick_as_its_waves_are_high(self):
-        problem = problem_of(FLAT, 0.5, **self.OPTIONS)
-        calm = ghost(sweep.trace, problem, self.POSE, 18.0, "surface_echo")[0, 0]
-        blown = ghost(sweep.trace, problem, self.POSE, 18.0, "surface_echo", wind_speed=6.0)[0, 0]
+        arrays = arrays_of(FLAT, 0.5, **self.OPTIONS)
+        calm = ghost(sweep.trace, arrays, self.POSE, 18.0, "surface_echo")[0, 0]
+        blown = ghost(sweep.trace, arrays, self.POSE, 18.0, "surface_echo", wind_speed=6.0)[0, 0]
         r = (np.arange(4500) + 0.5) * 0.01
         mean = (blown * r).sum() / blown.sum()
         assert blown.sum() == pytest.approx(calm.sum(), rel=1e-5)
         assert math.sqrt((blown * (r - mean) ** 2).sum() / blown.sum()) == pytest.approx(rms_height(6.0), rel=0.15)
 
     def test_a_breath_of_wind_is_next_to_a_calm(self):
-        problem = problem_of(rough(64, 64, 0.1), 0.5, **self.OPTIONS)
+        arrays = arrays_of(rough(64, 64, 0.1), 0.5, **self.OPTIONS)
         for way in BOTTOM_WAYS:
-            calm = ghost(sweep.trace, problem, self.POSE, 18.0, way)
-            breath = ghost(sweep.trace, problem, self.POSE, 18.0, way, wind_speed=0.05)
+            calm = ghost(sweep.trace, arrays, self.POSE, 18.0, way)
+            breath = ghost(sweep.trace, arrays, self.POSE, 18.0, way, wind_speed=0.05)
             assert np.abs(np.cumsum(breath - calm, axis=-1)).max() < 0.02 * calm.max()
 
     def test_sweep_and_rays_smear_alike(self):
-        problem = problem_of(rough(64, 64, 0.1), 0.5, **self.OPTIONS)
+        arrays = arrays_of(rough(64, 64, 0.1), 0.5, **self.OPTIONS)
         for way in BOTTOM_WAYS:
-            ours = ghost(sweep.trace, problem, self.POSE, 18.0, way, wind_speed=6.0)
-            right = ghost(TRACERS["rays"], problem, self.POSE, 18.0, way, wind_speed=6.0)
+            ours = ghost(sweep.trace, arrays, self.POSE, 18.0, way, wind_speed=6.0)
+            right = ghost(TRACERS["rays"], arrays, self.POSE, 18.0, way, wind_speed=6.0)
             coarse = (1, 2, 90, 50)
             one, other = ours.reshape(coarse).sum(axis=-1), right.reshape(coarse).sum(axis=-1)
             assert np.linalg.norm(one - other) < 0.01 * np.linalg.norm(other)
@@ -251,20 +251,18 @@ class TestRough:
 
 
 def test_the_march_hears_the_same_ghosts():
-    problem = problem_of(rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1)
+    arrays = arrays_of(rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1)
     marched = ghost(
-        lambda *args: march.trace(*args, rays=4000, step=0.01), problem, poses_of(0.1, 0.2, 5.0), 9.0, "surface_bottom"
+        lambda *args: march.trace(*args, rays=4000, step=0.01), arrays, poses_of(0.1, 0.2, 5.0), 9.0, "surface_bottom"
     )
-    walked = ghost(lambda *args: rays.trace(*args, rays=4000), problem, poses_of(0.1, 0.2, 5.0), 9.0, "surface_bottom")
+    walked = ghost(lambda *args: rays.trace(*args, rays=4000), arrays, poses_of(0.1, 0.2, 5.0), 9.0, "surface_bottom")
     np.testing.assert_allclose(marched, walked, atol=1e-5 * walked.max())
 
 
 @pytest.mark.parametrize("trace", [sweep.trace, rays.trace], ids=["sweep", "rays"])
 def test_the_record_does_not_depend_on_threads_and_blocks(trace):
-    problem = problem_of(
-        rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1, half_width=0.02, solids=BODIES
-    )
-    sea = under_sea(problem, 13.0, *BOTTOM_WAYS, "surface_echo", wind_speed=4.0)
+    arrays = arrays_of(rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1, half_width=0.02, solids=BODIES)
+    sea = under_sea(arrays, 13.0, *BOTTOM_WAYS, "surface_echo", wind_speed=4.0)
     poses = poses_of(np.arange(20) * 0.3, 0.2, 7.0)
     whole = trace(sea, poses, threads=1)
     np.testing.assert_array_equal(trace(sea, poses, threads=2), whole)
@@ -273,6 +271,6 @@ def test_the_record_does_not_depend_on_threads_and_blocks(trace):
 
 @pytest.mark.parametrize("trace", [sweep.trace, rays.trace], ids=["sweep", "rays"])
 def test_a_sea_with_every_way_closed_is_none(trace):
-    problem = problem_of(rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1, half_width=0.02)
+    arrays = arrays_of(rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1, half_width=0.02)
     poses = poses_of(0.1, 0.2, 7.0)
-    np.testing.assert_array_equal(trace(under_sea(problem, 13.0), poses), trace(problem, poses))
+    np.testing.assert_array_equal(trace(under_sea(arrays, 13.0), poses), trace(arrays, poses))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from insonify.scene import SceneError, build, edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.terrain import build_ground
 from insonify.terrain.inverse import FROM, relief_for
 

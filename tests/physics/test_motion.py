@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from insonify.picture import LevelBed, normalise
+from insonify.display.picture import LevelBed, normalise
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare, simulate, simulate_blocks
+from insonify.simulation import prepare, simulate, simulate_blocks
 
 LEVEL = edit(
     load_scene("default"),

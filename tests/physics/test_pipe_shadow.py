@@ -9,9 +9,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from beds import poses_of, problem_of
+from beds import arrays_of, poses_of
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
+from insonify.simulation import prepare
 from insonify.tracers import sweep
 
 STEP = 0.02
@@ -33,7 +33,7 @@ def records(altitude, solids):
     """Port side with and without bodies."""
     options = {"periodic": True, "bins": BINS, "bin_length": STEP}
     return [
-        sweep.trace(problem_of(np.zeros((4, 4)), 0.05, solids=bodies, **options), poses_of(0.0, 0.0, altitude))[0, 0]
+        sweep.trace(arrays_of(np.zeros((4, 4)), 0.05, solids=bodies, **options), poses_of(0.0, 0.0, altitude))[0, 0]
         for bodies in (solids, [])
     ]
 
@@ -127,8 +127,8 @@ def test_a_shadow_without_end_reaches_the_last_bin():
 def test_a_step_hides_what_lies_behind_it():
     heights = np.zeros((3, 1001))
     heights[:, :101] = 2.0
-    problem = problem_of(heights, 0.1, y0=-0.1, bins=2000)
-    record = sweep.trace(problem, poses_of(0.0, 0.0, 10.0, -math.pi / 2.0))[0, 0]
+    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=2000)
+    record = sweep.trace(arrays, poses_of(0.0, 0.0, 10.0, -math.pi / 2.0))[0, 0]
     dark = np.flatnonzero(record[200:] == 0.0) + 200
     assert dark[0] == pytest.approx(math.hypot(10.0, 8.0) / 0.05, abs=1.001)
     assert dark[-1] + 1 == pytest.approx(math.hypot(12.5, 10.0) / 0.05, abs=1.001)
@@ -138,8 +138,8 @@ def test_a_step_hides_what_lies_behind_it():
 def test_a_wall_is_heard_at_its_distance():
     heights = np.zeros((3, 202))
     heights[:, 130:] = 8.0  # a cliff from x = 12.9 to 13.0
-    problem = problem_of(heights, 0.1, y0=-0.1, bins=400)
-    record = sweep.trace(problem, poses_of(5.0, 0.0, 4.0, -math.pi / 2.0))[0, 0]
+    arrays = arrays_of(heights, 0.1, y0=-0.1, bins=400)
+    record = sweep.trace(arrays, poses_of(5.0, 0.0, 4.0, -math.pi / 2.0))[0, 0]
     # Steep at the foot of the cliff, and nothing beyond its top.
     assert record[158:175].max() > 20.0 * record[140:155].max()
     # From 7.9 m on: the last of the bed, ∫ sin²θ dx / π, and 8 m of wall 4 m above and below the sonar, ∫ cos²α dz / π.

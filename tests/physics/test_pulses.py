@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from beds import problem_of
-from insonify.receive import make_reception, receive
+from beds import arrays_of
+from insonify.acoustics.pulses import coherence, coherent_taps, envelope, pulse_taps
+from insonify.receiver import make_reception, receive
 from insonify.scene import edit, load_scene
 from insonify.scene.sonar import Chirp, Ideal, Tone
-from insonify.sound.pulses import coherence, coherent_taps, envelope, pulse_taps
 
 SPEED = 1500.0
 BANDWIDTH = 30e3
@@ -67,8 +67,8 @@ def test_taps_of_a_chirp_are_integrals_over_bins():
 
 def record_of(traced, bin_length, **changes):
     declared = edit(load_scene("default"), {path.replace("__", "."): value for path, value in changes.items()})
-    problem = problem_of(np.zeros((4, 4)), bins=traced.shape[2], bin_length=bin_length)
-    return receive(make_reception(declared, problem, altitude=10.0, depth=20.0), traced, np.arange(len(traced)))
+    arrays = arrays_of(np.zeros((4, 4)), bins=traced.shape[2], bin_length=bin_length)
+    return receive(make_reception(declared, arrays, altitude=10.0, depth=20.0), traced, np.arange(len(traced)))
 
 
 def test_the_record_of_a_point_is_the_response_of_the_pulse():

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from beds import problem_of
-from insonify.kernels.types import TOP_HAT
-from insonify.picture import LevelBed, normalise
-from insonify.receive import make_reception, receive
+from beds import arrays_of
+from insonify.acoustics.resolution_cell import coherence_angle, surface_echo, volume_echo
+from insonify.display.picture import LevelBed, normalise
+from insonify.kernels.common.types import TOP_HAT
+from insonify.receiver import make_reception, receive
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
-from insonify.sound.cell import coherence_angle, surface_echo, volume_echo
+from insonify.simulation import prepare
 
 BINS, BIN_LENGTH = 1000, 0.05
 R = (np.arange(BINS) + 0.5) * BIN_LENGTH
@@ -25,8 +25,8 @@ def decibels(ratio):
     return 10.0 * np.log10(ratio)
 
 
-def problem(width=FAN, bins=BINS, **options):
-    return problem_of(
+def arrays(width=FAN, bins=BINS, **options):
+    return arrays_of(
         np.zeros((4, 4)), bins=bins, bin_length=BIN_LENGTH, half_width=0.5 * width, spreading=True, **options
     )
 
@@ -36,7 +36,7 @@ def declared(**changes):
 
 
 def record_of(traced, altitude=10.0, depth=20.0, width=FAN, **changes):
-    ready = make_reception(declared(**changes), problem(width, traced.shape[2]), altitude=altitude, depth=depth)
+    ready = make_reception(declared(**changes), arrays(width, traced.shape[2]), altitude=altitude, depth=depth)
     return receive(ready, traced, np.arange(len(traced)))
 
 
@@ -56,13 +56,13 @@ def test_volume_reverberation_is_the_sonar_equation():
 
 def test_a_knife_hears_a_slab_of_water():
     # 1 m thick: per metre of range, half of its ring.
-    np.testing.assert_allclose(volume_echo(problem(0.0), 100.0, 100.0), math.pi * R * BIN_LENGTH / R**4, rtol=1e-9)
+    np.testing.assert_allclose(volume_echo(arrays(0.0), 100.0, 100.0), math.pi * R * BIN_LENGTH / R**4, rtol=1e-9)
 
 
 def test_only_water_reverberates():
     # The shell between a surface 8 m above and a bed 5 m below, by Monte Carlo over directions of one side.
     rng = np.random.default_rng(0)
-    echo = volume_echo(problem(math.radians(20.0)), 5.0, 8.0)
+    echo = volume_echo(arrays(math.radians(20.0)), 5.0, 8.0)
     for k in (50, 130, 400, 900):
         along = rng.uniform(-1.0, 1.0, 1_000_000)
         up = np.sqrt(1.0 - along**2) * np.sin(rng.uniform(-0.5 * math.pi, 0.5 * math.pi, along.size))
@@ -74,7 +74,7 @@ def test_only_water_reverberates():
 @pytest.mark.parametrize("width", [0.0, 0.02, 0.5])
 def test_surface_reverberation_comes_from_the_ring_within_the_beam(width):
     depth = 12.34
-    echo = surface_echo(problem(width), depth) * R**4
+    echo = surface_echo(arrays(width), depth) * R**4
     first = int(depth / BIN_LENGTH)
     assert not echo[:first].any()
     assert (echo[first:] > 0.0).all()
@@ -136,8 +136,8 @@ def test_the_gain_is_spreading_log_r_and_2_alpha_r(spreading, absorption):
 
 
 def test_left_out_the_absorption_is_that_of_the_water():
-    own = make_reception(declared(water__absorption=97.0, receiver__tvg="power"), problem(), altitude=10.0, depth=20.0)
-    given = make_reception(declared(receiver__tvg=tvg(30.0, 97.0)), problem(), altitude=10.0, depth=20.0)
+    own = make_reception(declared(water__absorption=97.0, receiver__tvg="power"), arrays(), altitude=10.0, depth=20.0)
+    given = make_reception(declared(receiver__tvg=tvg(30.0, 97.0)), arrays(), altitude=10.0, depth=20.0)
     np.testing.assert_allclose(own.gain, given.gain, rtol=1e-12)
 
 
@@ -159,7 +159,7 @@ def test_the_gain_that_fits_the_bed_makes_it_even():
 def test_the_gain_stops_where_the_bed_sinks_into_the_noise():
     noise = {"kind": "ambient", "level": -70.0}
     quiet, loud = (
-        make_reception(declared(receiver__tvg=tvg(40.0), receiver__noise=n), problem(), altitude=10.0, depth=20.0)
+        make_reception(declared(receiver__tvg=tvg(40.0), receiver__noise=n), arrays(), altitude=10.0, depth=20.0)
         for n in ("none", noise)
     )
     np.testing.assert_allclose(quiet.gain, R**4, rtol=1e-9)
@@ -211,7 +211,7 @@ def tabled(width, columns=4001, **vertical):
     s, half = np.linspace(-1.0, 1.0, columns) * 2.0 * math.sin(0.5 * width), math.sin(0.5 * width)
     energy = np.clip((half - np.abs(s)) / (s[1] - s[0]) + 0.5, 0.0, 1.0)[None]
     integral = np.concatenate([[0.0], np.cumsum(0.5 * (energy[0, 1:] + energy[0, :-1]))])[None] * (s[1] - s[0])
-    plain = problem(width)
+    plain = arrays(width)
     return plain._replace(
         pattern=plain.pattern._replace(
             tabled=True, extent=np.array([s[-1]]), energy=energy, integral=integral, **vertical
@@ -220,7 +220,7 @@ def tabled(width, columns=4001, **vertical):
 
 
 def test_a_tabled_beam_hears_what_its_top_hat_hears():
-    table, plain = tabled(0.05), problem(0.05)
+    table, plain = tabled(0.05), arrays(0.05)
     np.testing.assert_allclose(coherence_angle(table), coherence_angle(plain), rtol=1e-3)
     np.testing.assert_allclose(volume_echo(table, 10.0, 20.0), volume_echo(plain, 10.0, 20.0), rtol=1e-3)
     one, other = surface_echo(table, 12.0)[245:], surface_echo(plain, 12.0)[245:]

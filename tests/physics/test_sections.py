@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from insonify.kernels.cells import Plane, speed_across
-from insonify.kernels.jit import kernel
-from insonify.kernels.paths import ON_BED, Limits, Points, trace_paths
-from insonify.sound.layers import Layers
+from insonify.acoustics.layers import Layers
+from insonify.kernels.common.jit import kernel
+from insonify.kernels.refraction.ray_paths import ON_BED, Limits, Points, trace_paths
+from insonify.kernels.refraction.section_arcs import Plane, speed_across
 from water import followed, water_of
 
 RANGES = np.linspace(0.0, 2500.0, 26)

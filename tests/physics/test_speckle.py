@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from beds import problem_of
-from insonify.kernels.fields import transform
-from insonify.receive import make_reception, receive
-from insonify.receive.speckle import COLUMNS, FIRST_COLUMN, shape_table
+from beds import arrays_of
+from insonify.acoustics.pulses import coherence
+from insonify.kernels.speckle.random_fields import transform
+from insonify.receiver import make_reception, receive
+from insonify.receiver.speckle import COLUMNS, FIRST_COLUMN, shape_table
 from insonify.scene import edit, load_scene
-from insonify.simulate import prepare
-from insonify.sound.pulses import coherence
+from insonify.simulation import prepare
 
 BINS, BIN_LENGTH, WIDTH = 400, 0.05, 1.0
 WAVELENGTH = 1500.0 / 400e3
@@ -26,8 +26,8 @@ def speckle(pings=400, half_width=WIDTH / 2.0, bins=BINS, speckle="rayleigh", **
         load_scene("default"),
         {"receiver.speckle": speckle, **{path.replace("__", "."): value for path, value in changes.items()}},
     )
-    problem = problem_of(np.zeros((4, 4)), bins=bins, bin_length=BIN_LENGTH, half_width=math.radians(half_width))
-    ready = make_reception(declared, problem, altitude=5.0, depth=20.0).speckle
+    arrays = arrays_of(np.zeros((4, 4)), bins=bins, bin_length=BIN_LENGTH, half_width=math.radians(half_width))
+    ready = make_reception(declared, arrays, altitude=5.0, depth=20.0).speckle
     return ready.factors(np.arange(pings)).astype(float)
 
 
@@ -218,9 +218,9 @@ def test_each_material_has_its_own_shape():
 
 
 def test_the_shape_of_a_bin_is_the_mean_of_what_it_hears():
-    problem = problem_of(np.zeros((4, 4)), bins=200, half_width=0.01)
+    arrays = arrays_of(np.zeros((4, 4)), bins=200, half_width=0.01)
     declared = edit(load_scene("default"), {"receiver.speckle": k(2.0), "track.speed": 50.0, "sonar.pulse": "ideal"})
-    ready = make_reception(declared, problem, altitude=5.0, depth=20.0)
+    ready = make_reception(declared, arrays, altitude=5.0, depth=20.0)
     pings = np.arange(4000)
     traced = np.ones((4000, 2, 200), np.float32)
     own, same = receive(ready, traced, pings), receive(ready, traced, pings, 0.5 * traced)

@@ -13,9 +13,9 @@ import pytest
 from hypothesis import HealthCheck, event, given, seed, settings
 
 from drawn_scenes import scenes, spoiled_scenes
-from insonify.plan import plan
+from insonify.planning import plan
 from insonify.scene import Scene, SceneError, build, edit, scene_from_toml, scene_to_toml
-from insonify.simulate import prepare, simulate
+from insonify.simulation import prepare, simulate
 from scene_sizes import most_bytes, most_steps
 
 TOLERANCE = 0.5  # a record need not be exact here

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from insonify.accuracy.stability.rays import exact_time
+from insonify.acoustics.paths import eigenrays
 from insonify.scene.water import ProfileWater
-from insonify.sound.paths import eigenrays
-from insonify.stability.rays import exact_time
 
 ONE_GRADIENT = ProfileWater(depth=(0.0, 8000.0), sound_speed=(1500.0, 1628.0))
 

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from insonify.accuracy.stability import CASES
 from insonify.scene import bundled_scenes, edit, load_scene
-from insonify.simulate import prepare, simulate
-from insonify.stability import CASES
+from insonify.simulation import prepare, simulate
 
 EVERY = [case for members in CASES.values() for case in members]
 

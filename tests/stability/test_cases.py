@@ -1,4 +1,4 @@
-"""Every case of `insonify.stability`: the plain way fails, the program's own holds, and the page tells both."""
+"""Every stability case: the plain way fails, the program's own holds, and the page tells both."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import re
 import pytest
 from matplotlib.figure import Figure
 
+from insonify.accuracy.stability import CASES, Case, Way, judge
+from insonify.accuracy.stability.case import amount
+from insonify.accuracy.stability.report import write_report
 from insonify.cli import main
-from insonify.stability import CASES, Case, Way, judge
-from insonify.stability.case import amount
-from insonify.stability.report import write_report
 
 EVERY = [case for members in CASES.values() for case in members]
 

@@ -9,12 +9,12 @@ import pytest
 from pydantic import TypeAdapter
 
 import insonify
-from insonify.kernels.arcs import ENDLESS, GRAZING, HIGH, LOW, NODE, RANGE
-from insonify.kernels.branches import ANGLE, TIME
-from insonify.kernels.eigenrays import FOUND, NONE
-from insonify.kernels.paths import AT_RANGE, NOWHERE, TRAPPED, Limits
+from insonify.acoustics.rays import follow_paths, join_points
+from insonify.kernels.refraction.arcs import ENDLESS, GRAZING, HIGH, LOW, NODE, RANGE
+from insonify.kernels.refraction.eigenray_search import ANGLE, TIME
+from insonify.kernels.refraction.eigenrays import FOUND, NONE
+from insonify.kernels.refraction.ray_paths import AT_RANGE, NOWHERE, TRAPPED, Limits
 from insonify.scene.water import Water
-from insonify.sound.rays import follow_paths, join_points
 from water import NO_CEILING, NO_FLOOR, downward, followed, joined, layers, shot, stepped, water_of
 
 WEAK = (0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8)

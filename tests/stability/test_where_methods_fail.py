@@ -9,30 +9,30 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from beds import poses_of, problem_of, rough
+from beds import arrays_of, poses_of, rough
 from insonify import kernels
-from insonify.kernels.jit import FAST
-from insonify.kernels.types import BED, LIGHT, SONAR
+from insonify.kernels.common.jit import FAST
+from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.scene import SceneError, edit, load_scene
-from insonify.simulate import prepare, simulate
+from insonify.simulation import prepare, simulate
 from insonify.tracers import rays, sweep
 
 FLAT = np.zeros((4, 4))
 FAN = math.radians(1.25)
-SOURCES = sorted(Path(kernels.__file__).parent.glob("*.py"))
+SOURCES = sorted(Path(kernels.__file__).parent.rglob("*.py"))
 
 
 def flat(**options):
-    return problem_of(FLAT, 0.1, periodic=True, **options)
+    return arrays_of(FLAT, 0.1, periodic=True, **options)
 
 
 def test_range_factors_come_after_the_sum():
     bins = 3000
     factor = ((np.arange(bins) + 0.5) * 0.05) ** -4.0
-    problem = problem_of(FLAT, 0.1, periodic=True, bins=bins, spreading=True, half_width=FAN)
-    bare = problem._replace(range_factor=np.ones(bins))
+    arrays = arrays_of(FLAT, 0.1, periodic=True, bins=bins, spreading=True, half_width=FAN)
+    bare = arrays._replace(range_factor=np.ones(bins))
     poses = poses_of(1.0, 1.0, 5.0)
-    ours = sweep.trace(problem, poses)[0, 0].astype(float)
+    ours = sweep.trace(arrays, poses)[0, 0].astype(float)
     np.testing.assert_allclose(ours, sweep.trace(bare, poses)[0, 0] * factor, rtol=3e-7)
 
 
@@ -40,11 +40,11 @@ def test_range_factors_come_after_the_sum():
 @pytest.mark.parametrize("half_width", [0.0, FAN])
 def test_what_nothing_touches_is_exactly_zero_and_nothing_is_negative(law, half_width):
     solids = [((k * 3.0, 9.0 + 2.0 * k, 0.8), 0.7) for k in range(8)] + [((-40.0, 20.0, 4.0), (60.0, 20.0, 4.0), 1.5)]
-    problem = problem_of(
+    arrays = arrays_of(
         rough(256, 256, 0.4), 0.2, periodic=True, bins=2000, law=law, half_width=half_width, solids=solids,
         spreading=law == SONAR,
     )  # fmt: skip
-    record = sweep.trace(problem, poses_of(np.arange(40) * 0.6, 0.3, 6.0))
+    record = sweep.trace(arrays, poses_of(np.arange(40) * 0.6, 0.3, 6.0))
     assert (record >= 0.0).all()
     assert np.isfinite(record).all()
     assert not record[:, :, : int(4.0 / 0.05)].any()
@@ -59,8 +59,8 @@ def test_large_coordinates_give_the_record_of_the_same_bed_moved(half_width):
     records = []
     for east, north in ((0.0, 0.0), (1e6, 4e6)):
         ball = ((east + 20.0, north + 30.0, 0.8), 0.7)
-        problem = problem_of(heights, 0.25, x0=east, y0=north, bins=300, half_width=half_width, solids=[ball])
-        records.append(sweep.trace(problem, poses_of(east + np.arange(20.0, 24.0), north + 20.3, 5.0, 0.1)))
+        arrays = arrays_of(heights, 0.25, x0=east, y0=north, bins=300, half_width=half_width, solids=[ball])
+        records.append(sweep.trace(arrays, poses_of(east + np.arange(20.0, 24.0), north + 20.3, 5.0, 0.1)))
     difference = np.linalg.norm(records[1].astype(float) - records[0]) / np.linalg.norm(records[0])
     assert difference < 1e-3
 
@@ -78,14 +78,14 @@ def test_a_track_that_starts_far_away_on_a_bed_without_end(method):
 
 
 def test_rays_at_nodes_and_edges_leak_nowhere():
-    problem = problem_of(rough(32, 32, 0.3), 0.5, periodic=True)
-    z = problem.bed.heights.astype(float)
+    arrays = arrays_of(rough(32, 32, 0.3), 0.5, periodic=True)
+    z = arrays.bed.heights.astype(float)
     origin = np.array([4.1, 6.3, 9.0])
     nodes = [(i * 0.5, j * 0.5, z[j, i]) for i in range(32) for j in range(32)]
     edges = [(i * 0.5 + 0.25, j * 0.5, 0.5 * (z[j, i] + z[j, (i + 1) % 32])) for i in range(32) for j in range(32)]
     directions = np.array(nodes + edges) - origin
     lengths = np.linalg.norm(directions, axis=1)
-    distance, what, _ = rays.cast(problem, origin, directions)
+    distance, what, _ = rays.cast(arrays, origin, directions)
     assert (what == BED).all()
     assert (distance <= lengths + 1e-5).all()
 
@@ -125,8 +125,8 @@ def test_a_body_sunk_into_the_bed_is_heard_by_its_top():
 @pytest.mark.parametrize("half_width", [0.0, FAN])
 @pytest.mark.parametrize("height", [0.5, 4.0])
 def test_a_body_beneath_the_sonar_hides_nadir_on_both_sides(half_width, height):
-    problem = flat(solids=[((0.0, 0.0, height), 0.5)], half_width=half_width)
-    port, starboard = sweep.trace(problem, poses_of(0.0, 0.0, 8.0))[0].astype(float)
+    arrays = flat(solids=[((0.0, 0.0, height), 0.5)], half_width=half_width)
+    port, starboard = sweep.trace(arrays, poses_of(0.0, 0.0, 8.0))[0].astype(float)
     np.testing.assert_allclose(port, starboard, rtol=1e-4, atol=1e-6 * port.max())
     assert np.flatnonzero(port)[0] == pytest.approx((7.5 - height) / 0.05, abs=1.001)
     # The bed begins where the ray past the body lands.
@@ -177,7 +177,7 @@ def test_no_targets_and_none_in_sight_are_the_same():
     away = [{"kind": "sphere", "position": [0.0, 500.0], "radius": 0.5}]
     pings = np.arange(4)
     none, far = (prepare(edit(scene, {"targets": targets}), method="sweep") for targets in ([], away))
-    traced = [sweep.trace(one.problem, one.poses(pings), planes=8) for one in (none, far)]
+    traced = [sweep.trace(one.arrays, one.poses(pings), planes=8) for one in (none, far)]
     np.testing.assert_array_equal(*traced)
 
 

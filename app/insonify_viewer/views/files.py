@@ -9,7 +9,7 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QFileDialog, QWidget
 
-from insonify.meshes import FORMATS
+from insonify.io.meshes import FORMATS
 from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, load_scene
 from insonify_viewer.dem import scene_over_dem
 from insonify_viewer.simulation import Simulator

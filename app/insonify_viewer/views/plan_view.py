@@ -25,7 +25,7 @@ from insonify_viewer.views.folding import FoldingBox
 from insonify_viewer.views.parameter_rows import Combo, NumberRow
 
 if TYPE_CHECKING:
-    from insonify.plan import Entry, Plan
+    from insonify.planning import Entry, Plan
 
 Force = Callable[[str, str | None], None]
 AUTOMATIC = "automatic"

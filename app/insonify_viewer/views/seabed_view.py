@@ -19,7 +19,7 @@ from insonify_viewer.pv_meshes import BedPatch, Fan
 from insonify_viewer.views.theme import MARK
 
 if TYPE_CHECKING:
-    from insonify.kernels.types import Poses, Problem
+    from insonify.kernels.common.types import Poses, SceneArrays
     from insonify.terrain import AnyGround
 
 # Untyped calls everywhere: PyVista is taken as it comes.
@@ -86,13 +86,13 @@ class SeabedView(QWidget):
         self._later()
 
     def show_sonar(
-        self, ground: AnyGround, problem: Problem, pose: Poses, heading: float, tones: NDArray[np.float32]
+        self, ground: AnyGround, arrays: SceneArrays, pose: Poses, heading: float, tones: NDArray[np.float32]
     ) -> None:
         """Move fish and fan; the camera goes along and turns with the heading of the line."""
-        reach = problem.bins * problem.bin_length
+        reach = arrays.bins * arrays.bin_length
         self._fish_actor.user_matrix = pv_meshes.placed(pose, FISH * reach)
         self._cable_actor.user_matrix = pv_meshes.placed(pose, FISH * reach, level=True)
-        self._fan.move(ground, problem, pose, tones)
+        self._fan.move(ground, arrays, pose, tones)
         for actor in (self._fish_actor, self._cable_actor, self._sheet_actor, self._footprint_actor):
             actor.visibility = True
         self._follow(np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64), heading, reach)

@@ -8,7 +8,7 @@ from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify.picture import PALETTES, contrast, palette
+from insonify.display.picture import PALETTES, contrast, palette
 from insonify_viewer.judging import Judged
 from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
 from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QPointF, QRectF
 
-from insonify.diagrams.diagram import Diagram, speed_ends
+from insonify.display.ray_diagram.diagram import Diagram, speed_ends
 
 LEFT, GAP, RIGHT, TOP, BOTTOM = 46.0, 14.0, 34.0, 24.0, 30.0  # px around and between the two plots
 SHARE, NARROWEST, WIDEST = 0.18, 110.0, 220.0  # of the profile: share of the width, px

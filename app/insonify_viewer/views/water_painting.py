@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
-from insonify.diagrams.diagram import Diagram, beside, described
+from insonify.display.ray_diagram.diagram import Diagram, beside, described
 from insonify_viewer.views.theme import ACCENT, GROUND, MARK, QUIET, TEXT
 from insonify_viewer.views.water_frame import Frame, round_steps
 

@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify.diagrams.diagram import Diagram
+from insonify.display.ray_diagram.diagram import Diagram
 from insonify_viewer.views.theme import GROUND, QUIET
 from insonify_viewer.views.water_frame import Frame
 from insonify_viewer.views.water_painting import paint_profile, paint_water, shadow_picture, water_picture

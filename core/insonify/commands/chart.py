@@ -37,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, SUFFIXES)
     scene = chosen_scene(arguments)
-    from insonify import charts
+    from insonify.accuracy import charts
 
     kinds: dict[str, Callable[..., Any]] = {
         "accuracy": charts.chart,

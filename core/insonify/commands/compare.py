@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, (".png",))
     first, second = (_record(name) for name in arguments.records)
-    from insonify.likeness_sheet import write_comparison
+    from insonify.accuracy.comparison_page import write_comparison
 
     for name, found in zip(arguments.records, write_comparison(path, (first, second))):
         say(f"{name}: {'; '.join(found.lines())}")
@@ -47,9 +47,9 @@ def run(arguments: argparse.Namespace) -> int:
 def _record(name: str) -> xr.Dataset:
     """Read a record, or simulate a scene."""
     if is_record(name):
-        from insonify.records import read_record
+        from insonify.io.records import read_record
 
         return read_record(name)
-    from insonify.simulate import simulate
+    from insonify.simulation import simulate
 
     return simulate(load_scene(name))

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from insonify.plan import METHODS
+from insonify.planning import METHODS
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
 
 if TYPE_CHECKING:

@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    from insonify.plan import plan
+    from insonify.planning import plan
 
     scene, forced = chosen_scene(arguments), chosen_model(arguments)
     say(plan(scene, arguments.tolerance, method=arguments.method, forced=forced).table())

@@ -39,8 +39,8 @@ def run(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, SUFFIXES)
     scene = chosen_scene(arguments)
-    from insonify.diagrams.diagram import described
-    from insonify.diagrams.rays import ray_diagram
+    from insonify.display.ray_diagram.diagram import described
+    from insonify.display.ray_diagram.rays import ray_diagram
     from insonify.terrain import build_ground
 
     diagram = ray_diagram(

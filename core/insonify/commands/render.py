@@ -18,7 +18,7 @@ from insonify.commands.options import (
     say,
     tracked,
 )
-from insonify.look import PALETTES, SIDES, Look
+from insonify.display.options import PALETTES, SIDES, Look
 from insonify.scene import Scene, SceneError
 
 SUFFIXES = (".png", ".nc", ".npz")
@@ -74,7 +74,7 @@ def _render_record(arguments: argparse.Namespace, path: Path, look: Look) -> tup
     changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
     if changed is not None:
         raise SceneError(f"--{changed} is for scenes, and {arguments.scene} is a record already; leave it out")
-    from insonify.records import read_record, write_netcdf, write_npz
+    from insonify.io.records import read_record, write_netcdf, write_npz
 
     record = read_record(arguments.scene)
     if path.suffix.lower() == ".npz":
@@ -82,8 +82,8 @@ def _render_record(arguments: argparse.Namespace, path: Path, look: Look) -> tup
     elif path.suffix.lower() == ".nc":
         write_netcdf(path, [record])
     else:
-        from insonify.page import record_caption, write_page
-        from insonify.sheet import gather_record
+        from insonify.display.page import record_caption, write_page
+        from insonify.display.sheet import gather_record
 
         sheet = gather_record(record, look)
         write_page(path, sheet, look, record_caption(record, sheet.along, look))
@@ -111,24 +111,24 @@ def write(
     method, tolerance, forced
         As in `insonify.simulate`.
     """
-    from insonify.simulate import simulate, simulate_blocks
+    from insonify.simulation import simulate, simulate_blocks
 
     pings = scene.track.pings
     if path.suffix.lower() == ".npz":
-        from insonify.records import write_npz
+        from insonify.io.records import write_npz
 
         write_npz(path, simulate(scene, method=method, tolerance=tolerance, forced=forced))
         return
     blocks = tracked(simulate_blocks(scene, method=method, tolerance=tolerance, forced=forced), pings)
     if path.suffix.lower() == ".nc":
-        from insonify.records import write_netcdf
+        from insonify.io.records import write_netcdf
 
         write_netcdf(path, blocks)
         return
-    from insonify.page import scene_caption, write_page
-    from insonify.picture import LevelBed
-    from insonify.sheet import gather
-    from insonify.simulate import prepare
+    from insonify.display.page import scene_caption, write_page
+    from insonify.display.picture import LevelBed
+    from insonify.display.sheet import gather
+    from insonify.simulation import prepare
 
     level = LevelBed(prepare(scene, method=method, tolerance=tolerance, forced=forced))
     write_page(path, gather(blocks, level.curves, pings, look), look, scene_caption(scene, look))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from insonify.commands.options import output, say
 
 if TYPE_CHECKING:
-    from insonify.stability import Case
+    from insonify.accuracy.stability import Case
 
 SUFFIXES = (".html", ".htm")
 
@@ -36,8 +36,8 @@ def run(arguments: argparse.Namespace) -> int:
     path = output(arguments.output, SUFFIXES)
     from tqdm import tqdm
 
-    from insonify.stability import CASES
-    from insonify.stability.report import write_report
+    from insonify.accuracy.stability import CASES
+    from insonify.accuracy.stability.report import write_report
 
     with tqdm(total=sum(map(len, CASES.values())), unit="case", disable=None, leave=False) as bar:
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from insonify.kernels.patches import patch_map
+from insonify.kernels.bed.nearest_seed import patch_map
 from insonify.scene.fractal import Fractal
 from insonify.scene.materials import FractalMap, ImageMap, Material, MaterialMap, Patches, PatternMap, Reflectivity
 from insonify.terrain.lattice import Lattice, Map

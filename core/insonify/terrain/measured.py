@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.beds import Grid, read_grid, refusal
+from insonify.io.bathymetry import Grid, read_grid, refusal
 from insonify.scene.files import file_version
 from insonify.scene.reliefs import Dem
 

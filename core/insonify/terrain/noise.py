@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.hashing import FIRST_MULTIPLIER, GOLDEN, SECOND_MULTIPLIER, SHIFTS, splitmix64
+from insonify.kernels.common.hashing import FIRST_MULTIPLIER, GOLDEN, SECOND_MULTIPLIER, SHIFTS, splitmix64
 
 Field = NDArray[np.float64]
 Bits = NDArray[np.uint64]

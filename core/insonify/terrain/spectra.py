@@ -15,7 +15,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from insonify.kernels.hashing import wave_noise
+from insonify.kernels.common.hashing import wave_noise
 from insonify.scene.fractal import Fractal
 
 Shape = tuple[int, int]

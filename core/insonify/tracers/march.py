@@ -7,13 +7,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.types import Poses, Problem
+from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import SceneError
 from insonify.tracers.rays import trace_rays
 
 
 def trace(
-    problem: Problem, poses: Poses, *, step: float = 0.1, rays: int = 1000, threads: int | None = None
+    arrays: SceneArrays, poses: Poses, *, step: float = 0.1, rays: int = 1000, threads: int | None = None
 ) -> NDArray[np.float32]:
     """Trace pings by marching along each ray until it is below the bed or inside a body.
 
@@ -42,4 +42,4 @@ def trace(
     """
     if not (step > 0.0 and math.isfinite(step)):
         raise SceneError(f"step: {step:g} is no length; give metres greater than 0")
-    return trace_rays(problem, poses, rays, step, threads)
+    return trace_rays(arrays, poses, rays, step, threads)

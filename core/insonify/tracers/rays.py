@@ -8,22 +8,22 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insonify.kernels.bent_hits import bent_hits, empty_arrivals
-from insonify.kernels.bent_pings import trace_bent_pings
-from insonify.kernels.bounce import follow_paths
-from insonify.kernels.mirror_rays import trace_ghosts
-from insonify.kernels.rays import cast_rays, empty_hits, trace_pings
-from insonify.kernels.types import BED, Poses, Problem
-from insonify.kernels.walk import NOTHING, Bundle
+from insonify.kernels.common.types import BED, Poses, SceneArrays
+from insonify.kernels.multipath.multipath_rays import trace_ghosts
+from insonify.kernels.rays.cell_walk import NOTHING, Bundle
+from insonify.kernels.rays.first_echoes import cast_rays, empty_hits, trace_pings
+from insonify.kernels.rays.specular_paths import follow_paths
+from insonify.kernels.refracted_rays.echoes import trace_bent_pings
+from insonify.kernels.refracted_rays.hits import bent_hits, empty_arrivals
+from insonify.packing.navigation import take
+from insonify.packing.targets import refuse_sonar_inside
+from insonify.parallel import in_parallel
 from insonify.scene import SceneError
-from insonify.tracers.bodies import refuse_sonar_inside
-from insonify.tracers.parallel import in_parallel
-from insonify.tracers.poses import take
 
 WALK = 0.0  # in place of a step
 
 
-def trace(problem: Problem, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> NDArray[np.float32]:
+def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> NDArray[np.float32]:
     """Trace pings ray by ray: an exact walk over the cells of the bilinear bed, exact hits of the bodies.
 
     Parameters
@@ -47,11 +47,11 @@ def trace(problem: Problem, poses: Poses, *, rays: int = 4000, threads: int | No
     SceneError
         If there are no rays, or the sonar runs into a target.
     """
-    return trace_rays(problem, poses, rays, WALK, threads)
+    return trace_rays(arrays, poses, rays, WALK, threads)
 
 
 def cast(
-    problem: Problem, origins: ArrayLike, directions: ArrayLike, *, reach: float | None = None
+    arrays: SceneArrays, origins: ArrayLike, directions: ArrayLike, *, reach: float | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
     """Find the first thing that each ray meets, along arcs where the water bends sound.
 
@@ -77,12 +77,12 @@ def cast(
     """
     bundle = _bundle(origins, directions)
     hits = empty_hits(bundle.x.size)
-    farthest = problem.bins * problem.bin_length if reach is None else float(reach)
-    if problem.water.bent:
-        bent_hits(problem, bundle, farthest, WALK, hits, empty_arrivals(bundle.x.size))
+    farthest = arrays.bins * arrays.bin_length if reach is None else float(reach)
+    if arrays.water.bent:
+        bent_hits(arrays, bundle, farthest, WALK, hits, empty_arrivals(bundle.x.size))
     else:
-        cast_rays(problem, bundle, farthest, hits)
-    return hits.distance, _targets(problem)[hits.body], np.column_stack([hits.nx, hits.ny, hits.nz])
+        cast_rays(arrays, bundle, farthest, hits)
+    return hits.distance, _targets(arrays)[hits.body], np.column_stack([hits.nx, hits.ny, hits.nz])
 
 
 class Paths(NamedTuple):
@@ -113,7 +113,7 @@ class Paths(NamedTuple):
 
 
 def follow(
-    problem: Problem, origins: ArrayLike, directions: ArrayLike, bounces: int, *, reach: float = math.inf
+    arrays: SceneArrays, origins: ArrayLike, directions: ArrayLike, bounces: int, *, reach: float = math.inf
 ) -> Paths:
     """Follow rays through mirrors and bodies.
 
@@ -137,9 +137,9 @@ def follow(
     SceneError
         If the water bends sound: bounces are followed along straight lines alone.
     """
-    _refuse_bends(problem, bounces)
-    whole, real = follow_paths(problem._replace(bounces=int(bounces)), _bundle(origins, directions), float(reach))
-    return Paths(whole[0], whole[1], np.ascontiguousarray(real[:3].T), real[3], real[4], _targets(problem)[whole[2]])
+    _refuse_bends(arrays, bounces)
+    whole, real = follow_paths(arrays._replace(bounces=int(bounces)), _bundle(origins, directions), float(reach))
+    return Paths(whole[0], whole[1], np.ascontiguousarray(real[:3].T), real[3], real[4], _targets(arrays)[whole[2]])
 
 
 def _bundle(origins: ArrayLike, directions: ArrayLike) -> Bundle:
@@ -151,33 +151,33 @@ def _bundle(origins: ArrayLike, directions: ArrayLike) -> Bundle:
     return Bundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
 
 
-def _targets(problem: Problem) -> NDArray[np.int64]:
+def _targets(arrays: SceneArrays) -> NDArray[np.int64]:
     """Index of the target of every body; the last element stands for the bed, the one before it for nothing."""
-    return np.concatenate([problem.solids.target, problem.mesh.target, [NOTHING, BED]])
+    return np.concatenate([arrays.solids.target, arrays.mesh.target, [NOTHING, BED]])
 
 
-def trace_rays(problem: Problem, poses: Poses, rays: int, step: float, threads: int | None) -> NDArray[np.float32]:
+def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, threads: int | None) -> NDArray[np.float32]:
     """Trace pings by the walk, or by a march if ``step`` is positive; pings are shared among threads."""
     if rays < 1:
         raise SceneError(f"rays: {rays} is too few; give at least 1 ray per side")
-    _refuse_bends(problem, problem.bounces)
-    trace = trace_bent_pings if problem.water.bent else trace_pings
-    out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
+    _refuse_bends(arrays, arrays.bounces)
+    trace = trace_bent_pings if arrays.water.bent else trace_pings
+    out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
 
     def block(first: int, last: int) -> int:
         part = take(poses, slice(first, last))
-        status = int(trace(problem, part, int(rays), float(step), out[first:last]))
-        if problem.ghosts.heard and status == 0:
-            trace_ghosts(problem, part, int(rays), out[first:last])
+        status = int(trace(arrays, part, int(rays), float(step), out[first:last]))
+        if arrays.ghosts.heard and status == 0:
+            trace_ghosts(arrays, part, int(rays), out[first:last])
         return status
 
-    refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
+    refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
     return out
 
 
-def _refuse_bends(problem: Problem, bounces: int) -> None:
+def _refuse_bends(arrays: SceneArrays, bounces: int) -> None:
     """Refuse to follow bounces along arcs."""
-    if problem.water.bent and bounces > 0:
+    if arrays.water.bent and bounces > 0:
         raise SceneError(
             f"sonar.bounces: {bounces} of them are followed along straight lines, and this water bends sound; "
             "set it to 0 or water.kind to uniform"

@@ -8,27 +8,27 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.bending import Bending, empty_table
-from insonify.kernels.echoes import empty_echoes
-from insonify.kernels.ghosts import Outlook, empty_outlook, sweep_ghosts
-from insonify.kernels.hear import empty_heard
-from insonify.kernels.ledger import empty_ledger
-from insonify.kernels.screen import Screen, empty_screen
-from insonify.kernels.slice import empty_profile, profile_capacity
-from insonify.kernels.sweep import Planes, sweep_pings
-from insonify.kernels.types import Poses, Problem
-from insonify.tracers.bending import make_bending
-from insonify.tracers.bodies import refuse_sonar_inside
-from insonify.tracers.parallel import in_parallel
-from insonify.tracers.planes import lay_planes_of_images
-from insonify.tracers.poses import take
+from insonify.kernels.bed.slice import empty_profile, profile_capacity
+from insonify.kernels.common.contributors import empty_ledger
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.multipath.echo_list import empty_echoes
+from insonify.kernels.multipath.surface_multipath import Outlook, empty_outlook, sweep_ghosts
+from insonify.kernels.refraction.apparent_positions import Bending, empty_table
+from insonify.kernels.sweep.sweep import Planes, sweep_pings
+from insonify.kernels.sweep.visibility import empty_heard
+from insonify.kernels.targets.angular_zbuffer import Screen, empty_screen
+from insonify.packing.apparent_tables import make_bending
+from insonify.packing.navigation import take
+from insonify.packing.targets import refuse_sonar_inside
+from insonify.parallel import in_parallel
+from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.rays import trace as trace_rays
 
 Record = NDArray[np.float32]
 
 
 def trace(
-    problem: Problem,
+    arrays: SceneArrays,
     poses: Poses,
     *,
     planes: int = 16,
@@ -63,22 +63,22 @@ def trace(
     SceneError
         If the sonar runs into a target.
     """
-    bending, folded = make_bending(problem, poses)
-    out = np.zeros((poses.x.size, 2, problem.bins), dtype=np.float32)
+    bending, folded = make_bending(arrays, poses)
+    out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
     if folded.any():
-        out[folded] = trace_rays(problem, take(poses, np.flatnonzero(folded)), rays=rays, threads=threads)
+        out[folded] = trace_rays(arrays, take(poses, np.flatnonzero(folded)), rays=rays, threads=threads)
     clear = np.flatnonzero(~folded)
-    for among, beam, lifted in lay_planes_of_images(problem, take(poses, clear), planes):
+    for among, beam, lifted in lay_planes_of_images(arrays, take(poses, clear), planes):
         places = clear[among]
         traced = out if places.size == poses.x.size else np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
-        _trace_alike(problem, take(poses, places), (beam, lifted), bending, double, threads, traced)
+        _trace_alike(arrays, take(poses, places), (beam, lifted), bending, double, threads, traced)
         if traced is not out:
             out[places] = traced
     return out
 
 
 def _trace_alike(
-    problem: Problem,
+    arrays: SceneArrays,
     poses: Poses,
     beams: tuple[Planes, Planes],
     bending: Bending,
@@ -87,26 +87,26 @@ def _trace_alike(
     out: Record,
 ) -> None:
     """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
-    capacity = profile_capacity(bending.stretch * problem.bins * problem.bin_length, problem.bed.spacing)
+    capacity = profile_capacity(bending.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
     real = np.float64 if double else np.float32
     beam, lifted = beams
 
     def block(first: int, last: int) -> int:
         part = take(poses, slice(first, last))
-        screen = empty_screen(problem.solids, problem.mesh)
+        screen = empty_screen(arrays.solids, arrays.mesh)
         room = empty_profile(capacity, real), empty_heard(capacity, real), screen
-        status = sweep_pings(problem, part, beam, bending, empty_table(bending), *room, out[first:last])
-        if problem.ghosts.heard and status == 0:
-            far = *room_for_ghosts(problem, capacity), empty_ledger(0, 0)
-            sweep_ghosts(problem, part, beam, lifted, room[0], *far, out[first:last])
+        status = sweep_pings(arrays, part, beam, bending, empty_table(bending), *room, out[first:last])
+        if arrays.ghosts.heard and status == 0:
+            far = *room_for_ghosts(arrays, capacity), empty_ledger(0, 0)
+            sweep_ghosts(arrays, part, beam, lifted, room[0], *far, out[first:last])
         return int(status)
 
-    refuse_sonar_inside(problem.solids, in_parallel(block, poses.x.size, threads))
+    refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
 
 
 def room_for_ghosts(
-    problem: Problem, capacity: int
+    arrays: SceneArrays, capacity: int
 ) -> tuple[tuple[Outlook, Outlook], tuple[Screen, Screen], NDArray[np.float64]]:
     """Make room for profiles of so many knots as two images of the sonar see them, and for their echoes."""
-    screens = empty_screen(problem.solids, problem.mesh), empty_screen(problem.solids, problem.mesh)
+    screens = empty_screen(arrays.solids, arrays.mesh), empty_screen(arrays.solids, arrays.mesh)
     return (empty_outlook(capacity), empty_outlook(capacity)), screens, empty_echoes()

@@ -1,0 +1,152 @@
+"""Two records side by side as a picture, with their numbers below."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from insonify.accuracy.record_statistics import Likeness, Spectrum, likeness
+from insonify.display.options import Look
+from insonify.display.page import FAINT, INK, record_caption
+from insonify.display.picture import colours, contrast
+from insonify.display.sheet import Sheet, gather_record
+from insonify.io.atomic import replacing
+
+HUES = ("#2f6f9f", "#c2571a")
+WIDTH, DPI = 15.0, 110  # inches
+MARGIN, GAP, GRAPHS = 0.6, 0.75, 2.7  # inches; the last is the height of the graphs
+TALLEST = 11.0  # inches, of the pictures
+
+
+def write_comparison(path: str | Path, records: tuple[xr.Dataset, xr.Dataset]) -> tuple[Likeness, Likeness]:
+    """Measure two records, draw them side by side and write that as PNG.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to make or replace; it appears only when whole.
+    records : (Dataset, Dataset)
+        From ``records.read_record`` or ``simulate``.
+
+    Returns
+    -------
+    (Likeness, Likeness)
+        What was measured.
+
+    Raises
+    ------
+    SceneError
+        If one has too little bed to measure.
+    """
+    measured = likeness(records[0]), likeness(records[1])
+    figure = draw_comparison(records, measured)
+    with replacing(path) as beside:
+        figure.savefig(beside, dpi=DPI)
+    return measured
+
+
+def draw_comparison(records: tuple[xr.Dataset, xr.Dataset], measured: tuple[Likeness, Likeness]) -> Figure:
+    """Lay two records out on one page: pictures to one scale and one palette, graphs of what was measured below.
+
+    Parameters
+    ----------
+    records : (Dataset, Dataset)
+    measured : (Likeness, Likeness)
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With an Agg canvas.
+    """
+    look = Look(palette="grey")
+    sheets = [gather_record(record, look) for record in records]
+    levels = contrast(np.concatenate([sheet.amplitude.ravel() for sheet in sheets]))
+    column = (WIDTH - 2.0 * MARGIN - GAP) / 2.0
+    tall = min(max(column * (sheet.along or 1.0) / (2.0 * sheet.reach) for sheet in sheets), TALLEST)
+    height = tall + GRAPHS + 2.5
+    figure = Figure(figsize=(WIDTH, height), facecolor="white")
+    FigureCanvasAgg(figure)
+    for number, (record, sheet, found) in enumerate(zip(records, sheets, measured)):
+        left, base = MARGIN + number * (column + GAP), GRAPHS + 1.55
+        axes = figure.add_axes((left / WIDTH, base / height, column / WIDTH, tall / height))
+        _picture(axes, sheet, colours(sheet.amplitude, look.palette, 0.0, levels))
+        _headings(figure, (left / WIDTH, (base + tall) / height, 1.0 / height), record, sheet, found, HUES[number])
+    _graphs(figure, height, measured)
+    return figure
+
+
+def _picture(axes: Any, sheet: Sheet, pixels: NDArray[np.uint8]) -> None:
+    axes.imshow(pixels, extent=(-sheet.reach, sheet.reach, 0.0, sheet.along or 1.0), aspect="equal")
+    axes.set_anchor("N")
+    axes.set_xlabel("slant range (m)", fontsize=9, color=INK)
+    axes.set_ylabel("along track (m)", fontsize=9, color=INK)
+    axes.xaxis.set_major_formatter(lambda x, _: f"{abs(x):g}")
+    _quiet(axes)
+
+
+def _headings(
+    figure: Figure, place: tuple[float, float, float], record: xr.Dataset, sheet: Sheet, found: Likeness, hue: str
+) -> None:
+    """Title, how it was recorded, and what was measured, above a picture."""
+    left, base, inch = place
+    caption = record_caption(record, sheet.along, Look())
+    title = caption.title if len(caption.title) <= 60 else f"{caption.title[:59]}…"
+    middle, deep, slopes = found.lines()
+    rows = (
+        (title, 0.66, 13.0, "bold", hue),
+        (caption.line, 0.43, 8.5, "normal", FAINT),
+        (f"{middle}  ·  {deep}", 0.24, 8.5, "normal", INK),
+        (slopes, 0.08, 8.5, "normal", INK),
+    )
+    for words, up, size, weight, colour in rows:
+        figure.text(left, base + up * inch, words, fontsize=size, fontweight=weight, color=colour, parse_math=False)
+
+
+def _graphs(figure: Figure, height: float, measured: tuple[Likeness, Likeness]) -> None:
+    """Histogram of amplitudes, spread of their variation, and the two spectra."""
+    wide = (WIDTH - 2.0 * MARGIN - 3.0 * GAP) / 4.0
+    amplitudes, variations, along, across = (
+        figure.add_axes(((MARGIN + n * (wide + GAP)) / WIDTH, 0.6 / height, wide / WIDTH, GRAPHS / height))
+        for n in range(4)
+    )
+    _named(amplitudes, "Even patches: amplitudes", "amplitude over its mean")
+    _named(variations, "Even patches: variation", "variation of amplitude")
+    _named(along, "Spectrum along track (m)", "cycles per metre")
+    _named(across, "Spectrum across (m)", "cycles per metre of slant range")
+    a, v = np.linspace(0.0, 3.5, 71), np.linspace(0.0, 1.0, 51)
+    for found, hue in zip(measured, HUES):
+        amplitudes.stairs(*np.histogram(found.amplitude, a, density=True), color=hue, linewidth=1.4)
+        variations.stairs(*np.histogram(found.variation, v, density=True), color=hue, linewidth=1.4)
+        _curve(along, found.along, hue)
+        _curve(across, found.across, hue)
+    # Fully developed speckle: the envelope is Rayleigh distributed about its mean.
+    faint: dict[str, Any] = {"color": FAINT, "linewidth": 0.9, "linestyle": "--", "label": "speckle"}
+    amplitudes.plot(a, 0.5 * np.pi * a * np.exp(-0.25 * np.pi * a**2), **faint)
+    variations.axvline(np.sqrt(4.0 / np.pi - 1.0), **faint)
+    for axes in (amplitudes, variations):
+        axes.legend(frameon=False, fontsize=8, labelcolor=FAINT)
+        axes.set_ylim(bottom=0.0)
+        axes.margins(x=0.0)
+
+
+def _named(axes: Any, title: str, label: str) -> None:
+    axes.set_title(title, fontsize=9.5, color=INK, loc="left")
+    axes.set_xlabel(label, fontsize=9, color=INK)
+    _quiet(axes)
+
+
+def _curve(axes: Any, spectrum: Spectrum, hue: str) -> None:
+    axes.loglog(*spectrum, color=hue, linewidth=1.4)
+    axes.grid(True, which="both", color=FAINT, alpha=0.15, linewidth=0.6)
+
+
+def _quiet(axes: Any) -> None:
+    axes.tick_params(which="both", labelsize=8, color=FAINT, labelcolor=INK, width=0.6)
+    for spine in axes.spines.values():
+        spine.set(color=FAINT, linewidth=0.6)

@@ -1,0 +1,167 @@
+"""How alike two records look, in numbers: one estimator for recordings and simulations.
+
+Everything is measured on amplitudes divided by the record's own curve (``picture.recorded_curve``), beyond 1.4 times
+the altitude, so that neither gain nor range nor the strong echoes near nadir matter.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+from scipy.signal import periodogram
+
+from insonify.display.picture import normalise
+from insonify.display.sheet import known_altitude, own_curve
+from insonify.scene import SceneError
+
+BEYOND = 1.4  # altitudes
+PATCH = 16  # pings and bins of a patch
+EVENEST = 0.25  # share of the patches that count as even
+SEGMENT = 128  # samples of a segment whose spectrum is taken
+ENOUGH = 20_000  # segments that settle a spectrum
+DARK = -10.0  # dB below the median from which a block is a shadow
+BLOCK = (4, 16)  # pings and bins of such a block
+FEWEST = 1e-3  # share of all blocks; fewer are chance, not shadows
+SILENCE = -60.0  # dB; nothing counts as darker
+
+
+class Spectrum(NamedTuple):
+    """Power spectrum of the relative amplitude in one direction.
+
+    Attributes
+    ----------
+    frequency : (63,) float64
+        Cycles per metre, without zero and the highest.
+    power : (63,) float64
+        One-sided density in metres: its integral over frequency is the variance of amplitude over mean.
+    """
+
+    frequency: NDArray[np.float64]
+    power: NDArray[np.float64]
+
+    def slope(self) -> float:
+        """Fit the exponent p of power ~ frequency^p below half the highest frequency."""
+        low = slice(None, len(self.frequency) // 2)
+        with np.errstate(divide="ignore"):
+            return float(np.polyfit(np.log(self.frequency[low]), np.log(self.power[low]), 1)[0])
+
+
+class Likeness(NamedTuple):
+    """What is measured of a record.
+
+    Attributes
+    ----------
+    variation : (patches,) float64
+        Coefficient of variation of the amplitude in each even patch; 0.523 for fully developed speckle.
+    amplitude : (patches, 256) float32
+        Amplitudes in those patches, over the mean of each.
+    along, across : Spectrum
+        Along the track and across it; the latter in slant range.
+    shadow_depth : float
+        Median level of shadows, in dB below the record's own median; NaN where there are none.
+    """
+
+    variation: NDArray[np.float64]
+    amplitude: NDArray[np.float32]
+    along: Spectrum
+    across: Spectrum
+    shadow_depth: float
+
+    def lines(self) -> list[str]:
+        """Say it in words."""
+        low, middle, high = np.percentile(self.variation, [10.0, 50.0, 90.0])
+        deep = "no shadows" if np.isnan(self.shadow_depth) else f"shadows {self.shadow_depth:.1f} dB deep"
+        return [
+            f"variation of amplitude in even patches {middle:.2f} ({low:.2f} to {high:.2f})",
+            "shadows without any echo" if self.shadow_depth >= -SILENCE else deep,
+            f"slope of the spectrum along track {self.along.slope():.2f}, across {self.across.slope():.2f}",
+        ]
+
+
+def likeness(record: xr.Dataset) -> Likeness:
+    """Measure a record.
+
+    Parameters
+    ----------
+    record : Dataset
+        From ``records.read_record`` or ``simulate``.
+
+    Returns
+    -------
+    Likeness
+
+    Raises
+    ------
+    SceneError
+        If it has too little bed to measure.
+    """
+    intensity = record["intensity"].transpose("channel", "ping_time", "range_sample").values
+    amplitude = normalise(intensity, own_curve(record)[:, 0])
+    r, altitude = record["slant_range"].values, known_altitude(record)
+    bed = np.broadcast_to(r >= BEYOND * altitude[:, None], amplitude.shape)
+    patches = _even_patches(amplitude, bed)
+    step = _ping_spacing(record)
+    along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), step)
+    across = _spectrum(amplitude, bed, 2.0 * float(r[0]))
+    if patches.size == 0 or along is None or across is None:
+        raise SceneError(
+            f"{record.attrs.get('title', 'record')}: has too little bed to measure; "
+            f"give at least {SEGMENT} pings that move on and {SEGMENT} bins beyond {BEYOND} altitudes"
+        )
+    mean = patches.mean(axis=(1, 2))
+    relative = (patches / mean[:, None, None]).reshape(len(patches), -1)
+    return Likeness(relative.std(axis=1), relative, along, across, _shadow_depth(amplitude, bed))
+
+
+def _even_patches(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Choose patches whose four quarters agree best in their means: no echo of a thing, no shadow, no slope."""
+    patches, whole = _tiles(amplitude, (PATCH, PATCH)), _tiles(bed, (PATCH, PATCH)).all(axis=(1, 2))
+    patches = patches[whole & (patches.mean(axis=(1, 2)) > 0.0)].astype(np.float64)
+    half = PATCH // 2
+    quarters = patches.reshape(-1, 2, half, 2, half).mean(axis=(2, 4)).reshape(-1, 4)
+    unevenness = np.ptp(quarters, axis=1) / quarters.mean(axis=1)
+    return patches[np.argsort(unevenness, kind="stable")[: int(np.ceil(EVENEST * len(patches)))]]
+
+
+def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: float) -> Spectrum | None:
+    """Median of the periodograms, detrended and under a Hann window, of all segments of bed along the last axis."""
+    if amplitude.shape[-1] < SEGMENT or not step > 0.0:
+        return None
+    starts = (..., slice(None, None, SEGMENT // 2), slice(None))
+    whole = np.nonzero(sliding_window_view(bed, SEGMENT, axis=-1)[starts].all(axis=-1))
+    some = tuple(index[:: len(index) // ENOUGH + 1] for index in whole)
+    segments = sliding_window_view(amplitude, SEGMENT, axis=-1)[starts][some].astype(np.float64)
+    mean = segments.mean(axis=-1)
+    segments = segments[mean > 0.0] / mean[mean > 0.0, None]
+    if len(segments) == 0:
+        return None
+    frequency, power = periodogram(segments, 1.0 / step, window="hann", detrend="linear", axis=-1)
+    # The median does not mind the wreck; that of an exponential variable is ln 2 of its mean.
+    return Spectrum(frequency[1:-1], np.median(power[:, 1:-1], axis=0) / np.log(2.0))
+
+
+def _shadow_depth(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> float:
+    """Median level of the blocks far below the median of all, as intensities in dB below it."""
+    heard = _tiles(bed, BLOCK).all(axis=(1, 2))
+    level = (_tiles(amplitude, BLOCK)[heard].astype(np.float64) ** 2).mean(axis=(1, 2))
+    decibels = 10.0 * np.log10(np.maximum(level / np.median(level), 10.0 ** (SILENCE / 10.0)))
+    dark = decibels[decibels < DARK]
+    return float(-np.median(dark)) if dark.size > FEWEST * level.size else float("nan")
+
+
+def _tiles(values: NDArray[np.generic], shape: tuple[int, int]) -> NDArray[np.generic]:
+    """Cut (2, pings, bins) into tiles (n, *shape); what is left over at the ends goes."""
+    rows, columns = (size // step for size, step in zip(values.shape[1:], shape))
+    cut = values[:, : rows * shape[0], : columns * shape[1]]
+    tiles = cut.reshape(len(cut), rows, shape[0], columns, shape[1]).swapaxes(2, 3)
+    return tiles.reshape(len(cut) * rows * columns, *shape)
+
+
+def _ping_spacing(record: xr.Dataset) -> float:
+    """Mean distance between pings, in metres."""
+    x, y = record["platform_x"].values, record["platform_y"].values
+    return float(np.hypot(np.diff(x), np.diff(y)).mean()) if len(x) > 1 else 0.0

@@ -1,0 +1,96 @@
+"""Caustics: where rays touch them, and the sound there, which rays alone make infinite."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from insonify.acoustics.paths import prepare_paths
+from insonify.acoustics.rays import ALONG_STATIONS
+from insonify.kernels.refraction.caustics import COLUMNS, trace_caustics
+from insonify.scene.water import Water
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+ROOM = 256
+
+
+def caustics(
+    water: Water, source_depth: float, angles: ArrayLike, *, max_range: float, bottom: float | None = None
+) -> xr.Dataset:
+    """Find where rays touch caustics: where the tube has no width.
+
+    Parameters
+    ----------
+    water, source_depth, angles, max_range, bottom
+        As in `ray_paths`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimension ``caustic``, by the order of the angles: ``angle`` of launch in degrees below the horizontal,
+        ``range`` and ``depth`` in metres, ``time`` in seconds. In a profile of many fine layers rays that turn touch
+        many: its kinks focus them as a smooth profile would not.
+
+    Raises
+    ------
+    SceneError
+        If a number makes no sense or a cast cannot be read.
+    """
+    import xarray as xr
+
+    laid, launch, limits = prepare_paths(water, source_depth, angles, max_range, bottom)
+    room = ROOM
+    while True:
+        found = np.empty((room, COLUMNS))
+        count = trace_caustics(laid, ALONG_STATIONS, -float(source_depth), -np.radians(launch), limits, found)
+        if count < room:
+            break
+        room *= 2
+    found = found[:count]
+    return xr.Dataset(
+        {
+            "angle": ("caustic", launch[found[:, 0].astype(np.int64)], {"units": "degree"}),
+            "range": ("caustic", found[:, 1], {"units": "m"}),
+            "depth": ("caustic", 0.0 - found[:, 2], {"units": "m"}),
+            "time": ("caustic", found[:, 3], {"units": "s"}),
+        }
+    )
+
+
+def airy_pressure(
+    frequency: float, times: tuple[ArrayLike, ArrayLike], amplitudes: tuple[ArrayLike, ArrayLike]
+) -> NDArray[np.float64]:
+    """Sound pressure near a caustic, where two rays come that have touched it and not: finite on it as well.
+
+    Parameters
+    ----------
+    frequency : float
+        Hz.
+    times : (array_like, array_like)
+        Of the ray that comes first and of the other, in seconds.
+    amplitudes : (array_like, array_like)
+        What each would bring alone, as rays tell it; both grow without end towards the caustic, where they meet.
+
+    Returns
+    -------
+    ndarray
+        Modulus of the pressure, in the unit of the amplitudes. On the caustic itself, where they are infinite, NaN.
+
+    Notes
+    -----
+    The uniform form with the Airy function, |p| = √π |(A1 + A2) ρ^¼ Ai(−ρ) + i (A1 − A2) ρ^−¼ Ai′(−ρ)| with
+    ρ = (¾ω(t2 − t1))^⅔. Far from the caustic it is the sum of two waves, a quarter of a turn apart besides their times.
+    """
+    from scipy.special import airy
+
+    first, second = np.asarray(amplitudes[0], dtype=np.float64), np.asarray(amplitudes[1], dtype=np.float64)
+    apart = 2.0 * np.pi * frequency * (np.asarray(times[1], dtype=np.float64) - np.asarray(times[0], dtype=np.float64))
+    rho = np.cbrt(0.75 * apart) ** 2
+    value, slope, _, _ = airy(-rho)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        together, against = (first + second) * rho**0.25 * value, (first - second) * rho**-0.25 * slope
+    return np.asarray(np.sqrt(np.pi) * np.hypot(together, against))

@@ -1,0 +1,277 @@
+"""Rays through a declared water, as a person asks for them: degrees below the horizontal, depths, ground ranges."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from insonify.acoustics.layers import lay_out
+from insonify.acoustics.rays import find_shadows, follow_paths, join_points
+from insonify.kernels.common.types import Water as LaidWater
+from insonify.kernels.refraction.eigenray_search import ANGLE, BOTTOMS, COSINE, GRAZED, SINE, TIME, TOPS, TUBE, TURNS
+from insonify.kernels.refraction.ray_paths import ON_BED, Limits, Points
+from insonify.scene import SceneError
+from insonify.scene.water import Water
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Values = NDArray[np.float64]
+ENDS = ("range", "bottom", "surface", "nowhere", "trapped")  # by the codes of `kernels.paths`
+POINTS = 201  # along a path, when no ranges are asked for
+
+
+def ray_paths(
+    water: Water,
+    source_depth: float,
+    angles: ArrayLike,
+    *,
+    max_range: float,
+    bottom: float | None = None,
+    ranges: ArrayLike | None = None,
+) -> xr.Dataset:
+    """Trace rays through water.
+
+    Parameters
+    ----------
+    water : Water
+        A scene's water of any kind. Through a section rays run along its line, from distance 0 onwards.
+    source_depth : float
+        Metres.
+    angles : array_like
+        Of launch, in degrees below the horizontal; negative ones go up.
+    max_range : float
+        Ground range at which rays end, in metres.
+    bottom : float, optional
+        Depth of a level bed at which rays end, in metres; there is none when left out.
+    ranges : array_like, optional
+        Ground ranges at which points are wanted, ascending, in metres; evenly laid when left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions ``ray`` and ``point``, NaN beyond a ray's last point. A ray that meets the bed, or a sea surface
+        that is not declared to reflect it, ends there, in a point of its own. Variables: ``range`` and ``depth`` in
+        metres, ``time`` in seconds, ``tube`` (distance across the ray per launch angle, m/rad; it changes its sign at
+        a caustic), ``hit`` (whether this is where the ray meets the bed), ``grazing`` (direction, degrees below the
+        horizontal), ``capped`` (whether the tube is unsure: the ray met a kink of the profile at grazing), and by ray
+        ``end``, one of "range", "bottom", "surface", "nowhere" (it gets no farther in range) and "trapped".
+
+    Raises
+    ------
+    SceneError
+        If a number makes no sense or a cast cannot be read.
+    """
+    laid, launch, limits = prepare_paths(water, source_depth, angles, max_range, bottom)
+    wanted = _ranges(ranges, max_range)
+    points, ends = follow_paths(laid, -float(source_depth), -np.radians(launch), wanted, limits)
+    return _as_paths(launch, points, ends)
+
+
+def eigenrays(
+    water: Water,
+    source_depth: float,
+    target_range: float,
+    target_depth: float,
+    *,
+    bottom: float | None = None,
+    reflections: int = 0,
+) -> xr.Dataset:
+    """Find the rays that join two points.
+
+    Parameters
+    ----------
+    water : Water
+        A scene's water of any kind; through a section rays run along its line, from distance 0 onwards.
+    source_depth, target_depth : float
+        Metres.
+    target_range : float
+        Ground range between the two, in metres.
+    bottom : float, optional
+        Depth of a level bed, in metres; there is none when left out.
+    reflections : int
+        How often a ray may be reflected by the bed and the sea surface, together.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimension ``eigenray``, by launch angle; empty in a shadow zone. ``angle`` and ``arrival`` in degrees below the
+        horizontal, ``time`` in seconds, ``tube`` as in `ray_paths`, ``intensity`` over that at 1 m (nothing lost but
+        by spreading; infinite on a caustic), ``turns`` in the water, reflections ``by_surface`` and ``by_bottom``,
+        ``capped`` as in `ray_paths`.
+
+    Raises
+    ------
+    SceneError
+        If a number makes no sense or a cast cannot be read.
+    """
+    laid = _below_surface(water)
+    _check_depths(source_depth, bottom)
+    _check_depths(target_depth, bottom, "target_depth")
+    lowest = 0.0 if laid.station.size == 1 else 1e-6
+    _check("target_range", target_range, target_range >= lowest, f"give a length of at least {lowest:g}")
+    _check("reflections", reflections, reflections >= 0, "give 0 or more")
+    rows = join_points(
+        laid, -float(source_depth), -float(target_depth), target_range, _height_of(bottom), 0.0, reflections
+    )
+    return _as_eigenrays(rows[::-1], target_range)
+
+
+def shadow_zones(
+    water: Water, source_depth: float, depth: float, *, max_range: float, bottom: float | None = None
+) -> Values:
+    """Find the ground ranges at which no direct ray comes to a depth.
+
+    Parameters
+    ----------
+    water : Water
+        A scene's water of any kind but a section.
+    source_depth, depth : float
+        Metres.
+    max_range : float
+        How far to look, in metres.
+    bottom : float, optional
+        Depth of a level bed at which rays end, in metres; there is none when left out.
+
+    Returns
+    -------
+    (n, 2) float64
+        Beginning and end of each shadow in metres, ascending. Over the bed the first begins at the limiting range.
+
+    Raises
+    ------
+    SceneError
+        If a number makes no sense, a cast cannot be read, or the water is a section.
+    """
+    laid = _below_surface(water)
+    if laid.station.size > 1:
+        raise SceneError("water.kind: 'section' has no shadow zones in closed form; look at its ray_paths")
+    _check("max_range", max_range, max_range > 0.0, "give a length above 0")
+    _check_depths(source_depth, bottom)
+    _check_depths(depth, bottom, "depth")
+    return find_shadows(laid, -float(source_depth), -float(depth), _height_of(bottom), 0.0, max_range)
+
+
+def prepare_paths(
+    water: Water, source_depth: float, angles: ArrayLike, max_range: float, bottom: float | None
+) -> tuple[LaidWater, Values, Limits]:
+    """Check what rays are asked for: the water laid out, the angles, and where rays end; parameters of `ray_paths`."""
+    launch = np.atleast_1d(np.asarray(angles, dtype=np.float64))
+    if launch.ndim != 1:
+        raise SceneError(f"angles: an array of {launch.ndim} dimensions is no list of angles; flatten it")
+    if not (np.abs(launch) <= 90.0).all():
+        raise SceneError(f"angles: {_first(launch, np.abs(launch) <= 90.0)} must lie between -90 and 90 degrees")
+    _check("max_range", max_range, max_range > 0.0, "give a length above 0")
+    _check_depths(source_depth, bottom)
+    return (
+        _below_surface(water),
+        launch,
+        Limits(float(max_range), _height_of(bottom), 0.0, False, water.surface.kind != "none"),
+    )
+
+
+def _as_paths(launch: Values, points: Points, ends: NDArray[np.int64]) -> xr.Dataset:
+    """Name what was found of whole rays; the longest gives the number of points."""
+    import xarray as xr
+
+    there = np.isfinite(points.x)
+    last = np.arange(there.shape[1]) == there.sum(axis=1, keepdims=True) - 1
+    dims = ("ray", "point")
+    variables: dict[str, Any] = {
+        "range": (dims, points.x, {"units": "m"}),
+        "depth": (dims, 0.0 - points.z, {"units": "m"}),
+        "time": (dims, points.time, {"units": "s"}),
+        "tube": (dims, points.q, {"units": "m/rad"}),
+        "hit": (dims, last & (ends == ON_BED)[:, None]),
+        "grazing": (dims, _downwards(points.cosine, points.sine), {"units": "degree"}),
+        "capped": (dims, points.grazed),
+        "end": ("ray", np.array(ENDS)[ends]),
+    }
+    dataset = xr.Dataset(variables, coords={"angle": ("ray", launch, {"units": "degree"})})
+    return dataset.isel(point=slice(0, max(int(there.any(axis=0).sum()), 1)))
+
+
+def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
+    """Name what was found of rays that join two points, a row each."""
+    import xarray as xr
+
+    launch = -rows[:, ANGLE]
+    # x/cosθ0 is the tube's other width, which a vertical ray has like the first.
+    wide = np.abs(rows[:, TUBE]) if target_range == 0.0 else target_range / np.cos(launch)
+    with np.errstate(divide="ignore"):
+        intensity = 1.0 / (wide * np.abs(rows[:, TUBE]))
+    variables: dict[str, Any] = {
+        "angle": np.degrees(launch),
+        "arrival": _downwards(rows[:, COSINE], rows[:, SINE]),
+        "time": rows[:, TIME],
+        "tube": rows[:, TUBE],
+        "intensity": intensity,
+        "turns": rows[:, TURNS].astype(int),
+        "by_surface": rows[:, TOPS].astype(int),
+        "by_bottom": rows[:, BOTTOMS].astype(int),
+        "capped": rows[:, GRAZED] > 0.0,
+    }
+    units = {"angle": "degree", "arrival": "degree", "time": "s", "tube": "m/rad"}
+    return xr.Dataset({name: ("eigenray", values, _units(units, name)) for name, values in variables.items()})
+
+
+def _below_surface(water: Water) -> LaidWater:
+    """Lay water out with heights above the sea surface."""
+    layers = lay_out(water)
+    return LaidWater(
+        bent=True,
+        height=np.ascontiguousarray(0.0 - layers.depth[::-1]),
+        speed=np.ascontiguousarray(layers.speed[:, ::-1]),
+        station=layers.distance,
+        axis_x=layers.axis[0],
+        axis_y=layers.axis[1],
+        reference=1500.0,
+        surface=0.0,
+    )
+
+
+def _height_of(bottom: float | None) -> float:
+    """Height of a bed over the sea surface; endlessly deep if there is none."""
+    return -math.inf if bottom is None else -float(bottom)
+
+
+def _downwards(cosine: Values, sine: Values) -> Values:
+    """Direction in degrees below the horizontal."""
+    return np.degrees(np.arctan2(0.0 - sine, cosine))
+
+
+def _units(units: dict[str, str], name: str) -> dict[str, str]:
+    return {"units": units[name]} if name in units else {}
+
+
+def _ranges(ranges: ArrayLike | None, max_range: float) -> Values:
+    """Where points are wanted."""
+    if ranges is None:
+        return np.linspace(0.0, max_range, POINTS)
+    wanted = np.atleast_1d(np.asarray(ranges, dtype=np.float64))
+    inside = (wanted >= 0.0) & (wanted <= max_range)
+    if not inside.all():
+        raise SceneError(f"ranges: {_first(wanted, inside)} must lie between 0 and max_range, {max_range:g} m")
+    if (np.diff(wanted) <= 0.0).any():
+        raise SceneError("ranges: must ascend, each number once; sort them")
+    return wanted
+
+
+def _first(values: Values, good: NDArray[np.bool_]) -> str:
+    return f"{values[~good][0]:g}"
+
+
+def _check(name: str, value: float, good: bool, remedy: str) -> None:
+    if not (good and math.isfinite(value)):
+        raise SceneError(f"{name}: {value:g} is no value for it; {remedy}")
+
+
+def _check_depths(depth: float, bottom: float | None, name: str = "source_depth") -> None:
+    """Refuse a point that is not in the water."""
+    _check(name, depth, depth >= 0.0, "give metres below the sea surface")
+    if bottom is not None:
+        _check("bottom", bottom, bottom > 0.0, "give metres below the sea surface")
+        _check(name, depth, depth <= bottom, f"the bed is at {bottom:g} m")

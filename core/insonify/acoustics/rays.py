@@ -1,0 +1,226 @@
+"""Rays through water laid out for the kernels: their paths, those that join two points, and where no sound gets."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.types import Water
+from insonify.kernels.refraction.eigenray_search import (
+    ANGLE,
+    BOTTOMS,
+    COLUMNS,
+    COSINE,
+    GRAZED,
+    ORDERS,
+    SINE,
+    TIME,
+    TOPS,
+    TUBE,
+    TURNS,
+    Span,
+    X,
+    find_eigenrays,
+    find_lit,
+)
+from insonify.kernels.refraction.ray_paths import Limits, Points, trace_paths
+from insonify.kernels.refraction.section_arcs import Plane
+
+Values = NDArray[np.float64]
+ROOM = 64  # for rays that join two points, at first
+FAN = 4000  # rays sent through a section to find those that join two points
+HALVINGS = 60  # of the angle between two rays of that fan
+SEAM = 1e-5  # of the farthest range looked at: two lit stretches this close are one
+CLOSE = 1e-6  # m by which a ray that joins two points may miss: more, and it is the brink of a shadow
+ALONG_STATIONS = Plane(0.0, 1.0)
+
+
+def follow_paths(water: Water, height: float, angles: Values, ranges: Values, limits: Limits) -> tuple[Points, Any]:
+    """Follow rays along the line of the water's stations.
+
+    Parameters
+    ----------
+    water : Water
+    height : float
+        At which they start, at place 0 along that line, in metres.
+    angles : (n,) float64
+        Of launch, radians above the horizontal.
+    ranges : (m,) float64
+        Where points are wanted, ascending, in metres.
+    limits : Limits
+
+    Returns
+    -------
+    points : Points
+        Of arrays of shape (n, m + 1).
+    ends : (n,) int64
+        Codes of `kernels.paths`.
+    """
+    shape = (angles.size, ranges.size + 1)
+    x, z, cosine, sine, time, q = (np.full(shape, math.nan) for _ in range(6))
+    turns, tops, bottoms = (np.zeros(shape, np.int64) for _ in range(3))
+    points = Points(x, z, cosine, sine, time, q, np.zeros(shape, np.bool_), turns, tops, bottoms)
+    ends = np.zeros(angles.size, np.int64)
+    trace_paths(water, ALONG_STATIONS, height, angles, ranges, limits, points, ends)
+    return points, ends
+
+
+def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, high: float, most: int) -> Values:
+    """Find the rays between two points.
+
+    Parameters
+    ----------
+    water : Water
+        Of one station, or rays run along the line of its stations.
+    z_from, z_to : float
+        Heights, in metres; the first at place 0 along the line of stations.
+    x : float
+        Ground range between them, in metres.
+    low, high : float
+        Heights at which rays are reflected, in metres; infinite ones are none.
+    most : int
+        Reflections that a ray may have.
+
+    Returns
+    -------
+    (n, COLUMNS) float64
+        As by `kernels.branches`, by launch angle, radians above the horizontal. Rays that have come to that height
+        ORDERS times before are left out.
+    """
+    span = Span(float(z_from), float(z_to), float(x), float(low), float(high), int(most))
+    if water.station.size > 1:
+        return _join_across(water, span)
+    edges, room = _critical_angles(water, span), ROOM
+    while True:
+        found = np.zeros((room, COLUMNS))
+        count = find_eigenrays(water.height, water.speed[0], span, edges, found)
+        if count < room:
+            return found[np.argsort(found[:count, ANGLE], kind="stable")]
+        room *= 2
+
+
+def _critical_angles(water: Water, span: Span) -> Values:
+    """Launch angles at which rays graze a node, an end of the water or the height asked for, in radians, ascending."""
+    nodes = (water.height > span.low) & (water.height < span.high)
+    heights = np.array([z for z in (span.z_to, span.low, span.high) if math.isfinite(z)])
+    speeds = np.concatenate([water.speed[0][nodes], np.interp(heights, water.height, water.speed[0])])
+    cosines = np.interp(span.z_from, water.height, water.speed[0]) / speeds
+    upwards = np.unique([0.0, *np.arccos(cosines[cosines < 1.0]), 0.5 * math.pi])
+    halves = [-upwards[:0:-1] if span.z_from > span.low else [], [0.0], upwards[1:] if span.z_from < span.high else []]
+    return np.concatenate(halves)
+
+
+def _join_across(water: Water, span: Span) -> Values:
+    """Find the rays between two points of a section: by a fan, halved where the point lies between two of its rays."""
+    lower, upper = sorted((span.z_from, span.z_to))
+    heights = np.linspace(lower - span.x, upper + span.x, FAN // 2)
+    angles = np.union1d(np.arctan2(heights - span.z_from, span.x), np.linspace(-0.5, 0.5, FAN // 2 + 2)[1:-1] * math.pi)
+    fan = _arrive(water, span, angles)
+    first, last = fan[:-1], fan[1:]
+    between = _parted(_miss(span, first), _miss(span, last))
+    # About an extremum of the height two more may hide.
+    nears = _rise(span, first) * _miss(span, first) < 0.0
+    leaves = _rise(span, last) * _miss(span, last) > 0.0
+    hidden = ~between & nears & leaves
+    extremum = _halve(water, span, first[hidden], last[hidden], _rise)
+    a, b = (
+        np.concatenate([first[between], first[hidden], extremum]),
+        np.concatenate([last[between], extremum, last[hidden]]),
+    )
+    held = _parted(_miss(span, a), _miss(span, b))
+    found = _halve(water, span, a[held], b[held], _miss)
+    few = found[:, TOPS] + found[:, BOTTOMS] <= span.reflections
+    found = found[few & (np.abs(_miss(span, found)) < CLOSE)]
+    found[:, X] = span.x
+    return found[np.argsort(found[:, ANGLE], kind="stable")]
+
+
+def _parted(a: Values, b: Values) -> NDArray[np.bool_]:
+    """Whether one of two is above 0 and the other is not; never for NaN."""
+    return np.isfinite(a) & np.isfinite(b) & ((a > 0.0) != (b > 0.0))
+
+
+def _arrive(water: Water, span: Span, angles: Values) -> Values:
+    """Send rays to the range of a point; column X holds their height there, NaN for those that do not come."""
+    # A point at an end of the water lies between rays that are sent back before it and behind it.
+    most = span.reflections + (span.z_to in (span.low, span.high))
+    limits = Limits(span.x, span.low, span.high, most > 0, most > 0)
+    points, _ = follow_paths(water, span.z_from, angles, np.array([span.x]), limits)
+    rows = np.empty((angles.size, COLUMNS))
+    rows[:, ANGLE] = angles
+    kept = {X: points.z, TIME: points.time, COSINE: points.cosine, SINE: points.sine, TUBE: points.q}
+    counted = {TURNS: points.turns, TOPS: points.tops, BOTTOMS: points.bottoms, GRAZED: points.grazed}
+    for column, values in (kept | counted).items():
+        rows[:, column] = values[:, 0]
+    # What ends before has its end for first point.
+    rows[(points.x[:, 0] != span.x) | (rows[:, TOPS] + rows[:, BOTTOMS] > most), X] = math.nan
+    return rows
+
+
+def _miss(span: Span, rows: Values) -> Values:
+    """Height of rays above the point, in metres; beyond an end of the water on which it lies, if they went on."""
+    return _onwards(span, rows) * (rows[:, X] - span.z_to)
+
+
+def _rise(span: Span, rows: Values) -> Values:
+    """dz/dθ0 of that height, in m/rad."""
+    mirrored = (rows[:, TOPS] + rows[:, BOTTOMS]) % 2 == 1
+    return _onwards(span, rows) * np.where(mirrored, -1.0, 1.0) * rows[:, TUBE] / rows[:, COSINE]
+
+
+def _onwards(span: Span, rows: Values) -> Values:
+    """-1 for rays that an end of the water with the point on it has turned upside down, otherwise 1."""
+    if span.z_to == span.low:
+        return 1.0 - 2.0 * (rows[:, BOTTOMS] % 2)
+    if span.z_to == span.high:
+        return 1.0 - 2.0 * (rows[:, TOPS] % 2)
+    return np.ones(len(rows))
+
+
+def _halve(water: Water, span: Span, a: Values, b: Values, value: Callable[[Span, Values], Values]) -> Values:
+    """Find the rays between ``a`` and ``b`` at which a value of them changes its sign: those less often reflected."""
+    above = value(span, a) > 0.0
+    first, last = a.copy(), b.copy()
+    for _ in range(HALVINGS):
+        middle = _arrive(water, span, 0.5 * (first[:, ANGLE] + last[:, ANGLE]))
+        before = (value(span, middle) > 0.0) == above
+        first[before], last[~before] = middle[before], middle[~before]
+    fewer = first[:, TOPS] + first[:, BOTTOMS] <= last[:, TOPS] + last[:, BOTTOMS]
+    return np.where(fewer[:, None], first, last)
+
+
+def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: float, farthest: float) -> Values:
+    """Find the ranges at which no direct ray comes to a height in layered water.
+
+    Parameters
+    ----------
+    water : Water
+        Of one station.
+    z_from, z_to, low, high : float
+        As in `join_points`; rays end at ``low`` and ``high``.
+    farthest : float
+        Ground range up to which is looked, in metres.
+
+    Returns
+    -------
+    (n, 2) float64
+        Beginning and end of each shadow, in metres, ascending.
+    """
+    span = Span(float(z_from), float(z_to), math.inf, float(low), float(high), 0)
+    edges = _critical_angles(water, span)
+    lit = np.full((edges.size - 1, ORDERS, 2), math.inf)
+    find_lit(water.height, water.speed[0], span, edges, lit)
+    pieces = lit.reshape(-1, 2)
+    shadows, reached = [], 0.0
+    for begin, end in pieces[np.argsort(pieces[:, 0], kind="stable")]:
+        # Rays on either side of a critical angle come to the same place, but for rounding.
+        if begin > reached + SEAM * farthest:
+            shadows.append((reached, min(begin, farthest)))
+        reached = max(reached, end)
+        if reached >= farthest:
+            break
+    return np.array([shadow for shadow in shadows if shadow[0] < farthest]).reshape(-1, 2)

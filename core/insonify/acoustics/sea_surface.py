@@ -1,0 +1,99 @@
+"""The sea surface as a mirror of many facets: how high and how steep the wind's waves are, and what that does to sound.
+
+At sonar frequencies a rough surface keeps next to nothing of the coherent mirror image, exp(−4k²h² sin²θ) of its energy
+for an rms height h; facets of all heights and tilts take the image's place, and what they mirror is the same energy.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from insonify.kernels.common.types import Ghosts, no_ghosts
+from insonify.scene.surface import NoSurface, RoughSurface, Surface
+
+GRAVITY = 9.81  # m/s²
+# Pierson and Moskowitz (1964): S(ω) = α g² ω⁻⁵ exp(−β (g / Uω)⁴).
+ALPHA, BETA = 8.1e-3, 0.74
+# Wave number at which ripples of surface tension take over (1.7 cm long), rad/m: facets no finer are counted.
+FINEST = 363.0
+CALM = 0.02  # m/s, of a wind whose waves are all finer: E₁(3000) is nothing
+STRATA = 8  # of tilts, each met by two of heights
+
+
+def rms_height(wind_speed: float) -> float:
+    """Rms height of the waves, in metres, for a wind in m/s: h² = ∫ S dω = α U⁴ / (4 β g²)."""
+    return math.sqrt(ALPHA / (4.0 * BETA)) * wind_speed**2 / GRAVITY
+
+
+def slope_variance(wind_speed: float) -> float:
+    """Variance of the slope of the waves in one direction, half of that in both, for a wind in m/s.
+
+    ∫ (ω²/g)² S dω up to the finest wave, ω² = g · 363 rad/m, is α/4 · E₁(β (g / Uω)⁴); with U = 5 m/s it is 0.027 in
+    both directions, where Cox and Munk (1954) measured 0.003 + 0.00512 U = 0.029.
+    """
+    if wind_speed < CALM:
+        return 0.0
+    squared = GRAVITY / (wind_speed**2 * FINEST)  # (g / Uω)²
+    return float(0.5 * ALPHA / 4.0 * special.exp1(BETA * squared**2))
+
+
+def make_ghosts(surface: Surface) -> Ghosts:
+    """Turn a declared surface into what kernels see of it.
+
+    Parameters
+    ----------
+    surface : NoSurface, FlatSurface or RoughSurface
+
+    Returns
+    -------
+    Ghosts
+        A flat surface has one facet; that of a sea is met by sixteen.
+    """
+    if isinstance(surface, NoSurface):
+        return no_ghosts()
+    ways = surface.surface_bottom, surface.surface_bottom_surface, surface.second_bottom, surface.surface_echo
+    wind = surface.wind_speed if isinstance(surface, RoughSurface) else 0.0
+    if wind == 0.0:
+        return Ghosts(any(ways), *ways, 0.0, 0.0, np.zeros((2, 1, 4)))
+    return Ghosts(any(ways), *ways, rms_height(wind), slope_variance(wind), facets())
+
+
+def facets() -> NDArray[np.float64]:
+    """Facets that stand for a sea, all of the same share of it.
+
+    Returns
+    -------
+    (2, 16, 4) float64
+        For sound that passes the surface once and twice: from and to which height, in rms heights, and from and to
+        which squared tilt, in variances of the slope, a facet reaches. Heights are Gaussian, of mean 0 and variance 1.
+        The square of one Gaussian tilt, or the mean of two squares, has mean 1. To every stratum of tilts belong a
+        high facet and one as low, so that the two are uncorrelated.
+    """
+    heights = _heights(2 * STRATA)
+    ranks = 7 * (np.arange(STRATA) + 1) % (STRATA + 1) - 1
+    rows = []
+    for passes in (1, 2):
+        tilts = _squared_tilts(0.5 * passes)
+        low, high = heights[ranks], heights[2 * STRATA - 1 - ranks]
+        rows.append(np.concatenate([np.hstack([low, tilts]), np.hstack([high, tilts])]))
+    return np.stack(rows)
+
+
+def _heights(strata: int) -> NDArray[np.float64]:
+    """Find the ends of equally likely strata of a Gaussian, (strata, 2), of mean 0 and variance 1 if spread evenly."""
+    inner = special.ndtri(np.arange(1, strata) / strata)
+    outer = 2.0 * strata * math.exp(-0.5 * inner[-1] ** 2) / math.sqrt(2.0 * math.pi) - inner[-1]
+    ends = np.column_stack([np.concatenate([[-outer], inner]), np.concatenate([inner, [outer]])])
+    return np.asarray(ends / math.sqrt((ends**2).sum() / 3.0 / strata + ends.prod(axis=1).sum() / 3.0 / strata))
+
+
+def _squared_tilts(shape: float) -> NDArray[np.float64]:
+    """Find the ends of strata of a gamma distribution, likewise, (strata, 2), of mean 1 if spread evenly."""
+    inner = special.gammaincinv(shape, np.arange(1, STRATA) / STRATA) / shape
+    beyond = special.gammaincc(shape + 1.0, shape * inner[-1]) * STRATA  # mean of the last stratum
+    ends = np.column_stack([np.concatenate([[0.0], inner]), np.concatenate([inner, [2.0 * beyond - inner[-1]]])])
+    return np.asarray(ends / ends.mean())

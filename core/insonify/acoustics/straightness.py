@@ -1,0 +1,71 @@
+"""What would be missed if sound were taken to go straight, told without tracing anything."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from insonify.acoustics.layers import lay_out
+from insonify.acoustics.water import speed_at_sonar
+from insonify.scene import Scene
+from insonify.scene.reliefs import Dem
+
+DEPTHS = 64  # at which the way to the bed is looked at
+
+
+class Bending(NamedTuple):
+    """What bending does to the farthest echo of the bed.
+
+    Attributes
+    ----------
+    shift : float
+        Metres of slant range by which it lies elsewhere than on a straight line through water of the sonar's speed.
+    level : float
+        Share by which it is louder or fainter, at most.
+    most : float
+        The greater of the two, shift in bins, were all the water as unlike that at the sonar as it gets anywhere.
+    """
+
+    shift: float
+    level: float
+    most: float
+
+
+def bending_of(scene: Scene) -> Bending:
+    """Estimate what the bending of sound makes of a scene's farthest echo, in closed form.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Bending
+        To first order travel time is that along the straight line (Fermat), R·mean(1/c). By Snell's law the cosine of
+        the grazing angle grows with the speed, so that its sine squared falls by 2 Δc/c · cot²θ; backscatter goes with
+        that, spreading there and back with as much again at most.
+
+    Raises
+    ------
+    SceneError
+        If a cast cannot be read.
+    """
+    layers, reference = lay_out(scene.water), speed_at_sonar(scene)
+    if (layers.speed == layers.speed[0, 0]).all():
+        return Bending(0.0, 0.0, 0.0)
+    bed, reach = scene.seabed.depth, scene.sonar.range
+    sonar = bed - scene.altitude if scene.track.depth is None else scene.track.depth
+    way = layers.speed_at(*scene.track.start, np.linspace(sonar, bed, DEPTHS))
+    sine = min(abs(bed - sonar) / reach, 1.0)
+    per_speed = 4.0 * (1.0 - sine**2) / max(sine, 1e-3) ** 2 / reference
+    # A measured bed may lie at any depth.
+    within = layers.depth < (math.inf if isinstance(scene.seabed.relief, Dem) else bed)
+    unlike = max(abs(layers.speed[:, within] - reference).max(initial=0.0), abs(way - reference).max())
+    bin_length = reach / scene.sonar.bins
+    return Bending(
+        shift=reach * abs(reference * float((1.0 / way).mean()) - 1.0),
+        level=per_speed * abs(float(way[-1]) - reference),
+        most=float(unlike) * max(reach / reference / bin_length, per_speed),
+    )

@@ -1,0 +1,91 @@
+"""The water of a scene as kernels see it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.acoustics.layers import Layers, lay_out
+from insonify.kernels.common.types import Water, still_water
+from insonify.scene import Scene
+
+
+def speed_at_sonar(scene: Scene, datum: float | None = None) -> float:
+    """Speed of sound where the first ping is sent, at the height that the track declares.
+
+    Parameters
+    ----------
+    scene : Scene
+    datum : float, optional
+        Height of the mean bed above the sea surface, in metres (negative). When left out it is that of
+        ``seabed.depth``, which a DEM has no need to keep to.
+
+    Returns
+    -------
+    float
+        m/s; slant range is one-way travel time times this.
+
+    Raises
+    ------
+    SceneError
+        If a cast cannot be read.
+    """
+    mean_bed = scene.seabed.depth if datum is None else -datum
+    depth = mean_bed - scene.altitude if scene.track.depth is None else scene.track.depth
+    return float(lay_out(scene.water).speed_at(*scene.track.start, depth))
+
+
+def recording_speed(scene: Scene, datum: float | None = None) -> float:
+    """Speed by which the receiver turns time into slant range, in m/s; parameters as in `speed_at_sonar`."""
+    return scene.water.reference_speed or speed_at_sonar(scene, datum)
+
+
+def make_water(scene: Scene, datum: float, low: float = -math.inf) -> Water:
+    """Lay out the speed of sound over height.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose water it is.
+    datum : float
+        Height of the mean bed above the sea surface, in metres (negative).
+    low : float
+        Height above the datum below which no sound gets, in metres; nothing that lies deeper is laid out.
+
+    Returns
+    -------
+    Water
+        Not bent if the speed is the same all over.
+
+    Raises
+    ------
+    SceneError
+        If a cast cannot be read.
+    """
+    layers = _cut(lay_out(scene.water), 0.0, -(low + datum))
+    reference = speed_at_sonar(scene, datum)
+    if (layers.speed == layers.speed[0, 0]).all():
+        return still_water(reference, -datum)
+    return Water(
+        bent=True,
+        height=np.ascontiguousarray(-layers.depth[::-1] - datum),
+        speed=np.ascontiguousarray(layers.speed[:, ::-1]),
+        station=layers.distance,
+        axis_x=layers.axis[0],
+        axis_y=layers.axis[1],
+        reference=reference,
+        surface=-datum,
+    )
+
+
+def _cut(layers: Layers, top: float, bottom: float) -> Layers:
+    """Leave out what lies above and below two depths, and put points there instead."""
+    within = layers.depth[(layers.depth > top) & (layers.depth < bottom)]
+    ends = [depth for depth in (top, bottom) if layers.depth[0] <= depth <= layers.depth[-1]]
+    depth = np.sort(np.concatenate([within, ends]))
+    if depth.size == 0:
+        # All of it lies outside: the nearer end holds.
+        depth = layers.depth[:1] if bottom < layers.depth[0] else layers.depth[-1:]
+    speed = np.stack([np.interp(depth, layers.depth, profile) for profile in layers.speed])
+    return Layers(depth, layers.distance, speed, layers.heading)

@@ -1,0 +1,229 @@
+"""A sheet as a page for people: scales in metres, ping numbers, a colour bar and a title."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+from insonify.display.options import Look
+from insonify.display.picture import colours, contrast, palette
+from insonify.display.sheet import Sheet
+from insonify.io.atomic import replacing
+from insonify.scene import Scene
+
+DPI = 100
+LEFT, RIGHT, TOP, BOTTOM = 86, 196, 92, 62  # margins in pixels
+INK, FAINT = "#22262b", "#6b737c"
+
+
+class Caption(NamedTuple):
+    """Words of a page.
+
+    Attributes
+    ----------
+    title : str
+    line : str
+        How the record was made.
+    level : str
+        What its echoes are relative to.
+    """
+
+    title: str
+    line: str
+    level: str
+
+
+def write_page(path: str | Path, sheet: Sheet, look: Look, caption: Caption) -> None:
+    """Draw a sheet with its scales and write it as PNG.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to make or replace; it appears only when whole.
+    sheet : Sheet
+        From ``sheet.gather``.
+    look : Look
+        Palette and gain.
+    caption : Caption
+        From ``scene_caption`` or ``record_caption``.
+    """
+    figure = draw(sheet, look, caption)
+    with replacing(path) as beside, warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # a title in any script
+        figure.savefig(beside, dpi=DPI)
+
+
+def draw(sheet: Sheet, look: Look, caption: Caption) -> Figure:
+    """Lay a sheet out on a page, one pixel an amplitude.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    look : Look
+    caption : Caption
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        With an Agg canvas.
+    """
+    height, width = sheet.amplitude.shape
+    whole = (LEFT + width + RIGHT, TOP + height + BOTTOM)
+    figure = Figure(figsize=(whole[0] / DPI, whole[1] / DPI), dpi=DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    levels = contrast(sheet.amplitude)
+    axes = _axes(figure, whole, LEFT, BOTTOM, width, height)
+    near = -sheet.reach if look.side == "both" else 0.0
+    axes.imshow(
+        colours(sheet.amplitude, look.palette, look.gain, levels),
+        extent=(near, sheet.reach, 0.0, sheet.along or 1.0),  # one ping has no length
+        aspect="auto",
+        interpolation="nearest",
+    )
+    _scales(axes, sheet, look)
+    bar = _axes(figure, whole, LEFT + width + 84, BOTTOM, 18, height)
+    _colour_bar(bar, look, levels, caption.level)
+    _headings(figure, whole, width, look, caption)
+    return figure
+
+
+def _axes(figure: Figure, whole: tuple[int, int], left: int, bottom: int, width: int, height: int) -> Any:
+    axes = figure.add_axes((left / whole[0], bottom / whole[1], width / whole[0], height / whole[1]))
+    axes.tick_params(labelsize=9, color=FAINT, labelcolor=INK, length=4, width=0.8)
+    for spine in axes.spines.values():
+        spine.set(color=FAINT, linewidth=0.8)
+    return axes
+
+
+def _scales(axes: Any, sheet: Sheet, look: Look) -> None:
+    """Range from nadir outwards on both sides, metres along the track, ping numbers."""
+    axes.xaxis.set_major_locator(MaxNLocator(10 if look.side == "both" else 8, steps=[1, 2, 2.5, 5, 10]))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{abs(x):g}"))
+    kind = "ground" if look.ground_range else "slant"
+    axes.set_xlabel(f"{kind} range (m)", fontsize=10, color=INK, labelpad=6)
+    axes.set_ylabel("along track (m)", fontsize=10, color=INK, labelpad=6)
+    if look.side == "both":
+        axes.axvline(0.0, color="white", alpha=0.25, linewidth=0.8)
+    if sheet.along <= 0.0:
+        axes.set_yticks([])
+        return
+    numbers = axes.secondary_yaxis(
+        "right",
+        functions=(lambda y: y * (sheet.pings / sheet.along), lambda n: n * (sheet.along / sheet.pings)),
+    )
+    numbers.yaxis.set_major_locator(MaxNLocator(8, integer=True))
+    numbers.tick_params(labelsize=9, color=FAINT, labelcolor=FAINT, length=4, width=0.8)
+    numbers.spines["right"].set(color=FAINT, linewidth=0.8)
+    numbers.set_ylabel("ping", fontsize=10, color=FAINT, labelpad=4)
+
+
+def _colour_bar(axes: Any, look: Look, levels: tuple[float, float], level: str) -> None:
+    """Palette from low to high with ticks in decibels above a level."""
+    axes.imshow(palette(look.palette)[:, None, :], extent=(0, 1, 0, 1), origin="lower", aspect="auto")
+    axes.set_xticks([])
+    axes.yaxis.tick_right()
+    axes.yaxis.set_label_position("right")
+    places = decibel_ticks(levels, look.gain)
+    axes.set_yticks([place for place, _ in places], [text for _, text in places])
+    axes.set_ylabel(f"echo relative to {level} (dB)", fontsize=10, color=INK, labelpad=6)
+
+
+def decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[float, str]]:
+    """Choose round decibels along a bar that is linear in amplitude.
+
+    Parameters
+    ----------
+    levels : (float, float)
+        Amplitudes of the two ends before the gain.
+    gain : float
+        Display gain in dB.
+
+    Returns
+    -------
+    list of (float, str)
+        Place from 0 to 1, and text; from the top down, never crowded.
+    """
+    low, high = levels
+    highest = math.floor(20.0 * math.log10(high) - gain)
+    ticks: list[tuple[float, str]] = []
+    for decibels in range(highest, highest - 60, -1):
+        place = (10.0 ** ((decibels + gain) / 20.0) - low) / (high - low)
+        if place < 0.0:
+            break
+        if decibels % 2 == 0 and (not ticks or ticks[-1][0] - place > 0.07):
+            ticks.append((place, f"{decibels:+d}".replace("-", "−") if decibels else "0"))
+    return ticks
+
+
+def _headings(figure: Figure, whole: tuple[int, int], width: int, look: Look, caption: Caption) -> None:
+    def text(x: float, y: float, words: str, **style: Any) -> None:
+        figure.text(x / whole[0], 1.0 - y / whole[1], words, parse_math=False, **style)
+
+    title = caption.title if len(caption.title) <= 90 else f"{caption.title[:89]}…"
+    text(LEFT, 34, title, fontsize=15, fontweight="bold", color=INK, va="baseline")
+    text(LEFT, 56, caption.line, fontsize=10, color=FAINT, va="baseline")
+    small: dict[str, Any] = {"fontsize": 9, "fontweight": "bold", "color": FAINT, "va": "baseline"}
+    if look.side in ("both", "port"):
+        text(LEFT, TOP - 9, "PORT", **small)
+    if look.side in ("both", "starboard"):
+        right = look.side == "both"
+        text(LEFT + width if right else LEFT, TOP - 9, "STARBOARD", ha="right" if right else "left", **small)
+
+
+def scene_caption(scene: Scene, look: Look) -> Caption:
+    """Say how a simulated record was made."""
+    sonar = scene.sonar
+    parts = [
+        _tow(scene),
+        sonar.beam.words,
+        *filter(None, [sonar.vertical.words]),
+        f"{sonar.frequency / 1e3:g} kHz",
+        f"{sonar.bins} bins of {100.0 * sonar.range / sonar.bins:.3g} cm",
+        f"ping every {100.0 * scene.track.speed / sonar.ping_rate:.3g} cm",
+    ]
+    if sonar.law == "light":
+        parts.append("law light")
+    return Caption(scene.title, _line(parts, look), "a perfect Lambert bed")
+
+
+def _tow(scene: Scene) -> str:
+    """Say how high the sonar was, and how it moved."""
+    track = scene.track
+    height = f"altitude {scene.altitude:g} m" if track.depth is None else f"depth {track.depth:g} m"
+    return ", ".join([height, *(["terrain following"] if track.terrain_following else []), *track.kinds])
+
+
+def record_caption(record: xr.Dataset, along: float, look: Look) -> Caption:
+    """Say of a record read from a file what it tells of itself.
+
+    Parameters
+    ----------
+    record : Dataset
+    along : float
+        Its length, in metres.
+    look : Look
+    """
+    pings, bins = record.sizes["ping_time"], record.sizes["range_sample"]
+    parts = [f"{bins} bins of {200.0 * float(record['slant_range'][0]):.3g} cm", f"{pings} pings"]
+    altitude = record["platform_altitude"].values
+    if np.isfinite(altitude).any():
+        low, high = float(np.nanmin(altitude)), float(np.nanmax(altitude))
+        parts.insert(0, f"altitude {low:.1f} m" if high - low < 0.1 else f"altitude {low:.1f} to {high:.1f} m")
+    frequency = record.attrs.get("frequency")
+    if isinstance(frequency, (float, np.floating)) and frequency > 0.0:
+        parts.insert(1, f"{frequency / 1e3:g} kHz")
+    if along > 0.0:
+        parts.append(f"ping every {100.0 * along / pings:.3g} cm")
+    return Caption(str(record.attrs.get("title", "")), _line(parts, look), "the median at its range")
+
+
+def _line(parts: list[str], look: Look) -> str:
+    return "  ·  ".join([*parts, f"gain {look.gain:+g} dB"] if look.gain else parts)

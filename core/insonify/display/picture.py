@@ -1,0 +1,365 @@
+"""Display of records: gain, palette, slant and ground range; arrays in, arrays out, no axes (those are page's).
+
+A record falls by tens of decibels with range. A picture shows it divided by what a perfect Lambert bed under the same
+ping would return, or a recording by its own median at every range, as amplitude, so that an even bed is even and what
+differs from it stands out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d, median_filter
+from skimage import exposure
+
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.display.options import PALETTES
+from insonify.scene import SceneError, resources
+
+if TYPE_CHECKING:
+    from insonify.simulation import Simulation
+
+__all__ = [
+    "PALETTES",
+    "LevelBed",
+    "binned",
+    "colours",
+    "column_edges",
+    "contrast",
+    "held_curve",
+    "mirrored",
+    "normalise",
+    "palette",
+    "recorded_curve",
+    "tones",
+]
+
+_rescale: Callable[..., Any] = exposure.rescale_intensity
+_ENOUGH = 200_000  # amplitudes that settle a percentile
+_PINGS = 2000  # pings that settle a recording's curve
+_FIRST = 1.25  # altitudes from which a recording's bed counts
+_SMOOTH = 64  # a recording's curve is smooth over this part of its bins
+
+
+@cache
+def palette(name: str) -> NDArray[np.uint8]:
+    """Return a colour table.
+
+    Parameters
+    ----------
+    name : str
+        One of ``PALETTES``; entry 0 stands for silence.
+
+    Returns
+    -------
+    (256, 3) uint8
+        Red, green, blue.
+
+    Raises
+    ------
+    SceneError
+        If there is no such palette.
+    """
+    if name not in PALETTES:
+        raise SceneError(f"palette {name!r} is not known; choose one of {', '.join(PALETTES)}")
+    lines = (resources() / "palettes" / f"{name}.txt").read_text(encoding="utf-8").splitlines()
+    anchors = np.array([list(bytes.fromhex(line[1:])) for line in lines if not line.startswith("# ")], dtype=np.float64)
+    at, given = np.linspace(0.0, 1.0, 256), np.linspace(0.0, 1.0, len(anchors))
+    table = np.stack([np.interp(at, given, channel) for channel in anchors.T], axis=1)
+    colours = np.rint(table).astype(np.uint8)
+    colours.flags.writeable = False
+    return colours
+
+
+class LevelBed:
+    """What a picture of a simulation is divided by: under every ping a level, perfect Lambert bed.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Prepared scene.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._kept = lru_cache(maxsize=1024)(self._curve)
+
+    def curves(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the records of the level beds, each at its ping's altitude to an eighth of a bin.
+
+        Parameters
+        ----------
+        pings : (n,) int64
+            Ping numbers.
+
+        Returns
+        -------
+        (n, 1, bins) float64
+            Positive in every bin.
+        """
+        eighths = np.rint(self._simulation.altitude(pings) / self._step).astype(np.int64)
+        numbers, which = np.unique(np.maximum(eighths, 1), return_inverse=True)
+        curves = np.array([self._kept(int(number)) for number in numbers])
+        return curves.reshape(-1, 1, self._simulation.arrays.bins)[which]
+
+    @property
+    def _step(self) -> float:
+        return self._simulation.arrays.bin_length / 8.0
+
+    def _curve(self, eighths: int) -> NDArray[np.float64]:
+        echo = held_curve(flat_bed_curve(self._simulation.arrays, eighths * self._step))
+        return self._simulation.reception.expected(echo)
+
+
+def held_curve(curve: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Fill the bins before the first return, where things above the bed may echo, with that return's value.
+
+    The bed's first bin is filled only in part, so the value held is the larger of the first two.
+
+    Parameters
+    ----------
+    curve : (bins,) float64
+        Record of a level bed.
+
+    Returns
+    -------
+    (bins,) float64
+        Positive everywhere; 1 where there is no return at all.
+    """
+    heard = np.flatnonzero(curve > 0.0)
+    if heard.size == 0:
+        return np.ones_like(curve)
+    first = int(heard[0])
+    filled = curve.copy()
+    filled[: first + 1] = curve[first : first + 2].max()
+    return filled
+
+
+def recorded_curve(
+    intensity: NDArray[np.float32], altitude: NDArray[np.float64], bin_length: float
+) -> NDArray[np.float64]:
+    """Return what a picture of a recording, whose sonar and bed nobody declared, is divided by.
+
+    It is the recording's own median at every slant range, after Lambert's law has taken out what the grazing angle
+    does as the altitude changes.
+
+    Parameters
+    ----------
+    intensity : (2, pings, bins) float32
+        Energy of the record.
+    altitude : (pings,) float64
+        Height above the bed, in metres; 0 where it is not known.
+    bin_length : float
+        Slant range of a bin, in metres.
+
+    Returns
+    -------
+    (pings, 1, bins) float64
+        Positive everywhere; smooth over a 64th of the bins.
+    """
+    some = slice(None, None, intensity.shape[1] // _PINGS + 1)
+    r = (np.arange(intensity.shape[-1]) + 0.5) * bin_length
+    sine = np.minimum(np.where(altitude > 0.0, altitude, np.inf)[:, None] / r, 1.0)
+    # Nearer than this an altimeter's error would count water as bed.
+    below = r >= _FIRST * altitude[some, None]
+    upright = intensity[:, some] / sine[some] ** 2
+    curve = np.array([_middle(upright[:, below[:, bin_], bin_]) for bin_ in range(len(r))])
+    known = np.flatnonzero(curve > 0.0)
+    if known.size == 0:
+        return np.ones((len(altitude), 1, len(r)))
+    logarithm = np.interp(np.arange(len(r)), known, np.log(curve[known]))
+    steady = median_filter(logarithm, size=len(r) // _SMOOTH + 1)  # marks that recorders put at the edges go
+    smooth = np.exp(gaussian_filter1d(steady, len(r) / _SMOOTH))
+    return (smooth * sine**2)[:, None, :]
+
+
+def _middle(echoes: NDArray[np.floating]) -> float:
+    """Median of what is heard, 0 if nothing is."""
+    heard = echoes[echoes > 0.0]
+    return float(np.median(heard)) if heard.size else 0.0
+
+
+def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Amplitude relative to a curve.
+
+    Parameters
+    ----------
+    intensity : (..., bins) float32
+        Energy of a record.
+    curve : (bins,) or (..., bins) float64
+        What it is divided by; positive.
+
+    Returns
+    -------
+    (..., bins) float32
+        Square root of the ratio; 0 where nothing is heard.
+    """
+    # The ratio is formed in float64: far bins hold 1e-9 and less.
+    return np.sqrt(intensity * (1.0 / curve)).astype(np.float32)
+
+
+def contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
+    """Choose the amplitudes that become the darkest and the brightest colour.
+
+    Shadows (zeros) do not count. The span follows the texture of the bed, within limits: a bed without texture stays
+    in the middle of the palette and apart from a shadow, one strong target does not darken all the rest, and a material
+    that covers a tenth of the picture keeps its texture however strong it is.
+
+    Parameters
+    ----------
+    amplitude : float32 array
+        From ``normalise``.
+
+    Returns
+    -------
+    (float, float)
+        Low and high; (0, 1) for a picture without echoes.
+    """
+    sample = amplitude.ravel()[:: amplitude.size // _ENOUGH + 1]
+    heard = sample[np.isfinite(sample) & (sample > 0.0)]
+    if heard.size == 0:
+        return 0.0, 1.0
+    weak, middle, upper, strong = (float(p) for p in np.percentile(heard, [2.0, 50.0, 90.0, 99.7]))
+    low = min(weak, 0.6 * middle) - 0.2 * middle
+    return max(low, 0.0), min(max(strong, 1.5 * middle, 1.3 * upper), max(2.4 * middle, 1.3 * upper))
+
+
+def tones(amplitude: NDArray[np.float32], levels: tuple[float, float], gain: float = 0.0) -> NDArray[np.uint8]:
+    """Turn amplitudes into entries of a palette.
+
+    Parameters
+    ----------
+    amplitude : float32 array
+        From ``normalise``.
+    levels : (float, float)
+        From ``contrast``.
+    gain : float
+        Display gain in dB.
+
+    Returns
+    -------
+    uint8 array
+        Same shape; 0 at and below the low level, 255 at and above the high one.
+    """
+    low, high = levels
+    amplified = np.nan_to_num(amplitude) * np.float32(10.0 ** (gain / 20.0))
+    scaled = _rescale(amplified, in_range=(low, high), out_range=(0.0, 255.0))
+    return np.rint(scaled).astype(np.uint8)
+
+
+def mirrored(
+    sides: NDArray[np.float32],
+    edges: NDArray[np.float64],
+    side: str = "both",
+) -> NDArray[np.float32]:
+    """Lay the channels out as a record is read: port to the left of nadir, newest ping on top.
+
+    Parameters
+    ----------
+    sides : (pings, 2, bins) float32
+        Amplitudes, oldest ping first.
+    edges : (pings, columns + 1) float64
+        Edges of a side's columns, in bins, from nadir outwards; from ``column_edges``.
+    side : str
+        ``both``, or ``port`` or ``starboard`` alone, then with nadir at the left.
+
+    Returns
+    -------
+    (pings, columns or 2 columns) float32
+    """
+    newest_first = slice(None, None, -1)
+    port, starboard = (binned(sides[newest_first, channel], edges[newest_first]) for channel in (0, 1))
+    if side == "both":
+        return np.concatenate([port[:, ::-1], starboard], axis=1)
+    return port if side == "port" else starboard
+
+
+def column_edges(
+    altitude: NDArray[np.float64],
+    bins: int,
+    bin_length: float,
+    columns: int,
+    ground_reach: float | None = None,
+) -> NDArray[np.float64]:
+    """Edges of equally wide columns, as positions within the bins of one side.
+
+    Parameters
+    ----------
+    altitude : (pings,) float64
+        Height of the sonar above the bed, in metres.
+    bins : int
+        Range bins of a side.
+    bin_length : float
+        Slant range of a bin, in metres.
+    columns : int
+        Columns of a side.
+    ground_reach : float, optional
+        Ground range of the outermost edge, in metres: columns are then steps of x = sqrt(r² − altitude²). Steps of
+        slant range when left out.
+
+    Returns
+    -------
+    (pings, columns + 1) float64
+    """
+    if ground_reach is None:
+        return np.broadcast_to(np.linspace(0.0, bins, columns + 1), (len(altitude), columns + 1))
+    x = np.linspace(0.0, ground_reach, columns + 1)
+    return np.minimum(np.hypot(x[None, :], altitude[:, None]) / bin_length, bins)
+
+
+def binned(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Mean of every row between successive edges, parts of bins counted as such.
+
+    Columns wider than a bin average, so that no narrow echo is dropped; columns narrower than a bin repeat it.
+
+    Parameters
+    ----------
+    rows : (n, bins) float32
+        Amplitudes.
+    edges : (n, columns + 1) float64
+        Increasing positions in bins; equal edges give 0.
+
+    Returns
+    -------
+    (n, columns) float32
+    """
+    n, bins = rows.shape
+    sums = np.zeros((n, bins + 1))
+    np.cumsum(rows, axis=1, dtype=np.float64, out=sums[:, 1:])
+    whole = np.minimum(edges.astype(np.int64), bins - 1)
+    below = np.take_along_axis(sums, whole, axis=1)
+    part = np.take_along_axis(rows, whole, axis=1) * (edges - whole)
+    totals = np.diff(below + part, axis=1)
+    widths = np.diff(edges, axis=1)
+    means = np.divide(totals, widths, out=np.zeros_like(totals), where=widths > 0.0)
+    return np.maximum(means, 0.0).astype(np.float32)
+
+
+def colours(
+    amplitude: NDArray[np.float32],
+    name: str = "copper",
+    gain: float = 0.0,
+    levels: tuple[float, float] | None = None,
+) -> NDArray[np.uint8]:
+    """Colour amplitudes.
+
+    Parameters
+    ----------
+    amplitude : (rows, columns) float32
+        From ``mirrored``.
+    name : str
+        Palette.
+    gain : float
+        Display gain in dB.
+    levels : (float, float), optional
+        Darkest and brightest amplitude; chosen by ``contrast`` when left out.
+
+    Returns
+    -------
+    (rows, columns, 3) uint8
+    """
+    return palette(name)[tones(amplitude, contrast(amplitude) if levels is None else levels, gain)]

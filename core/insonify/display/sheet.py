@@ -1,0 +1,176 @@
+"""From blocks of a record to one sheet of amplitudes in display columns; memory is that of the sheet, not the tow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from insonify.display.options import Look
+from insonify.display.picture import binned, column_edges, mirrored, normalise, recorded_curve
+from insonify.scene import SceneError
+
+Curves = Callable[[NDArray[np.int64]], NDArray[np.float64]]
+MOST_ROWS = 4096
+WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of the whole sheet
+HEIGHTS = (420, 1800)  # rows of a sheet stay between
+
+
+class Sheet(NamedTuple):
+    """A record ready to be coloured.
+
+    Attributes
+    ----------
+    amplitude : (rows, columns) float32
+        Relative to the curve given; newest ping on top, port mirrored about nadir.
+    reach : float
+        Range of a side's outer edge, in metres.
+    along : float
+        Along-track length, in metres.
+    pings : int
+        Pings in it.
+    """
+
+    amplitude: NDArray[np.float32]
+    reach: float
+    along: float
+    pings: int
+
+
+def gather(blocks: Iterable[xr.Dataset], curves: Curves, pings: int, look: Look) -> Sheet:
+    """Collect a record into a sheet.
+
+    Parameters
+    ----------
+    blocks : iterable of Dataset
+        Successive pings, as from ``simulate_blocks``.
+    curves : callable
+        What the pings of these numbers are divided by, (n, 1, bins); as of ``picture.LevelBed``.
+    pings : int
+        Pings of the whole record.
+    look : Look
+        Side and kind of range.
+
+    Returns
+    -------
+    Sheet
+
+    Raises
+    ------
+    SceneError
+        If ground range is asked for and the record ends before the bed begins.
+    """
+    columns = WIDTH[look.side]
+    together = math.ceil(pings / MOST_ROWS)  # pings that share a row
+    rows = np.zeros((math.ceil(pings / together), columns), dtype=np.float32)
+    counts = np.zeros((len(rows), 1), dtype=np.float32)
+    done, reach, ground_reach, track = 0, 0.0, None, _Length()
+    for block in blocks:
+        if done == 0:
+            reach, ground_reach = _reaches(block, look)
+        numbers = np.arange(done, done + block.sizes["ping_time"])
+        row = len(rows) - 1 - numbers[::-1] // together
+        np.add.at(rows, row, _columns(block, curves(numbers), columns, ground_reach, look.side))
+        np.add.at(counts, row, 1.0)
+        track.add(block)
+        done += block.sizes["ping_time"]
+    rows /= np.maximum(counts, 1.0)
+    along = track.metres * (done / max(done - 1, 1))
+    shown = reach if ground_reach is None else ground_reach
+    across = 2.0 * shown if look.side == "both" else shown
+    height = int(np.clip(columns * along / across if across > 0.0 else 0, *HEIGHTS))
+    return Sheet(stretched(rows, height), shown, along, done)
+
+
+def gather_record(record: xr.Dataset, look: Look) -> Sheet:
+    """Make a sheet of a whole record, relative to its own median at every range.
+
+    Parameters
+    ----------
+    record : Dataset
+        From ``records.read_record`` or ``simulate``.
+    look : Look
+        Side and kind of range.
+
+    Returns
+    -------
+    Sheet
+    """
+    own = own_curve(record)
+    return gather([record], lambda pings: own[pings], record.sizes["ping_time"], look)
+
+
+def own_curve(record: xr.Dataset) -> NDArray[np.float64]:
+    """Return what a record is divided by, (pings, 1, bins) float64; see ``picture.recorded_curve``."""
+    return recorded_curve(record["intensity"].values, known_altitude(record), _bin_length(record))
+
+
+def stretched(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]:
+    """Resample rows to a height, by mean where they are too many.
+
+    Parameters
+    ----------
+    rows : (n, columns) float32
+    height : int
+
+    Returns
+    -------
+    (height, columns) float32
+    """
+    edges = np.broadcast_to(np.linspace(0.0, len(rows), height + 1), (rows.shape[1], height + 1))
+    return binned(np.ascontiguousarray(rows.T), edges).T
+
+
+class _Length:
+    """Along-track length of successive blocks."""
+
+    def __init__(self) -> None:
+        self.metres = 0.0
+        self._last: tuple[float, float] | None = None
+
+    def add(self, block: xr.Dataset) -> None:
+        x, y = block["platform_x"].values, block["platform_y"].values
+        if self._last is not None:
+            x, y = np.append(self._last[0], x), np.append(self._last[1], y)
+        self.metres += float(np.hypot(np.diff(x), np.diff(y)).sum())
+        self._last = float(x[-1]), float(y[-1])
+
+
+def _reaches(block: xr.Dataset, look: Look) -> tuple[float, float | None]:
+    """Slant range of the outer edge, and its ground range if that is what is shown."""
+    reach = block.sizes["range_sample"] * _bin_length(block)
+    if not look.ground_range:
+        return reach, None
+    lowest = float(known_altitude(block).min())
+    if lowest >= reach:
+        raise SceneError(
+            f"--ground-range: the record ends at a slant range of {reach:g} m, before the bed {lowest:g} m beneath; "
+            "leave it out"
+        )
+    return reach, math.sqrt(reach**2 - lowest**2)
+
+
+def known_altitude(block: xr.Dataset) -> NDArray[np.float64]:
+    """Height above the bed beneath, in metres; where there is no bed, that of the lowest other ping."""
+    altitude = block["platform_altitude"].values.astype(np.float64)
+    known = altitude[np.isfinite(altitude)]
+    return np.where(np.isfinite(altitude), altitude, known.min() if known.size else 0.0)
+
+
+def _bin_length(block: xr.Dataset) -> float:
+    """Return the recorded slant range of a bin; its first centre lies at half of it."""
+    return 2.0 * float(block["slant_range"].values[0])
+
+
+def _columns(
+    block: xr.Dataset, curves: NDArray[np.float64], columns: int, ground_reach: float | None, side: str
+) -> NDArray[np.float32]:
+    intensity = block["intensity"].transpose("ping_time", "channel", "range_sample").values
+    altitude = known_altitude(block)
+    per_side = columns // 2 if side == "both" else columns
+    edges = column_edges(altitude, intensity.shape[-1], _bin_length(block), per_side, ground_reach)
+    return mirrored(normalise(intensity, curves), edges, side)

@@ -1,0 +1,114 @@
+"""Records as netCDF, block by block, so that memory does not grow with the length of the tow."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from insonify.io.atomic import replacing
+
+ALONG = "ping_time"
+EPOCH = "nanoseconds since 1970-01-01"
+
+
+def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
+    """Write a record as it is made.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to make or replace; it appears only when whole.
+    blocks : iterable of Dataset
+        Successive pings, as from ``simulate_blocks``.
+    """
+    with replacing(path) as beside:
+        file = netCDF4.Dataset(beside, "w", format="NETCDF4")
+        try:
+            for block in blocks:
+                with _faults_of_the_disk():
+                    append_to(file, block)
+        finally:
+            with _faults_of_the_disk():
+                file.close()
+
+
+@contextmanager
+def _faults_of_the_disk() -> Iterator[None]:
+    """Call by its name what the library calls a RuntimeError: the disk is full, or gone."""
+    try:
+        yield
+    except RuntimeError as error:
+        raise OSError(errno.EIO, f"could not be written ({error})") from error
+
+
+def append_to(file: Any, block: xr.Dataset) -> None:
+    """Append a block of pings to an open netCDF file; the first block lays the file out.
+
+    Parameters
+    ----------
+    file : netCDF4.Dataset
+        Open for writing.
+    block : Dataset
+        Pings that follow those in the file.
+    """
+    first = ALONG not in file.dimensions
+    if first:
+        _lay_out(file, block)
+    start = 0 if first else len(file.dimensions[ALONG])
+    stop = start + block.sizes[ALONG]
+    for name, variable in block.variables.items():
+        if ALONG in variable.dims:
+            place = tuple(slice(start, stop) if dim == ALONG else slice(None) for dim in variable.dims)
+            file[name][place] = _stored(variable.values)
+        elif first:
+            file[name][...] = _stored(variable.values)
+
+
+def _lay_out(file: Any, block: xr.Dataset) -> None:
+    """Declare dimensions, variables and attributes; only the pings are without limit."""
+    for name, size in block.sizes.items():
+        file.createDimension(name, None if name == ALONG else size)
+    for name, variable in block.variables.items():
+        is_text = variable.dtype.kind in "UOT"
+        stored = str if is_text else _stored(variable.values[..., :0] if variable.ndim else variable.values).dtype
+        chunks = None if is_text or ALONG not in variable.dims else [max(size, 1) for size in variable.shape]
+        made = file.createVariable(name, stored, variable.dims, chunksizes=chunks)
+        made.setncatts(_attributes(block, str(name), variable))
+    file.setncatts({"Conventions": "CF-1.10"} | {key: _plain(value) for key, value in block.attrs.items()})
+
+
+def _attributes(block: xr.Dataset, name: str, variable: xr.Variable) -> dict[str, Any]:
+    attributes = {key: _plain(value) for key, value in variable.attrs.items()}
+    if variable.dtype.kind == "M":
+        attributes |= {"units": EPOCH, "calendar": "proleptic_gregorian"}
+    if variable.dtype.kind == "b":
+        attributes["dtype"] = "bool"
+    # Coordinates that are no dimension are found again through those they belong to.
+    others = [str(c) for c in block.coords if c not in block.dims and set(block[c].dims) <= set(variable.dims)]
+    if name in block.data_vars and others:
+        attributes["coordinates"] = " ".join(others)
+    return attributes
+
+
+def _stored(values: NDArray[Any]) -> NDArray[Any]:
+    """Return values as netCDF holds them: times as integers, truth as bytes, text as objects."""
+    if values.dtype.kind == "M":
+        return values.astype("datetime64[ns]").astype(np.int64)
+    if values.dtype.kind == "b":
+        return values.astype(np.int8)
+    return values.astype(object) if values.dtype.kind in "UT" else values
+
+
+def _plain(value: Any) -> Any:
+    """Return an attribute as netCDF takes it."""
+    return (
+        value if isinstance(value, (int, float, np.number, np.ndarray)) and not isinstance(value, bool) else str(value)
+    )

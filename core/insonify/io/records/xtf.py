@@ -1,0 +1,222 @@
+"""Recordings in the eXtended Triton Format (XTF) of real side-scan sonars.
+
+pyxtf knows the layout of the packets; walking through them is done here, because its own loop trusts an index that
+lies beside the file (a pickle), lengths that may be zero, and channels that come in order.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from insonify.io.record_schema import ACROSS, coordinates, labels, platform
+from insonify.io.records.xtf_track import platform_columns, seconds
+from insonify.scene import SceneError
+
+SIDES = {1: 0, 2: 1}  # TypeOfChannel -> row: port, starboard
+SONAR_PACKET, MAGIC, FORMAT = 0, 0xFACE, 123
+BLOCK = 1024  # bytes of a file header; another for every six channels more
+SAMPLES = {2: "<u4", 3: "<u2", 5: "<f4", 8: "u1"}  # by SampleFormat
+UNTOLD = {1: "u1", 2: "<u2", 4: "<u4"}  # by BytesPerSample, where SampleFormat is 0
+GROUND_RANGE = 2  # of CorrectionFlags
+DEFAULT_SPEED = 1500.0  # m/s
+WIDEST = 8  # bins per sample of the longest ping; more come from a corrupt range
+
+
+class _Channel(NamedTuple):
+    """One side of one ping."""
+
+    amplitude: NDArray[np.float32]  # (samples,) near to far
+    slant_range: float  # m, of its last edge
+    sound_speed: float  # m/s, as the sonar took it
+
+
+class _Ping(NamedTuple):
+    header: Any  # pyxtf.XTFPingHeader
+    sides: dict[int, _Channel]
+
+
+def read_xtf(path: str | Path) -> xr.Dataset:
+    """Read a side-scan recording.
+
+    Samples are amplitudes: in even patches of a raw recording they scatter by half their mean, as the envelope of
+    fully developed speckle does (0.523), where its square would scatter by as much as its mean. ``intensity`` is
+    their square, in the recorder's own units.
+
+    Parameters
+    ----------
+    path : str or Path
+        An ``.xtf`` file.
+
+    Returns
+    -------
+    Dataset
+        As `simulate` makes it: dimensions (channel, ping_time, range_sample), ``intensity``, ``platform_*``. Intensity
+        is 0 where a ping was not recorded; what the file does not tell of the platform is NaN, and its x and y count
+        from the first fix, in metres east and north.
+
+    Raises
+    ------
+    SceneError
+        One sentence with what is wrong with the file and the remedy.
+    """
+    path = Path(path)
+    content = _content(path)
+    from pyxtf import XTFFileHeader  # its import is not needed by other commands
+
+    header = XTFFileHeader.from_buffer_copy(content[:BLOCK])
+    pings = list(_pings(path, content, header))
+    if not pings:
+        raise _refusal(path, "holds no side-scan pings", "give a recording with port or starboard channels")
+    return _dataset(path, header, pings)
+
+
+def _content(path: Path) -> NDArray[np.uint8]:
+    """Map the file, once it looks like one."""
+    if not path.is_file():
+        raise _refusal(path, "does not exist" if not path.exists() else "is no file", "give the path of a recording")
+    if path.stat().st_size < BLOCK:
+        raise _refusal(path, f"has {path.stat().st_size} bytes, less than the header of an XTF file", "copy it again")
+    content = np.memmap(path, dtype=np.uint8, mode="r")
+    if content[0] != FORMAT:
+        raise _refusal(path, "is not an XTF file (its first byte is not 123)", "give a recording in XTF")
+    return content
+
+
+def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Ping]:
+    """Walk the packets; yield the pings that have a side-scan channel."""
+    from pyxtf import XTFPacketStart, XTFPingHeader
+
+    at = BLOCK * max(1, -(-_channels(header) // 6))
+    smallest = ctypes.sizeof(XTFPacketStart)
+    while at < content.size:
+        start = content[at : at + smallest]
+        if not start.any() and not content[at:].any():
+            return  # padding
+        packet = XTFPacketStart.from_buffer_copy(start) if start.size == smallest else None
+        if packet is not None and (packet.MagicNumber != MAGIC or packet.NumBytesThisRecord < smallest):
+            raise _refusal(path, f"holds no XTF packet at byte {at}", "copy or export it again")
+        if packet is None or at + packet.NumBytesThisRecord > content.size:
+            raise _refusal(path, f"ends within the packet at byte {at}", "copy or export it again")
+        body = content[at : at + packet.NumBytesThisRecord]
+        if packet.HeaderType == SONAR_PACKET:
+            if body.size < ctypes.sizeof(XTFPingHeader):
+                raise _refusal(path, f"has a ping too short for its header at byte {at}", "export it again")
+            ping = XTFPingHeader.from_buffer_copy(body[: ctypes.sizeof(XTFPingHeader)])
+            sides = _sides(path, header, ping, body[ctypes.sizeof(XTFPingHeader) :])
+            if sides:
+                yield _Ping(ping, sides)
+        at += packet.NumBytesThisRecord
+
+
+def _channels(header: Any) -> int:
+    """Channels of every kind, for the length of the header."""
+    kinds = ("Sonar", "Bathymetry", "Snippet", "EchoStrength", "Interferometry")
+    arrays = int(header.NumberOfForwardLookArrays)
+    return arrays + sum(int(getattr(header, f"NumberOf{kind}Channels")) for kind in kinds)
+
+
+def _sides(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> dict[int, _Channel]:
+    """Read the first port and the first starboard channel of a ping; others, of a second frequency, are left."""
+    from pyxtf import XTFPingChanHeader
+
+    size, at = ctypes.sizeof(XTFPingChanHeader), 0
+    sides: dict[int, _Channel] = {}
+    for _ in range(ping.NumChansToFollow):
+        if at + size > body.size:
+            raise _refusal(path, f"tells of more channels than ping {ping.PingNumber} has", "export it again")
+        channel = XTFPingChanHeader.from_buffer_copy(body[at : at + size])
+        info = header.ChanInfo[channel.ChannelNumber % len(header.ChanInfo)]
+        samples, length = _samples(path, info, channel, body[at + size :])
+        at += size + length
+        side = SIDES.get(info.TypeOfChannel)
+        if side is not None and side not in sides and samples.size:
+            if info.CorrectionFlags == GROUND_RANGE:
+                raise _refusal(path, "is corrected to ground range", "export it in slant range")
+            sides[side] = _channel(path, ping, channel, samples[::-1] if side == 0 else samples)
+    return sides
+
+
+def _samples(path: Path, info: Any, channel: Any, body: NDArray[np.uint8]) -> tuple[NDArray[Any], int]:
+    """Return the samples of a channel in the order stored, and their bytes."""
+    kind = SAMPLES.get(info.SampleFormat) if info.SampleFormat else UNTOLD.get(info.BytesPerSample)
+    if kind is None:
+        raise _refusal(
+            path,
+            f"has samples of format {info.SampleFormat} and {info.BytesPerSample} bytes, which is not read here",
+            "export it with integers or IEEE floats",
+        )
+    count = int(channel.NumSamples or info.Reserved)  # the field that old files use
+    length = count * np.dtype(kind).itemsize
+    if length > body.size:
+        raise _refusal(path, f"has a ping with less than the {count} samples it announces", "export it again")
+    return body[:length].view(kind), length
+
+
+def _channel(path: Path, ping: Any, channel: Any, samples: NDArray[Any]) -> _Channel:
+    """Scale the samples and settle how far they reach."""
+    # A weight N says that the samples were multiplied by 2^N to fill their integers.
+    amplitude = np.ldexp(np.abs(samples.astype(np.float64)), -int(np.clip(channel.Weight, -40, 40))).astype(np.float32)
+    if not (np.isfinite(amplitude).all() and amplitude.max() < 1e18):  # its square must fit a float32
+        raise _refusal(path, f"has samples in ping {ping.PingNumber} that are no echoes", "export it again")
+    reach, lasts = float(channel.SlantRange), float(channel.TimeDuration)
+    given = float(ping.SoundVelocity)
+    given = 2.0 * given if 650.0 <= given <= 850.0 else given  # one-way, as half the speed
+    known = 2.0 * reach / lasts if reach > 0.0 and lasts > 0.0 else given
+    speed = next((speed for speed in (known, given) if 1300.0 <= speed <= 1700.0), DEFAULT_SPEED)
+    reach = reach if reach > 0.0 else speed * lasts / 2.0
+    if not 0.0 < reach < 1e5:
+        raise _refusal(path, f"tells no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
+    return _Channel(amplitude, reach, speed)
+
+
+def _dataset(path: Path, header: Any, pings: list[_Ping]) -> xr.Dataset:
+    """Lay the pings out on one grid of slant range, the most usual."""
+    channels = [side for ping in pings for side in ping.sides.values()]
+    bin_length = sorted(side.slant_range / side.amplitude.size for side in channels)[len(channels) // 2]
+    bins = max(round(side.slant_range / bin_length) for side in channels)
+    most = max(side.amplitude.size for side in channels)
+    if bins > WIDEST * most:
+        raise _refusal(
+            path, f"has slant ranges up to {bins * bin_length:.3g} m in bins of {bin_length:.3g} m", "export it again"
+        )
+    amplitude = np.zeros((2, len(pings), bins), dtype=np.float32)
+    for number, ping in enumerate(pings):
+        for side, channel in ping.sides.items():
+            _lay(amplitude[side, number], channel, bin_length)
+    headers = [ping.header for ping in pings]
+    times = seconds(headers)
+    columns = platform_columns(header, headers, times)
+    slant_range = (np.arange(bins) + 0.5) * bin_length
+    return xr.Dataset(
+        {"intensity": (ACROSS, amplitude**2, labels("1", "square of the samples"))},
+        coordinates(times, slant_range, channels[0].sound_speed),
+        {"title": path.name, "frequency": _frequency(header)},
+    ).assign(platform(columns))
+
+
+def _lay(row: NDArray[np.float32], channel: _Channel, bin_length: float) -> None:
+    """Put a channel into its row; one of another sample length is interpolated."""
+    samples, step = channel.amplitude, channel.slant_range / channel.amplitude.size
+    if abs(channel.slant_range - samples.size * bin_length) < 0.5 * bin_length:
+        row[: samples.size] = samples[: row.size]
+        return
+    count = min(round(channel.slant_range / bin_length), row.size)
+    row[:count] = np.interp((np.arange(count) + 0.5) * bin_length, (np.arange(samples.size) + 0.5) * step, samples)
+
+
+def _frequency(header: Any) -> float:
+    """Carrier frequency of the first side-scan channel in Hz, 0 if not told; files have it in kHz."""
+    given = (float(info.Frequency) for info in header.ChanInfo if info.TypeOfChannel in SIDES)
+    frequency = next(given, 0.0)
+    return 1e3 * frequency if 0.0 < frequency < 1e4 else frequency
+
+
+def _refusal(path: Path, wrong: str, remedy: str) -> SceneError:
+    return SceneError(f"{path}: {wrong}; {remedy}")

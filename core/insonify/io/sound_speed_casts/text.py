@@ -1,0 +1,130 @@
+"""Casts as plain text: sound-speed profiles of echo sounders, and tables."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.io.sound_speed_casts.cast import Columns, Values, refusal
+
+BYTE_ORDER_MARK = "\u00ef\u00bb\u00bf"  # read as Latin-1
+SPEEDS = (1300.0, 1700.0)
+# What a header may call a column, lower case and without units.
+NAMES = {
+    "time": r"time|seconds",
+    "depth": r"depth|dep|z",
+    "sound_speed": r"sound[ _]?(speed|velocity)|speed|velocity|sv|svp|c",
+    "temperature": r"temperature|temp|t",
+    "salinity": r"(practical )?salinity|sal|psal|s",
+}
+
+
+def read_profile(path: str, text: str) -> Columns:
+    """Read depth and speed of sound from ``.asvp`` and ``.svp`` files; lines that are not all numbers are headings.
+
+    Parameters
+    ----------
+    path, text : str
+        Name and content of the file.
+
+    Returns
+    -------
+    dict of str to (n,) float64
+
+    Raises
+    ------
+    SceneError
+        If it holds no profile, or several.
+    """
+    sections = len(re.findall(r"^\s*section\b", text, flags=re.MULTILINE | re.IGNORECASE))
+    if sections > 1:
+        raise refusal(path, f"holds {sections} casts", "keep one of its sections")
+    rows = [row for row in map(_numbers, text.splitlines()) if row.size >= 2 and np.isfinite(row).all()]
+    if not rows:
+        raise refusal(path, "holds no rows of depth and sound speed", "give two numbers in every line")
+    depth, speed = np.array([row[:2] for row in rows]).T
+    return {"depth": depth, "sound_speed": speed}
+
+
+def read_table(path: str, text: str) -> Columns:
+    """Read a table with one name per column, or one whose columns show by themselves what they are.
+
+    Parameters
+    ----------
+    path, text : str
+        Name and content of the file.
+
+    Returns
+    -------
+    dict of str to (n,) float64
+
+    Raises
+    ------
+    SceneError
+        If it holds no table, or columns that cannot be told apart.
+    """
+    whole = text.removeprefix(BYTE_ORDER_MARK).splitlines()
+    lines = [line for line in whole if line.strip(" ,;\t") and line[0] != "#"]
+    rows = [_numbers(line) for line in lines]
+    names = _header(lines[0]) if lines and np.isnan(rows[0]).all() else None
+    rows = rows[names is not None :]
+    width = max((row.size for row in rows), default=0)
+    if width < 2:
+        raise refusal(path, "holds no table", "give columns depth and sound_speed with a line for each depth")
+    table = np.array([np.pad(row, (0, width - row.size), constant_values=np.nan) for row in rows])
+    if names is None:
+        return _by_values(path, table)
+    return {name: table[:, place] for name, place in names.items() if place < width}
+
+
+def _cells(line: str) -> list[str]:
+    separator = next((mark for mark in ",;\t" if mark in line), None)
+    return [cell.strip().strip('"') for cell in line.split(separator)]
+
+
+def _numbers(line: str) -> Values:
+    """Return the numbers of a line, NaN for cells that are none."""
+    return np.array([_number(cell) for cell in _cells(line)])
+
+
+def _number(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return float("nan")
+
+
+def _header(line: str) -> dict[str, int]:
+    """Places of the columns that are known here; what stands in brackets is a unit."""
+    bare = [re.sub(r"[\[(].*", "", cell).strip().lower() for cell in _cells(line)]
+    found = {}
+    for name, pattern in NAMES.items():
+        place = next((place for place, cell in enumerate(bare) if re.fullmatch(pattern, cell)), None)
+        if place is not None:
+            found[name] = place
+    return found
+
+
+def _by_values(path: str, table: Values) -> Columns:
+    """Find depth and speed in a table without names: the speed is that of sound in water, the depth goes down."""
+    remedy = "put a line with the names of the columns first, depth and sound_speed among them"
+    whole = [place for place in range(table.shape[1]) if np.isfinite(table[:, place]).all()]
+    speeds = [place for place in whole if _is_speed(table[:, place])]
+    depths = [place for place in whole if place not in speeds and _is_depth(table[:, place])]
+    if len(speeds) != 1 or len(depths) != 1:
+        what = "depth" if len(speeds) == 1 else "sound speed"
+        count = len(depths) if len(speeds) == 1 else len(speeds)
+        raise refusal(path, f"has {count or 'no'} columns that look like {what}", remedy)
+    return {"depth": table[:, depths[0]], "sound_speed": table[:, speeds[0]]}
+
+
+def _is_speed(column: NDArray[np.float64]) -> bool:
+    return bool(((column >= SPEEDS[0]) & (column <= SPEEDS[1])).all())
+
+
+def _is_depth(column: NDArray[np.float64]) -> bool:
+    """Whether a column goes down most of the time, by as much as there is to go."""
+    steps = np.diff(column)
+    return bool(column.min() >= -1.0 and steps.sum() >= 0.9 * np.ptp(column) > 0.0 and (steps > 0.0).mean() > 0.5)

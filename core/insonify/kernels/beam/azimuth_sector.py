@@ -1,0 +1,146 @@
+"""What a plane of the beam stands for: a beam is a cone, a plane is not."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.beam.pattern import heard_angle, heard_between, vertical_sensitivity, widest_extent
+from insonify.kernels.common.jit import inlined_uncounted
+from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
+
+FADING = 0.3  # of the near field, by which the far field takes over
+BENT = 0.3  # sin φ up to which azimuths are proportional to it, to 1 %
+
+
+class Wedge(NamedTuple):
+    """One plane of a beam: a wedge of azimuths on either hand of it."""
+
+    s_low: float  # |sin φ| where the wedge begins; with a pattern sin φ itself, positive towards the bow
+    s_high: float  # and where it ends
+    angle: float  # azimuth it stands for, rad; 0 marks a knife
+    far_angle: float  # azimuth it stands for in the far field, where it widens with the cone; 0 for an outer plane
+    near_field: float  # ground range beyond which the far field takes over, m
+    s_beam: float  # sin of half the beamwidth
+    span: float  # azimuth of the whole beam in the far field, rad
+    tabled: bool  # whether a pattern takes the place of the top-hat
+    bent: bool  # whether sound goes along arcs
+    ahead_level: float  # the fish's axis: its level part
+    ahead_up: float  # and its part upwards
+    side_x: float  # the fish's own side and up, as parts of the plane's x and z
+    side_z: float
+    up_x: float
+    up_z: float
+
+
+@inlined_uncounted
+def raised(wedge, near_field):
+    """Return the wedge as an image of the sonar has it, from higher up: the far field begins farther out."""
+    return Wedge(
+        wedge.s_low, wedge.s_high, wedge.angle, wedge.far_angle, near_field, wedge.s_beam, wedge.span, wedge.tabled,
+        wedge.bent, wedge.ahead_level, wedge.ahead_up, wedge.side_x, wedge.side_z, wedge.up_x, wedge.up_z,
+    )  # fmt: skip
+
+
+@inlined_uncounted
+def weight(x, z, r, wedge, pattern, law):
+    """Tell what a plane stands for at ground range x, height z, slant range r: the factor its beam puts on an echo.
+
+    Law `sonar`: the along-track width in metres, less where the beam is less sensitive; 1 m for a knife. Law `light`:
+    the share of the beam, for it averages.
+    """
+    if wedge.tabled:
+        return _pattern_weight(x, z, r, wedge, pattern, law)
+    if wedge.angle == 0.0:
+        return 1.0
+    return beam_share(x, r, wedge) if law == LIGHT else strip_width(x, r, wedge)
+
+
+@inlined_uncounted
+def strip_width(x, r, wedge):
+    """Along-track width that a plane of a top-hat stands for.
+
+    A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner wedges stretch with it, nearer
+    by each counts by the share of its azimuths that the cone takes in. Both add up to the whole beam, and so does
+    what lies between them: over a stretch of range one passes into the other.
+    """
+    near = x * _azimuth_taken_in(x, r, wedge) if wedge.s_high > BENT else _width_taken_in(x, r, wedge)
+    return near + far_share(x, wedge) * (r * wedge.far_angle - near)
+
+
+@inlined_uncounted
+def far_share(x, wedge):
+    """How far the far field has taken over at a ground range."""
+    return min(max((x - wedge.near_field) * (1.0 / (FADING * wedge.near_field)), 0.0), 1.0)
+
+
+@inlined_uncounted
+def beam_share(x, r, wedge):
+    """Share of a top-hat's azimuths at that place which the plane stands for."""
+    near = _azimuth_taken_in(x, r, wedge) / (2.0 * arcsine(min(wedge.s_beam * r / x, 1.0)))
+    return near + far_share(x, wedge) * (wedge.far_angle / wedge.span - near)
+
+
+@inlined_uncounted
+def _width_taken_in(x, r, wedge):
+    """Width that the cone takes in of a wedge so narrow that azimuths are proportional to their sines."""
+    per_sine = wedge.angle / (wedge.s_high - wedge.s_low)
+    return min(max((wedge.s_beam * r - wedge.s_low * x) * per_sine, 0.0), x * wedge.angle)
+
+
+@inlined_uncounted
+def _azimuth_taken_in(x, r, wedge):
+    """Azimuth that the cone takes in of any wedge: its part with |sin φ| <= sin(w/2) / cos θ."""
+    return min(max(arcsine(min(wedge.s_beam * r / x, 1.0)) - arcsine(wedge.s_low), 0.0), wedge.angle)
+
+
+@inlined_uncounted
+def arcsine(s):
+    """Arcsine from 0 to 1, to 2e-8, in a form that the vector units can take (Abramowitz and Stegun, 4.4.46)."""
+    tail = 0.0308918810 + s * (-0.0170881256 + s * (0.0066700901 - s * 0.0012624911))
+    series = 1.5707963050 + s * (-0.2145988016 + s * (0.0889789874 + s * (-0.0501743046 + s * tail)))
+    return 0.5 * math.pi - math.sqrt(1.0 - s) * series
+
+
+@inlined_uncounted
+def _pattern_weight(x, z, r, wedge, pattern, law):
+    """Likewise for a beam with a pattern, of a fish that may pitch and roll."""
+    heard = vertical_weight(x / r, z / r, wedge, pattern)
+    if wedge.angle == 0.0 or heard == 0.0:
+        return heard
+    centre, extent, integral = pattern.centre, pattern.extent, pattern.integral
+    first_range, per_octave = pattern.first_range, pattern.per_octave
+    width = pattern_width(x, z, r, wedge, centre, extent, integral, first_range, per_octave)
+    if law != LIGHT:
+        return heard * width
+    # Law `light` averages over all that the beam hears there.
+    level, tip = wedge.ahead_level * x / r, wedge.ahead_up * z / r
+    if widest_extent(pattern) < BENT * level:
+        ends = tip - level, tip + level
+        whole = heard_between(centre, extent, integral, first_range, per_octave, ends[0], ends[1], r) / level
+    else:
+        whole = heard_angle(pattern, level, tip, r)
+    return heard * width / (x * whole) if whole > 0.0 else 0.0
+
+
+@inlined_uncounted
+def vertical_weight(c, s, wedge, pattern):
+    """Sensitivity of the vertical beam along a plane, in the direction (c, s)."""
+    if pattern.vertical == EVERY_GRAZING:
+        return 1.0
+    return vertical_sensitivity(pattern, wedge.side_x * c + wedge.side_z * s, wedge.up_x * c + wedge.up_z * s)
+
+
+@inlined_uncounted
+def pattern_width(x, z, r, wedge, centre, extent, integral, first_range, per_octave):
+    """Along-track width that a plane of a pattern stands for.
+
+    Along the plane of azimuth φ, s = cos p cos θ sin φ + sin p sin θ is the part of the direction along the fish's
+    axis; the mean of the pattern over the wedge is its integral over s between the wedge's borders.
+    """
+    level, tip = wedge.ahead_level * x / r, wedge.ahead_up * z / r
+    span = level * (wedge.s_high - wedge.s_low)
+    if span <= 0.0:
+        return 0.0
+    s_low, s_high = level * wedge.s_low + tip, level * wedge.s_high + tip
+    return x * wedge.angle * heard_between(centre, extent, integral, first_range, per_octave, s_low, s_high, r) / span

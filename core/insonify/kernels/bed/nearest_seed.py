@@ -1,0 +1,51 @@
+"""Patches of a bed: which hashed seed point a place lies nearest to."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.common.hashing import hash_integers, hash_uniform
+from insonify.kernels.common.jit import kernel
+
+# A square of the lattice holds one point anywhere in it, so that the nearest lies at most two squares away.
+REACH = 2
+ACROSS, ALONG, KIND = 0, 1, 2
+
+
+@kernel
+def outside(place, square):
+    """Distance along one axis from a place to a unit square, 0 inside."""
+    return max(square - place, place - square - 1.0, 0.0)
+
+
+@kernel
+def nearest_patch(seed, stream, u, v, repeat):
+    """Hash of the seed point nearest to (u, v), in lattice squares; the lattice repeats after ``repeat`` (0: never)."""
+    column, row = math.floor(u), math.floor(v)
+    nearest, owner_a, owner_b = np.inf, column, row
+    for step_v in range(2 * REACH + 1):
+        # From the place's own square outwards, 0, 1, −1, 2, −2, so that most squares need no look at all.
+        j = row + (step_v + 1) // 2 * (1 - 2 * (step_v % 2))
+        for step_u in range(2 * REACH + 1):
+            i = column + (step_u + 1) // 2 * (1 - 2 * (step_u % 2))
+            if outside(u, i) ** 2 + outside(v, j) ** 2 >= nearest:
+                continue
+            a, b = (i % repeat, j % repeat) if repeat > 0 else (i, j)
+            du = i + hash_uniform(seed, stream, a, b, ACROSS) - u
+            dv = j + hash_uniform(seed, stream, a, b, ALONG) - v
+            distance = du * du + dv * dv
+            if distance < nearest:
+                nearest, owner_a, owner_b = distance, a, b
+    return hash_integers(seed, stream, owner_a, owner_b, KIND)
+
+
+@kernel
+def patch_map(seed, stream, u, v, repeat, count):
+    """Index map (v.size, u.size) uint8 of patches that each take one of ``count`` materials."""
+    indices = np.empty((v.size, u.size), dtype=np.uint8)
+    for j in range(v.size):
+        for i in range(u.size):
+            indices[j, i] = nearest_patch(seed, stream, u[i], v[j], repeat) % np.uint64(count)
+    return indices

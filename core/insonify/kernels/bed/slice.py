@@ -1,0 +1,285 @@
+"""Cut the bed with a vertical half-plane through the sonar: any grid, any azimuth, out comes one profile.
+
+Knots lie where the plane crosses *both* families of grid lines, so that every segment belongs to one cell.
+The grid is walked in strips between neighbouring lines of the sparser family; within a strip the knots lie on
+consecutive nodes of two rows of memory, which is what makes the walk cheap at any azimuth.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from insonify.kernels.common.jit import inlined_uncounted
+from insonify.kernels.common.prefetch import LINE, ask_to_read
+
+# Knots closer to a grid corner than this share of a cell merge with it.
+MERGED = 1e-6
+# Product of the direction's components from which segments are halved once, and twice.
+SLIGHTLY_OBLIQUE, OBLIQUE = 0.04, 0.2
+# Entries that the vector units take at a time. Passes go on to a whole multiple and leave rubbish past the last entry,
+# for one by one the few that are left over would take as long as many more together. Up to so many are best one by one.
+AT_ONCE, FEW = 32, 8
+
+
+class Profile(NamedTuple):
+    """One slice; n knots make n - 1 segments, arrays are longer than n."""
+
+    x: NDArray[np.float64]  # ground range of the knots from the sonar, m
+    z: NDArray[np.float64]  # height of the knots above the sonar, m
+    slope: NDArray[np.float32]  # dz/dx of each segment
+    area: NDArray[np.float32]  # 1 + |∇z|² at the middle of each segment: squared area over its level projection
+    material: NDArray[np.int64]  # row of the reflectivity table, each segment
+    across: NDArray[np.float32]  # work space: gradient across the strip, at its knots
+    low: NDArray[np.float32]  # work space: heights on the strip's lower border
+    high: NDArray[np.float32]  # work space: heights on its upper border
+    level: NDArray[np.float32]  # in water that bends sound: x of the knots over what it is in truth
+    gain: NDArray[np.float32]  # and what their energy must be multiplied by
+
+
+def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
+    """Make room for profiles of up to ``capacity`` knots, in single precision or, to tell what it costs, in double."""
+    x, z = np.zeros(capacity), np.zeros(capacity)
+    slope, area, across, low, high, level, gain = (np.zeros(capacity, dtype) for _ in range(7))
+    return Profile(x, z, slope, area, np.zeros(capacity, np.int64), across, low, high, level, gain)
+
+
+def profile_capacity(reach: float, spacing: float) -> int:
+    """Knots that a slice of the given reach can have at most: crossings of both families, halved twice, and room."""
+    return int(8.0 * math.sqrt(2.0) * reach / spacing) + 64
+
+
+@inlined_uncounted
+def in_full(entries):
+    """Entries that a pass works on for the first so many to be done."""
+    return (entries + (AT_ONCE - 1)) // AT_ONCE * AT_ONCE if entries > FEW else entries
+
+
+@inlined_uncounted
+def slice_bed(bed, x, y, z, ex, ey, reach, profile):
+    """Fill ``profile`` along azimuth (ex, ey) from (x, y, z) out to ``reach``; return its number of knots."""
+    u0, v0 = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
+    v_is_y = abs(ey) >= abs(ex)
+    nodes = bed.transposed if v_is_y else bed.heights
+    if not v_is_y:
+        u0, v0, ex, ey = v0, u0, ey, ex
+    # Profiles are of one bed each: if the first segment knows its only material, so do all.
+    if not bed.mapped and profile.material[0] != bed.materials[0, 0]:
+        profile.material[:] = bed.materials[0, 0]
+    return _walk(bed, nodes, v_is_y, u0, v0, z, ex, ey, reach, profile)
+
+
+@inlined_uncounted
+def _walk(bed, nodes, v_is_y, u0, v0, z0, eu, ev, reach, profile):
+    """Walk strip by strip; v is the axis crossed most often, ``nodes[u, v]`` its heights."""
+    nu, nv = nodes.shape
+    spacing = bed.spacing
+    near, far = 0.0, reach
+    if not bed.periodic:
+        near, far = clip(u0, eu / spacing, nu - 1.0, near, far)
+        near, far = clip(v0, ev / spacing, nv - 1.0, near, far)
+        if far - near <= MERGED * spacing:
+            return 0
+    column = _first_column(u0 + near * eu / spacing, eu, nu, bed.periodic)
+    start, count = near, 0
+    while start < far:
+        end = far
+        if eu != 0.0:
+            border = column + 1 if eu > 0.0 else column
+            end = min(far, (border - u0) * spacing / eu)
+        if end - start > MERGED * spacing:
+            if count == 0:
+                count = 1
+                profile.x[0] = start
+            count = _strip(bed, nodes, v_is_y, column, u0, v0, z0, eu, ev, start, end, count, profile)
+            start = end
+        elif end >= far:
+            break
+        column += 1 if eu > 0.0 else -1
+    return count
+
+
+@inlined_uncounted
+def _strip(bed, nodes, v_is_y, column, u0, v0, z0, eu, ev, start, end, count, profile):
+    """Add the knots of one strip: its first (already counted), the nodes within, its last."""
+    spacing = bed.spacing
+    step = 1 if ev > 0.0 else -1
+    v_start, v_end = v0 + start * ev / spacing, v0 + end * ev / spacing
+    # Nodes from the one behind the first knot to the one beyond the last: all that the strip depends on.
+    behind = math.floor(v_start + MERGED) if step > 0 else math.ceil(v_start - MERGED)
+    beyond = math.ceil(v_end - MERGED) if step > 0 else math.floor(v_end + MERGED)
+    inner = max((beyond - behind) * step - 1, 0)
+    nodes_read = in_full(inner + 2)
+    low, high = profile.low[:nodes_read], profile.high[:nodes_read]
+    _row(nodes[wrapped(column, nodes.shape[0])], behind, step, low)
+    _row(nodes[wrapped(column + 1, nodes.shape[0])], behind, step, high)
+    head, segments = count - 1, inner + 1
+    halvings = _halvings(eu, ev)
+    tail = head + (segments << halvings)
+    x, z, across = profile.x[head:], profile.z[head:], profile.across
+    before = z[0]
+    fu, du, x_behind, per_node = u0 - column, eu / spacing, (behind - v0) * spacing / ev, step * spacing / ev
+    _knots(low, high, x_behind, per_node, fu + x_behind * du, per_node * du, z0, spacing, x, z, across)
+    x[0], x[segments] = start, end
+    # The ends lie between two nodes; the first is computed from the pair behind it, before that pair is overwritten.
+    z_end, across_end = _between(low, high, inner, (v_end - behind) * step - inner, fu + end * du, spacing)
+    z_start, across[0] = _between(low, high, 0, (v_start - behind) * step, fu + start * du, spacing)
+    # Two strips share this knot; beside a hole in the bed only one of them knows its height.
+    z[0] = before if head > 0 and before == before else z_start - z0
+    z[segments], across[segments] = z_end - z0, across_end
+    for halving in range(halvings):
+        _halve(x, z, across, eu, segments << halving)
+    _segments(in_full(tail - head), x, z, across, eu, 1.0 / ev, profile.slope[head:], profile.area[head:])
+    if bed.mapped:
+        _materials(bed.materials, v_is_y, column, behind, step, halvings, profile.material[head:tail])
+    return tail + 1
+
+
+@inlined_uncounted
+def ask_for_strip(bed, x, y, ex, ey, reach):
+    """Ask for the nodes of the strip in which a plane begins; along the grid they are all that it needs."""
+    u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
+    nodes = bed.heights
+    if abs(ey) >= abs(ex):
+        nodes = bed.transposed
+    else:
+        u, v, ex, ey = v, u, ey, ex
+    length = min(reach, bed.spacing / max(abs(ex), MERGED)) / bed.spacing
+    rows, columns = nodes.shape
+    low = nodes[wrapped(math.floor(u), rows)]
+    high = nodes[wrapped(math.floor(u) + 1, rows)]
+    node = math.floor(v)
+    if ey < 0.0:
+        node -= int(length)
+    per_line = LINE // nodes.itemsize
+    for k in range(node, node + int(length), per_line):
+        ask_to_read(low, wrapped(k, columns))
+        ask_to_read(high, wrapped(k, columns))
+
+
+@inlined_uncounted
+def _halvings(eu, ev):
+    """How often to halve the segments of an oblique plane: along it a twisted cell is bent, not straight."""
+    oblique = abs(eu * ev)
+    return (1 if oblique > SLIGHTLY_OBLIQUE else 0) + (1 if oblique > OBLIQUE else 0)
+
+
+@inlined_uncounted
+def _halve(x, z, across, eu, segments):
+    """Put a knot in the middle of every segment, in place.
+
+    Along the plane d²z/dx² = 2 eu ev ∂²z/∂u∂v, and the gradient across changes by ev ∂²z/∂u∂v a metre.
+    """
+    for k in range(segments, 0, -1):
+        x0, x1, z0, z1, across0, across1 = x[k - 1], x[k], z[k - 1], z[k], across[k - 1], across[k]
+        x[2 * k], z[2 * k], across[2 * k] = x1, z1, across1
+        x[2 * k - 1] = 0.5 * (x0 + x1)
+        z[2 * k - 1] = 0.5 * (z0 + z1) - 0.25 * eu * (across1 - across0) * (x1 - x0)
+        across[2 * k - 1] = across.dtype.type(0.5) * (across0 + across1)
+
+
+@inlined_uncounted
+def on_grid(component):
+    """Direction component with rounding dust removed, so that a track along the grid stays on it."""
+    return 0.0 if abs(component) < 1e-12 else component
+
+
+@inlined_uncounted
+def wrapped(index, size):
+    """Index of a node on a bed that repeats; the whole number within [0, size)."""
+    if 0 <= index < size:
+        return index
+    return index % size
+
+
+@inlined_uncounted
+def _between(low, high, node, fv, fu, spacing):
+    """Bilinear height, and gradient across the strip, ``fv`` beyond a node and ``fu`` between the borders."""
+    near = low[node] + np.float64(low[node + 1] - low[node]) * fv
+    far = high[node] + np.float64(high[node + 1] - high[node]) * fv
+    return near + (far - near) * fu, (far - near) / spacing
+
+
+@inlined_uncounted
+def _row(row, first, step, out):
+    """Read consecutive nodes of a row, upward or downward, round its end; runs suit the vector units."""
+    done = 0
+    while done < out.size:
+        place = wrapped(first + step * done, row.size)
+        if step > 0:
+            run = min(out.size - done, row.size - place)
+            _copy(row[place : place + run], out[done : done + run])
+        else:
+            run = min(out.size - done, place + 1)
+            _reverse(row[place + 1 - run : place + 1], out[done : done + run])
+        done += run
+
+
+@inlined_uncounted
+def _copy(source, out):
+    for k in range(out.size):
+        out[k] = source[k]
+
+
+@inlined_uncounted
+def _reverse(source, out):
+    last = out.size - 1
+    for k in range(out.size):
+        # An index that might be negative is not for the vector units.
+        out[k] = source[np.uint64(last - k)]
+
+
+@inlined_uncounted
+def _knots(low, high, x_behind, per_node, fu, du, z0, spacing, x, z, across):
+    """Ground range, height above the sonar and gradient across the strip, where the plane passes its nodes."""
+    per_spacing = across.dtype.type(1.0 / spacing)
+    for k in range(low.size):
+        difference = high[k] - low[k]
+        x[k] = x_behind + k * per_node
+        z[k] = (low[k] - z0) + np.float64(difference) * (fu + k * du)
+        across[k] = difference * per_spacing
+
+
+@inlined_uncounted
+def _segments(segments, x, z, across, eu, per_ev, slope, area):
+    """Slope and area: across the strip the gradient is linear in v, along the plane it is the segment's own slope."""
+    real = area.dtype.type
+    eu, per_ev, half, one = real(eu), real(per_ev), real(0.5), real(1.0)
+    for i in range(segments):
+        rise = real(z[i + 1] - z[i]) / real(x[i + 1] - x[i])
+        middle = half * (across[i] + across[i + 1])
+        along = (rise - eu * middle) * per_ev
+        slope[i] = rise
+        area[i] = one + middle * middle + along * along
+
+
+@inlined_uncounted
+def _materials(materials, v_is_y, column, behind, step, halvings, out):
+    """Material of each segment's cell."""
+    rows, columns = materials.shape
+    for k in range(out.size):
+        # A cell belongs to its low corner.
+        v = behind + step * (k >> halvings) - (1 if step < 0 else 0)
+        if v_is_y:
+            out[k] = materials[wrapped(v, rows), wrapped(column, columns)]
+        else:
+            out[k] = materials[wrapped(column, rows), wrapped(v, columns)]
+
+
+@inlined_uncounted
+def clip(origin, rate, highest, near, far):
+    """Part of [near, far] where origin + t rate lies within [0, highest]."""
+    if rate == 0.0:
+        return (near, far) if 0.0 <= origin <= highest else (1.0, 0.0)
+    one, other = -origin / rate, (highest - origin) / rate
+    return max(near, min(one, other)), min(far, max(one, other))
+
+
+@inlined_uncounted
+def _first_column(u, eu, nu, periodic):
+    """Strip in which a walk from u starts; on a line, the one it goes into."""
+    column = math.floor(u + MERGED) if eu >= 0.0 else math.ceil(u - MERGED) - 1
+    return column if periodic else min(max(column, 0), max(nu - 2, 0))

@@ -1,0 +1,160 @@
+"""Machine code of kernels on disk, found by the content of the sources, so that every checkout shares it.
+
+Numba finds cached code by a file's place and notices changes in that file alone. Here the code of a module lies in a
+folder named by a digest of the module and of all kernel modules that it imports, directly or not. Comments, docstrings
+and line numbers do not count, for they do not change the code.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import hashlib
+import json
+import os
+import shutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba.core.config
+import platformdirs
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+
+PACKAGE = "insonify.kernels"
+SOURCES = Path(__file__).parents[1]
+UNUSED = 30 * 86400.0  # seconds after which machine code that no process has used is removed
+
+
+def cache_folder() -> Path:
+    """Return the folder of all machine code: below NUMBA_CACHE_DIR where that is set, else the user's cache."""
+    chosen: Any = numba.core.config
+    shelf = Path(chosen.CACHE_DIR) / "insonify" if chosen.CACHE_DIR else Path(platformdirs.user_cache_dir("insonify"))
+    return shelf / "kernels"
+
+
+def source_digests(sources: Path, folder: Path) -> dict[str, str]:
+    """Digest every kernel module together with all that it imports; computed once for each state of the sources.
+
+    Parameters
+    ----------
+    sources : Path
+        Folder of the kernels' package.
+    folder : Path
+        Where digests are kept, by the bytes of all sources. If it cannot be written they are computed every time.
+
+    Returns
+    -------
+    dict of str to str
+        Digest by the module's dotted name within the package.
+    """
+    texts = {".".join(p.relative_to(sources).with_suffix("").parts): p.read_bytes() for p in sources.rglob("*.py")}
+    state = hashlib.sha256(b"\0".join(name.encode() + b"\0" + texts[name] for name in sorted(texts))).hexdigest()[:24]
+    kept = folder / f"{state}.json"
+    with contextlib.suppress(OSError, ValueError):
+        return dict(json.loads(kept.read_text()))
+    digests = _digest(texts)
+    with contextlib.suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+        part = kept.with_suffix(f".{os.getpid()}")
+        part.write_text(json.dumps(digests))
+        part.replace(kept)
+        remove_unused(folder)
+    return digests
+
+
+def remove_unused(folder: Path) -> None:
+    """Remove machine code and digests that no process has used for a month."""
+    for entry in folder.iterdir():
+        with contextlib.suppress(OSError):
+            if time.time() - entry.stat().st_mtime > UNUSED:
+                shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
+
+
+def _digest(texts: dict[str, bytes]) -> dict[str, str]:
+    trees = {name: ast.parse(text) for name, text in texts.items()}
+    imports = {name: _imported(tree) & trees.keys() for name, tree in trees.items()}
+    own = {name: ast.dump(_without_docstrings(tree)) for name, tree in trees.items()}
+    digests = {}
+    for name in trees:
+        reached, pending = {name}, [name]
+        while pending:
+            found = imports[pending.pop()] - reached
+            reached |= found
+            pending.extend(found)
+        joined = "\0".join(f"{other}\0{own[other]}" for other in sorted(reached))
+        digests[name] = hashlib.sha256(joined.encode()).hexdigest()[:24]
+    return digests
+
+
+def _imported(tree: ast.Module) -> set[str]:
+    """Name the modules of the package that a module may import, dotted as within the package."""
+    names = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(PACKAGE):
+            module = (node.module or "")[len(PACKAGE) + 1 :]
+            names |= {module, *(f"{module}.{alias.name}".lstrip(".") for alias in node.names)}
+    return names
+
+
+def _without_docstrings(tree: ast.Module) -> ast.Module:
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and ast.get_docstring(node) is not None:
+            node.body = node.body[1:]
+    return tree
+
+
+FOLDER = cache_folder()
+DIGESTS = source_digests(SOURCES, FOLDER)
+
+
+class _Locator:
+    """Place of one kernel's machine code, as Numba asks for it."""
+
+    def __init__(self, function: Callable[..., Any], file: str) -> None:
+        self._py_file = file
+        self.digest = DIGESTS[function.__module__.removeprefix(f"{PACKAGE}.")]
+        self.folder = FOLDER / self.digest
+        with contextlib.suppress(OSError):
+            os.utime(self.folder)  # in use: `remove_unused` leaves it
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> _Locator:
+        return cls(function, file)
+
+    def ensure_cache_path(self) -> None:
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        return str(self.folder)
+
+    def get_source_stamp(self) -> str:
+        return self.digest
+
+    def get_disambiguator(self) -> str:
+        return "kernel"
+
+
+class _CacheImpl(CompileResultCacheImpl):
+    _locator_classes = [_Locator]  # noqa: RUF012  # Numba's own attribute
+
+
+class KernelCache(FunctionCache):
+    """Machine code of one kernel on disk; a damaged file is compiled anew, a folder that refuses is done without."""
+
+    _impl_class = _CacheImpl
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the code kept for a signature, or None."""
+        try:
+            return super().load_overload(sig, target_context)
+        except Exception:  # unpickling a damaged file may raise anything
+            with contextlib.suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep the code of a signature."""
+        with contextlib.suppress(OSError):
+            super().save_overload(sig, data)

@@ -1,0 +1,70 @@
+"""Who put what into the bins of one side of one ping, contributor by contributor."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.jit import inlined
+
+# In bins: a piece counts in every bin that it touches within rounding, so that no heard bin is nobody's.
+ROUNDING = 1e-3
+POINT = 1e-6  # in bins; what is shorter lies in one
+
+
+class Ledger(NamedTuple):
+    """Who put what into the bins of one side; a row is valid once its contributor was met."""
+
+    met: NDArray[np.bool_]  # (contributors,)
+    energy: NDArray[np.float64]  # (contributors, bins) in fixed-point units
+    strongest: NDArray[np.float64]  # energy of the contributor's strongest piece, below 0 for none
+    x: NDArray[np.float32]  # ground range of that piece, m
+    cosine: NDArray[np.float32]  # of the incidence there
+    hidden: NDArray[np.bool_]  # (bins,) whether bed out of sight spans the bin
+
+
+def empty_ledger(contributors: int, bins: int) -> Ledger:
+    """Make room for one side; memory of contributors never met is never touched."""
+    energy, strongest = np.empty((2, contributors, bins))
+    x, cosine = np.empty((2, contributors, bins), np.float32)
+    return Ledger(np.zeros(contributors, np.bool_), energy, strongest, x, cosine, np.zeros(bins, np.bool_))
+
+
+@inlined
+def meet(ledger, who):
+    """Open a contributor's row."""
+    if not ledger.met[who]:
+        ledger.met[who] = True
+        ledger.energy[who, :] = 0.0
+        ledger.strongest[who, :] = -1.0
+
+
+@inlined
+def touched(near, far, per_bin, bins, margin):
+    """First bin that a stretch of slant range touches, give or take a margin in bins, and the one after its last."""
+    if not near * per_bin < bins:  # or NaN, a hole in the bed
+        return 0, 0
+    return max(int(near * per_bin - margin), 0), int(min(far * per_bin + margin, bins - 1.0)) + 1
+
+
+@inlined
+def note(ledger, who, k, energy, x, cosine):
+    """Enter a piece, or the part of it within bin k."""
+    ledger.energy[who, k] += energy
+    if energy > ledger.strongest[who, k]:
+        ledger.strongest[who, k], ledger.x[who, k], ledger.cosine[who, k] = energy, x, cosine
+
+
+@inlined
+def note_half(ledger, who, near, far, energy, x, cosine, bin_length):
+    """Enter energy spread evenly between two slant ranges; if they are one, all of it in its bin."""
+    near, far = min(near, far) / bin_length, max(near, far) / bin_length
+    first, last = touched(near, far, 1.0, ledger.hidden.size, ROUNDING)
+    if far - near > POINT:
+        for k in range(first, last):
+            share = max(min(far, k + 1.0) - max(near, float(k)), 0.0) / (far - near)
+            note(ledger, who, k, energy * share, x, cosine)
+    elif first < last:
+        note(ledger, who, min(int(near), last - 1), energy, x, cosine)

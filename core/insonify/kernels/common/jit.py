@@ -1,0 +1,78 @@
+"""Decorators that compile kernels; the table says which one a function takes.
+
+=========================  =======================  ===========  =====================  ==================
+decorator                  machine code             on disk      counts references      arithmetic
+=========================  =======================  ===========  =====================  ==================
+`kernel`                   of its own               yes          yes                    relaxed (`FAST`)
+`kernel_uncounted`         of its own               yes          no                     relaxed (`FAST`)
+`inlined`                  within each caller       no           yes                    relaxed (`FAST`)
+`inlined_uncounted`        within each caller       no           no                     relaxed (`FAST`)
+`inlined_ieee`             within each caller       no           yes                    IEEE 754, in order
+`inlined_before_typing`    within each caller       no           as its caller          as its caller
+=========================  =======================  ===========  =====================  ==================
+
+Counting who holds an array costs an atomic operation of some 5 ns, twice for every array of every tuple that is handed
+on. A function that does not count may neither make arrays nor return any, nor call one that returns them: its callers
+count. Small parts are inlined because handing arrays over costs more than many a part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numba import njit
+
+from insonify.kernels.common.cache import KernelCache
+
+Function = Callable[..., Any]
+# Every licence that keeps NaN and infinity meaningful: guards against them must survive.
+FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
+# Numba's types do not know of `_nrt`, whether references are counted; unsaid, it would be inherited from the caller.
+NJIT: Callable[..., Callable[[Function], Any]] = njit
+
+
+def kernel(function: Function) -> Function:
+    """Compile a function as a kernel of this package and keep its machine code on disk."""
+    return _kept(function, counting=True)
+
+
+def kernel_uncounted(function: Function) -> Function:
+    """Compile a function as a kernel that does not count references, and keep its machine code on disk."""
+    return _kept(function, counting=False)
+
+
+def inlined(function: Function) -> Function:
+    """Compile a small part of a kernel into each of its callers."""
+    return _within_callers(function, counting=True, fast=FAST)
+
+
+def inlined_uncounted(function: Function) -> Function:
+    """Compile a small part of a kernel into each of its callers, without counting references."""
+    return _within_callers(function, counting=False, fast=FAST)
+
+
+def inlined_ieee(function: Function) -> Function:
+    """Compile a small part of a kernel into each of its callers, in IEEE arithmetic that is never reordered."""
+    return _within_callers(function, counting=True, fast=False)
+
+
+def inlined_before_typing(function: Function) -> Function:
+    """Write a small part of a kernel out in each of its callers before types are inferred.
+
+    The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
+    """
+    return NJIT(nogil=True, fastmath=FAST, error_model="numpy", inline="always")(function)
+
+
+def _kept(function: Function, counting: bool) -> Function:
+    # Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
+    compiled = NJIT(nogil=True, fastmath=FAST, error_model="numpy", _nrt=counting)(function)
+    if hasattr(compiled, "signatures"):  # with NUMBA_DISABLE_JIT it is the function itself
+        compiled._cache = KernelCache(function)
+    return compiled
+
+
+def _within_callers(function: Function, counting: bool, fast: Any) -> Function:
+    # `fastmath` and `_nrt` are always given: what is not said is inherited from the caller.
+    return NJIT(nogil=True, fastmath=fast, error_model="numpy", forceinline=True, _nrt=counting)(function)

@@ -1,0 +1,68 @@
+"""Time bins as a difference array of integers: densities step up and down, a prefix sum turns steps into bins.
+
+Integers cancel exactly: what no piece touches is exactly zero, and the sum is the same in any order. Of each step the
+next bin takes its share rounded down, so that the step's own bin has at least what is due to it and none is negative.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.common.jit import inlined_uncounted
+
+FIXED_POINT = float(2**38)  # integers per unit of energy per bin
+
+
+@inlined_uncounted
+def step(bins, position, change, last):
+    """Let the density change by ``change`` at ``position`` (in bins); what lies past the last bin is dropped."""
+    if position < last:
+        k = int(position)
+        late = np.int64(math.floor((position - k) * change))
+        bins[k] += change - late
+        bins[k + 1] += late
+
+
+@inlined_uncounted
+def spread(bins, near, far, energy, last):
+    """Spread an energy (in fixed-point units) evenly over [near, far), in bins."""
+    if far < near:
+        near, far = far, near
+    if far - near > 1e-6:
+        density = np.int64(energy / (far - near))
+        step(bins, near, density, last)
+        step(bins, far, -density, last)
+    elif near < last:
+        k = int(near)
+        bins[k] += np.int64(energy)
+        bins[k + 1] -= np.int64(energy)
+
+
+@inlined_uncounted
+def accumulate(bins, factor, out):
+    """Prefix-sum a difference array into bins and apply what depends on range alone; clear the array.
+
+    Weights read between two entries of a table may lie a rounding below zero: no bin does.
+    """
+    # Four stretches side by side, each from the sum of those before it.
+    quarter = out.size // 4
+    two, three, four = 2 * quarter, 3 * quarter, 4 * quarter
+    a = np.int64(0)
+    b = bins[:quarter].sum()
+    c = b + bins[quarter:two].sum()
+    d = c + bins[two:three].sum()
+    for k in range(quarter):
+        a += bins[k]
+        b += bins[quarter + k]
+        c += bins[two + k]
+        d += bins[three + k]
+        bins[k], bins[quarter + k], bins[two + k], bins[three + k] = a, b, c, d
+    for k in range(four, out.size):
+        d += bins[k]
+        bins[k] = d
+    for k in range(out.size):
+        out[k] = max(bins[k], np.int64(0)) * (factor[k] * (1.0 / FIXED_POINT))
+        bins[k] = 0
+    bins[out.size :] = 0

@@ -1,0 +1,164 @@
+"""Convex bodies cut by one vertical plane: a convex figure, which fills one interval of launch angles."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.kernels.common.types import SPHERE
+
+DOWN, UP = -math.pi / 2.0, math.pi / 2.0
+NEVER = 1e30
+ROUNDING = 1e-9  # share of a length by which a point may lie beyond its end
+
+
+class View(NamedTuple):
+    """One plane through the sonar."""
+
+    x: float
+    y: float
+    z: float
+    ex: float  # azimuth, unit vector
+    ey: float
+
+
+@inlined_uncounted
+def section(solids, k, view, rim):
+    """Interval of launch angles that body k fills ahead: status 1; 0 if none, -1 if the sonar is inside.
+
+    ``rim`` (6) takes the launch angles at which an end of a frustum meets its side, at most four, and NEVER beyond.
+    """
+    for end in range(rim.size):
+        rim[end] = NEVER
+    radius, length, taper = solids.radius[k], solids.length[k], solids.taper[k]
+    cx, cy, cz = solids.start[k, 0] - view.x, solids.start[k, 1] - view.y, solids.start[k, 2] - view.z
+    if solids.shape[k] == SPHERE:
+        across = cx * view.ey - cy * view.ex
+        return _sphere_section(cx * view.ex + cy * view.ey, cz, radius * radius - across * across)
+    ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
+    return _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, view.ex, view.ey, rim)
+
+
+@inlined_uncounted
+def reached(solids, k, view, reach):
+    """Whether a plane may cut body k within reach: asked of a ball around it."""
+    half = 0.5 * solids.length[k]
+    mx = solids.start[k, 0] + half * solids.axis[k, 0] - view.x
+    my = solids.start[k, 1] + half * solids.axis[k, 1] - view.y
+    along, across = mx * view.ex + my * view.ey, mx * view.ey - my * view.ex
+    bound = half + solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
+    return abs(across) < bound and along > -bound and along < reach + bound
+
+
+@kernel_uncounted
+def _sphere_section(along, height, radius_squared):
+    """Interval of a circle, from its centre and squared radius in the plane."""
+    if radius_squared <= 0.0:
+        return 0, 0.0, 0.0
+    distance_squared = along * along + height * height
+    if distance_squared <= radius_squared:
+        return -1, 0.0, 0.0
+    centre = math.atan2(height, along)
+    half = math.asin(math.sqrt(radius_squared / distance_squared))
+    return _forward(centre, centre - half, centre + half)
+
+
+@kernel_uncounted
+def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey, rim):
+    """Interval of a conic between two end planes: its extremes are tangents and corners."""
+    # Axial and perpendicular parts of the plane's directions e (azimuth) and k (up), and of the centre.
+    ae, ak = ax * ex + ay * ey, az
+    ac = cx * ax + cy * ay + cz * az
+    ec, ee, kk, ek = cx * ex + cy * ey - ac * ae, 1.0 - ae * ae, 1.0 - ak * ak, -ae * ak
+    kc = cz - ac * ak
+    across = cx * cx + cy * cy + cz * cz - ac * ac
+    here = radius - taper * ac  # radius where the sonar stands abeam of the axis
+    if across <= here * here and 0.0 <= -ac <= length:
+        return -1, 0.0, 0.0
+    # Corners: where the end planes' lines leave the conic.
+    last = radius + taper * length
+    corners = _corners(ae, ak, ac, ec, kc, ee, ek, kk, across - radius * radius, rim, 0)
+    corners = _corners(ae, ak, ac + length, ec, kc, ee, ek, kk, across - last * last, rim, corners)
+    count = _tangents(
+        ae,
+        ak,
+        ac,
+        length,
+        # With radius + taper·s in place of the radius the quadric |P⊥|² = radius² keeps its form.
+        ec + taper * here * ae,
+        kc + taper * here * ak,
+        ee - taper * taper * ae * ae,
+        ek - taper * taper * ae * ak,
+        kk - taper * taper * ak * ak,
+        across - here * here,
+        rim,
+        corners,
+    )
+    if count < 2:
+        return 0, 0.0, 0.0
+    # Angles count from a direction into the figure, so that none wraps.
+    sx, sy = 0.0, 0.0
+    for k in range(count):
+        sx += math.cos(rim[k])
+        sy += math.sin(rim[k])
+    centre = math.atan2(sy, sx)
+    low, high = NEVER, -NEVER
+    for k in range(count):
+        turned = rim[k] - centre
+        turned -= 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5)
+        low, high = min(low, turned), max(high, turned)
+    for k in range(corners, count):
+        rim[k] = NEVER  # a tangent is no rim
+    return _forward(centre, centre + low, centre + high)
+
+
+@kernel_uncounted
+def _tangents(ae, ak, ac, length, ec, kc, ee, ek, kk, cc, angles, count):
+    """Add the directions that touch the side: (d·c)² = (d·d)(c·c) for d = (1, u), a quadratic in the slope u."""
+    p, q, w = kc * kc - kk * cc, ec * kc - ek * cc, ec * ec - ee * cc
+    root = q * q - p * w
+    if root < -ROUNDING * q * q or p == 0.0:
+        return count
+    # Through the very apex of a cone both are one, and rounding must not lose it.
+    root = math.sqrt(max(root, 0.0))
+    big = -(q + math.copysign(root, q))
+    for u in (big / p, w / big if big != 0.0 else -q / p):
+        dd = ee + 2.0 * u * ek + u * u * kk
+        if dd != 0.0:
+            t = (ec + u * kc) / dd
+            s = t * (ae + u * ak) - ac
+            if -ROUNDING * length <= s <= length * (1.0 + ROUNDING):
+                angles[count] = math.atan2(t * u, t)
+                count += 1
+    return count
+
+
+@kernel_uncounted
+def _corners(ae, ak, axial, ec, kc, ee, ek, kk, cc, angles, count):
+    """Add the ends of the chord that one end plane cuts from the figure, as angles."""
+    norm = ae * ae + ak * ak
+    if norm < 1e-18:
+        return count
+    # Points axial·(ae, ak)/norm + t·(−ak, ae) of the end plane's line; inside where |P⊥ − c⊥|² <= R².
+    fx, fz, gx, gz = axial * ae / norm, axial * ak / norm, -ak, ae
+    a = gx * gx * ee + 2.0 * gx * gz * ek + gz * gz * kk
+    b = fx * gx * ee + (fx * gz + fz * gx) * ek + fz * gz * kk - gx * ec - gz * kc
+    c = fx * fx * ee + 2.0 * fx * fz * ek + fz * fz * kk - 2.0 * (fx * ec + fz * kc) + cc
+    root = b * b - a * c
+    if a <= 0.0 or root < 0.0:
+        return count
+    root = math.sqrt(root)
+    for t in ((-b - root) / a, (-b + root) / a):
+        angles[count] = math.atan2(fz + t * gz, fx + t * gx)
+        count += 1
+    return count
+
+
+@kernel_uncounted
+def _forward(centre, low, high):
+    """Part of an interval within the half-plane ahead; angles in (−π, π] about ``centre``."""
+    low, high = max(low, DOWN), min(high, UP)
+    if high <= low:
+        return 0, 0.0, 0.0
+    return 1, low, high

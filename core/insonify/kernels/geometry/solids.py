@@ -1,0 +1,162 @@
+"""Rays against analytic convex bodies: where they come in and go out, exactly, and the outward normals there."""
+
+from __future__ import annotations
+
+import math
+
+from insonify.kernels.common.jit import inlined_uncounted, kernel
+from insonify.kernels.common.types import SPHERE
+
+MISSED = math.inf
+SIDE, FIRST_END, LAST_END = 0, -1, 1
+
+
+@inlined_uncounted
+def meet_solid(solids, k, x, y, z, dx, dy, dz):
+    """Meet body k from outside along a unit direction: (distance, nx, ny, nz), the distance infinite if missed."""
+    distance, face, _, _ = _cross_solid(solids, k, x, y, z, dx, dy, dz)
+    if not 0.0 < distance < MISSED:
+        return MISSED, 0.0, 0.0, 0.0
+    nx, ny, nz = _normal(solids, k, face, x + distance * dx, y + distance * dy, z + distance * dz)
+    return distance, nx, ny, nz
+
+
+@inlined_uncounted
+def leave_solid(solids, k, x, y, z, dx, dy, dz):
+    """Leave body k from inside: (distance, nx, ny, nz) with the outward normal, the distance infinite if missed."""
+    _, _, distance, face = _cross_solid(solids, k, x, y, z, dx, dy, dz)
+    if not 0.0 < distance < MISSED:
+        return MISSED, 0.0, 0.0, 0.0
+    nx, ny, nz = _normal(solids, k, face, x + distance * dx, y + distance * dy, z + distance * dz)
+    return distance, nx, ny, nz
+
+
+@inlined_uncounted
+def widest(solids, k):
+    """Greatest radius of body k."""
+    return max(solids.radius[k], solids.radius[k] + solids.taper[k] * solids.length[k])
+
+
+@inlined_uncounted
+def within(solids, k, x, y, z):
+    """Tell whether a point is inside body k."""
+    px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
+    along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
+    if solids.shape[k] != SPHERE and not 0.0 <= along <= solids.length[k]:
+        return False
+    return px * px + py * py + pz * pz - along * along <= (solids.radius[k] + solids.taper[k] * along) ** 2
+
+
+@inlined_uncounted
+def _cross_solid(solids, k, x, y, z, dx, dy, dz):
+    """Where a line comes into body k and goes out of it: (distance, face, distance, face)."""
+    cx, cy, cz = solids.start[k, 0] - x, solids.start[k, 1] - y, solids.start[k, 2] - z
+    if solids.shape[k] == SPHERE:
+        near, far = cross_sphere(cx, cy, cz, solids.radius[k], dx, dy, dz)
+        return near, SIDE, far, SIDE
+    ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
+    return cross_frustum(cx, cy, cz, ax, ay, az, solids.length[k], solids.radius[k], solids.taper[k], dx, dy, dz)
+
+
+@inlined_uncounted
+def _normal(solids, k, face, x, y, z):
+    """Outward unit normal of body k at a point of one of its faces."""
+    px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
+    if solids.shape[k] == SPHERE:
+        return px / solids.radius[k], py / solids.radius[k], pz / solids.radius[k]
+    ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
+    return frustum_normal(px, py, pz, ax, ay, az, solids.radius[k], solids.taper[k], face)
+
+
+@kernel
+def cross_sphere(cx, cy, cz, radius, dx, dy, dz):
+    """Distances at which a line comes into a sphere and goes out of it."""
+    along = cx * dx + cy * dy + cz * dz
+    # The perpendicular, not c² − along², keeps its digits far away.
+    px, py, pz = cx - along * dx, cy - along * dy, cz - along * dz
+    root = radius * radius - (px * px + py * py + pz * pz)
+    if root < 0.0:
+        return MISSED, MISSED
+    root = math.sqrt(root)
+    return along - root, along + root
+
+
+@kernel
+def cross_frustum(cx, cy, cz, ax, ay, az, length, radius, taper, dx, dy, dz):
+    """Where a line comes into a frustum and goes out of it: (distance, face, distance, face).
+
+    A frustum is what a cone and a slab have in common, and so is the stretch of any line inside it: at the rim no ray
+    slips between the side and an end.
+    """
+    da = dx * ax + dy * ay + dz * az
+    # Counted from where the line passes the middle, so that far away no digits are lost.
+    middle = cx * dx + cy * dy + cz * dz + 0.5 * length * da
+    mx, my, mz = middle * dx - cx, middle * dy - cy, middle * dz - cz
+    axial = mx * ax + my * ay + mz * az
+    side_near, side_far = _inside_cone(
+        dx - da * ax, dy - da * ay, dz - da * az,
+        mx - axial * ax, my - axial * ay, mz - axial * az,
+        radius + taper * axial, taper * da,
+    )  # fmt: skip
+    if not side_near < side_far:
+        return MISSED, SIDE, MISSED, SIDE
+    near, far = _between(axial, da, length)
+    first, last = (FIRST_END, LAST_END) if da > 0.0 else (LAST_END, FIRST_END)
+    if side_near >= near:
+        near, first = side_near, SIDE
+    if side_far <= far:
+        far, last = side_far, SIDE
+    if not near < far:
+        return MISSED, SIDE, MISSED, SIDE
+    return middle + near, first, middle + far, last
+
+
+@kernel
+def _between(axial, rate, length):
+    """Stretch of a line on which its axial coordinate lies within the frustum's."""
+    if rate == 0.0:
+        return (-math.inf, math.inf) if 0.0 <= axial <= length else (math.inf, -math.inf)
+    per_axial = 1.0 / rate
+    one, other = -axial * per_axial, (length - axial) * per_axial
+    return min(one, other), max(one, other)
+
+
+@kernel
+def _inside_cone(ex, ey, ez, px, py, pz, radius, growth):
+    """Stretch of a line on which |p + u e| <= radius + growth u: a quadratic a u² + 2 b u + c <= 0."""
+    a = ex * ex + ey * ey + ez * ez - growth * growth
+    b = ex * px + ey * py + ez * pz - growth * radius
+    c = px * px + py * py + pz * pz - radius * radius
+    root = b * b - a * c
+    if root < 0.0:
+        if a > 0.0:
+            return math.inf, -math.inf
+        root = 0.0
+    # The form without cancellation.
+    big = -b - math.copysign(math.sqrt(root), b)
+    if big == 0.0:
+        return (-math.inf, math.inf) if c < 0.0 else (math.inf, -math.inf)
+    other = c / big
+    one = big / a if a != 0.0 else other
+    if a > 0.0:
+        return min(one, other), max(one, other)
+    # Steeper than the cone: it stays inside on one side, where the radius grows; the other side is the cone's mirror.
+    return (max(one, other), math.inf) if growth > 0.0 else (-math.inf, min(one, other))
+
+
+@kernel
+def frustum_normal(px, py, pz, ax, ay, az, radius, taper, face):
+    """Outward unit normal of a frustum's face at a point counted from the middle of its first end."""
+    if face != SIDE:
+        return face * ax, face * ay, face * az
+    axial = px * ax + py * ay + pz * az
+    # Gradient of |p⊥|² − (radius + taper axial)².
+    lean = axial + taper * (radius + taper * axial)
+    nx, ny, nz = px - lean * ax, py - lean * ay, pz - lean * az
+    squared = nx * nx + ny * ny + nz * nz
+    if squared == 0.0:
+        # The very tip has none; its axis is in the middle of all that are near.
+        tip = -math.copysign(1.0, taper)
+        return tip * ax, tip * ay, tip * az
+    per_norm = 1.0 / math.sqrt(squared)
+    return nx * per_norm, ny * per_norm, nz * per_norm

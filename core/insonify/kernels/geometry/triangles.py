@@ -1,0 +1,127 @@
+"""Rays against triangles: none slips between two that share an edge, and boxes keep far ones out of the way.
+
+Woop, Benthin and Wald (2013), "Watertight ray/triangle intersection": the corners are sheared so that the ray runs
+along the third axis, and three areas in the plane across it tell whether it passes inside. In plain IEEE arithmetic a
+difference of two products is never of the wrong sign, at worst 0, and two triangles see their common edge with areas
+exactly opposite. As 0 counts as inside, one of them is always met.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.common.jit import inlined, inlined_ieee, kernel
+
+MARGIN = 1e-12  # of all lengths: boxes grow by this, so that rounding never hides one
+NO_TRIANGLE = -1
+LEVEL = 1e300  # stands for one over a component that is zero
+
+
+class Shear(NamedTuple):
+    """A ray in the axes of its own triangle test."""
+
+    along: int  # axis in which it goes fastest
+    first: int  # the other two
+    second: int
+    x: float  # origin, in that order
+    y: float
+    z: float
+    sx: float  # the shear
+    sy: float
+    sz: float
+
+
+@kernel
+def meet_meshes(solids, mesh, bundle, reach, hits):
+    """Put the nearest triangle into the hits of all rays that meet one before what they have met."""
+    for k in range(bundle.x.size):
+        x, y, z, dx, dy, dz = bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k]
+        distance, triangle = meet_mesh(mesh, x, y, z, dx, dy, dz, min(hits.distance[k], reach))
+        if triangle >= 0:
+            hits.distance[k], hits.body[k] = distance, solids.shape.size + triangle
+            hits.material[k] = mesh.material[triangle]
+            hits.nx[k], hits.ny[k], hits.nz[k] = facing(mesh, triangle, dx, dy, dz)
+
+
+@inlined
+def meet_mesh(mesh, x, y, z, dx, dy, dz, reach):
+    """Meet the nearest triangle nearer than ``reach``, from either side: (distance, triangle), else (reach, −1).
+
+    Of triangles at the same distance the first in the tree is met.
+    """
+    shear = shear_of(x, y, z, dx, dy, dz)
+    rx, ry, rz = _per(dx), _per(dy), _per(dz)
+    margin = MARGIN * (1.0 + abs(x) + abs(y) + abs(z) + min(reach, 1e9))
+    best, found, node = reach, NO_TRIANGLE, 0
+    while node < mesh.skip.size:
+        near, far = _slab(mesh.low[node, 0] - x, mesh.high[node, 0] - x, rx, margin, 0.0, best)
+        near, far = _slab(mesh.low[node, 1] - y, mesh.high[node, 1] - y, ry, margin, near, far)
+        near, far = _slab(mesh.low[node, 2] - z, mesh.high[node, 2] - z, rz, margin, near, far)
+        if near > far:
+            node = mesh.skip[node]
+            continue
+        for triangle in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
+            distance = meet_triangle(mesh.corners, triangle, shear)
+            if 0.0 < distance < best:
+                best, found = distance, triangle
+        node += 1
+    return best, found
+
+
+@inlined
+def facing(mesh, triangle, dx, dy, dz):
+    """Turn the normal of a triangle against a ray."""
+    nx, ny, nz = mesh.normal[triangle, 0], mesh.normal[triangle, 1], mesh.normal[triangle, 2]
+    turned = -1.0 if nx * dx + ny * dy + nz * dz > 0.0 else 1.0
+    return turned * nx, turned * ny, turned * nz
+
+
+@inlined
+def shear_of(x, y, z, dx, dy, dz):
+    """Choose axes in which a ray runs along the third."""
+    along = 2
+    if abs(dx) > abs(dy) and abs(dx) > abs(dz):
+        along = 0
+    elif abs(dy) > abs(dz):
+        along = 1
+    if along == 0:
+        return Shear(0, 1, 2, y, z, x, dy / dx, dz / dx, 1.0 / dx)
+    if along == 1:
+        return Shear(1, 2, 0, z, x, y, dz / dy, dx / dy, 1.0 / dy)
+    return Shear(2, 0, 1, x, y, z, dx / dz, dy / dz, 1.0 / dz)
+
+
+@inlined_ieee
+def meet_triangle(corners, triangle, shear):
+    """Distance along a ray to a triangle, edges and corners included; negative behind, infinite if missed."""
+    az = corners[triangle, 0, shear.along] - shear.z
+    bz = corners[triangle, 1, shear.along] - shear.z
+    cz = corners[triangle, 2, shear.along] - shear.z
+    ax = (corners[triangle, 0, shear.first] - shear.x) - shear.sx * az
+    ay = (corners[triangle, 0, shear.second] - shear.y) - shear.sy * az
+    bx = (corners[triangle, 1, shear.first] - shear.x) - shear.sx * bz
+    by = (corners[triangle, 1, shear.second] - shear.y) - shear.sy * bz
+    cx = (corners[triangle, 2, shear.first] - shear.x) - shear.sx * cz
+    cy = (corners[triangle, 2, shear.second] - shear.y) - shear.sy * cz
+    u, v, w = cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax
+    if (u < 0.0 or v < 0.0 or w < 0.0) and (u > 0.0 or v > 0.0 or w > 0.0):
+        return math.inf
+    whole = u + v + w
+    # Seen exactly edge-on a triangle is nothing.
+    if whole == 0.0:
+        return math.inf
+    return shear.sz * (u * az + v * bz + w * cz) / whole
+
+
+@inlined
+def _per(component):
+    """One over a direction's component; of a ray that is level in it, more than any length."""
+    return LEVEL if component == 0.0 else 1.0 / component
+
+
+@inlined
+def _slab(low, high, per, margin, near, far):
+    """Part of a stretch of a ray that lies between two faces of a box."""
+    one, other = (low - margin) * per, (high + margin) * per
+    return max(near, min(one, other)), min(far, max(one, other))

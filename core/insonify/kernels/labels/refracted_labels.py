@@ -1,0 +1,84 @@
+"""What bins show of pings that are traced by bent rays: who sends back most of their energy, from where.
+
+Every ray's echo, and every one that comes back by another path, is entered as the sweep's pieces are. Where nothing is
+heard though rays would come down there on the mean bed, were nothing in their way, there is shadow.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from insonify.kernels.common.contributors import meet, note
+from insonify.kernels.common.jit import kernel
+from insonify.kernels.common.types import BED
+from insonify.kernels.labels.sweep_labels import conclude
+from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, weigh
+from insonify.kernels.rays.launch import inside_body, make_beam, turn
+from insonify.kernels.refracted_rays.echoes import aim_side, echo_of, sea_of
+from insonify.kernels.refracted_rays.hits import CAUSTIC, bent_hits, empty_arrivals
+from insonify.kernels.refracted_rays.mixed_paths import mixed_echoes
+from insonify.kernels.refracted_rays.probe_rays import CLOSE
+
+
+@kernel
+def find_ray_truth(arrays, poses, rays, ledger, found):
+    """Tell what every bin of every ping shows, by ``rays`` a side; return 0, or -1 - k if the sonar is in body k."""
+    launch, bundle, hits, arrivals = empty_launch(rays), empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
+    weighed, intensity, silence = np.empty(rays), np.empty(arrays.bins), np.zeros(arrays.bins)
+    for ping in range(poses.x.size):
+        z = poses.z[ping]
+        body = inside_body(arrays.solids, poses.x[ping], poses.y[ping], z)
+        if body >= 0:
+            return -1 - body
+        for side in range(2):
+            beam = make_beam(arrays, poses, ping, side)
+            sea = sea_of(arrays, beam)
+            landings = aim_side(arrays, sea, z, poses.pitch[ping], launch)
+            turn(launch, beam, bundle)
+            bent_hits(arrays, bundle, sea.reach, 0.0, hits, arrivals)
+            weight = launch.weight
+            if arrays.pattern.tabled:
+                weight = weigh(arrays, beam, bundle, hits, launch.weight, weighed)
+            intensity[:] = 0.0
+            for k in range(rays):
+                b, value, cosine = echo_of(arrays, hits, arrivals, weight, k)
+                _enter(arrays, hits, arrivals, k, b, value, cosine, ledger, intensity)
+                # A tube that closes counts as wider than it is.
+                if b >= 0 and value > 0.0 and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
+                    found.caustic[ping, side, b] = True
+            if landings.fold < np.inf:
+                pairs, bins, values = mixed_echoes(arrays, beam, sea, z, landings, launch, bundle, hits, arrivals)
+                for m in range(pairs.size):
+                    k = pairs[m]
+                    _, _, cosine = echo_of(arrays, hits, arrivals, weight, k)
+                    _enter(arrays, hits, arrivals, k, bins[m], values[m], cosine, ledger, intensity)
+            _mark_landings(landings, arrays.bin_length, ledger.hidden)
+            conclude(ledger, intensity, silence, found, ping, side)
+    return 0
+
+
+@kernel
+def _enter(arrays, hits, arrivals, k, b, value, cosine, ledger, intensity):
+    """Enter an echo of what ray k has met."""
+    if b < 0 or value <= 0.0:
+        return
+    body, bodies = hits.body[k], arrays.solids.shape.size
+    who = hits.material[k]
+    if body != BED:
+        target = arrays.solids.target[body] if body < bodies else arrays.mesh.target[body - bodies]
+        who = arrays.reflectivity.shape[0] + target
+    meet(ledger, who)
+    note(ledger, who, b, value, arrivals.x[k], cosine)
+    intensity[b] += value
+
+
+@kernel
+def _mark_landings(landings, bin_length, hidden):
+    """Mark the bins in which the mean bed would be heard; those in which anything is heard are taken out later."""
+    for i in range(landings.range.size - 1):
+        near, far = landings.range[i], landings.range[i + 1]
+        # Between pilots that close which land far apart there is a jump, and no ray comes down.
+        jump = landings.angle[i + 1] - landings.angle[i] < CLOSE
+        if near == near and far == far and not jump:
+            first, last = int(min(near, far) / bin_length), int(max(near, far) / bin_length)
+            hidden[first : min(last, hidden.size)] = True

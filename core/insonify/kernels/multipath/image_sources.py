@@ -1,0 +1,136 @@
+"""Where sound seems to come from that level mirrors have turned: images of the sonar above the sea surface.
+
+The surface is a perfect mirror at its own height. The bed beneath the sonar is one too, level there, for the second
+bottom echo: of the energy it leaves R0², as its material has it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.scattering import bistatic
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.rays.cell_walk import Ray, meet_bed
+
+DEEPEST = 1e6  # m, for a sonar without a bed beneath it
+
+# Ways of the sound, as truth names them; 0 is the direct one.
+SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SECOND_BOTTOM, SURFACE_ECHO, WAYS = 1, 2, 3, 4, 5
+
+
+class Image(NamedTuple):
+    """The sonar, or one of its images."""
+
+    height: float  # above the sonar, m
+    mirrored: bool  # whether sound that comes down from it set out as steeply upwards
+    share: float  # of the energy that the mirrors leave
+    above: float  # height above the sea surface, m; 0 for the sonar itself
+
+
+class Pair(NamedTuple):
+    """Two ways to a place, out by one and back by the other."""
+
+    one: Image  # the lower of the two
+    other: Image
+    orders: int  # 2 if they differ, for sound takes them either way round
+    passes: int  # of the sea surface
+    way: int  # as truth names it
+
+
+class Sea(NamedTuple):
+    """What of a scene every echo needs: numbers alone, for handing over arrays costs more than an echo."""
+
+    law: int
+    bin_length: float
+    rms_height: float
+    slope_variance: float
+
+
+@inlined
+def sea_of(arrays):
+    """Take it out of a problem."""
+    return Sea(arrays.law, arrays.bin_length, arrays.ghosts.rms_height, arrays.ghosts.slope_variance)
+
+
+@inlined
+def itself():
+    """Return the sonar as its own image."""
+    return Image(0.0, False, 1.0, 0.0)
+
+
+@kernel
+def surface_image(arrays, z):
+    """Image of a sonar at height z in the sea surface."""
+    up = max(arrays.water.surface - z, 0.0)
+    return Image(2.0 * up, True, 1.0, up)
+
+
+@kernel
+def bottom_image(arrays, x, y, z):
+    """Image in the bed beneath the sonar, and of that in the sea surface; without a share if there is no bed."""
+    up = max(arrays.water.surface - z, 0.0)
+    down, row, _, _, _ = meet_bed(arrays.bed, Ray(x, y, z, 0.0, 0.0, -1.0), DEEPEST)
+    if not down < DEEPEST:
+        return Image(0.0, False, 0.0, 0.0)
+    return Image(2.0 * (up + down), False, arrays.interface[row, 0] ** 2, up + 2.0 * down)
+
+
+@kernel
+def pair_of(arrays, way, x, y, z):
+    """Pair of images that makes a way of the sound, and whether it is heard at all."""
+    ghosts, sonar = arrays.ghosts, itself()
+    if way == SURFACE_BOTTOM:
+        return Pair(sonar, surface_image(arrays, z), 2, 1, way), ghosts.surface_bottom
+    if way == SURFACE_BOTTOM_SURFACE:
+        image = surface_image(arrays, z)
+        return Pair(image, image, 1, 2, way), ghosts.surface_bottom_surface
+    image = bottom_image(arrays, x, y, z)
+    return Pair(sonar, image, 2, 1, way), ghosts.second_bottom and image.share > 0.0
+
+
+@inlined
+def pair_weight(one, other, tabled, two_way):
+    """Sensitivity of the beam out by one way and back by the other, from those there and back by each.
+
+    A top-hat that takes in the lower of two images takes in the higher one too.
+    """
+    if not tabled:
+        return one
+    return math.sqrt(one * other) if two_way else 0.5 * (one + other)
+
+
+@inlined
+def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair, law):
+    """Radiance or cross-section of unit area for a pair of ways, in all its orders, and what mirrors leave of it."""
+    value = bistatic(cos_one, cos_other, mirrored, diffuse, specular, shininess, law)
+    if pair.orders == 2:
+        value += bistatic(cos_other, cos_one, mirrored, diffuse, specular, shininess, law)
+    return value * pair.one.share * pair.other.share
+
+
+@inlined
+def spreading(r_one, r_other, law):
+    """Tell what a record's 1/r⁴ lacks of the spreading along two ways, r⁴ / (R² R'²) with r = (R + R') / 2."""
+    if law == LIGHT:
+        return 1.0
+    r = 0.5 * (r_one + r_other)
+    return (r * r / (r_one * r_other)) ** 2
+
+
+@inlined
+def rise_of(image, drop, r, rms_height):
+    """Slant range that waves add to a leg, rms: η sin θ for a height η, at the grazing angle θ on the surface."""
+    return rms_height * drop / r if image.above > 0.0 else 0.0
+
+
+@inlined
+def tilt_of(image, drop, r, slope_variance):
+    """Slant range that facets tilted by one standard deviation add to a leg.
+
+    A facet tilted by t mirrors to the same place from 2t / (sin θ (1/r₁ + 1/r₂)) farther along the surface, by a way
+    longer by 2 t² r₁ r₂ / (r₁ + r₂), of which slant range counts half; r₁ and r₂ = r − r₁ lead to the surface and on.
+    Tilts across the plane are left out: they turn as much sound out of a narrow beam as into it.
+    """
+    return slope_variance * image.above * max(drop - image.above, 0.0) * r / (drop * drop)

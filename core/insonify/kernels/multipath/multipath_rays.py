@@ -1,0 +1,164 @@
+"""Ghosts by single rays: sent by the images of the sonar above the sea surface, heard by the image and by the sonar.
+
+Images are exact for level mirrors. What a ray of an image meets first is heard by that image straight along the ray;
+the sonar itself hears it if a ray back to it meets nothing. A ray that something high in the water keeps from the
+surface is lost.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.beam.pattern import heard
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.scattering import strength
+from insonify.kernels.common.types import LIGHT, SONAR
+from insonify.kernels.multipath.image_sources import bottom_image, rise_of, surface_image, tilt_of
+from insonify.kernels.rays.cell_walk import NOTHING, first_hits
+from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch
+from insonify.kernels.rays.launch import (
+    Beam,
+    aim,
+    cone_azimuth,
+    gather,
+    highest_elevation,
+    make_beam,
+    spread_rays,
+    turn,
+)
+from insonify.kernels.rays.specular_paths import Meeting, arrive, meet_any, mixed_ghost, set_out
+
+
+@kernel
+def trace_ghosts(arrays, poses, rays, out):
+    """Trace the ghosts of all pings with ``rays`` a side and image and add them to ``out`` (pings, 2, bins)."""
+    ghosts, sums = arrays.ghosts, np.empty(arrays.bins)
+    near = np.empty(arrays.solids.shape.size, np.int64)
+    launch, bundle, hits = empty_launch(rays), empty_bundle(rays), empty_hits(rays)
+    for ping in range(poses.x.size):
+        x, y, z, pitch = poses.x[ping], poses.y[ping], poses.z[ping], poses.pitch[ping]
+        surface, bottom = surface_image(arrays, z), bottom_image(arrays, x, y, z)
+        for side in range(2):
+            beam = make_beam(arrays, poses, ping, side)
+            sums[:] = 0.0
+            if ghosts.surface_bottom or ghosts.surface_bottom_surface:
+                _add_image(arrays, beam, surface, pitch, near, launch, bundle, hits, sums)
+            if ghosts.second_bottom and bottom.share > 0.0:
+                _add_image(arrays, beam, bottom, pitch, near, launch, bundle, hits, sums)
+            if ghosts.surface_echo:
+                _add_surface_echo(arrays, beam, surface, sums)
+            for k in range(arrays.bins):
+                out[ping, side, k] += sums[k] * arrays.range_factor[k]
+
+
+@kernel
+def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
+    """Sum the ghosts that one image of the sonar brings."""
+    fan, ghosts = arrays.half_width > 0.0, arrays.ghosts
+    seen_from = _lifted(arrays, beam, image)
+    if image.mirrored:
+        pitch = -pitch
+    count, top = gather(arrays.solids, arrays.mesh, seen_from, near)
+    top = max(top, highest_elevation(arrays.bed.high - seen_from.z, 0.0, seen_from.reach))
+    spreads = fan and arrays.pattern.tabled
+    aim(launch, seen_from.z, top, seen_from.reach, arrays.half_width, arrays.law, spreads)
+    if spreads:
+        spread_rays(launch, arrays.pattern, seen_from.z, seen_from.reach, pitch)
+    turn(launch, seen_from, bundle)
+    first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, seen_from.reach, hits)
+    for k in range(launch.weight.size):
+        if hits.body[k] == NOTHING or launch.weight[k] == 0.0 or _is_stopped(arrays, beam, image, bundle, hits, k):
+            continue
+        meeting = Meeting(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
+        path, out = arrive(arrays, set_out(bundle, k), meeting), 1.0
+        if arrays.pattern.tabled:
+            out = heard(arrays.pattern, seen_from, fan, arrays.law, path.dx, path.dy, path.dz, path.length)
+        drop = seen_from.z - path.z
+        rise = rise_of(image, drop, path.length, ghosts.rms_height)
+        tilt = tilt_of(image, drop, path.length, ghosts.slope_variance)
+        if ghosts.surface_bottom_surface and image.mirrored:
+            value = _straight_back(arrays, fan, out * launch.weight[k], path, meeting)
+            _smear(path.length, value, 2.0 * rise, 2.0 * tilt, ghosts.facets[1], arrays.bin_length, sums)
+        if ghosts.surface_bottom or not image.mirrored:
+            weight = launch.weight[k] * image.share
+            if arrays.law == LIGHT and fan and not arrays.pattern.tabled:
+                weight *= _of_lower_cone(arrays, beam, path)
+            r, value = mixed_ghost(arrays, beam, fan, out, weight, path, meeting)
+            _smear(r, value, rise, tilt, ghosts.facets[0], arrays.bin_length, sums)
+
+
+@inlined
+def _lifted(arrays, beam, image):
+    """One side of a ping as its image has it: higher, and in the surface upside down."""
+    turned = -1.0 if image.mirrored else 1.0
+    # R + R' <= 2r and R' - R <= the height of the image.
+    reach = arrays.bins * arrays.bin_length + 0.5 * image.height
+    return Beam(
+        beam.x, beam.y, beam.z + image.height, beam.ahead_x, beam.ahead_y, beam.side_x, beam.side_y,
+        beam.axis_x, beam.axis_y, turned * beam.axis_z, beam.s_low, beam.s_high,
+        beam.own_x, beam.own_y, turned * beam.own_z, beam.up_x, beam.up_y, turned * beam.up_z, reach,
+    )  # fmt: skip
+
+
+@inlined
+def _straight_back(arrays, fan, weight, path, meeting):
+    """Strength of what returns along a path that has arrived from an image, with the record's 1/r⁴ taken out."""
+    cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
+    if cosine <= 0.0:
+        return 0.0
+    row, up = arrays.reflectivity[meeting.material], path.up
+    value = weight * strength(cosine, row[0], row[1], row[2], arrays.law)
+    if arrays.law == LIGHT:
+        return value * abs(up.x * path.dx + up.y * path.dy + up.z * path.dz) / arrays.bin_length
+    return value * path.length / cosine * (path.length if fan else 1.0)
+
+
+@inlined
+def _of_lower_cone(arrays, beam, path):
+    """Azimuths of a top-hat at an image over those at the sonar, the fewer: law `light` averages over the latter."""
+    dx, dy, dz = path.x - beam.x, path.y - beam.y, path.z - beam.z
+    level = math.sqrt(dx * dx + dy * dy)
+    straight = level / math.sqrt(level * level + dz * dz)
+    by_image = math.sqrt(path.dx * path.dx + path.dy * path.dy)
+    return cone_azimuth(by_image, arrays.half_width) / cone_azimuth(straight, arrays.half_width)
+
+
+@kernel
+def _is_stopped(arrays, beam, image, bundle, hits, k):
+    """Whether sound does not come by the surface, or something keeps it from there where it has set out upwards."""
+    if not -bundle.dz[k] * hits.distance[k] > image.above:
+        return True
+    if not image.mirrored:
+        return False
+    length = image.above / -bundle.dz[k]
+    blocker = meet_any(arrays, beam.x, beam.y, beam.z, bundle.dx[k], bundle.dy[k], -bundle.dz[k], length)
+    return blocker.body != NOTHING
+
+
+@inlined
+def _smear(r, value, rise, tilt, facets, bin_length, sums):
+    """Share what comes at a slant range among the facets of the surface."""
+    share = value / facets.shape[0]
+    for f in range(facets.shape[0]):
+        start = max(r + rise * facets[f, 0] + tilt * facets[f, 2], 0.0) / bin_length
+        stop = max((r + rise * facets[f, 1] + tilt * facets[f, 3]) / bin_length, start)
+        first, last = int(start), int(stop)
+        if first == last and first < sums.size:
+            sums[first] += share
+        for b in range(first, min(last + 1, sums.size)) if last > first else range(0):
+            sums[b] += share * (min(stop, b + 1.0) - max(start, float(b))) / (stop - start)
+
+
+@inlined
+def _add_surface_echo(arrays, beam, image, sums):
+    """Add the echo of the surface straight above, 1 / (2d)² with the record's 1/d⁴ taken out."""
+    depth, fan = image.above, arrays.half_width > 0.0
+    if not 0.0 < depth < arrays.bins * arrays.bin_length:
+        return
+    value = heard(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth) if arrays.pattern.tabled else 1.0
+    value *= 1.0 if arrays.law == LIGHT else 0.25 * depth * depth
+    rise = rise_of(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.rms_height)
+    tilt = tilt_of(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.slope_variance)
+    _smear(depth, value, rise, tilt, arrays.ghosts.facets[0], arrays.bin_length, sums)

@@ -1,0 +1,344 @@
+"""Ghosts by the sweep: what bed and targets send back by way of the sea surface, and what the surface itself does.
+
+Out as from one image of the sonar and back as to another, over R and R', an echo of the area dA comes at slant range
+r = (R + R') / 2 with σ dA / (R² R'²), σ the bistatic strength between the two directions, if both images see it: each
+has its own running horizon along one and the same profile, and its own screen of targets. Two orders count twice.
+
+What lies higher than the sonar hides bed and targets from an image, but not the surface from the sonar.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.beam.azimuth_sector import raised
+from insonify.kernels.beam.pattern import heard as sensitivity_towards
+from insonify.kernels.bed.slice import slice_bed
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.range_bins import accumulate
+from insonify.kernels.common.types import LIGHT, SONAR
+from insonify.kernels.geometry.cross_sections import View
+from insonify.kernels.multipath.echo_list import ENOUGH, enter_echoes, list_echo
+from insonify.kernels.multipath.image_sources import (
+    SECOND_BOTTOM,
+    SURFACE_BOTTOM,
+    SURFACE_ECHO,
+    pair_of,
+    pair_strength,
+    pair_weight,
+    rise_of,
+    sea_of,
+    spreading,
+    surface_image,
+    tilt_of,
+)
+from insonify.kernels.multipath.target_multipath import list_bodies
+from insonify.kernels.rays.launch import make_beam
+from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_sheet
+from insonify.kernels.sweep.partial_segments import FINE
+from insonify.kernels.sweep.sweep import LOWEST, aim_plane, in_sight_from
+from insonify.kernels.sweep.target_echoes import launch_angle, range_at
+from insonify.kernels.sweep.visibility import NADIR, weigh
+from insonify.kernels.targets.angular_zbuffer import fill_screen
+from insonify.kernels.targets.occlusion import cover_of, next_open
+
+HALVINGS = 40  # that find where a segment comes nearest to both images
+MOST_PARTS = 1024
+
+
+class Outlook(NamedTuple):
+    """A profile as one image sees it; one entry a knot."""
+
+    z: NDArray[np.float64]  # height above the image, m
+    launch: NDArray[np.float64]  # tan of the launch angle above the horizontal
+    horizon: NDArray[np.float64]  # greatest launch slope so far
+    weight: NDArray[np.float64]  # what the plane stands for there
+    r: NDArray[np.float64]  # work space: slant range
+    rise: NDArray[np.float64]  # work space: height above the sonar of where the sound set out for
+
+
+class Line(NamedTuple):
+    """A segment's line in the plane, as one image sees it: z = offset + slope · x."""
+
+    offset: float
+    slope: float
+
+
+class Stretch(NamedTuple):
+    """A segment of the bed by itself, as two images see it."""
+
+    one: Line
+    other: Line
+    area: float  # 1 + |∇z|²
+    at_nadir: float  # what its plane stands for there, were it linear
+    rate: float  # by which that grows per metre of ground range
+    diffuse: float
+    specular: float
+    shininess: float
+
+
+def empty_outlook(capacity: int) -> Outlook:
+    """Make room for profiles of up to ``capacity`` knots."""
+    return Outlook(*np.zeros((6, capacity)))
+
+
+@kernel
+def sweep_ghosts(arrays, poses, planes, lifted, profile, outlooks, screens, echoes, ledger, out):
+    """Sweep the ghosts of every ping and add them to ``out`` (pings, 2, bins).
+
+    ``lifted`` are the planes of the beam of the image in the surface.
+    """
+    bins, line = np.zeros(arrays.bins + 2, np.int64), np.zeros(arrays.bins, np.float32)
+    for ping in range(poses.x.size):
+        for side in range(2):
+            add_ghosts(
+                arrays, poses, ping, side, planes, lifted, profile, outlooks, screens, echoes, bins, ledger, False
+            )
+            accumulate(bins, arrays.range_factor, line)
+            for k in range(arrays.bins):
+                out[ping, side, k] += line[k]
+
+
+@kernel
+def add_ghosts(arrays, poses, ping, side, planes, lifted, profile, outlooks, screens, echoes, bins, ledger, noting):
+    """Put the ghosts of one side of one ping into a difference array, and if asked to into the ledger."""
+    x, y, z = poses.x[ping], poses.y[ping], poses.z[ping]
+    for way in range(SURFACE_BOTTOM, SECOND_BOTTOM + 1):
+        pair, wanted = pair_of(arrays, way, x, y, z)
+        if not wanted:
+            continue
+        beam = lifted if pair.one.mirrored else planes
+        for plane in range(beam.azimuth.size):
+            room = profile, outlooks, screens, echoes
+            _add_plane(arrays, poses, ping, side, beam, plane, pair, *room, bins, ledger, noting)
+    if arrays.ghosts.surface_echo:
+        _add_surface_echo(arrays, poses, ping, side, echoes, bins, ledger, noting)
+
+
+@kernel
+def _add_plane(
+    arrays, poses, ping, side, planes, plane, pair, profile, outlooks, screens, echoes, bins, ledger, noting
+):
+    """Likewise for one pair of images in one plane."""
+    view, wedge, _ = aim_plane(arrays, poses, ping, side, planes, plane, straight_sheet())
+    near_field, per_height = planes.near_field[plane], planes.reach[plane]
+    height = max(view.z - arrays.bed.low, LOWEST)
+    # A beam that sound passes but once hears what the higher image's takes in, which is farther out; others do not.
+    one_way = arrays.pattern.tabled and not arrays.pattern.two_way
+    highest = pair.other.height if one_way else pair.one.height
+    reach = min(per_height * (height + highest), arrays.bins * arrays.bin_length)
+    count = slice_bed(arrays.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
+    wedge_one = raised(wedge, near_field * (height + pair.one.height))
+    wedge_other = raised(wedge, near_field * (height + pair.other.height))
+    cells_one = _look_out(arrays, profile, count, pair.one, view, wedge_one, reach, outlooks[0], screens[0])
+    cells_other = _look_out(arrays, profile, count, pair.other, view, wedge_other, reach, outlooks[1], screens[1])
+    n = _list_bed(arrays, profile, count, pair, outlooks, screens, cells_one, cells_other, echoes, bins, ledger, noting)
+    if cells_one > 0:
+        wedges = wedge_one, wedge_other
+        n = list_bodies(
+            arrays, profile, count, pair, view, wedges, outlooks, screens, cells_one, cells_other, echoes, n, bins,
+            ledger, noting,
+        )  # fmt: skip
+    _enter(arrays, pair.passes, pair.way, echoes, n, bins, ledger, noting)
+
+
+@inlined
+def _enter(arrays, passes, way, echoes, n, bins, ledger, noting):
+    """Enter echoes, smeared by as many passes of the surface."""
+    enter_echoes(echoes, n, arrays.ghosts.facets[passes - 1], arrays.bin_length, way, bins, ledger, noting)
+
+
+@kernel
+def _look_out(arrays, profile, count, image, view, wedge, reach, outlook, screen):
+    """Tell what of a profile an image sees; return the cells of its screen."""
+    x, profile_z = profile.x, profile.z
+    z, launch, horizon, r, rise = outlook.z, outlook.launch, outlook.horizon, outlook.r, outlook.rise
+    highest = NADIR
+    for i in range(count):
+        z[i] = profile_z[i] - image.height
+        launch[i] = z[i] / x[i] if x[i] > 0.0 or z[i] != z[i] else NADIR
+        # NaN, a hole in the bed, compares false and hides nothing.
+        highest = launch[i] if launch[i] > highest else highest
+        horizon[i], r[i] = highest, math.sqrt(x[i] * x[i] + z[i] * z[i])
+        rise[i] = -z[i] if image.mirrored else z[i]
+    weigh(x[:count], rise, r, wedge, arrays.pattern, arrays.law, outlook.weight)
+    if screen.body.size == 0:
+        return 0
+    seen_from, table = (
+        View(view.x, view.y, view.z + image.height, view.ex, view.ey),
+        np.zeros((2, 2, COLUMNS), np.float32),
+    )
+    return max(fill_screen(arrays, seen_from, wedge, reach, straight_sheet(), table, screen), 0)
+
+
+@kernel
+def _list_bed(arrays, profile, count, pair, outlooks, screens, cells_one, cells_other, echoes, bins, ledger, noting):
+    """List what of a profile both images see; return the number of echoes not entered yet."""
+    x, slope, area, material = profile.x, profile.slope, profile.area, profile.material
+    z_one, launch_one, horizon_one = outlooks[0].z, outlooks[0].launch, outlooks[0].horizon
+    z_other, launch_other, horizon_other = outlooks[1].z, outlooks[1].launch, outlooks[1].horizon
+    r_one, r_other, weight_one, weight_other = outlooks[0].r, outlooks[1].r, outlooks[0].weight, outlooks[1].weight
+    table, tabled, two_way = arrays.reflectivity, arrays.pattern.tabled, arrays.pattern.two_way
+    cover_one, cover_other = cover_of(screens[0], cells_one), cover_of(screens[1], cells_other)
+    farthest, open_to_all, n = arrays.bins * arrays.bin_length, cells_one == 0 and cells_other == 0, 0
+    sea = sea_of(arrays)
+    for i in range(count - 1):
+        if not (launch_one[i + 1] > horizon_one[i] and launch_other[i + 1] > horizon_other[i]):
+            continue
+        near = pair_weight(weight_one[i], weight_other[i], tabled, two_way)
+        far = pair_weight(weight_one[i + 1], weight_other[i + 1], tabled, two_way)
+        dx, rise = x[i + 1] - x[i], np.float64(slope[i])
+        beyond = 0.5 * (r_one[i] + r_other[i]) - dx * math.sqrt(1.0 + rise * rise) > farthest
+        if beyond or not near + far > 0.0 or not area[i] > 0.0:
+            continue
+        row, rate = material[i], (far - near) / dx
+        one, other = Line(z_one[i] - rise * x[i], rise), Line(z_other[i] - rise * x[i], rise)
+        at_nadir = near - rate * x[i]
+        part = Stretch(one, other, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
+        start = in_sight_from(one, x[i], x[i + 1], launch_one[i], horizon_one[i])
+        start = max(start, in_sight_from(other, x[i], x[i + 1], launch_other[i], horizon_other[i]))
+        if open_to_all:
+            n = _list_piece(sea, part, pair, start, x[i + 1], row, echoes, n)
+        else:
+            n = _list_open(sea, part, pair, start, x[i + 1], row, cover_one, cover_other, echoes, n)
+        if n > ENOUGH:
+            _enter(arrays, pair.passes, pair.way, echoes, n, bins, ledger, noting)
+            n = 0
+    return n
+
+
+@kernel
+def _list_open(sea, part, pair, x_from, x_to, row, cover_one, cover_other, echoes, n):
+    """List what no target hides from either image of a segment, between two ground ranges."""
+    low, high = launch_angle(part.one, x_from), launch_angle(part.one, x_to)
+    while low < high:
+        opened, closed = next_open(cover_one, part.one, low, high)
+        if opened >= high:
+            break
+        start = x_from if opened <= low else max(range_at(part.one, opened), x_from)
+        stop = x_to if closed >= high else min(range_at(part.one, closed), x_to)
+        n = _list_open_to_other(sea, part, pair, start, stop, row, cover_other, echoes, n)
+        low, x_from = closed, stop
+    return n
+
+
+@kernel
+def _list_open_to_other(sea, part, pair, x_from, x_to, row, cover, echoes, n):
+    """Likewise what is not hidden from the higher image."""
+    low, high = launch_angle(part.other, x_from), launch_angle(part.other, x_to)
+    while low < high:
+        opened, closed = next_open(cover, part.other, low, high)
+        if opened >= high:
+            break
+        start = x_from if opened <= low else max(range_at(part.other, opened), x_from)
+        stop = x_to if closed >= high else min(range_at(part.other, closed), x_to)
+        n = _list_piece(sea, part, pair, start, stop, row, echoes, n)
+        low, x_from = closed, stop
+    return n
+
+
+@inlined
+def _slant(part, x):
+    """Slant range at which a place is heard."""
+    a, b = part.one.offset + part.one.slope * x, part.other.offset + part.other.slope * x
+    return 0.5 * (math.sqrt(x * x + a * a) + math.sqrt(x * x + b * b))
+
+
+@inlined
+def _grows(part, x):
+    """Twice the rate at which that grows with ground range."""
+    slope = part.one.slope
+    a, b = part.one.offset + slope * x, part.other.offset + slope * x
+    return (x + slope * a) / math.sqrt(x * x + a * a) + (x + slope * b) / math.sqrt(x * x + b * b)
+
+
+@kernel
+def _list_piece(sea, part, pair, x_from, x_to, row, echoes, n):
+    """List a part of a segment that both images see."""
+    if not x_to > x_from:
+        return n
+    near, far, slope = _slant(part, x_from), _slant(part, x_to), part.one.slope
+    squared = (x_to - x_from) ** 2 * (1.0 + slope * slope)
+    if squared <= min(abs(far - near), FINE * FINE * near) * near:
+        return _list_part(sea, part, pair, x_from, x_to, near, far, row, echoes, n)
+    foot = _foot(part, x_from, x_to)
+    n = _list_monotone(sea, part, pair, x_from, foot, row, echoes, n)
+    return _list_monotone(sea, part, pair, foot, x_to, row, echoes, n)
+
+
+@kernel
+def _foot(part, x_from, x_to):
+    """Ground range at which a segment is heard nearest; slant range falls towards it and grows beyond."""
+    if _grows(part, x_from) >= 0.0:
+        return x_from
+    if _grows(part, x_to) <= 0.0:
+        return x_to
+    low, high = x_from, x_to
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if _grows(part, middle) < 0.0:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+@kernel
+def _list_monotone(sea, part, pair, x_from, x_to, row, echoes, n):
+    """List a piece along which slant range grows or falls, in parts short against their range."""
+    if not x_to > x_from:
+        return n
+    near, slope = _slant(part, x_from), part.one.slope
+    nearest = max(min(near, _slant(part, x_to)), sea.bin_length)
+    parts = 1 + int(min((x_to - x_from) * math.sqrt(1.0 + slope * slope) / (FINE * nearest), MOST_PARTS - 1.0))
+    dx = (x_to - x_from) / parts
+    for k in range(parts):
+        start = x_from + k * dx
+        far = _slant(part, start + dx)
+        n = _list_part(sea, part, pair, start, start + dx, near, far, row, echoes, n)
+        near = far
+    return n
+
+
+@inlined
+def _list_part(sea, part, pair, x_from, x_to, near, far, row, echoes, n):
+    """List one part, whose energy is spread evenly over the slant ranges it spans, ``near`` to ``far``."""
+    x, stretch, law = 0.5 * (x_from + x_to), math.sqrt(part.area), sea.law
+    a, b = part.one.offset + part.one.slope * x, part.other.offset + part.other.slope * x
+    if -b <= pair.other.above:
+        return n  # land
+    r_one, r_other = math.sqrt(x * x + a * a), math.sqrt(x * x + b * b)
+    cos_one, cos_other = -part.one.offset / (r_one * stretch), -part.other.offset / (r_other * stretch)
+    mirrored = 2.0 * cos_one * cos_other - (x * x + a * b) / (r_one * r_other)
+    value = pair_strength(cos_one, cos_other, mirrored, part.diffuse, part.specular, part.shininess, pair, law)
+    value *= (part.at_nadir + part.rate * x) * spreading(r_one, r_other, law)
+    energy = value * abs(far - near) / sea.bin_length if law == LIGHT else value * stretch * (x_to - x_from)
+    rms, variance = sea.rms_height, sea.slope_variance
+    rise = rise_of(pair.one, -a, r_one, rms) + rise_of(pair.other, -b, r_other, rms)
+    tilt = tilt_of(pair.one, -a, r_one, variance) + tilt_of(pair.other, -b, r_other, variance)
+    return list_echo(echoes, n, near, far, energy, rise, tilt, x, min(cos_one, cos_other), row)
+
+
+@kernel
+def _add_surface_echo(arrays, poses, ping, side, echoes, bins, ledger, noting):
+    """Add the echo of the surface straight above: that of an image of the source, twice as far away as the surface.
+
+    It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; in law `light`, a lamp in a mirror.
+    """
+    image = surface_image(arrays, poses.z[ping])
+    depth, law = image.above, arrays.law
+    if not 0.0 < depth < arrays.bins * arrays.bin_length:
+        return
+    value = 1.0
+    if arrays.pattern.tabled:
+        beam, fan = make_beam(arrays, poses, ping, side), arrays.half_width > 0.0
+        value = sensitivity_towards(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth)
+    energy = value if law == LIGHT else 0.25 * value * depth * depth
+    rise = rise_of(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.rms_height)
+    tilt = tilt_of(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.slope_variance)
+    n = list_echo(echoes, 0, depth, depth, energy, rise, tilt, 0.0, 1.0, 0)
+    _enter(arrays, 1, SURFACE_ECHO, echoes, n, bins, ledger, noting)

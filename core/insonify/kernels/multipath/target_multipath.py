@@ -1,0 +1,146 @@
+"""What targets send back out by one image of the sonar and back by another."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.beam.azimuth_sector import weight
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.geometry.cross_sections import View
+from insonify.kernels.multipath.echo_list import ENOUGH, enter_echoes, list_echo
+from insonify.kernels.multipath.image_sources import pair_strength, pair_weight, rise_of, sea_of, spreading, tilt_of
+from insonify.kernels.sweep.target_echoes import (
+    Facet,
+    facets_in,
+    horizon_at,
+    is_met,
+    knot_before,
+    open_facet,
+    part_material,
+)
+from insonify.kernels.targets.angular_zbuffer import NOBODY, halfway
+from insonify.kernels.targets.apparent_targets import lens_of
+from insonify.kernels.targets.primitives import TRIANGLE, Part, load_part, meet_part
+
+BEFORE = 1e-4  # share of a distance by which another part must come nearer to hide a place
+
+
+@kernel
+def list_bodies(
+    arrays, profile, knots, pair, view, wedges, outlooks, screens, cells, cells_other, echoes, n, bins, ledger, noting
+):
+    """List what is nearest to the lower image in every cell and in sight of the other; return what is not entered."""
+    solids, mesh, table, screen = arrays.solids, arrays.mesh, arrays.reflectivity, screens[0]
+    x, z, horizon, knot = profile.x, outlooks[0].z, outlooks[0].horizon, -1
+    sea, pattern, lower, higher = sea_of(arrays), arrays.pattern, wedges[0], wedges[1]
+    heights, ridges, edge, level, rise = (
+        outlooks[1].z,
+        outlooks[1].horizon,
+        screens[1].edge,
+        screens[1].level,
+        screens[1].rise,
+    )
+    nearest, rows = screens[1].part, screens[1].body
+    bodies, raised = solids.shape.size, pair.other.height - pair.one.height
+    seen_from = View(view.x, view.y, view.z + pair.one.height, view.ex, view.ey)
+    for cell in range(cells):
+        p = screen.part[cell]
+        if p == NOBODY:
+            continue
+        body, row = screen.body[p], part_material(solids, mesh, screen, p)
+        who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
+        c, s = halfway(screen.cosine[cell], screen.sine[cell], screen.cosine[cell + 1], screen.sine[cell + 1])
+        low, high, distance = screen.edge[cell], screen.edge[cell + 1], screen.distance[cell]
+        facets = facets_in(Facet(low, high, c, s, screen.near[cell], distance, screen.far[cell], 1.0))
+        knot = knot_before(x, knots, distance * c, knot)
+        part = load_part(solids, mesh, seen_from, body, screen.line[p], lens_of(False, screen.lens[p]))
+        for k in range(facets):
+            facet = open_facet(part, low, high, k, facets, x, z, knots, horizon, knot)
+            if not is_met(facet):
+                continue
+            cos_other = facet.incidence
+            if raised > 0.0:
+                ridge = _ridge(facet, raised, x, heights, ridges, knots, knot)
+                cos_other = _seen(facet, part, body, raised, ridge, edge, level, rise, nearest, rows, cells_other)
+            if cos_other > 0.0:
+                numbers = table[row, 0], table[row, 1], table[row, 2]
+                n = _list_facet(sea, pattern, pair, facet, cos_other, numbers, lower, higher, who, echoes, n)
+        if n > ENOUGH:
+            facets_of_sea = arrays.ghosts.facets[pair.passes - 1]
+            enter_echoes(echoes, n, facets_of_sea, arrays.bin_length, pair.way, bins, ledger, noting)
+            n = 0
+    return n
+
+
+@inlined
+def _ridge(facet, raised, x, z, horizon, knots, knot):
+    """Greatest slope of the bed from the higher image up to the middle of a facet."""
+    level = facet.centre * facet.cosine
+    return horizon_at(x, z, knots, horizon, knot_before(x, knots, level, knot), level)
+
+
+@inlined
+def _seen(facet, part, body, raised, ridge, edge, near_level, near_rise, nearest, rows, cells):
+    """Cosine of the incidence at the middle of a facet as the higher image sees it; 0 if it does not."""
+    level, height = facet.centre * facet.cosine, facet.centre * facet.sine - raised
+    r = math.sqrt(level * level + height * height)
+    c, s = level / r, height / r
+    if part.kind == TRIANGLE:
+        # Both must be on the same side of a sheet.
+        front = facet.cosine * part.level_x + facet.sine * part.level_y
+        if front * (c * part.level_x + s * part.level_y) <= 0.0:
+            return 0.0
+    lower = Part(
+        part.kind, part.x, part.y, part.z - raised, part.ax, part.ay, part.az, part.length, part.radius, part.taper,
+        part.level_x, part.level_y, part.lens,
+    )  # fmt: skip
+    distance, incidence = meet_part(lower, c, s)
+    if not distance > r * (1.0 - BEFORE):
+        return 0.0  # the far side of a body
+    if ridge * c > s:
+        return 0.0
+    angle = math.atan2(height, level)
+    cell = np.searchsorted(edge[: cells + 1], angle, side="right") - 1
+    if 0 <= cell < cells and nearest[cell] != NOBODY and rows[nearest[cell]] != body:
+        if (near_level[cell] * c + near_rise[cell] * s) * r > 1.0 + BEFORE:
+            return 0.0
+    return incidence
+
+
+@inlined
+def _list_facet(sea, pattern, pair, facet, cos_other, numbers, lower, higher, who, echoes, n):
+    """List a facet that both images see; its ends give the slant ranges, its middle the strength."""
+    law, raised = sea.law, pair.other.height - pair.one.height
+    x, a = facet.centre * facet.cosine, facet.centre * facet.sine
+    r_other, b = _distance(facet.centre, facet.cosine, facet.sine, raised), a - raised
+    mirrored = 2.0 * facet.incidence * cos_other - (x * x + a * b) / (facet.centre * r_other)
+    value = pair_strength(facet.incidence, cos_other, mirrored, numbers[0], numbers[1], numbers[2], pair, law)
+    one = weight(x, -a if pair.one.mirrored else a, facet.centre, lower, pattern, law)
+    other = weight(x, -b if pair.other.mirrored else b, r_other, higher, pattern, law)
+    value *= pair_weight(one, other, pattern.tabled, pattern.two_way) * spreading(facet.centre, r_other, law)
+    c_low, s_low, c_high, s_high = math.cos(facet.low), math.sin(facet.low), math.cos(facet.high), math.sin(facet.high)
+    near = 0.5 * (facet.near + _distance(facet.near, c_low, s_low, raised))
+    middle = 0.5 * (facet.centre + r_other)
+    far = 0.5 * (facet.far + _distance(facet.far, c_high, s_high, raised))
+    if law == LIGHT:
+        first, second = value * abs(middle - near) / sea.bin_length, value * abs(far - middle) / sea.bin_length
+    else:
+        # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
+        first = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6)
+        second = first
+    rms, variance = sea.rms_height, sea.slope_variance
+    rise = rise_of(pair.one, -a, facet.centre, rms) + rise_of(pair.other, -b, r_other, rms)
+    tilt = tilt_of(pair.one, -a, facet.centre, variance) + tilt_of(pair.other, -b, r_other, variance)
+    cosine = min(facet.incidence, cos_other)
+    n = list_echo(echoes, n, near, middle, first, rise, tilt, x, cosine, who)
+    return list_echo(echoes, n, middle, far, second, rise, tilt, x, cosine, who)
+
+
+@inlined
+def _distance(distance, c, s, raised):
+    """Distance from the higher image of what lies in the direction (c, s) of the lower one."""
+    height = distance * s - raised
+    return math.sqrt(distance * distance * c * c + height * height)

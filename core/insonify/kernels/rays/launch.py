@@ -1,0 +1,248 @@
+"""Where rays are sent and what each stands for.
+
+On a level bed the rays of the main stratum hit at equal steps of slant range; a second stratum takes the elevations
+above it, up to the highest thing there is to see. Across a beam azimuths follow the golden ratio: of a level top-hat
+over the exact width of the cone |sin φ_b| = cos θ |sin φ| <= sin(w/2) at each elevation, of any other half evenly over
+all that is heard, half as the pattern has it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.beam.pattern import pick_azimuth, widest_extent
+from insonify.kernels.bed.slice import on_grid
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.types import LIGHT, PORT
+from insonify.kernels.geometry.solids import widest, within
+
+AIM_STEPS = 64.0  # per radian
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+
+class Beam(NamedTuple):
+    """One side of one ping."""
+
+    x: float
+    y: float
+    z: float
+    ahead_x: float  # level unit vector of the heading
+    ahead_y: float
+    side_x: float  # and at right angles to it, to that side
+    side_y: float
+    axis_x: float  # unit vector about which the beam's cones lie: the fish's own, or the heading of a level beam
+    axis_y: float
+    axis_z: float
+    s_low: float  # sines of the angles from the plane athwart it between which anything is heard
+    s_high: float
+    own_x: float  # the fish's own side
+    own_y: float
+    own_z: float
+    up_x: float  # and its own up
+    up_y: float
+    up_z: float
+    reach: float  # m
+
+
+class Launch(NamedTuple):
+    """Rays of one side, in the sonar's own axes."""
+
+    ahead: NDArray[np.float64]  # (n,) unit directions
+    abeam: NDArray[np.float64]  # (n,)
+    up: NDArray[np.float64]  # (n,)
+    weight: NDArray[np.float64]  # (n,) rad (knife, top-hat of law `light`), sr (law `sonar`), rad² (a pattern's light)
+
+
+@inlined
+def make_beam(arrays, poses, ping, side):
+    """Point one side of one ping: its own axes after heading, pitch (bow up), then roll (port up)."""
+    ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
+    to_side = 1.0 if side == PORT else -1.0
+    x, y, z, reach = poses.x[ping], poses.y[ping], poses.z[ping], arrays.bins * arrays.bin_length
+    if not arrays.pattern.tabled:
+        s = math.sin(arrays.half_width)
+        return Beam(
+            x, y, z, ahead_x, ahead_y, -to_side * ahead_y, to_side * ahead_x, ahead_x, ahead_y, 0.0, -s, s,
+            -to_side * ahead_y, to_side * ahead_x, 0.0, 0.0, 0.0, 1.0, reach,
+        )  # fmt: skip
+    cos_p, sin_p = math.cos(poses.pitch[ping]), math.sin(poses.pitch[ping])
+    cos_r, sin_r = math.cos(poses.roll[ping]), math.sin(poses.roll[ping])
+    level_up_x, level_up_y = -sin_p * ahead_x, -sin_p * ahead_y
+    own_x, own_y = -cos_r * ahead_y + sin_r * level_up_x, cos_r * ahead_x + sin_r * level_up_y
+    up_x, up_y = cos_r * level_up_x + sin_r * ahead_y, cos_r * level_up_y - sin_r * ahead_x
+    axis_x, axis_y, axis_z, s_low, s_high = ahead_x, ahead_y, 0.0, 0.0, 0.0
+    if arrays.half_width > 0.0:
+        extent = widest_extent(arrays.pattern)
+        s_low, s_high = arrays.pattern.centre - extent, arrays.pattern.centre + extent
+        axis_x, axis_y, axis_z = cos_p * ahead_x, cos_p * ahead_y, sin_p
+    return Beam(
+        x, y, z, ahead_x, ahead_y, -to_side * ahead_y, to_side * ahead_x, axis_x, axis_y, axis_z, s_low, s_high,
+        to_side * own_x, to_side * own_y, to_side * sin_r * cos_p, up_x, up_y, cos_r * cos_p, reach,
+    )  # fmt: skip
+
+
+@kernel
+def aim(launch, height, top, reach, half_width, law, spreads):
+    """Aim all rays of a side; athwart where a pattern ``spreads`` them later.
+
+    ``height`` of the sonar above the mean bed, ``top`` the highest elevation there is to see (radians, up positive).
+    """
+    n = launch.up.size
+    level = height > 0.0 and height < reach
+    lowest = -math.asin(height / reach) if level else -0.5 * math.pi
+    main = n - _upper_rays(n, height, reach, lowest, top) if level else 0
+    for k in range(main):
+        r_near = height + (reach - height) * k / main
+        r_far = height + (reach - height) * (k + 1) / main
+        r = 0.5 * (r_near + r_far)
+        theta = math.asin(height / r)
+        steep = math.asin(min(height / r_near, 1.0))
+        shallow = math.asin(height / r_far)
+        # Exactly a step of slant range on a level bed for law `light`, exactly the angle for law `sonar`.
+        angle = (r_far - r_near) * math.tan(theta) / r if law == LIGHT else steep - shallow
+        send(launch, k, -theta, angle, height / r_near - height / r_far, half_width, law, spreads)
+    step = (top - lowest) / max(n - main, 1)
+    for k in range(main, n):
+        low = lowest + (k - main) * step
+        band = math.sin(low + step) - math.sin(low)
+        send(launch, k, low + 0.5 * step, step, band, half_width, law, spreads)
+
+
+@kernel
+def _upper_rays(n, height, reach, lowest, top):
+    """Rays for the elevations above the level bed: as dense as the main stratum's last, at most half of all."""
+    if top <= lowest:
+        return 0
+    # dr/dθ of a level bed at the end of the range turns the angle into metres of slant range.
+    equivalent = (top - lowest) * reach * math.sqrt(reach * reach - height * height) / height
+    return min(n // 2, math.ceil(n * equivalent / (equivalent + reach - height)))
+
+
+@kernel
+def send(launch, k, elevation, angle, band, half_width, law, spreads):
+    """Set ray k: its elevation, the angle it stands for and the difference of sin(elevation) over that angle."""
+    c, s = math.cos(elevation), math.sin(elevation)
+    # Law `light` averages over the beam, law `sonar` integrates it.
+    weight = angle if law == LIGHT or half_width <= 0.0 else band
+    azimuth = 0.0
+    if not spreads:
+        widest = cone_azimuth(c, half_width)
+        azimuth = widest * (2.0 * _place(k) - 1.0)
+        if law != LIGHT and half_width > 0.0:
+            weight *= 2.0 * widest
+    launch.ahead[k], launch.abeam[k], launch.up[k] = c * math.sin(azimuth), c * math.cos(azimuth), s
+    launch.weight[k] = weight
+
+
+@inlined
+def _place(k):
+    """Place of ray k within the beam, in [0, 1)."""
+    place = (k + 1) * GOLDEN
+    return place - math.floor(place)
+
+
+@kernel
+def spread_rays(launch, pattern, height, reach, pitch):
+    """Spread rays that lie athwart over the azimuths of a pattern."""
+    for k in range(launch.up.size):
+        c, s = launch.abeam[k], launch.up[k]
+        # Where it meets a level bed, if it does.
+        r = min(-height / s, reach) if s < 0.0 < height else reach
+        azimuth, stands_for = pick_azimuth(pattern, math.cos(pitch) * c, math.sin(pitch) * s, r, _place(k))
+        launch.ahead[k], launch.abeam[k] = c * math.sin(azimuth), c * math.cos(azimuth)
+        launch.weight[k] *= stands_for
+
+
+@kernel
+def cone_azimuth(cos_elevation, half_width):
+    """Greatest azimuth from athwart that a beam takes in at an elevation."""
+    s = math.sin(half_width)
+    return 0.5 * math.pi if cos_elevation <= s else math.asin(s / cos_elevation)
+
+
+@kernel
+def turn(launch, beam, bundle):
+    """Turn all rays of a side from the sonar's axes to the world's."""
+    for k in range(launch.up.size):
+        bundle.x[k], bundle.y[k], bundle.z[k] = beam.x, beam.y, beam.z
+        bundle.dx[k] = launch.ahead[k] * beam.ahead_x + launch.abeam[k] * beam.side_x
+        bundle.dy[k] = launch.ahead[k] * beam.ahead_y + launch.abeam[k] * beam.side_y
+        bundle.dz[k] = launch.up[k]
+
+
+@kernel
+def gather(solids, mesh, beam, near):
+    """List the bodies that a beam can touch; return their number and the highest elevation of anything to be met."""
+    count, top = 0, -0.5 * math.pi
+    for k in range(solids.shape.size):
+        middle = 0.5 * solids.length[k]
+        cx = solids.start[k, 0] + middle * solids.axis[k, 0] - beam.x
+        cy = solids.start[k, 1] + middle * solids.axis[k, 1] - beam.y
+        cz = solids.start[k, 2] + middle * solids.axis[k, 2] - beam.z
+        bound = middle + widest(solids, k)
+        distance = math.sqrt(cx * cx + cy * cy + cz * cz)
+        if not touches(beam, cx, cy, cz, distance, bound):
+            continue
+        near[count] = k
+        count += 1
+        summit = cz + middle * abs(solids.axis[k, 2]) + widest(solids, k)
+        top = max(top, highest_elevation(summit, max(distance - bound, 0.0), min(distance + bound, beam.reach)))
+    top = _highest_of_mesh(mesh, beam, top)
+    # Rounded up, so that the aim serves many pings.
+    return count, math.ceil(top * AIM_STEPS) / AIM_STEPS
+
+
+@inlined
+def touches(beam, cx, cy, cz, distance, bound):
+    """Whether a beam can touch a ball, its centre counted from the sonar."""
+    along = cx * beam.axis_x + cy * beam.axis_y + cz * beam.axis_z
+    if along - bound > beam.s_high * (distance + math.copysign(bound, beam.s_high)):
+        return False
+    if along + bound < beam.s_low * (distance - math.copysign(bound, beam.s_low)):
+        return False
+    return cx * beam.side_x + cy * beam.side_y >= -bound and distance - bound <= beam.reach
+
+
+@kernel
+def _highest_of_mesh(mesh, beam, top):
+    """Greatest elevation of the mesh's boxes in a beam, or ``top`` if that is more."""
+    node = 0
+    while node < mesh.skip.size:
+        wx = 0.5 * (mesh.high[node, 0] - mesh.low[node, 0])
+        wy = 0.5 * (mesh.high[node, 1] - mesh.low[node, 1])
+        wz = 0.5 * (mesh.high[node, 2] - mesh.low[node, 2])
+        cx, cy = mesh.low[node, 0] + wx - beam.x, mesh.low[node, 1] + wy - beam.y
+        cz = mesh.low[node, 2] + wz - beam.z
+        bound, distance = math.sqrt(wx * wx + wy * wy + wz * wz), math.sqrt(cx * cx + cy * cy + cz * cz)
+        highest = top
+        if touches(beam, cx, cy, cz, distance, bound):
+            farthest = min(distance + bound, beam.reach)
+            highest = highest_elevation(cz + wz, max(distance - bound, 0.0), farthest)
+        if highest <= top:
+            node = mesh.skip[node]
+            continue
+        if mesh.held[node] > 0:
+            top = highest
+        node += 1
+    return top
+
+
+@kernel
+def highest_elevation(summit, nearest, farthest):
+    """Greatest elevation of anything no higher than ``summit`` above the sonar and between two distances from it."""
+    if summit < 0.0:
+        return math.asin(max(summit / farthest, -1.0))
+    return math.asin(summit / nearest) if summit < nearest else 0.5 * math.pi
+
+
+@kernel
+def inside_body(solids, x, y, z):
+    """Row of the body that a point is inside, -1 if none."""
+    for k in range(solids.shape.size):
+        if within(solids, k, x, y, z):
+            return k
+    return -1

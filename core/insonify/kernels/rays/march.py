@@ -1,0 +1,185 @@
+"""A ray in steps of one length, as in the paper's day: the first step below a surface is its hit.
+
+What is thinner than a step can be stepped over; that is the method. A mesh has no inside to step into: its triangles
+are met where they are.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.common.jit import inlined_before_typing, kernel
+from insonify.kernels.common.types import BED, SPHERE
+from insonify.kernels.geometry.solids import widest
+from insonify.kernels.geometry.triangles import facing, meet_mesh
+from insonify.kernels.rays.cell_walk import NOTHING, Ray, load_cell, normal_at
+
+TINY = 1e-300  # m; at the very tip of a cone nothing points away from the axis
+
+
+@kernel
+def march_hits(bed, solids, near, count, mesh, bundle, reach, step, hits):
+    """March along every ray until a sample is below the bed or inside a body, then interpolate once."""
+    ceiling = _ceiling(bed, solids, near, count)
+    for k in range(bundle.x.size):
+        ray = Ray(bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k])
+        before, triangle = meet_mesh(mesh, ray.x, ray.y, ray.z, ray.dx, ray.dy, ray.dz, reach)
+        distance, body = _march(bed, solids, near, count, ray, ceiling, before, step)
+        if triangle >= 0 and before < distance:
+            distance, body, material = before, solids.shape.size + triangle, mesh.material[triangle]
+            nx, ny, nz = facing(mesh, triangle, ray.dx, ray.dy, ray.dz)
+        else:
+            material, nx, ny, nz = _surface(bed, solids, ray, distance, body)
+        hits.distance[k], hits.body[k], hits.material[k] = distance, body, material
+        hits.nx[k], hits.ny[k], hits.nz[k] = nx, ny, nz
+
+
+@inlined_before_typing
+def _march(bed, solids, near, count, ray, ceiling, reach, step):
+    """Distance to the hit and the body hit, of one ray."""
+    first, last = _samples(ray, ceiling, reach, step)
+    before = _clearance(bed, ray, (first - 1) * step)
+    for k in range(first, last + 1):
+        distance, body, before = _feel(bed, solids, near, count, ray, before, k * step, step)
+        if body != NOTHING:
+            return distance, body
+    return math.inf, NOTHING
+
+
+@inlined_before_typing
+def _feel(bed, solids, near, count, ray, before, t, step):
+    """Feel for what the sample at distance t is in: where it began since the last one, the body, and the clearance.
+
+    ``before`` is the clearance above the bed of the last sample, a step nearer.
+    """
+    best, body = math.inf, NOTHING
+    after = _clearance(bed, ray, t)
+    if after <= 0.0:
+        share = before / (before - after) if 0.0 < before < math.inf else 1.0
+        best, body = t - (1.0 - share) * step, BED
+    for m in range(count):
+        depth = _distance(solids, near[m], ray, t)
+        if depth <= 0.0:
+            outside = _distance(solids, near[m], ray, t - step)
+            share = outside / (outside - depth) if outside > 0.0 else 0.0
+            distance = t - (1.0 - share) * step
+            if distance < best:
+                best, body = distance, near[m]
+    return best, body, after
+
+
+@inlined_before_typing
+def march_chord(bed, solids, near, count, ray, length):
+    """Meet what is at the end of one step of a ray: (distance, body, material, nx, ny, nz)."""
+    distance, body, _ = _feel(bed, solids, near, count, ray, _clearance(bed, ray, 0.0), length, length)
+    material, nx, ny, nz = _surface(bed, solids, ray, distance, body)
+    return distance, body, material, nx, ny, nz
+
+
+@inlined_before_typing
+def _surface(bed, solids, ray, distance, body):
+    """Material and normal of what a ray meets at a distance."""
+    if body == NOTHING:
+        return 0, 0.0, 0.0, 0.0
+    if body == BED:
+        return _bed_surface(bed, ray, distance)
+    nx, ny, nz = _body_normal(solids, body, ray, distance)
+    return solids.material[body], nx, ny, nz
+
+
+@kernel
+def _ceiling(bed, solids, near, count):
+    """Height above which there is nothing."""
+    ceiling = bed.high
+    for m in range(count):
+        k = near[m]
+        ceiling = max(ceiling, solids.start[k, 2] + max(solids.axis[k, 2], 0.0) * solids.length[k] + widest(solids, k))
+    return ceiling
+
+
+@kernel
+def _samples(ray, ceiling, reach, step):
+    """Numbers of the first and last samples to look at: from the ceiling down, until one is out of reach."""
+    last = math.ceil(reach / step)
+    if ray.z <= ceiling:
+        return 1, last
+    if ray.dz >= 0.0:
+        return 1, 0
+    return max(1, int(min((ceiling - ray.z) / ray.dz / step, last + 1.0))), last
+
+
+@inlined_before_typing
+def _bed_surface(bed, ray, distance):
+    """Material and normal of the bed below the point at a distance."""
+    row, column, u, v = _place(bed, ray, distance)
+    if row < 0:
+        return 0, 0.0, 0.0, 0.0
+    nx, ny, nz = normal_at(load_cell(bed.heights, row, column), u, v, bed.spacing)
+    return np.int64(bed.materials[row, column]), nx, ny, nz
+
+
+@inlined_before_typing
+def _place(bed, ray, t):
+    """Cell below the point at distance t and its place within the cell; row −1 outside the bed."""
+    ny, nx = bed.heights.shape
+    u, v = (ray.x + t * ray.dx - bed.x0) / bed.spacing, (ray.y + t * ray.dy - bed.y0) / bed.spacing
+    i, j = math.floor(u), math.floor(v)
+    if bed.periodic:
+        return j % ny, i % nx, u - i, v - j
+    if u < 0.0 or v < 0.0 or u > nx - 1.0 or v > ny - 1.0:
+        return -1, -1, 0.0, 0.0
+    i, j = min(i, max(nx - 2, 0)), min(j, max(ny - 2, 0))
+    return j, i, u - i, v - j
+
+
+@inlined_before_typing
+def _clearance(bed, ray, t):
+    """Height above the bed at distance t, infinite where there is none."""
+    row, column, u, v = _place(bed, ray, t)
+    if row < 0:
+        return math.inf
+    cell = load_cell(bed.heights, row, column)
+    height = ray.z + t * ray.dz - (cell.a + cell.b * u + (cell.c + cell.d * u) * v)
+    return height if height == height else math.inf
+
+
+@kernel
+def _axial(solids, k, ray, t):
+    """Point at distance t from a body's start: along its axis and across it."""
+    px, py = ray.x + t * ray.dx - solids.start[k, 0], ray.y + t * ray.dy - solids.start[k, 1]
+    pz = ray.z + t * ray.dz - solids.start[k, 2]
+    along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
+    return px - along * solids.axis[k, 0], py - along * solids.axis[k, 1], pz - along * solids.axis[k, 2], along
+
+
+@kernel
+def _distance(solids, k, ray, t):
+    """Distance from a body's surface, negative inside; beyond a rim, from the nearer face carried on."""
+    px, py, pz, along = _axial(solids, k, ray, t)
+    outside = _from_side(solids, k, math.sqrt(px * px + py * py + pz * pz), along)
+    if solids.shape[k] == SPHERE:
+        return outside
+    return max(outside, max(-along, along - solids.length[k]))
+
+
+@kernel
+def _from_side(solids, k, radial, along):
+    """Distance from the side, from how far off the axis and along it a point is."""
+    taper = solids.taper[k]
+    return (radial - solids.radius[k] - taper * along) / math.sqrt(1.0 + taper * taper)
+
+
+@kernel
+def _body_normal(solids, k, ray, t):
+    """Outward normal of the surface nearest to the point at distance t."""
+    px, py, pz, along = _axial(solids, k, ray, t)
+    radial = math.sqrt(px * px + py * py + pz * pz)
+    ax, ay, az, taper = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2], solids.taper[k]
+    cap = max(-along, along - solids.length[k])
+    if solids.shape[k] != SPHERE and cap > _from_side(solids, k, radial, along):
+        side = -1.0 if -along > along - solids.length[k] else 1.0
+        return side * ax, side * ay, side * az
+    norm, radial = math.sqrt(1.0 + taper * taper), max(radial, TINY)
+    return (px / radial - taper * ax) / norm, (py / radial - taper * ay) / norm, (pz / radial - taper * az) / norm

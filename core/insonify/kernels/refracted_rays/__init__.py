@@ -1,0 +1,1 @@
+"""refracted_rays."""

@@ -1,0 +1,161 @@
+"""What bent rays meet: each is a row of short chords, asked one after the other what they meet as straight rays are.
+
+Rays come in batches, and bodies, meshes and the bed ask through a whole batch in turn: handing a scene's arrays over
+chord by chord costs more than the walk.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.jit import kernel
+from insonify.kernels.common.types import BED
+from insonify.kernels.geometry.solids import meet_solid
+from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing, meet_mesh
+from insonify.kernels.rays.cell_walk import NOTHING, Ray, meet_bed
+from insonify.kernels.rays.march import march_chord
+
+OVERLAP = 1e-9  # m, by which chords ask on, so that rounding hides nothing where two of them meet
+# Columns of a chord: where it starts, its unit direction, its length; its arc, and in the ray's plane the ground range
+# at which it starts and that range's part of the direction.
+X, Y, Z, DX, DY, DZ, LENGTH, ARC, GROUND, ALONG = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
+COLUMNS = 10
+
+
+class Batch(NamedTuple):
+    """The chords of some rays, those of each one after the other, and what each ray may meet."""
+
+    chords: NDArray[np.float64]  # (m, COLUMNS)
+    start: NDArray[np.int64]  # (rays + 1,) first chord of each ray
+    near: NDArray[np.int64]  # (rays, bodies) bodies that its plane crosses
+    listed: NDArray[np.int64]  # (rays,) and their number
+    meshed: NDArray[np.bool_]  # (rays,) whether it may cross the mesh
+
+
+class Met(NamedTuple):
+    """What each ray of a batch meets first, (rays,) each."""
+
+    chord: NDArray[np.int64]
+    distance: NDArray[np.float64]  # along that chord, m
+    body: NDArray[np.int64]  # as in Hits
+    material: NDArray[np.int64]
+    nx: NDArray[np.float64]
+    ny: NDArray[np.float64]
+    nz: NDArray[np.float64]
+
+
+@kernel
+def empty_batch(rays, bodies):
+    """Room for some rays, each of which may meet any of the bodies."""
+    return Batch(
+        np.empty((8 * rays, COLUMNS)), np.zeros(rays + 1, np.int64), np.empty((rays, bodies), np.int64),
+        np.zeros(rays, np.int64), np.zeros(rays, np.bool_),
+    )  # fmt: skip
+
+
+@kernel
+def empty_met(rays):
+    """Room for what some rays meet."""
+    return Met(
+        np.empty(rays, np.int64), np.empty(rays), np.empty(rays, np.int64), np.empty(rays, np.int64),
+        np.empty(rays), np.empty(rays), np.empty(rays),
+    )  # fmt: skip
+
+
+@kernel
+def meet_chords(bed, solids, mesh, batch, rays, met):
+    """Find what the first ``rays`` rays of a batch meet first."""
+    _meet_bodies(solids, batch, rays, met)
+    if mesh.skip.size > 0:
+        _meet_mesh(solids, mesh, batch, rays, met)
+    _meet_bed(bed, batch, rays, met)
+
+
+@kernel
+def march_chords(bed, solids, mesh, batch, rays, met):
+    """Likewise by one sample at the end of each chord; of the mesh, its triangles where they are."""
+    chords = batch.chords
+    for k in range(rays):
+        met.chord[k], met.distance[k], met.body[k], met.material[k] = batch.start[k + 1], math.inf, NOTHING, 0
+        for c in range(batch.start[k], batch.start[k + 1]):
+            way = Ray(chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ])
+            distance, body, material, nx, ny, nz = march_chord(
+                bed, solids, batch.near[k], batch.listed[k], way, chords[c, LENGTH]
+            )
+            if body != NOTHING:
+                met.chord[k], met.distance[k], met.body[k], met.material[k] = c, distance, body, material
+                met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
+                break
+    if mesh.skip.size > 0:
+        _meet_mesh(solids, mesh, batch, rays, met)
+
+
+@kernel
+def _meet_bodies(solids, batch, rays, met):
+    """Find the first body on each ray; this begins what is met."""
+    chords = batch.chords
+    for k in range(rays):
+        met.chord[k], met.distance[k], met.body[k], met.material[k] = batch.start[k + 1], math.inf, NOTHING, 0
+        for m in range(batch.listed[k]):
+            body = batch.near[k, m]
+            for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
+                distance, nx, ny, nz = meet_solid(
+                    solids, body, chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ]
+                )
+                limit = chords[c, LENGTH] + OVERLAP
+                if c == met.chord[k]:
+                    limit = min(limit, met.distance[k])
+                if distance < limit:
+                    met.chord[k], met.distance[k], met.body[k], met.material[k] = (
+                        c,
+                        distance,
+                        body,
+                        solids.material[body],
+                    )
+                    met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
+                    break
+
+
+@kernel
+def _meet_mesh(solids, mesh, batch, rays, met):
+    """Put the first triangle into what each ray meets, where it comes before what is known."""
+    chords = batch.chords
+    for k in range(rays):
+        if not batch.meshed[k]:
+            continue
+        for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
+            dx, dy, dz = chords[c, DX], chords[c, DY], chords[c, DZ]
+            limit = chords[c, LENGTH] + OVERLAP
+            if c == met.chord[k]:
+                limit = min(limit, met.distance[k])
+            distance, triangle = meet_mesh(mesh, chords[c, X], chords[c, Y], chords[c, Z], dx, dy, dz, limit)
+            if triangle != NO_TRIANGLE:
+                met.chord[k], met.distance[k], met.body[k] = c, distance, solids.shape.size + triangle
+                met.material[k] = mesh.material[triangle]
+                met.nx[k], met.ny[k], met.nz[k] = facing(mesh, triangle, dx, dy, dz)
+                break
+
+
+@kernel
+def _meet_bed(bed, batch, rays, met):
+    """Likewise the bed; a ray that is inside it has ended there."""
+    chords = batch.chords
+    for k in range(rays):
+        for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
+            way = Ray(chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ])
+            limit = chords[c, LENGTH] + OVERLAP
+            if c == met.chord[k]:
+                limit = min(limit, met.distance[k])
+            distance, material, nx, ny, nz = meet_bed(bed, way, limit)
+            if distance < limit:
+                met.chord[k], met.distance[k], met.body[k], met.material[k] = c, distance, BED, material
+                met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
+                break
+            if distance != distance:
+                if c < met.chord[k]:
+                    met.body[k] = NOTHING
+                break

@@ -1,0 +1,153 @@
+"""Pings through water that bends rays: what comes back from hits along arcs.
+
+A ray that stands for the solid angle dΩ lands on q x / cosθ0 · dΩ / cos α of a surface, q being the width of its tube
+in elevation and x / cosθ0 that across; one way its intensity is I = cosθ0 / (x |q|) of that at 1 m, and the way back is
+the way out. So it returns σ dA I² = σ dΩ I / cos α. A knife is 1 m wide along the track: σ q dθ I² / cos α. Law `light`
+spreads nothing: a ray stands for the step of slant range that its landing makes as its elevation grows. In still water
+q = x / cosθ0 = r.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.scattering import strength
+from insonify.kernels.common.types import LIGHT, PORT
+from insonify.kernels.geometry.solids import widest
+from insonify.kernels.rays.cell_walk import NOTHING
+from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, tilt, weigh
+from insonify.kernels.rays.launch import inside_body, make_beam, spread_rays, touches, turn
+from insonify.kernels.refracted_rays.hits import Course, bent_hits, clear_of_nodes, empty_arrivals, plane_of
+from insonify.kernels.refracted_rays.mixed_paths import mixed_echoes
+from insonify.kernels.refracted_rays.probe_rays import Sea, aim_bent, no_landings
+
+SLACK = 0.1  # of its distance, by which a body may be beside a beam of straight rays and yet be heard
+
+
+@kernel
+def trace_bent_pings(arrays, poses, rays, march, out):
+    """Trace all pings into ``out`` (pings, 2, bins) with ``rays`` a side: a walk along arcs, or a march if that is > 0.
+
+    Return -1 - k if the sonar is inside body k, else 0.
+    """
+    port, starboard = empty_launch(rays), empty_launch(rays)
+    bundle, hits, arrivals = empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
+    weighed, sums = np.empty(rays), np.empty(arrays.bins)
+    aimed_at = np.full((2, 3), math.nan)
+    to_port, to_starboard = no_landings(), no_landings()
+    for ping in range(poses.x.size):
+        z, pitch = poses.z[ping], poses.pitch[ping]
+        body = inside_body(arrays.solids, poses.x[ping], poses.y[ping], z)
+        if body >= 0:
+            return -1 - body
+        for side in range(2):
+            beam = make_beam(arrays, poses, ping, side)
+            launch = port if side == PORT else starboard
+            sea = sea_of(arrays, beam)
+            aimed = z == aimed_at[side, 0] and sea.ceiling == aimed_at[side, 1] and pitch == aimed_at[side, 2]
+            if not aimed or arrays.water.station.size > 1:
+                landings = aim_side(arrays, sea, z, pitch, launch)
+                aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, sea.ceiling, pitch
+                if side == PORT:
+                    to_port = landings
+                else:
+                    to_starboard = landings
+            turn(launch, beam, bundle)
+            bent_hits(arrays, bundle, sea.reach, march, hits, arrivals)
+            weight = launch.weight
+            if arrays.pattern.tabled:
+                weight = weigh(arrays, beam, bundle, hits, launch.weight, weighed)
+            deposit_bent(arrays, hits, arrivals, weight, sums)
+            landings = to_port if side == PORT else to_starboard
+            if landings.fold < math.inf and march <= 0.0:
+                _, bins, values = mixed_echoes(arrays, beam, sea, z, landings, launch, bundle, hits, arrivals)
+                for m in range(bins.size):
+                    if bins[m] >= 0:
+                        sums[bins[m]] += values[m]
+            # What depends on range alone comes after the sum.
+            for k in range(arrays.bins):
+                out[ping, side, k] = sums[k] * arrays.range_factor[k]
+    return 0
+
+
+@kernel
+def sea_of(arrays, beam):
+    """Tell what the rays of one side run through."""
+    water = arrays.water
+    plane = plane_of(water.axis_x, water.axis_y, Course(beam.x, beam.y, beam.side_x, beam.side_y))
+    return Sea(water, plane, clear_of_nodes(water.height, _highest(arrays, beam)), arrays.bins * arrays.bin_length)
+
+
+@kernel
+def aim_side(arrays, sea, z, pitch, launch):
+    """Aim all rays of a side over elevations and, where a pattern spreads them, over azimuths."""
+    spreads = arrays.half_width > 0.0 and arrays.pattern.tabled
+    landings = aim_bent(launch, sea, z, arrays.half_width, arrays.law, spreads)
+    if spreads:
+        spread_rays(launch, arrays.pattern, z, sea.reach, pitch)
+    return landings
+
+
+@kernel
+def _highest(arrays, beam):
+    """Height of the highest thing that a beam may meet."""
+    solids, mesh, top = arrays.solids, arrays.mesh, arrays.bed.high
+    for k in range(solids.shape.size):
+        middle, radius = 0.5 * solids.length[k], widest(solids, k)
+        cx = solids.start[k, 0] + middle * solids.axis[k, 0] - beam.x
+        cy = solids.start[k, 1] + middle * solids.axis[k, 1] - beam.y
+        z = solids.start[k, 2] + middle * solids.axis[k, 2]
+        if _may_touch(beam, cx, cy, z - beam.z, middle + radius):
+            top = max(top, z + middle * abs(solids.axis[k, 2]) + radius)
+    if mesh.skip.size > 0:
+        wx, wy = 0.5 * (mesh.high[0, 0] - mesh.low[0, 0]), 0.5 * (mesh.high[0, 1] - mesh.low[0, 1])
+        wz, z = 0.5 * (mesh.high[0, 2] - mesh.low[0, 2]), 0.5 * (mesh.high[0, 2] + mesh.low[0, 2])
+        cx, cy = mesh.low[0, 0] + wx - beam.x, mesh.low[0, 1] + wy - beam.y
+        if _may_touch(beam, cx, cy, z - beam.z, math.sqrt(wx * wx + wy * wy + wz * wz)):
+            top = max(top, mesh.high[0, 2])
+    return top
+
+
+@kernel
+def _may_touch(beam, cx, cy, cz, bound):
+    """Whether a beam of bent rays may touch a ball, its centre counted from the sonar."""
+    distance = math.sqrt(cx * cx + cy * cy + cz * cz)
+    return touches(beam, cx, cy, cz, distance, bound + SLACK * distance)
+
+
+@kernel
+def deposit_bent(arrays, hits, arrivals, weight, sums):
+    """Sum what the hits return into time bins; the range factor, which holds 1/r⁴, comes after."""
+    sums[:] = 0.0
+    for k in range(weight.size):
+        b, value, _ = echo_of(arrays, hits, arrivals, weight, k)
+        if b >= 0:
+            sums[b] += value
+
+
+@inlined
+def echo_of(arrays, hits, arrivals, weight, k):
+    """Bin and value of what the hit of ray k returns, and its cosine of incidence; bin −1 if it returns nothing."""
+    distance = hits.distance[k]
+    if hits.body[k] == NOTHING or distance >= arrays.bins * arrays.bin_length:
+        return -1, 0.0, 0.0
+    b = int(distance / arrays.bin_length)
+    dx, dy, dz = arrivals.dx[k], arrivals.dy[k], arrivals.dz[k]
+    nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
+    cos_incidence = -(nx * dx + ny * dy + nz * dz)
+    # A surface exactly edge-on returns nothing.
+    if b >= arrays.bins or cos_incidence <= 0.0:
+        return -1, 0.0, 0.0
+    row, law = arrays.reflectivity[hits.material[k]], arrays.law
+    value = strength(cos_incidence, row[0], row[1], row[2], law) * weight[k] / cos_incidence
+    tube, spread = arrivals.tube[k], arrivals.spread[k]
+    if law == LIGHT:
+        speeds = arrays.water.reference / arrivals.speed[k]
+        return b, value * speeds * tube * tilt(dx, dy, dz, nx, ny, nz) / arrays.bin_length, cos_incidence
+    intensity = distance * distance / (tube * spread)  # beside still water's
+    if arrays.half_width > 0.0:
+        return b, value * distance * distance * intensity, cos_incidence
+    return b, value * tube * intensity * intensity, cos_incidence

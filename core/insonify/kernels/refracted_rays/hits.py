@@ -1,0 +1,310 @@
+"""Rays that water bends: what each meets first along the arcs it goes, and how it arrives there.
+
+A ray stays in the vertical plane it is sent in: of water that differs along a line it feels what lies in that plane;
+horizontal refraction is left out. Above everything it goes from node to node of the water in one step; from there on
+each arc is cut into chords so short that they leave it by no more than a share of a millimetre, and the chords are
+asked what they meet. From the hit on the arc itself is taken again: time, direction and the width of the ray tube are
+its own.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.geometry.solids import widest
+from insonify.kernels.rays.cell_walk import NOTHING
+from insonify.kernels.refracted_rays.chords import (
+    ALONG,
+    ARC,
+    DX,
+    DY,
+    DZ,
+    GROUND,
+    LENGTH,
+    Batch,
+    X,
+    Y,
+    Z,
+    empty_batch,
+    empty_met,
+    march_chords,
+    meet_chords,
+)
+from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, Ray, launch_ray, step
+from insonify.kernels.refraction.section_arcs import Plane, launch_across, step_across
+
+SAGITTA = 1e-4  # m, by which a chord may leave its arc
+MOST_ARCS = 4096  # of one ray: a trapped one is given up
+CLEAR = 1e-3  # m above the highest thing and off any node of the water, where rays are first asked what they meet
+TOGETHER = 64  # rays of a batch
+STATE = 8  # numbers that tell how a ray begins an arc
+# At a caustic the tube closes, and only waves say how loud it is. Airy's function peaks where the tube is about
+# (λ / πr)^⅓ as wide as one that nothing focuses: 0.02 of it at 400 kHz and 100 m. No tube counts as narrower.
+CAUSTIC = 0.02
+
+
+class Arrivals(NamedTuple):
+    """How rays arrive at what they meet, (n,) each."""
+
+    dx: NDArray[np.float64]  # unit direction
+    dy: NDArray[np.float64]
+    dz: NDArray[np.float64]
+    tube: NDArray[np.float64]  # m/rad, distance across the tube per elevation at the sonar
+    spread: NDArray[np.float64]  # m/rad, and at right angles to that: ground range over the cosine of that elevation
+    speed: NDArray[np.float64]  # of sound there, m/s
+    x: NDArray[np.float64]  # ground range, m
+    z: NDArray[np.float64]  # height, m
+
+
+class Course(NamedTuple):
+    """The vertical plane of a ray: the ground place of its start and the level unit vector it is sent along."""
+
+    x: float
+    y: float
+    ahead_x: float
+    ahead_y: float
+
+
+class Limits(NamedTuple):
+    """Where a ray may meet anything."""
+
+    floor: float  # m, height below which there is nothing
+    ceiling: float  # and above which
+    bed: float  # m, height above which there is no bed
+    near: float  # m, ground ranges between which there are bodies
+    far: float
+
+
+@kernel
+def bent_hits(arrays, bundle, reach, march, hits, arrivals):
+    """Find what each ray meets first within the slant range ``reach``, by the walk or by steps of ``march`` > 0 metres.
+
+    The distance of a hit is its slant range: time by the speed at the sonar.
+    """
+    bed, solids, mesh, water = arrays.bed, arrays.solids, arrays.mesh, arrays.water
+    batch, met = empty_batch(TOGETHER, solids.shape.size), empty_met(TOGETHER)
+    limits, begins = np.empty((TOGETHER, 5)), np.empty((4 * TOGETHER, STATE))
+    for first in range(0, bundle.x.size, TOGETHER):
+        count = min(TOGETHER, bundle.x.size - first)
+        _limit(bed, solids, mesh, water.height, bundle, first, count, batch, limits)
+        rows, begins = _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins)
+        batch = Batch(rows, batch.start, batch.near, batch.listed, batch.meshed)
+        if march > 0.0:
+            march_chords(bed, solids, mesh, batch, count, met)
+        else:
+            meet_chords(bed, solids, mesh, batch, count, met)
+        _arrive(water, bundle, first, count, reach, batch, begins, met, hits, arrivals)
+
+
+@kernel
+def empty_arrivals(n):
+    """Room for n arrivals."""
+    return Arrivals(
+        np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    )
+
+
+@kernel
+def clear_of_nodes(height, ceiling):
+    """Raise a ceiling until it is clear of all that is below it and of the water's nodes."""
+    ceiling += CLEAR
+    for k in range(height.size):
+        if abs(height[k] - ceiling) < 0.5 * CLEAR:
+            ceiling += CLEAR
+    return ceiling
+
+
+@inlined
+def set_out(height, speed, station, plane, z, cosine, sine):
+    """Start a ray at height z."""
+    if station.size > 1:
+        return launch_across(height, speed, station, plane, z, cosine, sine)
+    return launch_ray(height, speed[0], z, cosine, sine)
+
+
+@inlined
+def go_on(height, speed, station, plane, ray, x_end, low, high):
+    """Follow a ray to the next border in the water, to range ``x_end``, or to height ``low`` or ``high``."""
+    if station.size > 1:
+        return step_across(height, speed, station, plane, ray, x_end, low, high)
+    return step(height, speed[0], ray, x_end, low, high)
+
+
+@inlined
+def _course(bundle, k):
+    """Lay the plane of a ray; that of a vertical one is any."""
+    level = math.sqrt(bundle.dx[k] * bundle.dx[k] + bundle.dy[k] * bundle.dy[k])
+    if level > 0.0:
+        return Course(bundle.x[k], bundle.y[k], bundle.dx[k] / level, bundle.dy[k] / level), level
+    return Course(bundle.x[k], bundle.y[k], 1.0, 0.0), 0.0
+
+
+@kernel
+def _limit(bed, solids, mesh, height, bundle, first, count, batch, limits):
+    """List the bodies that the plane of each ray crosses, and tell where it may meet anything."""
+    for k in range(count):
+        course, _ = _course(bundle, first + k)
+        low, high, nearest, farthest = bed.low, bed.high, math.inf, -math.inf
+        listed = 0
+        for body in range(solids.shape.size):
+            middle, radius = 0.5 * solids.length[body], widest(solids, body)
+            cx = solids.start[body, 0] + middle * solids.axis[body, 0] - course.x
+            cy = solids.start[body, 1] + middle * solids.axis[body, 1] - course.y
+            near, far = _across(course, cx, cy, middle + radius)
+            if near < far:
+                batch.near[k, listed] = body
+                listed += 1
+                z, half = solids.start[body, 2] + middle * solids.axis[body, 2], middle * abs(solids.axis[body, 2])
+                low, high = min(low, z - half - radius), max(high, z + half + radius)
+                nearest, farthest = min(nearest, near), max(farthest, far)
+        batch.listed[k], batch.meshed[k] = listed, False
+        if mesh.skip.size > 0:
+            wx, wy = 0.5 * (mesh.high[0, 0] - mesh.low[0, 0]), 0.5 * (mesh.high[0, 1] - mesh.low[0, 1])
+            cx, cy = mesh.low[0, 0] + wx - course.x, mesh.low[0, 1] + wy - course.y
+            near, far = _across(course, cx, cy, math.sqrt(wx * wx + wy * wy))
+            if near < far:
+                batch.meshed[k] = True
+                low, high = min(low, mesh.low[0, 2]), max(high, mesh.high[0, 2])
+                nearest, farthest = min(nearest, near), max(farthest, far)
+        limits[k, 0], limits[k, 1], limits[k, 2] = low - CLEAR, clear_of_nodes(height, high), bed.high + CLEAR
+        limits[k, 3], limits[k, 4] = nearest, farthest
+
+
+@inlined
+def _across(course, cx, cy, bound):
+    """Ground ranges between which a course may cross a disc, its centre counted from the start; none if they turn."""
+    off, ahead = cy * course.ahead_x - cx * course.ahead_y, cx * course.ahead_x + cy * course.ahead_y
+    if abs(off) > bound or ahead < -bound:
+        return math.inf, -math.inf
+    return ahead - bound, ahead + bound
+
+
+@kernel
+def _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins):
+    """Follow rays and lay chords where they may meet anything; return the chords, and how the ray begins each arc."""
+    height, speed, station, surface = water.height, water.speed, water.station, water.surface
+    axis_x, axis_y, rows, start = water.axis_x, water.axis_y, batch.chords, batch.start
+    latest = reach / water.reference
+    x_end = latest * speed.max()
+    chord, arc = 0, 0
+    for k in range(count):
+        course, level = _course(bundle, first + k)
+        plane = plane_of(axis_x, axis_y, course)
+        limit = Limits(limits[k, 0], limits[k, 1], limits[k, 2], limits[k, 3], limits[k, 4])
+        ray = set_out(height, speed, station, plane, bundle.z[first + k], level, bundle.dz[first + k])
+        start[k] = chord
+        for _ in range(MOST_ARCS):
+            above = ray.z > limit.ceiling or (ray.z == limit.ceiling and ray.sine > 0.0)
+            low, high = (limit.ceiling, surface) if above else (limit.floor, limit.ceiling)
+            status, after = go_on(height, speed, station, plane, ray, x_end, low, high)
+            if status == ENDLESS:
+                break
+            if not above:
+                pieces, turn, whole = _pieces(ray, after, march)
+                if chord + pieces > rows.shape[0]:
+                    rows = _wider(rows, chord + pieces)
+                if arc == begins.shape[0]:
+                    begins = _wider(begins, arc + 1)
+                _keep(begins, arc, ray)
+                chord = _cut(rows, chord, arc, pieces, turn, whole, course, limit, ray)
+                arc += 1
+            if status == RANGE or status == (HIGH if above else LOW) or after.time > latest:
+                break
+            ray = after
+    start[count] = chord
+    return rows, begins
+
+
+@inlined
+def plane_of(axis_x, axis_y, course):
+    """Lay the plane of a ray through the water's stations, along whose axis they lie."""
+    return Plane(course.x * axis_x + course.y * axis_y, course.ahead_x * axis_x + course.ahead_y * axis_y)
+
+
+@kernel
+def _wider(rows, needed):
+    """Copy rows into room for as many as are needed, or twice as many as there were."""
+    more = np.empty((max(needed, 2 * rows.shape[0]), rows.shape[1]))
+    more[: rows.shape[0]] = rows
+    return more
+
+
+@inlined
+def _pieces(ray, after, march):
+    """Count the chords that an arc is cut into: (chords, its turn, its length as the crow flies)."""
+    dx, dz = after.x - ray.x, after.z - ray.z
+    whole = math.sqrt(dx * dx + dz * dz)
+    # By the way to its end, so that the last chord ends exactly there.
+    turn = 2.0 * math.atan2(ray.cosine * dz - ray.sine * dx, ray.cosine * dx + ray.sine * dz)
+    # A chord of length L that turns by δ leaves its arc by Lδ/8.
+    pieces = max(1, math.ceil(math.sqrt(0.125 / SAGITTA * whole * abs(turn))))
+    if march > 0.0:
+        pieces = max(pieces, math.ceil(whole / march))
+    return pieces, turn, whole
+
+
+@inlined
+def _cut(rows, chord, arc, pieces, turn, whole, course, limit, ray):
+    """Write down the chords of an arc that may meet anything; return the number of the next."""
+    half, length = 0.5 * turn / pieces, whole / pieces
+    if half != 0.0:
+        length = whole * math.sin(half) / math.sin(pieces * half)
+    c, s = math.cos(half), math.sin(half)
+    x, z, dx, dz = ray.x, ray.z, ray.cosine * c - ray.sine * s, ray.sine * c + ray.cosine * s
+    c, s = c * c - s * s, 2.0 * c * s
+    for _ in range(pieces):
+        on_x, on_z = x + length * dx, z + length * dz
+        if min(z, on_z) < limit.bed or (max(x, on_x) > limit.near and min(x, on_x) < limit.far):
+            rows[chord, X], rows[chord, Y] = course.x + x * course.ahead_x, course.y + x * course.ahead_y
+            rows[chord, Z], rows[chord, LENGTH] = z, length
+            rows[chord, DX], rows[chord, DY], rows[chord, DZ] = dx * course.ahead_x, dx * course.ahead_y, dz
+            rows[chord, ARC], rows[chord, GROUND], rows[chord, ALONG] = arc, x, dx
+            chord += 1
+        x, z, dx, dz = on_x, on_z, dx * c - dz * s, dz * c + dx * s
+    return chord
+
+
+@inlined
+def _keep(begins, arc, ray):
+    """Write down how a ray begins an arc."""
+    begins[arc, 0], begins[arc, 1], begins[arc, 2], begins[arc, 3] = ray.x, ray.z, ray.cosine, ray.sine
+    begins[arc, 4], begins[arc, 5], begins[arc, 6], begins[arc, 7] = ray.speed, ray.time, ray.p, ray.q
+
+
+@kernel
+def _arrive(water, bundle, first, count, reach, batch, begins, met, hits, arrivals):
+    """Take the arcs on which chords have met anything to those places: how rays arrive."""
+    height, speed, station, reference = water.height, water.speed, water.station, water.reference
+    axis_x, axis_y, rows = water.axis_x, water.axis_y, batch.chords
+    for k in range(count):
+        n = first + k
+        hits.distance[n], hits.body[n], hits.material[n] = math.inf, NOTHING, 0
+        hits.nx[n], hits.ny[n], hits.nz[n] = 0.0, 0.0, 0.0
+        if met.body[k] == NOTHING:
+            continue
+        course, level = _course(bundle, n)
+        row, distance = met.chord[k], met.distance[k]
+        low, high, x_end, z = -math.inf, math.inf, math.inf, rows[row, Z] + distance * rows[row, DZ]
+        b = begins[int(rows[row, ARC])]
+        ray = Ray(b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7], False)
+        # By range, or by height where it is steep.
+        if abs(rows[row, DZ]) <= abs(rows[row, ALONG]):
+            x_end = rows[row, GROUND] + distance * rows[row, ALONG]
+        elif z < ray.z:
+            low = z
+        else:
+            high = z
+        _, ray = go_on(height, speed, station, plane_of(axis_x, axis_y, course), ray, x_end, low, high)
+        if ray.time * reference > reach:
+            continue
+        hits.distance[n], hits.body[n], hits.material[n] = ray.time * reference, met.body[k], met.material[k]
+        hits.nx[n], hits.ny[n], hits.nz[n] = met.nx[k], met.ny[k], met.nz[k]
+        arrivals.dx[n], arrivals.dy[n] = ray.cosine * course.ahead_x, ray.cosine * course.ahead_y
+        arrivals.dz[n], arrivals.speed[n], arrivals.x[n], arrivals.z[n] = ray.sine, ray.speed, ray.x, ray.z
+        spread = ray.x / level if level > 0.0 else abs(ray.q)
+        arrivals.tube[n], arrivals.spread[n] = max(abs(ray.q), CAUSTIC * spread), spread

@@ -1,0 +1,170 @@
+"""Things heard along several bent paths: echoes that go out by one and come back by another.
+
+A ray that lands knows its own way; for each other elevation at which a pilot comes down near there, the ray that lands
+on the same spot is found by Newton's steps and sent, to see whether anything is in its way. Of two paths A and B with
+slant ranges r_A and r_B the echo comes at R = (r_A + r_B) / 2, of which each path's own landings bring one half: out by
+A, on which dΩ lands as ever, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B), and for a knife
+as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B); law `light` has |(d_A + d_B) · dP| / 2 for the step of range, as
+`bounce` has it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.beam.pattern import heard
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.scattering import bistatic
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.rays.cell_walk import NOTHING
+from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits
+from insonify.kernels.rays.specular_paths import both_ways
+from insonify.kernels.refracted_rays.hits import MOST_ARCS, bent_hits, empty_arrivals, go_on, set_out
+from insonify.kernels.refraction.arcs import RANGE
+
+MOST_WAYS = 4  # other paths to one place
+TRIES = 12  # Newton's steps
+FLATTEST = 20.0  # metres of ground range per metre of height, by which a fold may reach farther in above the bed
+CLOSE = 1e-5  # m, by which a ray that is found may miss its place
+SAME = 1e-5  # rad, nearer than which two rays are one
+SEEN = 0.02  # m, by which the landings of two paths may lie apart: chords leave their arcs by less
+
+
+@kernel
+def mixed_echoes(arrays, beam, sea, z, landings, launch, bundle, hits, arrivals):
+    """Find what goes out by the paths of one side's rays and back by others: (rays, bins, values); bin −1 for none."""
+    pairs, angles = _pair(sea, z, landings, bundle, hits, arrivals, launch.weight)
+    n = angles.size
+    others, met, back = empty_bundle(n), empty_hits(n), empty_arrivals(n)
+    for m in range(n):
+        k = pairs[m]
+        level = math.sqrt(bundle.dx[k] * bundle.dx[k] + bundle.dy[k] * bundle.dy[k])
+        others.x[m], others.y[m], others.z[m] = bundle.x[k], bundle.y[k], bundle.z[k]
+        c = math.cos(angles[m]) / level
+        others.dx[m], others.dy[m], others.dz[m] = c * bundle.dx[k], c * bundle.dy[k], math.sin(angles[m])
+    bent_hits(arrays, others, 2.0 * sea.reach, 0.0, met, back)
+    bins, values = np.full(n, -1), np.zeros(n)
+    for m in range(n):
+        k = pairs[m]
+        apart = max(abs(back.x[m] - arrivals.x[k]), abs(back.z[m] - arrivals.z[k]))
+        if met.body[m] != NOTHING and apart < SEEN:
+            bins[m], values[m] = _echo(arrays, beam, launch.weight[k], bundle, hits, arrivals, k, others, met, back, m)
+    return pairs, bins, values
+
+
+@kernel
+def _pair(sea, z, landings, bundle, hits, arrivals, weight):
+    """Find the other rays to where rays have landed: the numbers of those, and the elevations of the others."""
+    pairs, angles = np.empty(weight.size, np.int64), np.empty(weight.size)
+    found = np.empty(MOST_WAYS + 1)
+    count = 0
+    for k in range(weight.size):
+        if hits.body[k] == NOTHING or weight[k] == 0.0:
+            continue
+        found[0], ways = math.asin(bundle.dz[k]), 1
+        x, height = arrivals.x[k], arrivals.z[k]
+        if x + FLATTEST * max(height, 0.0) < landings.fold:
+            continue
+        for i in range(landings.angle.size - 1):
+            # Where pilots pass this height on their way down.
+            low = landings.x[i] - height * landings.flat[i] - x
+            high = landings.x[i + 1] - height * landings.flat[i + 1] - x
+            if not low * high <= 0.0 or ways > MOST_WAYS:
+                continue
+            share = low / (low - high) if low != high else 0.5
+            guess = landings.angle[i] + share * (landings.angle[i + 1] - landings.angle[i])
+            angle = _search(sea, z, guess, x, height)
+            if angle == angle and _is_new(found, ways, angle):
+                found[ways] = angle
+                ways += 1
+        if count + ways > pairs.size:
+            pairs, angles = _doubled(pairs), _doubled(angles)
+        for way in range(1, ways):
+            pairs[count], angles[count] = k, found[way]
+            count += 1
+    return pairs[:count], angles[:count]
+
+
+@kernel
+def _search(sea, z, angle, x, height):
+    """Find the elevation at which a ray comes to a place, from a guess; NaN if that leads nowhere."""
+    water = sea.water
+    for _ in range(TRIES):
+        ray = set_out(water.height, water.speed, water.station, sea.plane, z, math.cos(angle), math.sin(angle))
+        status = -1
+        for _ in range(MOST_ARCS):
+            status, ray = go_on(water.height, water.speed, water.station, sea.plane, ray, x, -math.inf, water.surface)
+            if status != 0:
+                break
+        if status != RANGE:
+            return math.nan
+        miss = ray.z - height
+        if abs(miss) < CLOSE:
+            return angle
+        # A step up of dθ lifts the ray there by q dθ / cosθ.
+        angle -= miss * ray.cosine / ray.q
+        if not abs(angle) < 0.5 * math.pi:
+            return math.nan
+    return math.nan
+
+
+@inlined
+def _is_new(found, ways, angle):
+    """Whether a ray is none of those known."""
+    for way in range(ways):
+        if abs(found[way] - angle) < SAME:
+            return False
+    return True
+
+
+@kernel
+def _doubled(row):
+    """Copy a row into room for twice as many, and some more."""
+    more = np.empty(2 * row.size + MOST_WAYS, row.dtype)
+    more[: row.size] = row
+    return more
+
+
+@inlined
+def _echo(arrays, beam, weight, bundle, hits, arrivals, k, others, met, back, m):
+    """Bin and value of what goes out by ray k and back by the other ray m to the same place."""
+    fan, law = arrays.half_width > 0.0, arrays.law
+    distance = 0.5 * (hits.distance[k] + met.distance[m])
+    b = int(distance / arrays.bin_length)
+    dx, dy, dz = arrivals.dx[k], arrivals.dy[k], arrivals.dz[k]
+    ex, ey, ez = back.dx[m], back.dy[m], back.dz[m]
+    nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
+    cosine, other = -(nx * dx + ny * dy + nz * dz), -(nx * ex + ny * ey + nz * ez)
+    if b >= arrays.bins or cosine <= 0.0 or other <= 0.0:
+        return -1, 0.0
+    out = 1.0
+    if arrays.pattern.tabled:
+        out = heard(arrays.pattern, beam, fan, law, bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.distance[k])
+    passed = both_ways(arrays, beam, fan, out, others.dx[m], others.dy[m], others.dz[m], met.distance[m])
+    row = arrays.reflectivity[hits.material[k]]
+    mirrored = 2.0 * cosine * other - (dx * ex + dy * ey + dz * ez)
+    value = bistatic(cosine, other, mirrored, row[0], row[1], row[2], law)
+    if met.distance[m] >= beam.reach:
+        # The other way round it would come by a ray that is not sent so far.
+        value += bistatic(other, cosine, mirrored, row[0], row[1], row[2], law)
+    value *= passed * weight
+    if law == LIGHT:
+        value *= 0.5 * arrays.water.reference / arrivals.speed[k] / arrays.bin_length
+        value *= arrivals.tube[k] * _stride(dx, dy, dz, ex, ey, ez, nx, ny, nz)
+    else:
+        value *= distance**4 / (cosine * back.tube[m] * back.spread[m])
+        if not fan:
+            value /= arrivals.spread[k]
+    return b, value
+
+
+@inlined
+def _stride(dx, dy, dz, ex, ey, ez, nx, ny, nz):
+    """How the lengths of two ways to a landing grow as it moves with a tube 1 m wide that comes by the first."""
+    level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
+    ux, uy, uz = -dz * dx / level, -dz * dy / level, level
+    on = (nx * ux + ny * uy + nz * uz) / (nx * dx + ny * dy + nz * dz)
+    px, py, pz = ux - on * dx, uy - on * dy, uz - on * dz
+    return abs(px * (dx + ex) + py * (dy + ey) + pz * (dz + ez))

@@ -1,0 +1,305 @@
+"""Rays in sheets, each sheet integrated over elevation: nearer the truth than as many rays one by one.
+
+The rays of a sheet keep one place within the beam and follow one another in elevation. Where two neighbours land on one
+surface, and as far apart as their own landings grow, what is returned between them is spread over the range between
+them, its kink, if there is one, found by how far apart they are. Anything else between two neighbours, the edge of a
+shadow or of a target, is halved until what is left is a small share of a bin.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.beam.pattern import widest_extent
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.rays.cell_walk import first_hits
+from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, returned, tilt, weigh
+from insonify.kernels.rays.launch import (
+    GOLDEN,
+    Launch,
+    aim,
+    cone_azimuth,
+    gather,
+    highest_elevation,
+    inside_body,
+    make_beam,
+    turn,
+)
+from insonify.kernels.refracted_rays.echoes import echo_of, sea_of
+from insonify.kernels.refracted_rays.hits import bent_hits, empty_arrivals
+from insonify.kernels.refracted_rays.mixed_paths import mixed_echoes
+from insonify.kernels.refracted_rays.probe_rays import aim_bent
+
+KINKED = 0.02  # share by which growths differ on both sides of a kink
+FINE = 1.0 / 64.0  # of a bin, that rays may land apart unresolved
+FINEST = 1e-9  # rad, and closer than which no rays go
+OF_NADIR = 4  # of the rays of a sheet one more about nadir
+OF_THREE = 3  # rays of a gap: both ends and the middle
+
+
+class Landed(NamedTuple):
+    """What the rays of one sheet return, by ascending elevation."""
+
+    angle: NDArray[np.float64]  # (n,) elevation, rad
+    distance: NDArray[np.float64]  # (n,) slant range, m, infinite where nothing is met
+    surface: NDArray[np.int64]  # (n,) what is met: a body, all triangles alike, BED or NOTHING
+    value: NDArray[np.float64]  # (n,) per radian of elevation
+    growth: NDArray[np.float64]  # (n,) of slant range, m per radian of elevation
+
+
+@kernel
+def trace_sheets(arrays, poses, sheets, rays, out):
+    """Trace all pings into ``out`` (pings, 2, bins) with so many sheets a side of so many rays to begin with.
+
+    Return -1 - k if the sonar is inside body k, else 0.
+    """
+    sums, near = np.empty(arrays.bins), np.empty(arrays.solids.shape.size, np.int64)
+    for ping in range(poses.x.size):
+        body = inside_body(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
+        if body >= 0:
+            return -1 - body
+        for side in range(2):
+            beam, pitch = make_beam(arrays, poses, ping, side), poses.pitch[ping]
+            sums[:] = 0.0
+            if arrays.water.bent:
+                _add_bent_sheets(arrays, beam, pitch, sheets, rays, sums)
+            else:
+                _add_sheets(arrays, beam, pitch, near, sheets, rays, sums)
+            for k in range(arrays.bins):
+                out[ping, side, k] = sums[k] * arrays.range_factor[k] / sheets
+    return 0
+
+
+@kernel
+def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
+    """Sum what sheets of straight rays return."""
+    bodies, top = gather(arrays.solids, arrays.mesh, beam, near)
+    top = max(top, highest_elevation(arrays.bed.high - beam.z, 0.0, beam.reach))
+    launch = empty_launch(rays)
+    aim(launch, beam.z, top, beam.reach, 0.0, LIGHT, True)
+    angle = _elevations(launch.up, top)
+    for sheet in range(sheets):
+        place, together = (sheet + 0.5) / sheets, angle.size
+        landed = _land(arrays, beam, pitch, near, bodies, angle, place)
+        while landed.angle.size > 0:
+            gaps = _spread(landed, together, arrays.bin_length, sums)
+            middles = _land(arrays, beam, pitch, near, bodies, _middles(landed, gaps), place)
+            landed, together = _halved(landed, gaps, middles), OF_THREE
+
+
+@kernel
+def _add_bent_sheets(arrays, beam, pitch, sheets, rays, sums):
+    """Sum what sheets of rays return that follow arcs."""
+    sea, launch = sea_of(arrays, beam), empty_launch(rays)
+    # A level light's weights are the angles alone that rays stand for.
+    landings = aim_bent(launch, sea, beam.z, 0.0, LIGHT, True)
+    angle = _elevations(launch.up, 0.5 * math.pi)
+    for sheet in range(sheets):
+        place, together = (sheet + 0.5) / sheets, angle.size
+        landed = _land_bent(arrays, beam, pitch, angle, place)
+        while landed.angle.size > 0:
+            gaps = _spread(landed, together, arrays.bin_length, sums)
+            middles = _land_bent(arrays, beam, pitch, _middles(landed, gaps), place)
+            landed, together = _halved(landed, gaps, middles), OF_THREE
+        if landings.fold < math.inf:
+            shift = (sheet + 1) * GOLDEN
+            _add_mixed(arrays, beam, pitch, sea, landings, launch, place, shift - math.floor(shift) - 0.5, sums)
+
+
+@kernel
+def _add_mixed(arrays, beam, pitch, sea, landings, launch, place, shift, sums):
+    """Sum what goes out by the rays of one place within the beam and back by others.
+
+    It comes ray by ray; every sheet has its rays shifted within what they stand for, so that all fill the elevations.
+    """
+    n, angles = launch.up.size, launch.weight
+    bundle, weight = _send(arrays, beam, pitch, np.arcsin(launch.up) + shift * angles, place)
+    for k in range(n):
+        weight[k] *= angles[k]
+    launch = Launch(launch.ahead, launch.abeam, launch.up, weight)
+    hits, arrivals = empty_hits(n), empty_arrivals(n)
+    bent_hits(arrays, bundle, sea.reach, 0.0, hits, arrivals)
+    _, bins, values = mixed_echoes(arrays, beam, sea, beam.z, landings, launch, bundle, hits, arrivals)
+    for m in range(bins.size):
+        if bins[m] >= 0:
+            sums[bins[m]] += values[m]
+
+
+@kernel
+def _elevations(up, top):
+    """Elevations at which a sheet begins, ascending: those aimed at, many about nadir, and both ends of all."""
+    n = up.size
+    few = max(n // OF_NADIR, 1)
+    angle = np.empty(n + few + 1)
+    angle[:n] = np.arcsin(up)
+    for k in range(few):
+        # Equal steps of slant and ground range together; of slant range alone, those about nadir are too wide.
+        angle[n + k] = -2.0 * math.atan(1.0 / (1.0 + math.sqrt(2.0) * k / few))
+    angle[n + few] = top
+    return np.sort(angle)
+
+
+@kernel
+def _land(arrays, beam, pitch, near, bodies, angle, place):
+    """Send straight rays of one place within the beam at these elevations."""
+    n, fan = angle.size, arrays.half_width > 0.0
+    bundle, density = _send(arrays, beam, pitch, angle, place)
+    hits, landed = empty_hits(n), Landed(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
+    first_hits(arrays.bed, arrays.solids, near, bodies, arrays.mesh, bundle, beam.reach, hits)
+    if arrays.pattern.tabled:
+        density = weigh(arrays, beam, bundle, hits, density, np.empty(n))
+    for k in range(n):
+        landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], arrays.solids.shape.size)
+        value, growth = returned(bundle, hits, k, arrays.reflectivity, arrays.law, fan, arrays.bin_length)
+        landed.value[k], landed.growth[k] = value * density[k], growth
+    return landed
+
+
+@kernel
+def _land_bent(arrays, beam, pitch, angle, place):
+    """Send rays along arcs of one place within the beam at these elevations."""
+    n = angle.size
+    bundle, density = _send(arrays, beam, pitch, angle, place)
+    hits, arrivals = empty_hits(n), empty_arrivals(n)
+    bent_hits(arrays, bundle, beam.reach, 0.0, hits, arrivals)
+    if arrays.pattern.tabled:
+        density = weigh(arrays, beam, bundle, hits, density, np.empty(n))
+    landed = Landed(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
+    for k in range(n):
+        landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], arrays.solids.shape.size)
+        b, value, cos_incidence = echo_of(arrays, hits, arrivals, density, k)
+        if b >= 0:
+            rise = tilt(arrivals.dx[k], arrivals.dy[k], arrivals.dz[k], hits.nx[k], hits.ny[k], hits.nz[k])
+            landed.value[k] = value
+            landed.growth[k] = arrays.water.reference / arrivals.speed[k] * arrivals.tube[k] * rise / cos_incidence
+    return landed
+
+
+@kernel
+def _send(arrays, beam, pitch, angle, place):
+    """Point rays to one place, in [0, 1), within the beam; tell what each stands for per radian of elevation."""
+    n, fan, tabled = angle.size, arrays.half_width > 0.0, arrays.pattern.tabled
+    centre, extent = arrays.pattern.centre, widest_extent(arrays.pattern)
+    launch, bundle = empty_launch(n), empty_bundle(n)
+    for k in range(n):
+        c, s = math.cos(angle[k]), math.sin(angle[k])
+        azimuth, wide = 0.0, 1.0
+        if fan and tabled:
+            level, tip = math.cos(pitch) * c, math.sin(pitch) * s
+            azimuth, wide = _azimuth(centre - tip, extent, math.sin(arrays.half_width), level, place)
+        elif fan:
+            wide = 2.0 * cone_azimuth(c, arrays.half_width)
+            azimuth = wide * (place - 0.5)
+            wide = 1.0 if arrays.law == LIGHT else wide  # which averages over the beam
+        launch.ahead[k], launch.abeam[k], launch.up[k] = c * math.sin(azimuth), c * math.cos(azimuth), s
+        launch.weight[k] = wide * c if fan and arrays.law != LIGHT else wide
+    turn(launch, beam, bundle)
+    return bundle, launch.weight
+
+
+@inlined
+def _azimuth(centre, extent, main, level, place):
+    """Azimuth of a place in [0, 1) within a beam with a pattern, and what it grows by per place.
+
+    Half the places are in the main lobe, where that is less than half of what is heard; away from it they lie ever
+    farther apart. Over azimuths φ, level · sin φ runs from centre - extent to centre + extent.
+    """
+    low, high = max((centre - extent) / level, -1.0), min((centre + extent) / level, 1.0)
+    if not low < high:
+        return 0.0, 0.0
+    middle = math.asin(min(max(centre / level, low), high))
+    side = 2.0 * place - 1.0
+    whole = math.asin(high) - middle if side > 0.0 else middle - math.asin(low)
+    lobe = math.asin(min(main / level, 1.0)) / max(whole, 1e-300)
+    if lobe >= 0.5:
+        return middle + whole * side, 2.0 * whole
+    # sinh(k/2) / sinh(k) is the lobe's share.
+    k = 2.0 * math.acosh(0.5 / lobe)
+    return middle + whole * math.sinh(k * side) / math.sinh(k), 2.0 * whole * k * math.cosh(k * side) / math.sinh(k)
+
+
+@kernel
+def _spread(landed, together, bin_length, sums):
+    """Sum what is returned between neighbours over the bins that it spans; list those gaps that must be halved.
+
+    So many rays at a time are neighbours of one another.
+    """
+    n = landed.angle.size
+    gaps, count = np.empty(n, np.int64), 0
+    for k in range(n - 1):
+        if (k + 1) % together == 0 or (landed.value[k] == 0.0 and landed.value[k + 1] == 0.0):
+            continue
+        angle = landed.angle[k + 1] - landed.angle[k]
+        one, other = landed.growth[k] * angle, landed.growth[k + 1] * angle
+        apart = abs(landed.distance[k + 1] - landed.distance[k])
+        alike = landed.surface[k] == landed.surface[k + 1] and landed.value[k] > 0.0 and landed.value[k + 1] > 0.0
+        if alike and abs(apart - 0.5 * (one + other)) <= 0.5 * max(one, other):
+            _fill(landed, k, angle, one, other, bin_length, sums)
+        elif max(one, other) > FINE * bin_length and angle > FINEST:
+            gaps[count] = k
+            count += 1
+        else:
+            _add(0.5 * angle * landed.value[k], landed.distance[k], landed.distance[k], bin_length, sums)
+            _add(0.5 * angle * landed.value[k + 1], landed.distance[k + 1], landed.distance[k + 1], bin_length, sums)
+    return gaps[:count]
+
+
+@inlined
+def _fill(landed, k, angle, one, other, bin_length, sums):
+    """Spread what is returned between two neighbours over the range between them, on either side of its kink."""
+    near, far, share = landed.distance[k], landed.distance[k + 1], 0.5
+    if abs(one - other) > KINKED * max(one, other):
+        # One growth up to the kink, the other beyond: how far both have landed apart tells where it is.
+        share = min(max((abs(far - near) - other) / (one - other), 0.0), 1.0)
+    kink = near + math.copysign(min(share * one, abs(far - near)), far - near)
+    _add(share * angle * landed.value[k], near, kink, bin_length, sums)
+    _add((1.0 - share) * angle * landed.value[k + 1], kink, far, bin_length, sums)
+
+
+@kernel
+def _add(value, one, other, bin_length, sums):
+    """Spread a value evenly over the bins between two ranges."""
+    if value == 0.0:
+        return
+    near, far = min(one, other) / bin_length, max(one, other) / bin_length
+    first, last = int(near), int(far)
+    if first == last:
+        if first < sums.size:
+            sums[first] += value
+        return
+    density = value / (far - near)
+    for b in range(first, min(last + 1, sums.size)):
+        sums[b] += density * (min(far, b + 1.0) - max(near, b))
+
+
+@kernel
+def _middles(landed, gaps):
+    """Elevations halfway across gaps."""
+    angle = np.empty(gaps.size)
+    for m in range(gaps.size):
+        angle[m] = 0.5 * (landed.angle[gaps[m]] + landed.angle[gaps[m] + 1])
+    return angle
+
+
+@kernel
+def _halved(landed, gaps, middles):
+    """Put the rays halfway across gaps between those that bound them."""
+    n = OF_THREE * gaps.size
+    halved = Landed(np.empty(n), np.empty(n), np.empty(n, np.int64), np.empty(n), np.empty(n))
+    for m in range(gaps.size):
+        _copy(landed, gaps[m], halved, OF_THREE * m)
+        _copy(middles, m, halved, OF_THREE * m + 1)
+        _copy(landed, gaps[m] + 1, halved, OF_THREE * m + 2)
+    return halved
+
+
+@inlined
+def _copy(landed, k, other, m):
+    """Copy one ray to another place."""
+    other.angle[m], other.distance[m], other.surface[m] = landed.angle[k], landed.distance[k], landed.surface[k]
+    other.value[m], other.growth[m] = landed.value[k], landed.growth[k]

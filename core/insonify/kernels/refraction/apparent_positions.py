@@ -1,0 +1,217 @@
+"""Layered water made straight: every place is put where it seems to be, along its launch angle at its slant range.
+
+From one sonar, a place reached by one ray alone is known by that ray's launch angle θ0 and travel time τ. Put at
+
+    x' = r' cosθ0,  z' = r' sinθ0,  r' = reference speed · τ,
+
+it stays behind and before the same places as it is in truth, and sound goes straight to it: horizon, screen and bins
+need not know of the water. This map is as smooth as the water, straight down and level with the sonar too, so that
+tables of x'/x and z' - z are coarse and their errors small.
+
+With q the distance across the ray per launch angle, N = q/r' tells what the map does to energy. A piece of surface
+ds seen at incidence α spans the launch angle dθ0 = cosα ds / q, and one-way intensity over that at 1 m is
+cosθ0 / (x |q|) = (x'/x) / (N r'²). Hence the true incidence, spreading and along-track width follow from N.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.jit import inlined, inlined_uncounted, kernel
+
+COLUMNS = 4
+LEVEL, RISE, TUBE, TURN = 0, 1, 2, 3  # x'/x - 1; z' - z, m; N - 1; angle of arrival above that of launch, rad
+UPRIGHT = 1e-3  # ground range between two knots, at least, as a share of what it is in truth
+
+
+class Bending(NamedTuple):
+    """Tables of layered water for the sonar at evenly spaced heights; without them sound goes straight."""
+
+    bent: bool
+    tables: NDArray[np.float32]  # (heights, rows, columns, 4) LEVEL, RISE, TUBE and TURN at each height of a place
+    sonar_low: float  # height of the sonar of the first table, m
+    sonar_step: float  # and between tables
+    low: float  # height of the first row, m
+    row_step: float
+    column_step: float  # of ground range, from 0
+    stretch: float  # ground range over slant range, at most
+
+
+class Sheet(NamedTuple):
+    """How to read the table of one ping."""
+
+    bent: bool  # whether there is one
+    stretch: float  # ground range over slant range, at most
+    low: float  # height of the first row above the sonar, m
+    per_row: float  # rows per metre
+    per_column: float
+    rows: int
+    columns: int
+
+
+def no_bending() -> Bending:
+    """Return the tables of water in which sound goes straight: none."""
+    return Bending(False, np.zeros((0, 2, 2, COLUMNS), np.float32), 0.0, 1.0, 0.0, 1.0, 1.0, 1.0)
+
+
+def empty_table(bending: Bending) -> NDArray[np.float32]:
+    """Make room for the table of one ping."""
+    return np.zeros(bending.tables.shape[1:], np.float32)
+
+
+@kernel
+def blend_tables(bending, z, table):
+    """Fill the table of a sonar at height z from those of the heights below and above."""
+    place = (z - bending.sonar_low) / bending.sonar_step
+    k = min(max(int(place), 0), bending.tables.shape[0] - 2)
+    share = np.float32(place - k)
+    below, above, out = bending.tables[k].ravel(), bending.tables[k + 1].ravel(), table.ravel()
+    for i in range(out.size):
+        out[i] = below[i] + share * (above[i] - below[i])
+
+
+@inlined_uncounted
+def straight_sheet():
+    """Tell that sound goes straight."""
+    return Sheet(False, 1.0, 0.0, 1.0, 1.0, 2, 2)
+
+
+@inlined_uncounted
+def turn_to(bending, z, table):
+    """Fill the table of a sonar at height z, if sound bends; return how to read it."""
+    if not bending.bent:
+        return straight_sheet()
+    blend_tables(bending, z, table)
+    _, rows, columns, _ = bending.tables.shape
+    per_row, per_column = 1.0 / bending.row_step, 1.0 / bending.column_step
+    return Sheet(True, bending.stretch, bending.low - z, per_row, per_column, rows, columns)
+
+
+@inlined
+def look_up(table, sheet, x, z):
+    """Read LEVEL, RISE, TUBE and TURN of a place at ground range x and height z above the sonar.
+
+    Bilinear; beyond the table as at its edge.
+    """
+    i, j, fu, fv = cell_of(sheet, x, z)
+    gu, gv = np.float32(1.0) - fu, np.float32(1.0) - fv
+    a, b, c, d = gu * gv, fu * gv, gu * fv, fu * fv
+    level = a * table[j, i, LEVEL] + b * table[j, i + 1, LEVEL] + c * table[j + 1, i, LEVEL]
+    rise = a * table[j, i, RISE] + b * table[j, i + 1, RISE] + c * table[j + 1, i, RISE]
+    tube = a * table[j, i, TUBE] + b * table[j, i + 1, TUBE] + c * table[j + 1, i, TUBE]
+    turn = a * table[j, i, TURN] + b * table[j, i + 1, TURN] + c * table[j + 1, i, TURN]
+    return (
+        level + d * table[j + 1, i + 1, LEVEL],
+        rise + d * table[j + 1, i + 1, RISE],
+        tube + d * table[j + 1, i + 1, TUBE],
+        turn + d * table[j + 1, i + 1, TURN],
+    )
+
+
+@inlined
+def cell_of(sheet, x, z):
+    """Find the column and row of the cell of a place, and how far into it the place lies."""
+    u, v = x * sheet.per_column, (z - sheet.low) * sheet.per_row
+    v = v if v > 0.0 else 0.0  # NaN, a hole in the bed, compares false
+    u, v = min(u, sheet.columns - 1.0), min(v, sheet.rows - 1.0)
+    i, j = min(int(u), sheet.columns - 2), min(int(v), sheet.rows - 2)
+    return i, j, np.float32(u - i), np.float32(v - j)
+
+
+@kernel
+def bend_profile(table, sheet, one_wide, x, z, slope, area, level, gain, count):
+    """Put the knots of a profile where they seem to be, in place.
+
+    Parameters
+    ----------
+    table : ndarray of float32, shape (rows, columns, 4)
+    sheet : Sheet
+    one_wide : bool
+        Whether the plane stands for a strip of one width everywhere, not for a wedge of azimuths.
+    x, z, slope, area : ndarray
+        Of the profile. Slope becomes that of the segment as it seems, and area what makes the cosine of the incidence
+        come out as it is: (ds cosα)² = (q dθ0)².
+    level : ndarray of float32
+        Takes x'/x at the knots.
+    gain : ndarray of float32
+        Takes what multiplies the energy that the profile would send back were it where it seems: of the spreading
+        (x'/x)²/N², there and back, of the surface N, and of a wedge's width x/x'.
+    count : int
+        Knots.
+    """
+    _correct(table, sheet, x, z, level, gain, count)
+    if _leans_over(x, level, count):
+        _keep_upright(x, level, count)
+    _tilt(x, z, level, gain, slope, area, count)
+    _amplify(x, level, gain, one_wide, count)
+
+
+@inlined
+def _correct(table, sheet, x, z, level, tube, count):
+    """Read LEVEL and TUBE at the knots of a profile and apply RISE."""
+    right, top, last_column, last_row = sheet.columns - 1.0, sheet.rows - 1.0, sheet.columns - 2, sheet.rows - 2
+    low, per_row, per_column = sheet.low, sheet.per_row, sheet.per_column
+    column, row = -1, -1
+    wide, high, tall = _bilinear(table, 0, 0, LEVEL), _bilinear(table, 0, 0, RISE), _bilinear(table, 0, 0, TUBE)
+    for k in range(count):
+        u, v = min(x[k] * per_column, right), (z[k] - low) * per_row
+        v = min(v if v > 0.0 else 0.0, top)  # NaN, a hole in the bed, compares false
+        i, j = min(int(u), last_column), min(int(v), last_row)
+        if i != column or j != row:
+            # Neighbouring knots mostly share a cell: what is known of it stays in registers.
+            column, row = i, j
+            wide, high, tall = _bilinear(table, j, i, LEVEL), _bilinear(table, j, i, RISE), _bilinear(table, j, i, TUBE)
+        fu, fv = np.float32(u - i), np.float32(v - j)
+        level[k] = wide[0] + fu * wide[1] + fv * (wide[2] + fu * wide[3])
+        tube[k] = tall[0] + fu * tall[1] + fv * (tall[2] + fu * tall[3])
+        z[k] += high[0] + fu * high[1] + fv * (high[2] + fu * high[3])
+
+
+@inlined
+def _bilinear(table, j, i, what):
+    """Coefficients of 1, u, v and uv within a cell."""
+    here, right, up, across = table[j, i, what], table[j, i + 1, what], table[j + 1, i, what], table[j + 1, i + 1, what]
+    return here, right - here, up - here, across - up - right + here
+
+
+@inlined
+def _leans_over(x, level, count):
+    """Whether any wall, so steep that the water matters, would hang over as it seems."""
+    leaning = 0
+    for k in range(count - 1):
+        run = x[k + 1] - x[k]
+        leaning += run + (x[k + 1] * level[k + 1] - x[k] * level[k]) < UPRIGHT * run
+    return leaning > 0
+
+
+@inlined
+def _keep_upright(x, level, count):
+    """Let every knot seem a little beyond the one before it."""
+    for k in range(1, count):
+        least = x[k - 1] * (1.0 + level[k - 1]) + 2.0 * UPRIGHT * (x[k] - x[k - 1])
+        level[k] = max(level[k], np.float32(least / x[k] - 1.0))
+
+
+@inlined
+def _tilt(x, z, level, tube, slope, area, count):
+    """Give the segments the slopes they seem to have, and the areas that leave their incidence as it is."""
+    two = np.float32(2.0)
+    for k in range(count - 1):
+        run = x[k + 1] - x[k]
+        per_run = np.float32(1.0) / np.float32(run + (x[k + 1] * level[k + 1] - x[k] * level[k]))
+        slope[k] = np.float32(z[k + 1] - z[k]) * per_run
+        widened = two * np.float32(run) * per_run / (two + tube[k] + tube[k + 1])
+        area[k] *= widened * widened
+
+
+@inlined
+def _amplify(x, level, gain, one_wide, count):
+    """Put the knots where they seem to be, and turn TUBE into the gain."""
+    one = np.float32(1.0)
+    for k in range(count):
+        x[k] += x[k] * level[k]
+        level[k] = one + level[k]
+        gain[k] = (level[k] * level[k] if one_wide else level[k]) / (one + gain[k])

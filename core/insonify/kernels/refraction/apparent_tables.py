@@ -1,0 +1,87 @@
+"""Tables of where places seem to be through layered water, and whether each is heard along one ray alone."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.common.jit import kernel
+from insonify.kernels.refraction.apparent_positions import LEVEL, RISE, TUBE, TURN
+from insonify.kernels.refraction.arcs import RANGE, launch_ray, speed_at
+from insonify.kernels.refraction.eigenrays import FOUND, eigenray, shoot
+
+NEAR = 1e-3  # of a column, where the first one lies: beneath the sonar itself all is level or plumb
+FANNED = 256  # rays that are followed to see whether any two meet
+LOOKED = 64  # ground ranges at which they are compared
+
+
+@kernel
+def tabulate(height, speed, reference, z, first_row, row_step, column_step, surface, out):
+    """Fill the table of a sonar at height z.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of the water, ascending.
+    reference : float
+        Speed by which travel time becomes slant range, m/s.
+    z : float
+        Height of the sonar, m.
+    first_row : float
+        Height of the first row, m.
+    row_step, column_step : float
+        Between rows and columns, m.
+    surface : float
+        Height above which no ray may go, m.
+    out : ndarray of float32, shape (rows, columns, 4)
+        Takes LEVEL, RISE, TUBE and TURN.
+
+    Returns
+    -------
+    bool
+        Whether every place of the table is reached, and the higher ones along the steeper rays.
+    """
+    rows, columns, _ = out.shape
+    for i in range(columns):
+        x = max(i, NEAR) * column_step
+        before = -math.inf
+        for j in range(rows):
+            place = first_row + j * row_step
+            status, ray = eigenray(height, speed, z, place, x, -math.inf, surface)
+            slope = ray.sine0 / ray.cosine0
+            if status != FOUND or not ray.q > 0.0 or not slope > before:
+                return False
+            before = slope
+            r = reference * ray.time
+            out[j, i, LEVEL] = r * ray.cosine0 / x - 1.0
+            out[j, i, RISE] = r * ray.sine0 - (place - z)
+            out[j, i, TUBE] = ray.q / r - 1.0
+            out[j, i, TURN] = math.atan2(ray.sine, ray.cosine) - math.atan2(ray.sine0, ray.cosine0)
+    return True
+
+
+@kernel
+def is_single(height, speed, z, low, high, reach, surface):
+    """Whether no place between two heights is heard along two rays, within a ground range.
+
+    Only rays that turn can meet others: those launched so flatly that sound of the same slowness along the level is
+    found nowhere beyond their turning points. Where rays are launched the more steeply, they must come out the higher.
+    """
+    c0 = speed_at(height, speed, z)
+    flattest = math.acos(min(c0 / speed.max(), 1.0))
+    if flattest == 0.0:
+        return True
+    below = np.full(LOOKED, -math.inf)
+    for k in range(FANNED + 1):
+        angle = flattest * (2.0 * k / FANNED - 1.0)
+        ray, gone = launch_ray(height, speed, z, math.cos(angle), math.sin(angle)), False
+        for i in range(LOOKED):
+            if not gone:
+                status, ray = shoot(height, speed, ray, (i + 1) * reach / LOOKED, -math.inf, surface)
+                gone = status != RANGE
+            here = math.inf if gone else ray.z
+            if here <= below[i] and here <= high and below[i] >= low:
+                return False
+            below[i] = here
+    return True

@@ -1,0 +1,277 @@
+"""Rays through layered water: in each layer speed is linear in height, so that a ray is an arc of a circle.
+
+An arc is told by its *tangents* T: the tangents at its two ends meet, and T is the sum of their lengths. With κ the
+curvature, s the arc's length, u0 and u1 the directions at its ends,
+
+    T = 2 tan(κs/2) / κ,   displacement = T (u0 + u1)/2,   ∫c ds = T (c0 + c1)/2,
+
+so that nothing is divided by the gradient, rays may be vertical, and vertices are no places apart. κ = gξ with g the
+gradient and ξ = cosθ/c Snell's constant; θ is positive upwards, and κ is positive for rays that bend down.
+
+The ray tube follows Červený's p and q: q is the distance across the ray between rays launched 1 rad apart, so that
+intensity over that at 1 m is cosθ0 / (x |q|).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.common.jit import inlined
+
+# How a step ends: at a node of the water, at the range or the height it was told, or never.
+NODE, RANGE, LOW, HIGH, ENDLESS = 0, 1, 2, 3, 4
+SNAP = 1e-9  # a ray within this of a node is on it, m
+GRAZING = 1e-7  # sine below which an interface that kicks the tube is taken as if met at this angle
+
+
+class Ray(NamedTuple):
+    """Where a ray is, in its own vertical plane."""
+
+    x: float  # ground range, m
+    z: float  # height, m
+    cosine: float  # of its direction above the horizontal
+    sine: float
+    speed: float  # of sound here, m/s
+    time: float  # travelled, s
+    p: float  # slowness across the ray by which q grows, s/m
+    q: float  # distance across the ray per launch angle, m/rad
+    grazed: bool  # whether it met a jump of the gradient so flatly that p and q are capped
+
+
+@inlined
+def layer_below(height, z):
+    """Find the highest node at or below z, within a snap; -1 below all."""
+    low, high = 0, height.size
+    while low < high:
+        middle = (low + high) // 2
+        if height[middle] <= z + SNAP:
+            low = middle + 1
+        else:
+            high = middle
+    return low - 1
+
+
+@inlined
+def gradient_above(height, speed, k):
+    """dc/dz between nodes k and k + 1, 0 beyond the outermost, 1/s."""
+    if k < 0 or k >= height.size - 1:
+        return 0.0
+    return (speed[k + 1] - speed[k]) / (height[k + 1] - height[k])
+
+
+@inlined
+def speed_at(height, speed, z):
+    """Speed of sound at a height, m/s."""
+    k = layer_below(height, z)
+    if k < 0:
+        return speed[0]
+    return speed[k] + gradient_above(height, speed, k) * max(z - height[k], 0.0)
+
+
+@inlined
+def launch_ray(height, speed, z, cosine, sine):
+    """Start a ray at height z and ground range 0."""
+    c = speed_at(height, speed, z)
+    return Ray(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
+
+
+@inlined
+def step(height, speed, ray, x_end, low, high):
+    """Follow a ray to the next node of the water, to range ``x_end``, or to height ``low`` or ``high``.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of layered water, ascending.
+    ray : Ray
+        Where it is: between ``low`` and ``high``, and not beyond ``x_end``.
+    x_end, low, high : float
+        Limits; infinite ones are none.
+
+    Returns
+    -------
+    status : int
+        NODE, RANGE, LOW or HIGH, by what was met first; ENDLESS if the ray meets none of them.
+    ray : Ray
+        There. At a node it has entered the next layer; at ``low`` and ``high`` it has not, though a node be there.
+    """
+    layer, g, floor, ceiling = layer_of(height, speed, ray)
+    level, s1, tangents = reach_level(ray, g, max(floor, low), min(ceiling, high))
+    by_range, _ = crossing(ray.cosine, -ray.sine, x_end - ray.x, g * ray.cosine / ray.speed)
+    if by_range == math.inf and tangents == math.inf:
+        return ENDLESS, ray
+    if by_range > tangents:
+        there = land(ray, g, tangents, level, s1)
+        if level == low:
+            return LOW, there
+        if level == high:
+            return HIGH, there
+        return NODE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
+    there = at_range(follow(ray, 0.0, g, by_range), x_end)
+    comes = there.sine > 0.0 if level == ceiling else there.sine < 0.0
+    if comes and level != low and level != high and abs(there.z - level) <= SNAP:
+        # The next step will take it to be on the node, and gone on.
+        return RANGE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
+    return RANGE, there
+
+
+@inlined
+def at_range(ray, x):
+    """Put a ray exactly where it was to end."""
+    return Ray(x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
+
+
+@inlined
+def layer_of(height, speed, ray):
+    """Find the layer a ray goes on in: the node below it, its gradient, floor and ceiling."""
+    k = layer_below(height, ray.z)
+    g = gradient_above(height, speed, k)
+    on_node = k >= 0 and ray.z - height[k] <= SNAP
+    # A ray on a node belongs to the side it heads for, a level one to the side it bends to.
+    if on_node and (ray.sine < 0.0 or (ray.sine == 0.0 and g >= 0.0)):
+        under = gradient_above(height, speed, k - 1)
+        if ray.sine == 0.0 and under <= 0.0:
+            # Sound is slowest here: a level ray stays on the node.
+            return k, 0.0, -math.inf, math.inf
+        k, g = k - 1, under
+    floor, ceiling = -math.inf, math.inf
+    if k >= 0:
+        floor = height[k]
+    if k < height.size - 1:
+        ceiling = height[k + 1]
+    return k, g, floor, ceiling
+
+
+@inlined
+def reach_level(ray, g, floor, ceiling):
+    """Find which border of a layer a ray meets, the sine of its direction there, and the tangents of the arc to it."""
+    bend = g * ray.cosine / ray.speed
+    up = ray.sine > 0.0 or (ray.sine == 0.0 and g < 0.0)
+    if up:
+        tangents, s1 = crossing(ray.sine, ray.cosine, ceiling - ray.z, bend)
+        if tangents < math.inf or math.isinf(ceiling):
+            return ceiling, s1, tangents
+    # It goes down, or turns below the ceiling.
+    tangents, s1 = crossing(-ray.sine, -ray.cosine, ray.z - floor, bend)
+    if up or tangents < math.inf or math.isinf(floor):
+        return floor, -s1, tangents
+    tangents, s1 = crossing(ray.sine, ray.cosine, ceiling - ray.z, bend)
+    return ceiling, s1, tangents
+
+
+@inlined
+def crossing(along, across, distance, bend):
+    """Tangents of the arc from a ray to a line ahead, and the part of its direction there that leads over the line.
+
+    Parameters
+    ----------
+    along, across : float
+        Parts, over the line, of the ray's direction and of the direction 90° to the left of it.
+    distance : float
+        To the line, m.
+    bend : float
+        Curvature κ, positive to the right, 1/m.
+
+    Returns
+    -------
+    tangents, along : float
+        Infinite tangents if the arc never gets there.
+    """
+    if math.isinf(distance):
+        return math.inf, 0.0
+    d = max(distance, 0.0)
+    # d = T (along + along1)/2 at either end of the arc: a quadratic in T, solved without a difference of near equals.
+    fall = bend * (2.0 * across + d * bend)
+    square = along * along - d * fall
+    if square < 0.0:
+        return math.inf, 0.0
+    there = math.sqrt(square)
+    if along > 0.0:
+        return 2.0 * d / (along + there), there
+    if fall < 0.0:
+        return 2.0 * (along - there) / fall, there
+    return math.inf, 0.0
+
+
+@inlined
+def follow(ray, gx, gz, tangents):
+    """Follow an arc of known tangents where speed has the gradient ``gx`` along range and ``gz`` upwards, 1/s."""
+    turn = 0.5 * tangents * (ray.cosine * gz - ray.sine * gx) / ray.speed  # tan(κs/2)
+    over = 1.0 / (1.0 + turn * turn)
+    cosine = (ray.cosine * (1.0 - turn * turn) + 2.0 * turn * ray.sine) * over
+    sine = (ray.sine * (1.0 - turn * turn) - 2.0 * turn * ray.cosine) * over
+    dx, dz = 0.5 * tangents * (ray.cosine + cosine), 0.5 * tangents * (ray.sine + sine)
+    speed = ray.speed + gx * dx + gz * dz
+    time, q = spend(ray, gx * gx + gz * gz, turn, tangents, speed)
+    return Ray(ray.x + dx, ray.z + dz, cosine, sine, speed, time, ray.p, q, ray.grazed)
+
+
+@inlined
+def land(ray, g, tangents, level, sine):
+    """Follow an arc of layered water whose other end's height and direction are known."""
+    speed = ray.speed + g * (level - ray.z)
+    cosine = ray.cosine / ray.speed * speed
+    time, q = spend(ray, g * g, 0.5 * tangents * g * ray.cosine / ray.speed, tangents, speed)
+    x = ray.x + 0.5 * tangents * (ray.cosine + cosine)
+    return Ray(x, level, cosine, sine, speed, time, ray.p, q, ray.grazed)
+
+
+@inlined
+def spend(ray, square, turn, tangents, speed):
+    """Time and q at the other end of an arc, by the squared gradient, tan(κs/2), T, and the speed there."""
+    # Of the chord D = T cos(κs/2), squared, over the speeds at its ends.
+    chord = tangents * tangents / ((1.0 + turn * turn) * ray.speed * speed)
+    time = ray.time + math.sqrt(chord) * asinh_ratio(0.25 * square * chord)
+    return time, ray.q + ray.p * 0.5 * tangents * (ray.speed + speed)
+
+
+@inlined
+def asinh_ratio(square):
+    """asinh(y)/y of y², 1 at 0."""
+    if square < 1e-3:
+        series = -5.0 / 112.0 + square * (35.0 / 1152.0)
+        return 1.0 + square * (-1.0 / 6.0 + square * (3.0 / 40.0 + square * series))
+    y = math.sqrt(square)
+    return math.asinh(y) / y
+
+
+@inlined
+def cross(height, speed, ray, node):
+    """Let a ray that has come to a node enter the layer beyond it: the jump of the gradient bends the tube."""
+    jump = gradient_above(height, speed, node) - gradient_above(height, speed, node - 1)
+    there = Ray(ray.x, height[node], ray.cosine, ray.sine, speed[node], ray.time, ray.p, ray.q, ray.grazed)
+    return kick_tube(there, -jump)
+
+
+@inlined
+def mirror(ray, g):
+    """Send a ray back from a level surface; ``g`` is dc/dz on its side of it.
+
+    q keeps its sign, as if the ray went on into mirrored water: seen from outside, the tube has changed sides.
+    """
+    there = kick_tube(ray, 2.0 * g if ray.sine > 0.0 else -2.0 * g)
+    return Ray(there.x, there.z, there.cosine, -there.sine, there.speed, there.time, there.p, there.q, there.grazed)
+
+
+@inlined
+def gradient_behind(height, speed, ray):
+    """dc/dz on the side that a ray comes from, up or down, 1/s."""
+    k = layer_below(height, ray.z)
+    on_node = k >= 0 and ray.z - height[k] <= SNAP
+    return gradient_above(height, speed, k - 1 if on_node and ray.sine > 0.0 else k)
+
+
+@inlined
+def kick_tube(ray, fall):
+    """Bend the tube at a level interface where dc/dz falls upwards by ``fall``, 1/s, whichever way the ray goes."""
+    flat = abs(ray.sine) < GRAZING
+    return bend_tube(ray, fall * ray.cosine * ray.cosine / max(abs(ray.sine), GRAZING), flat)
+
+
+@inlined
+def bend_tube(ray, strength, flat):
+    """Bend the tube at a jump of the gradient; where the ray meets it flatly, that is capped and said."""
+    p = ray.p + ray.q * strength / (ray.speed * ray.speed)
+    grazed = ray.grazed or (flat and ray.q * strength != 0.0)
+    return Ray(ray.x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, p, ray.q, grazed)

@@ -1,0 +1,67 @@
+"""Where rays touch a caustic: the tube has no width there."""
+
+from __future__ import annotations
+
+import math
+
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, follow, layer_of
+from insonify.kernels.refraction.ray_paths import STEPS, advance, launch, send_back
+from insonify.kernels.refraction.section_arcs import piece_of
+
+COLUMNS = 4  # of what is kept: the row of the ray's angle, range, height, time
+
+
+@kernel
+def trace_caustics(water, plane, z0, angles, limits, found):
+    """Follow rays from height ``z0`` at range 0 and keep where they touch caustics.
+
+    Parameters
+    ----------
+    water, plane, z0, angles, limits
+        As in `paths.trace_paths`.
+    found : ndarray, shape (m, COLUMNS)
+        Filled from its beginning.
+
+    Returns
+    -------
+    int
+        Caustics found; m if there may be more than there is room for.
+    """
+    height, speed, station = water.height, water.speed, water.station
+    count = 0
+    for n in range(angles.size):
+        steep = abs(angles[n]) >= 0.5 * math.pi
+        cosine, sine = 0.0 if steep else math.cos(angles[n]), math.sin(angles[n])
+        ray = launch(height, speed, station, plane, z0, cosine, sine)
+        for _ in range(STEPS):
+            before = ray
+            status, ray = advance(height, speed, station, plane, ray, limits.x, limits.low, limits.high)
+            if before.q * ray.q < 0.0:
+                if count == found.shape[0]:
+                    return count
+                there = touch(height, speed, station, plane, before)
+                found[count, 0], found[count, 1], found[count, 2], found[count, 3] = n, there.x, there.z, there.time
+                count += 1
+            if (status == LOW and limits.from_bed) or (status == HIGH and limits.from_surface):
+                ray = send_back(height, speed, station, plane, ray)
+            elif status == RANGE or status == ENDLESS or status == LOW or status == HIGH:
+                break
+    return count
+
+
+@inlined
+def touch(height, speed, station, plane, ray):
+    """Follow a ray to where q is 0, within the arc that begins here."""
+    if station.size == 1:
+        _, gz, _, _ = layer_of(height, speed[0], ray)
+        gx = 0.0
+    else:
+        _, _, piece = piece_of(height, speed, station, plane, ray)
+        gx, gz = piece.along * plane.along, piece.up
+    # ∫c ds = -q/p from here, and in terms of the tangents (c + g·u T/2) T / (1 + κ²T²/4): a quadratic in T.
+    needed = -ray.q / ray.p
+    bend = (ray.cosine * gz - ray.sine * gx) / ray.speed
+    square = 0.5 * (ray.cosine * gx + ray.sine * gz) - 0.25 * needed * bend * bend
+    tangents = 2.0 * needed / (ray.speed + math.sqrt(ray.speed * ray.speed + 4.0 * needed * square))
+    return follow(ray, gx, gz, tangents)

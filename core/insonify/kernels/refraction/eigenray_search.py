@@ -1,0 +1,334 @@
+"""All rays that join two points of layered water, turned and reflected ones too.
+
+A launch angle at which a ray grazes a node, or an end of the water, is *critical*. Between two critical angles rays
+pass the same layers in the same order, and the range at which they come to a height for the n-th time is a smooth
+function of the launch angle: rays are sent at some angles in between, and every root and every extremum that the
+ranges and their exact derivatives show is followed up.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.refraction.arcs import (
+    ENDLESS,
+    NODE,
+    SNAP,
+    cross,
+    gradient_above,
+    gradient_behind,
+    launch_ray,
+    layer_below,
+    layer_of,
+    mirror,
+    speed_at,
+    step,
+)
+
+STEPS = 10_000  # layers that a ray may pass
+ORDERS = 64  # times that one ray comes to the height asked for; along the axis of a duct there is no end of them
+SAMPLES = 13  # rays between two critical angles
+HALVINGS = 200  # of a bracket
+BEYOND = 2.0  # a ray is given up beyond so many times the range that is asked for
+CLOSE = 1e-12  # miss that is none, over the lengths in play
+# Columns of what is kept of a ray where it comes to the height asked for; q is signed as by `arcs.mirror`.
+ANGLE, X, TIME, COSINE, SINE, TUBE, TURNS, TOPS, BOTTOMS, GRAZED = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
+COLUMNS = 10
+
+
+class Span(NamedTuple):
+    """Two points to join, and the ends of the water between them."""
+
+    z_from: float  # heights, m
+    z_to: float
+    x: float  # ground range between them, m
+    low: float  # heights at which rays are reflected; infinite ones are none
+    high: float
+    reflections: int  # how many a ray may have
+
+
+@kernel
+def find_eigenrays(height, speed, span, edges, found):
+    """Find the rays that join two points.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of the water, ascending.
+    span : Span
+    edges : ndarray
+        Critical angles, ascending, rad: 0 and right angles are among them, as far as rays can be launched there.
+    found : ndarray, shape (m, COLUMNS)
+        Filled from its beginning, in the order of launch angles.
+
+    Returns
+    -------
+    int
+        Rays found; m if there may be more than there is room for.
+    """
+    if span.x <= 0.0:
+        return plumb_rays(height, speed, span, edges, found)
+    count = 0
+    angles, rows, row = np.empty(SAMPLES), np.empty((SAMPLES, ORDERS, COLUMNS)), np.empty((ORDERS, COLUMNS))
+    before = np.full((ORDERS, COLUMNS), math.inf)
+    for e in range(edges.size - 1):
+        # At the critical angle itself rays belong to neither side.
+        inset = doubt(edges[e])
+        width = edges[e + 1] - doubt(edges[e + 1]) - edges[e] - inset
+        if width <= 0.0:
+            continue
+        for i in range(SAMPLES):
+            angles[i] = edges[e] + inset + 0.5 * width * (1.0 - math.cos(math.pi * i / (SAMPLES - 1)))
+            trace_crossings(height, speed, span, angles[i], rows[i])
+        if edges[e] == 0.0:
+            count = add_level_ray(height, speed, span, found, count)
+        for order in range(ORDERS):
+            count = add_between_sides(height, speed, span, before[order], rows[0, order], found, count)
+            if order > 0:
+                # A ray that grazes the height asked for comes there twice at once.
+                a, b = rows[0, order - 1], rows[-1, order - 1]
+                count = add_between_sides(height, speed, span, a, rows[0, order], found, count)
+                count = add_between_sides(height, speed, span, b, rows[-1, order], found, count)
+            for i in range(SAMPLES - 1):
+                a, b = rows[i, order], rows[i + 1, order]
+                if crosses(span, a, b):
+                    count = add_root(height, speed, span, order, a, b, row, found, count)
+                elif turns_back(span, a, b):
+                    middle = past_extremum(height, speed, span, order, a, b, row)
+                    if crosses(span, a, middle):
+                        count = add_root(height, speed, span, order, a, middle, row, found, count)
+                        count = add_root(height, speed, span, order, middle, b, row, found, count)
+        for order in range(ORDERS):
+            copy_row(rows[SAMPLES - 1, order], before[order])
+    return count
+
+
+@inlined
+def doubt(edge):
+    """By how much a critical angle may be off, rad: an arc cosine is known to rounding over its sine."""
+    if edge == 0.0:
+        return 2e-16
+    return 2e-16 * (1.0 + 4.0 * abs(edge)) + 1e-15 / abs(math.tan(edge))
+
+
+@kernel
+def trace_crossings(height, speed, span, angle, rows):
+    """Follow a ray and keep what it is wherever it comes to the height asked for; x is infinite where it does not."""
+    for row in rows:
+        row[ANGLE], row[X] = angle, math.inf
+    cosine = math.cos(angle) if abs(angle) < 0.5 * math.pi else 0.0
+    ray = launch_ray(height, speed, span.z_from, cosine, math.sin(angle))
+    turns, tops, bottoms, order = 0, 0, 0, 0
+    for _ in range(STEPS):
+        sine = ray.sine
+        below = ray.z < span.z_to or (ray.z == span.z_to and sine < 0.0)
+        low = span.low if below else max(span.low, span.z_to)
+        high = min(span.high, span.z_to) if below else span.high
+        status, ray = step(height, speed, ray, math.inf, low, high)
+        if status == ENDLESS:
+            return
+        if ray.sine * sine < 0.0:
+            turns += 1
+        if status == NODE:
+            continue
+        if ray.z == span.z_to:
+            keep(rows[order], ray, turns, tops, bottoms)
+            order += 1
+            if order == rows.shape[0] or ray.x > BEYOND * span.x:
+                return
+        if ray.z == span.high:
+            tops += 1
+        elif ray.z == span.low:
+            bottoms += 1
+        else:
+            k = layer_below(height, ray.z)
+            if k >= 0 and ray.z - height[k] <= SNAP:
+                ray = cross(height, speed, ray, k)
+            continue
+        if tops + bottoms > span.reflections:
+            return
+        ray = mirror(ray, gradient_behind(height, speed, ray))
+
+
+@inlined
+def keep(row, ray, turns, tops, bottoms):
+    """Write down what a ray is where it comes to the height asked for."""
+    row[X], row[TIME], row[TUBE] = ray.x, ray.time, ray.q
+    row[COSINE], row[SINE] = ray.cosine, ray.sine
+    row[TURNS], row[TOPS], row[BOTTOMS], row[GRAZED] = turns, tops, bottoms, 1.0 if ray.grazed else 0.0
+
+
+@inlined
+def copy_row(given, taken):
+    """Copy what is kept of a ray."""
+    for column in range(COLUMNS):
+        taken[column] = given[column]
+
+
+@inlined
+def crosses(span, a, b):
+    """Whether the range asked for lies between those of two rays."""
+    return (a[X] > span.x) != (b[X] > span.x)
+
+
+@inlined
+def growth(row):
+    """dx/dθ0 of the range at which a ray comes to the height asked for, m/rad."""
+    flipped = (row[TOPS] + row[BOTTOMS]) % 2.0 == 1.0
+    return row[TUBE] / row[SINE] if flipped else -row[TUBE] / row[SINE]
+
+
+@inlined
+def turns_back(span, a, b):
+    """Whether between two rays on one side of the range asked for an extremum may lie that reaches over to it."""
+    if math.isinf(a[X]) or math.isinf(b[X]):
+        return False
+    if a[X] > span.x:
+        return growth(a) < 0.0 < growth(b)
+    return growth(a) > 0.0 > growth(b)
+
+
+@kernel
+def past_extremum(height, speed, span, order, a, b, row):
+    """Find, between two rays, one on the other side of the range asked for, or the one that comes nearest."""
+    first, last, falls = a[ANGLE], b[ANGLE], growth(a) < 0.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (first + last)
+        trace_crossings(height, speed, span, middle, row[: order + 1])
+        if crosses(span, a, row[order]) or middle == first or middle == last:
+            break
+        if (growth(row[order]) < 0.0) == falls:
+            first = middle
+        else:
+            last = middle
+    return row[order].copy()
+
+
+@kernel
+def add_root(height, speed, span, order, a, b, row, found, count):
+    """Find the ray between two on either side of the range asked for: Newton's steps, halvings where they stray."""
+    if count == found.shape[0]:
+        return count
+    first, last, beyond = a[ANGLE], b[ANGLE], a[X] > span.x
+    close = CLOSE * (span.x + abs(span.z_from) + abs(span.z_to))
+    angle, stride = 0.5 * (first + last), last - first
+    for _ in range(HALVINGS):
+        trace_crossings(height, speed, span, angle, row[: order + 1])
+        miss = row[order, X] - span.x
+        if abs(miss) <= close:
+            break
+        if (miss > 0.0) == beyond:
+            first = angle
+        else:
+            last = angle
+        guess = angle - miss / growth(row[order])
+        if not (first < guess < last and abs(guess - angle) < 0.5 * stride):
+            guess = 0.5 * (first + last)
+        if guess == first or guess == last:
+            break
+        angle, stride = guess, abs(guess - angle)
+    if abs(row[order, X] - span.x) > slack(span):
+        return count  # where one of the two ends, or is never there: no ray comes
+    copy_row(row[order], found[count])
+    settle(height, speed, span, found[count])
+    return count + 1
+
+
+@inlined
+def settle(height, speed, span, row):
+    """Make good in time what a ray still misses in range, where neighbours come later by dt/dx = ξ.
+
+    Along the edge of a gradient tubes are so wide that the last digit of an angle moves its ray by 10⁻⁸ m and more.
+    """
+    row[TIME] -= (row[X] - span.x) * row[COSINE] / speed_at(height, speed, span.z_to)
+    row[X] = span.x
+
+
+@inlined
+def slack(span):
+    """Miss of a ray known to the last digit of its angle: near a critical one ranges hang on it as by a square root."""
+    return 1e-3 + 1e-6 * span.x
+
+
+@inlined
+def add_between_sides(height, speed, span, a, b, found, count):
+    """Take the ray at a critical angle, if the range asked for lies between the nearly equal ones on its two sides."""
+    if count < found.shape[0] and crosses(span, a, b) and abs(a[X] - b[X]) < slack(span):
+        copy_row(a if abs(a[X] - span.x) < abs(b[X] - span.x) else b, found[count])
+        settle(height, speed, span, found[count])
+        return count + 1
+    return count
+
+
+@inlined
+def add_level_ray(height, speed, span, found, count):
+    """Take the ray that stays level, if the water keeps it so."""
+    if span.z_to != span.z_from or count == found.shape[0]:
+        return count
+    ray = launch_ray(height, speed, span.z_from, 1.0, 0.0)
+    k, g, _, _ = layer_of(height, speed, ray)
+    pressed = span.z_from == span.high and gradient_above(height, speed, k - 1) < 0.0
+    pressed = pressed or (span.z_from == span.low and gradient_above(height, speed, k) > 0.0)
+    if g == 0.0 and not pressed:
+        for column in range(COLUMNS):
+            found[count, column] = 0.0
+        found[count, X], found[count, TIME], found[count, COSINE] = span.x, span.x / ray.speed, 1.0
+        found[count, TUBE] = span.x
+        return count + 1
+    return count
+
+
+@kernel
+def plumb_rays(height, speed, span, edges, found):
+    """Take the vertical rays, between two points one above the other."""
+    count = 0
+    rows = np.empty((ORDERS, COLUMNS))
+    for angle in (edges[0], edges[edges.size - 1]):
+        if abs(angle) == 0.5 * math.pi:
+            trace_crossings(height, speed, span, angle, rows)
+            for row in rows:
+                if count < found.shape[0] and not math.isinf(row[X]):
+                    copy_row(row, found[count])
+                    count += 1
+    return count
+
+
+@kernel
+def find_lit(height, speed, span, edges, lit):
+    """Find the ranges at which rays come to a height.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of the water, ascending.
+    span : Span
+        Of any range: all are looked at.
+    edges : ndarray, shape (m + 1,)
+        As for `find_eigenrays`.
+    lit : ndarray, shape (m, orders, 2)
+        Filled with the least and greatest range of the rays between two critical angles that come for the first,
+        second ... time, m; infinite where none does.
+    """
+    lit[:] = math.inf
+    everywhere = Span(span.z_from, span.z_to, math.inf, span.low, span.high, span.reflections)
+    orders = lit.shape[1]
+    rows, row = np.empty((SAMPLES, orders, COLUMNS)), np.empty((orders, COLUMNS))
+    for e in range(edges.size - 1):
+        inset = 1e-12 * (edges[e + 1] - edges[e])
+        for i in range(SAMPLES):
+            share = 0.5 * (1.0 - math.cos(math.pi * i / (SAMPLES - 1)))
+            angle = edges[e] + inset + share * (edges[e + 1] - edges[e] - 2.0 * inset)
+            trace_crossings(height, speed, everywhere, angle, rows[i])
+        for order in range(orders):
+            least, most = rows[:, order, X].min(), rows[:, order, X].max()
+            for i in range(SAMPLES - 1):
+                a, b = rows[i, order], rows[i + 1, order]
+                if math.isinf(a[X]) or math.isinf(b[X]) or growth(a) * growth(b) >= 0.0:
+                    continue
+                x = past_extremum(height, speed, everywhere, order, a, b, row)[X]
+                least, most = min(least, x), max(most, x)
+            lit[e, order, 0], lit[e, order, 1] = least, most

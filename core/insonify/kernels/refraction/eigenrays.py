@@ -1,0 +1,132 @@
+"""The ray that joins two points of layered water."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.refraction.arcs import (
+    ENDLESS,
+    HIGH,
+    LOW,
+    NODE,
+    RANGE,
+    SNAP,
+    gradient_above,
+    launch_ray,
+    layer_below,
+    speed_at,
+    step,
+)
+
+FOUND, NONE = 0, 1
+STEPS = 10_000  # layers a direct ray may pass; one trapped for longer is given up
+TRIES = 200  # rays sent before a root is given up: halvings of a bracket, at worst
+CLOSE = 1e-12  # distance by which a ray may miss its end, over the lengths in play
+
+
+class Eigenray(NamedTuple):
+    """A ray from one point to another."""
+
+    cosine0: float  # of its direction above the horizontal where it starts
+    sine0: float
+    time: float  # s
+    cosine: float  # of its direction where it ends
+    sine: float
+    q: float  # distance across the ray per launch angle, m/rad; not positive if there are other rays, or beyond them
+
+
+@kernel
+def eigenray(height, speed, z_from, z_to, x, low, high):
+    """Find a direct ray between two points of layered water.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of the water, ascending.
+    z_from, z_to : float
+        Heights of the two points, m.
+    x : float
+        Ground range between them, m, not negative.
+    low, high : float
+        Heights which the ray may not pass, m; infinite ones are none.
+
+    Returns
+    -------
+    status : int
+        FOUND, or NONE where no ray comes.
+    Eigenray
+        Where several rays come, one of them; with q > 0, if heights at that range rise with launch angles about it.
+    """
+    if x <= 0.0:
+        return plumb(height, speed, z_from, z_to)
+    slope = guess_slope(height, speed, z_from, z_to, x)
+    least, most = -math.inf, math.inf
+    near = CLOSE * (x + abs(z_from) + abs(z_to))
+    for _ in range(TRIES):
+        cosine = 1.0 / math.sqrt(1.0 + slope * slope)
+        status, ray = shoot(height, speed, launch_ray(height, speed, z_from, cosine, slope * cosine), x, low, high)
+        miss = ray.z - z_to
+        if status == RANGE and abs(miss) <= near:
+            return FOUND, Eigenray(cosine, slope * cosine, ray.time, ray.cosine, ray.sine, ray.q)
+        if status == ENDLESS:
+            break
+        # One that takes too many steps winds about the axis of a duct.
+        if status == HIGH or (status != LOW and miss > 0.0):
+            most = slope
+        else:
+            least = slope
+        rise = ray.q * cosine * cosine / ray.cosine  # of the height at that range with the launch slope
+        guess = slope - miss / rise if status == RANGE and rise > 0.0 else math.nan
+        if not least < guess < most:
+            guess = between(least, most)
+        if guess == slope or guess == least or guess == most:
+            break
+        slope = guess
+    return NONE, Eigenray(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
+
+
+@inlined
+def plumb(height, speed, z_from, z_to):
+    """Give the vertical ray."""
+    sine = 1.0 if z_to >= z_from else -1.0
+    ray = launch_ray(height, speed, z_from, 0.0, sine)
+    while ray.z != z_to:
+        _, ray = step(height, speed, ray, math.inf, min(z_to, z_from), max(z_to, z_from))
+    return FOUND, Eigenray(0.0, sine, ray.time, 0.0, sine, ray.q)
+
+
+@kernel
+def shoot(height, speed, ray, x, low, high):
+    """Follow a ray to a range, or to where it ends before; NODE if it takes too many steps."""
+    for _ in range(STEPS):
+        status, ray = step(height, speed, ray, x, low, high)
+        if status != NODE:
+            return status, ray
+    return NODE, ray
+
+
+@inlined
+def guess_slope(height, speed, z_from, z_to, x):
+    """Give the launch slope that would be right if the gradient were even."""
+    c0, dz = speed_at(height, speed, z_from), z_to - z_from
+    if abs(dz) > SNAP:
+        g = (speed_at(height, speed, z_to) - c0) / dz
+    else:
+        g = gradient_above(height, speed, layer_below(height, z_from))
+    return dz / x + 0.5 * g * (x * x + dz * dz) / (x * c0)
+
+
+@inlined
+def between(least, most):
+    """Halve a bracket of slopes, in angle while it is wide; open it further where it has no end."""
+    if math.isinf(least) and math.isinf(most):
+        return 0.0
+    if math.isinf(least):
+        return most - 0.5 - abs(most)
+    if math.isinf(most):
+        return least + 0.5 + abs(least)
+    if most - least < 1e-3:
+        return 0.5 * (least + most)
+    return math.tan(0.5 * (math.atan(least) + math.atan(most)))

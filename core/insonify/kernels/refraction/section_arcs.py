@@ -1,0 +1,230 @@
+"""Rays through water that differs along a line: in each triangle of its lattice speed is linear, and a ray is an arc.
+
+Every cell between two nodes of height and two stations is cut along the diagonal on which speed differs less, so that
+a sloping layer keeps its shape. A ray stays in its vertical plane; what would bend it sideways is left out.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.common.jit import inlined
+from insonify.kernels.refraction.arcs import (
+    ENDLESS,
+    GRAZING,
+    HIGH,
+    LOW,
+    NODE,
+    RANGE,
+    SNAP,
+    Ray,
+    bend_tube,
+    crossing,
+    follow,
+    gradient_above,
+    layer_below,
+)
+
+LEVEL = 1e-12  # part of a plane along the stations below which it lies across them, and change of gradient that is none
+
+
+class Plane(NamedTuple):
+    """How a ray's vertical plane lies to the stations."""
+
+    place: float  # of range 0 along their axis, m
+    along: float  # metres along their axis per metre of range: the cosine between them
+
+
+class Piece(NamedTuple):
+    """A triangle of the lattice, or what is left of a cell beyond its ends, as the stations see it."""
+
+    along: float  # gradient of speed along the axis, 1/s
+    up: float  # and upwards
+    across_axis: float  # unit normal of the diagonal, out of the triangle; 0, 0 if there is none
+    across_up: float
+    distance: float  # to the diagonal, m
+
+
+@inlined
+def step_across(height, speed, station, plane, ray, x_end, low, high):
+    """Follow a ray to the next border of a triangle, to range ``x_end``, or to height ``low`` or ``high``.
+
+    Parameters
+    ----------
+    height : ndarray, shape (n,)
+    speed : ndarray, shape (m, n)
+    station : ndarray, shape (m,)
+        Nodes and stations of the water, ascending.
+    plane : Plane
+    ray, x_end, low, high
+        As in `arcs.step`.
+
+    Returns
+    -------
+    status : int
+        NODE, RANGE, LOW or HIGH, by what was met first; ENDLESS if the ray meets none of them.
+    ray : Ray
+        There, within the next triangle, but at ``low`` and ``high`` not beyond them.
+    """
+    i, j, piece = piece_of(height, speed, station, plane, ray)
+    gx = piece.along * plane.along
+    bend = (ray.cosine * piece.up - ray.sine * gx) / ray.speed
+    ahead, behind = station_lines(station, plane, i)
+    floor = max(height[j] if j >= 0 else -math.inf, low)
+    ceiling = min(height[j + 1] if j < height.size - 1 else math.inf, high)
+
+    to_ahead, _ = crossing(ray.cosine, -ray.sine, ahead - ray.x, bend)
+    to_behind, _ = crossing(-ray.cosine, ray.sine, ray.x - behind, bend)
+    to_ceiling, _ = crossing(ray.sine, ray.cosine, ceiling - ray.z, bend)
+    to_floor, _ = crossing(-ray.sine, -ray.cosine, ray.z - floor, bend)
+    to_end, _ = crossing(ray.cosine, -ray.sine, x_end - ray.x, bend)
+    to_cut = reach_cut(plane, piece, ray, bend)
+    tangents = min(min(min(to_ahead, to_behind), min(to_ceiling, to_floor)), min(to_end, to_cut))
+    if tangents == math.inf:
+        return ENDLESS, ray
+    there = follow(ray, gx, piece.up, tangents)
+    # Borders are met exactly, so that the next step finds itself on them.
+    x, z = there.x, there.z
+    if tangents == to_end:
+        x = x_end
+    elif tangents == to_ahead:
+        x = ahead
+    elif tangents == to_behind:
+        x = behind
+    if tangents == to_ceiling:
+        z = ceiling
+    elif tangents == to_floor:
+        z = floor
+    there = Ray(x, z, there.cosine, there.sine, there.speed, there.time, there.p, there.q, there.grazed)
+    if tangents == to_ceiling and ceiling == high:
+        return HIGH, there
+    if tangents == to_floor and floor == low:
+        return LOW, there
+    _, _, beyond = piece_of(height, speed, station, plane, there)
+    there = enter(there, (beyond.along - piece.along) * plane.along, beyond.up - piece.up)
+    return RANGE if tangents == to_end else NODE, there
+
+
+@inlined
+def enter(ray, dgx, dgz):
+    """Let a ray enter a triangle whose gradient differs by ``dgx`` and ``dgz`` from that of the last."""
+    size = math.sqrt(dgx * dgx + dgz * dgz)
+    if size < LEVEL:
+        return ray
+    # The jump stands square on the border: both sines are those of one angle.
+    over = (ray.cosine * dgx + ray.sine * dgz) / size
+    aside = (ray.cosine * dgz - ray.sine * dgx) / size
+    flat = abs(over) < GRAZING
+    over = math.copysign(max(abs(over), GRAZING), over)
+    return bend_tube(ray, -size * aside * aside / over, flat)
+
+
+@inlined
+def piece_of(height, speed, station, plane, ray):
+    """Find the triangle in which a ray goes on: the station and node below it, and the piece."""
+    place, onwards = plane.place + plane.along * ray.x, plane.along * ray.cosine
+    i, j = layer_below(station, place), layer_below(height, ray.z)
+    on_station = i >= 0 and place - station[i] <= SNAP
+    on_node = j >= 0 and ray.z - height[j] <= SNAP
+    if on_station and onwards < 0.0:
+        i -= 1
+    if on_node and ray.sine < 0.0:
+        j -= 1
+    piece = cut_cell(height, speed, station, i, j, place, ray.z, onwards, ray.sine)
+    # A ray along a border belongs to the side it bends to; where it bends to neither it stays on it.
+    if on_station and onwards == 0.0 and piece.along >= 0.0:
+        other = cut_cell(height, speed, station, i - 1, j, place, ray.z, onwards, ray.sine)
+        if other.along > 0.0:
+            i, piece = i - 1, other
+        else:
+            piece = Piece(0.0, piece.up, 0.0, 0.0, math.inf)
+    if on_node and ray.sine == 0.0 and piece.up >= 0.0:
+        other = cut_cell(height, speed, station, i, j - 1, place, ray.z, onwards, ray.sine)
+        if other.up > 0.0:
+            j, piece = j - 1, other
+        else:
+            piece = Piece(piece.along, 0.0, 0.0, 0.0, math.inf)
+    return i, j, piece
+
+
+@inlined
+def cut_cell(height, speed, station, i, j, place, z, onwards, upwards):
+    """Find the piece of cell (i, j) that holds a place, on the diagonal the one that a direction leads into."""
+    last, top = station.size - 1, height.size - 1
+    if i < 0 or i >= last:
+        return Piece(0.0, gradient_above(height, speed[max(i, 0)], j), 0.0, 0.0, math.inf)
+    width = station[i + 1] - station[i]
+    if j < 0 or j >= top:
+        k = max(j, 0)
+        return Piece((speed[i + 1, k] - speed[i, k]) / width, 0.0, 0.0, 0.0, math.inf)
+    rise = height[j + 1] - height[j]
+    c00, c10, c01, c11 = speed[i, j], speed[i + 1, j], speed[i, j + 1], speed[i + 1, j + 1]
+    # The normal of the diagonal, upwards, and how far the place is above it.
+    rising = abs(c11 - c00) <= abs(c10 - c01)
+    length = math.sqrt(width * width + rise * rise)
+    along = -rise / length if rising else rise / length
+    up = width / length
+    above = (place - station[i]) * along + (z - height[j]) * up
+    if not rising:
+        above -= width * along
+    upper = above > 0.0
+    if abs(above) <= SNAP:
+        upper = onwards * along + upwards * up > 0.0
+    g_along = (c11 - c01 if upper else c10 - c00) / width
+    g_up = (c01 - c00 if upper == rising else c11 - c10) / rise
+    if upper:
+        return Piece(g_along, g_up, -along, -up, above)
+    return Piece(g_along, g_up, along, up, -above)
+
+
+@inlined
+def reach_cut(plane, piece, ray, bend):
+    """Tangents of the arc to the diagonal of its cell."""
+    nx, nz = piece.across_axis * plane.along, piece.across_up
+    length = math.sqrt(nx * nx + nz * nz)
+    if length == 0.0:
+        return math.inf
+    nx, nz = nx / length, nz / length
+    along, across = ray.cosine * nx + ray.sine * nz, ray.cosine * nz - ray.sine * nx
+    tangents, _ = crossing(along, across, piece.distance / length, bend)
+    return tangents
+
+
+@inlined
+def station_lines(station, plane, i):
+    """Ranges of the two stations about a ray, the farther one first; infinite where there is none."""
+    if abs(plane.along) < LEVEL:
+        return math.inf, -math.inf
+    before = (station[i] - plane.place) / plane.along if i >= 0 else -math.copysign(math.inf, plane.along)
+    after = math.copysign(math.inf, plane.along)
+    if i < station.size - 1:
+        after = (station[i + 1] - plane.place) / plane.along
+    return max(before, after), min(before, after)
+
+
+@inlined
+def launch_across(height, speed, station, plane, z, cosine, sine):
+    """Start a ray at height z and ground range 0."""
+    c = speed_across(height, speed, station, plane.place, z)
+    return Ray(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
+
+
+@inlined
+def gradient_across(height, speed, station, plane, ray):
+    """dc/dz on the side that a ray comes from, up or down, 1/s."""
+    back = Ray(ray.x, ray.z, -ray.cosine, -ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
+    _, _, piece = piece_of(height, speed, station, plane, back)
+    return piece.up
+
+
+@inlined
+def speed_across(height, speed, station, place, z):
+    """Speed of sound at a place along the stations and a height, m/s."""
+    i, j = layer_below(station, place), layer_below(height, z)
+    piece = cut_cell(height, speed, station, i, j, place, z, 0.0, 0.0)
+    # Every piece has the lower corner before it or the upper one behind it, by which its gradient is told.
+    k, m = max(i, 0), max(j, 0)
+    if piece.across_up < 0.0:
+        k, m = k + 1, m + 1
+    return speed[k, m] + piece.along * (place - station[k]) + piece.up * (z - height[m])

@@ -1,0 +1,180 @@
+"""Random fields over pings and bins that any block of pings sees alike.
+
+White noise is hashed at nodes, one node a ping or, for a field that changes more slowly, every 2, 4, 8 ... pings, and
+smoothed along the track by a triangle: at most eight nodes a ping, however slowly the field changes. The weights'
+squares are made to sum to 1, so that every value keeps its distribution exactly.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.common.hashing import hash_integers, hash_uniform, splitmix64
+from insonify.kernels.common.jit import inlined, kernel
+
+HALF = np.uint64(32)
+LOW_HALF = np.uint64(0xFFFFFFFF)
+SHARE = 2.0**-32
+MOST_NODES = 8
+# Of a float32's bits: the mantissa, that of √2, an exponent's step, and the exponent of 1.
+MANTISSA, ROOT_2, STEP, ONE = np.int32(0x7FFFFF), np.int32(0x3504F3), np.int32(0x800000), np.int32(0x3F800000)
+LN_2, TURN = np.float32(math.log(2.0)), np.float32(2.0 * math.pi)
+
+
+@kernel
+def white_noise(seed, stream, nodes, octave, first, real, imaginary):
+    """Fill (nodes, 2, n) with complex Gaussians of E|c|² = 1; each belongs to its node, octave, side and bin alone.
+
+    Half of a hash makes the modulus, half the phase (Box and Muller), in passes that suit the vector units.
+    """
+    bins = real.shape[2]
+    uniform, turns, modulus = np.empty(bins, np.float32), np.empty(bins, np.float32), np.empty(bins, np.float32)
+    for row in range(nodes.size):
+        for side in range(2):
+            key = hash_integers(seed, stream, nodes[row], side, octave)
+            for k in range(bins):
+                bits = splitmix64(key ^ np.uint64(first + k))
+                uniform[k] = max(np.float32(bits >> HALF), np.float32(0.5))
+                turns[k] = np.float32(np.int64(bits & LOW_HALF)) * np.float32(SHARE) - np.float32(0.5)
+            _moduli(uniform, modulus)
+            for k in range(bins):
+                # |turns| <= ½; quarters of a turn away from where each vanishes.
+                across = np.float32(0.25) - abs(turns[k])
+                along = math.copysign(np.float32(0.25) - abs(across), turns[k])
+                real[row, side, k] = modulus[k] * _sine(across)
+                imaginary[row, side, k] = modulus[k] * _sine(along)
+
+
+@inlined
+def _moduli(uniform, modulus):
+    """Root of −log of uniform numbers, given in units of 2⁻³² and overwritten: log by exponent and mantissa."""
+    words = uniform.view(np.int32)
+    for k in range(words.size):
+        # A mantissa between √½ and √2, and the exponent that goes with it.
+        over = STEP if (words[k] & MANTISSA) > ROOT_2 else np.int32(0)
+        exponent = (words[k] - ONE + over) >> 23
+        modulus[k] = np.float32(32 - exponent) * LN_2
+        words[k] = (words[k] & MANTISSA) + ONE - over
+    for k in range(words.size):
+        modulus[k] = math.sqrt(max(modulus[k] - _log(uniform[k]), np.float32(0.0)))
+
+
+@inlined
+def _log(mantissa):
+    """Natural logarithm of √½ to √2, to float32 (Moshier, Cephes, logf)."""
+    f = np.float32
+    x = mantissa - f(1.0)
+    p = f(7.0376836292e-2) * x - f(1.1514610310e-1)
+    p = p * x + f(1.1676998740e-1)
+    p = p * x - f(1.2420140846e-1)
+    p = p * x + f(1.4249322787e-1)
+    p = p * x - f(1.6668057665e-1)
+    p = p * x + f(2.0000714765e-1)
+    p = p * x - f(2.4999993993e-1)
+    p = p * x + f(3.3333331174e-1)
+    return x + x * x * (x * p - f(0.5))
+
+
+@inlined
+def _sine(turns):
+    """Sine of up to a quarter of a turn either way, to float32: Taylor's series."""
+    f = np.float32
+    x = TURN * turns
+    z = x * x
+    p = f(1.0 / 362880.0) - z * f(1.0 / 39916800.0)
+    p = f(-1.0 / 5040.0) + z * p
+    p = f(1.0 / 120.0) + z * p
+    p = f(-1.0 / 6.0) + z * p
+    return x + x * z * p
+
+
+@kernel
+def weave(pings, spacing, nodes, start, per_bin, first, real, imaginary, out_real, out_imaginary):
+    """Smooth noise at nodes to noise at pings, in bins from ``first`` on that share a spacing of nodes.
+
+    ``start`` is each ping's first row of nodes, ``per_bin`` the triangle's steepness in every bin, 1 / half width.
+    """
+    bins = per_bin.size
+    squares, gentlest = np.empty(bins, np.float32), per_bin.min()
+    for ping in range(pings.size):
+        squares[:] = 0.0
+        for row in range(start[ping], min(start[ping] + MOST_NODES, nodes.size)):
+            distance = np.float32(abs(pings[ping] - nodes[row] * spacing))
+            if distance * gentlest >= 1.0:
+                continue
+            for k in range(bins):
+                weight = max(np.float32(0.0), np.float32(1.0) - distance * per_bin[k])
+                squares[k] += weight * weight
+                for side in range(2):
+                    out_real[ping, side, first + k] += weight * real[row, side, k]
+                    out_imaginary[ping, side, first + k] += weight * imaginary[row, side, k]
+        for side in range(2):
+            for k in range(bins):
+                scale = np.float32(1.0) / math.sqrt(squares[k])
+                out_real[ping, side, first + k] *= scale
+                out_imaginary[ping, side, first + k] *= scale
+
+
+@kernel
+def add_energy(real, imaginary, taps, share, out):
+    """Filter complex noise along range and add its energy times a share to (n, 2, bins).
+
+    The noise begins so many bins before the record as the filter looks back.
+    """
+    pings, sides, bins = out.shape
+    line_re, line_im = np.empty(bins, np.float32), np.empty(bins, np.float32)
+    for ping in range(pings):
+        for side in range(sides):
+            line_re[:], line_im[:] = 0.0, 0.0
+            for tap in range(taps.size):
+                early = taps.size - 1 - tap
+                before_re, before_im = real[ping, side, early:], imaginary[ping, side, early:]
+                for k in range(bins):
+                    line_re[k] += taps[tap] * before_re[k]
+                    line_im[k] += taps[tap] * before_im[k]
+            for k in range(bins):
+                out[ping, side, k] += share * (line_re[k] * line_re[k] + line_im[k] * line_im[k])
+
+
+@kernel
+def transform(field, table, first, per_octave, place):
+    """Give an exponential field another distribution, by a table of log₂ of the new value over log₂ of the old one.
+
+    ``place`` (n, 2, bins) is the row of the table, whole or not. Below the table its first slope goes on.
+    """
+    pings, sides, bins = field.shape
+    columns = table.shape[1]
+    for ping in range(pings):
+        for side in range(sides):
+            for k in range(bins):
+                octave = math.log(max(field[ping, side, k], np.float32(1e-30))) * (np.float32(1.0) / LN_2)
+                column = (octave - np.float32(first)) * np.float32(per_octave)
+                low = min(max(int(column), 0), columns - 2)
+                row = min(int(place[ping, side, k]), table.shape[0] - 2)
+                part, above = column - np.float32(low), place[ping, side, k] - np.float32(row)
+                here = table[row, low] + part * (table[row, low + 1] - table[row, low])
+                there = table[row + 1, low] + part * (table[row + 1, low + 1] - table[row + 1, low])
+                field[ping, side, k] = math.exp(LN_2 * (here + above * (there - here)))
+
+
+@kernel
+def wander(seed, stream, pings, half_width, spacing, out):
+    """Fill (n,) with standard normal numbers that change as slowly as a triangle of that half width, in pings."""
+    for row in range(pings.size):
+        total, squares = 0.0, 0.0
+        first = math.ceil((pings[row] - half_width) / spacing)
+        last = math.floor((pings[row] + half_width) / spacing)
+        for node in range(first, last + 1):
+            weight = 1.0 - abs(pings[row] - node * spacing) / half_width
+            total += weight * _normal(seed, stream, node, spacing)
+            squares += weight * weight
+        out[row] = total / math.sqrt(squares)
+
+
+@inlined
+def _normal(seed, stream, node, spacing):
+    """One standard normal number (Box and Muller)."""
+    modulus = math.sqrt(-2.0 * math.log(hash_uniform(seed, stream, node, spacing, 0)))
+    return modulus * math.cos(2.0 * math.pi * hash_uniform(seed, stream, node, spacing, 1))

@@ -1,0 +1,362 @@
+"""Echoes of single scatterers, added up as waves: speckle by what makes it.
+
+Scatterers lie on the bed and on bodies at hashed places, as many in each lot as a Poisson number says, and scatter with
+circular Gaussian amplitudes. Each in sight of the sonar adds its wave, of the energy that its share of the area sends
+back on average, to a line of slant range that is finer than the pulse. What a pulse hears of the line at once is one
+sample; its energy is the record. The mean over all scatterers that might have been is the sweep's own record.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.beam.pattern import heard
+from insonify.kernels.common.hashing import hash_integers, splitmix64
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.scattering import backscatter
+from insonify.kernels.common.types import SONAR
+from insonify.kernels.geometry.solids import meet_solid
+from insonify.kernels.geometry.triangles import meet_mesh
+from insonify.kernels.rays.cell_walk import Ray, load_cell, meet_bed, normal_at
+from insonify.kernels.rays.launch import gather, inside_body, make_beam, touches
+from insonify.kernels.speckle.surface_patches import FACE, Skin, load_patch, place_on
+from insonify.kernels.sweep.visible_stretches import in_sight, look
+
+BED_STREAM, SKIN_STREAM = 5000, 6000
+LOT = 4.0  # scatterers that a lot has on average, at most
+STEEPEST = 0.999  # sine from athwart beyond which a beam is taken to hear all ahead
+GRAZED = 1e-6  # share of its distance by which a scatterer on a body's skin may lie below it
+EMPTY = 1e300
+HALF, LOW_HALF, UNIT = np.uint64(32), np.uint64(0xFFFFFFFF), 2.0**-32
+
+
+class Scatterers(NamedTuple):
+    """How scatterers are strewn, and how waves tell them apart."""
+
+    seed: int
+    density: float  # per m², on average
+    per_wave: float  # turns of the phase per metre of slant range, there and back
+    skin: Skin
+
+
+class Pulse(NamedTuple):
+    """What a sample hears of the line."""
+
+    samples: int  # per bin, the mean of whose energies the bin holds
+    cells: int  # of the line, per sample
+    taps: NDArray[np.float64]  # amplitudes, from the nearest cell to the farthest
+    before: int  # how many of them lie nearer than the middle of the sample
+
+
+class Line(NamedTuple):
+    """Waves by slant range."""
+
+    real: NDArray[np.float64]
+    imaginary: NDArray[np.float64]
+
+
+class Grid(NamedTuple):
+    """Where the nodes of the bed lie."""
+
+    x0: float
+    y0: float
+    spacing: float
+    periodic: bool
+
+
+class Waves(NamedTuple):
+    """How a scatterer's place becomes a wave's."""
+
+    share: float  # area of one scatterer, m²
+    per_wave: float  # turns per metre
+    bin_length: float  # m
+    cells: int  # of the line, per bin
+    before: int  # cells of the line before slant range 0
+
+
+class Echo(NamedTuple):
+    """A scatterer as the sonar meets it."""
+
+    loudness: float  # what the beam leaves of its energy; 0 if it is not heard at all
+    cosine: float  # of the incidence
+    r: float  # slant range, m
+    dx: float  # direction to it
+    dy: float
+    dz: float
+    level: float  # ground range, m
+    sine: float  # of its azimuth, towards the bow
+
+
+def empty_line(bins: int, pulse: Pulse) -> Line:
+    """Make room for so many bins and what a pulse hears before and after them."""
+    size = bins * pulse.samples * pulse.cells + pulse.taps.size
+    return Line(*np.zeros((2, size)))
+
+
+@kernel
+def interfere_pings(arrays, poses, planes, scatterers, pulse, profile, sight, line, out):
+    """Trace all pings into ``out`` (pings, 2, bins); return -1 - k if the sonar is inside body k, else 0.
+
+    The problem may have more bins than the record: what a pulse hears beyond its end.
+    """
+    near = np.empty(arrays.solids.shape.size, np.int64)
+    for ping in range(poses.x.size):
+        body = inside_body(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
+        if body >= 0:
+            return -1 - body
+        for side in range(2):
+            beam = make_beam(arrays, poses, ping, side)
+            look(arrays, poses, ping, side, planes, profile, sight)
+            count, _ = gather(arrays.solids, arrays.mesh, beam, near)
+            line.real[:], line.imaginary[:] = 0.0, 0.0
+            _hear_bed(arrays, beam, scatterers, sight, near[:count], pulse, line)
+            _hear_bodies(arrays, beam, scatterers, near[:count], pulse, line)
+            _sample(line.real, line.imaginary, pulse, out[ping, side])
+    return 0
+
+
+@kernel
+def _sample(real, imaginary, pulse, out):
+    """Let every bin hold the mean energy of its samples."""
+    taps, middle, sample = pulse.taps, pulse.cells // 2, 0
+    for k in range(out.size):
+        total = 0.0
+        for _ in range(pulse.samples):
+            start = sample * pulse.cells + middle
+            re, im = 0.0, 0.0
+            for tap in range(taps.size):
+                re += taps[tap] * real[start + tap]
+                im += taps[tap] * imaginary[start + tap]
+            total += re * re + im * im
+            sample += 1
+        out[k] = total / pulse.samples
+
+
+@kernel
+def _hear_bed(arrays, beam, scatterers, sight, near, pulse, line):
+    """Add what the bed's scatterers send back: lots are the squares of a lattice fixed to the world."""
+    # Taking an array out of the problem costs more than a scatterer: out of the loop with them.
+    bed, table, factor, pattern = arrays.bed, arrays.reflectivity, arrays.range_factor, arrays.pattern
+    heights, materials, real, imaginary = bed.heights, bed.materials, line.real, line.imaginary
+    borders, reach, edges, marked = sight.borders, sight.reach, sight.edges, sight.marked
+    grid, waves = Grid(bed.x0, bed.y0, bed.spacing, bed.periodic), _waves(arrays, scatterers, pulse)
+    bodies = near.size > 0 or arrays.mesh.skip.size > 0
+    pitch = math.sqrt(LOT / scatterers.density)
+    none, corners = math.exp(-LOT), _footprint(beam, bed.low, bed.high)
+    first, last = _rows(beam, corners, pitch)
+    for row in range(first, last):
+        begin, end = _columns(beam, corners, pitch, row)
+        for column in range(begin, end):
+            key = hash_integers(scatterers.seed, BED_STREAM, column, row, 0)
+            for member in range(_poisson(key, LOT, none)):
+                bits, more = _numbers(key, member)
+                x, y = (column + _upper(bits)) * pitch, (row + _lower(bits)) * pitch
+                height, nx, ny, nz, material = _bed_at(heights, materials, grid, x, y)
+                echo = _meet(beam, pattern, x, y, height, nx, ny, nz)
+                if echo.loudness > 0.0 and in_sight(borders, reach, edges, marked, echo.sine, echo.level):
+                    if bodies and _behind_bodies(arrays.solids, arrays.mesh, near, beam, echo):
+                        continue
+                    # The lattice is level: on a slope a square of it carries more bed.
+                    energy = _energy(table, material, echo) / nz
+                    _add(energy, echo.r, more, waves, factor, real, imaginary)
+
+
+@inlined
+def _waves(arrays, scatterers, pulse):
+    cells = pulse.samples * pulse.cells
+    return Waves(1.0 / scatterers.density, scatterers.per_wave, arrays.bin_length, cells, pulse.before)
+
+
+@kernel
+def _hear_bodies(arrays, beam, scatterers, near, pulse, line):
+    """Add what the scatterers on bodies send back: every patch of skin has lots of its own."""
+    skin, waves = scatterers.skin, _waves(arrays, scatterers, pulse)
+    for row in range(skin.kind.size):
+        cx, cy, cz = skin.centre[row, 0] - beam.x, skin.centre[row, 1] - beam.y, skin.centre[row, 2] - beam.z
+        if touches(beam, cx, cy, cz, math.sqrt(cx * cx + cy * cy + cz * cz), skin.bound[row]):
+            patch, material = load_patch(skin, row, arrays.solids, arrays.mesh)
+            mean, lots = skin.area[row] * scatterers.density, math.ceil(skin.area[row] * scatterers.density / LOT)
+            for lot in range(lots):
+                key = hash_integers(scatterers.seed, SKIN_STREAM, skin.target[row], skin.number[row], lot)
+                _hear_lot(patch, material, key, mean / lots, arrays, beam, near, waves, line)
+
+
+@kernel
+def _hear_lot(patch, material, key, mean, arrays, beam, near, waves, line):
+    """Add what one lot of a patch sends back."""
+    for member in range(_poisson(key, mean, math.exp(-mean))):
+        bits, more = _numbers(key, member)
+        place = place_on(patch, _upper(bits), _lower(bits))
+        echo = _meet(beam, arrays.pattern, place.x, place.y, place.z, place.nx, place.ny, place.nz)
+        if patch.kind == FACE and echo.cosine < 0.0:
+            # Sheets are heard from both sides.
+            echo = _meet(beam, arrays.pattern, place.x, place.y, place.z, -place.nx, -place.ny, -place.nz)
+        if echo.loudness > 0.0 and not _behind_bodies(arrays.solids, arrays.mesh, near, beam, echo):
+            bed, _, _, _, _ = meet_bed(arrays.bed, Ray(beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz), echo.r)
+            if not bed < echo.r:
+                energy = _energy(arrays.reflectivity, material, echo)
+                _add(energy, echo.r, more, waves, arrays.range_factor, line.real, line.imaginary)
+
+
+@inlined
+def _meet(beam, pattern, x, y, z, nx, ny, nz):
+    """Meet a place of the world with its outward normal; NaN, where there is no bed, is not heard."""
+    x, y, z = x - beam.x, y - beam.y, z - beam.z
+    r = math.sqrt(x * x + y * y + z * z)
+    dx, dy, dz = x / r, y / r, z / r
+    cosine = -(nx * dx + ny * dy + nz * dz)
+    level = math.sqrt(x * x + y * y)
+    loudness = 0.0
+    sine = dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z
+    ahead = dx * beam.side_x + dy * beam.side_y >= 0.0
+    if ahead and r < beam.reach and cosine > 0.0 and beam.s_low <= sine <= beam.s_high:
+        loudness = heard(pattern, beam, True, SONAR, dx, dy, dz, r) if pattern.tabled else 1.0
+    return Echo(loudness, cosine, r, dx, dy, dz, level, (x * beam.ahead_x + y * beam.ahead_y) / level)
+
+
+@inlined
+def _energy(table, material, echo):
+    """Mean energy of the echo per m² of its surface."""
+    diffuse, specular, shininess = table[material, 0], table[material, 1], table[material, 2]
+    return echo.loudness * backscatter(echo.cosine, diffuse, specular, shininess)
+
+
+@inlined
+def _add(energy, r, bits, waves, factor, real, imaginary):
+    """Add the wave of one scatterer whose share of the area sends back that energy per m² on average."""
+    place = r / waves.bin_length
+    energy *= waves.share * factor[min(int(place), factor.size - 1)]
+    # Circular Gaussian: the energy is exponential, the phase anything (Box and Muller).
+    modulus = math.sqrt(-energy * math.log(_upper(bits) + 0.5 * UNIT))
+    turns = r * waves.per_wave + _lower(bits)
+    phase = 2.0 * math.pi * (turns - math.floor(turns))
+    cell = waves.before + int(place * waves.cells)
+    real[cell] += modulus * math.cos(phase)
+    imaginary[cell] += modulus * math.sin(phase)
+
+
+@kernel
+def _behind_bodies(solids, mesh, near, beam, echo):
+    """Whether any body lies nearer than a scatterer in its direction."""
+    r = echo.r * (1.0 - GRAZED)
+    for m in range(near.size):
+        distance, _, _, _ = meet_solid(solids, near[m], beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz)
+        if distance < r:
+            return True
+    if mesh.skip.size == 0:
+        return False
+    _, triangle = meet_mesh(mesh, beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz, r)
+    return triangle >= 0
+
+
+@inlined
+def _bed_at(heights, materials, grid, x, y):
+    """Height of the bed, its upward normal and its material; NaN where there is none."""
+    u, v = (x - grid.x0) / grid.spacing, (y - grid.y0) / grid.spacing
+    i, j = math.floor(u), math.floor(v)
+    rows, columns = heights.shape
+    inside = 0 <= i < columns - 1 and 0 <= j < rows - 1
+    row, column = (j, i) if inside else (j % rows, i % columns)
+    cell = load_cell(heights, row, column)
+    u, v = u - i, v - j
+    nx, ny, nz = normal_at(cell, u, v, grid.spacing)
+    height = cell.a + cell.b * u + (cell.c + cell.d * u) * v
+    return (height if inside or grid.periodic else math.nan), nx, ny, nz, materials[row, column]
+
+
+@inlined
+def _rows(beam, corners, pitch):
+    """First row of the lattice that a trapezoid meets within reach, and the one after its last."""
+    low, high = max(corners[:, 1].min(), beam.y - beam.reach), min(corners[:, 1].max(), beam.y + beam.reach)
+    return math.floor(low / pitch), math.floor(high / pitch) + 1
+
+
+@inlined
+def _columns(beam, corners, pitch, row):
+    """Likewise the columns, in one row."""
+    low, high = _span(corners, row * pitch, (row + 1) * pitch)
+    low, high = max(low, beam.x - beam.reach), min(high, beam.x + beam.reach)
+    return math.floor(low / pitch), math.floor(high / pitch) + 1
+
+
+@inlined
+def _footprint(beam, lowest, highest):
+    """Corners (4, 2) of a trapezoid that holds all the bed one side can hear, in turn."""
+    depth = max(abs(lowest - beam.z), abs(highest - beam.z))
+    corners = np.empty((4, 2))
+    for k in range(4):
+        across = 0.0 if k == 0 or k == 3 else beam.reach
+        if k < 2:
+            along = -_foremost(beam, -beam.s_low, depth, across)
+        else:
+            along = _foremost(beam, beam.s_high, depth, across)
+        corners[k, 0] = beam.x + across * beam.side_x + along * beam.ahead_x
+        corners[k, 1] = beam.y + across * beam.side_y + along * beam.ahead_y
+    return corners
+
+
+@inlined
+def _foremost(beam, sine, depth, across):
+    """How far ahead, at most, the bed so far across can be heard: a·cos p + z·sin p = s·√(x² + a² + z²).
+
+    The way grows ever faster with the range, so that a straight line over its ends holds all between.
+    """
+    cos_pitch = math.sqrt(1.0 - beam.axis_z * beam.axis_z)
+    s, tip = min(sine / cos_pitch, STEEPEST), abs(beam.axis_z) * depth / cos_pitch
+    if s <= 0.0:
+        return s * across + tip
+    open_to = 1.0 - s * s
+    return (tip + s * math.sqrt(tip * tip + open_to * (across * across + depth * depth))) / open_to
+
+
+@inlined
+def _span(corners, low, high):
+    """Least and greatest x of a convex figure between two values of y."""
+    least, greatest = EMPTY, -EMPTY
+    for k in range(4):
+        x, y = corners[k, 0], corners[k, 1]
+        dx, dy = corners[(k + 1) % 4, 0] - x, corners[(k + 1) % 4, 1] - y
+        start, stop = 0.0, 1.0
+        if dy != 0.0:
+            one, other = (low - y) / dy, (high - y) / dy
+            start, stop = max(start, min(one, other)), min(stop, max(one, other))
+        elif not low <= y <= high:
+            continue
+        if start <= stop:
+            least = min(least, x + start * dx, x + stop * dx)
+            greatest = max(greatest, x + start * dx, x + stop * dx)
+    return least, greatest
+
+
+@inlined
+def _poisson(key, mean, none):
+    """Draw the number of scatterers in a lot, by inversion; ``none`` is exp(-mean)."""
+    uniform, count, chance = _upper(key), 0, none
+    while uniform > chance and none > 0.0:
+        count += 1
+        none *= mean / count
+        chance += none
+    return count
+
+
+@inlined
+def _numbers(key, member):
+    """Random bits of one scatterer: for its place, and for its wave."""
+    bits = splitmix64(key ^ np.uint64(member + 1))
+    return bits, splitmix64(bits)
+
+
+@inlined
+def _upper(bits):
+    """Uniform number in [0, 1) from one half of 64 bits."""
+    return np.float64(bits >> HALF) * UNIT
+
+
+@inlined
+def _lower(bits):
+    """And from the other."""
+    return np.float64(bits & LOW_HALF) * UNIT

@@ -1,0 +1,240 @@
+"""Walk a profile outward from nadir with one running horizon; put what is heard into the bins it spans.
+
+Each heard piece of a segment spreads its energy evenly over the slant range it covers: a density that steps up where
+the piece begins and down where it ends. The steps go into a difference array of integers, one event per knot, and a
+prefix sum turns them into bins. Integers cancel exactly, so what no piece touches is exactly zero and the sum is
+the same in any order. Spreading and absorption depend on range alone and multiply afterwards.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.beam.azimuth_sector import Wedge
+from insonify.kernels.bed.slice import ask_for_strip, in_full, on_grid, slice_bed
+from insonify.kernels.common.jit import inlined_uncounted, kernel
+from insonify.kernels.common.prefetch import ask_for_row
+from insonify.kernels.common.range_bins import accumulate
+from insonify.kernels.common.types import PORT, STARBOARD
+from insonify.kernels.geometry.cross_sections import View
+from insonify.kernels.refraction.apparent_positions import bend_profile, turn_to
+from insonify.kernels.sweep.partial_segments import Surface, deposit_piece
+from insonify.kernels.sweep.target_echoes import deposit_bodies, deposit_open
+from insonify.kernels.sweep.visibility import WORD, hear
+from insonify.kernels.targets.angular_zbuffer import fill_screen
+from insonify.kernels.targets.occlusion import cover_of, hidden_slopes
+
+LOWEST = 1e-3  # m, for a height of a sonar that is below all of the bed
+
+
+class Planes(NamedTuple):
+    """The planes of a beam, one entry each, mirrored to both sides."""
+
+    azimuth: NDArray[np.float64]  # from athwart towards the bow, rad
+    s_low: NDArray[np.float64]
+    s_high: NDArray[np.float64]
+    angle: NDArray[np.float64]
+    far_angle: NDArray[np.float64]
+    near_field: NDArray[np.float64]  # per metre of the sonar's height above the lowest bed
+    reach: NDArray[np.float64]  # ground range to which the beam hears anything of the plane, likewise
+
+
+@inlined_uncounted
+def deposit(profile, count, arrays, wedge, screen, cells, heard, bins):
+    """Put the energy of all heard pieces of a profile into the difference array ``bins``.
+
+    Neighbours heard whole share one event at their common knot.
+    """
+    last, per_bin = bins.size - 2.0, 1.0 / arrays.bin_length
+    # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
+    knots = in_full(count)
+    _steps(knots, heard.energy, heard.early)
+    _split(knots, heard.r, per_bin, last, heard.early, heard.late, heard.place)
+    _scatter(count, heard.place, heard.early, heard.late, bins)
+    # Taking an array out of a tuple of them costs as much as a piece: out of the loops with them.
+    x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
+    weights, launch, horizon, cut = heard.weight, heard.launch, heard.horizon, heard.cut
+    table, law, bin_length = arrays.reflectivity, arrays.law, arrays.bin_length
+    if cells == 0:
+        # Few are marked: look at whole words of marks.
+        words = cut[: (count - 1 + WORD - 1) // WORD * WORD].view(np.int64)
+        for word in range(words.size):
+            if words[word] != 0:
+                for i in range(WORD * word, WORD * word + WORD):
+                    if cut[i]:
+                        surface = surface_of(i, x, z, slope, area, material, weights, table, wedge)
+                        start = in_sight_from(surface, x[i], x[i + 1], launch[i], horizon[i])
+                        deposit_piece(surface, start, x[i + 1], law, bin_length, bins)
+        return
+    _deposit_covered(profile, count, arrays, wedge, screen, cells, heard, bins)
+
+
+@kernel
+def _deposit_covered(profile, count, arrays, wedge, screen, cells, heard, bins):
+    """Deposit what bodies leave open of the segments that must be cut."""
+    cover = cover_of(screen, cells)
+    x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
+    weights, launch, horizon, cut = heard.weight, heard.launch, heard.horizon, heard.cut
+    table, law, bin_length = arrays.reflectivity, arrays.law, arrays.bin_length
+    for i in range(count - 1):
+        if cut[i]:
+            surface = surface_of(i, x, z, slope, area, material, weights, table, wedge)
+            start = in_sight_from(surface, x[i], x[i + 1], launch[i], horizon[i])
+            deposit_open(surface, start, x[i + 1], cover, law, bin_length, bins)
+
+
+@inlined_uncounted
+def surface_of(i, x, z, slope, area, material, weights, table, wedge):
+    """Segment i of a profile by itself."""
+    row, rise = material[i], slope[i]
+    at_nadir, rate = 1.0, 0.0
+    if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
+        rate = (np.float64(weights[i + 1]) - weights[i]) / (x[i + 1] - x[i])
+        at_nadir = weights[i] - rate * x[i]
+    return Surface(z[i] - rise * x[i], rise, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
+
+
+@inlined_uncounted
+def in_sight_from(surface, x_from, x_to, launch, horizon):
+    """Ground range from which a segment rises above the horizon: offset / x + slope = horizon."""
+    if horizon > launch:
+        return min(max(surface.offset / (horizon - surface.slope), x_from), x_to)
+    return x_from
+
+
+@inlined_uncounted
+def _steps(count, energy, change):
+    """By how much the density changes at each knot; beyond the last one there is no energy."""
+    change[0] = np.int64(energy[0])
+    for i in range(1, count):
+        change[i] = np.int64(energy[i]) - np.int64(energy[i - 1])
+
+
+@inlined_uncounted
+def _split(count, r, per_bin, last, early, late, place):
+    """Share each step between the bin it falls in and the next.
+
+    Where there is a hole in the bed position is NaN, which compares false, and there is nothing to share.
+    """
+    for i in range(count):
+        position = r[i] * per_bin
+        whole = math.floor(position)
+        share = np.int64(math.floor((position - whole) * early[i]))
+        share = share if early[i] != 0 else np.int64(0)
+        late[i] = share
+        early[i] -= share
+        whole = whole if whole > 0.0 else 0.0
+        place[i] = np.int32(whole if whole < last else last)
+
+
+@inlined_uncounted
+def _scatter(count, place, early, late, bins):
+    """Add each step to its bins, the places of which are whole numbers from 0."""
+    for i in range(count):
+        k = np.uint32(place[i])
+        bins[k] += early[i]
+        bins[k + np.uint32(1)] += late[i]
+
+
+@inlined_uncounted
+def sweep_plane(arrays, view, wedge, reach, sheet, table, profile, screen, heard, bins):
+    """Slice one plane, hear it, deposit it; return the cells of its screen and its knots.
+
+    The profile is left as it seems through the water.
+
+    In place of the number of cells comes -1 - k if the sonar is inside body k.
+    """
+    # A scene without bodies does not even ask: that alone costs some 0.3 µs a plane.
+    cells = fill_screen(arrays, view, wedge, reach, sheet, table, screen) if screen.body.size > 0 else 0
+    if cells < 0:
+        return cells, 0
+    hidden_from, hidden_to = hidden_slopes(screen, cells)
+    count = slice_bed(arrays.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
+    if count > 1:
+        if wedge.bent:
+            x, z, slope, area, level, gain = (
+                profile.x,
+                profile.z,
+                profile.slope,
+                profile.area,
+                profile.level,
+                profile.gain,
+            )
+            bend_profile(table, sheet, wedge.angle == 0.0, x, z, slope, area, level, gain, count)
+        hear(profile, count, arrays, wedge, hidden_from, hidden_to, heard)
+        deposit(profile, count, arrays, wedge, screen, cells, heard, bins)
+    if cells > 0:
+        deposit_bodies(profile, count, heard.horizon, arrays, wedge, view, screen, cells, bins)
+    return cells, count
+
+
+@kernel
+def sweep_pings(arrays, poses, planes, bending, table, profile, heard, screen, out):
+    """Sweep every plane of every ping into ``out`` (pings, 2, bins); return 0, or -1 - k if the sonar meets body k."""
+    bins = np.zeros(arrays.bins + 2, np.int64)
+    return _sweep_all(arrays, poses, planes, bending, table, profile, heard, screen, bins, out)
+
+
+@inlined_uncounted
+def _sweep_all(arrays, poses, planes, bending, table, profile, heard, screen, bins, out):
+    for ping in range(poses.x.size):
+        sheet = turn_to(bending, poses.z[ping], table)
+        for side in range(2):
+            ask_for_row(out[ping, side])
+            if planes.azimuth.size == 1:
+                _ask_for_next(arrays, poses, ping, side)
+            for plane in range(planes.azimuth.size):
+                view, wedge, reach = aim_plane(arrays, poses, ping, side, planes, plane, sheet)
+                status, _ = sweep_plane(arrays, view, wedge, reach, sheet, table, profile, screen, heard, bins)
+                if status < 0:
+                    return status
+            accumulate(bins, arrays.range_factor, out[ping, side])
+    return 0
+
+
+@inlined_uncounted
+def _ask_for_next(arrays, poses, ping, side):
+    """Ask for the bed athwart on the side that comes next: the other one, or the first of the next ping."""
+    if side == STARBOARD:
+        ping += 1
+    if ping < poses.x.size:
+        abeam = -1.0 if side == PORT else 1.0
+        ex, ey = -abeam * math.sin(poses.heading[ping]), abeam * math.cos(poses.heading[ping])
+        ask_for_strip(arrays.bed, poses.x[ping], poses.y[ping], ex, ey, arrays.bins * arrays.bin_length)
+
+
+@inlined_uncounted
+def aim_plane(arrays, poses, ping, side, planes, plane, sheet):
+    """Where one plane of a ping's beam lies, what it stands for, and how far the ping hears anything of it."""
+    height = max(poses.z[ping] - arrays.bed.low, LOWEST)
+    ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
+    abeam = 1.0 if side == PORT else -1.0
+    # Abeam, turned towards the bow by the plane's azimuth.
+    c, s = math.cos(planes.azimuth[plane]), math.sin(planes.azimuth[plane])
+    ex, ey = ahead_x * s - abeam * ahead_y * c, ahead_y * s + abeam * ahead_x * c
+    # The fish's axis, and its own side and up, from heading, pitch (bow up) and roll (port up).
+    cos_pitch, sin_pitch = math.cos(poses.pitch[ping]), math.sin(poses.pitch[ping])
+    cos_roll, sin_roll = math.cos(poses.roll[ping]), abeam * math.sin(poses.roll[ping])
+    wedge = Wedge(
+        planes.s_low[plane],
+        planes.s_high[plane],
+        planes.angle[plane],
+        planes.far_angle[plane],
+        planes.near_field[plane] * height,
+        math.sin(arrays.half_width),
+        2.0 * arrays.half_width,
+        arrays.pattern.tabled,
+        sheet.bent,
+        cos_pitch,
+        sin_pitch,
+        cos_roll * c - sin_roll * sin_pitch * s,
+        sin_roll * cos_pitch,
+        -cos_roll * sin_pitch * s - sin_roll * c,
+        cos_roll * cos_pitch,
+    )
+    view = View(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
+    return view, wedge, sheet.stretch * min(planes.reach[plane] * height, arrays.bins * arrays.bin_length)

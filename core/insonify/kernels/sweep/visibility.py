@@ -1,0 +1,272 @@
+"""Tell, along a profile walked outward from nadir with one running horizon, what is heard and how loud.
+
+Every pass touches few arrays, so that the compiler can use its vector units.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from insonify.kernels.beam.azimuth_sector import beam_share, pattern_width, strip_width, vertical_weight, weight
+from insonify.kernels.bed.slice import in_full
+from insonify.kernels.common.jit import inlined_uncounted
+from insonify.kernels.common.range_bins import FIXED_POINT
+from insonify.kernels.common.scattering import INVERSE_PI, gloss
+from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
+from insonify.kernels.sweep.partial_segments import FINE
+
+NADIR = -1e30  # slope of a ray straight down
+WORD = 8  # marks in an int64
+HIGHEST_POWER = 128  # from which a lobe's whole power is taken segment by segment
+
+
+class Heard(NamedTuple):
+    """Work space of one profile; one entry a knot, or a segment."""
+
+    r: NDArray[np.float64]  # slant range of the knots, m
+    launch: NDArray[np.float32]  # tan of the launch angle above the horizontal, knots
+    horizon: NDArray[np.float32]  # greatest launch slope so far, knots
+    weight: NDArray[np.float32]  # what the plane stands for there, knots
+    cos_squared: NDArray[np.float32]  # of the incidence, segments
+    scale: NDArray[np.float32]  # what turns a scattering strength into energy per bin, segments
+    energy: NDArray[np.float32]  # per bin in fixed-point units, of segments heard whole
+    cut: NDArray[np.bool_]  # segments heard in part, or too long for one density; a word beyond them is unmarked
+    early: NDArray[np.int64]  # step of the density at a knot: what its own bin takes
+    late: NDArray[np.int64]  # and what the next bin takes
+    place: NDArray[np.int32]  # that bin
+
+
+def empty_heard(capacity: int, dtype: DTypeLike = np.float32) -> Heard:
+    """Make room for profiles of up to ``capacity`` knots, in single precision or, to tell what it costs, in double."""
+    launch, horizon, weight, cos_squared, scale, energy = np.zeros((6, capacity), dtype)
+    r, cut = np.zeros(capacity), np.zeros(capacity + WORD, np.bool_)
+    early, late = np.zeros((2, capacity), np.int64)
+    place = np.zeros(capacity, np.int32)
+    return Heard(r, launch, horizon, weight, cos_squared, scale, energy, cut, early, late, place)
+
+
+@inlined_uncounted
+def hear(profile, count, arrays, wedge, hidden_from, hidden_to, heard):
+    """Tell which segments of a profile are heard whole, and how loud, and which must be cut first.
+
+    Targets may hide the bed between the launch slopes ``hidden_from`` and ``hidden_to``; segments that meet them are
+    cut.
+    """
+    x, z, slope, area, knots = profile.x, profile.z, profile.slope, profile.area, in_full(count)
+    _slant_ranges(knots, x, z, heard.r)
+    _launch_slopes(knots, x, z, heard.launch)
+    _horizons(count, heard.launch, heard.horizon)
+    _measure(
+        knots, x, z, heard.r, slope, area, arrays.law, arrays.bin_length, heard.cos_squared, heard.scale, heard.cut
+    )
+    if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
+        # A place in a pattern's table is not to be looked up by rubbish.
+        weigh(x[: count if wedge.tabled else knots], z, heard.r, wedge, arrays.pattern, arrays.law, heard.weight)
+        if wedge.bent and arrays.law != LIGHT:
+            _amplify(knots, profile.gain, heard.weight)
+        _multiply(knots, heard.weight, heard.scale)
+    _echo(knots, profile.material, arrays.reflectivity, arrays.bed.mapped, arrays.law, heard)
+    _mark_cut(knots, heard.launch, heard.horizon, area, hidden_from, hidden_to, heard.cut, heard.energy)
+    heard.energy[count - 1] = 0.0
+    heard.cut[count - 1 : count - 1 + WORD] = False
+
+
+@inlined_uncounted
+def _slant_ranges(count, x, z, r):
+    for i in range(count):
+        r[i] = math.sqrt(x[i] * x[i] + z[i] * z[i])
+
+
+@inlined_uncounted
+def _launch_slopes(count, x, z, launch):
+    real = launch.dtype.type
+    for i in range(count):
+        launch[i] = real(z[i]) / real(x[i])
+    if x[0] <= 0.0 and z[0] == z[0]:
+        launch[0] = NADIR  # straight down, whatever the knot's height
+
+
+@inlined_uncounted
+def _horizons(count, launch, horizon):
+    """Greatest launch slope so far: along four stretches side by side, each then lifted to the end of those before it.
+
+    NaN, a hole in the bed, compares false and hides nothing.
+    """
+    quarter = count // 4
+    two, three, four = 2 * quarter, 3 * quarter, 4 * quarter
+    a = b = c = d = launch.dtype.type(NADIR)
+    for i in range(quarter):
+        a = launch[i] if launch[i] > a else a
+        b = launch[quarter + i] if launch[quarter + i] > b else b
+        c = launch[two + i] if launch[two + i] > c else c
+        d = launch[three + i] if launch[three + i] > d else d
+        horizon[i], horizon[quarter + i], horizon[two + i], horizon[three + i] = a, b, c, d
+    for i in range(four, count):
+        d = launch[i] if launch[i] > d else d
+        horizon[i] = d
+    _lift(horizon[quarter:two], a)
+    _lift(horizon[two:three], max(a, b))
+    _lift(horizon[three:count], max(a, b, c))
+
+
+@inlined_uncounted
+def _lift(horizon, least):
+    for i in range(horizon.size):
+        horizon[i] = horizon[i] if horizon[i] > least else least
+
+
+@inlined_uncounted
+def _measure(segments, x, z, r, slope, area, law, bin_length, cos_squared, scale, uneven):
+    """Tell the incidence of segments and how energetic they are, and which are too long to be of one density.
+
+    The incidence, its cosine squared, is that at the middle, from the height of the segment's line over nadir. Law
+    `light`: a bin takes the radiance itself. Law `sonar`: area over slant range, of a strip 1 m wide. Both are negative
+    where a segment comes nearer outwards. Too long is what is so against its range, or near the foot of its
+    perpendicular.
+    """
+    real = scale.dtype.type
+    one, fine, unit = real(1.0), real(FINE * FINE), real(FIXED_POINT if law == LIGHT else FIXED_POINT * bin_length)
+    for i in range(segments):
+        run, rise, middle = real(x[i + 1] - x[i]), real(r[i + 1] - r[i]), real(0.5 * (r[i] + r[i + 1]))
+        offset, middle_squared = real(z[i] - slope[i] * x[i]), middle * middle
+        cos_squared[i] = offset * offset / (middle_squared * area[i])
+        if law == LIGHT:
+            scale[i] = unit if rise >= 0 else -unit
+        else:
+            scale[i] = unit * math.sqrt(area[i]) * run / rise
+        length_squared = run * run * (one + slope[i] * slope[i])
+        uneven[i] = (length_squared > abs(rise) * middle) | (length_squared > fine * middle_squared)
+
+
+@inlined_uncounted
+def weigh(x, z, r, wedge, pattern, law, out):
+    """Tell what the plane stands for at each knot."""
+    if wedge.angle == 0.0 and not wedge.tabled:
+        for i in range(x.size):
+            out[i] = 1.0  # a knife
+        return
+    if not wedge.tabled and law == LIGHT:
+        for i in range(x.size):
+            out[i] = beam_share(x[i], r[i], wedge)
+        return
+    if not wedge.tabled:
+        for i in range(x.size):
+            out[i] = strip_width(x[i], r[i], wedge)
+        return
+    if law == LIGHT or wedge.angle == 0.0:
+        for i in range(x.size):
+            out[i] = weight(x[i], z[i], r[i], wedge, pattern, law)
+        return
+    parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
+    _weigh_pattern(x, z, r, wedge, *parts, out)
+    if pattern.vertical != EVERY_GRAZING:
+        for i in range(x.size):
+            out[i] *= vertical_weight(x[i] / r[i], z[i] / r[i], wedge, pattern)
+
+
+@inlined_uncounted
+def _weigh_pattern(x, z, r, wedge, centre, extent, integral, first_range, per_octave, out):
+    for i in range(x.size):
+        out[i] = pattern_width(x[i], z[i], r[i], wedge, centre, extent, integral, first_range, per_octave)
+
+
+@inlined_uncounted
+def _amplify(count, gain, weights):
+    for i in range(count):
+        weights[i] *= gain[i]
+
+
+@inlined_uncounted
+def _multiply(segments, weights, scale):
+    """Apply the mean weight of each segment's two knots."""
+    half = scale.dtype.type(0.5)
+    for i in range(segments):
+        scale[i] *= half * (weights[i] + weights[i + 1])
+
+
+@inlined_uncounted
+def _echo(segments, material, reflectivity, mapped, law, heard):
+    """Energy per bin of each segment, as its material scatters."""
+    specular, shininess = reflectivity[material[0], 1], reflectivity[material[0], 2]
+    if mapped or (specular > 0.0 and (shininess != math.floor(shininess) or shininess >= HIGHEST_POWER)):
+        _scatter(segments, material, reflectivity, heard.cos_squared, heard.scale, law, heard.energy)
+        return
+    diffuse = reflectivity[material[0], 0]
+    if law != LIGHT:
+        diffuse *= INVERSE_PI
+        specular *= (shininess + 2.0) * (0.5 * INVERSE_PI)
+    if specular > 0.0:
+        _scatter_evenly(segments, diffuse, specular, int(shininess), heard.cos_squared, heard.scale, law, heard.energy)
+    else:
+        _scatter_dully(segments, diffuse, heard.cos_squared, heard.scale, law, heard.energy)
+
+
+@inlined_uncounted
+def _scatter(segments, material, reflectivity, cos_squared, scale, law, energy):
+    """Of materials that differ, or a lobe of any power, which is gone past 45 degrees of incidence."""
+    per_pi = energy.dtype.type(INVERSE_PI)
+    for i in range(segments):
+        diffuse = math.sqrt(cos_squared[i]) if law == LIGHT else cos_squared[i] * per_pi
+        energy[i] = diffuse * scale[i] * reflectivity[material[i], 0]
+    for i in range(segments):
+        if cos_squared[i] > 0.5:
+            row = material[i]
+            energy[i] += scale[i] * gloss(cos_squared[i], reflectivity[row, 1], reflectivity[row, 2], law)
+
+
+@inlined_uncounted
+def _scatter_dully(segments, diffuse, cos_squared, scale, law, energy):
+    """Of one material without a lobe."""
+    diffuse = energy.dtype.type(diffuse)
+    for i in range(segments):
+        energy[i] = diffuse * scale[i] * (math.sqrt(cos_squared[i]) if law == LIGHT else cos_squared[i])
+
+
+@inlined_uncounted
+def _scatter_evenly(segments, diffuse, specular, power, cos_squared, scale, law, energy):
+    """Of one material with a lobe of whole power, by repeated squaring: each step for many segments at once."""
+    real = energy.dtype.type
+    diffuse, specular, nothing, one = real(diffuse), real(specular), real(0.0), real(1.0)
+    bit_0, bit_1, bit_2, bit_3 = power & 1 != 0, power & 2 != 0, power & 4 != 0, power & 8 != 0
+    bit_4, bit_5, bit_6 = power & 16 != 0, power & 32 != 0, power & 64 != 0
+    for i in range(segments):
+        mirrored = cos_squared[i] + cos_squared[i] - one
+        square = mirrored if mirrored > nothing else nothing
+        lobe = square if bit_0 else one
+        square *= square
+        lobe = lobe * square if bit_1 else lobe
+        square *= square
+        lobe = lobe * square if bit_2 else lobe
+        square *= square
+        lobe = lobe * square if bit_3 else lobe
+        square *= square
+        lobe = lobe * square if bit_4 else lobe
+        square *= square
+        lobe = lobe * square if bit_5 else lobe
+        square *= square
+        lobe = lobe * square if bit_6 else lobe
+        if law == LIGHT:
+            energy[i] = scale[i] * (diffuse * math.sqrt(cos_squared[i]) + specular * lobe)
+        else:
+            energy[i] = scale[i] * cos_squared[i] * (diffuse + specular * lobe)
+
+
+@inlined_uncounted
+def _mark_cut(segments, launch, horizon, area, hidden_from, hidden_to, cut, energy):
+    """Leave marked what is in sight and uneven, emerges above the horizon or may be hidden by a target.
+
+    Energy is left only to segments heard whole. Across a hole in the bed the area is NaN, which is not itself.
+    """
+    real = launch.dtype.type
+    hidden_from, hidden_to, nothing = real(hidden_from), real(hidden_to), real(0.0)
+    for i in range(segments):
+        seen = (launch[i + 1] > horizon[i]) & (area[i] == area[i])
+        covered = (launch[i + 1] > hidden_from) & (launch[i] < hidden_to)
+        emerges = horizon[i] > launch[i]
+        parted = seen & (emerges | covered | cut[i])
+        cut[i] = parted
+        energy[i] = energy[i] if seen & (not parted) else nothing

@@ -1,0 +1,70 @@
+"""Which of the bed is in sight: stretches of ground range in the planes of a beam."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.bed.slice import slice_bed
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.refraction.apparent_positions import straight_sheet
+from insonify.kernels.sweep.sweep import aim_plane
+from insonify.kernels.sweep.visibility import NADIR
+
+
+class Sight(NamedTuple):
+    """What the planes of one side see, one row each, from the sternmost to the foremost."""
+
+    borders: NDArray[np.float64]  # (planes - 1,) sines of the azimuths between neighbours
+    reach: NDArray[np.float64]  # (planes,) ground range to which the beam hears anything of each, m
+    edges: NDArray[np.float64]  # (planes, n) ground ranges at which the bed comes into sight and goes out, by turns
+    marked: NDArray[np.int64]  # (planes,) how many edges there are
+
+
+def empty_sight(azimuth: NDArray[np.float64], capacity: int) -> Sight:
+    """Make room for what planes at these azimuths, in ascending order, see of profiles of up to so many knots."""
+    planes = azimuth.size
+    borders = np.sin(0.5 * (azimuth[1:] + azimuth[:-1]))
+    return Sight(borders, np.zeros(planes), np.zeros((planes, capacity + 2)), np.zeros(planes, np.int64))
+
+
+@kernel
+def look(arrays, poses, ping, side, planes, profile, sight):
+    """Let all planes of one side look out."""
+    for plane in range(planes.azimuth.size):
+        view, _, reach = aim_plane(arrays, poses, ping, side, planes, plane, straight_sheet())
+        knots = slice_bed(arrays.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
+        sight.reach[plane] = reach
+        sight.marked[plane] = _mark(knots, profile.x, profile.z, profile.area, sight.edges[plane])
+
+
+@inlined
+def _mark(knots, x, z, area, edges):
+    """Walk a profile outward with one running horizon; return how many edges what is in sight has."""
+    count, horizon = 0, NADIR
+    for i in range(knots - 1):
+        # Straight down it is, whatever the knot's height. NaN, a hole in the bed, compares false and hides nothing.
+        here = z[i] / x[i] if x[i] > 0.0 else NADIR
+        horizon = here if here > horizon else horizon
+        if not (z[i + 1] > horizon * x[i + 1] and area[i] == area[i]):
+            continue
+        start = x[i]
+        if horizon > here:
+            slope = (z[i + 1] - z[i]) / (x[i + 1] - x[i])
+            start = min(max((z[i] - slope * x[i]) / (horizon - slope), x[i]), x[i + 1])
+        if count == 0 or start > edges[count - 1]:
+            edges[count], count = start, count + 2
+        edges[count - 1] = x[i + 1]
+    return count
+
+
+@inlined
+def in_sight(borders, reach, edges, marked, sine, x):
+    """Whether the bed at ground range x is in sight in the plane nearest to the azimuth of that sine."""
+    plane, longest = np.searchsorted(borders, sine), np.argmax(reach)
+    # Where the beam hears nothing of a plane any more, the next one inwards stands for what little is left.
+    while x > reach[plane] and plane != longest:
+        plane += 1 if plane < longest else -1
+    return np.searchsorted(edges[plane, : marked[plane]], x) % 2 == 1

@@ -1,0 +1,354 @@
+"""Targets as one plane shows them to the sonar: a row of cells of launch angle, each with what is nearest in it.
+
+A plane cuts a convex body in one figure and a triangle in one straight line, its *parts*. Between neighbouring ends of
+parts the same parts lie before and behind one another, so that asking in the middle of a cell answers for all of it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
+from insonify.kernels.common.types import Mesh, Solids
+from insonify.kernels.geometry.cross_sections import reached, section
+from insonify.kernels.targets.apparent_targets import FIELDS, bend_parts, lens_of
+from insonify.kernels.targets.primitives import foot_of, load_part, meet_part, nearest_of
+
+FACETS = 64  # cells of a convex body alone in its plane, closer together towards its edges
+RIMS = 6  # rims that a plane cuts of one body, at most four, and room to find them
+EDGE = 1e-9  # share of an interval by which the outermost cells of a body end inside it, to be sure to meet it
+CROSSED = 1e-5  # share of a distance by which a part must come before another to cross it
+SAME = 1e-9  # rad; ends of parts closer together are one
+SPREAD = np.cos(np.pi * np.arange(FACETS + 1) / FACETS)
+NOBODY = -1
+
+
+class Screen(NamedTuple):
+    """Parts, then cells; arrays are longer than their numbers."""
+
+    body: NDArray[np.int64]  # row of the solids, or beyond them the triangle, of each part
+    low: NDArray[np.float64]  # launch angle above the horizontal at which the part begins, rad
+    high: NDArray[np.float64]  # and ends
+    line: NDArray[np.float64]  # (parts, 4) of a triangle's part: ground range and height above the sonar of its ends
+    lens: NDArray[np.float64]  # (parts, 11) what the water makes of a part, if it bends sound
+    rim: NDArray[np.float64]  # (bodies, 6) of a body's part: launch angles at which one face ends and another begins
+    first: NDArray[np.int64]  # cell in which a part begins
+    edge: NDArray[np.float64]  # launch angles at which cells begin; the last one ends the last cell
+    cosine: NDArray[np.float64]  # of the edges
+    sine: NDArray[np.float64]
+    part: NDArray[np.int64]  # part nearest in each cell, or NOBODY
+    distance: NDArray[np.float64]  # to it along the middle of the cell, infinite where there is none
+    incidence: NDArray[np.float64]  # cosine of the incidence there
+    near: NDArray[np.float64]  # distance to it along the edge where the cell begins
+    far: NDArray[np.float64]  # and where it ends
+    level: NDArray[np.float64]  # one over the distance, nearly so if it is curved, is level · cos θ + rise · sin θ
+    rise: NDArray[np.float64]
+
+
+def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
+    """Make room for all that a plane may cut of a scene."""
+    bodies, triangles = solids.shape.size, mesh.target.size
+    parts, cells = bodies + triangles, bodies * (FACETS + 3 + RIMS) + 5 * triangles + 1
+    low, high = np.zeros((2, parts))
+    edge, cosine, sine, distance, incidence, near, far, level, rise = np.zeros((9, cells))
+    body, first, part = np.zeros(parts, np.int64), np.zeros(parts, np.int64), np.zeros(cells, np.int64)
+    line, lens, rim = np.zeros((parts, 4)), np.zeros((parts, FIELDS)), np.zeros((bodies, RIMS))
+    return Screen(
+        body, low, high, line, lens, rim, first, edge, cosine, sine, part, distance, incidence, near, far, level, rise
+    )
+
+
+@inlined_uncounted
+def fill_screen(arrays, view, wedge, reach, sheet, table, screen):
+    """Collect what a plane cuts; return the number of cells, -1 - k if the sonar is inside body k."""
+    parts = _cut_solids(arrays.solids, view, reach, screen)
+    if parts < 0:
+        return parts
+    solid_parts = parts
+    if arrays.mesh.target.size > 0:
+        parts = cut_mesh(arrays.mesh, arrays.solids.shape.size, view, reach, screen, parts)
+    if wedge.bent and parts > 0:
+        solid_parts, parts = bend_parts(arrays, view, wedge.angle == 0.0, table, sheet, screen, solid_parts, parts)
+    if parts == 0:
+        return 0
+    return _fill_cells(arrays, view, wedge.bent, screen, solid_parts, parts)
+
+
+@inlined_uncounted
+def _cut_solids(solids, view, reach, screen):
+    parts = 0
+    for k in range(solids.shape.size):
+        if reached(solids, k, view, reach):
+            status, low, high = section(solids, k, view, screen.rim[parts])
+            if status < 0:
+                return -1 - k
+            if status > 0:
+                screen.body[parts], screen.low[parts], screen.high[parts] = k, low, high
+                parts += 1
+    return parts
+
+
+@kernel_uncounted
+def cut_mesh(mesh, first_body, view, reach, screen, parts):
+    """Add the lines in which a plane cuts the triangles ahead of the sonar; return the number of parts."""
+    node = 0
+    while node < mesh.skip.size:
+        if not _crossed(mesh.low[node], mesh.high[node], view, reach):
+            node = mesh.skip[node]
+            continue
+        for k in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
+            parts = _cut_triangle(mesh.corners[k], first_body + k, view, screen, parts)
+        node += 1
+    return parts
+
+
+@inlined_uncounted
+def _crossed(low, high, view, reach):
+    """Whether a plane may cut a box ahead of the sonar, within reach."""
+    cx, cy = 0.5 * (low[0] + high[0]) - view.x, 0.5 * (low[1] + high[1]) - view.y
+    hx, hy = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])
+    wide, long = hx * abs(view.ey) + hy * abs(view.ex), hx * abs(view.ex) + hy * abs(view.ey)
+    across, along = cx * view.ey - cy * view.ex, cx * view.ex + cy * view.ey
+    return abs(across) <= wide and -long <= along <= reach + long
+
+
+@inlined_uncounted
+def _cut_triangle(corners, body, view, screen, parts):
+    """Add the line in which the plane cuts one triangle, if it does."""
+    ends = 0
+    for k in range(3):
+        following = k + 1 if k < 2 else 0
+        here, there = _across(corners[k], view), _across(corners[following], view)
+        if (here < 0.0) == (there < 0.0):
+            continue
+        # From the negative side to the positive: both triangles at an edge find the same point to the last bit.
+        a, b = (k, following) if here < 0.0 else (following, k)
+        below, above = min(here, there), max(here, there)
+        share = below / (below - above)
+        px = corners[a, 0] + (corners[b, 0] - corners[a, 0]) * share - view.x
+        py = corners[a, 1] + (corners[b, 1] - corners[a, 1]) * share - view.y
+        screen.line[parts, 2 * ends] = px * view.ex + py * view.ey
+        screen.line[parts, 2 * ends + 1] = corners[a, 2] + (corners[b, 2] - corners[a, 2]) * share - view.z
+        ends += 1
+        if ends == 2:
+            break
+    if ends < 2 or not _keep_ahead(screen.line[parts]):
+        return parts
+    line = screen.line[parts]
+    one, other = math.atan2(line[1], line[0]), math.atan2(line[3], line[2])
+    if abs(one - other) <= SAME:
+        return parts  # seen edge-on
+    screen.body[parts], screen.low[parts], screen.high[parts] = body, min(one, other), max(one, other)
+    return parts + 1
+
+
+@inlined_uncounted
+def _across(corner, view):
+    """Signed distance of a corner from the plane."""
+    return (corner[0] - view.x) * view.ey - (corner[1] - view.y) * view.ex
+
+
+@inlined_uncounted
+def _keep_ahead(line):
+    """Cut off what lies behind the sonar; whether anything is left."""
+    if line[0] <= 0.0 and line[2] <= 0.0:
+        return False
+    if line[0] < 0.0:
+        line[1] -= line[0] * (line[3] - line[1]) / (line[2] - line[0])
+        line[0] = 0.0
+    elif line[2] < 0.0:
+        line[3] -= line[2] * (line[1] - line[3]) / (line[0] - line[2])
+        line[2] = 0.0
+    return True
+
+
+@kernel_uncounted
+def _fill_cells(arrays, view, bent, screen, solid_parts, parts):
+    """Divide the screen where parts end, turn or cross, find the nearest in every cell; return the number of cells."""
+    edges = _lay_edges(screen, solid_parts, parts)
+    cells = 0
+    for crossings_known in (False, True):
+        cells = _divide(screen, edges)
+        _look(arrays, view, bent, screen, parts, cells)
+        edges = cells + 1
+        if not crossings_known and parts > 1:
+            edges = _add_crossings(arrays, view, bent, screen, solid_parts, parts, cells)
+        if edges == cells + 1:
+            break
+    _tell_nearness(cells, screen.part, screen.cosine, screen.sine, screen.near, screen.far, screen.level, screen.rise)
+    return cells
+
+
+@inlined_uncounted
+def _lay_edges(screen, solid_parts, parts):
+    """Lay the edges of all parts, in no order; return their number."""
+    count = 0
+    for p in range(solid_parts):
+        middle, half = 0.5 * (screen.low[p] + screen.high[p]), 0.5 * (screen.high[p] - screen.low[p])
+        half *= 1.0 - EDGE
+        for facet in range(FACETS + 1):
+            screen.edge[count] = middle - half * SPREAD[facet]
+            count += 1
+        # Incidence jumps at a rim.
+        for angle in screen.rim[p]:
+            if abs(angle - middle) < half:
+                screen.edge[count] = angle
+                count += 1
+    for p in range(solid_parts, parts):
+        # Slant range falls towards the foot of the perpendicular and grows beyond it.
+        foot = min(max(foot_of(screen.line[p]), screen.low[p]), screen.high[p])
+        screen.edge[count], screen.edge[count + 1], screen.edge[count + 2] = screen.low[p], foot, screen.high[p]
+        count += 3
+    return count
+
+
+@inlined_uncounted
+def _divide(screen, edges):
+    """Put edges in order if they are not; return the number of cells between them, all empty."""
+    edge, count = screen.edge, edges
+    for k in range(1, edges):
+        if edge[k] < edge[k - 1]:
+            _sort(edge, edges)
+            count = _merged(edge, edges)
+            break
+    for k in range(count):
+        screen.cosine[k], screen.sine[k] = math.cos(edge[k]), math.sin(edge[k])
+    for k in range(count - 1):
+        screen.part[k], screen.distance[k] = NOBODY, math.inf
+    return count - 1
+
+
+@kernel
+def _sort(edge, edges):
+    edge[:edges].sort()
+
+
+@inlined_uncounted
+def _look(arrays, view, bent, screen, parts, cells):
+    """Find the part that is nearest in every cell and the distances to it."""
+    for p in range(parts):
+        lens = lens_of(bent, screen.lens[p])
+        part = load_part(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
+        first = max(np.searchsorted(screen.edge[: cells + 1], screen.low[p], side="right") - 1, 0)
+        screen.first[p] = first
+        ends = screen.low[p], screen.high[p]
+        edge, cosine, sine = screen.edge, screen.cosine, screen.sine
+        _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, screen.part, screen.distance, screen.incidence)
+    for p in range(parts):
+        lens = lens_of(bent, screen.lens[p])
+        part = load_part(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
+        first = screen.first[p]
+        last, edge, cosine, sine = screen.high[p], screen.edge, screen.cosine, screen.sine
+        _measure(p, part, first, cells, last, edge, cosine, sine, screen.part, screen.near, screen.far)
+
+
+@inlined_uncounted
+def _add_crossings(arrays, view, bent, screen, solid_parts, parts, cells):
+    """Add an edge wherever a part comes before the one that is nearest in a cell's middle; return their number."""
+    edges, edge, cosine, sine = cells + 1, screen.edge, screen.cosine, screen.sine
+    near, middle, far = screen.near, screen.distance, screen.far
+    for p in range(parts):
+        nearest = nearest_of(screen.line[p]) if p >= solid_parts else 0.0
+        first, ends = screen.first[p], (screen.low[p], screen.high[p])
+        if _is_behind(p, nearest, first, cells, ends[1], edge, screen.part, near, far):
+            continue
+        lens = lens_of(bent, screen.lens[p])
+        part = load_part(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
+        edges = _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, screen.part, near, middle, far, edges)
+    return edges
+
+
+@inlined_uncounted
+def _is_behind(p, nearest, first, cells, high, edge, before, near, far):
+    """Whether a part, no point of which is nearer than ``nearest``, lies behind all that is nearest in its cells."""
+    cell = first
+    while cell < cells and edge[cell] < high:
+        if before[cell] != p and nearest < max(near[cell], far[cell]):
+            return False
+        cell += 1
+    return True
+
+
+@inlined_uncounted
+def _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, before, near, middle, far, edges):
+    """Likewise for one part."""
+    low, high = ends
+    cell = first
+    while cell < cells and edge[cell] < high:
+        covers = low < 0.5 * (edge[cell] + edge[cell + 1]) < high
+        if covers and before[cell] != p and nearest < max(near[cell], far[cell]):
+            c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+            here, half = meet_part(part, c, s)[0], 0.5 * (edge[cell + 1] - edge[cell])
+            for k in range(2):
+                there = meet_part(part, cosine[cell + k], sine[cell + k])[0]
+                other = near[cell] if k == 0 else far[cell]
+                if there < other * (1.0 - CROSSED) and edges < edge.size:
+                    # One over the distance along a straight line is linear in the direction, and so is its lead.
+                    lead, lag = 1.0 / there - 1.0 / other, 1.0 / middle[cell] - 1.0 / here
+                    turned = math.atan2(lead * math.sin(half), lead * math.cos(half) + lag)
+                    edge[edges] = edge[cell] + turned if k == 0 else edge[cell + 1] - turned
+                    edges += 1
+        cell += 1
+    return edges
+
+
+@inlined_uncounted
+def _tell_nearness(cells, part, cosine, sine, near, far, level, rise):
+    """Tell one over the distance to what is nearest as a linear function of the direction; 0 where there is nothing."""
+    for cell in range(cells):
+        c_low, s_low, c_high, s_high = cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1]
+        share, held = 1.0 / (s_high * c_low - c_high * s_low), part[cell] != NOBODY
+        per_near, per_far = share / near[cell], share / far[cell]
+        level[cell] = s_high * per_near - s_low * per_far if held else 0.0
+        rise[cell] = c_low * per_far - c_high * per_near if held else 0.0
+
+
+@inlined_uncounted
+def _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, nearest, distance, incidence):
+    """Enter a part in the cells where nothing nearer is; where two touch the first is heard."""
+    low, high = ends
+    cell = first
+    while cell < cells and edge[cell] < high:
+        if low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
+            c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+            here, cos_incidence = meet_part(part, c, s)
+            if here < distance[cell]:
+                nearest[cell], distance[cell], incidence[cell] = p, here, cos_incidence
+        cell += 1
+
+
+@inlined_uncounted
+def _measure(p, part, first, cells, high, edge, cosine, sine, nearest, near, far):
+    """Measure the distances to a part along the edges of the cells in which it is the nearest."""
+    cell = first
+    while cell < cells and edge[cell] < high:
+        if nearest[cell] == p:
+            if cell > first and nearest[cell - 1] == p:
+                near[cell] = far[cell - 1]
+            else:
+                near[cell], _ = meet_part(part, cosine[cell], sine[cell])
+            far[cell], _ = meet_part(part, cosine[cell + 1], sine[cell + 1])
+        cell += 1
+
+
+@inlined_uncounted
+def halfway(c_from, s_from, c_to, s_to):
+    """Direction (cosine, sine) between two others."""
+    c, s = c_from + c_to, s_from + s_to
+    per_norm = 1.0 / math.sqrt(c * c + s * s)
+    return c * per_norm, s * per_norm
+
+
+@inlined_uncounted
+def _merged(edge, edges):
+    """Drop edges that follow too closely, in place; return how many are left."""
+    kept = 0
+    for k in range(1, edges):
+        if edge[k] - edge[kept] > SAME:
+            kept += 1
+            edge[kept] = edge[k]
+    return kept + 1

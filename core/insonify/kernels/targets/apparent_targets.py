@@ -1,0 +1,197 @@
+"""Targets as they seem through layered water.
+
+Near a target the rays of one plane are nearly those of a source in even water: straight, from where their wavefront's
+centre seems to be, the *apparent source*. What a plane cuts of a convex body is asked from there, and directions and
+distances are turned into launch angles and slant ranges. A triangle's straight line stays one between its ends, each
+put where it seems to be.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.kernels.common.types import LIGHT, SPHERE
+from insonify.kernels.geometry.cross_sections import DOWN, UP, View, section
+from insonify.kernels.refraction.apparent_positions import look_up
+
+SECANT = 0.5  # m, to either side of a body's middle, where its slant ranges are exact and its rays' opening is taken
+LEAST_OPENING, MOST_OPENING = 0.05, 5.0
+NEAREST = 1e-3  # m, that a body's middle may come to the sonar
+SAME = 1e-9  # rad; a line that fills less is seen edge-on
+FIELDS = 11  # numbers of a lens
+
+
+class Lens(NamedTuple):
+    """What the water makes of one part of a screen."""
+
+    bent: bool
+    launch_cosine: float  # of the ray to the part's middle
+    launch_sine: float
+    arrival_cosine: float  # of it there; of a triangle, of the angle by which it has turned
+    arrival_sine: float
+    opening: float  # change of the direction of arrival with that of launch
+    offset: float  # slant range is offset + gauge · distance from the apparent source
+    gauge: float
+    gain: float  # what the part's energy must be multiplied by
+    level: float  # x over what it is in truth
+    source_x: float  # ground range and height of the apparent source
+    source_z: float
+
+
+@inlined_uncounted
+def lens_of(bent, row):
+    """Take the lens of a part out of its row of the screen; without one, nothing bends."""
+    if not bent:
+        return Lens(False, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0)
+    return Lens(True, row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10])
+
+
+@inlined_uncounted
+def keep_lens(lens, row):
+    """Put a lens into its row of the screen."""
+    row[0], row[1], row[2], row[3] = lens.launch_cosine, lens.launch_sine, lens.arrival_cosine, lens.arrival_sine
+    row[4], row[5], row[6], row[7] = lens.opening, lens.offset, lens.gauge, lens.gain
+    row[8], row[9], row[10] = lens.level, lens.source_x, lens.source_z
+
+
+@inlined_uncounted
+def arriving(lens, c, s):
+    """Direction in which the ray launched at (c, s) comes to the part: tan ψ = opening · tan θ, from the middle's."""
+    along = c * lens.launch_cosine + s * lens.launch_sine
+    across = lens.opening * (s * lens.launch_cosine - c * lens.launch_sine)
+    per_norm = 1.0 / math.sqrt(along * along + across * across)
+    along, across = along * per_norm, across * per_norm
+    return (
+        along * lens.arrival_cosine - across * lens.arrival_sine,
+        along * lens.arrival_sine + across * lens.arrival_cosine,
+    )
+
+
+@inlined_uncounted
+def _launched(lens, angle):
+    """Launch angle of the ray that comes to the part at an angle."""
+    turned = angle - math.atan2(lens.arrival_sine, lens.arrival_cosine)
+    launch = math.atan2(lens.launch_sine, lens.launch_cosine)
+    return launch + math.atan2(math.sin(turned), lens.opening * math.cos(turned))
+
+
+@inlined_uncounted
+def seen_from(lens, view):
+    """Return the plane as seen from a body's apparent source."""
+    x, y = view.x + lens.source_x * view.ex, view.y + lens.source_x * view.ey
+    return View(x, y, view.z + lens.source_z, view.ex, view.ey)
+
+
+@kernel_uncounted
+def bend_parts(arrays, view, one_wide, table, sheet, screen, bodies, parts):
+    """Show the parts of a screen as they seem, the first ones those of bodies; return how many are left of both."""
+    loud = arrays.law != LIGHT
+    kept = 0
+    for p in range(bodies):
+        k, rim = screen.body[p], screen.rim[kept]
+        lens = _lens_of_body(arrays.solids, k, view, one_wide, loud, table, sheet)
+        status, low, high = section(arrays.solids, k, seen_from(lens, view), rim)
+        if status > 0:
+            for end in range(rim.size):
+                rim[end] = _launched(lens, rim[end]) if abs(rim[end]) <= math.pi else rim[end]
+            kept = _keep(screen, kept, k, lens, max(_launched(lens, low), DOWN), min(_launched(lens, high), UP))
+    bodies_kept = kept
+    for p in range(bodies, parts):
+        lens = _bend_line(screen.line[p], one_wide, loud, table, sheet)
+        for end in range(4):
+            screen.line[kept, end] = screen.line[p, end]
+        line = screen.line[kept]
+        one, other = math.atan2(line[1], line[0]), math.atan2(line[3], line[2])
+        kept = _keep(screen, kept, screen.body[p], lens, min(one, other), max(one, other))
+    return bodies_kept, kept
+
+
+@inlined_uncounted
+def _keep(screen, kept, body, lens, low, high):
+    """Enter a part after so many others, if it is not seen edge-on; return their number."""
+    if high - low <= SAME:
+        return kept
+    screen.body[kept], screen.low[kept], screen.high[kept] = body, low, high
+    keep_lens(lens, screen.lens[kept])
+    return kept + 1
+
+
+@inlined_uncounted
+def _gain(wide, tube, one_wide, loud):
+    """Tell what energy must be multiplied by, as `bend_profile` has it; law `light` does not spread."""
+    if not loud:
+        return 1.0
+    return (wide * wide if one_wide else wide) / tube
+
+
+@inlined_uncounted
+def _bend_line(line, one_wide, loud, table, sheet):
+    """Put the ends of a triangle's line where they seem to be; return its lens."""
+    x, z = 0.5 * (line[0] + line[2]), 0.5 * (line[1] + line[3])
+    wide, _, tube, turn = look_up(table, sheet, x, z)
+    for end in range(0, 4, 2):
+        level, rise, _, _ = look_up(table, sheet, line[end], line[end + 1])
+        line[end] *= 1.0 + level
+        line[end + 1] += rise
+    gain = _gain(1.0 + wide, 1.0 + tube, one_wide, loud)
+    return Lens(True, 1.0, 0.0, math.cos(turn), math.sin(turn), 1.0, 0.0, 1.0, gain, 1.0 + wide, 0.0, 0.0)
+
+
+@inlined_uncounted
+def _lens_of_body(solids, k, view, one_wide, loud, table, sheet):
+    """Lens of a convex body, from the ray to the middle of what the plane cuts of it."""
+    x, z = _middle(solids, k, view)
+    wide, rise, tube, turn = look_up(table, sheet, x, z)
+    seen_x, seen_z = x * (1.0 + wide), z + rise
+    r = max(math.sqrt(seen_x * seen_x + seen_z * seen_z), NEAREST)
+    launch = math.atan2(seen_z, seen_x)
+    c, s = math.cos(launch + turn), math.sin(launch + turn)
+    ahead = min(SECANT, 0.5 * r)
+    near_r, near_q = _front(x - ahead * c, z - ahead * s, table, sheet)
+    far_r, far_q = _front(x + ahead * c, z + ahead * s, table, sheet)
+    opening = min(max((far_q - near_q) / (2.0 * ahead), LEAST_OPENING), MOST_OPENING)
+    gauge = (far_r - near_r) / (2.0 * ahead)
+    away = (1.0 + tube) * r / opening  # radius of the wavefront
+    return Lens(
+        True,
+        math.cos(launch),
+        math.sin(launch),
+        c,
+        s,
+        opening,
+        near_r - gauge * (away - ahead),
+        gauge,
+        _gain(1.0 + wide, 1.0 + tube, one_wide, loud),
+        1.0 + wide,
+        x - away * c,
+        z - away * s,
+    )
+
+
+@inlined_uncounted
+def _front(x, z, table, sheet):
+    """Slant range of a place, and distance across the rays there per launch angle."""
+    wide, rise, tube, _ = look_up(table, sheet, x, z)
+    seen_x, seen_z = x * (1.0 + wide), z + rise
+    r = math.sqrt(seen_x * seen_x + seen_z * seen_z)
+    return r, (1.0 + tube) * r
+
+
+@inlined_uncounted
+def _middle(solids, k, view):
+    """Ground range and height above the sonar of the middle of what a plane cuts of a body."""
+    x, y, z = solids.start[k, 0] - view.x, solids.start[k, 1] - view.y, solids.start[k, 2] - view.z
+    if solids.shape[k] == SPHERE:
+        return x * view.ex + y * view.ey, z
+    # The part of the axis that is nearer to the plane than the body is thick.
+    length, thick = solids.length[k], solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
+    ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
+    across, rate = x * view.ey - y * view.ex, ax * view.ey - ay * view.ex
+    begin, end = 0.0, length
+    if rate != 0.0:
+        one, other = (-thick - across) / rate, (thick - across) / rate
+        begin, end = max(begin, min(one, other)), min(end, max(one, other))
+    along = min(max(0.5 * (begin + end), 0.0), length)
+    return (x + along * ax) * view.ex + (y + along * ay) * view.ey, z + along * az

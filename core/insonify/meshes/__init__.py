@@ -1,5 +1,0 @@
-"""Readers of shapes made of triangles."""
-
-from insonify.meshes.read import FORMATS, read_mesh
-
-__all__ = ["FORMATS", "read_mesh"]

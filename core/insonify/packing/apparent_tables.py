@@ -1,0 +1,121 @@
+"""Tables by which the sweep hears through layered water, kept from call to call."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.types import Poses, SceneArrays, Solids
+from insonify.kernels.refraction.apparent_positions import Bending, no_bending
+from insonify.kernels.refraction.apparent_tables import is_single, tabulate
+from insonify.kernels.targets.apparent_targets import SECANT
+from insonify.parallel import in_parallel
+
+SONAR_STEP = 0.25  # m, between heights of the sonar that have tables
+ROW_STEP, COLUMN_STEP = 0.25, 1.0  # m
+MOST_PLACES = 1 << 19  # of one table, 8 MB; mountains heard from afar are left to rays
+
+
+class _Extent(NamedTuple):
+    """What of the water a table holds, and by which numbers of rows and columns."""
+
+    first_row: int
+    rows: int
+    columns: int
+    surface: float  # height above which no ray may go, m
+    reference: float  # m/s
+
+
+def make_bending(arrays: SceneArrays, poses: Poses) -> tuple[Bending, NDArray[np.bool_]]:
+    """Tabulate the water of a problem for the heights of some pings.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    poses : Poses
+        Where the sonar is, n pings.
+
+    Returns
+    -------
+    bending : Bending
+        Tables at whole steps of height, so that each ping's depend on its own height alone.
+    folded : (n,) bool
+        Pings for which no tables hold: some place is reached by no ray or by several, the water differs along the
+        level, or a table would be too large.
+    """
+    if not arrays.water.bent or poses.z.size == 0:
+        return no_bending(), np.zeros(poses.z.size, np.bool_)
+    if arrays.water.station.size > 1:
+        return no_bending(), np.ones(poses.z.size, np.bool_)
+    height, speed = _continued(arrays)
+    stretch = max(float(speed[height >= arrays.bed.low].max()) / arrays.water.reference, 1.0)
+    extent = _extent_of(arrays, stretch)
+    if extent.rows * extent.columns > MOST_PLACES:
+        return no_bending(), np.ones(poses.z.size, np.bool_)
+    below = np.floor(poses.z / SONAR_STEP).astype(np.int64)
+    numbers = range(int(below.min()), int(below.max()) + 2)
+    key = height.tobytes(), speed.tobytes(), extent
+    made = in_parallel(lambda first, last: [_table(*key, k) for k in numbers[first:last]], len(numbers))
+    tables = [table for share in made for table in share]
+    bending = Bending(
+        bent=True,
+        tables=np.stack([table for table, _ in tables]),
+        sonar_low=numbers[0] * SONAR_STEP,
+        sonar_step=SONAR_STEP,
+        low=extent.first_row * ROW_STEP,
+        row_step=ROW_STEP,
+        column_step=COLUMN_STEP,
+        stretch=stretch,
+    )
+    folds = np.array([not single for _, single in tables])
+    return bending, folds[below - numbers[0]] | folds[below + 1 - numbers[0]]
+
+
+def _continued(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Nodes of the water, going on below the lowest bed as it is there.
+
+    No sound goes there; but a ray that would come up again from there seems to come from below the bed, which hides it.
+    """
+    water, low = arrays.water, arrays.bed.low
+    above = water.height > low
+    height = np.concatenate([[low], water.height[above]])
+    speed = np.concatenate([np.interp([low], water.height, water.speed[0]), water.speed[0, above]])
+    if height.size < 2:
+        return height, speed
+    deep = arrays.bins * arrays.bin_length
+    rate = (speed[1] - speed[0]) / (height[1] - height[0])
+    deepest = speed[0] - min(rate, 0.0) * deep  # sound that slows downwards does not come back
+    return np.concatenate([[low - deep], height]), np.concatenate([[deepest], speed])
+
+
+def _extent_of(arrays: SceneArrays, stretch: float) -> _Extent:
+    """Rows from the lowest of the bed to the highest of all there is, and columns as far as anything is heard."""
+    top = max(arrays.bed.high, _top(arrays.solids), float(arrays.mesh.corners[:, :, 2].max(initial=-math.inf)))
+    first = math.floor((arrays.bed.low - SECANT) / ROW_STEP)
+    last = math.ceil(min(top + SECANT, arrays.water.surface) / ROW_STEP)
+    reach = arrays.bins * arrays.bin_length * stretch
+    columns = math.ceil(reach / COLUMN_STEP) + 2
+    return _Extent(first, max(last - first, 1) + 1, columns, arrays.water.surface, arrays.water.reference)
+
+
+def _top(solids: Solids) -> float:
+    """Height of the highest point of all bodies, from balls about their ends."""
+    ends = solids.start[:, 2] + np.outer([0.0, 1.0], solids.length) * solids.axis[:, 2]
+    radius = solids.radius + np.maximum(solids.taper * solids.length, 0.0)
+    return float((ends + radius).max(initial=-math.inf))
+
+
+@lru_cache(maxsize=256)
+def _table(height: bytes, speed: bytes, extent: _Extent, k: int) -> tuple[NDArray[np.float32], bool]:
+    """Tabulate the water for the sonar at step k of height; whether every place is reached by one ray alone."""
+    nodes = np.frombuffer(height), np.frombuffer(speed)
+    table = np.zeros((extent.rows, extent.columns, 4), np.float32)
+    z, low = k * SONAR_STEP, extent.first_row * ROW_STEP
+    whole = tabulate(*nodes, extent.reference, z, low, ROW_STEP, COLUMN_STEP, extent.surface, table)
+    reach, high = (extent.columns - 1) * COLUMN_STEP, low + (extent.rows - 1) * ROW_STEP
+    return table, bool(whole and is_single(*nodes, z, low, high, reach, extent.surface))

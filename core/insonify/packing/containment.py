@@ -1,0 +1,70 @@
+"""Whether the sonar runs into a closed shape of triangles."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.scene import SceneError
+
+CLOSED = 0.99  # of the whole sphere, from where a shape is all around; one that is open shows less from anywhere
+
+
+def refuse_sonar_in_mesh(arrays: SceneArrays, poses: Poses) -> None:
+    """Raise if a ping is sent from inside a mesh.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    poses : Poses
+        Where the sonar is.
+
+    Raises
+    ------
+    SceneError
+    """
+    mesh = arrays.mesh
+    if mesh.target.size == 0:
+        return
+    places = np.column_stack([poses.x, poses.y, poses.z])
+    places = _within(places, mesh.low[0], mesh.high[0])  # the tree's root holds it all
+    if len(places) == 0:
+        return
+    for target in np.unique(mesh.target):
+        corners = mesh.corners[mesh.target == target]
+        near = _within(places, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)))
+        if any(abs(solid_angle(corners - place)) > CLOSED * 4.0 * math.pi for place in near):
+            raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
+
+
+def _within(places: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Leave out the places outside a box."""
+    return places[((places > low) & (places < high)).all(axis=1)]
+
+
+def solid_angle(corners: NDArray[np.float64]) -> float:
+    """Signed solid angle of triangles as seen from the origin: ±4π within a closed shape, 0 outside.
+
+    Parameters
+    ----------
+    corners : (n, 3, 3) float64
+        Of each triangle.
+
+    Returns
+    -------
+    float
+        Steradians.
+
+    References
+    ----------
+    van Oosterom and Strackee (1983): tan(Ω/2) = a·(b × c) / (abc + (a·b)c + (a·c)b + (b·c)a).
+    """
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    la, lb, lc = np.linalg.norm(corners, axis=2).T
+    volume = (a * np.cross(b, c)).sum(axis=1)
+    spread = la * lb * lc + (a * b).sum(axis=1) * lc + (a * c).sum(axis=1) * lb + (b * c).sum(axis=1) * la
+    return float(2.0 * np.arctan2(volume, spread).sum())

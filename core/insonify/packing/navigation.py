@@ -1,0 +1,113 @@
+"""Where the sonar is at every ping, and how it lies in the water."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.types import Poses
+from insonify.packing.track import Line, line_at, recorded_at
+from insonify.scene import Scene
+from insonify.scene.motion import Heave, Oscillation, Pitch, Roll, Sway, Yaw
+from insonify.terrain import AnyGround
+
+SAMPLES = 64  # of the bed to either side of the fish
+TOGETHER = 2048  # pings whose samples are held at once
+
+
+def sonar_height(scene: Scene, ground: AnyGround) -> float:
+    """Height of the sonar above the datum that the track declares, in metres."""
+    return -scene.track.depth - ground.datum if scene.track.depth is not None else scene.altitude
+
+
+def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Poses:
+    """Place the sonar at the given pings; numbers beyond the track's last ping go on along its line.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose track it is.
+    ground : AnyGround
+        The bed, for tows that follow it.
+    pings : (n,) int64
+        Ping numbers, from 0.
+
+    Returns
+    -------
+    Poses
+        Each a function of the scene and its number alone.
+
+    Raises
+    ------
+    SceneError
+        If a recorded motion cannot be read.
+    """
+    line, known = line_at(scene, pings), recorded_at(scene, pings)
+    zero = np.zeros(line.x.shape)
+    sway = _swing(scene, Sway, pings)
+    return Poses(
+        x=line.x - sway * np.sin(line.heading),
+        y=line.y + sway * np.cos(line.heading),
+        z=_height(scene, ground, line, pings) + _swing(scene, Heave, pings),
+        heading=line.heading + np.radians(_swing(scene, Yaw, pings)),
+        pitch=known.get("pitch", zero) + np.radians(_swing(scene, Pitch, pings)),
+        roll=known.get("roll", zero) + np.radians(_swing(scene, Roll, pings)),
+    )
+
+
+def take(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
+    """Return some of the poses."""
+    return Poses(*(np.ascontiguousarray(column[places]) for column in poses))
+
+
+def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Height of the bed under the line as a fish can follow it: a mean over one altitude to either side.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose track it is.
+    ground : AnyGround
+        The bed.
+    pings : (n,) int64
+        Ping numbers.
+
+    Returns
+    -------
+    (n,) float64
+        Metres above the datum, continuous along the line: a raised cosine weighs the bed, and where there is none the
+        nearest stands for it.
+    """
+    share = np.arange(1 - SAMPLES, SAMPLES) / SAMPLES
+    weight = (1.0 + np.cos(math.pi * share)) / (2.0 * SAMPLES)
+    # Of a track that goes by depth over a measured bed, the altitude is only known here.
+    reach = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed
+    numbers = np.asarray(pings, dtype=np.float64)
+    parts = np.array_split(numbers, math.ceil(max(numbers.size, 1) / TOGETHER))
+    lines = (line_at(scene, part[:, None] + reach * share) for part in parts)
+    return np.concatenate([ground.height_near(line.x, line.y) @ weight for line in lines])
+
+
+def _height(scene: Scene, ground: AnyGround, line: Line, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Heights of the sonar above the datum, but for its heave."""
+    known = recorded_at(scene, pings)
+    if "depth" in known:
+        return -known["depth"] - ground.datum
+    if "altitude" in known:
+        return ground.height_near(line.x, line.y) + known["altitude"]
+    height = np.full(line.x.shape, sonar_height(scene, ground))
+    return height + bed_beneath(scene, ground, pings) if scene.track.terrain_following else height
+
+
+def _swing(scene: Scene, kind: type[Oscillation], pings: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Sum of the motions of one kind, in their own unit."""
+    time = np.asarray(pings, dtype=np.float64) / scene.sonar.ping_rate
+    swing = np.zeros(time.shape)
+    for motion in scene.track.motions:
+        if isinstance(motion, kind):
+            # Whole periods go first, so that the sine is as exact far along the tow.
+            turns = np.remainder(time / motion.period, 1.0) + motion.phase / 360.0
+            swing += motion.amplitude * np.sin(2.0 * math.pi * turns)
+    return swing

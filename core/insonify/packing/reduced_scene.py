@@ -1,0 +1,54 @@
+"""A problem less what is not modelled."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.types import Bed, SceneArrays, Solids
+from insonify.kernels.geometry.bvh import make_mesh
+from insonify.scene.surface import WAYS
+
+
+def lessened(
+    arrays: SceneArrays, *, bed: Bed, ways: Collection[str], bounces: int, targets: Collection[int]
+) -> SceneArrays:
+    """Leave out what is not modelled.
+
+    Parameters
+    ----------
+    problem : Problem
+        With all that the scene declares.
+    bed : Bed
+        With as many nodes as are modelled.
+    ways : collection of str
+        Ways by the sea surface that are heard.
+    bounces : int
+        Mirror-like bounces followed.
+    targets : collection of int
+        Targets that are there, by their places in the scene; the others leave their numbers behind.
+
+    Returns
+    -------
+    Problem
+    """
+    ghosts = arrays.ghosts
+    heard: dict[str, Any] = {way: getattr(ghosts, way) and way in ways for way in WAYS}
+    arrays = arrays._replace(ghosts=ghosts._replace(heard=any(heard.values()), **heard), bounces=bounces, bed=bed)
+    kept = np.asarray(sorted(targets), dtype=np.int64)
+    return _without_others(arrays, np.isin(arrays.solids.target, kept), np.isin(arrays.mesh.target, kept))
+
+
+def _without_others(arrays: SceneArrays, solids: NDArray[np.bool_], triangles: NDArray[np.bool_]) -> SceneArrays:
+    """Keep some bodies and triangles."""
+    if solids.all() and triangles.all():
+        return arrays
+    mesh = arrays.mesh
+    columns: list[Any] = [column[solids] for column in arrays.solids]
+    return arrays._replace(
+        solids=Solids(*columns),
+        mesh=make_mesh(mesh.corners[triangles], mesh.material[triangles], mesh.target[triangles]),
+    )

@@ -1,0 +1,32 @@
+"""Attitudes: which way a body's bow, port side and top point."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.packing.track import exact_cos
+
+
+def rotation(heading: float, pitch: float, roll: float) -> NDArray[np.float64]:
+    """Turn a body first by its heading about z, then by its pitch, then by its roll, each about its own turned axes.
+
+    Parameters
+    ----------
+    heading : float
+        Degrees counter-clockwise from +x.
+    pitch : float
+        Degrees, bow up.
+    roll : float
+        Degrees, port side up.
+
+    Returns
+    -------
+    (3, 3) float64
+        Its columns are the world directions of the body's bow, port side and top: R = Rz(heading) Ry(−pitch) Rx(roll).
+    """
+    (ch, sh), (cp, sp), (cr, sr) = ((exact_cos(a), exact_cos(a - 90.0)) for a in (heading, pitch, roll))
+    about_z = np.array([[ch, -sh, 0.0], [sh, ch, 0.0], [0.0, 0.0, 1.0]])
+    bow_up = np.array([[cp, 0.0, -sp], [0.0, 1.0, 0.0], [sp, 0.0, cp]])
+    port_up = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
+    return about_z @ bow_up @ port_up

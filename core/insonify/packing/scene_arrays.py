@@ -1,0 +1,90 @@
+"""The border between declarations and kernels: a scene becomes arrays and numbers, here and nowhere else."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.absorption import absorption_coefficient
+from insonify.acoustics.beam_patterns import make_pattern
+from insonify.acoustics.sea_surface import make_ghosts
+from insonify.acoustics.water import make_water, recording_speed
+from insonify.kernels.common.types import LIGHT, SONAR, Bed, SceneArrays
+from insonify.packing.navigation import sonar_height
+from insonify.packing.targets import make_bodies
+from insonify.scene import Scene
+from insonify.terrain import AnyGround, EndlessGround, Ground
+
+STRIP = 8  # rows turned at once
+
+
+def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
+    """Pack a scene and its ground for the tracers; of endless ground a window takes the bed's place for every ping.
+
+    Raises
+    ------
+    SceneError
+        If a target lies where there is no bed to carry it, a cast cannot be read, or the water's speed or the bed's
+        spacing leaves the pings, the pulse or the range no room.
+    """
+    solids, mesh, reflectivities = make_bodies(scene, ground)
+    sonar = scene.sonar
+    bed = make_bed(ground.around(scene.track.start, 0.0))
+    water = make_water(scene, ground.datum, -math.inf if isinstance(ground, EndlessGround) else bed.low)
+    sonar.refuse_haste(water.reference)
+    sonar.refuse_long_pulse(water.reference)
+    scene.refuse_long_slices(bed.spacing)
+    half_width, pattern = make_pattern(scene, water.reference)
+    bin_length = sonar.range / sonar.bins / (recording_speed(scene, ground.datum) / water.reference)
+    centres = (np.arange(sonar.bins, dtype=np.float64) + 0.5) * np.float64(bin_length)
+    return SceneArrays(
+        bed=bed,
+        solids=solids,
+        mesh=mesh,
+        reflectivity=np.array([row[:3] for row in reflectivities], dtype=np.float64),
+        interface=np.array([(row.reflection, row.speed_ratio) for row in reflectivities], dtype=np.float64),
+        law=SONAR if sonar.law == "sonar" else LIGHT,
+        half_width=half_width,
+        pattern=pattern,
+        bins=sonar.bins,
+        bin_length=bin_length,
+        range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),
+        bounces=sonar.bounces,
+        water=water,
+        ghosts=make_ghosts(scene.water.surface),
+    )
+
+
+def make_bed(ground: Ground) -> Bed:
+    """Lay a ground's heights out for the kernels, both ways round."""
+    heights = np.ascontiguousarray(ground.heights, dtype=np.float32)
+    return Bed(
+        heights=heights,
+        transposed=_transposed(heights),
+        materials=np.ascontiguousarray(ground.materials, dtype=np.uint8),
+        x0=float(ground.x0),
+        y0=float(ground.y0),
+        spacing=float(ground.spacing),
+        periodic=bool(ground.periodic),
+        low=float(np.fmin.reduce(heights, axis=None)),
+        high=float(np.fmax.reduce(heights, axis=None)),
+        mapped=len(ground.reflectivities) > 1,
+    )
+
+
+def _transposed(heights: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Copy with the axes exchanged, strip by strip: six times as fast as row by row, which misses the cache."""
+    ny, nx = heights.shape
+    turned = np.empty((nx, ny), dtype=heights.dtype)
+    for first in range(0, ny, STRIP):
+        turned[:, first : first + STRIP] = heights[first : first + STRIP].T
+    return turned
+
+
+def range_factor(scene: Scene, slant_range: NDArray[np.float64], depth: float) -> NDArray[np.float64]:
+    """Two-way spreading r⁻⁴ (law `sonar`; the light of law `light` does not spread) and absorption."""
+    loss = absorption_coefficient(scene.water.absorption, scene.sonar.frequency, abs(depth))
+    factor = np.exp(-4.0 * loss * slant_range)  # intensity, there and back
+    return factor / slant_range**4 if scene.sonar.law == "sonar" else factor

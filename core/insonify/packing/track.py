@@ -1,0 +1,189 @@
+"""The line of a tow: straight, bent by turns, or recorded; in closed form, so that no ping needs those before it."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.io.navigation import RecordedTow, read_tow
+from insonify.scene import Scene, SceneError
+from insonify.scene.files import file_version
+from insonify.scene.motion import Recorded, Turn
+from insonify.scene.track import Track
+
+Column = NDArray[np.float64]
+STRAIGHT = 1e-30  # rad/m, below which no bend shows over any tow
+ANGLES = ("heading", "pitch", "roll")
+
+
+class Line(NamedTuple):
+    """Where a tow leads.
+
+    Attributes
+    ----------
+    x, y : float64 arrays
+        Local coordinates in metres.
+    heading : float64 array
+        Radians counter-clockwise from +x.
+    """
+
+    x: Column
+    y: Column
+    heading: Column
+
+
+def line_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> Line:
+    """Follow the line of a tow, without what the fish does about it.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose track it is.
+    pings : array
+        Ping numbers of any shape, also between pings and before the first.
+    """
+    track = scene.track
+    line = _bent(track, np.asarray(pings, dtype=np.float64) * (track.speed / scene.sonar.ping_rate))
+    known = recorded_at(scene, pings)
+    return Line(known.get("x", line.x), known.get("y", line.y), known.get("heading", line.heading))
+
+
+class _Pieces(NamedTuple):
+    """Successive arcs; each begins where the last one ends."""
+
+    begin: Column  # (k,) metres along the line
+    x: Column
+    y: Column
+    heading: Column  # degrees
+    curvature: Column  # rad/m, to port
+    cos: Column  # of the heading, exact on the axes
+    sin: Column
+
+
+def _bent(track: Track, along: Column) -> Line:
+    """Go so many metres along the line with its turns."""
+    pieces = _pieces(track)
+    at = np.maximum(np.searchsorted(pieces.begin, along, side="right") - 1, 0)
+    x, y, heading, curvature = pieces.x[at], pieces.y[at], pieces.heading[at], pieces.curvature[at]
+    beyond = along - pieces.begin[at]
+    # The chord of an arc through the angle 2a is 2 sin(a) / curvature long and lies at a to its beginning.
+    # Whole circles go first, so that it is as exact far along the tow.
+    half = np.fmod(0.5 * curvature * beyond, 2.0 * math.pi)
+    curved = np.abs(curvature) > STRAIGHT
+    chord = np.where(curved, 2.0 * np.sin(half) / np.where(curved, curvature, 1.0), beyond)
+    way = np.radians(heading) + half
+    return Line(
+        x=x + np.where(curved, np.cos(way), pieces.cos[at]) * chord,
+        y=y + np.where(curved, np.sin(way), pieces.sin[at]) * chord,
+        heading=np.radians(heading) + curvature * beyond,
+    )
+
+
+@lru_cache(maxsize=16)
+def _pieces(track: Track) -> _Pieces:
+    """Cut a line where a turn begins or ends; turns that overlap add up."""
+    turns = [motion for motion in track.motions if isinstance(motion, Turn) and motion.rate]
+    changes = [(turn.begin, turn.rate) for turn in turns]
+    changes += [(turn.begin + turn.duration, -turn.rate) for turn in turns]
+    times = sorted({0.0, *(time for time, _ in changes)})
+    rates = [math.fsum(rate for time, rate in changes if time <= began) for began in times]
+    rows = [(0.0, *track.start, track.heading, math.radians(rates[0]) / track.speed)]
+    for time, rate in zip(times[1:], rates[1:]):
+        began, x, y, heading, curvature = rows[-1]
+        along = time * track.speed
+        half = 0.5 * curvature * (along - began)
+        chord = 2.0 * math.sin(half) / curvature if abs(curvature) > STRAIGHT else along - began
+        way = heading + math.degrees(half)
+        end = (along, x + exact_cos(way) * chord, y + exact_cos(way - 90.0) * chord, heading + math.degrees(2.0 * half))
+        rows.append((*end, math.radians(rate) / track.speed))
+    columns = np.array(rows).T
+    cosines = [[exact_cos(heading - turned) for heading in columns[3]] for turned in (0.0, 90.0)]
+    return _Pieces(*columns, *np.array(cosines))
+
+
+def exact_cos(degrees: float) -> float:
+    """Cosine that is exactly 0 or ±1 on the axes, so that a track along the grid stays on it."""
+    quarter = degrees / 90.0
+    return (1.0, 0.0, -1.0, 0.0)[int(quarter) % 4] if quarter == int(quarter) else math.cos(math.radians(degrees))
+
+
+def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> dict[str, Column]:
+    """Interpolate what recorded files say of the fish; its first row is the first ping.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose track it is.
+    pings : array
+        Ping numbers of any shape.
+
+    Returns
+    -------
+    dict of str to array
+        Any of x, y, depth, altitude in metres, heading, pitch, roll in radians. After the last row the tow goes on
+        along its last heading at the speed of the track.
+
+    Raises
+    ------
+    SceneError
+        If a file cannot be read, or two parts of the scene have a say in one thing.
+    """
+    track = scene.track
+    paths = [motion.path for motion in track.motions if isinstance(motion, Recorded)]
+    if not paths:
+        return {}
+    time = np.asarray(pings, dtype=np.float64) / scene.sonar.ping_rate
+    known: dict[str, Column] = {}
+    for path in paths:
+        tow = _kept_tow(path, file_version(path))
+        both = sorted(known.keys() & tow.columns.keys())
+        if both:
+            raise SceneError(f"track.motion.of: {path!r} gives {both[0]} a second time; leave it out of one file")
+        known |= _at(tow, time, track.speed)
+    _refuse_a_second_say(track, known)
+    return known
+
+
+def _at(tow: RecordedTow, time: Column, speed: float) -> dict[str, Column]:
+    known = {
+        name: np.interp(time, tow.time, np.radians(np.unwrap(values, period=360.0)) if name in ANGLES else values)
+        for name, values in tow.columns.items()
+    }
+    if "x" in known:
+        onward, last = speed * np.maximum(time - tow.time[-1], 0.0), math.radians(float(tow.columns["heading"][-1]))
+        known["x"] = known["x"] + math.cos(last) * onward
+        known["y"] = known["y"] + math.sin(last) * onward
+    return known
+
+
+@lru_cache(maxsize=4)
+def _kept_tow(path: str, version: tuple[int, int]) -> RecordedTow:
+    del version  # part of the key alone: a file written anew is read anew
+    tow = read_tow(path)
+    if "x" not in tow.columns or "heading" in tow.columns:
+        return tow
+    return RecordedTow(tow.time, {**tow.columns, "heading": _course(tow)})
+
+
+def _course(tow: RecordedTow) -> Column:
+    """Direction from place to place in degrees, for files that do not say where the fish heads."""
+    east, north = (np.gradient(tow.columns[name], tow.time) for name in ("x", "y"))
+    moving = (east != 0.0) | (north != 0.0)
+    # At rest it heads where it last went, or will go first.
+    last = np.maximum.accumulate(np.where(moving, np.arange(moving.size), int(moving.argmax())))
+    return np.degrees(np.arctan2(north, east))[last]
+
+
+def _refuse_a_second_say(track: Track, known: dict[str, Column]) -> None:
+    if "x" in known and any(isinstance(motion, Turn) for motion in track.motions):
+        raise SceneError(
+            "track.motion.of: a turn has no say where a recorded file gives x and y; leave one of them out"
+        )
+    if track.terrain_following and ("depth" in known or "altitude" in known):
+        raise SceneError(
+            "track.terrain_following: has no say where a recorded file gives the depth; leave one of them out"
+        )

@@ -1,0 +1,67 @@
+"""Ways to model a scene, what each costs, and the settings of its tracer."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from insonify.planning import laws
+from insonify.planning.scene_summary import View
+
+
+class Draft(NamedTuple):
+    """One way to model a scene."""
+
+    method: str
+    planes: int = 1
+    rays: int = 0  # per side; of a sweep, of the pings whose sound folds
+    step: float = 0.0  # m, of a march
+    every: int = 1  # of so many nodes of the relief one is kept
+    bent: bool = False
+    bounces: int = 0
+    targets: tuple[int, ...] = ()  # modelled
+    ways: frozenset[str] = frozenset()  # by the sea surface
+
+    def settings(self) -> dict[str, Any]:
+        """Return what the tracer is called with."""
+        if self.method == "march":
+            return {"step": self.step, "rays": self.rays}
+        if self.method == "rays":
+            return {"rays": self.rays}
+        return {"planes": self.planes} | ({"rays": self.rays} if self.bent else {})
+
+
+def cost(view: View, draft: Draft) -> float:
+    """Predict what a ping costs, both sides on one thread, in seconds of the machine of the laws."""
+    return sum(laws.SECONDS[name] * amount for name, amount in amounts(view, draft).items())
+
+
+def amounts(view: View, draft: Draft) -> dict[str, float]:
+    """Count what a ping is made of, by the names of the laws of cost."""
+    counts = {"ping": 1.0, "bin": 2.0 * view.bins}
+    ways = len(draft.ways)
+    if draft.method != "sweep":
+        rays = 2.0 * draft.rays * (1.0 + ways) * (1.0 + draft.bounces)
+        steps = rays * view.reach / draft.step if draft.method == "march" else 0.0
+        return counts | {"bent ray" if draft.bent else "ray": rays, "step": steps}
+    planes, knots = _profiles(view, draft, laws.PROFILES)
+    of_ways = _profiles(view, draft, laws.PROFILES_OF_WAYS)
+    met = 2.0 * draft.planes * len(draft.targets)
+    return counts | {
+        "plane": planes,
+        "knot": knots,
+        "aslant knot": knots * view.aslant,
+        "bent knot": knots if draft.bent else 0.0,
+        "target": met,
+        "way's plane": of_ways[0] * ways,
+        "way's knot": of_ways[1] * ways,
+        "way's aslant knot": of_ways[1] * ways * view.aslant,
+        "way's target": met * ways,
+    }
+
+
+def _profiles(view: View, draft: Draft, as_many: dict[str, tuple[float, float, float]]) -> tuple[float, float]:
+    """Profiles of a ping, and knots of all of them, with those of its near field and its sidelobes as whole ones."""
+    each, few, near = as_many[view.pattern]
+    whole = 1.0 if draft.planes == 1 else each * draft.planes + few + near * min(view.altitude / view.reach, 1.0)
+    looked_up = laws.LOOKED_UP if view.pattern in laws.TABLED else 1.0
+    return 2.0 * whole, 2.0 * whole * looked_up * view.ground / (view.spacing * draft.every)

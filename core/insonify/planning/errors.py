@@ -1,0 +1,161 @@
+"""Predicted errors of everything that a plan may choose, for one scene."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.beam_patterns import is_patterned
+from insonify.acoustics.straightness import bending_of
+from insonify.planning import laws
+from insonify.planning.bed_errors import Echo, echo_of
+from insonify.planning.candidates import Draft
+from insonify.planning.multipath_errors import Ghosts
+from insonify.planning.plane_count import Demand, Planes, among_counts, error_of_rays, target_demand
+from insonify.planning.relevance import height_of_echoes, targets_in_reach, ways_in_reach
+from insonify.planning.scene_summary import View
+from insonify.scene import Scene
+from insonify.scene.materials import Material
+from insonify.scene.receiver import Coherent
+from insonify.scene.reliefs import Flat
+from insonify.scene.sonar import Knife
+from insonify.scene.surface import WAYS
+
+Field = NDArray[np.float64]
+
+
+class Errors:
+    """Errors by choice, as shares of the record beyond 1.4 altitudes.
+
+    Parameters
+    ----------
+    scene : Scene
+    view : View
+        Its lengths.
+    silent : frozenset of str
+        Ways by the sea surface that are not wanted.
+
+    Raises
+    ------
+    SceneError
+        If a file that the scene names cannot be read.
+    """
+
+    def __init__(self, scene: Scene, view: View, silent: frozenset[str] = frozenset()) -> None:
+        self._scene, self._view, self._silent = scene, view, silent
+        self.bending = bending_of(scene)
+        self.targets = targets_in_reach(scene)
+        self.far_targets = tuple(k for k in range(len(scene.targets)) if k not in self.targets)
+        self.ways = ways_in_reach(scene)
+        self._planes: dict[frozenset[str], Planes] = {}
+        self._thinned: dict[tuple[int, frozenset[str]], Field] = {}
+
+    @cached_property
+    def echo(self) -> Echo:
+        """Spectrum of the bed's echo."""
+        return echo_of(self._view, self._scene.seabed, self._scene.track.heading)
+
+    @cached_property
+    def heard(self) -> frozenset[str]:
+        """Ways by the sea surface whose echoes may come within the range."""
+        scene = self._scene
+        late = {way: first for way, first in self.ways.items() if first > scene.sonar.range}
+        sooner = height_of_echoes(scene, self.echo.rms_height) if late else {}
+        heard = (way for way in self.ways if way not in late or late[way] - sooner[way] <= scene.sonar.range)
+        return frozenset(heard) - self._silent
+
+    @cached_property
+    def ghosts(self) -> Ghosts:
+        """Levels of those."""
+        ways = [way for way in WAYS if way in self.heard and way != "surface_echo"]
+        return Ghosts(self._scene, self._view, ways, self.echo.steepness if ways else 0.0)
+
+    @cached_property
+    def demand(self) -> Demand:
+        """What the targets in reach ask of planes."""
+        if isinstance(self._scene.sonar.beam, Knife) or not self.targets:
+            return Demand(0.0)
+        return target_demand(self._scene, self._view, self.targets, self.echo.square)
+
+    def planes(self, ways: frozenset[str]) -> Planes:
+        """Errors of planes, where so many ways are modelled."""
+        if ways not in self._planes:
+            bed = np.zeros(len(laws.COUNTS))
+            if not isinstance(self._scene.sonar.beam, Knife):
+                bed = self.echo.of_planes()
+                if self._louder(ways):
+                    bed = np.hypot(self.ghosts.direct * bed, self.ghosts.of_planes())
+            if isinstance(self._scene.receiver.speckle, Coherent):
+                bed[0] = 1.0  # scatterers are heard one by one, each in the part of the beam where it lies
+            most = laws.MOST_OF_PATTERNS if is_patterned(self._scene) else laws.MOST_PLANES
+            self._planes[ways] = Planes(bed, self.demand, most)
+        return self._planes[ways]
+
+    def _louder(self, ways: frozenset[str]) -> bool:
+        """Tell whether bed and targets are heard by any of some ways."""
+        return bool((ways & self.heard) - {"surface_echo"})
+
+    @cached_property
+    def straight(self) -> float:
+        """Error of sound taken to go straight."""
+        if self.bending.most == 0.0:
+            return 0.0
+        error = self.echo.of_shift(self.bending)
+        if self._scene.targets:
+            error = math.hypot(error, min(self.bending.shift / self._view.bin_length, 1.0))
+        return min(error, 1.0)
+
+    def thinned(self, every: int, ways: frozenset[str]) -> Field:
+        """Error of a bed of every so many nodes, by each of ``laws.COUNTS`` planes."""
+        if (every, ways) not in self._thinned:
+            error = self.echo.of_thinning(every)
+            if every > 1 and self.targets:
+                # Targets rest on the bed that is left, and their echoes come from where that lets them.
+                error = np.hypot(error, laws.TARGETS_LOST * self.echo.height_lost(every) / self._view.bin_length)
+            if every > 1 and self._louder(ways):
+                error = np.hypot(error, self.ghosts.of_cells(every * self._view.spacing, self.echo.height_lost(every)))
+            self._thinned[every, ways] = error
+        return self._thinned[every, ways]
+
+    @cached_property
+    def bounced(self) -> float:
+        """Error of leaving out what goes on after the first echo; none where nothing is there to be met again."""
+        scene = self._scene
+        if isinstance(scene.seabed.relief, Flat) and not scene.targets:
+            return 0.0
+        material = scene.seabed.material
+        of = [*((material,) if isinstance(material, Material) else material.of), *(t.material for t in scene.targets)]
+        return min(laws.BOUNCED * max(one.reflectivity.reflection for one in of) ** 2, 1.0)
+
+    def tracer(self, draft: Draft) -> float:
+        """Error of the tracer itself, however many planes it has; of single rays by their number."""
+        if draft.method == "rays":
+            return error_of_rays(self._scene, draft.rays)
+        if draft.method == "march":
+            return laws.MARCH * (draft.step / self._view.spacing) ** laws.MARCH_ORDER
+        return laws.SWEEP_TARGETS if draft.targets else laws.SWEEP
+
+    def left_out(self, draft: Draft) -> dict[str, float]:
+        """Error of what a draft leaves out, by subject."""
+        return {
+            "bending": 0.0 if draft.bent else self.straight,
+            "spacing": among_counts(self.thinned(draft.every, draft.ways), draft.planes),
+            "ways": self._unheard(draft.ways),
+            "bounces": self.bounced if draft.bounces < self._scene.sonar.bounces else 0.0,
+        }
+
+    def _unheard(self, ways: frozenset[str]) -> float:
+        """Error of leaving out all ways but some."""
+        missed = self.heard - ways - {"surface_echo"}
+        return min(sum(self.ghosts.shares[way] for way in missed), 1.0) if missed else 0.0
+
+    def wary(self, draft: Draft) -> float:
+        """Error of all that a draft chooses, with the margin by which a scene may differ from the others."""
+        margins = {"spacing": laws.MARGIN_OF_NODES, "ways": laws.MARGIN_OF_WAYS}
+        parts = [margins.get(subject, laws.MARGIN) * error for subject, error in self.left_out(draft).items()]
+        if draft.method == "sweep":
+            parts.append(self.planes(draft.ways).wary(draft.planes) if draft.planes in laws.COUNTS else 0.0)
+        return math.hypot(*parts)

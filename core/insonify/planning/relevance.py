@@ -1,0 +1,81 @@
+"""What lies out of reach of every ping, and is left out without any error."""
+
+from __future__ import annotations
+
+import math
+
+from insonify.acoustics.sea_surface import rms_height
+from insonify.planning.target_errors import place_of, solid_of
+from insonify.scene import Scene
+from insonify.scene.motion import Heave, Pitch, Roll, Straight, Sway, Yaw
+from insonify.scene.reliefs import Dem
+from insonify.scene.surface import WAYS, RoughSurface
+from insonify.scene.targets import AnyTarget, Box, Cone, MeshFile, Pipe
+
+FARTHER = 1.1  # bent sound may go farther in the time of a slant range
+HIGHEST = 5.0  # rms heights, of a bed and of waves
+
+
+def targets_in_reach(scene: Scene) -> tuple[int, ...]:
+    """Return the targets that some ping of a tow without end may hear; all of them where the tow is no line."""
+    track = scene.track
+    motions = getattr(track.motion, "of", (track.motion,))
+    if not all(isinstance(motion, (Straight, Heave, Pitch, Roll, Yaw, Sway)) for motion in motions):
+        return tuple(range(len(scene.targets)))
+    strayed = sum(motion.amplitude for motion in motions if isinstance(motion, Sway))
+    reach = FARTHER * scene.sonar.range + strayed
+    return tuple(k for k, target in enumerate(scene.targets) if _distance(scene, target) <= reach + size_of(target, k))
+
+
+def _distance(scene: Scene, target: AnyTarget) -> float:
+    """Level distance of a target's place from the line of the tow, that goes on for ever from its start."""
+    along, athwart = place_of(scene, target)
+    return math.hypot(min(along, 0.0), athwart)
+
+
+def size_of(target: AnyTarget, number: int) -> float:
+    """Radius of a ball that holds a target, in metres; its number tells which it is should its file be wrong."""
+    if isinstance(target, Pipe):
+        return math.hypot(target.length / 2.0, target.radius)
+    if isinstance(target, Box):
+        return math.hypot(*target.size) / 2.0
+    if isinstance(target, Cone):
+        return math.hypot(target.radius, target.height / 2.0)
+    if isinstance(target, MeshFile):
+        return target.scale * math.hypot(*solid_of(target, number).size) / 2.0
+    return target.radius
+
+
+def ways_in_reach(scene: Scene) -> dict[str, float]:
+    """Return the ways by the sea surface that a scene declares, and the slant range of the first echo of each, m."""
+    surface, altitude = scene.water.surface, scene.altitude
+    depth = scene.seabed.depth - altitude
+    first = {
+        "surface_bottom": depth + altitude,
+        "surface_bottom_surface": 2.0 * depth + altitude,
+        "second_bottom": 2.0 * altitude + depth,
+        "surface_echo": depth,
+    }
+    return {way: first[way] for way in WAYS if getattr(surface, way, False)}
+
+
+def height_of_echoes(scene: Scene, rms_bed: float) -> dict[str, float]:
+    """Return by how much of slant range the first echo of each way may come sooner than over a level bed, in metres.
+
+    Parameters
+    ----------
+    scene : Scene
+    rms_bed : float
+        Rms height of the bed, in metres.
+    """
+    surface = scene.water.surface
+    waves = HIGHEST * rms_height(surface.wind_speed) if isinstance(surface, RoughSurface) else 0.0
+    # A measured bed may lie at any depth.
+    bed = math.inf if isinstance(scene.seabed.relief, Dem) else HIGHEST * rms_bed
+    bed += max((2.0 * size_of(target, k) for k, target in enumerate(scene.targets)), default=0.0)
+    return {
+        "surface_bottom": bed + waves,
+        "surface_bottom_surface": bed + 2.0 * waves,
+        "second_bottom": 3.0 * bed + waves,
+        "surface_echo": waves,
+    }

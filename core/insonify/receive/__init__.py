@@ -1,5 +1,0 @@
-"""The receiver: from what a tracer hears to what the record shows."""
-
-from insonify.receive.reception import Reception, make_reception, receive
-
-__all__ = ["Reception", "make_reception", "receive"]

@@ -1,0 +1,85 @@
+"""Levels: reverberation, ambient noise and time-varied gain, as mean intensities and factors of every bin."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.absorption import NEPER_PER_DB, absorption_coefficient
+from insonify.acoustics.resolution_cell import bin_centres, surface_echo, volume_echo
+from insonify.kernels.common.types import SceneArrays
+from insonify.scene import Scene
+from insonify.scene.receiver import (
+    AmbientNoise,
+    NoTvg,
+    Reverberation,
+    SurfaceReverberation,
+    VolumeReverberation,
+    WholeReverberation,
+)
+
+Curve = NDArray[np.float64]
+SMALLEST = float(np.finfo(np.float32).tiny)  # the floor of a record without noise
+MOST = 330.0  # dB by which source and gain together may lift an echo: float32 ends at 385
+
+
+def power(level: float) -> float:
+    """Turn decibels into a ratio of powers."""
+    return float(10.0 ** (level / 10.0))
+
+
+def reverberation(declared: Reverberation, arrays: SceneArrays, altitude: float, depth: float) -> Curve:
+    """Mean echo of the water and its surface for a pulse of one bin, (bins,); zero where nothing of it is declared."""
+    echo = np.zeros(arrays.bins)
+    if isinstance(declared, (VolumeReverberation, WholeReverberation)):
+        echo += power(declared.volume_strength) * volume_echo(arrays, altitude, depth)
+    if isinstance(declared, (SurfaceReverberation, WholeReverberation)):
+        echo += power(declared.surface_strength) * surface_echo(arrays, depth)
+    return echo
+
+
+def noise_level(scene: Scene) -> float:
+    """Mean intensity of the noise, before the time-varied gain."""
+    declared = scene.receiver.noise
+    return power(declared.level) if isinstance(declared, AmbientNoise) else 0.0
+
+
+def crosstalk(scene: Scene) -> float:
+    """Share of its energy with which each side's echo is heard on the other."""
+    level = scene.receiver.crosstalk
+    return 0.0 if level is None else power(level)
+
+
+def time_varied_gain(scene: Scene, arrays: SceneArrays, echo: Curve, noise: float, depth: float) -> Curve:
+    """Gain of every bin.
+
+    Parameters
+    ----------
+    scene : Scene
+    problem : Problem
+    echo : (bins,) float64
+        Of a level bed that scatters all that arrives, as it reaches the receiver.
+    noise : float
+        Mean intensity of the noise.
+    depth : float
+        Of the sonar, in metres.
+
+    Returns
+    -------
+    (bins,) float64
+        10^((spreading · log₁₀ r + 2αr)/10), r in metres and α in dB/m, as far as that echo stands above the noise;
+        farther out the gain stays as it is there, for it would lift nothing but noise. With the source it lifts by no
+        more than `MOST`.
+    """
+    declared = scene.receiver.tvg
+    if isinstance(declared, NoTvg):
+        return np.ones(arrays.bins)
+    r = bin_centres(arrays)
+    if declared.absorption is None:
+        loss = absorption_coefficient(scene.water.absorption, scene.sonar.frequency, abs(depth))
+    else:
+        loss = declared.absorption * NEPER_PER_DB / 1e3
+    heard = np.flatnonzero(echo > max(noise, SMALLEST))
+    r = np.minimum(r, r[heard[-1]] if heard.size else r[0])
+    decibels = declared.spreading * np.log10(r) + 2.0 * loss / NEPER_PER_DB * r
+    return np.asarray(10.0 ** (np.minimum(decibels, MOST - scene.receiver.source_level) / 10.0))

@@ -1,0 +1,90 @@
+"""Correlated random fields over pings and bins."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.speckle.random_fields import add_energy, weave, white_noise
+
+# ∫|ρ|² of noise smoothed by a triangle of half width 1: ρ is the cubic B-spline.
+TRIANGLE_INTERVAL = 151.0 / 140.0
+NARROWEST = 0.5  # pings; a triangle no wider than one ping's distance meets one ping alone
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """Exponential numbers of mean 1, a function of ping, side and bin alone.
+
+    Attributes
+    ----------
+    seed, stream : int
+        What they derive from; looks take the following streams.
+    taps : (m,) float32
+        Weights by which a bin hears noise of its own and of those before it; their squares sum to 1.
+    half_width : (m - 1 + bins,) float64
+        Of the triangle that smooths the noise along the track, in pings; of every bin, begun m - 1 bins early.
+    """
+
+    seed: int
+    stream: int
+    taps: NDArray[np.float32]
+    half_width: NDArray[np.float64]
+
+    def energies(self, pings: NDArray[np.int64], looks: int = 1) -> NDArray[np.float32]:
+        """Mean of so many independent exponential fields, (n, 2, bins)."""
+        bins = self.half_width.size - self.taps.size + 1
+        out = np.zeros((pings.size, 2, bins), np.float32)
+        for look in range(looks):
+            add_energy(*self._noise(pings, self.stream + look), self.taps, np.float32(1.0 / looks), out)
+        return out
+
+    def _noise(self, pings: NDArray[np.int64], stream: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Complex noise of variance 1, white along range, (n, 2, m - 1 + bins) each part."""
+        real, imaginary = (np.zeros((pings.size, 2, self.half_width.size), np.float32) for _ in range(2))
+        for spacing, band in self._bands():
+            wide = self.half_width[band]
+            # Between two and four nodes lie within the half width, so that no ping has more than eight.
+            start = np.ceil((pings - wide.max()) / spacing).astype(np.int64)
+            stop = np.floor((pings + wide.max()) / spacing).astype(np.int64)
+            ahead = np.arange(int((stop - start).max(initial=0)) + 1)
+            nodes = np.unique(start[:, None] + ahead)
+            shape = (nodes.size, 2, wide.size)
+            white_re, white_im = np.empty(shape, np.float32), np.empty(shape, np.float32)
+            first = band.start - self.taps.size + 1
+            white_noise(self.seed, stream, nodes, spacing.bit_length(), first, white_re, white_im)
+            per_bin = (1.0 / wide).astype(np.float32)
+            row = np.searchsorted(nodes, start)
+            weave(pings, spacing, nodes, row, per_bin, band.start, white_re, white_im, real, imaginary)
+        return real, imaginary
+
+    def _bands(self) -> list[tuple[int, slice]]:
+        """Find runs of bins that share a spacing of nodes, in pings."""
+        spacings = 2 ** np.floor(np.log2(np.maximum(0.5 * self.half_width, 1.0))).astype(np.int64)
+        edges = [0, *(np.flatnonzero(np.diff(spacings)) + 1).tolist(), spacings.size]
+        return [(int(spacings[low]), slice(low, high)) for low, high in pairwise(edges) if high > low]
+
+
+def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDArray[np.float64]) -> Field:
+    """Make a field of a given correlation.
+
+    Parameters
+    ----------
+    seed, stream : int
+        What it derives from.
+    taps : (m,) float64
+        From `insonify.acoustics.pulses.coherent_taps`.
+    interval : (bins,) float64
+        ∫|ρ|² along the track, in pings, where |ρ|² is the correlation of the energies; 1 and less is independent.
+        Of a few pings it is kept to some 5 %, for the triangle is sampled there.
+
+    Returns
+    -------
+    Field
+    """
+    wide = np.maximum(interval / TRIANGLE_INTERVAL, NARROWEST)
+    early = np.full(taps.size - 1, wide[0])
+    return Field(seed, stream, taps.astype(np.float32), np.concatenate([early, wide]))

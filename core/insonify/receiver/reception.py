@@ -1,0 +1,178 @@
+"""The way of an echo through the receiver, in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps
+from insonify.kernels.common.types import LIGHT, SceneArrays
+from insonify.kernels.receiver.pulse import lengthen
+from insonify.receiver.fluctuation import Fluctuation, make_fluctuation
+from insonify.receiver.levels import crosstalk, noise_level, power, reverberation, time_varied_gain
+from insonify.receiver.random_fields import Field, make_field
+from insonify.receiver.speckle import Speckle, make_speckle
+from insonify.scene import Scene
+from insonify.scene.receiver import Coherent
+
+NOISE_STREAM = 4000
+Record = NDArray[np.float32]
+Curve = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Reception:
+    """A scene's receiver, made ready for any of its pings.
+
+    Attributes
+    ----------
+    taps : Taps
+        Of the pulse.
+    reverberation : (bins,) float64
+        Mean intensity of what the water and its surface echo.
+    fluctuation, speckle : Fluctuation, Speckle or None
+        None where the scene has none.
+    coherent : bool
+        Whether what is traced has been through the pulse and is speckled already, scatterer by scatterer.
+    crosstalk : float
+        Share of its energy with which each side's echo is heard on the other.
+    source : float
+        Intensity of the source at 1 m.
+    noise : float
+        Mean intensity of the noise.
+    noise_field : Field
+        How it is distributed.
+    gain : (bins,) float64
+        Time-varied gain.
+    """
+
+    taps: Taps
+    reverberation: Curve
+    fluctuation: Fluctuation | None
+    speckle: Speckle | None
+    coherent: bool
+    crosstalk: float
+    source: float
+    noise: float
+    noise_field: Field
+    gain: Curve
+
+    def expected(self, echo: Curve) -> Curve:
+        """Mean record of an even bed whose every bin echoes so, (bins,): all but what the water does."""
+        return (echo * self.taps.weights.sum() * self.source + self.noise) * self.gain
+
+
+def make_reception(scene: Scene, arrays: SceneArrays, *, altitude: float, depth: float) -> Reception:
+    """Make a scene's receiver ready.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its pulse, receiver and seed apply.
+    problem : Problem
+        The scene as tracers take it.
+    altitude, depth : float
+        Height of the sonar above the mean bed, and its depth, in metres.
+
+    Returns
+    -------
+    Reception
+    """
+    speed, pulse = arrays.water.reference, scene.sonar.pulse
+    taps = pulse_taps(pulse, speed, arrays.bin_length)
+    if arrays.law == LIGHT:
+        # The paper's radiance stays what it is, however long the pulse.
+        taps = Taps(taps.weights / taps.weights.sum(), taps.before)
+    coherent = coherent_taps(pulse, speed, arrays.bin_length)
+    source, noise = power(scene.receiver.source_level), noise_level(scene)
+    echo = source * float(taps.weights.sum()) * flat_bed_curve(arrays, altitude)
+    water = reverberation(scene.receiver.reverberation, arrays, altitude, depth).astype(np.float32)
+    return Reception(
+        taps=taps,
+        reverberation=_through(taps, water[None, None])[0, 0].astype(np.float64),
+        fluctuation=make_fluctuation(scene, arrays),
+        speckle=make_speckle(scene, arrays),
+        coherent=isinstance(scene.receiver.speckle, Coherent),
+        crosstalk=crosstalk(scene),
+        source=source,
+        noise=noise,
+        noise_field=make_field(scene.seed, NOISE_STREAM, coherent, np.zeros(arrays.bins)),
+        gain=time_varied_gain(scene, arrays, echo, noise, depth),
+    )
+
+
+def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], spiky: Record | None = None) -> Record:
+    """Turn traced intensities into a record.
+
+    Parameters
+    ----------
+    reception : Reception
+        From `make_reception`.
+    traced : (n, 2, bins) float32
+        Intensity of an ideal pulse, or of scatterers that have interfered.
+    pings : (n,) int64
+        Their numbers.
+    spiky : (n, 2, bins) float32, optional
+        Likewise traced, each echo divided by the shape of its material's K speckle; the receiver's own shape holds
+        for all when left out.
+
+    Returns
+    -------
+    (n, 2, bins) float32
+        Intensity as received; the traced array itself where nothing applies.
+    """
+    record = _speckled(reception, traced, pings, spiky)
+    if reception.crosstalk > 0.0:
+        record = record + np.float32(reception.crosstalk) * record[:, ::-1]
+    if reception.fluctuation is not None:
+        record = record * reception.fluctuation.gains(pings)
+    if reception.source != 1.0:
+        record = record * np.float32(reception.source)
+    if reception.noise > 0.0:
+        record = record + np.float32(reception.noise) * reception.noise_field.energies(pings)
+    if (reception.gain != 1.0).any():
+        record = record * reception.gain.astype(np.float32)
+    return record
+
+
+def _speckled(reception: Reception, traced: Record, pings: NDArray[np.int64], spiky: Record | None) -> Record:
+    """Let the pulse lengthen every echo, and multiply what comes of it by speckle, unless waves have done both."""
+    if reception.coherent:
+        return _interfered(reception, traced, pings)
+    record = _delayed(reception, traced, pings)
+    if reception.speckle is None:
+        return record
+    inverse_shape: Record | None = None
+    if spiky is not None:
+        # The mean of 1/ν over what a bin hears.
+        weighted = _delayed(reception, spiky, pings, reception.speckle.inverse_shape)
+        inverse_shape = np.divide(weighted, record, out=np.zeros_like(record), where=record > 0.0)
+    return record * reception.speckle.factors(pings, inverse_shape)
+
+
+def _interfered(reception: Reception, traced: Record, pings: NDArray[np.int64]) -> Record:
+    """Add the energy of the water's own speckled echo, and let the water delay it all."""
+    record = traced
+    if reception.speckle is not None and reception.reverberation.any():
+        record = record + reception.reverberation.astype(np.float32) * reception.speckle.factors(pings)
+    return record if reception.fluctuation is None else reception.fluctuation.shifted(record, pings)
+
+
+def _through(taps: Taps, traced: Record) -> Record:
+    """Let every echo last as long as the pulse; ``traced`` itself for an ideal one."""
+    if taps.weights.size == 1:
+        return traced
+    record = np.zeros_like(traced)
+    lengthen(traced, taps.weights.astype(np.float32), taps.before, record)
+    return record
+
+
+def _delayed(reception: Reception, traced: Record, pings: NDArray[np.int64], share: float = 1.0) -> Record:
+    """Add to the pulse's echoes that share of the reverberation, and let the water delay it all."""
+    record = _through(reception.taps, traced)
+    if reception.reverberation.any():
+        record = record + (share * reception.reverberation).astype(np.float32)
+    return record if reception.fluctuation is None else reception.fluctuation.shifted(record, pings)

@@ -1,0 +1,318 @@
+"""Where the planes of a beam lie, what azimuths each stands for, and how far out it is heard."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.beam.azimuth_sector import FADING
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.sweep.sweep import LOWEST, Planes
+from insonify.packing.navigation import take
+
+FEW = 16  # planes; with more than these all that is rough about a fan's planes shrinks as they come closer
+# Up to where cos θ reaches 1 - FORESHORTENED the beam's cone is followed azimuth by azimuth; beyond it the inner planes
+# begin to stretch with it: a plane at azimuth φ stands for the beam direction φ cos θ.
+FORESHORTENED = 0.1
+SPLAY = 0.4  # of that, by which inner planes lie further out than the half width divided among them
+# From an outer wedge's beginning to its end, as a share: of the first, and at most. They grow from wedge to wedge, for
+# with many planes the first are about as narrow as the inner ones, and those nearer to the bow are heard in few bins.
+OUTER_GROWTH, MOST_GROWTH, WIDENING = 0.4, 1.2, 1.1
+# Nearer than twice the altitude planes may lie farther apart, for there a bin holds more of the bed: up to this share
+# of their number times their spacing.
+COARSER = 0.2
+SIDELOBE_STEP = 2.0  # spacing of the planes across sidelobes, in that of the main lobe
+SIDELOBE_GROWTH = 0.25  # and its growth, as a share of the distance from the main lobe, over a bed without targets
+HEIGHTS_PER_OCTAVE = 16.0  # to which heights are rounded up
+PITCH_STEP = 0.5  # to which pitches are rounded, in half widths of the main lobe
+AT_NADIR = 1e-9  # per metre of height: all but nadir itself is far field to a plane that stands for a whole fan
+GROUND_RANGES = 256  # at which the beam's azimuths are looked at
+
+
+def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDArray[np.int64], Planes]]:
+    """Lay the planes of a problem's beam.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    poses : Poses
+        Where the sonar is and how it lies.
+    planes : int
+        Planes across the main lobe; 1 for one that stands for the whole beam.
+
+    Returns
+    -------
+    list of ((m,) int64, Planes)
+        Pings that share their planes, by their places among the poses. Heights are rounded up and pitches to a part
+        of the beam, so that a ping's planes depend on the ping alone and a level tow needs one set.
+    """
+    if planes == 1 and arrays.half_width > 0.0:
+        return [(np.arange(poses.x.size), whole_beam(arrays))]
+    if not arrays.pattern.tabled or arrays.half_width <= 0.0:
+        return [(np.arange(poses.x.size), beam_planes(arrays.half_width, planes))]
+    step = PITCH_STEP * arrays.half_width
+    kinds, which = np.unique(
+        np.column_stack(
+            [
+                np.ceil(np.log2(np.maximum(poses.z - arrays.bed.low, LOWEST)) * HEIGHTS_PER_OCTAVE),
+                np.round(poses.pitch / step),
+                np.where(poses.pitch != 0.0, 0.5, 0.0),
+            ]
+        ),
+        axis=0,
+        return_inverse=True,
+    )
+    laid = []
+    for number, (height, pitch, spread) in enumerate(kinds):
+        pitches = step * np.unique([pitch - spread, pitch + spread])
+        if arrays.ghosts.heard and not arrays.pattern.two_way:
+            # What comes by the surface is heard if either way is in the beam, and its image is pitched the other way.
+            pitches = np.unique([*pitches, *-pitches])
+        beam = pattern_planes(arrays, planes, 2.0 ** (height / HEIGHTS_PER_OCTAVE), pitches)
+        laid.append((np.flatnonzero(which.ravel() == number), beam))
+    return laid
+
+
+def lay_planes_of_images(
+    arrays: SceneArrays, poses: Poses, planes: int
+) -> list[tuple[NDArray[np.int64], Planes, Planes]]:
+    """Lay the planes of the sonar and those of its image in the sea surface, a fish upside down.
+
+    Parameters
+    ----------
+    problem, poses, planes
+        As in `lay_planes`.
+
+    Returns
+    -------
+    list of ((m,) int64, Planes, Planes)
+        Likewise. Without a surface both are those of the sonar.
+    """
+    laid = lay_planes(arrays, poses, planes)
+    if not arrays.ghosts.heard:
+        return [(places, beam, beam) for places, beam in laid]
+    lifted = poses._replace(z=2.0 * arrays.water.surface - poses.z, pitch=-poses.pitch, roll=-poses.roll)
+    return [
+        (places[within], beam, of_image)
+        for places, beam in laid
+        for within, of_image in lay_planes(arrays, take(lifted, places), planes)
+    ]
+
+
+def whole_beam(arrays: SceneArrays) -> Planes:
+    """Lay one plane along the axis of a beam, to stand for all of it.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its beam applies.
+
+    Returns
+    -------
+    Planes
+        One on either side. Every range is as loud as the whole beam would make it over ground that is even along the
+        track; of what differs along the track within the beam, the plane tells nothing.
+    """
+    half, pattern = arrays.half_width, arrays.pattern
+    # s = cos θ sin φ, so that an integral over s is one over azimuths times cos θ cos φ, and x is r cos θ.
+    squint = math.asin(min(max(pattern.centre, -1.0), 1.0))
+    everything = (squint, -1.0, 1.0, 2.0 / max(math.cos(squint), 0.05), 0.0, math.inf, math.inf)
+    fan = (0.0, 0.0, math.sin(half), 2.0 * half, 2.0 * half, AT_NADIR, math.inf)
+    return Planes(*(np.array([value]) for value in (everything if pattern.tabled else fan)))
+
+
+def beam_planes(half_width: float, planes: int) -> Planes:
+    """Place the planes of a beam.
+
+    Parameters
+    ----------
+    half_width : float
+        Of the fan, in radians; 0 for a knife.
+    planes : int
+        Planes across the fan's far field. An odd one lies athwart, the others in pairs about it.
+
+    Returns
+    -------
+    Planes
+        Inner planes at equal steps across the beam, then outer ones in growing steps towards the bow and the stern:
+        near nadir a beam is a cone that takes in all azimuths. Each reaches only as far as the beam hears it; lengths
+        are per metre of the sonar's height above the lowest bed, so that every ping has planes of its own.
+    """
+    if half_width <= 0.0:
+        return Planes(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
+    s_beam = math.sin(half_width)
+    rough = min(FEW / planes, 1.0)
+    level = 1.0 - FORESHORTENED * rough * rough
+    near_field = level / math.sqrt(1.0 - level * level)
+    splayed = (1.0 + SPLAY * (1.0 - level)) * half_width
+    # On one hand; of an odd number of planes the first wedge is halved, and stands for both halves.
+    inner = np.append(0.0, splayed * np.arange(planes % 2 or 2, planes + 1, 2) / planes)
+    edges, growth = [math.sin(splayed)], OUTER_GROWTH * rough * rough
+    while edges[-1] < 1.0:
+        edges.append(min(1.0, edges[-1] * (1.0 + growth)))
+        growth = min(WIDENING * growth, MOST_GROWTH * rough)
+    azimuths = np.concatenate([inner, np.arcsin(edges[1:])])
+    low, high = np.sin(azimuths[:-1]), np.sin(azimuths[1:])
+    is_inner = np.arange(low.size) < inner.size - 1
+    # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer wedge by the height.
+    beyond = np.maximum(low**2 - s_beam**2, 1e-30)
+    # A little further, for the segment that crosses the border counts by its middle.
+    outer_reach = 1.02 * np.minimum(s_beam / np.sqrt(beyond), (1.0 + FADING) * near_field)
+    columns = (
+        0.5 * (azimuths[:-1] + azimuths[1:]),
+        low,
+        high,
+        np.diff(azimuths),
+        np.where(is_inner, 2.0 * half_width / planes, 0.0),
+        np.full(low.size, near_field),
+        np.where(is_inner, math.inf, outer_reach),
+    )
+    both = Planes(*(np.concatenate([column, column]) for column in columns))
+    both.azimuth[low.size :] *= -1.0
+    if planes % 2 == 0:
+        return both
+    both.azimuth[0], both.angle[0] = 0.0, 2.0 * both.angle[0]
+    return Planes(*(np.delete(column, low.size) for column in both))
+
+
+def pattern_planes(arrays: SceneArrays, planes: int, height: float, pitches: NDArray[np.float64]) -> Planes:
+    """Place the planes of a beam with a pattern, which may be turned, tipped and wider near by.
+
+    Parameters
+    ----------
+    problem : Problem
+        Its beam and range apply.
+    planes : int
+        Planes across the main lobe.
+    height : float
+        Greatest height of the sonar above the lowest bed, in metres.
+    pitches : (n,) float64
+        Least and greatest pitch of the fish, in radians.
+
+    Returns
+    -------
+    Planes
+        Edges laid from the beam's far end outwards on both hands. Each step is the main lobe's width divided by the
+        planes, at the farthest place where the lobe takes in that azimuth. Across sidelobes steps are twice as wide,
+        and grow if there are no targets that could fall between. Lengths are per metre of height.
+    """
+    pattern = arrays.pattern
+    outline = _Outline(
+        centre=pattern.centre,
+        extent=tuple(pattern.extent.tolist()),
+        first_range=pattern.first_range,
+        per_octave=pattern.per_octave,
+        main=math.sin(arrays.half_width),
+        reach=arrays.bins * arrays.bin_length,
+        relief=arrays.bed.high - arrays.bed.low,
+        targets=arrays.solids.shape.size + arrays.mesh.target.size > 0,
+    )
+    return _lay(outline, planes, height, tuple(pitches.tolist()))
+
+
+class _Outline(NamedTuple):
+    """What of a scene the planes of its pattern depend on."""
+
+    centre: float
+    extent: tuple[float, ...]
+    first_range: float
+    per_octave: float
+    main: float  # sine of half the main lobe
+    reach: float  # m
+    relief: float  # m, from the lowest bed to the highest
+    targets: bool  # whether there are any
+
+
+@lru_cache(maxsize=1024)
+def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ...]) -> Planes:
+    """Lay the planes of an outline; they stay the same while other things of a scene are edited."""
+    cone = _Cone(outline, height, np.array(pitches))
+    start = math.asin(min(max(outline.centre, -1.0), 1.0))
+    edges = [*reversed(_edges(cone, start, -1.0, planes)), start, *_edges(cone, start, 1.0, planes)]
+    azimuths = np.array(edges)
+    low, high = azimuths[:-1], azimuths[1:]
+    reaches = np.array([cone.heard_to(a, b) for a, b in zip(low, high)])
+    heard = reaches > 0.0
+    low, high, reaches = low[heard], high[heard], reaches[heard]
+    return Planes(
+        azimuth=0.5 * (low + high),
+        s_low=np.sin(low),
+        s_high=np.sin(high),
+        angle=high - low,
+        far_angle=np.zeros(low.size),
+        near_field=np.full(low.size, math.inf),
+        reach=reaches / (height * 2.0 ** (-1.0 / HEIGHTS_PER_OCTAVE)),
+    )
+
+
+def _edges(cone: _Cone, start: float, way: float, planes: int) -> list[float]:
+    """Edges of the wedges from an azimuth to the bow or the stern."""
+    edges: list[float] = []
+    azimuth = start
+    while way * azimuth < math.pi / 2.0:
+        azimuth += way * cone.step(azimuth, planes)
+        azimuth = min(max(azimuth, -math.pi / 2.0), math.pi / 2.0)
+        edges.append(azimuth)
+    return edges
+
+
+class _Cone:
+    """Azimuths that a beam takes in, ground range by ground range, over a level bed as low as any and one as high.
+
+    There s = cos p · sin φ · x/r − sin p · h/r.
+    """
+
+    def __init__(self, outline: _Outline, height: float, pitches: NDArray[np.float64]) -> None:
+        above_highest = max(height - outline.relief, 0.0)
+        farthest = math.sqrt(max(outline.reach**2 - above_highest**2, (0.1 * height) ** 2))
+        self.height, self.main, self.targets = height, outline.main, outline.targets
+        self.x = np.geomspace(0.01 * min(height, farthest), farthest, GROUND_RANGES)
+        # One row for each height and pitch.
+        h, p = (grid.reshape(-1, 1) for grid in np.meshgrid(np.unique([above_highest, height]), pitches))
+        r = np.hypot(self.x, h)
+        octaves = np.log2(np.maximum(r / outline.first_range, 1.0)) * outline.per_octave
+        extent = np.interp(octaves, np.arange(len(outline.extent)), outline.extent)
+        per_sine = r / (np.cos(p) * self.x)
+        self.centre = outline.centre * per_sine + np.tan(p) * h / self.x
+        self.main_half, self.half = outline.main * per_sine, extent * per_sine
+
+    def step(self, azimuth: float, planes: int) -> float:
+        """Width of the wedge that begins at an azimuth."""
+        off = np.abs(math.sin(azimuth) - self.centre)
+        cosine = max(math.cos(azimuth), 0.05)
+        taken = np.flatnonzero((off <= self.main_half * 1.001).any(axis=0))
+        heard = np.flatnonzero((off <= self.half).any(axis=0))
+        if not heard.size:
+            # What is nowhere heard is passed over, up to the nearest that is.
+            return float(max((off - self.half).min(), SIDELOBE_STEP * 2.0 * self.main / planes) / cosine)
+        if not taken.size and not self.targets:
+            growth = SIDELOBE_GROWTH * (off - self.main_half).min()
+            return float(max(SIDELOBE_STEP * 2.0 * self.main / planes, growth) / cosine)
+        if not taken.size:
+            return SIDELOBE_STEP * self._main_step(heard[-1], planes) / cosine
+        step = self._main_step(taken[-1], planes)
+        if self.targets:
+            # Sidelobes hear farther out than the main lobe takes in this azimuth, and a target there may be small.
+            step = min(step, SIDELOBE_STEP * self._main_step(heard[-1], planes))
+        return step / cosine
+
+    def _main_step(self, at: int, planes: int) -> float:
+        """Spacing of the planes across the main lobe at one of the ground ranges."""
+        coarser = min(max(2.0 * self.height / self.x[at], 1.0), max(COARSER * planes, 1.0))
+        return float(2.0 * self.main_half[:, at].min() / planes * coarser)
+
+    def heard_to(self, low: float, high: float) -> float:
+        """Ground range to which anything of a wedge is heard; 0 if nothing is."""
+        sine_low, sine_high = math.sin(low), math.sin(high)
+        heard = ((sine_high >= self.centre - self.half) & (sine_low <= self.centre + self.half)).any(axis=0)
+        places = np.flatnonzero(heard)
+        if places.size == 0:
+            return 0.0
+        last = int(places[-1])
+        # A little further, for the segment that crosses the border counts too; the slice ends at the range itself.
+        return float(self.x[min(last + 2, self.x.size - 1)] * (1.0 if last + 2 < self.x.size else 1.1))

@@ -1,0 +1,186 @@
+"""What a record shows, bin by bin, by the geometry of the sweep."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.bed.slice import empty_profile, profile_capacity
+from insonify.kernels.common.contributors import empty_ledger
+from insonify.kernels.common.types import BED, Poses, SceneArrays
+from insonify.kernels.labels.refracted_labels import find_ray_truth
+from insonify.kernels.labels.sweep_labels import Found, empty_found, find_truth, part_of
+from insonify.kernels.multipath.image_sources import SURFACE_ECHO, WAYS
+from insonify.kernels.refraction.apparent_positions import Bending, empty_table
+from insonify.kernels.sweep.sweep import Planes
+from insonify.kernels.sweep.visibility import empty_heard
+from insonify.kernels.targets.angular_zbuffer import NOBODY, empty_screen
+from insonify.packing.apparent_tables import make_bending
+from insonify.packing.navigation import take
+from insonify.packing.targets import refuse_sonar_inside
+from insonify.parallel import in_parallel
+from insonify.tracers.azimuth_fan import lay_planes_of_images
+from insonify.tracers.sweep import room_for_ghosts
+
+NOTHING = -2  # target of a bin in which nothing is heard
+NO_MATERIAL = -1
+NO_PATH = -1
+PATHS = ("direct", "surface_bottom", "surface_bottom_surface", "second_bottom", "surface", "crosstalk")
+
+
+class Truth(NamedTuple):
+    """What each bin shows, (n, 2, bins) each.
+
+    Attributes
+    ----------
+    target_id : int16
+        Index of the declared target that is the bin's greatest contributor, -1 for the bed, -2 where nothing is heard
+        but perhaps the sea surface.
+    material : int16
+        Its row of the material table, -1 where there is none.
+    shadow : bool
+        Whether bed lies at that slant range, is hidden, and nothing is heard on the direct path.
+    ground_range : float32
+        Of the contributor's strongest piece, in metres; NaN where nothing is heard.
+    incidence : float32
+        Of the sound on that piece, from its normal, in degrees, the greater of two if it comes and goes by different
+        ways; NaN where nothing is heard.
+    path : int8
+        Place among `PATHS` of how that contributor's sound went, -1 where nothing is heard.
+    caustic : bool
+        Whether sound is heard that the water focuses to a caustic: there rays alone do not tell how loud it is, and
+        their tubes count as no narrower than Airy's function allows.
+    """
+
+    target_id: NDArray[np.int16]
+    material: NDArray[np.int16]
+    shadow: NDArray[np.bool_]
+    ground_range: NDArray[np.float32]
+    incidence: NDArray[np.float32]
+    path: NDArray[np.int8]
+    caustic: NDArray[np.bool_]
+
+
+def trace_truth(
+    arrays: SceneArrays,
+    poses: Poses,
+    *,
+    planes: int = 16,
+    rays: int = 4000,
+    crosstalk: float = 0.0,
+    threads: int | None = None,
+) -> Truth:
+    """Tell what every bin of every ping shows, for an ideal pulse: where an echo begins.
+
+    Parameters
+    ----------
+    problem : Problem
+        The scene as kernels see it.
+    poses : Poses
+        Where the sonar is, n pings.
+    planes : int
+        Planes across a fan beam; a knife has one.
+    rays : int
+        Rays per side of pings from which bent sound comes to some places along several ways, or to none.
+    crosstalk : float
+        Share of its energy with which each side's echo is heard on the other.
+    threads : int, optional
+        Threads to use, all cores when left out. The result does not depend on it.
+
+    Returns
+    -------
+    Truth
+        Arrays (n, 2, bins), port first. Bins in which the sweep of as many planes and rays hears nothing, and no
+        others, are without a contributor.
+
+    Raises
+    ------
+    SceneError
+        If the sonar runs into a target.
+    """
+    found = empty_found(poses.x.size, arrays.bins)
+    bending, folded = make_bending(arrays, poses)
+    if folded.any():
+        _enter(found, np.flatnonzero(folded), _find_by_rays(arrays, take(poses, np.flatnonzero(folded)), rays, threads))
+    clear = np.flatnonzero(~folded)
+    for among, *beams in lay_planes_of_images(arrays, take(poses, clear), planes):
+        places = clear[among]
+        _enter(found, places, _find(arrays, take(poses, places), beams, bending, threads))
+    own = _in_words_of_the_scene(arrays, found)
+    return _with_crosstalk(own, found.energy, crosstalk) if crosstalk > 0.0 else own
+
+
+def _enter(found: Found, places: NDArray[np.int64], some: Found) -> None:
+    """Put what some pings show in its place."""
+    for whole, part in zip(found, some):
+        whole[places] = part
+
+
+def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> Found:
+    """Find what the bins of pings show, by rays along arcs."""
+    found = empty_found(poses.x.size, arrays.bins)
+
+    def block(first: int, last: int) -> int:
+        ledger = empty_ledger(_contributors(arrays), arrays.bins)
+        return int(find_ray_truth(arrays, take(poses, slice(first, last)), rays, ledger, part_of(found, first, last)))
+
+    refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
+    return found
+
+
+def _find(arrays: SceneArrays, poses: Poses, beams: list[Planes], bending: Bending, threads: int | None) -> Found:
+    """Find what the bins of pings show that share their planes."""
+    capacity = profile_capacity(bending.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
+    contributors = _contributors(arrays) * (WAYS if arrays.ghosts.heard else 1)
+    found = empty_found(poses.x.size, arrays.bins)
+
+    def block(first: int, last: int) -> int:
+        part = take(poses, slice(first, last))
+        room = empty_profile(capacity), empty_heard(capacity), empty_screen(arrays.solids, arrays.mesh)
+        far, ledger = room_for_ghosts(arrays, capacity), empty_ledger(contributors, arrays.bins)
+        return find_truth(
+            arrays, part, *beams, bending, empty_table(bending), *room, *far, ledger, part_of(found, first, last)
+        )
+
+    refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
+    return found
+
+
+def _targets(arrays: SceneArrays) -> int:
+    """Count the declared targets."""
+    return 1 + max(int(bodies.target.max(initial=-1)) for bodies in (arrays.solids, arrays.mesh))
+
+
+def _contributors(arrays: SceneArrays) -> int:
+    """Count who can be heard by one way: materials of the bed, then targets."""
+    return arrays.reflectivity.shape[0] + _targets(arrays)
+
+
+def _in_words_of_the_scene(arrays: SceneArrays, found: Found) -> Truth:
+    """Turn contributors into targets and materials, radians into degrees."""
+    rows = arrays.reflectivity.shape[0]
+    heard, way, who = found.contributor != NOBODY, *np.divmod(found.contributor, _contributors(arrays))
+    of_surface = way == SURFACE_ECHO
+    is_target = heard & (who >= rows)
+    material_of = np.arange(_contributors(arrays))
+    for bodies in (arrays.solids, arrays.mesh):
+        material_of[rows + bodies.target] = bodies.material
+    return Truth(
+        target_id=np.where(is_target, who - rows, np.where(heard & ~of_surface, BED, NOTHING)).astype(np.int16),
+        material=np.where(heard & ~of_surface, material_of[who], NO_MATERIAL).astype(np.int16),
+        shadow=found.shadow,
+        ground_range=found.ground_range,
+        incidence=np.degrees(found.incidence),
+        path=np.where(heard, way, NO_PATH).astype(np.int8),
+        caustic=found.caustic,
+    )
+
+
+def _with_crosstalk(own: Truth, energy: NDArray[np.float32], crosstalk: float) -> Truth:
+    """Put in the other side's contributor wherever what is heard of it exceeds one's own."""
+    across = crosstalk * energy[:, ::-1] > energy
+    columns = {name: np.where(across, column[:, ::-1], column) for name, column in own._asdict().items()}
+    columns["path"][across] = PATHS.index("crosstalk")
+    return Truth(**columns | {"shadow": own.shadow})

@@ -1,0 +1,243 @@
+"""Single scatterers whose waves interfere: where the sweep says what is in sight, speckle comes about by itself."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.pulses import envelope, pulse_taps
+from insonify.acoustics.resolution_cell import along_track_angle, bin_centres
+from insonify.kernels.bed.slice import empty_profile, profile_capacity
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.speckle.scatterers import Pulse, Scatterers, empty_line, interfere_pings
+from insonify.kernels.speckle.surface_patches import Skin
+from insonify.kernels.sweep.sweep import Planes
+from insonify.kernels.sweep.visible_stretches import empty_sight
+from insonify.packing.navigation import take
+from insonify.packing.surface_patches import make_skin
+from insonify.packing.targets import refuse_sonar_inside
+from insonify.parallel import in_parallel
+from insonify.scene import Scene, SceneError
+from insonify.scene.receiver import Coherent
+from insonify.scene.sonar import Ideal, Tone
+from insonify.scene.sonar import Pulse as DeclaredPulse
+from insonify.tracers.azimuth_fan import lay_planes
+from insonify.tracers.sweep import Record
+
+IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
+MOST = 1e7  # scatterers of one ping
+MOST_SAMPLES, MOST_KNOTS = 1 << 25, 1 << 26  # of a line of waves, and of all planes of a beam: half a gigabyte each
+MOST_PATCHES = 250_000  # of all boxes and meshes
+FAINT = 1e-3  # share of the beam's energy that may go unheard
+RESOLVED = 8  # cells of the line, at least, per resolution cell of the pulse
+
+
+@dataclass(frozen=True, eq=False)
+class Interference:
+    """What the scatterers of a scene need beyond what every tracer knows.
+
+    Attributes
+    ----------
+    scatterers : Scatterers
+        How they are strewn.
+    pulse : Pulse
+        What of them is heard at once.
+    """
+
+    scatterers: Scatterers
+    pulse: Pulse
+
+    @property
+    def beyond(self) -> int:
+        """Bins beyond the last whose scatterers the pulse still hears within it."""
+        return math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
+
+    def trace(self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Record:
+        """Trace pings scatterer by scatterer.
+
+        Parameters
+        ----------
+        problem : Problem
+            The scene as kernels see it.
+        poses : Poses
+            Where the sonar is, n pings.
+        planes : int
+            Planes across the beam that tell what of the bed is in sight; two at least, for sight is told between them.
+        threads : int, optional
+            Threads to use, all cores when left out. The result does not depend on it.
+
+        Returns
+        -------
+        (n, 2, bins) float32
+            Intensity of the two channels, port first, as the pulse hears it.
+
+        Raises
+        ------
+        SceneError
+            If the sonar runs into a target.
+        """
+        further = _narrowed(_lengthened(arrays, self.beyond), self.scatterers.skin, poses)
+        capacity = profile_capacity(further.bins * further.bin_length, arrays.bed.spacing)
+        out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
+        for places, laid in lay_planes(further, poses, max(planes, 2)):
+            some, beam = take(poses, places), _in_order(laid)
+            _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
+            traced = np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
+
+            def block(first: int, last: int, some: Poses = some, beam: Planes = beam, traced: Record = traced) -> int:
+                part, sight = take(some, slice(first, last)), empty_sight(beam.azimuth, capacity)
+                room = empty_profile(capacity), sight, empty_line(further.bins, self.pulse)
+                return interfere_pings(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
+
+            refuse_sonar_inside(arrays.solids, in_parallel(block, places.size, threads))
+            out[places] = traced
+        return out
+
+
+def make_interference(scene: Scene, arrays: SceneArrays) -> Interference | None:
+    """Strew the scatterers of a scene; None if its speckle is of another kind.
+
+    Raises
+    ------
+    SceneError
+        If there are more of them than can be heard one by one.
+    """
+    declared = scene.receiver.speckle
+    if not isinstance(declared, Coherent):
+        return None
+    speed, pulse = arrays.water.reference, scene.sonar.pulse
+    width = along_track_angle(arrays) * bin_centres(arrays)
+    length = float(pulse_taps(pulse, speed, arrays.bin_length).weights.sum()) * arrays.bin_length
+    density = declared.density or IN_A_CELL / (float(width[arrays.bins // 2]) * length)
+    count = 2.0 * density * float(width.sum()) * arrays.bin_length
+    if count > MOST:
+        raise SceneError(
+            f"receiver.speckle.density: {density:.3g} scatterers per m² make {count:.2g} in the beam of a ping; "
+            f"lower it to {density * MOST / count:.2g} or shorten sonar.range"
+        )
+    per_wave = 2.0 * scene.sonar.frequency / speed
+    _refuse_large_meshes(arrays.mesh.corners)
+    skin = make_skin(arrays.solids, arrays.mesh)
+    return Interference(
+        Scatterers(scene.seed, density, per_wave, skin), heard_at_once(pulse, speed, arrays.bin_length, arrays.bins)
+    )
+
+
+def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bins: int = 1) -> Pulse:
+    """Lay a pulse over a line of waves.
+
+    Parameters
+    ----------
+    pulse : Ideal, Tone or Chirp
+    sound_speed : float
+        m/s.
+    bin_length : float
+        True slant range of a bin, in metres.
+    bins : int
+        Bins of the line.
+
+    Returns
+    -------
+    Pulse
+        One sample a bin, or several where a bin is longer than the pulse resolves, so that nothing goes unheard; the
+        squares of its taps sum to the pulse's equivalent length. An ideal pulse is one bin long.
+
+    Raises
+    ------
+    SceneError
+        If the line is too long to be held.
+    """
+    resolution = bin_length
+    if not isinstance(pulse, Ideal):
+        resolution = 0.5 * sound_speed * (pulse.duration if isinstance(pulse, Tone) else 1.0 / pulse.bandwidth)
+    samples = math.ceil(min(bin_length / resolution, float(MOST_SAMPLES)) * (1.0 - 1e-9))
+    # An even number: the sample lies in the middle.
+    cells = 2 * math.ceil(0.5 * RESOLVED * bin_length / samples / resolution)
+    step = bin_length / samples / cells
+    if bins * samples * cells > MOST_SAMPLES:
+        raise SceneError(
+            f"receiver.speckle: 'coherent' samples waves every {step:.2g} m, as sonar.pulse resolves them, and the "
+            "range is too long for that; lengthen the pulse, lower its bandwidth or shorten sonar.range"
+        )
+    if isinstance(pulse, Ideal):
+        return Pulse(1, cells, np.full(cells, 1.0), cells // 2)
+    reach = math.ceil(0.5 * sound_speed * pulse.duration / step)
+    # A tone is heard after it has come, a chirp on either hand of it.
+    late = np.arange(reach if isinstance(pulse, Tone) else 2 * reach, dtype=np.float64)
+    amplitudes = envelope(pulse, (reach - 0.5 - late) * step, sound_speed)
+    energy = float(pulse_taps(pulse, sound_speed, bin_length).weights.sum()) * bin_length
+    amplitudes *= math.sqrt(energy / (float((amplitudes**2).sum()) * step))
+    return Pulse(samples, cells, amplitudes, reach)
+
+
+def _refuse_fine_bed(planes: int, knots: int, arrays: SceneArrays) -> None:
+    """Refuse a bed of more knots than can be kept of all planes at once."""
+    spacing = arrays.bed.spacing
+    if planes * knots > MOST_KNOTS:
+        raise SceneError(
+            f"receiver.speckle: 'coherent' keeps what {planes} planes see of a bed of seabed.spacing {spacing:g} m, "
+            f"and here it is too much; widen the spacing to {spacing * planes * knots / MOST_KNOTS:.2g} m, "
+            "shorten sonar.range or take another speckle"
+        )
+
+
+def _refuse_large_meshes(corners: NDArray[np.float64]) -> None:
+    """Refuse boxes and meshes of more patches than can be kept."""
+    edges = corners - np.roll(corners, -1, axis=1)
+    areas = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    # Triangles halved until no edge is longer than a metre: sixths of a square metre, or slivers.
+    patches = float((6.0 * areas + 10.0 * np.linalg.norm(edges, axis=2).max(axis=1, initial=0.0)).sum())
+    if patches > MOST_PATCHES:
+        raise SceneError(
+            f"receiver.speckle: 'coherent' keeps {patches:.2g} patches of the targets' sides, and here it is too much; "
+            "give smaller boxes and meshes or take another speckle"
+        )
+
+
+def _lengthened(arrays: SceneArrays, bins: int) -> SceneArrays:
+    """Let the problem go on beyond its last bin as it is there."""
+    factor = np.concatenate([arrays.range_factor, np.repeat(arrays.range_factor[-1:], bins)])
+    return arrays._replace(bins=arrays.bins + bins, range_factor=factor)
+
+
+def _narrowed(arrays: SceneArrays, skin: Skin, poses: Poses) -> SceneArrays:
+    """Leave out of a pattern where there are many scatterers but next to nothing is heard: nearer than all and far off.
+
+    Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than others.
+    """
+    pattern = arrays.pattern
+    if not pattern.tabled or poses.z.size == 0:
+        return arrays
+    top = max(arrays.bed.high, float((skin.centre[:, 2] + skin.bound).max(initial=-math.inf)))
+    nearest = max(float(poses.z.min()) - top, pattern.first_range)
+    first = min(int(math.log2(nearest / pattern.first_range) * pattern.per_octave), pattern.extent.size - 1)
+    extent, energy, integral = (
+        np.array(rows)
+        for rows in zip(
+            *(_without_faint_sidelobes(*row) for row in zip(pattern.extent, pattern.energy, pattern.integral))
+        )
+    )
+    # No scatterer reads those: each ping stays what it is, whatever others are traced with it.
+    extent[:first] = extent[first]
+    return arrays._replace(pattern=pattern._replace(extent=extent, energy=energy, integral=integral))
+
+
+def _without_faint_sidelobes(
+    extent: float, energy: NDArray[np.float64], integral: NDArray[np.float64]
+) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+    """Draw one row of a pattern over the directions that hold nearly all of its energy."""
+    place = np.linspace(-1.0, 1.0, energy.size)
+    within = np.interp(place, place, integral) - np.interp(-place, place, integral)
+    # At least three columns, and the first that holds enough on both hands.
+    half = max(float(place[np.argmax(within >= (1.0 - FAINT) * integral[-1])]), 2.0 / energy.size)
+    inner = np.interp(half * place, place, integral)
+    return half * extent, np.interp(half * place, place, energy), inner - inner[0]
+
+
+def _in_order(planes: Planes) -> Planes:
+    """Bring planes into the order of their azimuths."""
+    order = np.argsort(planes.azimuth)
+    return Planes(*(np.ascontiguousarray(column[order]) for column in planes))
