@@ -15,7 +15,7 @@ from insonify.scene import scene_from_toml
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
-GALLERY = runpy.run_path(str(ROOT / "tools" / "gallery.py"))["cells"](README.read_text(encoding="utf-8"))
+GALLERY = runpy.run_path(str(ROOT / "docs" / "gallery.py"))["cells"](README.read_text(encoding="utf-8"))
 
 
 def blocks(language: str) -> list[str]:

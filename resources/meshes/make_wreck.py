@@ -1,9 +1,9 @@
 """Build ``wreck.ply``: a steamer of 24 m, sunk upright into the sand to a metre below her rail.
 
-Run ``python tools/make_wreck.py`` to write ``resources/meshes/wreck.ply`` anew. The bow points along +x, port along +y;
-z is up and 0 at the sand. Every part is closed and parts overlap freely, as parts of wrecks do. What a sonar sees of
-it: two sides with frames inside, a bulwark on stanchions, beams across the open hold, the wreckage of the deck abaft, a
-deckhouse without its roof, a boiler, and a mast that still stands.
+Run ``python resources/meshes/make_wreck.py`` to write ``wreck.ply`` beside it anew. The bow points along +x, port along
++y; z is up and 0 at the sand. Every part is closed, and parts may overlap. A sonar sees two sides with frames inside, a
+bulwark on stanchions, beams across the open hold, the wreckage of the deck abaft, a deckhouse without its roof, a
+boiler, and a mast that still stands.
 """
 
 from __future__ import annotations
@@ -199,4 +199,4 @@ def wreck() -> trimesh.Trimesh:
 
 if __name__ == "__main__":
     shape = wreck()
-    shape.export(Path(__file__).parents[1] / "resources" / "meshes" / "wreck.ply")
+    shape.export(Path(__file__).with_name("wreck.ply"))

@@ -1,6 +1,6 @@
 """Draw the pictures of the README's gallery.
 
-Run ``python tools/gallery.py`` to draw them all anew, or with names, ``python tools/gallery.py figure-2a wreck``, to
+Run ``python docs/gallery.py`` to draw them all anew, or with names, ``python docs/gallery.py figure-2a wreck``, to
 draw those alone. A cell of the gallery holds a picture, its caption and the command that makes it; the command is run
 and what it writes is made smaller.
 """
