@@ -12,8 +12,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from insonify.scene import Scene
-from insonify.scene.edit import kind_name
 from insonify.scene.files import bundled_meshes
+from insonify.scene.kinds import kind_name
 from insonify.scene.materials import MATERIALS
 
 Draw = Callable[[st.SearchStrategy[Any]], Any]

@@ -13,8 +13,8 @@ from pydantic.fields import FieldInfo
 from insonify.acoustics.absorption import NEPER_PER_DB, absorption_coefficient
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError
-from insonify.scene.edit import kind_name, models_of
 from insonify.scene.fractal import Fractal
+from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.made import Made
 from insonify.scene.materials import MATERIALS, Material, PatternMap
 from insonify.scene.receiver import K, NoSpeckle, PowerTvg

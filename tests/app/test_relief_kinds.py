@@ -5,7 +5,7 @@ from itertools import permutations
 import pytest
 
 from insonify.scene import Scene, edit, load_scene
-from insonify.scene.edit import kind_name, models_of
+from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.seabed import Seabed
 from insonify_viewer.entailed import completed
 from insonify_viewer.parameters import Number, sections_of

@@ -6,6 +6,8 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
+from insonify.scene.kinds import Family, declare
+
 # m, along x or y; no map reaches farther, and farther out numbers would tell places apart no finer than relief is.
 Place = Annotated[float, Field(ge=-1e8, le=1e8)]
 
@@ -24,9 +26,24 @@ class SceneError(ValueError):
 
 
 class Declaration(BaseModel):
-    """A frozen part of a scene; unknown keys, NaN and values out of bounds are refused."""
+    """A frozen part of a scene; unknown keys, NaN and values out of bounds are refused.
+
+    Attributes
+    ----------
+    family : Family or None
+        Kinds that this declaration and those derived from it belong to, as far as they have a ``kind``.
+    rank : int
+        Place of a kind in menus and messages; equal ranks stand in the order in which they were found.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
+    family: ClassVar[Family | None] = None
+    rank: ClassVar[int] = 0
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **options: Any) -> None:
+        """Join the family."""
+        declare(cls, cls.family)
 
 
 class Choice(Declaration):

@@ -5,12 +5,12 @@ from __future__ import annotations
 import difflib
 import tomllib
 from collections.abc import Mapping
-from functools import cache
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from insonify.scene.base import Choice, SceneError
+from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.scene import Scene
 
 
@@ -160,28 +160,6 @@ def _table(model: type[BaseModel]) -> frozenset[str]:
 
 def _model_of_kind(models: tuple[type[BaseModel], ...], kind: Any) -> type[BaseModel] | None:
     return next((model for model in models if kind_name(model) == kind), None)
-
-
-def kind_name(model: type[BaseModel]) -> str | None:
-    """Return the ``kind`` by which a declaration is picked, None for one that is not a choice."""
-    field = model.model_fields.get("kind")
-    return None if field is None else str(field.default)
-
-
-@cache
-def models_of(parent: type[BaseModel], field: str) -> tuple[type[BaseModel], ...]:
-    """List the declarations a field can hold, in the order declared; empty for plain numbers and names."""
-    if field not in parent.model_fields:
-        return ()
-    found: list[type[BaseModel]] = []
-    pending: list[Any] = [parent.model_fields[field].annotation]
-    while pending:
-        annotation = pending.pop(0)
-        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-            found.append(annotation)
-        else:
-            pending.extend(getattr(annotation, "__args__", ()))
-    return tuple(found)
 
 
 def _sentence(error: ValidationError) -> str:

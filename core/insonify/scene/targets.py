@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from insonify.scene.base import Declaration, FilePath, Place, kind_of, parameter
+from insonify.scene.base import Declaration, FilePath, Place, parameter
+from insonify.scene.kinds import Family, KindOf
 from insonify.scene.materials import Material
 
 Height = Annotated[float, Field(ge=-2e4, le=2e4)]
 Position = tuple[Place, Place] | tuple[Place, Place, Height]
 Gap = float | tuple[tuple[float, float], ...]
+TARGETS = Family("targets")
 LEAST = 0.001  # m, of whatever measures a target
 Side = Annotated[float, Field(ge=LEAST, le=1000.0)]
 LOWEST_GAP, HIGHEST_GAP = -100.0, 1000.0
@@ -25,6 +27,7 @@ def _angle(description: str) -> Any:
 class Target(Declaration):
     """What every target has: a place and a material."""
 
+    family = TARGETS
     position: Position = parameter(
         unit="m", description="[x, y] of its centre when its height follows the bed, or [x, y, z] (z up, surface 0)"
     )
@@ -148,15 +151,7 @@ class MeshFile(Posed):
     )
 
 
-def _target_kind(value: Any) -> str:
-    return kind_of(value, "missing")
-
-
-AnyTarget = Annotated[
-    Annotated[Pipe, Tag("pipe")]
-    | Annotated[Sphere, Tag("sphere")]
-    | Annotated[Box, Tag("box")]
-    | Annotated[Cone, Tag("cone")]
-    | Annotated[MeshFile, Tag("mesh")],
-    Discriminator(_target_kind),
-]
+if TYPE_CHECKING:
+    AnyTarget = Pipe | Sphere | Box | Cone | MeshFile
+else:
+    AnyTarget = Annotated[Target, KindOf(TARGETS)]

@@ -1,0 +1,171 @@
+"""Families of declarations picked by their ``kind``: every kind is one class, found without being listed.
+
+A family holds the kinds of its own package, those that installed packages bring by an entry point of the group
+``insonify.<family>``, and those that are declared later. A field of a family accepts any of them.
+"""
+
+from __future__ import annotations
+
+import pkgutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import Any
+
+from pydantic import BaseModel, GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+_DECLARED: list[type[BaseModel]] = []
+
+
+def kind_name(model: type[BaseModel]) -> str | None:
+    """Return the ``kind`` by which a declaration is picked, None for one that is not picked by kind."""
+    field = model.model_fields.get("kind")
+    return None if field is None else str(field.default)
+
+
+class Family:
+    """All kinds of one choice.
+
+    Parameters
+    ----------
+    name : str
+        Plural noun: the family's name in the group of entry points.
+    package : str, optional
+        Package whose modules hold one kind or more each.
+    """
+
+    def __init__(self, name: str, package: str | None = None) -> None:
+        self.name, self.package = name, package
+        self._models: dict[str, type[BaseModel]] = {}
+        self._discovered = False
+        self._in_use = False
+
+    def add(self, model: type[BaseModel]) -> None:
+        """Add a kind; a declaration of this family does so when its class is made."""
+        kind = kind_name(model)
+        if kind is None:
+            return
+        self._models[kind] = model
+        if self._in_use:
+            rebuild_declarations()
+
+    @contextmanager
+    def without(self, kind: str) -> Iterator[None]:
+        """Forget a kind after the block, for tests that declare one."""
+        try:
+            yield
+        finally:
+            self._models.pop(kind, None)
+            rebuild_declarations()
+
+    def models(self, base: type[BaseModel] = BaseModel) -> dict[str, type[BaseModel]]:
+        """Return the kinds that derive from a class, by name, in the order of their ranks."""
+        self._discover()
+        found = sorted(self._models.items(), key=lambda item: getattr(item[1], "rank", 0))
+        return {kind: model for kind, model in found if issubclass(model, base)}
+
+    def use(self) -> None:
+        """Note that a field has taken the kinds over, so that a later one makes it take them over anew."""
+        self._in_use = True
+
+    def _discover(self) -> None:
+        """Import the package's modules and what installed packages bring; classes add themselves."""
+        if self._discovered:
+            return
+        self._discovered = True
+        if self.package is not None:
+            for module in pkgutil.iter_modules(import_module(self.package).__path__):
+                import_module(f"{self.package}.{module.name}")
+        for entry in entry_points(group=f"insonify.{self.name}"):
+            entry.load()
+
+
+class KindOf:
+    """Annotation of a field that holds one declaration of a family.
+
+    Parameters
+    ----------
+    family : Family
+    base : type, optional
+        Only kinds that derive from this class.
+    default : str, optional
+        Kind of a table that does not say its own; such a table is refused when left out.
+    text : str, optional
+        Kind that a bare text stands for; when left out the text is the name of the kind.
+    number : str, optional
+        Kind that a bare number stands for.
+    """
+
+    def __init__(
+        self,
+        family: Family,
+        base: type[BaseModel] = BaseModel,
+        *,
+        default: str = "missing",
+        text: str | None = None,
+        number: str | None = None,
+    ) -> None:
+        self.family, self.base, self.default, self.text, self.number = family, base, default, text, number
+
+    @property
+    def models(self) -> tuple[type[BaseModel], ...]:
+        """The declarations that the field accepts."""
+        return tuple(self.family.models(self.base).values())
+
+    def kind(self, value: Any) -> str:
+        """Read the kind of a raw or validated value."""
+        if isinstance(value, str):
+            return self.text or value
+        if self.number is not None and isinstance(value, (int, float)):
+            return self.number
+        if isinstance(value, dict):
+            return str(value.get("kind", self.default))
+        return str(getattr(value, "kind", self.default))
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Accept every kind of the family, told apart by its name."""
+        choices = {str(kind_name(model)): handler.generate_schema(model) for model in self.models}
+        self.family.use()
+        return core_schema.tagged_union_schema(choices, discriminator=self.kind)
+
+
+def declare(model: type[BaseModel], family: Family | None) -> None:
+    """Take note of a declaration when its class is made, and add it to its family."""
+    _DECLARED.append(model)
+    if family is not None:
+        family.add(model)
+
+
+def rebuild_declarations() -> None:
+    """Let the fields of all declarations take the kinds of their families over anew."""
+    models_of.cache_clear()
+    # In the order in which they were made: a declaration comes after all that it holds.
+    for model in _DECLARED:
+        model.model_rebuild(force=True)
+
+
+@cache
+def models_of(parent: type[BaseModel], field: str) -> tuple[type[BaseModel], ...]:
+    """List the declarations that a field can hold, in order; empty for plain numbers and names."""
+    if field not in parent.model_fields:
+        return ()
+    info = parent.model_fields[field]
+    found: list[type[BaseModel]] = []
+    pending: list[Any] = [*info.metadata, info.annotation]
+    if any(isinstance(entry, KindOf) for entry in info.metadata):
+        pending.remove(info.annotation)
+    while pending:
+        annotation = pending.pop(0)
+        kinds = [entry for entry in getattr(annotation, "__metadata__", ()) if isinstance(entry, KindOf)]
+        if isinstance(annotation, KindOf):
+            found.extend(annotation.models)
+        elif kinds:
+            pending.extend(kinds)
+        elif isinstance(annotation, type) and issubclass(annotation, BaseModel):
+            found.append(annotation)
+        else:
+            pending.extend(getattr(annotation, "__args__", ()))
+    return tuple(found)
