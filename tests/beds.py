@@ -13,17 +13,17 @@ from insonify.kernels.common.types import (
     FRUSTUM,
     SONAR,
     SPHERE,
+    BeamPattern,
     Bed,
     Mesh,
-    Pattern,
     Poses,
     SceneArrays,
     Solids,
     plain_pattern,
 )
-from insonify.kernels.geometry.bvh import make_mesh
+from insonify.kernels.geometry.bvh import build_mesh
 
-NO_MESH = make_mesh(np.zeros((0, 3, 3)), np.zeros(0, np.int64), np.zeros(0, np.int64))
+NO_MESH = build_mesh(np.zeros((0, 3, 3)), np.zeros(0, np.int64), np.zeros(0, np.int64))
 Sphere = tuple[tuple[float, float, float], float]  # centre, radius
 Cylinder = tuple[tuple[float, float, float], tuple[float, float, float], float]  # ends of the axis, radius
 Frustum = tuple[tuple[float, float, float], tuple[float, float, float], float, float]  # and the radius of its last end
@@ -76,7 +76,7 @@ def mesh_of(vertices: ArrayLike, faces: ArrayLike, *, target: int = 0) -> Mesh:
     """Mesh of the first material from vertices (n, 3) and counter-clockwise faces (m, 3)."""
     corners = np.asarray(vertices, dtype=np.float64)[np.asarray(faces)]
     rows = np.zeros(len(corners), np.int64)
-    return make_mesh(corners, rows, rows + target)
+    return build_mesh(corners, rows, rows + target)
 
 
 def icosphere(halvings: int, radius: float = 1.0, centre: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[np.ndarray, np.ndarray]:
@@ -117,7 +117,7 @@ def gaussian_pattern(
     vertical_width: float = 0.5,
     two_way: bool = True,
     near_width: float | None = None,
-) -> Pattern:
+) -> BeamPattern:
     """Gaussian beam of a one-way -3 dB width in radians; ``near_width`` is its width at 5 m and nearer."""
     sines = np.sin(
         [w / 2.0 for w in ([width] if near_width is None else [near_width, 0.5 * (near_width + width), width])]
@@ -126,7 +126,7 @@ def gaussian_pattern(
     offset = extent[:, None] * np.linspace(-1.0, 1.0, 401)
     energy = 2.0 ** (-(2.0 if two_way else 1.0) * (offset / sines[:, None]) ** 2)
     steps = 0.5 * (energy[:, 1:] + energy[:, :-1]) * np.diff(offset, axis=1)
-    return Pattern(
+    return BeamPattern(
         tabled=True,
         centre=float(np.sin(squint)),
         extent=extent,
@@ -152,7 +152,7 @@ def arrays_of(
     mesh: Mesh | None = None,
     law: int = SONAR,
     half_width: float = 0.0,
-    pattern: Pattern | None = None,
+    pattern: BeamPattern | None = None,
     bins: int = 1000,
     bin_length: float = 0.05,
     reflectivity: Sequence[tuple[float, float, float]] = ((1.0, 0.0, 1.0),),

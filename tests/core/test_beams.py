@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of, rough
-from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TOP_HAT, Pattern
+from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TOP_HAT, BeamPattern
 from insonify.tracers import rays
 
 FLAT = np.zeros((8, 8))
@@ -19,7 +19,9 @@ def top_hat(half_width):
     """The top-hat of a level fan, as a table."""
     s = math.sin(half_width)
     integral = np.linspace(0.0, 2.0 * s, 65)
-    return Pattern(True, 0.0, np.array([s]), np.ones((1, 65)), integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
+    return BeamPattern(
+        True, 0.0, np.array([s]), np.ones((1, 65)), integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True
+    )
 
 
 def axes(heading, pitch, roll):
@@ -135,7 +137,9 @@ def test_the_mixture_of_azimuths_converges_on_sidelobes_too():
     s = np.linspace(-0.9, 0.9, 4001)
     energy = np.maximum(2.0 ** (-2.0 * (s / 0.005) ** 2), 1e-3)
     integral = np.concatenate([[0.0], np.cumsum(0.5 * (energy[1:] + energy[:-1]) * np.diff(s))])
-    pattern = Pattern(True, 0.0, np.array([0.9]), energy[None], integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
+    pattern = BeamPattern(
+        True, 0.0, np.array([0.9]), energy[None], integral[None], 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True
+    )
     arrays = arrays_of(FLAT, 4.0, periodic=True, half_width=0.005, pattern=pattern, bins=80, bin_length=0.5)
     truth = level_bed(arrays, 0.0, 0.0, 0.0)
     errors = []

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from insonify.kernels.common.range_bins import FIXED_POINT, accumulate, spread, step
+from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins, spread_energy, step_density
 
 
 def spread_over(pieces, count=20):
     bins, out = np.zeros(count + 2, dtype=np.int64), np.zeros(count, dtype=np.float32)
     for near, far, energy in pieces:
-        spread(bins, near, far, energy * FIXED_POINT, float(count))
-    accumulate(bins, np.ones(count), out)
+        spread_energy(bins, near, far, energy * FIXED_POINT, float(count))
+    accumulate_bins(bins, np.ones(count), out)
     return out
 
 
@@ -44,7 +44,7 @@ def test_faint_densities_that_change_within_a_bin_leave_none_below_zero():
         bins = np.zeros(22, dtype=np.int64)
         density = np.concatenate([[0], rng.integers(0, 4, 40), [0]])
         for position, change in zip(np.sort(rng.uniform(0.0, 20.0, 41)), np.diff(density)):
-            step(bins, position, change, 20.0)
+            step_density(bins, position, change, 20.0)
         total = np.cumsum(bins)
         assert total[:20].min() >= 0
         assert total[20:].tolist() == [0, 0]

@@ -9,7 +9,7 @@ import pytest
 
 from beds import arrays_of, icosphere, mesh_of, poses_of, rough
 from insonify.kernels.common.jit import kernel
-from insonify.kernels.common.scattering import bistatic, strength
+from insonify.kernels.common.scattering import backscatter_strength, bistatic_strength
 from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.kernels.rays.specular_paths import _meet_next, _split, arrive, set_out
 from insonify.planning import plan
@@ -281,8 +281,8 @@ def both_strengths(cosines, shininess, law, out):
     """Monostatic and bistatic strength of one and the same way."""
     for k in range(cosines.size):
         c = cosines[k]
-        out[k, 0] = strength(c, 0.3, 0.6, shininess, law)
-        out[k, 1] = bistatic(c, c, 2.0 * c * c - 1.0, 0.3, 0.6, shininess, law)
+        out[k, 0] = backscatter_strength(c, 0.3, 0.6, shininess, law)
+        out[k, 1] = bistatic_strength(c, c, 2.0 * c * c - 1.0, 0.3, 0.6, shininess, law)
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])

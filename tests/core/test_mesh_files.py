@@ -8,7 +8,7 @@ import pytest
 import trimesh
 
 from insonify.io.meshes import read_mesh
-from insonify.kernels.geometry.bvh import make_mesh
+from insonify.kernels.geometry.bvh import build_mesh
 from insonify.scene import SceneError, bundled_meshes, load_scene
 from insonify.simulation import prepare
 
@@ -86,7 +86,7 @@ def test_an_open_surface_winds_alike_as_its_first_triangle_does(tmp_path):
     path = tmp_path / "sheet.obj"
     path.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 3 2\nf 1 3 4\n")
     corners = read_mesh(str(path))
-    tree = make_mesh(corners, np.zeros(2, np.int64), np.zeros(2, np.int64))
+    tree = build_mesh(corners, np.zeros(2, np.int64), np.zeros(2, np.int64))
     np.testing.assert_array_equal(tree.normal, [[0, 0, -1], [0, 0, -1]])
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from beds import arrays_of, poses_of
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.geometry.bvh import make_mesh
+from insonify.kernels.geometry.bvh import build_mesh
 from insonify.packing.primitives import block
 from insonify.tracers import rays, sweep
 
@@ -36,7 +36,7 @@ def line(start, end):
 def mesh(*blocks):
     corners = np.concatenate([block(size) + np.array(centre) for size, centre in blocks])
     rows = np.zeros(len(corners), np.int64)
-    return make_mesh(corners, rows, rows)
+    return build_mesh(corners, rows, rows)
 
 
 def scene(heights=NO_BED, **options):
@@ -75,7 +75,7 @@ def test_a_ramp_comes_out_of_the_bed_where_they_cross(thick):
     c, s = math.cos(turn), math.sin(turn)
     corners = corners @ np.array([[1.0, 0.0, 0.0], [0.0, c, s], [0.0, -s, c]]) + top
     rows = np.zeros(len(corners), np.int64)
-    arrays = scene(np.zeros((4, 4)), mesh=make_mesh(corners, rows, rows))
+    arrays = scene(np.zeros((4, 4)), mesh=build_mesh(corners, rows, rows))
     reach = arrays.bins * arrays.bin_length
     far = math.sqrt(reach**2 - HEIGHT**2)
     expected = line((0.0, 0.0), (22.0, 0.0)) + line((22.0, 0.0), (26.0, 1.0))

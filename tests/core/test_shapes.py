@@ -11,7 +11,7 @@ import naive
 from beds import arrays_of, poses_of, solids_of
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import LIGHT, SONAR
-from insonify.kernels.geometry.solids import leave_solid, meet_solid
+from insonify.kernels.geometry.solids import exit_solid, intersect_solid
 from insonify.kernels.rays.launch import inside_body
 from insonify.tracers import march, rays
 
@@ -27,9 +27,9 @@ def meet_all(solids, k, origins, directions, leaving, out):
         x, y, z = origins[n]
         dx, dy, dz = directions[n]
         if leaving:
-            out[n] = leave_solid(solids, k, x, y, z, dx, dy, dz)
+            out[n] = exit_solid(solids, k, x, y, z, dx, dy, dz)
         else:
-            out[n] = meet_solid(solids, k, x, y, z, dx, dy, dz)
+            out[n] = intersect_solid(solids, k, x, y, z, dx, dy, dz)
 
 
 def meet(body, origins, directions, *, leaving=False):

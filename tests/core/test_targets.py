@@ -7,7 +7,7 @@ import pytest
 
 from beds import arrays_of
 from insonify.kernels.common.types import FRUSTUM, Mesh
-from insonify.kernels.geometry.bvh import make_mesh
+from insonify.kernels.geometry.bvh import build_mesh
 from insonify.packing.primitives import block
 from insonify.packing.rotation import rotation
 from insonify.scene import SceneError, scene_from_toml
@@ -24,7 +24,7 @@ def arrays(targets: str, seabed: str = "depth = 30.0"):
 
 def mesh_of(corners: np.ndarray, target: int = 0) -> Mesh:
     """Mesh of one target and the first material."""
-    return make_mesh(corners, np.zeros(len(corners), np.int64), np.full(len(corners), target))
+    return build_mesh(corners, np.zeros(len(corners), np.int64), np.full(len(corners), target))
 
 
 def lowest_and_highest(targets: str) -> tuple[float, float]:

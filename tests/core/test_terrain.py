@@ -153,7 +153,7 @@ def test_patches_of_a_measured_bed_belong_to_places():
 
 
 def test_patches_agree_with_the_slow_search():
-    from insonify.kernels.bed.nearest_seed import ACROSS, ALONG, KIND, nearest_patch
+    from insonify.kernels.bed.nearest_seed import ACROSS, ALONG, KIND, nearest_seed_hash
     from insonify.kernels.common.hashing import hash_integers, hash_uniform
 
     rng = np.random.default_rng(0)
@@ -163,7 +163,7 @@ def test_patches_agree_with_the_slow_search():
     )
     for u, v in rng.uniform(0.0, 5.0, (300, 2)):
         a, b, _, _ = squares[np.argmin(np.hypot(points[:, 0] - u, points[:, 1] - v))]
-        assert nearest_patch(9, 3, u, v, 5) == hash_integers(9, 3, a, b, KIND)
+        assert nearest_seed_hash(9, 3, u, v, 5) == hash_integers(9, 3, a, b, KIND)
 
 
 def test_fractal_map_keeps_its_places_on_a_finer_grid():

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from insonify.kernels.common.types import Mesh
-from insonify.kernels.geometry.bvh import LEAF, make_mesh
+from insonify.kernels.geometry.bvh import LEAF, build_mesh
 
 
 def soup(n: int, seed: int = 1, *, scale=(20.0, 20.0, 4.0), size=0.5) -> np.ndarray:
@@ -17,7 +17,7 @@ def soup(n: int, seed: int = 1, *, scale=(20.0, 20.0, 4.0), size=0.5) -> np.ndar
 
 def mesh_of(corners: np.ndarray) -> Mesh:
     """Tree over triangles whose target is their number."""
-    return make_mesh(corners, np.zeros(len(corners), np.int64), np.arange(len(corners)))
+    return build_mesh(corners, np.zeros(len(corners), np.int64), np.arange(len(corners)))
 
 
 def search(mesh: Mesh, enters) -> list[int]:

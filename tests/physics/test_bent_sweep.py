@@ -8,7 +8,7 @@ import pytest
 import bent
 from beds import arrays_of, icosphere, mesh_of, poses_of
 from insonify.kernels.common.jit import kernel
-from insonify.kernels.refraction.apparent_positions import look_up, turn_to
+from insonify.kernels.refraction.apparent_positions import look_up_position, prepare_table
 from insonify.packing.apparent_tables import make_bending
 from insonify.tracers import sweep
 from insonify.tracers.labels import trace_truth
@@ -31,9 +31,9 @@ def wet(arrays, name, sonar=SONAR):
 @kernel
 def places(bending, z, table, x, heights):
     """What a sonar at height z reads of places, (n, 4)."""
-    sheet, out = turn_to(bending, z, table), np.zeros((x.size, 4))
+    sheet, out = prepare_table(bending, z, table), np.zeros((x.size, 4))
     for k in range(x.size):
-        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = look_up(table, sheet, x[k], heights[k] - z)
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = look_up_position(table, sheet, x[k], heights[k] - z)
     return out
 
 

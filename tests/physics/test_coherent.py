@@ -12,7 +12,7 @@ from scipy import stats
 from beds import arrays_of, gaussian_pattern, icosphere, mesh_of, poses_of, rough
 from insonify.acoustics.pulses import envelope, pulse_taps
 from insonify.kernels.common.hashing import hash_integers, splitmix64
-from insonify.kernels.receiver.pulse import lengthen
+from insonify.kernels.receiver.pulse import convolve_pulse
 from insonify.kernels.speckle.scatterers import BED_STREAM, LOT, Scatterers
 from insonify.packing.navigation import take
 from insonify.packing.surface_patches import make_skin
@@ -55,7 +55,7 @@ def lengthened(traced, pulse, arrays):
     """Let a pulse lengthen every echo."""
     taps = pulse_taps(pulse, SPEED, arrays.bin_length)
     out = np.zeros_like(traced)
-    lengthen(traced, taps.weights.astype(np.float32), taps.before, out)
+    convolve_pulse(traced, taps.weights.astype(np.float32), taps.before, out)
     return out.astype(float)
 
 

@@ -9,15 +9,15 @@ import pytest
 
 from beds import arrays_of, poses_of, rough
 from insonify.acoustics.rays import join_points
-from insonify.kernels.common.contributors import empty_ledger
+from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import LIGHT, SONAR, Water
-from insonify.kernels.labels.refracted_labels import find_ray_truth
-from insonify.kernels.labels.sweep_labels import empty_found
+from insonify.kernels.labels.refracted_labels import label_refracted_pings
+from insonify.kernels.labels.sweep_labels import empty_labels
 from insonify.kernels.rays.cell_walk import Bundle
 from insonify.kernels.rays.first_echoes import empty_hits
 from insonify.kernels.refracted_rays.hits import bent_hits, empty_arrivals
 from insonify.kernels.refraction.eigenray_search import TIME
-from insonify.kernels.targets.angular_zbuffer import NOBODY
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.tracers import rays, sweep
 from insonify.tracers.labels import trace_truth
 
@@ -147,9 +147,9 @@ def test_truth_by_rays_is_that_by_tables():
         poses_of([3.0, 3.4], 0.0, 12.0),
     )
     swept = trace_truth(scene, poses, planes=64)
-    found = empty_found(2, 300)
-    assert find_ray_truth(scene, poses, 40_000, empty_ledger(2, 300), found) == 0
-    whose = np.where(found.contributor == NOBODY, -2, found.contributor - 1)
+    found = empty_labels(2, 300)
+    assert label_refracted_pings(scene, poses, 40_000, empty_contributor_table(2, 300), found) == 0
+    whose = np.where(found.contributor == NO_PRIMITIVE, -2, found.contributor - 1)
     assert (whose == swept.target_id).mean() > 0.98
     assert {-2, -1, 0} == set(swept.target_id.ravel())
     same = (whose == swept.target_id) & (whose != -2)

@@ -10,7 +10,7 @@ from scipy import stats
 
 from beds import arrays_of
 from insonify.acoustics.pulses import coherence
-from insonify.kernels.speckle.random_fields import transform
+from insonify.kernels.speckle.random_fields import transform_distribution
 from insonify.receiver import make_reception, receive
 from insonify.receiver.speckle import COLUMNS, FIRST_COLUMN, shape_table
 from insonify.scene import edit, load_scene
@@ -157,7 +157,7 @@ def test_the_table_turns_exponential_numbers_into_gamma_ones(shape):
     exponential = np.random.default_rng(0).exponential(size=(1, 2, 1000)).astype(np.float32)
     made = exponential.copy()
     place = np.full(made.shape, 8.0 * math.log2(shape / 0.05), np.float32)
-    transform(made, shape_table(), FIRST_COLUMN, COLUMNS, place)
+    transform_distribution(made, shape_table(), FIRST_COLUMN, COLUMNS, place)
     survival = stats.gamma.sf(made.astype(float), shape, scale=1.0 / shape)
     np.testing.assert_allclose(survival, np.exp(-exponential), atol=3e-4)
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TOP_HAT, Pattern, plain_pattern
+from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TOP_HAT, BeamPattern, plain_pattern
 from insonify.scene import Scene
 from insonify.scene.sonar import Fan, Gaussian, Knife, LineArray, Sonar, VerticalFan, VerticalGaussian
 
@@ -25,7 +25,7 @@ TILTING = {"pitch", "roll", "recorded"}  # motions in which a fish does not stay
 FAR = 0.4  # share of the range at which an array's main lobe is taken to be as wide as there
 
 
-def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, Pattern]:
+def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
     """Pack a scene's beam for the tracers.
 
     Parameters
@@ -53,7 +53,7 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, Pattern]:
     else:
         first_range, extent, energy = 1.0, *_one_row(beam, half_width)
     vertical, tilt, s_vertical = _vertical(sonar)
-    return half_width, Pattern(
+    return half_width, BeamPattern(
         tabled=True,
         centre=centre,
         extent=extent,

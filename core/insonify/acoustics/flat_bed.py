@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.beam.pattern import ring_angles
+from insonify.kernels.beam.pattern import ring_responses
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.scene.materials import Reflectivity
 
@@ -58,7 +58,7 @@ def along_track_width(arrays: SceneArrays, x: NDArray[np.float64], r: NDArray[np
         return np.ones_like(x)
     if arrays.pattern.tabled:
         angles = np.empty_like(x)
-        ring_angles(arrays.pattern, x, r, angles)
+        ring_responses(arrays.pattern, x, r, angles)
         return x * angles
     reach = np.sin(arrays.half_width) * r / np.maximum(x, 1e-300)
     return 2.0 * x * np.arcsin(np.minimum(reach, 1.0))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.flat_bed import along_track_width
-from insonify.kernels.beam.pattern import vertical_sensitivities
+from insonify.kernels.beam.pattern import vertical_responses
 from insonify.kernels.common.types import EVERY_GRAZING, SceneArrays
 
 Curve = NDArray[np.float64]
@@ -108,5 +108,5 @@ def _vertical(arrays: SceneArrays, elevation: NDArray[np.float64]) -> NDArray[np
     if arrays.pattern.vertical == EVERY_GRAZING:
         return np.ones_like(elevation)
     heard = np.empty_like(elevation)
-    vertical_sensitivities(arrays.pattern, elevation, heard)
+    vertical_responses(arrays.pattern, elevation, heard)
     return heard

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from insonify.kernels.common.types import Ghosts, no_ghosts
+from insonify.kernels.common.types import SurfaceMultipath, no_surface_multipath
 from insonify.scene.surface import NoSurface, RoughSurface, Surface
 
 GRAVITY = 9.81  # m/s²
@@ -41,7 +41,7 @@ def slope_variance(wind_speed: float) -> float:
     return float(0.5 * ALPHA / 4.0 * special.exp1(BETA * squared**2))
 
 
-def make_ghosts(surface: Surface) -> Ghosts:
+def make_ghosts(surface: Surface) -> SurfaceMultipath:
     """Turn a declared surface into what kernels see of it.
 
     Parameters
@@ -54,12 +54,12 @@ def make_ghosts(surface: Surface) -> Ghosts:
         A flat surface has one facet; that of a sea is met by sixteen.
     """
     if isinstance(surface, NoSurface):
-        return no_ghosts()
+        return no_surface_multipath()
     ways = surface.surface_bottom, surface.surface_bottom_surface, surface.second_bottom, surface.surface_echo
     wind = surface.wind_speed if isinstance(surface, RoughSurface) else 0.0
     if wind == 0.0:
-        return Ghosts(any(ways), *ways, 0.0, 0.0, np.zeros((2, 1, 4)))
-    return Ghosts(any(ways), *ways, rms_height(wind), slope_variance(wind), facets())
+        return SurfaceMultipath(any(ways), *ways, 0.0, 0.0, np.zeros((2, 1, 4)))
+    return SurfaceMultipath(any(ways), *ways, rms_height(wind), slope_variance(wind), facets())
 
 
 def facets() -> NDArray[np.float64]:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses, SceneArrays, Solids
-from insonify.kernels.refraction.apparent_positions import Bending, no_bending
-from insonify.kernels.refraction.apparent_tables import is_single, tabulate
+from insonify.kernels.refraction.apparent_positions import ApparentTables, no_apparent_tables
+from insonify.kernels.refraction.apparent_tables import fill_apparent_table, is_single_valued
 from insonify.kernels.targets.apparent_targets import SECANT
 from insonify.parallel import in_parallel
 
@@ -30,7 +30,7 @@ class _Extent(NamedTuple):
     reference: float  # m/s
 
 
-def make_bending(arrays: SceneArrays, poses: Poses) -> tuple[Bending, NDArray[np.bool_]]:
+def make_bending(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTables, NDArray[np.bool_]]:
     """Tabulate the water of a problem for the heights of some pings.
 
     Parameters
@@ -49,20 +49,20 @@ def make_bending(arrays: SceneArrays, poses: Poses) -> tuple[Bending, NDArray[np
         level, or a table would be too large.
     """
     if not arrays.water.bent or poses.z.size == 0:
-        return no_bending(), np.zeros(poses.z.size, np.bool_)
+        return no_apparent_tables(), np.zeros(poses.z.size, np.bool_)
     if arrays.water.station.size > 1:
-        return no_bending(), np.ones(poses.z.size, np.bool_)
+        return no_apparent_tables(), np.ones(poses.z.size, np.bool_)
     height, speed = _continued(arrays)
     stretch = max(float(speed[height >= arrays.bed.low].max()) / arrays.water.reference, 1.0)
     extent = _extent_of(arrays, stretch)
     if extent.rows * extent.columns > MOST_PLACES:
-        return no_bending(), np.ones(poses.z.size, np.bool_)
+        return no_apparent_tables(), np.ones(poses.z.size, np.bool_)
     below = np.floor(poses.z / SONAR_STEP).astype(np.int64)
     numbers = range(int(below.min()), int(below.max()) + 2)
     key = height.tobytes(), speed.tobytes(), extent
     made = in_parallel(lambda first, last: [_table(*key, k) for k in numbers[first:last]], len(numbers))
     tables = [table for share in made for table in share]
-    bending = Bending(
+    bending = ApparentTables(
         bent=True,
         tables=np.stack([table for table, _ in tables]),
         sonar_low=numbers[0] * SONAR_STEP,
@@ -116,6 +116,6 @@ def _table(height: bytes, speed: bytes, extent: _Extent, k: int) -> tuple[NDArra
     nodes = np.frombuffer(height), np.frombuffer(speed)
     table = np.zeros((extent.rows, extent.columns, 4), np.float32)
     z, low = k * SONAR_STEP, extent.first_row * ROW_STEP
-    whole = tabulate(*nodes, extent.reference, z, low, ROW_STEP, COLUMN_STEP, extent.surface, table)
+    whole = fill_apparent_table(*nodes, extent.reference, z, low, ROW_STEP, COLUMN_STEP, extent.surface, table)
     reach, high = (extent.columns - 1) * COLUMN_STEP, low + (extent.rows - 1) * ROW_STEP
-    return table, bool(whole and is_single(*nodes, z, low, high, reach, extent.surface))
+    return table, bool(whole and is_single_valued(*nodes, z, low, high, reach, extent.surface))

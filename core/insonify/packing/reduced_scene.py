@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Bed, SceneArrays, Solids
-from insonify.kernels.geometry.bvh import make_mesh
+from insonify.kernels.geometry.bvh import build_mesh
 from insonify.scene.surface import WAYS
 
 
@@ -50,5 +50,5 @@ def _without_others(arrays: SceneArrays, solids: NDArray[np.bool_], triangles: N
     columns: list[Any] = [column[solids] for column in arrays.solids]
     return arrays._replace(
         solids=Solids(*columns),
-        mesh=make_mesh(mesh.corners[triangles], mesh.material[triangles], mesh.target[triangles]),
+        mesh=build_mesh(mesh.corners[triangles], mesh.material[triangles], mesh.target[triangles]),
     )

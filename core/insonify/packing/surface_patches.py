@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import SPHERE, Mesh, Solids
-from insonify.kernels.speckle.surface_patches import BALL, FACE, FIRST_CAP, LAST_CAP, ROUND, Skin
+from insonify.kernels.speckle.surface_patches import BALL, FACE, FIRST_CAP, LAST_CAP, ROUND, SurfacePatches
 
 WIDEST = 1.0  # m, of a belt or a triangle's edge
 
@@ -27,7 +27,7 @@ class _Belt(NamedTuple):
     bound: float
 
 
-def make_skin(solids: Solids, mesh: Mesh) -> Skin:
+def make_skin(solids: Solids, mesh: Mesh) -> SurfacePatches:
     """Cut the skin of all bodies into patches.
 
     Parameters
@@ -49,7 +49,7 @@ def make_skin(solids: Solids, mesh: Mesh) -> Skin:
     edges = corners[:, 1:] - corners[:, :1]
     sides = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
     away = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1, initial=0.0)
-    return Skin(
+    return SurfacePatches(
         kind=np.concatenate([np.array([belt.kind for belt in belts], np.int64), np.full(m, FACE)]),
         body=np.concatenate([body, triangle]),
         target=target,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from insonify.io.meshes import read_mesh
 from insonify.kernels.common.types import Mesh, Solids
-from insonify.kernels.geometry.bvh import make_mesh
+from insonify.kernels.geometry.bvh import build_mesh
 from insonify.packing.primitives import Shape, Vector, ball, block, frustum
 from insonify.packing.rotation import rotation
 from insonify.packing.track import exact_cos
@@ -70,7 +70,7 @@ def _mesh(shapes: list[Shape], before: int) -> Mesh:
     """Lay the triangles of all targets out, likewise."""
     target = np.repeat(np.arange(len(shapes)), [len(shape.triangles) for shape in shapes]).astype(np.int64)
     corners = np.concatenate([Shape().triangles, *(shape.triangles for shape in shapes)])
-    return make_mesh(corners, before + target, target)
+    return build_mesh(corners, before + target, target)
 
 
 def _posed(target: AnyTarget, ground: AnyGround, number: int) -> Shape:

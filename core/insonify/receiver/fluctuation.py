@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import SceneArrays
-from insonify.kernels.receiver.pulse import shift
-from insonify.kernels.speckle.random_fields import wander
+from insonify.kernels.receiver.pulse import delay_pings
+from insonify.kernels.speckle.random_fields import fill_slow_normals
 from insonify.scene import Scene
 from insonify.scene.receiver import NoFluctuation
 
@@ -50,14 +50,14 @@ class Fluctuation:
         if self.delay == 0.0:
             return record
         out = np.empty_like(record)
-        shift(record, self.delay * self._wander(pings, TIME_STREAM), out)
+        delay_pings(record, self.delay * self._wander(pings, TIME_STREAM), out)
         return out
 
     def _wander(self, pings: NDArray[np.int64], stream: int) -> NDArray[np.float64]:
         """Stationary standard normal numbers."""
         out = np.empty(pings.size)
         spacing = 2 ** max(0, math.floor(math.log2(0.5 * self.half_width)))
-        wander(self.seed, stream, pings, self.half_width, spacing, out)
+        fill_slow_normals(self.seed, stream, pings, self.half_width, spacing, out)
         return out
 
 

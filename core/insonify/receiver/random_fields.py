@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.speckle.random_fields import add_energy, weave, white_noise
+from insonify.kernels.speckle.random_fields import add_filtered_energy, fill_white_noise, smooth_noise
 
 # ∫|ρ|² of noise smoothed by a triangle of half width 1: ρ is the cubic B-spline.
 TRIANGLE_INTERVAL = 151.0 / 140.0
@@ -39,7 +39,7 @@ class Field:
         bins = self.half_width.size - self.taps.size + 1
         out = np.zeros((pings.size, 2, bins), np.float32)
         for look in range(looks):
-            add_energy(*self._noise(pings, self.stream + look), self.taps, np.float32(1.0 / looks), out)
+            add_filtered_energy(*self._noise(pings, self.stream + look), self.taps, np.float32(1.0 / looks), out)
         return out
 
     def _noise(self, pings: NDArray[np.int64], stream: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -55,10 +55,10 @@ class Field:
             shape = (nodes.size, 2, wide.size)
             white_re, white_im = np.empty(shape, np.float32), np.empty(shape, np.float32)
             first = band.start - self.taps.size + 1
-            white_noise(self.seed, stream, nodes, spacing.bit_length(), first, white_re, white_im)
+            fill_white_noise(self.seed, stream, nodes, spacing.bit_length(), first, white_re, white_im)
             per_bin = (1.0 / wide).astype(np.float32)
             row = np.searchsorted(nodes, start)
-            weave(pings, spacing, nodes, row, per_bin, band.start, white_re, white_im, real, imaginary)
+            smooth_noise(pings, spacing, nodes, row, per_bin, band.start, white_re, white_im, real, imaginary)
         return real, imaginary
 
     def _bands(self) -> list[tuple[int, slice]]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps
 from insonify.kernels.common.types import LIGHT, SceneArrays
-from insonify.kernels.receiver.pulse import lengthen
+from insonify.kernels.receiver.pulse import convolve_pulse
 from insonify.receiver.fluctuation import Fluctuation, make_fluctuation
 from insonify.receiver.levels import crosstalk, noise_level, power, reverberation, time_varied_gain
 from insonify.receiver.random_fields import Field, make_field
@@ -166,7 +166,7 @@ def _through(taps: Taps, traced: Record) -> Record:
     if taps.weights.size == 1:
         return traced
     record = np.zeros_like(traced)
-    lengthen(traced, taps.weights.astype(np.float32), taps.before, record)
+    convolve_pulse(traced, taps.weights.astype(np.float32), taps.before, record)
     return record
 
 

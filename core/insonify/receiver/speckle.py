@@ -13,7 +13,7 @@ from scipy import special
 from insonify.acoustics.pulses import coherent_taps, pulse_taps
 from insonify.acoustics.resolution_cell import along_track_angle, bin_centres, coherence_angle
 from insonify.kernels.common.types import SceneArrays
-from insonify.kernels.speckle.random_fields import transform
+from insonify.kernels.speckle.random_fields import transform_distribution
 from insonify.receiver.random_fields import Field, make_field
 from insonify.scene import Scene
 from insonify.scene.receiver import Coherent, K, NoSpeckle
@@ -51,7 +51,7 @@ class Texture:
         shape = self.shape if inverse_shape is None else 1.0 / np.maximum(inverse_shape, 1.0 / LARGEST_SHAPE)
         octaves = np.log2(np.clip(shape * self.growth, SMALLEST_SHAPE, LARGEST_SHAPE) / SMALLEST_SHAPE)
         place = np.broadcast_to(octaves * ROWS, strengths.shape).astype(np.float32)
-        transform(strengths, shape_table(), FIRST_COLUMN, COLUMNS, np.ascontiguousarray(place))
+        transform_distribution(strengths, shape_table(), FIRST_COLUMN, COLUMNS, np.ascontiguousarray(place))
         return strengths
 
 

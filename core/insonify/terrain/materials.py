@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from insonify.kernels.bed.nearest_seed import patch_map
+from insonify.kernels.bed.nearest_seed import voronoi_materials
 from insonify.scene.fractal import Fractal
 from insonify.scene.materials import FractalMap, ImageMap, Material, MaterialMap, Patches, PatternMap, Reflectivity
 from insonify.terrain.lattice import Lattice, Map
@@ -48,7 +48,7 @@ def _patches(lattice: Lattice, size: float, count: int, seed: int) -> Map:
         size = period / repeat
     u = (lattice.x0 + (np.arange(nx) + 0.5) * lattice.spacing) / size
     v = (lattice.y0 + (np.arange(ny) + 0.5) * lattice.spacing) / size
-    indices: Map = patch_map(seed, MATERIAL_PATCHES, u, v, repeat, count)
+    indices: Map = voronoi_materials(seed, MATERIAL_PATCHES, u, v, repeat, count)
     return indices
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.beam.azimuth_sector import FADING
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.sweep.sweep import LOWEST, Planes
+from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.packing.navigation import take
 
 FEW = 16  # planes; with more than these all that is rough about a fan's planes shrinks as they come closer
@@ -33,7 +33,7 @@ AT_NADIR = 1e-9  # per metre of height: all but nadir itself is far field to a p
 GROUND_RANGES = 256  # at which the beam's azimuths are looked at
 
 
-def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDArray[np.int64], Planes]]:
+def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDArray[np.int64], AzimuthFan]]:
     """Lay the planes of a problem's beam.
 
     Parameters
@@ -80,7 +80,7 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
 
 def lay_planes_of_images(
     arrays: SceneArrays, poses: Poses, planes: int
-) -> list[tuple[NDArray[np.int64], Planes, Planes]]:
+) -> list[tuple[NDArray[np.int64], AzimuthFan, AzimuthFan]]:
     """Lay the planes of the sonar and those of its image in the sea surface, a fish upside down.
 
     Parameters
@@ -104,7 +104,7 @@ def lay_planes_of_images(
     ]
 
 
-def whole_beam(arrays: SceneArrays) -> Planes:
+def whole_beam(arrays: SceneArrays) -> AzimuthFan:
     """Lay one plane along the axis of a beam, to stand for all of it.
 
     Parameters
@@ -123,10 +123,10 @@ def whole_beam(arrays: SceneArrays) -> Planes:
     squint = math.asin(min(max(pattern.centre, -1.0), 1.0))
     everything = (squint, -1.0, 1.0, 2.0 / max(math.cos(squint), 0.05), 0.0, math.inf, math.inf)
     fan = (0.0, 0.0, math.sin(half), 2.0 * half, 2.0 * half, AT_NADIR, math.inf)
-    return Planes(*(np.array([value]) for value in (everything if pattern.tabled else fan)))
+    return AzimuthFan(*(np.array([value]) for value in (everything if pattern.tabled else fan)))
 
 
-def beam_planes(half_width: float, planes: int) -> Planes:
+def beam_planes(half_width: float, planes: int) -> AzimuthFan:
     """Place the planes of a beam.
 
     Parameters
@@ -144,7 +144,7 @@ def beam_planes(half_width: float, planes: int) -> Planes:
         are per metre of the sonar's height above the lowest bed, so that every ping has planes of its own.
     """
     if half_width <= 0.0:
-        return Planes(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
+        return AzimuthFan(*(np.array([value]) for value in (0.0, 0.0, 1.0, 0.0, 0.0, math.inf, math.inf)))
     s_beam = math.sin(half_width)
     rough = min(FEW / planes, 1.0)
     level = 1.0 - FORESHORTENED * rough * rough
@@ -172,15 +172,15 @@ def beam_planes(half_width: float, planes: int) -> Planes:
         np.full(low.size, near_field),
         np.where(is_inner, math.inf, outer_reach),
     )
-    both = Planes(*(np.concatenate([column, column]) for column in columns))
+    both = AzimuthFan(*(np.concatenate([column, column]) for column in columns))
     both.azimuth[low.size :] *= -1.0
     if planes % 2 == 0:
         return both
     both.azimuth[0], both.angle[0] = 0.0, 2.0 * both.angle[0]
-    return Planes(*(np.delete(column, low.size) for column in both))
+    return AzimuthFan(*(np.delete(column, low.size) for column in both))
 
 
-def pattern_planes(arrays: SceneArrays, planes: int, height: float, pitches: NDArray[np.float64]) -> Planes:
+def pattern_planes(arrays: SceneArrays, planes: int, height: float, pitches: NDArray[np.float64]) -> AzimuthFan:
     """Place the planes of a beam with a pattern, which may be turned, tipped and wider near by.
 
     Parameters
@@ -229,7 +229,7 @@ class _Outline(NamedTuple):
 
 
 @lru_cache(maxsize=1024)
-def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ...]) -> Planes:
+def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ...]) -> AzimuthFan:
     """Lay the planes of an outline; they stay the same while other things of a scene are edited."""
     cone = _Cone(outline, height, np.array(pitches))
     start = math.asin(min(max(outline.centre, -1.0), 1.0))
@@ -239,7 +239,7 @@ def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ..
     reaches = np.array([cone.heard_to(a, b) for a, b in zip(low, high)])
     heard = reaches > 0.0
     low, high, reaches = low[heard], high[heard], reaches[heard]
-    return Planes(
+    return AzimuthFan(
         azimuth=0.5 * (low + high),
         s_low=np.sin(low),
         s_high=np.sin(high),

@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bed.slice import empty_profile, profile_capacity
-from insonify.kernels.common.contributors import empty_ledger
+from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import BED, Poses, SceneArrays
-from insonify.kernels.labels.refracted_labels import find_ray_truth
-from insonify.kernels.labels.sweep_labels import Found, empty_found, find_truth, part_of
+from insonify.kernels.labels.refracted_labels import label_refracted_pings
+from insonify.kernels.labels.sweep_labels import BinLabels, empty_labels, label_swept_pings, labels_of_pings
 from insonify.kernels.multipath.image_sources import SURFACE_ECHO, WAYS
-from insonify.kernels.refraction.apparent_positions import Bending, empty_table
-from insonify.kernels.sweep.sweep import Planes
-from insonify.kernels.sweep.visibility import empty_heard
-from insonify.kernels.targets.angular_zbuffer import NOBODY, empty_screen
+from insonify.kernels.refraction.apparent_positions import ApparentTables, empty_table
+from insonify.kernels.sweep.sweep import AzimuthFan
+from insonify.kernels.sweep.visibility import empty_segment_echoes
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, empty_zbuffer
 from insonify.packing.apparent_tables import make_bending
 from insonify.packing.navigation import take
 from insonify.packing.targets import refuse_sonar_inside
@@ -100,7 +100,7 @@ def trace_truth(
     SceneError
         If the sonar runs into a target.
     """
-    found = empty_found(poses.x.size, arrays.bins)
+    found = empty_labels(poses.x.size, arrays.bins)
     bending, folded = make_bending(arrays, poses)
     if folded.any():
         _enter(found, np.flatnonzero(folded), _find_by_rays(arrays, take(poses, np.flatnonzero(folded)), rays, threads))
@@ -112,36 +112,50 @@ def trace_truth(
     return _with_crosstalk(own, found.energy, crosstalk) if crosstalk > 0.0 else own
 
 
-def _enter(found: Found, places: NDArray[np.int64], some: Found) -> None:
+def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None:
     """Put what some pings show in its place."""
     for whole, part in zip(found, some):
         whole[places] = part
 
 
-def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> Found:
+def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> BinLabels:
     """Find what the bins of pings show, by rays along arcs."""
-    found = empty_found(poses.x.size, arrays.bins)
+    found = empty_labels(poses.x.size, arrays.bins)
 
     def block(first: int, last: int) -> int:
-        ledger = empty_ledger(_contributors(arrays), arrays.bins)
-        return int(find_ray_truth(arrays, take(poses, slice(first, last)), rays, ledger, part_of(found, first, last)))
+        ledger = empty_contributor_table(_contributors(arrays), arrays.bins)
+        return int(
+            label_refracted_pings(
+                arrays, take(poses, slice(first, last)), rays, ledger, labels_of_pings(found, first, last)
+            )
+        )
 
     refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
     return found
 
 
-def _find(arrays: SceneArrays, poses: Poses, beams: list[Planes], bending: Bending, threads: int | None) -> Found:
+def _find(
+    arrays: SceneArrays, poses: Poses, beams: list[AzimuthFan], bending: ApparentTables, threads: int | None
+) -> BinLabels:
     """Find what the bins of pings show that share their planes."""
     capacity = profile_capacity(bending.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
     contributors = _contributors(arrays) * (WAYS if arrays.ghosts.heard else 1)
-    found = empty_found(poses.x.size, arrays.bins)
+    found = empty_labels(poses.x.size, arrays.bins)
 
     def block(first: int, last: int) -> int:
         part = take(poses, slice(first, last))
-        room = empty_profile(capacity), empty_heard(capacity), empty_screen(arrays.solids, arrays.mesh)
-        far, ledger = room_for_ghosts(arrays, capacity), empty_ledger(contributors, arrays.bins)
-        return find_truth(
-            arrays, part, *beams, bending, empty_table(bending), *room, *far, ledger, part_of(found, first, last)
+        room = empty_profile(capacity), empty_segment_echoes(capacity), empty_zbuffer(arrays.solids, arrays.mesh)
+        far, ledger = room_for_ghosts(arrays, capacity), empty_contributor_table(contributors, arrays.bins)
+        return label_swept_pings(
+            arrays,
+            part,
+            *beams,
+            bending,
+            empty_table(bending),
+            *room,
+            *far,
+            ledger,
+            labels_of_pings(found, first, last),
         )
 
     refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
@@ -158,10 +172,10 @@ def _contributors(arrays: SceneArrays) -> int:
     return arrays.reflectivity.shape[0] + _targets(arrays)
 
 
-def _in_words_of_the_scene(arrays: SceneArrays, found: Found) -> Truth:
+def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> Truth:
     """Turn contributors into targets and materials, radians into degrees."""
     rows = arrays.reflectivity.shape[0]
-    heard, way, who = found.contributor != NOBODY, *np.divmod(found.contributor, _contributors(arrays))
+    heard, way, who = found.contributor != NO_PRIMITIVE, *np.divmod(found.contributor, _contributors(arrays))
     of_surface = way == SURFACE_ECHO
     is_target = heard & (who >= rows)
     material_of = np.arange(_contributors(arrays))

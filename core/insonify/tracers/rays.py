@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from insonify.kernels.common.types import BED, Poses, SceneArrays
-from insonify.kernels.multipath.multipath_rays import trace_ghosts
+from insonify.kernels.multipath.multipath_rays import trace_multipath
 from insonify.kernels.rays.cell_walk import NOTHING, Bundle
 from insonify.kernels.rays.first_echoes import cast_rays, empty_hits, trace_pings
 from insonify.kernels.rays.specular_paths import follow_paths
@@ -168,7 +168,7 @@ def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, thread
         part = take(poses, slice(first, last))
         status = int(trace(arrays, part, int(rays), float(step), out[first:last]))
         if arrays.ghosts.heard and status == 0:
-            trace_ghosts(arrays, part, int(rays), out[first:last])
+            trace_multipath(arrays, part, int(rays), out[first:last])
         return status
 
     refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))

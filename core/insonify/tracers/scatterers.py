@@ -12,10 +12,10 @@ from insonify.acoustics.pulses import envelope, pulse_taps
 from insonify.acoustics.resolution_cell import along_track_angle, bin_centres
 from insonify.kernels.bed.slice import empty_profile, profile_capacity
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.speckle.scatterers import Pulse, Scatterers, empty_line, interfere_pings
-from insonify.kernels.speckle.surface_patches import Skin
-from insonify.kernels.sweep.sweep import Planes
-from insonify.kernels.sweep.visible_stretches import empty_sight
+from insonify.kernels.speckle.scatterers import PulseTaps, Scatterers, empty_signal, trace_scatterers
+from insonify.kernels.speckle.surface_patches import SurfacePatches
+from insonify.kernels.sweep.sweep import AzimuthFan
+from insonify.kernels.sweep.visible_stretches import empty_visible_bed
 from insonify.packing.navigation import take
 from insonify.packing.surface_patches import make_skin
 from insonify.packing.targets import refuse_sonar_inside
@@ -48,7 +48,7 @@ class Interference:
     """
 
     scatterers: Scatterers
-    pulse: Pulse
+    pulse: PulseTaps
 
     @property
     def beyond(self) -> int:
@@ -87,10 +87,12 @@ class Interference:
             _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
             traced = np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
 
-            def block(first: int, last: int, some: Poses = some, beam: Planes = beam, traced: Record = traced) -> int:
-                part, sight = take(some, slice(first, last)), empty_sight(beam.azimuth, capacity)
-                room = empty_profile(capacity), sight, empty_line(further.bins, self.pulse)
-                return interfere_pings(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
+            def block(
+                first: int, last: int, some: Poses = some, beam: AzimuthFan = beam, traced: Record = traced
+            ) -> int:
+                part, sight = take(some, slice(first, last)), empty_visible_bed(beam.azimuth, capacity)
+                room = empty_profile(capacity), sight, empty_signal(further.bins, self.pulse)
+                return trace_scatterers(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
 
             refuse_sonar_inside(arrays.solids, in_parallel(block, places.size, threads))
             out[places] = traced
@@ -126,7 +128,7 @@ def make_interference(scene: Scene, arrays: SceneArrays) -> Interference | None:
     )
 
 
-def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bins: int = 1) -> Pulse:
+def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bins: int = 1) -> PulseTaps:
     """Lay a pulse over a line of waves.
 
     Parameters
@@ -163,14 +165,14 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, b
             "range is too long for that; lengthen the pulse, lower its bandwidth or shorten sonar.range"
         )
     if isinstance(pulse, Ideal):
-        return Pulse(1, cells, np.full(cells, 1.0), cells // 2)
+        return PulseTaps(1, cells, np.full(cells, 1.0), cells // 2)
     reach = math.ceil(0.5 * sound_speed * pulse.duration / step)
     # A tone is heard after it has come, a chirp on either hand of it.
     late = np.arange(reach if isinstance(pulse, Tone) else 2 * reach, dtype=np.float64)
     amplitudes = envelope(pulse, (reach - 0.5 - late) * step, sound_speed)
     energy = float(pulse_taps(pulse, sound_speed, bin_length).weights.sum()) * bin_length
     amplitudes *= math.sqrt(energy / (float((amplitudes**2).sum()) * step))
-    return Pulse(samples, cells, amplitudes, reach)
+    return PulseTaps(samples, cells, amplitudes, reach)
 
 
 def _refuse_fine_bed(planes: int, knots: int, arrays: SceneArrays) -> None:
@@ -203,7 +205,7 @@ def _lengthened(arrays: SceneArrays, bins: int) -> SceneArrays:
     return arrays._replace(bins=arrays.bins + bins, range_factor=factor)
 
 
-def _narrowed(arrays: SceneArrays, skin: Skin, poses: Poses) -> SceneArrays:
+def _narrowed(arrays: SceneArrays, skin: SurfacePatches, poses: Poses) -> SceneArrays:
     """Leave out of a pattern where there are many scatterers but next to nothing is heard: nearer than all and far off.
 
     Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than others.
@@ -237,7 +239,7 @@ def _without_faint_sidelobes(
     return half * extent, np.interp(half * place, place, energy), inner - inner[0]
 
 
-def _in_order(planes: Planes) -> Planes:
+def _in_order(planes: AzimuthFan) -> AzimuthFan:
     """Bring planes into the order of their azimuths."""
     order = np.argsort(planes.azimuth)
-    return Planes(*(np.ascontiguousarray(column[order]) for column in planes))
+    return AzimuthFan(*(np.ascontiguousarray(column[order]) for column in planes))

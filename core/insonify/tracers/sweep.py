@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.bed.slice import empty_profile, profile_capacity
-from insonify.kernels.common.contributors import empty_ledger
+from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.multipath.echo_list import empty_echoes
-from insonify.kernels.multipath.surface_multipath import Outlook, empty_outlook, sweep_ghosts
-from insonify.kernels.refraction.apparent_positions import Bending, empty_table
-from insonify.kernels.sweep.sweep import Planes, sweep_pings
-from insonify.kernels.sweep.visibility import empty_heard
-from insonify.kernels.targets.angular_zbuffer import Screen, empty_screen
+from insonify.kernels.multipath.echo_list import empty_echo_list
+from insonify.kernels.multipath.surface_multipath import ImageProfile, empty_image_profile, sweep_multipath
+from insonify.kernels.refraction.apparent_positions import ApparentTables, empty_table
+from insonify.kernels.sweep.sweep import AzimuthFan, sweep_pings
+from insonify.kernels.sweep.visibility import empty_segment_echoes
+from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer
 from insonify.packing.apparent_tables import make_bending
 from insonify.packing.navigation import take
 from insonify.packing.targets import refuse_sonar_inside
@@ -80,8 +80,8 @@ def trace(
 def _trace_alike(
     arrays: SceneArrays,
     poses: Poses,
-    beams: tuple[Planes, Planes],
-    bending: Bending,
+    beams: tuple[AzimuthFan, AzimuthFan],
+    bending: ApparentTables,
     double: bool,
     threads: int | None,
     out: Record,
@@ -93,12 +93,12 @@ def _trace_alike(
 
     def block(first: int, last: int) -> int:
         part = take(poses, slice(first, last))
-        screen = empty_screen(arrays.solids, arrays.mesh)
-        room = empty_profile(capacity, real), empty_heard(capacity, real), screen
+        screen = empty_zbuffer(arrays.solids, arrays.mesh)
+        room = empty_profile(capacity, real), empty_segment_echoes(capacity, real), screen
         status = sweep_pings(arrays, part, beam, bending, empty_table(bending), *room, out[first:last])
         if arrays.ghosts.heard and status == 0:
-            far = *room_for_ghosts(arrays, capacity), empty_ledger(0, 0)
-            sweep_ghosts(arrays, part, beam, lifted, room[0], *far, out[first:last])
+            far = *room_for_ghosts(arrays, capacity), empty_contributor_table(0, 0)
+            sweep_multipath(arrays, part, beam, lifted, room[0], *far, out[first:last])
         return int(status)
 
     refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
@@ -106,7 +106,7 @@ def _trace_alike(
 
 def room_for_ghosts(
     arrays: SceneArrays, capacity: int
-) -> tuple[tuple[Outlook, Outlook], tuple[Screen, Screen], NDArray[np.float64]]:
+) -> tuple[tuple[ImageProfile, ImageProfile], tuple[AngularZbuffer, AngularZbuffer], NDArray[np.float64]]:
     """Make room for profiles of so many knots as two images of the sonar see them, and for their echoes."""
-    screens = empty_screen(arrays.solids, arrays.mesh), empty_screen(arrays.solids, arrays.mesh)
-    return (empty_outlook(capacity), empty_outlook(capacity)), screens, empty_echoes()
+    screens = empty_zbuffer(arrays.solids, arrays.mesh), empty_zbuffer(arrays.solids, arrays.mesh)
+    return (empty_image_profile(capacity), empty_image_profile(capacity)), screens, empty_echo_list()

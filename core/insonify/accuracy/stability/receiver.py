@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from insonify.accuracy.stability.case import Case, Way
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, named, panel
 from insonify.accuracy.stability.scenery import level_scene
-from insonify.kernels.common.scattering import bistatic
+from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import SONAR
 from insonify.simulation import simulate
 
@@ -76,7 +76,7 @@ def _albedo(incidence: float, normalised: bool, diffuse: float, specular: float,
     if not normalised:
         return float((plain_lobe(cosine, mirrored, diffuse, specular, shininess) * solid_angle).sum())
     arriving = math.cos(incidence)
-    out = [bistatic(arriving, c, m, diffuse, specular, shininess, SONAR) for c, m in zip(cosine, mirrored)]
+    out = [bistatic_strength(arriving, c, m, diffuse, specular, shininess, SONAR) for c, m in zip(cosine, mirrored)]
     return float((np.array(out) * solid_angle).sum() / arriving)
 
 

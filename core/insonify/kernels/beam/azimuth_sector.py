@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.beam.pattern import heard_angle, heard_between, vertical_sensitivity, widest_extent
+from insonify.kernels.beam.pattern import azimuthal_response, integrated_response, vertical_response, widest_extent
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 
@@ -13,7 +13,7 @@ FADING = 0.3  # of the near field, by which the far field takes over
 BENT = 0.3  # sin φ up to which azimuths are proportional to it, to 1 %
 
 
-class Wedge(NamedTuple):
+class AzimuthSector(NamedTuple):
     """One plane of a beam: a wedge of azimuths on either hand of it."""
 
     s_low: float  # |sin φ| where the wedge begins; with a pattern sin φ itself, positive towards the bow
@@ -34,16 +34,16 @@ class Wedge(NamedTuple):
 
 
 @inlined_uncounted
-def raised(wedge, near_field):
+def raise_sector(wedge, near_field):
     """Return the wedge as an image of the sonar has it, from higher up: the far field begins farther out."""
-    return Wedge(
+    return AzimuthSector(
         wedge.s_low, wedge.s_high, wedge.angle, wedge.far_angle, near_field, wedge.s_beam, wedge.span, wedge.tabled,
         wedge.bent, wedge.ahead_level, wedge.ahead_up, wedge.side_x, wedge.side_z, wedge.up_x, wedge.up_z,
     )  # fmt: skip
 
 
 @inlined_uncounted
-def weight(x, z, r, wedge, pattern, law):
+def sector_weight(x, z, r, wedge, pattern, law):
     """Tell what a plane stands for at ground range x, height z, slant range r: the factor its beam puts on an echo.
 
     Law `sonar`: the along-track width in metres, less where the beam is less sensitive; 1 m for a knife. Law `light`:
@@ -53,11 +53,11 @@ def weight(x, z, r, wedge, pattern, law):
         return _pattern_weight(x, z, r, wedge, pattern, law)
     if wedge.angle == 0.0:
         return 1.0
-    return beam_share(x, r, wedge) if law == LIGHT else strip_width(x, r, wedge)
+    return top_hat_share(x, r, wedge) if law == LIGHT else top_hat_width(x, r, wedge)
 
 
 @inlined_uncounted
-def strip_width(x, r, wedge):
+def top_hat_width(x, r, wedge):
     """Along-track width that a plane of a top-hat stands for.
 
     A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner wedges stretch with it, nearer
@@ -65,20 +65,20 @@ def strip_width(x, r, wedge):
     what lies between them: over a stretch of range one passes into the other.
     """
     near = x * _azimuth_taken_in(x, r, wedge) if wedge.s_high > BENT else _width_taken_in(x, r, wedge)
-    return near + far_share(x, wedge) * (r * wedge.far_angle - near)
+    return near + far_field_share(x, wedge) * (r * wedge.far_angle - near)
 
 
 @inlined_uncounted
-def far_share(x, wedge):
+def far_field_share(x, wedge):
     """How far the far field has taken over at a ground range."""
     return min(max((x - wedge.near_field) * (1.0 / (FADING * wedge.near_field)), 0.0), 1.0)
 
 
 @inlined_uncounted
-def beam_share(x, r, wedge):
+def top_hat_share(x, r, wedge):
     """Share of a top-hat's azimuths at that place which the plane stands for."""
     near = _azimuth_taken_in(x, r, wedge) / (2.0 * arcsine(min(wedge.s_beam * r / x, 1.0)))
-    return near + far_share(x, wedge) * (wedge.far_angle / wedge.span - near)
+    return near + far_field_share(x, wedge) * (wedge.far_angle / wedge.span - near)
 
 
 @inlined_uncounted
@@ -105,7 +105,7 @@ def arcsine(s):
 @inlined_uncounted
 def _pattern_weight(x, z, r, wedge, pattern, law):
     """Likewise for a beam with a pattern, of a fish that may pitch and roll."""
-    heard = vertical_weight(x / r, z / r, wedge, pattern)
+    heard = in_plane_response(x / r, z / r, wedge, pattern)
     if wedge.angle == 0.0 or heard == 0.0:
         return heard
     centre, extent, integral = pattern.centre, pattern.extent, pattern.integral
@@ -117,18 +117,18 @@ def _pattern_weight(x, z, r, wedge, pattern, law):
     level, tip = wedge.ahead_level * x / r, wedge.ahead_up * z / r
     if widest_extent(pattern) < BENT * level:
         ends = tip - level, tip + level
-        whole = heard_between(centre, extent, integral, first_range, per_octave, ends[0], ends[1], r) / level
+        whole = integrated_response(centre, extent, integral, first_range, per_octave, ends[0], ends[1], r) / level
     else:
-        whole = heard_angle(pattern, level, tip, r)
+        whole = azimuthal_response(pattern, level, tip, r)
     return heard * width / (x * whole) if whole > 0.0 else 0.0
 
 
 @inlined_uncounted
-def vertical_weight(c, s, wedge, pattern):
+def in_plane_response(c, s, wedge, pattern):
     """Sensitivity of the vertical beam along a plane, in the direction (c, s)."""
     if pattern.vertical == EVERY_GRAZING:
         return 1.0
-    return vertical_sensitivity(pattern, wedge.side_x * c + wedge.side_z * s, wedge.up_x * c + wedge.up_z * s)
+    return vertical_response(pattern, wedge.side_x * c + wedge.side_z * s, wedge.up_x * c + wedge.up_z * s)
 
 
 @inlined_uncounted
@@ -143,4 +143,9 @@ def pattern_width(x, z, r, wedge, centre, extent, integral, first_range, per_oct
     if span <= 0.0:
         return 0.0
     s_low, s_high = level * wedge.s_low + tip, level * wedge.s_high + tip
-    return x * wedge.angle * heard_between(centre, extent, integral, first_range, per_octave, s_low, s_high, r) / span
+    return (
+        x
+        * wedge.angle
+        * integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r)
+        / span
+    )

@@ -11,7 +11,7 @@ SLICES = 16  # of the azimuths over which a pattern is averaged
 
 
 @inlined_uncounted
-def sensitivity(pattern, s, r):
+def table_response(pattern, s, r):
     """Sensitivity in the directions of s at slant range r: bilinear in s and log r."""
     row, share = _row(pattern, r)
     heard = _energy(pattern, row, s)
@@ -19,7 +19,7 @@ def sensitivity(pattern, s, r):
 
 
 @inlined_uncounted
-def heard_between(centre, extent, integral, first_range, per_octave, s_low, s_high, r):
+def integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r):
     """Integral of the sensitivity over s between two values, at slant range r.
 
     It takes the pattern's parts, for taking one out costs more than a look into the table.
@@ -155,7 +155,7 @@ def _mean_energy(pattern, row, s):
 
 
 @inlined_uncounted
-def heard_angle(pattern, level, tip, r):
+def azimuthal_response(pattern, level, tip, r):
     """Integral of the sensitivity over all azimuths of one side at slant range r, where s = level · sin φ + tip."""
     extent = widest_extent(pattern)
     low = math.asin(min(max((pattern.centre - extent - tip) / level, -1.0), 1.0))
@@ -167,14 +167,14 @@ def heard_angle(pattern, level, tip, r):
         after = math.sin(low + (k + 1) * step)
         if after > before:
             s_low, s_high = level * before + tip, level * after + tip
-            heard = heard_between(centre, extents, integral, first_range, per_octave, s_low, s_high, r)
+            heard = integrated_response(centre, extents, integral, first_range, per_octave, s_low, s_high, r)
             total += heard / (s_high - s_low) * step
         before = after
     return total
 
 
 @inlined_uncounted
-def vertical_sensitivity(pattern, side, up):
+def vertical_response(pattern, side, up):
     """Sensitivity of the vertical beam in a direction with these parts along the fish's own side and up."""
     c, s = math.cos(pattern.tilt), math.sin(pattern.tilt)
     # Parts of the direction along the tilted axis, and at right angles to it.
@@ -187,30 +187,30 @@ def vertical_sensitivity(pattern, side, up):
 
 
 @inlined_uncounted
-def heard(pattern, beam, fan, law, dx, dy, dz, r):
+def two_way_response(pattern, beam, fan, law, dx, dy, dz, r):
     """Sensitivity of a pattern in a direction of the world; law `light` averages over its azimuths."""
     value = 1.0
     if pattern.vertical != EVERY_GRAZING:
         side = dx * beam.own_x + dy * beam.own_y + dz * beam.own_z
-        value = vertical_sensitivity(pattern, side, dx * beam.up_x + dy * beam.up_y + dz * beam.up_z)
+        value = vertical_response(pattern, side, dx * beam.up_x + dy * beam.up_y + dz * beam.up_z)
     if not fan or value == 0.0:
         return value
-    value *= sensitivity(pattern, dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z, r)
+    value *= table_response(pattern, dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z, r)
     if law != LIGHT or value == 0.0:
         return value
     cos_pitch, cos_elevation = math.sqrt(1.0 - beam.axis_z * beam.axis_z), math.sqrt(dx * dx + dy * dy)
-    return value / heard_angle(pattern, cos_pitch * cos_elevation, beam.axis_z * dz, r)
+    return value / azimuthal_response(pattern, cos_pitch * cos_elevation, beam.axis_z * dz, r)
 
 
 @kernel
-def ring_angles(pattern, x, r, out):
+def ring_responses(pattern, x, r, out):
     """Azimuth that a level fish's beam takes in, by its sensitivity, of rings at ground ranges x and slant ranges r."""
     for k in range(x.size):
-        out[k] = heard_angle(pattern, x[k] / r[k], 0.0, r[k]) if x[k] > 0.0 else 0.0
+        out[k] = azimuthal_response(pattern, x[k] / r[k], 0.0, r[k]) if x[k] > 0.0 else 0.0
 
 
 @kernel
-def vertical_sensitivities(pattern, elevation, out):
+def vertical_responses(pattern, elevation, out):
     """Sensitivity of the vertical beam of a level fish at elevations above the horizontal, in radians."""
     for k in range(elevation.size):
-        out[k] = vertical_sensitivity(pattern, math.cos(elevation[k]), math.sin(elevation[k]))
+        out[k] = vertical_response(pattern, math.cos(elevation[k]), math.sin(elevation[k]))

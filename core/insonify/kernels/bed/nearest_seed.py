@@ -15,13 +15,13 @@ ACROSS, ALONG, KIND = 0, 1, 2
 
 
 @kernel
-def outside(place, square):
+def distance_to_square(place, square):
     """Distance along one axis from a place to a unit square, 0 inside."""
     return max(square - place, place - square - 1.0, 0.0)
 
 
 @kernel
-def nearest_patch(seed, stream, u, v, repeat):
+def nearest_seed_hash(seed, stream, u, v, repeat):
     """Hash of the seed point nearest to (u, v), in lattice squares; the lattice repeats after ``repeat`` (0: never)."""
     column, row = math.floor(u), math.floor(v)
     nearest, owner_a, owner_b = np.inf, column, row
@@ -30,7 +30,7 @@ def nearest_patch(seed, stream, u, v, repeat):
         j = row + (step_v + 1) // 2 * (1 - 2 * (step_v % 2))
         for step_u in range(2 * REACH + 1):
             i = column + (step_u + 1) // 2 * (1 - 2 * (step_u % 2))
-            if outside(u, i) ** 2 + outside(v, j) ** 2 >= nearest:
+            if distance_to_square(u, i) ** 2 + distance_to_square(v, j) ** 2 >= nearest:
                 continue
             a, b = (i % repeat, j % repeat) if repeat > 0 else (i, j)
             du = i + hash_uniform(seed, stream, a, b, ACROSS) - u
@@ -42,10 +42,10 @@ def nearest_patch(seed, stream, u, v, repeat):
 
 
 @kernel
-def patch_map(seed, stream, u, v, repeat, count):
+def voronoi_materials(seed, stream, u, v, repeat, count):
     """Index map (v.size, u.size) uint8 of patches that each take one of ``count`` materials."""
     indices = np.empty((v.size, u.size), dtype=np.uint8)
     for j in range(v.size):
         for i in range(u.size):
-            indices[j, i] = nearest_patch(seed, stream, u[i], v[j], repeat) % np.uint64(count)
+            indices[j, i] = nearest_seed_hash(seed, stream, u[i], v[j], repeat) % np.uint64(count)
     return indices

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.common.jit import inlined_uncounted
-from insonify.kernels.common.prefetch import LINE, ask_to_read
+from insonify.kernels.common.prefetch import LINE, prefetch_read
 
 # Knots closer to a grid corner than this share of a cell merge with it.
 MERGED = 1e-6
@@ -53,7 +53,7 @@ def profile_capacity(reach: float, spacing: float) -> int:
 
 
 @inlined_uncounted
-def in_full(entries):
+def padded_count(entries):
     """Entries that a pass works on for the first so many to be done."""
     return (entries + (AT_ONCE - 1)) // AT_ONCE * AT_ONCE if entries > FEW else entries
 
@@ -79,8 +79,8 @@ def _walk(bed, nodes, v_is_y, u0, v0, z0, eu, ev, reach, profile):
     spacing = bed.spacing
     near, far = 0.0, reach
     if not bed.periodic:
-        near, far = clip(u0, eu / spacing, nu - 1.0, near, far)
-        near, far = clip(v0, ev / spacing, nv - 1.0, near, far)
+        near, far = clip_to_grid(u0, eu / spacing, nu - 1.0, near, far)
+        near, far = clip_to_grid(v0, ev / spacing, nv - 1.0, near, far)
         if far - near <= MERGED * spacing:
             return 0
     column = _first_column(u0 + near * eu / spacing, eu, nu, bed.periodic)
@@ -112,10 +112,10 @@ def _strip(bed, nodes, v_is_y, column, u0, v0, z0, eu, ev, start, end, count, pr
     behind = math.floor(v_start + MERGED) if step > 0 else math.ceil(v_start - MERGED)
     beyond = math.ceil(v_end - MERGED) if step > 0 else math.floor(v_end + MERGED)
     inner = max((beyond - behind) * step - 1, 0)
-    nodes_read = in_full(inner + 2)
+    nodes_read = padded_count(inner + 2)
     low, high = profile.low[:nodes_read], profile.high[:nodes_read]
-    _row(nodes[wrapped(column, nodes.shape[0])], behind, step, low)
-    _row(nodes[wrapped(column + 1, nodes.shape[0])], behind, step, high)
+    _row(nodes[wrap_index(column, nodes.shape[0])], behind, step, low)
+    _row(nodes[wrap_index(column + 1, nodes.shape[0])], behind, step, high)
     head, segments = count - 1, inner + 1
     halvings = _halvings(eu, ev)
     tail = head + (segments << halvings)
@@ -132,14 +132,14 @@ def _strip(bed, nodes, v_is_y, column, u0, v0, z0, eu, ev, start, end, count, pr
     z[segments], across[segments] = z_end - z0, across_end
     for halving in range(halvings):
         _halve(x, z, across, eu, segments << halving)
-    _segments(in_full(tail - head), x, z, across, eu, 1.0 / ev, profile.slope[head:], profile.area[head:])
+    _segments(padded_count(tail - head), x, z, across, eu, 1.0 / ev, profile.slope[head:], profile.area[head:])
     if bed.mapped:
         _materials(bed.materials, v_is_y, column, behind, step, halvings, profile.material[head:tail])
     return tail + 1
 
 
 @inlined_uncounted
-def ask_for_strip(bed, x, y, ex, ey, reach):
+def prefetch_strip(bed, x, y, ex, ey, reach):
     """Ask for the nodes of the strip in which a plane begins; along the grid they are all that it needs."""
     u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
     nodes = bed.heights
@@ -149,15 +149,15 @@ def ask_for_strip(bed, x, y, ex, ey, reach):
         u, v, ex, ey = v, u, ey, ex
     length = min(reach, bed.spacing / max(abs(ex), MERGED)) / bed.spacing
     rows, columns = nodes.shape
-    low = nodes[wrapped(math.floor(u), rows)]
-    high = nodes[wrapped(math.floor(u) + 1, rows)]
+    low = nodes[wrap_index(math.floor(u), rows)]
+    high = nodes[wrap_index(math.floor(u) + 1, rows)]
     node = math.floor(v)
     if ey < 0.0:
         node -= int(length)
     per_line = LINE // nodes.itemsize
     for k in range(node, node + int(length), per_line):
-        ask_to_read(low, wrapped(k, columns))
-        ask_to_read(high, wrapped(k, columns))
+        prefetch_read(low, wrap_index(k, columns))
+        prefetch_read(high, wrap_index(k, columns))
 
 
 @inlined_uncounted
@@ -182,13 +182,13 @@ def _halve(x, z, across, eu, segments):
 
 
 @inlined_uncounted
-def on_grid(component):
+def snap_to_grid(component):
     """Direction component with rounding dust removed, so that a track along the grid stays on it."""
     return 0.0 if abs(component) < 1e-12 else component
 
 
 @inlined_uncounted
-def wrapped(index, size):
+def wrap_index(index, size):
     """Index of a node on a bed that repeats; the whole number within [0, size)."""
     if 0 <= index < size:
         return index
@@ -208,7 +208,7 @@ def _row(row, first, step, out):
     """Read consecutive nodes of a row, upward or downward, round its end; runs suit the vector units."""
     done = 0
     while done < out.size:
-        place = wrapped(first + step * done, row.size)
+        place = wrap_index(first + step * done, row.size)
         if step > 0:
             run = min(out.size - done, row.size - place)
             _copy(row[place : place + run], out[done : done + run])
@@ -264,13 +264,13 @@ def _materials(materials, v_is_y, column, behind, step, halvings, out):
         # A cell belongs to its low corner.
         v = behind + step * (k >> halvings) - (1 if step < 0 else 0)
         if v_is_y:
-            out[k] = materials[wrapped(v, rows), wrapped(column, columns)]
+            out[k] = materials[wrap_index(v, rows), wrap_index(column, columns)]
         else:
-            out[k] = materials[wrapped(column, rows), wrapped(v, columns)]
+            out[k] = materials[wrap_index(column, rows), wrap_index(v, columns)]
 
 
 @inlined_uncounted
-def clip(origin, rate, highest, near, far):
+def clip_to_grid(origin, rate, highest, near, far):
     """Part of [near, far] where origin + t rate lies within [0, highest]."""
     if rate == 0.0:
         return (near, far) if 0.0 <= origin <= highest else (1.0, 0.0)

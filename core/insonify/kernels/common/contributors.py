@@ -14,7 +14,7 @@ ROUNDING = 1e-3
 POINT = 1e-6  # in bins; what is shorter lies in one
 
 
-class Ledger(NamedTuple):
+class ContributorTable(NamedTuple):
     """Who put what into the bins of one side; a row is valid once its contributor was met."""
 
     met: NDArray[np.bool_]  # (contributors,)
@@ -25,15 +25,15 @@ class Ledger(NamedTuple):
     hidden: NDArray[np.bool_]  # (bins,) whether bed out of sight spans the bin
 
 
-def empty_ledger(contributors: int, bins: int) -> Ledger:
+def empty_contributor_table(contributors: int, bins: int) -> ContributorTable:
     """Make room for one side; memory of contributors never met is never touched."""
     energy, strongest = np.empty((2, contributors, bins))
     x, cosine = np.empty((2, contributors, bins), np.float32)
-    return Ledger(np.zeros(contributors, np.bool_), energy, strongest, x, cosine, np.zeros(bins, np.bool_))
+    return ContributorTable(np.zeros(contributors, np.bool_), energy, strongest, x, cosine, np.zeros(bins, np.bool_))
 
 
 @inlined
-def meet(ledger, who):
+def open_contributor(ledger, who):
     """Open a contributor's row."""
     if not ledger.met[who]:
         ledger.met[who] = True
@@ -42,7 +42,7 @@ def meet(ledger, who):
 
 
 @inlined
-def touched(near, far, per_bin, bins, margin):
+def spanned_bins(near, far, per_bin, bins, margin):
     """First bin that a stretch of slant range touches, give or take a margin in bins, and the one after its last."""
     if not near * per_bin < bins:  # or NaN, a hole in the bed
         return 0, 0
@@ -50,7 +50,7 @@ def touched(near, far, per_bin, bins, margin):
 
 
 @inlined
-def note(ledger, who, k, energy, x, cosine):
+def add_contribution(ledger, who, k, energy, x, cosine):
     """Enter a piece, or the part of it within bin k."""
     ledger.energy[who, k] += energy
     if energy > ledger.strongest[who, k]:
@@ -58,13 +58,13 @@ def note(ledger, who, k, energy, x, cosine):
 
 
 @inlined
-def note_half(ledger, who, near, far, energy, x, cosine, bin_length):
+def spread_contribution(ledger, who, near, far, energy, x, cosine, bin_length):
     """Enter energy spread evenly between two slant ranges; if they are one, all of it in its bin."""
     near, far = min(near, far) / bin_length, max(near, far) / bin_length
-    first, last = touched(near, far, 1.0, ledger.hidden.size, ROUNDING)
+    first, last = spanned_bins(near, far, 1.0, ledger.hidden.size, ROUNDING)
     if far - near > POINT:
         for k in range(first, last):
             share = max(min(far, k + 1.0) - max(near, float(k)), 0.0) / (far - near)
-            note(ledger, who, k, energy * share, x, cosine)
+            add_contribution(ledger, who, k, energy * share, x, cosine)
     elif first < last:
-        note(ledger, who, min(int(near), last - 1), energy, x, cosine)
+        add_contribution(ledger, who, min(int(near), last - 1), energy, x, cosine)

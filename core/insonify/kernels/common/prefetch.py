@@ -43,12 +43,12 @@ def _to_write(typing, array, index):
 
 
 # As kernels call them, with an array and an index.
-ask_to_read: Any = intrinsic(_to_read)
-ask_to_write: Any = intrinsic(_to_write)
+prefetch_read: Any = intrinsic(_to_read)
+prefetch_write: Any = intrinsic(_to_write)
 
 
 @inlined_uncounted
-def ask_for_row(row):
+def prefetch_row(row):
     """Ask for all of a row, which will be written soon."""
     for k in range(0, row.size, LINE // row.itemsize):
-        ask_to_write(row, k)
+        prefetch_write(row, k)

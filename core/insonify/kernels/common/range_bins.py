@@ -16,7 +16,7 @@ FIXED_POINT = float(2**38)  # integers per unit of energy per bin
 
 
 @inlined_uncounted
-def step(bins, position, change, last):
+def step_density(bins, position, change, last):
     """Let the density change by ``change`` at ``position`` (in bins); what lies past the last bin is dropped."""
     if position < last:
         k = int(position)
@@ -26,14 +26,14 @@ def step(bins, position, change, last):
 
 
 @inlined_uncounted
-def spread(bins, near, far, energy, last):
+def spread_energy(bins, near, far, energy, last):
     """Spread an energy (in fixed-point units) evenly over [near, far), in bins."""
     if far < near:
         near, far = far, near
     if far - near > 1e-6:
         density = np.int64(energy / (far - near))
-        step(bins, near, density, last)
-        step(bins, far, -density, last)
+        step_density(bins, near, density, last)
+        step_density(bins, far, -density, last)
     elif near < last:
         k = int(near)
         bins[k] += np.int64(energy)
@@ -41,7 +41,7 @@ def spread(bins, near, far, energy, last):
 
 
 @inlined_uncounted
-def accumulate(bins, factor, out):
+def accumulate_bins(bins, factor, out):
     """Prefix-sum a difference array into bins and apply what depends on range alone; clear the array.
 
     Weights read between two entries of a table may lie a rounding below zero: no bin does.

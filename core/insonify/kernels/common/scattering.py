@@ -63,7 +63,7 @@ def backscatter(cos_incidence, diffuse, specular, shininess):
 
 
 @inlined_uncounted
-def strength(cos_incidence, diffuse, specular, shininess, law):
+def backscatter_strength(cos_incidence, diffuse, specular, shininess, law):
     """Radiance or backscattering cross-section, as the law has it."""
     if law == LIGHT:
         return radiance(cos_incidence, diffuse, specular, shininess)
@@ -71,7 +71,7 @@ def strength(cos_incidence, diffuse, specular, shininess, law):
 
 
 @inlined_uncounted
-def bistatic(cos_in, cos_out, mirrored, diffuse, specular, shininess, law):
+def bistatic_strength(cos_in, cos_out, mirrored, diffuse, specular, shininess, law):
     """Radiance or cross-section of unit area between two directions, ``mirrored`` being R·V.
 
     I = k_d cos α_in + k_s max(0, R·V)ⁿ, or σ = cos α_in cos α_out (k_d/π + k_s (n+2)/(2π) max(0, R·V)ⁿ), which is the

@@ -64,7 +64,7 @@ class Mesh(NamedTuple):
     held: NDArray[np.int64]  # (nodes,) triangles of a leaf, 0 for an inner node
 
 
-class Pattern(NamedTuple):
+class BeamPattern(NamedTuple):
     """How sensitive the beam is by direction, there and back.
 
     Directions are told by s, the sine of their angle from the plane athwart the fish, positive towards its bow: lines
@@ -84,10 +84,10 @@ class Pattern(NamedTuple):
     two_way: bool  # whether sound passes the beam going and coming
 
 
-def plain_pattern() -> Pattern:
+def plain_pattern() -> BeamPattern:
     """Return the pattern of a level top-hat or knife, which the half width alone describes."""
     one = np.ones((1, 1))
-    return Pattern(False, 0.0, one[0], one, one, 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
+    return BeamPattern(False, 0.0, one[0], one, one, 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
 
 
 class Water(NamedTuple):
@@ -108,7 +108,7 @@ def still_water(speed: float = 1500.0, surface: float = 0.0) -> Water:
     return Water(False, np.zeros(1), np.full((1, 1), speed), np.zeros(1), 1.0, 0.0, speed, surface)
 
 
-class Ghosts(NamedTuple):
+class SurfaceMultipath(NamedTuple):
     """Which ways by the sea surface are heard, and how its waves smear them in range."""
 
     heard: bool  # whether any is
@@ -121,9 +121,9 @@ class Ghosts(NamedTuple):
     facets: NDArray[np.float64]  # (2, n, 4) of one pass and of two: each facet's ends of height and of squared tilt
 
 
-def no_ghosts() -> Ghosts:
+def no_surface_multipath() -> SurfaceMultipath:
     """Return a sea without a surface."""
-    return Ghosts(False, False, False, False, False, 0.0, 0.0, np.zeros((2, 1, 4)))
+    return SurfaceMultipath(False, False, False, False, False, 0.0, 0.0, np.zeros((2, 1, 4)))
 
 
 class SceneArrays(NamedTuple):
@@ -136,13 +136,13 @@ class SceneArrays(NamedTuple):
     interface: NDArray[np.float64]  # (n, 2) reflection coefficient of amplitude, and speed of sound over that of water
     law: int  # LIGHT or SONAR
     half_width: float  # of a top-hat beam, or of what a pattern's main lobe spans, rad; 0 for a knife
-    pattern: Pattern
+    pattern: BeamPattern
     bins: int  # per side
     bin_length: float  # true slant range that one bin spans, m
     range_factor: NDArray[np.float64]  # (bins,) spreading and absorption at the bin centres
     bounces: int = 0  # mirror-like bounces followed after the first echo
     water: Water = still_water()
-    ghosts: Ghosts = no_ghosts()
+    ghosts: SurfaceMultipath = no_surface_multipath()
 
 
 class Poses(NamedTuple):

@@ -13,7 +13,7 @@ SLABS = 8  # per axis, between which a branch may be cut
 ONE_PLACE = 1e-9  # m, twice the distance of centres that no cut parts
 
 
-def make_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target: NDArray[np.int64]) -> Mesh:
+def build_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target: NDArray[np.int64]) -> Mesh:
     """Grow the tree over triangles and put them into its order.
 
     Parameters

@@ -13,7 +13,7 @@ NEVER = 1e30
 ROUNDING = 1e-9  # share of a length by which a point may lie beyond its end
 
 
-class View(NamedTuple):
+class HalfPlane(NamedTuple):
     """One plane through the sonar."""
 
     x: float
@@ -24,7 +24,7 @@ class View(NamedTuple):
 
 
 @inlined_uncounted
-def section(solids, k, view, rim):
+def section_solid(solids, k, view, rim):
     """Interval of launch angles that body k fills ahead: status 1; 0 if none, -1 if the sonar is inside.
 
     ``rim`` (6) takes the launch angles at which an end of a frustum meets its side, at most four, and NEVER beyond.
@@ -41,7 +41,7 @@ def section(solids, k, view, rim):
 
 
 @inlined_uncounted
-def reached(solids, k, view, reach):
+def may_cut_solid(solids, k, view, reach):
     """Whether a plane may cut body k within reach: asked of a ball around it."""
     half = 0.5 * solids.length[k]
     mx = solids.start[k, 0] + half * solids.axis[k, 0] - view.x

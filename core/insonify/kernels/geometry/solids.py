@@ -12,7 +12,7 @@ SIDE, FIRST_END, LAST_END = 0, -1, 1
 
 
 @inlined_uncounted
-def meet_solid(solids, k, x, y, z, dx, dy, dz):
+def intersect_solid(solids, k, x, y, z, dx, dy, dz):
     """Meet body k from outside along a unit direction: (distance, nx, ny, nz), the distance infinite if missed."""
     distance, face, _, _ = _cross_solid(solids, k, x, y, z, dx, dy, dz)
     if not 0.0 < distance < MISSED:
@@ -22,7 +22,7 @@ def meet_solid(solids, k, x, y, z, dx, dy, dz):
 
 
 @inlined_uncounted
-def leave_solid(solids, k, x, y, z, dx, dy, dz):
+def exit_solid(solids, k, x, y, z, dx, dy, dz):
     """Leave body k from inside: (distance, nx, ny, nz) with the outward normal, the distance infinite if missed."""
     _, _, distance, face = _cross_solid(solids, k, x, y, z, dx, dy, dz)
     if not 0.0 < distance < MISSED:
@@ -32,13 +32,13 @@ def leave_solid(solids, k, x, y, z, dx, dy, dz):
 
 
 @inlined_uncounted
-def widest(solids, k):
+def greatest_radius(solids, k):
     """Greatest radius of body k."""
     return max(solids.radius[k], solids.radius[k] + solids.taper[k] * solids.length[k])
 
 
 @inlined_uncounted
-def within(solids, k, x, y, z):
+def is_inside_solid(solids, k, x, y, z):
     """Tell whether a point is inside body k."""
     px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
     along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
@@ -52,10 +52,10 @@ def _cross_solid(solids, k, x, y, z, dx, dy, dz):
     """Where a line comes into body k and goes out of it: (distance, face, distance, face)."""
     cx, cy, cz = solids.start[k, 0] - x, solids.start[k, 1] - y, solids.start[k, 2] - z
     if solids.shape[k] == SPHERE:
-        near, far = cross_sphere(cx, cy, cz, solids.radius[k], dx, dy, dz)
+        near, far = intersect_sphere(cx, cy, cz, solids.radius[k], dx, dy, dz)
         return near, SIDE, far, SIDE
     ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
-    return cross_frustum(cx, cy, cz, ax, ay, az, solids.length[k], solids.radius[k], solids.taper[k], dx, dy, dz)
+    return intersect_frustum(cx, cy, cz, ax, ay, az, solids.length[k], solids.radius[k], solids.taper[k], dx, dy, dz)
 
 
 @inlined_uncounted
@@ -69,7 +69,7 @@ def _normal(solids, k, face, x, y, z):
 
 
 @kernel
-def cross_sphere(cx, cy, cz, radius, dx, dy, dz):
+def intersect_sphere(cx, cy, cz, radius, dx, dy, dz):
     """Distances at which a line comes into a sphere and goes out of it."""
     along = cx * dx + cy * dy + cz * dz
     # The perpendicular, not c² − along², keeps its digits far away.
@@ -82,7 +82,7 @@ def cross_sphere(cx, cy, cz, radius, dx, dy, dz):
 
 
 @kernel
-def cross_frustum(cx, cy, cz, ax, ay, az, length, radius, taper, dx, dy, dz):
+def intersect_frustum(cx, cy, cz, ax, ay, az, length, radius, taper, dx, dy, dz):
     """Where a line comes into a frustum and goes out of it: (distance, face, distance, face).
 
     A frustum is what a cone and a slab have in common, and so is the stretch of any line inside it: at the rim no ray

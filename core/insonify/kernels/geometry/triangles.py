@@ -33,24 +33,24 @@ class Shear(NamedTuple):
 
 
 @kernel
-def meet_meshes(solids, mesh, bundle, reach, hits):
+def intersect_mesh_bundle(solids, mesh, bundle, reach, hits):
     """Put the nearest triangle into the hits of all rays that meet one before what they have met."""
     for k in range(bundle.x.size):
         x, y, z, dx, dy, dz = bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k]
-        distance, triangle = meet_mesh(mesh, x, y, z, dx, dy, dz, min(hits.distance[k], reach))
+        distance, triangle = intersect_mesh(mesh, x, y, z, dx, dy, dz, min(hits.distance[k], reach))
         if triangle >= 0:
             hits.distance[k], hits.body[k] = distance, solids.shape.size + triangle
             hits.material[k] = mesh.material[triangle]
-            hits.nx[k], hits.ny[k], hits.nz[k] = facing(mesh, triangle, dx, dy, dz)
+            hits.nx[k], hits.ny[k], hits.nz[k] = facing_normal(mesh, triangle, dx, dy, dz)
 
 
 @inlined
-def meet_mesh(mesh, x, y, z, dx, dy, dz, reach):
+def intersect_mesh(mesh, x, y, z, dx, dy, dz, reach):
     """Meet the nearest triangle nearer than ``reach``, from either side: (distance, triangle), else (reach, −1).
 
     Of triangles at the same distance the first in the tree is met.
     """
-    shear = shear_of(x, y, z, dx, dy, dz)
+    shear = shear_ray(x, y, z, dx, dy, dz)
     rx, ry, rz = _per(dx), _per(dy), _per(dz)
     margin = MARGIN * (1.0 + abs(x) + abs(y) + abs(z) + min(reach, 1e9))
     best, found, node = reach, NO_TRIANGLE, 0
@@ -62,7 +62,7 @@ def meet_mesh(mesh, x, y, z, dx, dy, dz, reach):
             node = mesh.skip[node]
             continue
         for triangle in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
-            distance = meet_triangle(mesh.corners, triangle, shear)
+            distance = intersect_triangle(mesh.corners, triangle, shear)
             if 0.0 < distance < best:
                 best, found = distance, triangle
         node += 1
@@ -70,7 +70,7 @@ def meet_mesh(mesh, x, y, z, dx, dy, dz, reach):
 
 
 @inlined
-def facing(mesh, triangle, dx, dy, dz):
+def facing_normal(mesh, triangle, dx, dy, dz):
     """Turn the normal of a triangle against a ray."""
     nx, ny, nz = mesh.normal[triangle, 0], mesh.normal[triangle, 1], mesh.normal[triangle, 2]
     turned = -1.0 if nx * dx + ny * dy + nz * dz > 0.0 else 1.0
@@ -78,7 +78,7 @@ def facing(mesh, triangle, dx, dy, dz):
 
 
 @inlined
-def shear_of(x, y, z, dx, dy, dz):
+def shear_ray(x, y, z, dx, dy, dz):
     """Choose axes in which a ray runs along the third."""
     along = 2
     if abs(dx) > abs(dy) and abs(dx) > abs(dz):
@@ -93,7 +93,7 @@ def shear_of(x, y, z, dx, dy, dz):
 
 
 @inlined_ieee
-def meet_triangle(corners, triangle, shear):
+def intersect_triangle(corners, triangle, shear):
     """Distance along a ray to a triangle, edges and corners included; negative behind, infinite if missed."""
     az = corners[triangle, 0, shear.along] - shear.z
     bz = corners[triangle, 1, shear.along] - shear.z

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from insonify.kernels.common.contributors import meet, note
+from insonify.kernels.common.contributors import add_contribution, open_contributor
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import BED
-from insonify.kernels.labels.sweep_labels import conclude
+from insonify.kernels.labels.sweep_labels import label_bins
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, weigh
 from insonify.kernels.rays.launch import inside_body, make_beam, turn
 from insonify.kernels.refracted_rays.echoes import aim_side, echo_of, sea_of
@@ -21,7 +21,7 @@ from insonify.kernels.refracted_rays.probe_rays import CLOSE
 
 
 @kernel
-def find_ray_truth(arrays, poses, rays, ledger, found):
+def label_refracted_pings(arrays, poses, rays, ledger, found):
     """Tell what every bin of every ping shows, by ``rays`` a side; return 0, or -1 - k if the sonar is in body k."""
     launch, bundle, hits, arrivals = empty_launch(rays), empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
     weighed, intensity, silence = np.empty(rays), np.empty(arrays.bins), np.zeros(arrays.bins)
@@ -53,7 +53,7 @@ def find_ray_truth(arrays, poses, rays, ledger, found):
                     _, _, cosine = echo_of(arrays, hits, arrivals, weight, k)
                     _enter(arrays, hits, arrivals, k, bins[m], values[m], cosine, ledger, intensity)
             _mark_landings(landings, arrays.bin_length, ledger.hidden)
-            conclude(ledger, intensity, silence, found, ping, side)
+            label_bins(ledger, intensity, silence, found, ping, side)
     return 0
 
 
@@ -67,8 +67,8 @@ def _enter(arrays, hits, arrivals, k, b, value, cosine, ledger, intensity):
     if body != BED:
         target = arrays.solids.target[body] if body < bodies else arrays.mesh.target[body - bodies]
         who = arrays.reflectivity.shape[0] + target
-    meet(ledger, who)
-    note(ledger, who, b, value, arrivals.x[k], cosine)
+    open_contributor(ledger, who)
+    add_contribution(ledger, who, b, value, arrivals.x[k], cosine)
     intensity[b] += value
 
 

@@ -12,33 +12,39 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.contributors import ROUNDING, meet, note, note_half, touched
+from insonify.kernels.common.contributors import (
+    ROUNDING,
+    add_contribution,
+    open_contributor,
+    spanned_bins,
+    spread_contribution,
+)
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.range_bins import FIXED_POINT, accumulate
-from insonify.kernels.common.scattering import strength
+from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins
+from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.multipath.surface_multipath import add_ghosts
-from insonify.kernels.refraction.apparent_positions import turn_to
-from insonify.kernels.sweep.partial_segments import slant
-from insonify.kernels.sweep.sweep import aim_plane, in_sight_from, surface_of, sweep_plane
+from insonify.kernels.multipath.surface_multipath import add_multipath
+from insonify.kernels.refraction.apparent_positions import prepare_table
+from insonify.kernels.sweep.partial_segments import slant_range
+from insonify.kernels.sweep.sweep import aim_plane, load_segment, sweep_plane, visible_from
 from insonify.kernels.sweep.target_echoes import (
     Facet,
+    facet_count,
     facet_energies,
-    facets_in,
-    is_met,
+    ground_range_at,
+    is_facet_met,
     knot_before,
     launch_angle,
-    open_facet,
-    part_material,
-    range_at,
+    primitive_material,
+    visible_facet,
 )
-from insonify.kernels.targets.angular_zbuffer import NOBODY, halfway
-from insonify.kernels.targets.apparent_targets import lens_of
-from insonify.kernels.targets.occlusion import cover_of, next_open
-from insonify.kernels.targets.primitives import load_part
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, bisect_directions
+from insonify.kernels.targets.apparent_targets import load_apparent_source
+from insonify.kernels.targets.occlusion import next_visible, occlusion_of
+from insonify.kernels.targets.primitives import load_primitive
 
 
-class Found(NamedTuple):
+class BinLabels(NamedTuple):
     """What each bin shows, by ping, side and bin."""
 
     # A material of the bed, or materials in all + index of a target; the next so many by the next way; or NOBODY.
@@ -50,30 +56,30 @@ class Found(NamedTuple):
     caustic: NDArray[np.bool_]  # whether a ray at a caustic is heard, whose tube counts as wider than it is
 
 
-def empty_found(pings: int, bins: int) -> Found:
+def empty_labels(pings: int, bins: int) -> BinLabels:
     """Make room for the pings of a record."""
     shape = (pings, 2, bins)
     contributor, shadow = np.empty(shape, np.int32), np.empty(shape, np.bool_)
     caustic = np.zeros(shape, np.bool_)
     energy, ground_range, incidence = np.empty((3, *shape), np.float32)
-    return Found(contributor, energy, shadow, ground_range, incidence, caustic)
+    return BinLabels(contributor, energy, shadow, ground_range, incidence, caustic)
 
 
-def part_of(found: Found, first: int, last: int) -> Found:
+def labels_of_pings(found: BinLabels, first: int, last: int) -> BinLabels:
     """Return pings first to last - 1, as views."""
     contributor, energy, shadow, ground_range, incidence, caustic = (column[first:last] for column in found)
-    return Found(contributor, energy, shadow, ground_range, incidence, caustic)  # type: ignore[arg-type]
+    return BinLabels(contributor, energy, shadow, ground_range, incidence, caustic)  # type: ignore[arg-type]
 
 
 @kernel
-def find_truth(
+def label_swept_pings(
     arrays, poses, planes, lifted, bending, table, profile, heard, screen, outlooks, screens, echoes, ledger, found
 ):
     """Tell what every bin of every ping shows; return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(arrays.bins + 2, np.int64)
     straight, by_surface = np.zeros((2, arrays.bins), np.float32)
     for ping in range(poses.x.size):
-        sheet = turn_to(bending, poses.z[ping], table)
+        sheet = prepare_table(bending, poses.z[ping], table)
         for side in range(2):
             for plane in range(planes.azimuth.size):
                 view, wedge, reach = aim_plane(arrays, poses, ping, side, planes, plane, sheet)
@@ -82,22 +88,22 @@ def find_truth(
                     return cells
                 _note_bed(profile, count, arrays, wedge, screen, cells, heard, ledger)
                 _note_bodies(profile, count, heard.horizon, arrays, wedge, view, screen, cells, ledger)
-            accumulate(bins, arrays.range_factor, straight)
+            accumulate_bins(bins, arrays.range_factor, straight)
             if arrays.ghosts.heard:
-                add_ghosts(
+                add_multipath(
                     arrays, poses, ping, side, planes, lifted, profile, outlooks, screens, echoes, bins, ledger, True
                 )
-                accumulate(bins, arrays.range_factor, by_surface)
-            conclude(ledger, straight, by_surface, found, ping, side)
+                accumulate_bins(bins, arrays.range_factor, by_surface)
+            label_bins(ledger, straight, by_surface, found, ping, side)
     return 0
 
 
 @kernel
-def conclude(ledger, straight, by_surface, found, ping, side):
+def label_bins(ledger, straight, by_surface, found, ping, side):
     """Name the greatest contributor of each bin, and clear the ledger."""
     contributor, energy, shadow = found.contributor[ping, side], found.energy[ping, side], found.shadow[ping, side]
     ground_range, incidence = found.ground_range[ping, side], found.incidence[ping, side]
-    contributor[:], energy[:], ground_range[:], incidence[:] = NOBODY, 0.0, np.nan, np.nan
+    contributor[:], energy[:], ground_range[:], incidence[:] = NO_PRIMITIVE, 0.0, np.nan, np.nan
     for who in range(ledger.met.size):
         if ledger.met[who]:
             for k in range(straight.size):
@@ -105,12 +111,12 @@ def conclude(ledger, straight, by_surface, found, ping, side):
                 if (
                     straight[k] + by_surface[k] > 0.0
                     and ledger.strongest[who, k] >= 0.0
-                    and (best == NOBODY or ledger.energy[who, k] > ledger.energy[best, k])
+                    and (best == NO_PRIMITIVE or ledger.energy[who, k] > ledger.energy[best, k])
                 ):
                     contributor[k] = who
     for k in range(straight.size):
         shadow[k] = ledger.hidden[k] and not straight[k] > 0.0
-        if contributor[k] != NOBODY:
+        if contributor[k] != NO_PRIMITIVE:
             energy[k] = ledger.energy[contributor[k], k]
             ground_range[k] = ledger.x[contributor[k], k]
             incidence[k] = math.acos(min(ledger.cosine[contributor[k], k], 1.0))
@@ -121,19 +127,19 @@ def conclude(ledger, straight, by_surface, found, ping, side):
 @kernel
 def _note_bed(profile, count, arrays, wedge, screen, cells, heard, ledger):
     """Enter all that is heard of a profile, and mark where bed lies out of sight."""
-    cover = cover_of(screen, cells)
+    cover = occlusion_of(screen, cells)
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
     weights, levels = heard.weight, profile.level
     for i in range(count - 1):
-        surface = surface_of(i, x, z, slope, area, material, weights, arrays.reflectivity, wedge)
+        surface = load_segment(i, x, z, slope, area, material, weights, arrays.reflectivity, wedge)
         who, level = material[i], 0.5 * (levels[i] + levels[i + 1]) if wedge.bent else 1.0
         x_from, x_to = profile.x[i], profile.x[i + 1]
         if heard.cut[i]:
-            meet(ledger, who)
-            start = in_sight_from(surface, x_from, x_to, heard.launch[i], heard.horizon[i])
+            open_contributor(ledger, who)
+            start = visible_from(surface, x_from, x_to, heard.launch[i], heard.horizon[i])
             _note_cut(ledger, who, surface, level, x_from, start, x_to, cover, arrays.law, arrays.bin_length)
         elif heard.energy[i] != 0.0:
-            meet(ledger, who)
+            open_contributor(ledger, who)
             near, far, density = heard.r[i], heard.r[i + 1], abs(heard.energy[i])
             _note_even(ledger, who, surface, level, x_from, x_to, near, far, density, arrays.bin_length)
         elif not heard.launch[i + 1] > heard.horizon[i]:
@@ -146,11 +152,11 @@ def _note_cut(ledger, who, surface, level, x_from, start, x_to, cover, law, bin_
     seen_to = x_from
     low, high = launch_angle(surface, start), launch_angle(surface, x_to)
     while low < high:
-        opened, closed = next_open(cover, surface, low, high)
+        opened, closed = next_visible(cover, surface, low, high)
         if opened >= high:
             break
-        start = start if opened <= low else max(range_at(surface, opened), start)
-        stop = x_to if closed >= high else min(range_at(surface, closed), x_to)
+        start = start if opened <= low else max(ground_range_at(surface, opened), start)
+        stop = x_to if closed >= high else min(ground_range_at(surface, closed), x_to)
         _mark_hidden(surface, seen_to, start, bin_length, ledger.hidden)
         # Slant range falls towards the foot of the perpendicular and grows beyond it.
         foot = _foot(surface, start, stop)
@@ -169,10 +175,10 @@ def _foot(surface, x_from, x_to):
 @kernel
 def _mark_hidden(surface, x_from, x_to, bin_length, hidden):
     """Mark the bins spanned by a part of a segment that is out of sight, if the beam takes it in."""
-    start, stop = slant(surface, x_from), slant(surface, x_to)
+    start, stop = slant_range(surface, x_from), slant_range(surface, x_to)
     if x_to > x_from and surface.weight + surface.weight_rate * 0.5 * (x_from + x_to) > 0.0:
-        nearest = slant(surface, _foot(surface, x_from, x_to))
-        first, last = touched(nearest, max(start, stop), 1.0 / bin_length, hidden.size, -ROUNDING)
+        nearest = slant_range(surface, _foot(surface, x_from, x_to))
+        first, last = spanned_bins(nearest, max(start, stop), 1.0 / bin_length, hidden.size, -ROUNDING)
         hidden[first:last] = True
 
 
@@ -181,7 +187,7 @@ def _note_even(ledger, who, surface, level, x_from, x_to, near, far, density, bi
     """Enter a short segment whose energy is spread evenly over its slant range."""
     energy, strongest, per_bin = ledger.energy[who], ledger.strongest[who], 1.0 / bin_length
     a, b = min(near, far), max(near, far)
-    first, last = touched(a, b, per_bin, ledger.hidden.size, ROUNDING)
+    first, last = spanned_bins(a, b, per_bin, ledger.hidden.size, ROUNDING)
     for k in range(first, last):
         start, stop = max(a, k * bin_length), min(b, (k + 1) * bin_length)
         part = density * max(stop - start, 0.0) * per_bin
@@ -198,22 +204,22 @@ def _note_piece(ledger, who, surface, level, x_from, x_to, law, bin_length):
     """Enter a piece along which slant range grows or falls, bin by bin."""
     if not x_to > x_from:
         return
-    near, far = slant(surface, x_from), slant(surface, x_to)
+    near, far = slant_range(surface, x_from), slant_range(surface, x_to)
     outward = far >= near
     near, far = min(near, far), max(near, far)
-    first, last = touched(near, far, 1.0 / bin_length, ledger.hidden.size, ROUNDING)
+    first, last = spanned_bins(near, far, 1.0 / bin_length, ledger.hidden.size, ROUNDING)
     stretch = math.sqrt(surface.area)
     for k in range(first, last):
         start, stop = max(near, k * bin_length), min(far, (k + 1) * bin_length)
         a = min(max(_at_slant(surface, start, outward), x_from), x_to)
         b = min(max(_at_slant(surface, stop, outward), x_from), x_to)
         x = 0.5 * (a + b)
-        r = slant(surface, x)
+        r = slant_range(surface, x)
         cosine = -surface.offset / (r * stretch)
-        energy = FIXED_POINT * strength(cosine, surface.diffuse, surface.specular, surface.shininess, law)
+        energy = FIXED_POINT * backscatter_strength(cosine, surface.diffuse, surface.specular, surface.shininess, law)
         energy *= surface.weight + surface.weight_rate * x
         energy *= max(stop - start, 0.0) / bin_length if law == LIGHT else stretch * abs(b - a)
-        note(ledger, who, k, energy, x / level, cosine)
+        add_contribution(ledger, who, k, energy, x / level, cosine)
 
 
 @inlined
@@ -234,23 +240,23 @@ def _note_bodies(profile, knots, horizon, arrays, wedge, view, screen, cells, le
     knot = -1
     for cell in range(cells):
         p = screen.part[cell]
-        if p == NOBODY:
+        if p == NO_PRIMITIVE:
             continue
-        body, row = screen.body[p], part_material(solids, mesh, screen, p)
+        body, row = screen.body[p], primitive_material(solids, mesh, screen, p)
         who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
-        c, s = halfway(screen.cosine[cell], screen.sine[cell], screen.cosine[cell + 1], screen.sine[cell + 1])
+        c, s = bisect_directions(screen.cosine[cell], screen.sine[cell], screen.cosine[cell + 1], screen.sine[cell + 1])
         low, high, distance = screen.edge[cell], screen.edge[cell + 1], screen.distance[cell]
-        facets = facets_in(Facet(low, high, c, s, screen.near[cell], distance, screen.far[cell], 1.0))
+        facets = facet_count(Facet(low, high, c, s, screen.near[cell], distance, screen.far[cell], 1.0))
         knot = knot_before(profile.x, knots, distance * c, knot)
-        lens = lens_of(wedge.bent, screen.lens[p])
-        part = load_part(solids, mesh, view, body, screen.line[p], lens)
+        lens = load_apparent_source(wedge.bent, screen.lens[p])
+        part = load_primitive(solids, mesh, view, body, screen.line[p], lens)
         for k in range(facets):
-            facet = open_facet(part, low, high, k, facets, profile.x, profile.z, knots, horizon, knot)
-            if is_met(facet):
-                meet(ledger, who)
+            facet = visible_facet(part, low, high, k, facets, profile.x, profile.z, knots, horizon, knot)
+            if is_facet_met(facet):
+                open_contributor(ledger, who)
                 first, second = facet_energies(
                     facet, lens.gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length
                 )
                 x = facet.centre * facet.cosine / lens.level
-                note_half(ledger, who, facet.near, facet.centre, first, x, facet.incidence, bin_length)
-                note_half(ledger, who, facet.centre, facet.far, second, x, facet.incidence, bin_length)
+                spread_contribution(ledger, who, facet.near, facet.centre, first, x, facet.incidence, bin_length)
+                spread_contribution(ledger, who, facet.centre, facet.far, second, x, facet.incidence, bin_length)

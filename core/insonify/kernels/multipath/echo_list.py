@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.contributors import meet, note_half
+from insonify.kernels.common.contributors import open_contributor, spread_contribution
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.range_bins import FIXED_POINT, spread
+from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.multipath.image_sources import WAYS
 
 # Columns of a list.
@@ -16,7 +16,7 @@ ROOM = 16384
 ENOUGH = 4096  # echoes after which a list is entered, with room for what comes before that is asked
 
 
-def empty_echoes() -> NDArray[np.float64]:
+def empty_echo_list() -> NDArray[np.float64]:
     """Make room for a list."""
     return np.zeros((ROOM, COLUMNS))
 
@@ -36,7 +36,7 @@ def list_echo(echoes, n, near, far, energy, rise, tilt, x, cosine, who):
 
 
 @kernel
-def enter_echoes(echoes, n, facets, bin_length, way, bins, ledger, noting):
+def deposit_echoes(echoes, n, facets, bin_length, way, bins, ledger, noting):
     """Spread the first ``n`` echoes over the bins, facet by facet; if asked to, tell the ledger who and which way."""
     last, per_bin, share = bins.size - 2, 1.0 / bin_length, FIXED_POINT / facets.shape[0]
     first_row = way * (ledger.met.size // WAYS) if noting else 0
@@ -46,8 +46,10 @@ def enter_echoes(echoes, n, facets, bin_length, way, bins, ledger, noting):
         for f in range(facets.shape[0]):
             start = max(near + rise * facets[f, 0] + tilt * facets[f, 2], 0.0)
             stop = max(far + rise * facets[f, 1] + tilt * facets[f, 3], start)
-            spread(bins, start * per_bin, stop * per_bin, energy, last)
+            spread_energy(bins, start * per_bin, stop * per_bin, energy, last)
             if noting:
                 row = first_row + int(echoes[k, WHO])
-                meet(ledger, row)
-                note_half(ledger, row, start, stop, energy, echoes[k, GROUND_RANGE], echoes[k, COSINE], bin_length)
+                open_contributor(ledger, row)
+                spread_contribution(
+                    ledger, row, start, stop, energy, echoes[k, GROUND_RANGE], echoes[k, COSINE], bin_length
+                )

@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.scattering import bistatic
+from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cell_walk import Ray, meet_bed
 
@@ -20,7 +20,7 @@ DEEPEST = 1e6  # m, for a sonar without a bed beneath it
 SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SECOND_BOTTOM, SURFACE_ECHO, WAYS = 1, 2, 3, 4, 5
 
 
-class Image(NamedTuple):
+class ImageSource(NamedTuple):
     """The sonar, or one of its images."""
 
     height: float  # above the sonar, m
@@ -29,17 +29,17 @@ class Image(NamedTuple):
     above: float  # height above the sea surface, m; 0 for the sonar itself
 
 
-class Pair(NamedTuple):
+class ImagePair(NamedTuple):
     """Two ways to a place, out by one and back by the other."""
 
-    one: Image  # the lower of the two
-    other: Image
+    one: ImageSource  # the lower of the two
+    other: ImageSource
     orders: int  # 2 if they differ, for sound takes them either way round
     passes: int  # of the sea surface
     way: int  # as truth names it
 
 
-class Sea(NamedTuple):
+class EchoParameters(NamedTuple):
     """What of a scene every echo needs: numbers alone, for handing over arrays costs more than an echo."""
 
     law: int
@@ -49,22 +49,22 @@ class Sea(NamedTuple):
 
 
 @inlined
-def sea_of(arrays):
+def echo_parameters(arrays):
     """Take it out of a problem."""
-    return Sea(arrays.law, arrays.bin_length, arrays.ghosts.rms_height, arrays.ghosts.slope_variance)
+    return EchoParameters(arrays.law, arrays.bin_length, arrays.ghosts.rms_height, arrays.ghosts.slope_variance)
 
 
 @inlined
-def itself():
+def sonar_itself():
     """Return the sonar as its own image."""
-    return Image(0.0, False, 1.0, 0.0)
+    return ImageSource(0.0, False, 1.0, 0.0)
 
 
 @kernel
 def surface_image(arrays, z):
     """Image of a sonar at height z in the sea surface."""
     up = max(arrays.water.surface - z, 0.0)
-    return Image(2.0 * up, True, 1.0, up)
+    return ImageSource(2.0 * up, True, 1.0, up)
 
 
 @kernel
@@ -73,25 +73,25 @@ def bottom_image(arrays, x, y, z):
     up = max(arrays.water.surface - z, 0.0)
     down, row, _, _, _ = meet_bed(arrays.bed, Ray(x, y, z, 0.0, 0.0, -1.0), DEEPEST)
     if not down < DEEPEST:
-        return Image(0.0, False, 0.0, 0.0)
-    return Image(2.0 * (up + down), False, arrays.interface[row, 0] ** 2, up + 2.0 * down)
+        return ImageSource(0.0, False, 0.0, 0.0)
+    return ImageSource(2.0 * (up + down), False, arrays.interface[row, 0] ** 2, up + 2.0 * down)
 
 
 @kernel
-def pair_of(arrays, way, x, y, z):
+def image_pair(arrays, way, x, y, z):
     """Pair of images that makes a way of the sound, and whether it is heard at all."""
-    ghosts, sonar = arrays.ghosts, itself()
+    ghosts, sonar = arrays.ghosts, sonar_itself()
     if way == SURFACE_BOTTOM:
-        return Pair(sonar, surface_image(arrays, z), 2, 1, way), ghosts.surface_bottom
+        return ImagePair(sonar, surface_image(arrays, z), 2, 1, way), ghosts.surface_bottom
     if way == SURFACE_BOTTOM_SURFACE:
         image = surface_image(arrays, z)
-        return Pair(image, image, 1, 2, way), ghosts.surface_bottom_surface
+        return ImagePair(image, image, 1, 2, way), ghosts.surface_bottom_surface
     image = bottom_image(arrays, x, y, z)
-    return Pair(sonar, image, 2, 1, way), ghosts.second_bottom and image.share > 0.0
+    return ImagePair(sonar, image, 2, 1, way), ghosts.second_bottom and image.share > 0.0
 
 
 @inlined
-def pair_weight(one, other, tabled, two_way):
+def pair_response(one, other, tabled, two_way):
     """Sensitivity of the beam out by one way and back by the other, from those there and back by each.
 
     A top-hat that takes in the lower of two images takes in the higher one too.
@@ -104,14 +104,14 @@ def pair_weight(one, other, tabled, two_way):
 @inlined
 def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair, law):
     """Radiance or cross-section of unit area for a pair of ways, in all its orders, and what mirrors leave of it."""
-    value = bistatic(cos_one, cos_other, mirrored, diffuse, specular, shininess, law)
+    value = bistatic_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, law)
     if pair.orders == 2:
-        value += bistatic(cos_other, cos_one, mirrored, diffuse, specular, shininess, law)
+        value += bistatic_strength(cos_other, cos_one, mirrored, diffuse, specular, shininess, law)
     return value * pair.one.share * pair.other.share
 
 
 @inlined
-def spreading(r_one, r_other, law):
+def spreading_ratio(r_one, r_other, law):
     """Tell what a record's 1/r⁴ lacks of the spreading along two ways, r⁴ / (R² R'²) with r = (R + R') / 2."""
     if law == LIGHT:
         return 1.0
@@ -120,13 +120,13 @@ def spreading(r_one, r_other, law):
 
 
 @inlined
-def rise_of(image, drop, r, rms_height):
+def height_delay(image, drop, r, rms_height):
     """Slant range that waves add to a leg, rms: η sin θ for a height η, at the grazing angle θ on the surface."""
     return rms_height * drop / r if image.above > 0.0 else 0.0
 
 
 @inlined
-def tilt_of(image, drop, r, slope_variance):
+def tilt_delay(image, drop, r, slope_variance):
     """Slant range that facets tilted by one standard deviation add to a leg.
 
     A facet tilted by t mirrors to the same place from 2t / (sin θ (1/r₁ + 1/r₂)) farther along the surface, by a way

@@ -11,11 +11,11 @@ import math
 
 import numpy as np
 
-from insonify.kernels.beam.pattern import heard
+from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.scattering import strength
+from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, SONAR
-from insonify.kernels.multipath.image_sources import bottom_image, rise_of, surface_image, tilt_of
+from insonify.kernels.multipath.image_sources import bottom_image, height_delay, surface_image, tilt_delay
 from insonify.kernels.rays.cell_walk import NOTHING, first_hits
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch
 from insonify.kernels.rays.launch import (
@@ -32,7 +32,7 @@ from insonify.kernels.rays.specular_paths import Meeting, arrive, meet_any, mixe
 
 
 @kernel
-def trace_ghosts(arrays, poses, rays, out):
+def trace_multipath(arrays, poses, rays, out):
     """Trace the ghosts of all pings with ``rays`` a side and image and add them to ``out`` (pings, 2, bins)."""
     ghosts, sums = arrays.ghosts, np.empty(arrays.bins)
     near = np.empty(arrays.solids.shape.size, np.int64)
@@ -74,10 +74,10 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
         meeting = Meeting(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
         path, out = arrive(arrays, set_out(bundle, k), meeting), 1.0
         if arrays.pattern.tabled:
-            out = heard(arrays.pattern, seen_from, fan, arrays.law, path.dx, path.dy, path.dz, path.length)
+            out = two_way_response(arrays.pattern, seen_from, fan, arrays.law, path.dx, path.dy, path.dz, path.length)
         drop = seen_from.z - path.z
-        rise = rise_of(image, drop, path.length, ghosts.rms_height)
-        tilt = tilt_of(image, drop, path.length, ghosts.slope_variance)
+        rise = height_delay(image, drop, path.length, ghosts.rms_height)
+        tilt = tilt_delay(image, drop, path.length, ghosts.slope_variance)
         if ghosts.surface_bottom_surface and image.mirrored:
             value = _straight_back(arrays, fan, out * launch.weight[k], path, meeting)
             _smear(path.length, value, 2.0 * rise, 2.0 * tilt, ghosts.facets[1], arrays.bin_length, sums)
@@ -109,7 +109,7 @@ def _straight_back(arrays, fan, weight, path, meeting):
     if cosine <= 0.0:
         return 0.0
     row, up = arrays.reflectivity[meeting.material], path.up
-    value = weight * strength(cosine, row[0], row[1], row[2], arrays.law)
+    value = weight * backscatter_strength(cosine, row[0], row[1], row[2], arrays.law)
     if arrays.law == LIGHT:
         return value * abs(up.x * path.dx + up.y * path.dy + up.z * path.dz) / arrays.bin_length
     return value * path.length / cosine * (path.length if fan else 1.0)
@@ -157,8 +157,8 @@ def _add_surface_echo(arrays, beam, image, sums):
     depth, fan = image.above, arrays.half_width > 0.0
     if not 0.0 < depth < arrays.bins * arrays.bin_length:
         return
-    value = heard(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth) if arrays.pattern.tabled else 1.0
+    value = two_way_response(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth) if arrays.pattern.tabled else 1.0
     value *= 1.0 if arrays.law == LIGHT else 0.25 * depth * depth
-    rise = rise_of(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.rms_height)
-    tilt = tilt_of(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.slope_variance)
+    rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.rms_height)
+    tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.slope_variance)
     _smear(depth, value, rise, tilt, arrays.ghosts.facets[0], arrays.bin_length, sums)

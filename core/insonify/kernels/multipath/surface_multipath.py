@@ -15,42 +15,42 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.beam.azimuth_sector import raised
-from insonify.kernels.beam.pattern import heard as sensitivity_towards
+from insonify.kernels.beam.azimuth_sector import raise_sector
+from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.range_bins import accumulate
+from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.types import LIGHT, SONAR
-from insonify.kernels.geometry.cross_sections import View
-from insonify.kernels.multipath.echo_list import ENOUGH, enter_echoes, list_echo
+from insonify.kernels.geometry.cross_sections import HalfPlane
+from insonify.kernels.multipath.echo_list import ENOUGH, deposit_echoes, list_echo
 from insonify.kernels.multipath.image_sources import (
     SECOND_BOTTOM,
     SURFACE_BOTTOM,
     SURFACE_ECHO,
-    pair_of,
+    echo_parameters,
+    height_delay,
+    image_pair,
+    pair_response,
     pair_strength,
-    pair_weight,
-    rise_of,
-    sea_of,
-    spreading,
+    spreading_ratio,
     surface_image,
-    tilt_of,
+    tilt_delay,
 )
-from insonify.kernels.multipath.target_multipath import list_bodies
+from insonify.kernels.multipath.target_multipath import list_target_echoes
 from insonify.kernels.rays.launch import make_beam
-from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_sheet
+from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
 from insonify.kernels.sweep.partial_segments import FINE
-from insonify.kernels.sweep.sweep import LOWEST, aim_plane, in_sight_from
-from insonify.kernels.sweep.target_echoes import launch_angle, range_at
-from insonify.kernels.sweep.visibility import NADIR, weigh
-from insonify.kernels.targets.angular_zbuffer import fill_screen
-from insonify.kernels.targets.occlusion import cover_of, next_open
+from insonify.kernels.sweep.sweep import LOWEST, aim_plane, visible_from
+from insonify.kernels.sweep.target_echoes import ground_range_at, launch_angle
+from insonify.kernels.sweep.visibility import NADIR, weigh_knots
+from insonify.kernels.targets.angular_zbuffer import fill_zbuffer
+from insonify.kernels.targets.occlusion import next_visible, occlusion_of
 
 HALVINGS = 40  # that find where a segment comes nearest to both images
 MOST_PARTS = 1024
 
 
-class Outlook(NamedTuple):
+class ImageProfile(NamedTuple):
     """A profile as one image sees it; one entry a knot."""
 
     z: NDArray[np.float64]  # height above the image, m
@@ -61,18 +61,18 @@ class Outlook(NamedTuple):
     rise: NDArray[np.float64]  # work space: height above the sonar of where the sound set out for
 
 
-class Line(NamedTuple):
+class SegmentLine(NamedTuple):
     """A segment's line in the plane, as one image sees it: z = offset + slope · x."""
 
     offset: float
     slope: float
 
 
-class Stretch(NamedTuple):
+class PairedSegment(NamedTuple):
     """A segment of the bed by itself, as two images see it."""
 
-    one: Line
-    other: Line
+    one: SegmentLine
+    other: SegmentLine
     area: float  # 1 + |∇z|²
     at_nadir: float  # what its plane stands for there, were it linear
     rate: float  # by which that grows per metre of ground range
@@ -81,13 +81,13 @@ class Stretch(NamedTuple):
     shininess: float
 
 
-def empty_outlook(capacity: int) -> Outlook:
+def empty_image_profile(capacity: int) -> ImageProfile:
     """Make room for profiles of up to ``capacity`` knots."""
-    return Outlook(*np.zeros((6, capacity)))
+    return ImageProfile(*np.zeros((6, capacity)))
 
 
 @kernel
-def sweep_ghosts(arrays, poses, planes, lifted, profile, outlooks, screens, echoes, ledger, out):
+def sweep_multipath(arrays, poses, planes, lifted, profile, outlooks, screens, echoes, ledger, out):
     """Sweep the ghosts of every ping and add them to ``out`` (pings, 2, bins).
 
     ``lifted`` are the planes of the beam of the image in the surface.
@@ -95,20 +95,20 @@ def sweep_ghosts(arrays, poses, planes, lifted, profile, outlooks, screens, echo
     bins, line = np.zeros(arrays.bins + 2, np.int64), np.zeros(arrays.bins, np.float32)
     for ping in range(poses.x.size):
         for side in range(2):
-            add_ghosts(
+            add_multipath(
                 arrays, poses, ping, side, planes, lifted, profile, outlooks, screens, echoes, bins, ledger, False
             )
-            accumulate(bins, arrays.range_factor, line)
+            accumulate_bins(bins, arrays.range_factor, line)
             for k in range(arrays.bins):
                 out[ping, side, k] += line[k]
 
 
 @kernel
-def add_ghosts(arrays, poses, ping, side, planes, lifted, profile, outlooks, screens, echoes, bins, ledger, noting):
+def add_multipath(arrays, poses, ping, side, planes, lifted, profile, outlooks, screens, echoes, bins, ledger, noting):
     """Put the ghosts of one side of one ping into a difference array, and if asked to into the ledger."""
     x, y, z = poses.x[ping], poses.y[ping], poses.z[ping]
     for way in range(SURFACE_BOTTOM, SECOND_BOTTOM + 1):
-        pair, wanted = pair_of(arrays, way, x, y, z)
+        pair, wanted = image_pair(arrays, way, x, y, z)
         if not wanted:
             continue
         beam = lifted if pair.one.mirrored else planes
@@ -124,7 +124,7 @@ def _add_plane(
     arrays, poses, ping, side, planes, plane, pair, profile, outlooks, screens, echoes, bins, ledger, noting
 ):
     """Likewise for one pair of images in one plane."""
-    view, wedge, _ = aim_plane(arrays, poses, ping, side, planes, plane, straight_sheet())
+    view, wedge, _ = aim_plane(arrays, poses, ping, side, planes, plane, straight_grid())
     near_field, per_height = planes.near_field[plane], planes.reach[plane]
     height = max(view.z - arrays.bed.low, LOWEST)
     # A beam that sound passes but once hears what the higher image's takes in, which is farther out; others do not.
@@ -132,14 +132,14 @@ def _add_plane(
     highest = pair.other.height if one_way else pair.one.height
     reach = min(per_height * (height + highest), arrays.bins * arrays.bin_length)
     count = slice_bed(arrays.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
-    wedge_one = raised(wedge, near_field * (height + pair.one.height))
-    wedge_other = raised(wedge, near_field * (height + pair.other.height))
+    wedge_one = raise_sector(wedge, near_field * (height + pair.one.height))
+    wedge_other = raise_sector(wedge, near_field * (height + pair.other.height))
     cells_one = _look_out(arrays, profile, count, pair.one, view, wedge_one, reach, outlooks[0], screens[0])
     cells_other = _look_out(arrays, profile, count, pair.other, view, wedge_other, reach, outlooks[1], screens[1])
     n = _list_bed(arrays, profile, count, pair, outlooks, screens, cells_one, cells_other, echoes, bins, ledger, noting)
     if cells_one > 0:
         wedges = wedge_one, wedge_other
-        n = list_bodies(
+        n = list_target_echoes(
             arrays, profile, count, pair, view, wedges, outlooks, screens, cells_one, cells_other, echoes, n, bins,
             ledger, noting,
         )  # fmt: skip
@@ -149,7 +149,7 @@ def _add_plane(
 @inlined
 def _enter(arrays, passes, way, echoes, n, bins, ledger, noting):
     """Enter echoes, smeared by as many passes of the surface."""
-    enter_echoes(echoes, n, arrays.ghosts.facets[passes - 1], arrays.bin_length, way, bins, ledger, noting)
+    deposit_echoes(echoes, n, arrays.ghosts.facets[passes - 1], arrays.bin_length, way, bins, ledger, noting)
 
 
 @kernel
@@ -165,14 +165,14 @@ def _look_out(arrays, profile, count, image, view, wedge, reach, outlook, screen
         highest = launch[i] if launch[i] > highest else highest
         horizon[i], r[i] = highest, math.sqrt(x[i] * x[i] + z[i] * z[i])
         rise[i] = -z[i] if image.mirrored else z[i]
-    weigh(x[:count], rise, r, wedge, arrays.pattern, arrays.law, outlook.weight)
+    weigh_knots(x[:count], rise, r, wedge, arrays.pattern, arrays.law, outlook.weight)
     if screen.body.size == 0:
         return 0
     seen_from, table = (
-        View(view.x, view.y, view.z + image.height, view.ex, view.ey),
+        HalfPlane(view.x, view.y, view.z + image.height, view.ex, view.ey),
         np.zeros((2, 2, COLUMNS), np.float32),
     )
-    return max(fill_screen(arrays, seen_from, wedge, reach, straight_sheet(), table, screen), 0)
+    return max(fill_zbuffer(arrays, seen_from, wedge, reach, straight_grid(), table, screen), 0)
 
 
 @kernel
@@ -183,24 +183,24 @@ def _list_bed(arrays, profile, count, pair, outlooks, screens, cells_one, cells_
     z_other, launch_other, horizon_other = outlooks[1].z, outlooks[1].launch, outlooks[1].horizon
     r_one, r_other, weight_one, weight_other = outlooks[0].r, outlooks[1].r, outlooks[0].weight, outlooks[1].weight
     table, tabled, two_way = arrays.reflectivity, arrays.pattern.tabled, arrays.pattern.two_way
-    cover_one, cover_other = cover_of(screens[0], cells_one), cover_of(screens[1], cells_other)
+    cover_one, cover_other = occlusion_of(screens[0], cells_one), occlusion_of(screens[1], cells_other)
     farthest, open_to_all, n = arrays.bins * arrays.bin_length, cells_one == 0 and cells_other == 0, 0
-    sea = sea_of(arrays)
+    sea = echo_parameters(arrays)
     for i in range(count - 1):
         if not (launch_one[i + 1] > horizon_one[i] and launch_other[i + 1] > horizon_other[i]):
             continue
-        near = pair_weight(weight_one[i], weight_other[i], tabled, two_way)
-        far = pair_weight(weight_one[i + 1], weight_other[i + 1], tabled, two_way)
+        near = pair_response(weight_one[i], weight_other[i], tabled, two_way)
+        far = pair_response(weight_one[i + 1], weight_other[i + 1], tabled, two_way)
         dx, rise = x[i + 1] - x[i], np.float64(slope[i])
         beyond = 0.5 * (r_one[i] + r_other[i]) - dx * math.sqrt(1.0 + rise * rise) > farthest
         if beyond or not near + far > 0.0 or not area[i] > 0.0:
             continue
         row, rate = material[i], (far - near) / dx
-        one, other = Line(z_one[i] - rise * x[i], rise), Line(z_other[i] - rise * x[i], rise)
+        one, other = SegmentLine(z_one[i] - rise * x[i], rise), SegmentLine(z_other[i] - rise * x[i], rise)
         at_nadir = near - rate * x[i]
-        part = Stretch(one, other, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
-        start = in_sight_from(one, x[i], x[i + 1], launch_one[i], horizon_one[i])
-        start = max(start, in_sight_from(other, x[i], x[i + 1], launch_other[i], horizon_other[i]))
+        part = PairedSegment(one, other, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
+        start = visible_from(one, x[i], x[i + 1], launch_one[i], horizon_one[i])
+        start = max(start, visible_from(other, x[i], x[i + 1], launch_other[i], horizon_other[i]))
         if open_to_all:
             n = _list_piece(sea, part, pair, start, x[i + 1], row, echoes, n)
         else:
@@ -216,11 +216,11 @@ def _list_open(sea, part, pair, x_from, x_to, row, cover_one, cover_other, echoe
     """List what no target hides from either image of a segment, between two ground ranges."""
     low, high = launch_angle(part.one, x_from), launch_angle(part.one, x_to)
     while low < high:
-        opened, closed = next_open(cover_one, part.one, low, high)
+        opened, closed = next_visible(cover_one, part.one, low, high)
         if opened >= high:
             break
-        start = x_from if opened <= low else max(range_at(part.one, opened), x_from)
-        stop = x_to if closed >= high else min(range_at(part.one, closed), x_to)
+        start = x_from if opened <= low else max(ground_range_at(part.one, opened), x_from)
+        stop = x_to if closed >= high else min(ground_range_at(part.one, closed), x_to)
         n = _list_open_to_other(sea, part, pair, start, stop, row, cover_other, echoes, n)
         low, x_from = closed, stop
     return n
@@ -231,11 +231,11 @@ def _list_open_to_other(sea, part, pair, x_from, x_to, row, cover, echoes, n):
     """Likewise what is not hidden from the higher image."""
     low, high = launch_angle(part.other, x_from), launch_angle(part.other, x_to)
     while low < high:
-        opened, closed = next_open(cover, part.other, low, high)
+        opened, closed = next_visible(cover, part.other, low, high)
         if opened >= high:
             break
-        start = x_from if opened <= low else max(range_at(part.other, opened), x_from)
-        stop = x_to if closed >= high else min(range_at(part.other, closed), x_to)
+        start = x_from if opened <= low else max(ground_range_at(part.other, opened), x_from)
+        stop = x_to if closed >= high else min(ground_range_at(part.other, closed), x_to)
         n = _list_piece(sea, part, pair, start, stop, row, echoes, n)
         low, x_from = closed, stop
     return n
@@ -315,11 +315,11 @@ def _list_part(sea, part, pair, x_from, x_to, near, far, row, echoes, n):
     cos_one, cos_other = -part.one.offset / (r_one * stretch), -part.other.offset / (r_other * stretch)
     mirrored = 2.0 * cos_one * cos_other - (x * x + a * b) / (r_one * r_other)
     value = pair_strength(cos_one, cos_other, mirrored, part.diffuse, part.specular, part.shininess, pair, law)
-    value *= (part.at_nadir + part.rate * x) * spreading(r_one, r_other, law)
+    value *= (part.at_nadir + part.rate * x) * spreading_ratio(r_one, r_other, law)
     energy = value * abs(far - near) / sea.bin_length if law == LIGHT else value * stretch * (x_to - x_from)
     rms, variance = sea.rms_height, sea.slope_variance
-    rise = rise_of(pair.one, -a, r_one, rms) + rise_of(pair.other, -b, r_other, rms)
-    tilt = tilt_of(pair.one, -a, r_one, variance) + tilt_of(pair.other, -b, r_other, variance)
+    rise = height_delay(pair.one, -a, r_one, rms) + height_delay(pair.other, -b, r_other, rms)
+    tilt = tilt_delay(pair.one, -a, r_one, variance) + tilt_delay(pair.other, -b, r_other, variance)
     return list_echo(echoes, n, near, far, energy, rise, tilt, x, min(cos_one, cos_other), row)
 
 
@@ -336,9 +336,9 @@ def _add_surface_echo(arrays, poses, ping, side, echoes, bins, ledger, noting):
     value = 1.0
     if arrays.pattern.tabled:
         beam, fan = make_beam(arrays, poses, ping, side), arrays.half_width > 0.0
-        value = sensitivity_towards(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth)
+        value = two_way_response(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth)
     energy = value if law == LIGHT else 0.25 * value * depth * depth
-    rise = rise_of(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.rms_height)
-    tilt = tilt_of(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.slope_variance)
+    rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.rms_height)
+    tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.slope_variance)
     n = list_echo(echoes, 0, depth, depth, energy, rise, tilt, 0.0, 1.0, 0)
     _enter(arrays, 1, SURFACE_ECHO, echoes, n, bins, ledger, noting)

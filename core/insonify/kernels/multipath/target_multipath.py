@@ -6,36 +6,43 @@ import math
 
 import numpy as np
 
-from insonify.kernels.beam.azimuth_sector import weight
+from insonify.kernels.beam.azimuth_sector import sector_weight
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.geometry.cross_sections import View
-from insonify.kernels.multipath.echo_list import ENOUGH, enter_echoes, list_echo
-from insonify.kernels.multipath.image_sources import pair_strength, pair_weight, rise_of, sea_of, spreading, tilt_of
+from insonify.kernels.geometry.cross_sections import HalfPlane
+from insonify.kernels.multipath.echo_list import ENOUGH, deposit_echoes, list_echo
+from insonify.kernels.multipath.image_sources import (
+    echo_parameters,
+    height_delay,
+    pair_response,
+    pair_strength,
+    spreading_ratio,
+    tilt_delay,
+)
 from insonify.kernels.sweep.target_echoes import (
     Facet,
-    facets_in,
+    facet_count,
     horizon_at,
-    is_met,
+    is_facet_met,
     knot_before,
-    open_facet,
-    part_material,
+    primitive_material,
+    visible_facet,
 )
-from insonify.kernels.targets.angular_zbuffer import NOBODY, halfway
-from insonify.kernels.targets.apparent_targets import lens_of
-from insonify.kernels.targets.primitives import TRIANGLE, Part, load_part, meet_part
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, bisect_directions
+from insonify.kernels.targets.apparent_targets import load_apparent_source
+from insonify.kernels.targets.primitives import TRIANGLE, Primitive, intersect_primitive, load_primitive
 
 BEFORE = 1e-4  # share of a distance by which another part must come nearer to hide a place
 
 
 @kernel
-def list_bodies(
+def list_target_echoes(
     arrays, profile, knots, pair, view, wedges, outlooks, screens, cells, cells_other, echoes, n, bins, ledger, noting
 ):
     """List what is nearest to the lower image in every cell and in sight of the other; return what is not entered."""
     solids, mesh, table, screen = arrays.solids, arrays.mesh, arrays.reflectivity, screens[0]
     x, z, horizon, knot = profile.x, outlooks[0].z, outlooks[0].horizon, -1
-    sea, pattern, lower, higher = sea_of(arrays), arrays.pattern, wedges[0], wedges[1]
+    sea, pattern, lower, higher = echo_parameters(arrays), arrays.pattern, wedges[0], wedges[1]
     heights, ridges, edge, level, rise = (
         outlooks[1].z,
         outlooks[1].horizon,
@@ -45,21 +52,23 @@ def list_bodies(
     )
     nearest, rows = screens[1].part, screens[1].body
     bodies, raised = solids.shape.size, pair.other.height - pair.one.height
-    seen_from = View(view.x, view.y, view.z + pair.one.height, view.ex, view.ey)
+    seen_from = HalfPlane(view.x, view.y, view.z + pair.one.height, view.ex, view.ey)
     for cell in range(cells):
         p = screen.part[cell]
-        if p == NOBODY:
+        if p == NO_PRIMITIVE:
             continue
-        body, row = screen.body[p], part_material(solids, mesh, screen, p)
+        body, row = screen.body[p], primitive_material(solids, mesh, screen, p)
         who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
-        c, s = halfway(screen.cosine[cell], screen.sine[cell], screen.cosine[cell + 1], screen.sine[cell + 1])
+        c, s = bisect_directions(screen.cosine[cell], screen.sine[cell], screen.cosine[cell + 1], screen.sine[cell + 1])
         low, high, distance = screen.edge[cell], screen.edge[cell + 1], screen.distance[cell]
-        facets = facets_in(Facet(low, high, c, s, screen.near[cell], distance, screen.far[cell], 1.0))
+        facets = facet_count(Facet(low, high, c, s, screen.near[cell], distance, screen.far[cell], 1.0))
         knot = knot_before(x, knots, distance * c, knot)
-        part = load_part(solids, mesh, seen_from, body, screen.line[p], lens_of(False, screen.lens[p]))
+        part = load_primitive(
+            solids, mesh, seen_from, body, screen.line[p], load_apparent_source(False, screen.lens[p])
+        )
         for k in range(facets):
-            facet = open_facet(part, low, high, k, facets, x, z, knots, horizon, knot)
-            if not is_met(facet):
+            facet = visible_facet(part, low, high, k, facets, x, z, knots, horizon, knot)
+            if not is_facet_met(facet):
                 continue
             cos_other = facet.incidence
             if raised > 0.0:
@@ -70,7 +79,7 @@ def list_bodies(
                 n = _list_facet(sea, pattern, pair, facet, cos_other, numbers, lower, higher, who, echoes, n)
         if n > ENOUGH:
             facets_of_sea = arrays.ghosts.facets[pair.passes - 1]
-            enter_echoes(echoes, n, facets_of_sea, arrays.bin_length, pair.way, bins, ledger, noting)
+            deposit_echoes(echoes, n, facets_of_sea, arrays.bin_length, pair.way, bins, ledger, noting)
             n = 0
     return n
 
@@ -93,18 +102,18 @@ def _seen(facet, part, body, raised, ridge, edge, near_level, near_rise, nearest
         front = facet.cosine * part.level_x + facet.sine * part.level_y
         if front * (c * part.level_x + s * part.level_y) <= 0.0:
             return 0.0
-    lower = Part(
+    lower = Primitive(
         part.kind, part.x, part.y, part.z - raised, part.ax, part.ay, part.az, part.length, part.radius, part.taper,
         part.level_x, part.level_y, part.lens,
     )  # fmt: skip
-    distance, incidence = meet_part(lower, c, s)
+    distance, incidence = intersect_primitive(lower, c, s)
     if not distance > r * (1.0 - BEFORE):
         return 0.0  # the far side of a body
     if ridge * c > s:
         return 0.0
     angle = math.atan2(height, level)
     cell = np.searchsorted(edge[: cells + 1], angle, side="right") - 1
-    if 0 <= cell < cells and nearest[cell] != NOBODY and rows[nearest[cell]] != body:
+    if 0 <= cell < cells and nearest[cell] != NO_PRIMITIVE and rows[nearest[cell]] != body:
         if (near_level[cell] * c + near_rise[cell] * s) * r > 1.0 + BEFORE:
             return 0.0
     return incidence
@@ -118,9 +127,9 @@ def _list_facet(sea, pattern, pair, facet, cos_other, numbers, lower, higher, wh
     r_other, b = _distance(facet.centre, facet.cosine, facet.sine, raised), a - raised
     mirrored = 2.0 * facet.incidence * cos_other - (x * x + a * b) / (facet.centre * r_other)
     value = pair_strength(facet.incidence, cos_other, mirrored, numbers[0], numbers[1], numbers[2], pair, law)
-    one = weight(x, -a if pair.one.mirrored else a, facet.centre, lower, pattern, law)
-    other = weight(x, -b if pair.other.mirrored else b, r_other, higher, pattern, law)
-    value *= pair_weight(one, other, pattern.tabled, pattern.two_way) * spreading(facet.centre, r_other, law)
+    one = sector_weight(x, -a if pair.one.mirrored else a, facet.centre, lower, pattern, law)
+    other = sector_weight(x, -b if pair.other.mirrored else b, r_other, higher, pattern, law)
+    value *= pair_response(one, other, pattern.tabled, pattern.two_way) * spreading_ratio(facet.centre, r_other, law)
     c_low, s_low, c_high, s_high = math.cos(facet.low), math.sin(facet.low), math.cos(facet.high), math.sin(facet.high)
     near = 0.5 * (facet.near + _distance(facet.near, c_low, s_low, raised))
     middle = 0.5 * (facet.centre + r_other)
@@ -132,8 +141,8 @@ def _list_facet(sea, pattern, pair, facet, cos_other, numbers, lower, higher, wh
         first = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6)
         second = first
     rms, variance = sea.rms_height, sea.slope_variance
-    rise = rise_of(pair.one, -a, facet.centre, rms) + rise_of(pair.other, -b, r_other, rms)
-    tilt = tilt_of(pair.one, -a, facet.centre, variance) + tilt_of(pair.other, -b, r_other, variance)
+    rise = height_delay(pair.one, -a, facet.centre, rms) + height_delay(pair.other, -b, r_other, rms)
+    tilt = tilt_delay(pair.one, -a, facet.centre, variance) + tilt_delay(pair.other, -b, r_other, variance)
     cosine = min(facet.incidence, cos_other)
     n = list_echo(echoes, n, near, middle, first, rise, tilt, x, cosine, who)
     return list_echo(echoes, n, middle, far, second, rise, tilt, x, cosine, who)

@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.bed.slice import clip
+from insonify.kernels.bed.slice import clip_to_grid
 from insonify.kernels.common.jit import inlined_before_typing, kernel
 from insonify.kernels.common.types import BED
-from insonify.kernels.geometry.solids import meet_solid
-from insonify.kernels.geometry.triangles import meet_meshes
+from insonify.kernels.geometry.solids import intersect_solid
+from insonify.kernels.geometry.triangles import intersect_mesh_bundle
 
 NOTHING = -2
 SKIN = 1e-9  # of the coordinates: closer to the bed than this is on it, and a ray that leaves does not hit it
@@ -73,7 +73,7 @@ def first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
     """Find what each ray meets first within ``reach``: bed, mesh, or one of the first ``count`` bodies in ``near``."""
     meet_bodies(solids, near, count, bundle, reach, hits)
     if mesh.skip.size > 0:
-        meet_meshes(solids, mesh, bundle, reach, hits)
+        intersect_mesh_bundle(solids, mesh, bundle, reach, hits)
     for k in range(bundle.x.size):
         ray = Ray(bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k])
         limit = min(hits.distance[k], reach)
@@ -92,7 +92,7 @@ def meet_bodies(solids, near, count, bundle, reach, hits):
     for m in range(count):
         body = near[m]
         for k in range(bundle.x.size):
-            distance, nx, ny, nz = meet_solid(
+            distance, nx, ny, nz = intersect_solid(
                 solids, body, bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k]
             )
             if distance < min(hits.distance[k], reach):
@@ -111,8 +111,8 @@ def meet_bed(bed, ray, reach):
     du, dv = ray.dx / bed.spacing, ray.dy / bed.spacing
     start, end = _slab(bed, ray, reach)
     if not bed.periodic:
-        start, end = clip(u0, du, nx - 1.0, start, end)
-        start, end = clip(v0, dv, ny - 1.0, start, end)
+        start, end = clip_to_grid(u0, du, nx - 1.0, start, end)
+        start, end = clip_to_grid(v0, dv, ny - 1.0, start, end)
     if not start < end:
         return math.inf, 0, 0.0, 0.0, 0.0
     i, j = _first_cell(u0 + start * du, du, nx, bed.periodic), _first_cell(v0 + start * dv, dv, ny, bed.periodic)

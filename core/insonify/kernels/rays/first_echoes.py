@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from insonify.kernels.beam.pattern import heard
+from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.scattering import strength
+from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, PORT
 from insonify.kernels.rays.cell_walk import NOTHING, Bundle, Hits, first_hits
 from insonify.kernels.rays.launch import (
@@ -103,7 +103,9 @@ def weigh(arrays, beam, bundle, hits, weight, weighed):
         if hits.body[k] != NOTHING:
             dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
             fan = arrays.half_width > 0.0
-            weighed[k] = weight[k] * heard(arrays.pattern, beam, fan, arrays.law, dx, dy, dz, hits.distance[k])
+            weighed[k] = weight[k] * two_way_response(
+                arrays.pattern, beam, fan, arrays.law, dx, dy, dz, hits.distance[k]
+            )
     return weighed
 
 
@@ -130,7 +132,7 @@ def returned(bundle, hits, k, reflectivity, law, fan, bin_length):
     if hits.body[k] == NOTHING or cos_incidence <= 0.0:
         return 0.0, 0.0
     m = hits.material[k]
-    value = strength(cos_incidence, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
+    value = backscatter_strength(cos_incidence, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
     value *= distance / cos_incidence
     growth = tilt(dx, dy, dz, nx, ny, nz)
     if law == LIGHT:

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.beam.pattern import pick_azimuth, widest_extent
-from insonify.kernels.bed.slice import on_grid
+from insonify.kernels.bed.slice import snap_to_grid
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import LIGHT, PORT
-from insonify.kernels.geometry.solids import widest, within
+from insonify.kernels.geometry.solids import greatest_radius, is_inside_solid
 
 AIM_STEPS = 64.0  # per radian
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -60,7 +60,7 @@ class Launch(NamedTuple):
 @inlined
 def make_beam(arrays, poses, ping, side):
     """Point one side of one ping: its own axes after heading, pitch (bow up), then roll (port up)."""
-    ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
+    ahead_x, ahead_y = snap_to_grid(math.cos(poses.heading[ping])), snap_to_grid(math.sin(poses.heading[ping]))
     to_side = 1.0 if side == PORT else -1.0
     x, y, z, reach = poses.x[ping], poses.y[ping], poses.z[ping], arrays.bins * arrays.bin_length
     if not arrays.pattern.tabled:
@@ -183,13 +183,13 @@ def gather(solids, mesh, beam, near):
         cx = solids.start[k, 0] + middle * solids.axis[k, 0] - beam.x
         cy = solids.start[k, 1] + middle * solids.axis[k, 1] - beam.y
         cz = solids.start[k, 2] + middle * solids.axis[k, 2] - beam.z
-        bound = middle + widest(solids, k)
+        bound = middle + greatest_radius(solids, k)
         distance = math.sqrt(cx * cx + cy * cy + cz * cz)
         if not touches(beam, cx, cy, cz, distance, bound):
             continue
         near[count] = k
         count += 1
-        summit = cz + middle * abs(solids.axis[k, 2]) + widest(solids, k)
+        summit = cz + middle * abs(solids.axis[k, 2]) + greatest_radius(solids, k)
         top = max(top, highest_elevation(summit, max(distance - bound, 0.0), min(distance + bound, beam.reach)))
     top = _highest_of_mesh(mesh, beam, top)
     # Rounded up, so that the aim serves many pings.
@@ -243,6 +243,6 @@ def highest_elevation(summit, nearest, farthest):
 def inside_body(solids, x, y, z):
     """Row of the body that a point is inside, -1 if none."""
     for k in range(solids.shape.size):
-        if within(solids, k, x, y, z):
+        if is_inside_solid(solids, k, x, y, z):
             return k
     return -1

@@ -12,8 +12,8 @@ import numpy as np
 
 from insonify.kernels.common.jit import inlined_before_typing, kernel
 from insonify.kernels.common.types import BED, SPHERE
-from insonify.kernels.geometry.solids import widest
-from insonify.kernels.geometry.triangles import facing, meet_mesh
+from insonify.kernels.geometry.solids import greatest_radius
+from insonify.kernels.geometry.triangles import facing_normal, intersect_mesh
 from insonify.kernels.rays.cell_walk import NOTHING, Ray, load_cell, normal_at
 
 TINY = 1e-300  # m; at the very tip of a cone nothing points away from the axis
@@ -25,11 +25,11 @@ def march_hits(bed, solids, near, count, mesh, bundle, reach, step, hits):
     ceiling = _ceiling(bed, solids, near, count)
     for k in range(bundle.x.size):
         ray = Ray(bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k])
-        before, triangle = meet_mesh(mesh, ray.x, ray.y, ray.z, ray.dx, ray.dy, ray.dz, reach)
+        before, triangle = intersect_mesh(mesh, ray.x, ray.y, ray.z, ray.dx, ray.dy, ray.dz, reach)
         distance, body = _march(bed, solids, near, count, ray, ceiling, before, step)
         if triangle >= 0 and before < distance:
             distance, body, material = before, solids.shape.size + triangle, mesh.material[triangle]
-            nx, ny, nz = facing(mesh, triangle, ray.dx, ray.dy, ray.dz)
+            nx, ny, nz = facing_normal(mesh, triangle, ray.dx, ray.dy, ray.dz)
         else:
             material, nx, ny, nz = _surface(bed, solids, ray, distance, body)
         hits.distance[k], hits.body[k], hits.material[k] = distance, body, material
@@ -95,7 +95,9 @@ def _ceiling(bed, solids, near, count):
     ceiling = bed.high
     for m in range(count):
         k = near[m]
-        ceiling = max(ceiling, solids.start[k, 2] + max(solids.axis[k, 2], 0.0) * solids.length[k] + widest(solids, k))
+        ceiling = max(
+            ceiling, solids.start[k, 2] + max(solids.axis[k, 2], 0.0) * solids.length[k] + greatest_radius(solids, k)
+        )
     return ceiling
 
 

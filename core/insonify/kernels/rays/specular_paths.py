@@ -27,12 +27,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from insonify.kernels.beam.pattern import heard
+from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.scattering import bistatic
+from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import BED, LIGHT
-from insonify.kernels.geometry.solids import leave_solid, meet_solid, within
-from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing, meet_mesh
+from insonify.kernels.geometry.solids import exit_solid, intersect_solid, is_inside_solid
+from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
 from insonify.kernels.rays.cell_walk import NOTHING, Ray, meet_bed
 from insonify.kernels.rays.ray_differentials import Edge, area, bend_of, land, reflect, refract, rise, turn_across
 
@@ -101,7 +101,7 @@ def add_ghosts(arrays, beam, bundle, hits, weight, sums):
             continue
         out = 1.0
         if arrays.pattern.tabled:
-            out = heard(arrays.pattern, beam, fan, arrays.law, path.dx, path.dy, path.dz, path.length)
+            out = two_way_response(arrays.pattern, beam, fan, arrays.law, path.dx, path.dy, path.dz, path.length)
         while len(waiting) > 0:
             path = waiting.pop()
             # Beyond twice the range even a mixed ghost comes too late.
@@ -263,13 +263,13 @@ def meet_any(arrays, x, y, z, dx, dy, dz, reach):
     """Meet the nearest thing within ``reach``."""
     best, body, material, mx, my, mz = reach, NOTHING, 0, 0.0, 0.0, 0.0
     for k in range(arrays.solids.shape.size):
-        distance, nx, ny, nz = meet_solid(arrays.solids, k, x, y, z, dx, dy, dz)
+        distance, nx, ny, nz = intersect_solid(arrays.solids, k, x, y, z, dx, dy, dz)
         if distance < best:
             best, body, material, mx, my, mz = distance, k, arrays.solids.material[k], nx, ny, nz
-    best, triangle = meet_mesh(arrays.mesh, x, y, z, dx, dy, dz, best)
+    best, triangle = intersect_mesh(arrays.mesh, x, y, z, dx, dy, dz, best)
     if triangle != NO_TRIANGLE:
         body, material = arrays.solids.shape.size + triangle, arrays.mesh.material[triangle]
-        mx, my, mz = facing(arrays.mesh, triangle, dx, dy, dz)
+        mx, my, mz = facing_normal(arrays.mesh, triangle, dx, dy, dz)
     distance, row, nx, ny, nz = meet_bed(arrays.bed, Ray(x, y, z, dx, dy, dz), best)
     if distance < best:
         return Meeting(distance, BED, row, nx, ny, nz)
@@ -283,7 +283,7 @@ def _leave_target(solids, path):
     x, y, z = path.x, path.y, path.z
     off = _clear_of(x, y, z, path.length)
     for _ in range(MOST_PARTS):
-        distance, nx, ny, nz = leave_solid(solids, body, x, y, z, path.dx, path.dy, path.dz)
+        distance, nx, ny, nz = exit_solid(solids, body, x, y, z, path.dx, path.dy, path.dz)
         if not distance < math.inf:
             break
         total += distance + off
@@ -299,7 +299,7 @@ def _leave_target(solids, path):
 def _part_at(solids, target, x, y, z):
     """Row of a target's body that a point is inside, -1 if none."""
     for k in range(solids.shape.size):
-        if solids.target[k] == target and within(solids, k, x, y, z):
+        if solids.target[k] == target and is_inside_solid(solids, k, x, y, z):
             return k
     return -1
 
@@ -311,7 +311,7 @@ def _leave_mesh(arrays, path):
     target, total = mesh.target[path.inside - solids], 0.0
     off = _clear_of(path.x, path.y, path.z, path.length)
     for _ in range(MOST_PARTS):
-        distance, triangle = meet_mesh(
+        distance, triangle = intersect_mesh(
             mesh, path.x + total * path.dx, path.y + total * path.dy, path.z + total * path.dz,
             path.dx, path.dy, path.dz, math.inf,
         )  # fmt: skip
@@ -334,7 +334,7 @@ def _add_retro(arrays, fan, weight, path, meeting, sums):
     if b >= sums.size or cosine <= 0.0:
         return
     row = arrays.reflectivity[meeting.material]
-    value = bistatic(cosine, cosine, 2.0 * cosine * cosine - 1.0, row[0], row[1], row[2], arrays.law)
+    value = bistatic_strength(cosine, cosine, 2.0 * cosine * cosine - 1.0, row[0], row[1], row[2], arrays.law)
     value *= path.share * path.share * weight
     up, squared = path.up, path.length * path.length
     if arrays.law == LIGHT:
@@ -365,8 +365,8 @@ def mixed_ghost(arrays, beam, fan, out, weight, path, meeting):
         return distance, 0.0
     row, up = arrays.reflectivity[meeting.material], path.up
     mirrored = 2.0 * cosine * straight - (sx * path.dx + sy * path.dy + sz * path.dz)
-    value = bistatic(cosine, straight, mirrored, row[0], row[1], row[2], arrays.law)
-    value += bistatic(straight, cosine, mirrored, row[0], row[1], row[2], arrays.law)
+    value = bistatic_strength(cosine, straight, mirrored, row[0], row[1], row[2], arrays.law)
+    value += bistatic_strength(straight, cosine, mirrored, row[0], row[1], row[2], arrays.law)
     value *= path.share * passed * weight
     if arrays.law == LIGHT:
         rate = up.x * (path.dx + sx) + up.y * (path.dy + sy) + up.z * (path.dz + sz)
@@ -388,5 +388,5 @@ def both_ways(arrays, beam, fan, out, sx, sy, sz, r):
         return 0.0
     if not arrays.pattern.tabled:
         return 1.0
-    back = heard(arrays.pattern, beam, fan, arrays.law, sx, sy, sz, r)
+    back = two_way_response(arrays.pattern, beam, fan, arrays.law, sx, sy, sz, r)
     return math.sqrt(out * back) if arrays.pattern.two_way else 0.5 * (out + back)

@@ -11,7 +11,7 @@ from insonify.kernels.common.jit import kernel
 
 
 @kernel
-def lengthen(record, taps, before, out):
+def convolve_pulse(record, taps, before, out):
     """Convolve every line with the pulse's taps, of which so many lie before the echo's own bin."""
     pings, sides, bins = record.shape
     for ping in range(pings):
@@ -27,7 +27,7 @@ def lengthen(record, taps, before, out):
 
 
 @kernel
-def shift(record, bins_late, out):
+def delay_pings(record, bins_late, out):
     """Let every ping come later by its own number of bins, whole or not; energy in between is shared."""
     pings, sides, bins = record.shape
     for ping in range(pings):

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import BED
-from insonify.kernels.geometry.solids import meet_solid
-from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing, meet_mesh
+from insonify.kernels.geometry.solids import intersect_solid
+from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
 from insonify.kernels.rays.cell_walk import NOTHING, Ray, meet_bed
 from insonify.kernels.rays.march import march_chord
 
@@ -103,7 +103,7 @@ def _meet_bodies(solids, batch, rays, met):
         for m in range(batch.listed[k]):
             body = batch.near[k, m]
             for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
-                distance, nx, ny, nz = meet_solid(
+                distance, nx, ny, nz = intersect_solid(
                     solids, body, chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ]
                 )
                 limit = chords[c, LENGTH] + OVERLAP
@@ -132,11 +132,11 @@ def _meet_mesh(solids, mesh, batch, rays, met):
             limit = chords[c, LENGTH] + OVERLAP
             if c == met.chord[k]:
                 limit = min(limit, met.distance[k])
-            distance, triangle = meet_mesh(mesh, chords[c, X], chords[c, Y], chords[c, Z], dx, dy, dz, limit)
+            distance, triangle = intersect_mesh(mesh, chords[c, X], chords[c, Y], chords[c, Z], dx, dy, dz, limit)
             if triangle != NO_TRIANGLE:
                 met.chord[k], met.distance[k], met.body[k] = c, distance, solids.shape.size + triangle
                 met.material[k] = mesh.material[triangle]
-                met.nx[k], met.ny[k], met.nz[k] = facing(mesh, triangle, dx, dy, dz)
+                met.nx[k], met.ny[k], met.nz[k] = facing_normal(mesh, triangle, dx, dy, dz)
                 break
 
 

@@ -14,9 +14,9 @@ import math
 import numpy as np
 
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.scattering import strength
+from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, PORT
-from insonify.kernels.geometry.solids import widest
+from insonify.kernels.geometry.solids import greatest_radius
 from insonify.kernels.rays.cell_walk import NOTHING
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, tilt, weigh
 from insonify.kernels.rays.launch import inside_body, make_beam, spread_rays, touches, turn
@@ -96,7 +96,7 @@ def _highest(arrays, beam):
     """Height of the highest thing that a beam may meet."""
     solids, mesh, top = arrays.solids, arrays.mesh, arrays.bed.high
     for k in range(solids.shape.size):
-        middle, radius = 0.5 * solids.length[k], widest(solids, k)
+        middle, radius = 0.5 * solids.length[k], greatest_radius(solids, k)
         cx = solids.start[k, 0] + middle * solids.axis[k, 0] - beam.x
         cy = solids.start[k, 1] + middle * solids.axis[k, 1] - beam.y
         z = solids.start[k, 2] + middle * solids.axis[k, 2]
@@ -142,7 +142,7 @@ def echo_of(arrays, hits, arrivals, weight, k):
     if b >= arrays.bins or cos_incidence <= 0.0:
         return -1, 0.0, 0.0
     row, law = arrays.reflectivity[hits.material[k]], arrays.law
-    value = strength(cos_incidence, row[0], row[1], row[2], law) * weight[k] / cos_incidence
+    value = backscatter_strength(cos_incidence, row[0], row[1], row[2], law) * weight[k] / cos_incidence
     tube, spread = arrivals.tube[k], arrivals.spread[k]
     if law == LIGHT:
         speeds = arrays.water.reference / arrivals.speed[k]

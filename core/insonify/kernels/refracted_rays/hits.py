@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.geometry.solids import widest
+from insonify.kernels.geometry.solids import greatest_radius
 from insonify.kernels.rays.cell_walk import NOTHING
 from insonify.kernels.refracted_rays.chords import (
     ALONG,
@@ -152,7 +152,7 @@ def _limit(bed, solids, mesh, height, bundle, first, count, batch, limits):
         low, high, nearest, farthest = bed.low, bed.high, math.inf, -math.inf
         listed = 0
         for body in range(solids.shape.size):
-            middle, radius = 0.5 * solids.length[body], widest(solids, body)
+            middle, radius = 0.5 * solids.length[body], greatest_radius(solids, body)
             cx = solids.start[body, 0] + middle * solids.axis[body, 0] - course.x
             cy = solids.start[body, 1] + middle * solids.axis[body, 1] - course.y
             near, far = _across(course, cx, cy, middle + radius)

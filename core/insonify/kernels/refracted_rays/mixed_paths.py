@@ -14,9 +14,9 @@ import math
 
 import numpy as np
 
-from insonify.kernels.beam.pattern import heard
+from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.scattering import bistatic
+from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cell_walk import NOTHING
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits
@@ -141,14 +141,16 @@ def _echo(arrays, beam, weight, bundle, hits, arrivals, k, others, met, back, m)
         return -1, 0.0
     out = 1.0
     if arrays.pattern.tabled:
-        out = heard(arrays.pattern, beam, fan, law, bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.distance[k])
+        out = two_way_response(
+            arrays.pattern, beam, fan, law, bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.distance[k]
+        )
     passed = both_ways(arrays, beam, fan, out, others.dx[m], others.dy[m], others.dz[m], met.distance[m])
     row = arrays.reflectivity[hits.material[k]]
     mirrored = 2.0 * cosine * other - (dx * ex + dy * ey + dz * ez)
-    value = bistatic(cosine, other, mirrored, row[0], row[1], row[2], law)
+    value = bistatic_strength(cosine, other, mirrored, row[0], row[1], row[2], law)
     if met.distance[m] >= beam.reach:
         # The other way round it would come by a ray that is not sent so far.
-        value += bistatic(other, cosine, mirrored, row[0], row[1], row[2], law)
+        value += bistatic_strength(other, cosine, mirrored, row[0], row[1], row[2], law)
     value *= passed * weight
     if law == LIGHT:
         value *= 0.5 * arrays.water.reference / arrivals.speed[k] / arrays.bin_length

@@ -27,7 +27,7 @@ LEVEL, RISE, TUBE, TURN = 0, 1, 2, 3  # x'/x - 1; z' - z, m; N - 1; angle of arr
 UPRIGHT = 1e-3  # ground range between two knots, at least, as a share of what it is in truth
 
 
-class Bending(NamedTuple):
+class ApparentTables(NamedTuple):
     """Tables of layered water for the sonar at evenly spaced heights; without them sound goes straight."""
 
     bent: bool
@@ -40,7 +40,7 @@ class Bending(NamedTuple):
     stretch: float  # ground range over slant range, at most
 
 
-class Sheet(NamedTuple):
+class TableGrid(NamedTuple):
     """How to read the table of one ping."""
 
     bent: bool  # whether there is one
@@ -52,18 +52,18 @@ class Sheet(NamedTuple):
     columns: int
 
 
-def no_bending() -> Bending:
+def no_apparent_tables() -> ApparentTables:
     """Return the tables of water in which sound goes straight: none."""
-    return Bending(False, np.zeros((0, 2, 2, COLUMNS), np.float32), 0.0, 1.0, 0.0, 1.0, 1.0, 1.0)
+    return ApparentTables(False, np.zeros((0, 2, 2, COLUMNS), np.float32), 0.0, 1.0, 0.0, 1.0, 1.0, 1.0)
 
 
-def empty_table(bending: Bending) -> NDArray[np.float32]:
+def empty_table(bending: ApparentTables) -> NDArray[np.float32]:
     """Make room for the table of one ping."""
     return np.zeros(bending.tables.shape[1:], np.float32)
 
 
 @kernel
-def blend_tables(bending, z, table):
+def interpolate_table(bending, z, table):
     """Fill the table of a sonar at height z from those of the heights below and above."""
     place = (z - bending.sonar_low) / bending.sonar_step
     k = min(max(int(place), 0), bending.tables.shape[0] - 2)
@@ -74,24 +74,24 @@ def blend_tables(bending, z, table):
 
 
 @inlined_uncounted
-def straight_sheet():
+def straight_grid():
     """Tell that sound goes straight."""
-    return Sheet(False, 1.0, 0.0, 1.0, 1.0, 2, 2)
+    return TableGrid(False, 1.0, 0.0, 1.0, 1.0, 2, 2)
 
 
 @inlined_uncounted
-def turn_to(bending, z, table):
+def prepare_table(bending, z, table):
     """Fill the table of a sonar at height z, if sound bends; return how to read it."""
     if not bending.bent:
-        return straight_sheet()
-    blend_tables(bending, z, table)
+        return straight_grid()
+    interpolate_table(bending, z, table)
     _, rows, columns, _ = bending.tables.shape
     per_row, per_column = 1.0 / bending.row_step, 1.0 / bending.column_step
-    return Sheet(True, bending.stretch, bending.low - z, per_row, per_column, rows, columns)
+    return TableGrid(True, bending.stretch, bending.low - z, per_row, per_column, rows, columns)
 
 
 @inlined
-def look_up(table, sheet, x, z):
+def look_up_position(table, sheet, x, z):
     """Read LEVEL, RISE, TUBE and TURN of a place at ground range x and height z above the sonar.
 
     Bilinear; beyond the table as at its edge.
@@ -122,7 +122,7 @@ def cell_of(sheet, x, z):
 
 
 @kernel
-def bend_profile(table, sheet, one_wide, x, z, slope, area, level, gain, count):
+def apply_apparent_positions(table, sheet, one_wide, x, z, slope, area, level, gain, count):
     """Put the knots of a profile where they seem to be, in place.
 
     Parameters

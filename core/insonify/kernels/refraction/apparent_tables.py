@@ -17,7 +17,7 @@ LOOKED = 64  # ground ranges at which they are compared
 
 
 @kernel
-def tabulate(height, speed, reference, z, first_row, row_step, column_step, surface, out):
+def fill_apparent_table(height, speed, reference, z, first_row, row_step, column_step, surface, out):
     """Fill the table of a sonar at height z.
 
     Parameters
@@ -62,7 +62,7 @@ def tabulate(height, speed, reference, z, first_row, row_step, column_step, surf
 
 
 @kernel
-def is_single(height, speed, z, low, high, reach, surface):
+def is_single_valued(height, speed, z, low, high, reach, surface):
     """Whether no place between two heights is heard along two rays, within a ground range.
 
     Only rays that turn can meet others: those launched so flatly that sound of the same slowness along the level is

@@ -24,7 +24,7 @@ LN_2, TURN = np.float32(math.log(2.0)), np.float32(2.0 * math.pi)
 
 
 @kernel
-def white_noise(seed, stream, nodes, octave, first, real, imaginary):
+def fill_white_noise(seed, stream, nodes, octave, first, real, imaginary):
     """Fill (nodes, 2, n) with complex Gaussians of E|c|² = 1; each belongs to its node, octave, side and bin alone.
 
     Half of a hash makes the modulus, half the phase (Box and Muller), in passes that suit the vector units.
@@ -91,7 +91,7 @@ def _sine(turns):
 
 
 @kernel
-def weave(pings, spacing, nodes, start, per_bin, first, real, imaginary, out_real, out_imaginary):
+def smooth_noise(pings, spacing, nodes, start, per_bin, first, real, imaginary, out_real, out_imaginary):
     """Smooth noise at nodes to noise at pings, in bins from ``first`` on that share a spacing of nodes.
 
     ``start`` is each ping's first row of nodes, ``per_bin`` the triangle's steepness in every bin, 1 / half width.
@@ -118,7 +118,7 @@ def weave(pings, spacing, nodes, start, per_bin, first, real, imaginary, out_rea
 
 
 @kernel
-def add_energy(real, imaginary, taps, share, out):
+def add_filtered_energy(real, imaginary, taps, share, out):
     """Filter complex noise along range and add its energy times a share to (n, 2, bins).
 
     The noise begins so many bins before the record as the filter looks back.
@@ -139,7 +139,7 @@ def add_energy(real, imaginary, taps, share, out):
 
 
 @kernel
-def transform(field, table, first, per_octave, place):
+def transform_distribution(field, table, first, per_octave, place):
     """Give an exponential field another distribution, by a table of log₂ of the new value over log₂ of the old one.
 
     ``place`` (n, 2, bins) is the row of the table, whole or not. Below the table its first slope goes on.
@@ -160,7 +160,7 @@ def transform(field, table, first, per_octave, place):
 
 
 @kernel
-def wander(seed, stream, pings, half_width, spacing, out):
+def fill_slow_normals(seed, stream, pings, half_width, spacing, out):
     """Fill (n,) with standard normal numbers that change as slowly as a triangle of that half width, in pings."""
     for row in range(pings.size):
         total, squares = 0.0, 0.0

@@ -14,17 +14,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.beam.pattern import heard
+from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.hashing import hash_integers, splitmix64
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter
 from insonify.kernels.common.types import SONAR
-from insonify.kernels.geometry.solids import meet_solid
-from insonify.kernels.geometry.triangles import meet_mesh
+from insonify.kernels.geometry.solids import intersect_solid
+from insonify.kernels.geometry.triangles import intersect_mesh
 from insonify.kernels.rays.cell_walk import Ray, load_cell, meet_bed, normal_at
 from insonify.kernels.rays.launch import gather, inside_body, make_beam, touches
-from insonify.kernels.speckle.surface_patches import FACE, Skin, load_patch, place_on
-from insonify.kernels.sweep.visible_stretches import in_sight, look
+from insonify.kernels.speckle.surface_patches import FACE, SurfacePatches, load_patch, sample_patch
+from insonify.kernels.sweep.visible_stretches import find_visible_bed, is_bed_visible
 
 BED_STREAM, SKIN_STREAM = 5000, 6000
 LOT = 4.0  # scatterers that a lot has on average, at most
@@ -40,10 +40,10 @@ class Scatterers(NamedTuple):
     seed: int
     density: float  # per m², on average
     per_wave: float  # turns of the phase per metre of slant range, there and back
-    skin: Skin
+    skin: SurfacePatches
 
 
-class Pulse(NamedTuple):
+class PulseTaps(NamedTuple):
     """What a sample hears of the line."""
 
     samples: int  # per bin, the mean of whose energies the bin holds
@@ -52,14 +52,14 @@ class Pulse(NamedTuple):
     before: int  # how many of them lie nearer than the middle of the sample
 
 
-class Line(NamedTuple):
+class CoherentSignal(NamedTuple):
     """Waves by slant range."""
 
     real: NDArray[np.float64]
     imaginary: NDArray[np.float64]
 
 
-class Grid(NamedTuple):
+class NodeGrid(NamedTuple):
     """Where the nodes of the bed lie."""
 
     x0: float
@@ -68,7 +68,7 @@ class Grid(NamedTuple):
     periodic: bool
 
 
-class Waves(NamedTuple):
+class WaveScale(NamedTuple):
     """How a scatterer's place becomes a wave's."""
 
     share: float  # area of one scatterer, m²
@@ -78,7 +78,7 @@ class Waves(NamedTuple):
     before: int  # cells of the line before slant range 0
 
 
-class Echo(NamedTuple):
+class ScattererEcho(NamedTuple):
     """A scatterer as the sonar meets it."""
 
     loudness: float  # what the beam leaves of its energy; 0 if it is not heard at all
@@ -91,14 +91,14 @@ class Echo(NamedTuple):
     sine: float  # of its azimuth, towards the bow
 
 
-def empty_line(bins: int, pulse: Pulse) -> Line:
+def empty_signal(bins: int, pulse: PulseTaps) -> CoherentSignal:
     """Make room for so many bins and what a pulse hears before and after them."""
     size = bins * pulse.samples * pulse.cells + pulse.taps.size
-    return Line(*np.zeros((2, size)))
+    return CoherentSignal(*np.zeros((2, size)))
 
 
 @kernel
-def interfere_pings(arrays, poses, planes, scatterers, pulse, profile, sight, line, out):
+def trace_scatterers(arrays, poses, planes, scatterers, pulse, profile, sight, line, out):
     """Trace all pings into ``out`` (pings, 2, bins); return -1 - k if the sonar is inside body k, else 0.
 
     The problem may have more bins than the record: what a pulse hears beyond its end.
@@ -110,7 +110,7 @@ def interfere_pings(arrays, poses, planes, scatterers, pulse, profile, sight, li
             return -1 - body
         for side in range(2):
             beam = make_beam(arrays, poses, ping, side)
-            look(arrays, poses, ping, side, planes, profile, sight)
+            find_visible_bed(arrays, poses, ping, side, planes, profile, sight)
             count, _ = gather(arrays.solids, arrays.mesh, beam, near)
             line.real[:], line.imaginary[:] = 0.0, 0.0
             _hear_bed(arrays, beam, scatterers, sight, near[:count], pulse, line)
@@ -143,7 +143,7 @@ def _hear_bed(arrays, beam, scatterers, sight, near, pulse, line):
     bed, table, factor, pattern = arrays.bed, arrays.reflectivity, arrays.range_factor, arrays.pattern
     heights, materials, real, imaginary = bed.heights, bed.materials, line.real, line.imaginary
     borders, reach, edges, marked = sight.borders, sight.reach, sight.edges, sight.marked
-    grid, waves = Grid(bed.x0, bed.y0, bed.spacing, bed.periodic), _waves(arrays, scatterers, pulse)
+    grid, waves = NodeGrid(bed.x0, bed.y0, bed.spacing, bed.periodic), _waves(arrays, scatterers, pulse)
     bodies = near.size > 0 or arrays.mesh.skip.size > 0
     pitch = math.sqrt(LOT / scatterers.density)
     none, corners = math.exp(-LOT), _footprint(beam, bed.low, bed.high)
@@ -157,7 +157,7 @@ def _hear_bed(arrays, beam, scatterers, sight, near, pulse, line):
                 x, y = (column + _upper(bits)) * pitch, (row + _lower(bits)) * pitch
                 height, nx, ny, nz, material = _bed_at(heights, materials, grid, x, y)
                 echo = _meet(beam, pattern, x, y, height, nx, ny, nz)
-                if echo.loudness > 0.0 and in_sight(borders, reach, edges, marked, echo.sine, echo.level):
+                if echo.loudness > 0.0 and is_bed_visible(borders, reach, edges, marked, echo.sine, echo.level):
                     if bodies and _behind_bodies(arrays.solids, arrays.mesh, near, beam, echo):
                         continue
                     # The lattice is level: on a slope a square of it carries more bed.
@@ -168,7 +168,7 @@ def _hear_bed(arrays, beam, scatterers, sight, near, pulse, line):
 @inlined
 def _waves(arrays, scatterers, pulse):
     cells = pulse.samples * pulse.cells
-    return Waves(1.0 / scatterers.density, scatterers.per_wave, arrays.bin_length, cells, pulse.before)
+    return WaveScale(1.0 / scatterers.density, scatterers.per_wave, arrays.bin_length, cells, pulse.before)
 
 
 @kernel
@@ -190,7 +190,7 @@ def _hear_lot(patch, material, key, mean, arrays, beam, near, waves, line):
     """Add what one lot of a patch sends back."""
     for member in range(_poisson(key, mean, math.exp(-mean))):
         bits, more = _numbers(key, member)
-        place = place_on(patch, _upper(bits), _lower(bits))
+        place = sample_patch(patch, _upper(bits), _lower(bits))
         echo = _meet(beam, arrays.pattern, place.x, place.y, place.z, place.nx, place.ny, place.nz)
         if patch.kind == FACE and echo.cosine < 0.0:
             # Sheets are heard from both sides.
@@ -214,8 +214,8 @@ def _meet(beam, pattern, x, y, z, nx, ny, nz):
     sine = dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z
     ahead = dx * beam.side_x + dy * beam.side_y >= 0.0
     if ahead and r < beam.reach and cosine > 0.0 and beam.s_low <= sine <= beam.s_high:
-        loudness = heard(pattern, beam, True, SONAR, dx, dy, dz, r) if pattern.tabled else 1.0
-    return Echo(loudness, cosine, r, dx, dy, dz, level, (x * beam.ahead_x + y * beam.ahead_y) / level)
+        loudness = two_way_response(pattern, beam, True, SONAR, dx, dy, dz, r) if pattern.tabled else 1.0
+    return ScattererEcho(loudness, cosine, r, dx, dy, dz, level, (x * beam.ahead_x + y * beam.ahead_y) / level)
 
 
 @inlined
@@ -244,12 +244,12 @@ def _behind_bodies(solids, mesh, near, beam, echo):
     """Whether any body lies nearer than a scatterer in its direction."""
     r = echo.r * (1.0 - GRAZED)
     for m in range(near.size):
-        distance, _, _, _ = meet_solid(solids, near[m], beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz)
+        distance, _, _, _ = intersect_solid(solids, near[m], beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz)
         if distance < r:
             return True
     if mesh.skip.size == 0:
         return False
-    _, triangle = meet_mesh(mesh, beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz, r)
+    _, triangle = intersect_mesh(mesh, beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz, r)
     return triangle >= 0
 
 

@@ -14,7 +14,7 @@ from insonify.kernels.geometry.solids import FIRST_END, LAST_END, SIDE, frustum_
 BALL, ROUND, FIRST_CAP, LAST_CAP, FACE = 0, 1, 2, 3, 4
 
 
-class Skin(NamedTuple):
+class SurfacePatches(NamedTuple):
     """Patches, one row each: a belt of a sphere, a belt of a frustum's side, one of its ends, a triangle."""
 
     kind: NDArray[np.int64]  # (n,) BALL, ROUND, FIRST_CAP, LAST_CAP or FACE
@@ -29,7 +29,7 @@ class Skin(NamedTuple):
     bound: NDArray[np.float64]  # (n,) and its radius, m
 
 
-class Patch(NamedTuple):
+class SurfacePatch(NamedTuple):
     """One patch by itself: numbers alone."""
 
     kind: int
@@ -52,7 +52,7 @@ class Patch(NamedTuple):
     cz: float
 
 
-class Place(NamedTuple):
+class SurfacePoint(NamedTuple):
     """A place on a skin and the outward normal there."""
 
     x: float
@@ -72,25 +72,25 @@ def load_patch(skin, row, solids, mesh):
         bx, by, bz = skin.corners[row, 1] - skin.corners[row, 0]
         cx, cy, cz = skin.corners[row, 2] - skin.corners[row, 0]
         ax, ay, az = mesh.normal[body]
-        patch = Patch(kind, 0.0, 0.0, x, y, z, ax, ay, az, 0.0, 0.0, 0.0, bx, by, bz, cx, cy, cz)
+        patch = SurfacePatch(kind, 0.0, 0.0, x, y, z, ax, ay, az, 0.0, 0.0, 0.0, bx, by, bz, cx, cy, cz)
         return patch, mesh.material[body]
     x, y, z = solids.start[body]
     ax, ay, az = solids.axis[body]
     length, radius, taper = solids.length[body], solids.radius[body], solids.taper[body]
     low, high = skin.low[row], skin.high[row]
-    patch = Patch(kind, low, high, x, y, z, ax, ay, az, length, radius, taper, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    patch = SurfacePatch(kind, low, high, x, y, z, ax, ay, az, length, radius, taper, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     return patch, solids.material[body]
 
 
 @inlined
-def place_on(patch, u, v):
+def sample_patch(patch, u, v):
     """Place of a patch for two numbers in [0, 1), even over its area."""
     if patch.kind == FACE:
         # √u makes it even (Osada et al. 2002, *Shape distributions*).
         b, c = math.sqrt(u) * (1.0 - v), math.sqrt(u) * v
         x = patch.x + b * patch.bx + c * patch.cx
         y = patch.y + b * patch.by + c * patch.cy
-        return Place(x, y, patch.z + b * patch.bz + c * patch.cz, patch.ax, patch.ay, patch.az)
+        return SurfacePoint(x, y, patch.z + b * patch.bz + c * patch.cz, patch.ax, patch.ay, patch.az)
     turn = 2.0 * math.pi * v
     cos_turn, sin_turn = math.cos(turn), math.sin(turn)
     if patch.kind == BALL:
@@ -99,7 +99,7 @@ def place_on(patch, u, v):
         level = math.sqrt(max(1.0 - nz * nz, 0.0))
         nx, ny = level * cos_turn, level * sin_turn
         x, y, z = patch.x + patch.radius * nx, patch.y + patch.radius * ny, patch.z + patch.radius * nz
-        return Place(x, y, z, nx, ny, nz)
+        return SurfacePoint(x, y, z, nx, ny, nz)
     return _on_frustum(patch, u, cos_turn, sin_turn)
 
 
@@ -123,4 +123,4 @@ def _on_frustum(patch, u, cos_turn, sin_turn):
     py = axial * ay + c * sign * b + s * (sign + ay * ay * a)
     pz = axial * az - c * sign * ax - s * ay
     nx, ny, nz = frustum_normal(px, py, pz, ax, ay, az, patch.radius, patch.taper, face)
-    return Place(patch.x + px, patch.y + py, patch.z + pz, nx, ny, nz)
+    return SurfacePoint(patch.x + px, patch.y + py, patch.z + pz, nx, ny, nz)

@@ -6,15 +6,15 @@ import math
 from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.range_bins import FIXED_POINT, spread
-from insonify.kernels.common.scattering import strength
+from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
+from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
 
 FINE = 0.02  # longest piece, as a share of its range, whose energy spreads evenly over its bins
 MOST_PARTS = 4096
 
 
-class Surface(NamedTuple):
+class BedSegment(NamedTuple):
     """One segment of the bed: the line z = offset + slope·x in the plane, its tilt and its material."""
 
     offset: float
@@ -28,9 +28,9 @@ class Surface(NamedTuple):
 
 
 @kernel
-def deposit_piece(surface, x_from, x_to, law, bin_length, bins):
+def deposit_partial_segment(surface, x_from, x_to, law, bin_length, bins):
     """Put the part of a segment between two ground ranges into the bins."""
-    near, far = slant(surface, x_from), slant(surface, x_to)
+    near, far = slant_range(surface, x_from), slant_range(surface, x_to)
     tilt = 1.0 + surface.slope * surface.slope
     squared = (x_to - x_from) * (x_to - x_from) * tilt
     if squared <= min(abs(far - near), FINE * FINE * near) * near:
@@ -49,14 +49,14 @@ def _monotone(surface, x_from, x_to, law, bin_length, bins):
     """Deposit a piece along which slant range grows or falls, in parts short against their range."""
     if x_to <= x_from:
         return
-    nearest = max(min(slant(surface, x_from), slant(surface, x_to)), bin_length)
+    nearest = max(min(slant_range(surface, x_from), slant_range(surface, x_to)), bin_length)
     length = (x_to - x_from) * math.sqrt(1.0 + surface.slope * surface.slope)
     parts = 1 + int(min(length / (FINE * nearest), MOST_PARTS - 1.0))
     dx = (x_to - x_from) / parts
-    near = slant(surface, x_from)
+    near = slant_range(surface, x_from)
     for k in range(parts):
         start = x_from + k * dx
-        far = slant(surface, start + dx)
+        far = slant_range(surface, start + dx)
         _deposit_part(surface, start, start + dx, near, far, law, bin_length, bins)
         near = far
 
@@ -66,19 +66,19 @@ def _deposit_part(surface, x_from, x_to, near, far, law, bin_length, bins):
     """Spread the energy of one part evenly over the slant ranges it spans, ``near`` to ``far``."""
     per_bin, stretch = 1.0 / bin_length, math.sqrt(surface.area)
     x = 0.5 * (x_from + x_to)
-    middle = slant(surface, x)
+    middle = slant_range(surface, x)
     cos_incidence = -surface.offset / (middle * stretch)
-    value = strength(cos_incidence, surface.diffuse, surface.specular, surface.shininess, law)
+    value = backscatter_strength(cos_incidence, surface.diffuse, surface.specular, surface.shininess, law)
     value *= surface.weight + surface.weight_rate * x
     if law == LIGHT:
         energy = value * abs(far - near) * per_bin
     else:
         energy = value * stretch * (x_to - x_from)
-    spread(bins, near * per_bin, far * per_bin, energy * FIXED_POINT, bins.size - 2)
+    spread_energy(bins, near * per_bin, far * per_bin, energy * FIXED_POINT, bins.size - 2)
 
 
 @inlined
-def slant(surface, x):
+def slant_range(surface, x):
     """Slant range of a segment at ground range x."""
     z = surface.offset + surface.slope * x
     return math.sqrt(x * x + z * z)

@@ -14,24 +14,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.beam.azimuth_sector import Wedge
-from insonify.kernels.bed.slice import ask_for_strip, in_full, on_grid, slice_bed
+from insonify.kernels.beam.azimuth_sector import AzimuthSector
+from insonify.kernels.bed.slice import padded_count, prefetch_strip, slice_bed, snap_to_grid
 from insonify.kernels.common.jit import inlined_uncounted, kernel
-from insonify.kernels.common.prefetch import ask_for_row
-from insonify.kernels.common.range_bins import accumulate
+from insonify.kernels.common.prefetch import prefetch_row
+from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.types import PORT, STARBOARD
-from insonify.kernels.geometry.cross_sections import View
-from insonify.kernels.refraction.apparent_positions import bend_profile, turn_to
-from insonify.kernels.sweep.partial_segments import Surface, deposit_piece
-from insonify.kernels.sweep.target_echoes import deposit_bodies, deposit_open
-from insonify.kernels.sweep.visibility import WORD, hear
-from insonify.kernels.targets.angular_zbuffer import fill_screen
-from insonify.kernels.targets.occlusion import cover_of, hidden_slopes
+from insonify.kernels.geometry.cross_sections import HalfPlane
+from insonify.kernels.refraction.apparent_positions import apply_apparent_positions, prepare_table
+from insonify.kernels.sweep.partial_segments import BedSegment, deposit_partial_segment
+from insonify.kernels.sweep.target_echoes import deposit_targets, deposit_visible_stretches
+from insonify.kernels.sweep.visibility import WORD, find_visible_echoes
+from insonify.kernels.targets.angular_zbuffer import fill_zbuffer
+from insonify.kernels.targets.occlusion import occluded_slopes, occlusion_of
 
 LOWEST = 1e-3  # m, for a height of a sonar that is below all of the bed
 
 
-class Planes(NamedTuple):
+class AzimuthFan(NamedTuple):
     """The planes of a beam, one entry each, mirrored to both sides."""
 
     azimuth: NDArray[np.float64]  # from athwart towards the bow, rad
@@ -44,14 +44,14 @@ class Planes(NamedTuple):
 
 
 @inlined_uncounted
-def deposit(profile, count, arrays, wedge, screen, cells, heard, bins):
+def deposit_segments(profile, count, arrays, wedge, screen, cells, heard, bins):
     """Put the energy of all heard pieces of a profile into the difference array ``bins``.
 
     Neighbours heard whole share one event at their common knot.
     """
     last, per_bin = bins.size - 2.0, 1.0 / arrays.bin_length
     # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
-    knots = in_full(count)
+    knots = padded_count(count)
     _steps(knots, heard.energy, heard.early)
     _split(knots, heard.r, per_bin, last, heard.early, heard.late, heard.place)
     _scatter(count, heard.place, heard.early, heard.late, bins)
@@ -66,9 +66,9 @@ def deposit(profile, count, arrays, wedge, screen, cells, heard, bins):
             if words[word] != 0:
                 for i in range(WORD * word, WORD * word + WORD):
                     if cut[i]:
-                        surface = surface_of(i, x, z, slope, area, material, weights, table, wedge)
-                        start = in_sight_from(surface, x[i], x[i + 1], launch[i], horizon[i])
-                        deposit_piece(surface, start, x[i + 1], law, bin_length, bins)
+                        surface = load_segment(i, x, z, slope, area, material, weights, table, wedge)
+                        start = visible_from(surface, x[i], x[i + 1], launch[i], horizon[i])
+                        deposit_partial_segment(surface, start, x[i + 1], law, bin_length, bins)
         return
     _deposit_covered(profile, count, arrays, wedge, screen, cells, heard, bins)
 
@@ -76,30 +76,30 @@ def deposit(profile, count, arrays, wedge, screen, cells, heard, bins):
 @kernel
 def _deposit_covered(profile, count, arrays, wedge, screen, cells, heard, bins):
     """Deposit what bodies leave open of the segments that must be cut."""
-    cover = cover_of(screen, cells)
+    cover = occlusion_of(screen, cells)
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
     weights, launch, horizon, cut = heard.weight, heard.launch, heard.horizon, heard.cut
     table, law, bin_length = arrays.reflectivity, arrays.law, arrays.bin_length
     for i in range(count - 1):
         if cut[i]:
-            surface = surface_of(i, x, z, slope, area, material, weights, table, wedge)
-            start = in_sight_from(surface, x[i], x[i + 1], launch[i], horizon[i])
-            deposit_open(surface, start, x[i + 1], cover, law, bin_length, bins)
+            surface = load_segment(i, x, z, slope, area, material, weights, table, wedge)
+            start = visible_from(surface, x[i], x[i + 1], launch[i], horizon[i])
+            deposit_visible_stretches(surface, start, x[i + 1], cover, law, bin_length, bins)
 
 
 @inlined_uncounted
-def surface_of(i, x, z, slope, area, material, weights, table, wedge):
+def load_segment(i, x, z, slope, area, material, weights, table, wedge):
     """Segment i of a profile by itself."""
     row, rise = material[i], slope[i]
     at_nadir, rate = 1.0, 0.0
     if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
         rate = (np.float64(weights[i + 1]) - weights[i]) / (x[i + 1] - x[i])
         at_nadir = weights[i] - rate * x[i]
-    return Surface(z[i] - rise * x[i], rise, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
+    return BedSegment(z[i] - rise * x[i], rise, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
 
 
 @inlined_uncounted
-def in_sight_from(surface, x_from, x_to, launch, horizon):
+def visible_from(surface, x_from, x_to, launch, horizon):
     """Ground range from which a segment rises above the horizon: offset / x + slope = horizon."""
     if horizon > launch:
         return min(max(surface.offset / (horizon - surface.slope), x_from), x_to)
@@ -149,10 +149,10 @@ def sweep_plane(arrays, view, wedge, reach, sheet, table, profile, screen, heard
     In place of the number of cells comes -1 - k if the sonar is inside body k.
     """
     # A scene without bodies does not even ask: that alone costs some 0.3 µs a plane.
-    cells = fill_screen(arrays, view, wedge, reach, sheet, table, screen) if screen.body.size > 0 else 0
+    cells = fill_zbuffer(arrays, view, wedge, reach, sheet, table, screen) if screen.body.size > 0 else 0
     if cells < 0:
         return cells, 0
-    hidden_from, hidden_to = hidden_slopes(screen, cells)
+    hidden_from, hidden_to = occluded_slopes(screen, cells)
     count = slice_bed(arrays.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
     if count > 1:
         if wedge.bent:
@@ -164,11 +164,11 @@ def sweep_plane(arrays, view, wedge, reach, sheet, table, profile, screen, heard
                 profile.level,
                 profile.gain,
             )
-            bend_profile(table, sheet, wedge.angle == 0.0, x, z, slope, area, level, gain, count)
-        hear(profile, count, arrays, wedge, hidden_from, hidden_to, heard)
-        deposit(profile, count, arrays, wedge, screen, cells, heard, bins)
+            apply_apparent_positions(table, sheet, wedge.angle == 0.0, x, z, slope, area, level, gain, count)
+        find_visible_echoes(profile, count, arrays, wedge, hidden_from, hidden_to, heard)
+        deposit_segments(profile, count, arrays, wedge, screen, cells, heard, bins)
     if cells > 0:
-        deposit_bodies(profile, count, heard.horizon, arrays, wedge, view, screen, cells, bins)
+        deposit_targets(profile, count, heard.horizon, arrays, wedge, view, screen, cells, bins)
     return cells, count
 
 
@@ -182,9 +182,9 @@ def sweep_pings(arrays, poses, planes, bending, table, profile, heard, screen, o
 @inlined_uncounted
 def _sweep_all(arrays, poses, planes, bending, table, profile, heard, screen, bins, out):
     for ping in range(poses.x.size):
-        sheet = turn_to(bending, poses.z[ping], table)
+        sheet = prepare_table(bending, poses.z[ping], table)
         for side in range(2):
-            ask_for_row(out[ping, side])
+            prefetch_row(out[ping, side])
             if planes.azimuth.size == 1:
                 _ask_for_next(arrays, poses, ping, side)
             for plane in range(planes.azimuth.size):
@@ -192,7 +192,7 @@ def _sweep_all(arrays, poses, planes, bending, table, profile, heard, screen, bi
                 status, _ = sweep_plane(arrays, view, wedge, reach, sheet, table, profile, screen, heard, bins)
                 if status < 0:
                     return status
-            accumulate(bins, arrays.range_factor, out[ping, side])
+            accumulate_bins(bins, arrays.range_factor, out[ping, side])
     return 0
 
 
@@ -204,14 +204,14 @@ def _ask_for_next(arrays, poses, ping, side):
     if ping < poses.x.size:
         abeam = -1.0 if side == PORT else 1.0
         ex, ey = -abeam * math.sin(poses.heading[ping]), abeam * math.cos(poses.heading[ping])
-        ask_for_strip(arrays.bed, poses.x[ping], poses.y[ping], ex, ey, arrays.bins * arrays.bin_length)
+        prefetch_strip(arrays.bed, poses.x[ping], poses.y[ping], ex, ey, arrays.bins * arrays.bin_length)
 
 
 @inlined_uncounted
 def aim_plane(arrays, poses, ping, side, planes, plane, sheet):
     """Where one plane of a ping's beam lies, what it stands for, and how far the ping hears anything of it."""
     height = max(poses.z[ping] - arrays.bed.low, LOWEST)
-    ahead_x, ahead_y = on_grid(math.cos(poses.heading[ping])), on_grid(math.sin(poses.heading[ping]))
+    ahead_x, ahead_y = snap_to_grid(math.cos(poses.heading[ping])), snap_to_grid(math.sin(poses.heading[ping]))
     abeam = 1.0 if side == PORT else -1.0
     # Abeam, turned towards the bow by the plane's azimuth.
     c, s = math.cos(planes.azimuth[plane]), math.sin(planes.azimuth[plane])
@@ -219,7 +219,7 @@ def aim_plane(arrays, poses, ping, side, planes, plane, sheet):
     # The fish's axis, and its own side and up, from heading, pitch (bow up) and roll (port up).
     cos_pitch, sin_pitch = math.cos(poses.pitch[ping]), math.sin(poses.pitch[ping])
     cos_roll, sin_roll = math.cos(poses.roll[ping]), abeam * math.sin(poses.roll[ping])
-    wedge = Wedge(
+    wedge = AzimuthSector(
         planes.s_low[plane],
         planes.s_high[plane],
         planes.angle[plane],
@@ -236,5 +236,5 @@ def aim_plane(arrays, poses, ping, side, planes, plane, sheet):
         -cos_roll * sin_pitch * s - sin_roll * c,
         cos_roll * cos_pitch,
     )
-    view = View(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
+    view = HalfPlane(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
     return view, wedge, sheet.stretch * min(planes.reach[plane] * height, arrays.bins * arrays.bin_length)

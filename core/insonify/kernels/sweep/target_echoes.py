@@ -5,33 +5,33 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.beam.azimuth_sector import weight
+from insonify.kernels.beam.azimuth_sector import sector_weight
 from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
-from insonify.kernels.common.range_bins import FIXED_POINT, spread
-from insonify.kernels.common.scattering import strength
+from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
+from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import NEVER
-from insonify.kernels.sweep.partial_segments import FINE, deposit_piece
-from insonify.kernels.targets.angular_zbuffer import NOBODY, halfway
-from insonify.kernels.targets.apparent_targets import lens_of
-from insonify.kernels.targets.occlusion import next_open
-from insonify.kernels.targets.primitives import load_part, meet_part
+from insonify.kernels.sweep.partial_segments import FINE, deposit_partial_segment
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, bisect_directions
+from insonify.kernels.targets.apparent_targets import load_apparent_source
+from insonify.kernels.targets.occlusion import next_visible
+from insonify.kernels.targets.primitives import intersect_primitive, load_primitive
 
 MOST_FACETS = 64.0
 HALVINGS = 10  # that find where a facet comes out of the bed
 
 
 @kernel_uncounted
-def deposit_open(surface, x_from, x_to, cover, law, bin_length, bins):
+def deposit_visible_stretches(surface, x_from, x_to, cover, law, bin_length, bins):
     """Deposit what no body hides of a segment of the bed, between two ground ranges."""
     low, high = launch_angle(surface, x_from), launch_angle(surface, x_to)
     while low < high:
-        opened, closed = next_open(cover, surface, low, high)
+        opened, closed = next_visible(cover, surface, low, high)
         if opened >= high:
             return
-        start = x_from if opened <= low else range_at(surface, opened)
-        stop = x_to if closed >= high else range_at(surface, closed)
-        deposit_piece(surface, max(start, x_from), min(stop, x_to), law, bin_length, bins)
+        start = x_from if opened <= low else ground_range_at(surface, opened)
+        stop = x_to if closed >= high else ground_range_at(surface, closed)
+        deposit_partial_segment(surface, max(start, x_from), min(stop, x_to), law, bin_length, bins)
         low, x_from = closed, stop
 
 
@@ -42,7 +42,7 @@ def launch_angle(surface, x):
 
 
 @inlined_uncounted
-def range_at(surface, angle):
+def ground_range_at(surface, angle):
     """Ground range at which a launch angle meets a segment's line."""
     return surface.offset / (math.tan(angle) - surface.slope)
 
@@ -61,7 +61,7 @@ class Facet(NamedTuple):
 
 
 @kernel_uncounted
-def deposit_bodies(profile, knots, horizon, arrays, wedge, view, screen, cells, bins):
+def deposit_targets(profile, knots, horizon, arrays, wedge, view, screen, cells, bins):
     """Deposit what the nearest body in every cell sends back, less what the bed hides."""
     # Taking an array out of the problem costs more than a facet: out of the loop with them.
     solids, mesh, table, pattern = arrays.solids, arrays.mesh, arrays.reflectivity, arrays.pattern
@@ -70,14 +70,14 @@ def deposit_bodies(profile, knots, horizon, arrays, wedge, view, screen, cells, 
     near, distance, far, incidence = screen.near, screen.distance, screen.far, screen.incidence
     x, z, lenses, knot = profile.x, profile.z, screen.lens, -1
     for cell in range(cells):
-        if part[cell] == NOBODY:
+        if part[cell] == NO_PRIMITIVE:
             continue
-        row = part_material(solids, mesh, screen, part[cell])
-        lens = lens_of(wedge.bent, lenses[part[cell]])
+        row = primitive_material(solids, mesh, screen, part[cell])
+        lens = load_apparent_source(wedge.bent, lenses[part[cell]])
         gain = lens.gain
-        c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+        c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
         facet = Facet(edge[cell], edge[cell + 1], c, s, near[cell], distance[cell], far[cell], incidence[cell])
-        facets = facets_in(facet)
+        facets = facet_count(facet)
         # Neighbouring cells mostly meet neighbouring places.
         farthest = max(facet.near * cosine[cell], facet.far * cosine[cell + 1])
         knot = knot_before(x, knots, farthest, knot)
@@ -87,32 +87,32 @@ def deposit_bodies(profile, knots, horizon, arrays, wedge, view, screen, cells, 
                 facet, gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins
             )
             continue
-        whole = load_part(solids, mesh, view, screen.body[part[cell]], screen.line[part[cell]], lens)
+        whole = load_primitive(solids, mesh, view, screen.body[part[cell]], screen.line[part[cell]], lens)
         for k in range(facets):
-            facet = open_facet(whole, edge[cell], edge[cell + 1], k, facets, x, z, knots, horizon, knot)
+            facet = visible_facet(whole, edge[cell], edge[cell + 1], k, facets, x, z, knots, horizon, knot)
             _deposit_facet(
                 facet, gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins
             )
 
 
 @inlined_uncounted
-def open_facet(part, low, high, k, facets, x, z, knots, horizon, knot):
+def visible_facet(part, low, high, k, facets, x, z, knots, horizon, knot):
     """Facet k of so many in a cell, less what the bed hides of it; empty if it hides all."""
     step = (high - low) / facets
     start, stop = low + k * step, low + (k + 1) * step
-    facet = meet_facet(part, start, stop)
+    facet = intersect_facet(part, start, stop)
     risen = _is_clear(facet.near, start, x, z, knots, horizon, knot)
     if risen == _is_clear(facet.far, stop, x, z, knots, horizon, knot):
-        return facet if risen else meet_facet(part, stop, stop)
+        return facet if risen else intersect_facet(part, stop, stop)
     clear, hidden = (start, stop) if risen else (stop, start)
     for _ in range(HALVINGS):
         middle = 0.5 * (clear + hidden)
-        distance = meet_part(part, math.cos(middle), math.sin(middle))[0]
+        distance = intersect_primitive(part, math.cos(middle), math.sin(middle))[0]
         if _is_clear(distance, middle, x, z, knots, horizon, knot):
             clear = middle
         else:
             hidden = middle
-    return meet_facet(part, start, clear) if risen else meet_facet(part, clear, stop)
+    return intersect_facet(part, start, clear) if risen else intersect_facet(part, clear, stop)
 
 
 @inlined_uncounted
@@ -124,7 +124,7 @@ def _is_clear(distance, angle, x, z, knots, horizon, knot):
 
 
 @inlined_uncounted
-def facets_in(facet):
+def facet_count(facet):
     """How many facets a cell is divided into: one that is long against its range has not one density."""
     nearest = min(facet.near, facet.far)
     # Two sides and the angle between them give the third.
@@ -136,17 +136,17 @@ def facets_in(facet):
 
 
 @inlined_uncounted
-def meet_facet(part, low, high):
+def intersect_facet(part, low, high):
     """Meet a part along the beginning, the middle and the end of a facet."""
-    near, _ = meet_part(part, math.cos(low), math.sin(low))
+    near, _ = intersect_primitive(part, math.cos(low), math.sin(low))
     c, s = math.cos(0.5 * (low + high)), math.sin(0.5 * (low + high))
-    centre, incidence = meet_part(part, c, s)
-    far, _ = meet_part(part, math.cos(high), math.sin(high))
+    centre, incidence = intersect_primitive(part, c, s)
+    far, _ = intersect_primitive(part, math.cos(high), math.sin(high))
     return Facet(low, high, c, s, near, centre, far, incidence)
 
 
 @inlined_uncounted
-def is_met(facet):
+def is_facet_met(facet):
     """Whether there is anything of a facet, all of it met."""
     return facet.low < facet.high and max(facet.near, facet.far, facet.centre) < NEVER
 
@@ -154,16 +154,16 @@ def is_met(facet):
 @inlined_uncounted
 def _deposit_facet(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length, bins):
     """Deposit one facet; its ends give the slant ranges, its middle the strength."""
-    if not is_met(facet):
+    if not is_facet_met(facet):
         return
     first, second = facet_energies(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length)
     last, per_bin = bins.size - 2, 1.0 / bin_length
-    spread(bins, facet.near * per_bin, facet.centre * per_bin, first, last)
-    spread(bins, facet.centre * per_bin, facet.far * per_bin, second, last)
+    spread_energy(bins, facet.near * per_bin, facet.centre * per_bin, first, last)
+    spread_energy(bins, facet.centre * per_bin, facet.far * per_bin, second, last)
 
 
 @inlined_uncounted
-def part_material(solids, mesh, screen, p):
+def primitive_material(solids, mesh, screen, p):
     """Row of the reflectivity table that a part is made of."""
     body, bodies = screen.body[p], solids.shape.size
     return solids.material[body] if body < bodies else mesh.material[body - bodies]
@@ -172,9 +172,9 @@ def part_material(solids, mesh, screen, p):
 @inlined_uncounted
 def facet_energies(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length):
     """Energies of a facet, in fixed-point units, on either hand of its middle."""
-    value = strength(facet.incidence, diffuse, specular, shininess, law)
+    value = backscatter_strength(facet.incidence, diffuse, specular, shininess, law)
     x, z = facet.centre * facet.cosine, facet.centre * facet.sine
-    value *= gain * weight(x, z, facet.centre, wedge, pattern, law)
+    value *= gain * sector_weight(x, z, facet.centre, wedge, pattern, law)
     if law == LIGHT:
         density = value / bin_length * FIXED_POINT
         return density * abs(facet.centre - facet.near), density * abs(facet.far - facet.centre)

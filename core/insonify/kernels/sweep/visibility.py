@@ -11,8 +11,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insonify.kernels.beam.azimuth_sector import beam_share, pattern_width, strip_width, vertical_weight, weight
-from insonify.kernels.bed.slice import in_full
+from insonify.kernels.beam.azimuth_sector import (
+    in_plane_response,
+    pattern_width,
+    sector_weight,
+    top_hat_share,
+    top_hat_width,
+)
+from insonify.kernels.bed.slice import padded_count
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.scattering import INVERSE_PI, gloss
@@ -24,7 +30,7 @@ WORD = 8  # marks in an int64
 HIGHEST_POWER = 128  # from which a lobe's whole power is taken segment by segment
 
 
-class Heard(NamedTuple):
+class SegmentEchoes(NamedTuple):
     """Work space of one profile; one entry a knot, or a segment."""
 
     r: NDArray[np.float64]  # slant range of the knots, m
@@ -40,23 +46,23 @@ class Heard(NamedTuple):
     place: NDArray[np.int32]  # that bin
 
 
-def empty_heard(capacity: int, dtype: DTypeLike = np.float32) -> Heard:
+def empty_segment_echoes(capacity: int, dtype: DTypeLike = np.float32) -> SegmentEchoes:
     """Make room for profiles of up to ``capacity`` knots, in single precision or, to tell what it costs, in double."""
     launch, horizon, weight, cos_squared, scale, energy = np.zeros((6, capacity), dtype)
     r, cut = np.zeros(capacity), np.zeros(capacity + WORD, np.bool_)
     early, late = np.zeros((2, capacity), np.int64)
     place = np.zeros(capacity, np.int32)
-    return Heard(r, launch, horizon, weight, cos_squared, scale, energy, cut, early, late, place)
+    return SegmentEchoes(r, launch, horizon, weight, cos_squared, scale, energy, cut, early, late, place)
 
 
 @inlined_uncounted
-def hear(profile, count, arrays, wedge, hidden_from, hidden_to, heard):
+def find_visible_echoes(profile, count, arrays, wedge, hidden_from, hidden_to, heard):
     """Tell which segments of a profile are heard whole, and how loud, and which must be cut first.
 
     Targets may hide the bed between the launch slopes ``hidden_from`` and ``hidden_to``; segments that meet them are
     cut.
     """
-    x, z, slope, area, knots = profile.x, profile.z, profile.slope, profile.area, in_full(count)
+    x, z, slope, area, knots = profile.x, profile.z, profile.slope, profile.area, padded_count(count)
     _slant_ranges(knots, x, z, heard.r)
     _launch_slopes(knots, x, z, heard.launch)
     _horizons(count, heard.launch, heard.horizon)
@@ -65,7 +71,7 @@ def hear(profile, count, arrays, wedge, hidden_from, hidden_to, heard):
     )
     if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
         # A place in a pattern's table is not to be looked up by rubbish.
-        weigh(x[: count if wedge.tabled else knots], z, heard.r, wedge, arrays.pattern, arrays.law, heard.weight)
+        weigh_knots(x[: count if wedge.tabled else knots], z, heard.r, wedge, arrays.pattern, arrays.law, heard.weight)
         if wedge.bent and arrays.law != LIGHT:
             _amplify(knots, profile.gain, heard.weight)
         _multiply(knots, heard.weight, heard.scale)
@@ -143,7 +149,7 @@ def _measure(segments, x, z, r, slope, area, law, bin_length, cos_squared, scale
 
 
 @inlined_uncounted
-def weigh(x, z, r, wedge, pattern, law, out):
+def weigh_knots(x, z, r, wedge, pattern, law, out):
     """Tell what the plane stands for at each knot."""
     if wedge.angle == 0.0 and not wedge.tabled:
         for i in range(x.size):
@@ -151,21 +157,21 @@ def weigh(x, z, r, wedge, pattern, law, out):
         return
     if not wedge.tabled and law == LIGHT:
         for i in range(x.size):
-            out[i] = beam_share(x[i], r[i], wedge)
+            out[i] = top_hat_share(x[i], r[i], wedge)
         return
     if not wedge.tabled:
         for i in range(x.size):
-            out[i] = strip_width(x[i], r[i], wedge)
+            out[i] = top_hat_width(x[i], r[i], wedge)
         return
     if law == LIGHT or wedge.angle == 0.0:
         for i in range(x.size):
-            out[i] = weight(x[i], z[i], r[i], wedge, pattern, law)
+            out[i] = sector_weight(x[i], z[i], r[i], wedge, pattern, law)
         return
     parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
     _weigh_pattern(x, z, r, wedge, *parts, out)
     if pattern.vertical != EVERY_GRAZING:
         for i in range(x.size):
-            out[i] *= vertical_weight(x[i] / r[i], z[i] / r[i], wedge, pattern)
+            out[i] *= in_plane_response(x[i] / r[i], z[i] / r[i], wedge, pattern)
 
 
 @inlined_uncounted

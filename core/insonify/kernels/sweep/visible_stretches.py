@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.refraction.apparent_positions import straight_sheet
+from insonify.kernels.refraction.apparent_positions import straight_grid
 from insonify.kernels.sweep.sweep import aim_plane
 from insonify.kernels.sweep.visibility import NADIR
 
 
-class Sight(NamedTuple):
+class VisibleBed(NamedTuple):
     """What the planes of one side see, one row each, from the sternmost to the foremost."""
 
     borders: NDArray[np.float64]  # (planes - 1,) sines of the azimuths between neighbours
@@ -23,18 +23,18 @@ class Sight(NamedTuple):
     marked: NDArray[np.int64]  # (planes,) how many edges there are
 
 
-def empty_sight(azimuth: NDArray[np.float64], capacity: int) -> Sight:
+def empty_visible_bed(azimuth: NDArray[np.float64], capacity: int) -> VisibleBed:
     """Make room for what planes at these azimuths, in ascending order, see of profiles of up to so many knots."""
     planes = azimuth.size
     borders = np.sin(0.5 * (azimuth[1:] + azimuth[:-1]))
-    return Sight(borders, np.zeros(planes), np.zeros((planes, capacity + 2)), np.zeros(planes, np.int64))
+    return VisibleBed(borders, np.zeros(planes), np.zeros((planes, capacity + 2)), np.zeros(planes, np.int64))
 
 
 @kernel
-def look(arrays, poses, ping, side, planes, profile, sight):
+def find_visible_bed(arrays, poses, ping, side, planes, profile, sight):
     """Let all planes of one side look out."""
     for plane in range(planes.azimuth.size):
-        view, _, reach = aim_plane(arrays, poses, ping, side, planes, plane, straight_sheet())
+        view, _, reach = aim_plane(arrays, poses, ping, side, planes, plane, straight_grid())
         knots = slice_bed(arrays.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
         sight.reach[plane] = reach
         sight.marked[plane] = _mark(knots, profile.x, profile.z, profile.area, sight.edges[plane])
@@ -61,7 +61,7 @@ def _mark(knots, x, z, area, edges):
 
 
 @inlined
-def in_sight(borders, reach, edges, marked, sine, x):
+def is_bed_visible(borders, reach, edges, marked, sine, x):
     """Whether the bed at ground range x is in sight in the plane nearest to the azimuth of that sine."""
     plane, longest = np.searchsorted(borders, sine), np.argmax(reach)
     # Where the beam hears nothing of a plane any more, the next one inwards stands for what little is left.

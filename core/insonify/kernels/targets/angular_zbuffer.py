@@ -14,9 +14,14 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.types import Mesh, Solids
-from insonify.kernels.geometry.cross_sections import reached, section
-from insonify.kernels.targets.apparent_targets import FIELDS, bend_parts, lens_of
-from insonify.kernels.targets.primitives import foot_of, load_part, meet_part, nearest_of
+from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid
+from insonify.kernels.targets.apparent_targets import FIELDS, apply_apparent_sources, load_apparent_source
+from insonify.kernels.targets.primitives import (
+    intersect_primitive,
+    load_primitive,
+    nearest_distance,
+    perpendicular_angle,
+)
 
 FACETS = 64  # cells of a convex body alone in its plane, closer together towards its edges
 RIMS = 6  # rims that a plane cuts of one body, at most four, and room to find them
@@ -24,10 +29,10 @@ EDGE = 1e-9  # share of an interval by which the outermost cells of a body end i
 CROSSED = 1e-5  # share of a distance by which a part must come before another to cross it
 SAME = 1e-9  # rad; ends of parts closer together are one
 SPREAD = np.cos(np.pi * np.arange(FACETS + 1) / FACETS)
-NOBODY = -1
+NO_PRIMITIVE = -1
 
 
-class Screen(NamedTuple):
+class AngularZbuffer(NamedTuple):
     """Parts, then cells; arrays are longer than their numbers."""
 
     body: NDArray[np.int64]  # row of the solids, or beyond them the triangle, of each part
@@ -49,7 +54,7 @@ class Screen(NamedTuple):
     rise: NDArray[np.float64]
 
 
-def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
+def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
     """Make room for all that a plane may cut of a scene."""
     bodies, triangles = solids.shape.size, mesh.target.size
     parts, cells = bodies + triangles, bodies * (FACETS + 3 + RIMS) + 5 * triangles + 1
@@ -57,13 +62,13 @@ def empty_screen(solids: Solids, mesh: Mesh) -> Screen:
     edge, cosine, sine, distance, incidence, near, far, level, rise = np.zeros((9, cells))
     body, first, part = np.zeros(parts, np.int64), np.zeros(parts, np.int64), np.zeros(cells, np.int64)
     line, lens, rim = np.zeros((parts, 4)), np.zeros((parts, FIELDS)), np.zeros((bodies, RIMS))
-    return Screen(
+    return AngularZbuffer(
         body, low, high, line, lens, rim, first, edge, cosine, sine, part, distance, incidence, near, far, level, rise
     )
 
 
 @inlined_uncounted
-def fill_screen(arrays, view, wedge, reach, sheet, table, screen):
+def fill_zbuffer(arrays, view, wedge, reach, sheet, table, screen):
     """Collect what a plane cuts; return the number of cells, -1 - k if the sonar is inside body k."""
     parts = _cut_solids(arrays.solids, view, reach, screen)
     if parts < 0:
@@ -72,7 +77,9 @@ def fill_screen(arrays, view, wedge, reach, sheet, table, screen):
     if arrays.mesh.target.size > 0:
         parts = cut_mesh(arrays.mesh, arrays.solids.shape.size, view, reach, screen, parts)
     if wedge.bent and parts > 0:
-        solid_parts, parts = bend_parts(arrays, view, wedge.angle == 0.0, table, sheet, screen, solid_parts, parts)
+        solid_parts, parts = apply_apparent_sources(
+            arrays, view, wedge.angle == 0.0, table, sheet, screen, solid_parts, parts
+        )
     if parts == 0:
         return 0
     return _fill_cells(arrays, view, wedge.bent, screen, solid_parts, parts)
@@ -82,8 +89,8 @@ def fill_screen(arrays, view, wedge, reach, sheet, table, screen):
 def _cut_solids(solids, view, reach, screen):
     parts = 0
     for k in range(solids.shape.size):
-        if reached(solids, k, view, reach):
-            status, low, high = section(solids, k, view, screen.rim[parts])
+        if may_cut_solid(solids, k, view, reach):
+            status, low, high = section_solid(solids, k, view, screen.rim[parts])
             if status < 0:
                 return -1 - k
             if status > 0:
@@ -200,7 +207,7 @@ def _lay_edges(screen, solid_parts, parts):
                 count += 1
     for p in range(solid_parts, parts):
         # Slant range falls towards the foot of the perpendicular and grows beyond it.
-        foot = min(max(foot_of(screen.line[p]), screen.low[p]), screen.high[p])
+        foot = min(max(perpendicular_angle(screen.line[p]), screen.low[p]), screen.high[p])
         screen.edge[count], screen.edge[count + 1], screen.edge[count + 2] = screen.low[p], foot, screen.high[p]
         count += 3
     return count
@@ -218,7 +225,7 @@ def _divide(screen, edges):
     for k in range(count):
         screen.cosine[k], screen.sine[k] = math.cos(edge[k]), math.sin(edge[k])
     for k in range(count - 1):
-        screen.part[k], screen.distance[k] = NOBODY, math.inf
+        screen.part[k], screen.distance[k] = NO_PRIMITIVE, math.inf
     return count - 1
 
 
@@ -231,16 +238,16 @@ def _sort(edge, edges):
 def _look(arrays, view, bent, screen, parts, cells):
     """Find the part that is nearest in every cell and the distances to it."""
     for p in range(parts):
-        lens = lens_of(bent, screen.lens[p])
-        part = load_part(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
+        lens = load_apparent_source(bent, screen.lens[p])
+        part = load_primitive(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
         first = max(np.searchsorted(screen.edge[: cells + 1], screen.low[p], side="right") - 1, 0)
         screen.first[p] = first
         ends = screen.low[p], screen.high[p]
         edge, cosine, sine = screen.edge, screen.cosine, screen.sine
         _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, screen.part, screen.distance, screen.incidence)
     for p in range(parts):
-        lens = lens_of(bent, screen.lens[p])
-        part = load_part(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
+        lens = load_apparent_source(bent, screen.lens[p])
+        part = load_primitive(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
         first = screen.first[p]
         last, edge, cosine, sine = screen.high[p], screen.edge, screen.cosine, screen.sine
         _measure(p, part, first, cells, last, edge, cosine, sine, screen.part, screen.near, screen.far)
@@ -252,12 +259,12 @@ def _add_crossings(arrays, view, bent, screen, solid_parts, parts, cells):
     edges, edge, cosine, sine = cells + 1, screen.edge, screen.cosine, screen.sine
     near, middle, far = screen.near, screen.distance, screen.far
     for p in range(parts):
-        nearest = nearest_of(screen.line[p]) if p >= solid_parts else 0.0
+        nearest = nearest_distance(screen.line[p]) if p >= solid_parts else 0.0
         first, ends = screen.first[p], (screen.low[p], screen.high[p])
         if _is_behind(p, nearest, first, cells, ends[1], edge, screen.part, near, far):
             continue
-        lens = lens_of(bent, screen.lens[p])
-        part = load_part(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
+        lens = load_apparent_source(bent, screen.lens[p])
+        part = load_primitive(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
         edges = _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, screen.part, near, middle, far, edges)
     return edges
 
@@ -281,10 +288,10 @@ def _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, before, nea
     while cell < cells and edge[cell] < high:
         covers = low < 0.5 * (edge[cell] + edge[cell + 1]) < high
         if covers and before[cell] != p and nearest < max(near[cell], far[cell]):
-            c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-            here, half = meet_part(part, c, s)[0], 0.5 * (edge[cell + 1] - edge[cell])
+            c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+            here, half = intersect_primitive(part, c, s)[0], 0.5 * (edge[cell + 1] - edge[cell])
             for k in range(2):
-                there = meet_part(part, cosine[cell + k], sine[cell + k])[0]
+                there = intersect_primitive(part, cosine[cell + k], sine[cell + k])[0]
                 other = near[cell] if k == 0 else far[cell]
                 if there < other * (1.0 - CROSSED) and edges < edge.size:
                     # One over the distance along a straight line is linear in the direction, and so is its lead.
@@ -301,7 +308,7 @@ def _tell_nearness(cells, part, cosine, sine, near, far, level, rise):
     """Tell one over the distance to what is nearest as a linear function of the direction; 0 where there is nothing."""
     for cell in range(cells):
         c_low, s_low, c_high, s_high = cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1]
-        share, held = 1.0 / (s_high * c_low - c_high * s_low), part[cell] != NOBODY
+        share, held = 1.0 / (s_high * c_low - c_high * s_low), part[cell] != NO_PRIMITIVE
         per_near, per_far = share / near[cell], share / far[cell]
         level[cell] = s_high * per_near - s_low * per_far if held else 0.0
         rise[cell] = c_low * per_far - c_high * per_near if held else 0.0
@@ -314,8 +321,8 @@ def _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, nearest, dist
     cell = first
     while cell < cells and edge[cell] < high:
         if low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
-            c, s = halfway(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-            here, cos_incidence = meet_part(part, c, s)
+            c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+            here, cos_incidence = intersect_primitive(part, c, s)
             if here < distance[cell]:
                 nearest[cell], distance[cell], incidence[cell] = p, here, cos_incidence
         cell += 1
@@ -330,13 +337,13 @@ def _measure(p, part, first, cells, high, edge, cosine, sine, nearest, near, far
             if cell > first and nearest[cell - 1] == p:
                 near[cell] = far[cell - 1]
             else:
-                near[cell], _ = meet_part(part, cosine[cell], sine[cell])
-            far[cell], _ = meet_part(part, cosine[cell + 1], sine[cell + 1])
+                near[cell], _ = intersect_primitive(part, cosine[cell], sine[cell])
+            far[cell], _ = intersect_primitive(part, cosine[cell + 1], sine[cell + 1])
         cell += 1
 
 
 @inlined_uncounted
-def halfway(c_from, s_from, c_to, s_to):
+def bisect_directions(c_from, s_from, c_to, s_to):
     """Direction (cosine, sine) between two others."""
     c, s = c_from + c_to, s_from + s_to
     per_norm = 1.0 / math.sqrt(c * c + s * s)

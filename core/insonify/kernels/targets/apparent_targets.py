@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import LIGHT, SPHERE
-from insonify.kernels.geometry.cross_sections import DOWN, UP, View, section
-from insonify.kernels.refraction.apparent_positions import look_up
+from insonify.kernels.geometry.cross_sections import DOWN, UP, HalfPlane, section_solid
+from insonify.kernels.refraction.apparent_positions import look_up_position
 
 SECANT = 0.5  # m, to either side of a body's middle, where its slant ranges are exact and its rays' opening is taken
 LEAST_OPENING, MOST_OPENING = 0.05, 5.0
@@ -23,7 +23,7 @@ SAME = 1e-9  # rad; a line that fills less is seen edge-on
 FIELDS = 11  # numbers of a lens
 
 
-class Lens(NamedTuple):
+class ApparentSource(NamedTuple):
     """What the water makes of one part of a screen."""
 
     bent: bool
@@ -41,15 +41,15 @@ class Lens(NamedTuple):
 
 
 @inlined_uncounted
-def lens_of(bent, row):
+def load_apparent_source(bent, row):
     """Take the lens of a part out of its row of the screen; without one, nothing bends."""
     if not bent:
-        return Lens(False, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0)
-    return Lens(True, row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10])
+        return ApparentSource(False, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0)
+    return ApparentSource(True, row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10])
 
 
 @inlined_uncounted
-def keep_lens(lens, row):
+def store_apparent_source(lens, row):
     """Put a lens into its row of the screen."""
     row[0], row[1], row[2], row[3] = lens.launch_cosine, lens.launch_sine, lens.arrival_cosine, lens.arrival_sine
     row[4], row[5], row[6], row[7] = lens.opening, lens.offset, lens.gauge, lens.gain
@@ -57,7 +57,7 @@ def keep_lens(lens, row):
 
 
 @inlined_uncounted
-def arriving(lens, c, s):
+def arrival_direction(lens, c, s):
     """Direction in which the ray launched at (c, s) comes to the part: tan ψ = opening · tan θ, from the middle's."""
     along = c * lens.launch_cosine + s * lens.launch_sine
     across = lens.opening * (s * lens.launch_cosine - c * lens.launch_sine)
@@ -78,21 +78,21 @@ def _launched(lens, angle):
 
 
 @inlined_uncounted
-def seen_from(lens, view):
+def plane_from_source(lens, view):
     """Return the plane as seen from a body's apparent source."""
     x, y = view.x + lens.source_x * view.ex, view.y + lens.source_x * view.ey
-    return View(x, y, view.z + lens.source_z, view.ex, view.ey)
+    return HalfPlane(x, y, view.z + lens.source_z, view.ex, view.ey)
 
 
 @kernel_uncounted
-def bend_parts(arrays, view, one_wide, table, sheet, screen, bodies, parts):
+def apply_apparent_sources(arrays, view, one_wide, table, sheet, screen, bodies, parts):
     """Show the parts of a screen as they seem, the first ones those of bodies; return how many are left of both."""
     loud = arrays.law != LIGHT
     kept = 0
     for p in range(bodies):
         k, rim = screen.body[p], screen.rim[kept]
         lens = _lens_of_body(arrays.solids, k, view, one_wide, loud, table, sheet)
-        status, low, high = section(arrays.solids, k, seen_from(lens, view), rim)
+        status, low, high = section_solid(arrays.solids, k, plane_from_source(lens, view), rim)
         if status > 0:
             for end in range(rim.size):
                 rim[end] = _launched(lens, rim[end]) if abs(rim[end]) <= math.pi else rim[end]
@@ -114,7 +114,7 @@ def _keep(screen, kept, body, lens, low, high):
     if high - low <= SAME:
         return kept
     screen.body[kept], screen.low[kept], screen.high[kept] = body, low, high
-    keep_lens(lens, screen.lens[kept])
+    store_apparent_source(lens, screen.lens[kept])
     return kept + 1
 
 
@@ -130,20 +130,20 @@ def _gain(wide, tube, one_wide, loud):
 def _bend_line(line, one_wide, loud, table, sheet):
     """Put the ends of a triangle's line where they seem to be; return its lens."""
     x, z = 0.5 * (line[0] + line[2]), 0.5 * (line[1] + line[3])
-    wide, _, tube, turn = look_up(table, sheet, x, z)
+    wide, _, tube, turn = look_up_position(table, sheet, x, z)
     for end in range(0, 4, 2):
-        level, rise, _, _ = look_up(table, sheet, line[end], line[end + 1])
+        level, rise, _, _ = look_up_position(table, sheet, line[end], line[end + 1])
         line[end] *= 1.0 + level
         line[end + 1] += rise
     gain = _gain(1.0 + wide, 1.0 + tube, one_wide, loud)
-    return Lens(True, 1.0, 0.0, math.cos(turn), math.sin(turn), 1.0, 0.0, 1.0, gain, 1.0 + wide, 0.0, 0.0)
+    return ApparentSource(True, 1.0, 0.0, math.cos(turn), math.sin(turn), 1.0, 0.0, 1.0, gain, 1.0 + wide, 0.0, 0.0)
 
 
 @inlined_uncounted
 def _lens_of_body(solids, k, view, one_wide, loud, table, sheet):
     """Lens of a convex body, from the ray to the middle of what the plane cuts of it."""
     x, z = _middle(solids, k, view)
-    wide, rise, tube, turn = look_up(table, sheet, x, z)
+    wide, rise, tube, turn = look_up_position(table, sheet, x, z)
     seen_x, seen_z = x * (1.0 + wide), z + rise
     r = max(math.sqrt(seen_x * seen_x + seen_z * seen_z), NEAREST)
     launch = math.atan2(seen_z, seen_x)
@@ -154,7 +154,7 @@ def _lens_of_body(solids, k, view, one_wide, loud, table, sheet):
     opening = min(max((far_q - near_q) / (2.0 * ahead), LEAST_OPENING), MOST_OPENING)
     gauge = (far_r - near_r) / (2.0 * ahead)
     away = (1.0 + tube) * r / opening  # radius of the wavefront
-    return Lens(
+    return ApparentSource(
         True,
         math.cos(launch),
         math.sin(launch),
@@ -173,7 +173,7 @@ def _lens_of_body(solids, k, view, one_wide, loud, table, sheet):
 @inlined_uncounted
 def _front(x, z, table, sheet):
     """Slant range of a place, and distance across the rays there per launch angle."""
-    wide, rise, tube, _ = look_up(table, sheet, x, z)
+    wide, rise, tube, _ = look_up_position(table, sheet, x, z)
     seen_x, seen_z = x * (1.0 + wide), z + rise
     r = math.sqrt(seen_x * seen_x + seen_z * seen_z)
     return r, (1.0 + tube) * r

@@ -14,7 +14,7 @@ from insonify.kernels.targets.angular_zbuffer import EDGE
 
 
 @inlined_uncounted
-def hidden_slopes(screen, cells):
+def occluded_slopes(screen, cells):
     """Slopes between which any body may hide the bed."""
     if cells <= 0:
         return NEVER, -NEVER
@@ -26,7 +26,7 @@ def hidden_slopes(screen, cells):
     )
 
 
-class Cover(NamedTuple):
+class Occlusion(NamedTuple):
     """What of a screen the bed behind it needs to know."""
 
     edge: NDArray[np.float64]  # (cells + 1,), empty without cells
@@ -35,14 +35,14 @@ class Cover(NamedTuple):
 
 
 @inlined
-def cover_of(screen, cells):
+def occlusion_of(screen, cells):
     """Return what hides the bed; without cells, nothing does."""
     n = cells + 1 if cells > 0 else 0
-    return Cover(screen.edge[:n], screen.level[:n], screen.rise[:n])
+    return Occlusion(screen.edge[:n], screen.level[:n], screen.rise[:n])
 
 
 @inlined_uncounted
-def next_open(cover, surface, start, stop):
+def next_visible(cover, surface, start, stop):
     """Return the first stretch of launch angles in [start, stop] in which a segment of the bed is not hidden."""
     edge, level, rise = cover.edge, cover.level, cover.rise
     cell = np.searchsorted(edge, start, side="right") - 1

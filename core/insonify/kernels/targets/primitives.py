@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.types import SPHERE
-from insonify.kernels.geometry.solids import cross_frustum, cross_sphere, frustum_normal
-from insonify.kernels.targets.apparent_targets import Lens, arriving, seen_from
+from insonify.kernels.geometry.solids import frustum_normal, intersect_frustum, intersect_sphere
+from insonify.kernels.targets.apparent_targets import ApparentSource, arrival_direction, plane_from_source
 
 TRIANGLE = 2  # beside SPHERE and FRUSTUM
 TINY = 1e-300
 
 
-class Part(NamedTuple):
+class Primitive(NamedTuple):
     """One part by itself: numbers alone, for tables handed from function to function cost more than the geometry."""
 
     kind: int  # SPHERE, FRUSTUM or TRIANGLE
@@ -29,11 +29,11 @@ class Part(NamedTuple):
     taper: float
     level_x: float  # the plane's azimuth; of a triangle, its normal's level part and upward part in the plane
     level_y: float
-    lens: Lens  # through which it is seen
+    lens: ApparentSource  # through which it is seen
 
 
 @inlined_uncounted
-def load_part(solids, mesh, view, body, line, lens):
+def load_primitive(solids, mesh, view, body, line, lens):
     """Take out of the tables what a part is like, from where the sonar stands or seems to."""
     k = body - solids.shape.size
     if k >= 0:
@@ -43,10 +43,10 @@ def load_part(solids, mesh, view, body, line, lens):
             c, s = lens.arrival_cosine, lens.arrival_sine
             level, up = level * c + up * s, up * c - level * s
         dx, dz = line[2] - line[0], line[3] - line[1]
-        return Part(TRIANGLE, line[0], 0.0, line[1], dx, 0.0, dz, 0.0, 0.0, 0.0, level, up, lens)
+        return Primitive(TRIANGLE, line[0], 0.0, line[1], dx, 0.0, dz, 0.0, 0.0, 0.0, level, up, lens)
     if lens.bent:
-        view = seen_from(lens, view)
-    return Part(
+        view = plane_from_source(lens, view)
+    return Primitive(
         solids.shape[body],
         solids.start[body, 0] - view.x,
         solids.start[body, 1] - view.y,
@@ -64,11 +64,11 @@ def load_part(solids, mesh, view, body, line, lens):
 
 
 @inlined_uncounted
-def meet_part(part, c, s):
+def intersect_primitive(part, c, s):
     """Slant range of a part in the direction (c, s), and the cosine of the incidence there; infinite if missed."""
     through = part.lens.bent and part.kind != TRIANGLE
     if through:
-        c, s = arriving(part.lens, c, s)
+        c, s = arrival_direction(part.lens, c, s)
     distance, incidence = _meet(part, c, s)
     return (part.lens.offset + part.lens.gauge * distance if through else distance), incidence
 
@@ -82,10 +82,10 @@ def _meet(part, c, s):
         return (distance if distance > 0.0 else math.inf), abs(c * part.level_x + s * part.level_y)
     dx, dy = c * part.level_x, c * part.level_y
     if part.kind == SPHERE:
-        distance, _ = cross_sphere(part.x, part.y, part.z, part.radius, dx, dy, s)
+        distance, _ = intersect_sphere(part.x, part.y, part.z, part.radius, dx, dy, s)
         inwards = (part.x * dx + part.y * dy + part.z * s - distance) / part.radius
         return (distance if distance > 0.0 else math.inf), inwards
-    distance, face, _, _ = cross_frustum(
+    distance, face, _, _ = intersect_frustum(
         part.x, part.y, part.z, part.ax, part.ay, part.az, part.length, part.radius, part.taper, dx, dy, s
     )
     if not 0.0 < distance < math.inf:
@@ -96,14 +96,14 @@ def _meet(part, c, s):
 
 
 @inlined_uncounted
-def foot_of(line):
+def perpendicular_angle(line):
     """Launch angle at right angles to the line of a triangle's part."""
     dx, dz = line[2] - line[0], line[3] - line[1]
     return math.atan2(-dx, dz) if dz >= 0.0 else math.atan2(dx, -dz)
 
 
 @inlined_uncounted
-def nearest_of(line):
+def nearest_distance(line):
     """Distance to the nearest point of a triangle's part."""
     ax, az, dx, dz = line[0], line[1], line[2] - line[0], line[3] - line[1]
     share = -(ax * dx + az * dz) / max(dx * dx + dz * dz, TINY)
