@@ -1,4 +1,4 @@
-"""The ``insonify`` command: finds the sub-command, and turns every mistake into one sentence."""
+"""The ``insonify`` command: finds the sub-commands, and turns every mistake into one sentence."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from insonify.commands import chart, compare, plan, rays, relief, render, show, stability
+from insonify.commands import render
 from insonify.commands.options import add_scene, chosen_scene, output
 from insonify.display.options import Look
+from insonify.plugins import announced, modules_in
 from insonify.scene import SceneError, bundled_scenes
 
-GROUP = "insonify.commands"
+COMMANDS = "insonify.commands"  # a package, and a group of entry points
+VIEWER = "insonify_viewer"
 FALLBACK = "insonify.png"
 WRONG, INTERRUPTED = 2, 130
 APT = (
@@ -72,7 +74,7 @@ def _run(words: list[str]) -> int:
     try:
         return int(arguments.run(arguments))
     except ImportError as error:
-        if arguments.run.__module__.partition(".")[0] == "insonify":
+        if arguments.run.__module__.partition(".")[0] != VIEWER:
             raise
         return _without_viewer(error, arguments)
 
@@ -85,7 +87,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def build_parser() -> tuple[argparse.ArgumentParser, dict[str, Any]]:
-    """Build the parser with the core's sub-commands and those of installed packages.
+    """Build the parser with the sub-commands of `insonify.commands` and those of installed packages.
 
     Returns
     -------
@@ -99,28 +101,37 @@ def build_parser() -> tuple[argparse.ArgumentParser, dict[str, Any]]:
     )
     parser.add_argument("--version", action="version", version=f"insonify {importlib.metadata.version('insonify')}")
     subparsers = parser.add_subparsers(title="commands", metavar="COMMAND", dest="command", required=True)
-    for module in (render, compare, plan, show, chart, rays, relief, stability):
-        module.register(subparsers)
-    for entry in importlib.metadata.entry_points(group=GROUP):
+    for module in modules_in(COMMANDS):
+        if hasattr(module, "register"):
+            module.register(subparsers)
+    missing = ImportError(f"No module named {VIEWER!r}")
+    for entry in announced(COMMANDS):
         try:
             entry.load()(subparsers)
         except ImportError as error:
-            _stand_in(subparsers, error)
+            missing = _not_loaded(entry, error) or missing
     if "view" not in subparsers.choices:
-        _stand_in(subparsers, ModuleNotFoundError("No module named 'insonify_viewer'"))
+        _add_missing_view(subparsers, missing)
     return parser, subparsers.choices
 
 
-def _stand_in(subparsers: Any, error: ImportError) -> None:
+def _not_loaded(entry: importlib.metadata.EntryPoint, error: ImportError) -> ImportError | None:
+    """Return why the viewer cannot be loaded; warn where it is the command of another package."""
+    if entry.module.partition(".")[0] == VIEWER:
+        return error
+    sys.stderr.write(f"insonify: the command {entry.name!r} of {entry.module} cannot be loaded ({error})\n")
+    return None
+
+
+def _add_missing_view(subparsers: Any, error: ImportError) -> None:
     """Add a ``view`` that says why there is no viewer."""
 
     def run(arguments: argparse.Namespace) -> int:
         return _without_viewer(error, arguments)
 
-    if "view" not in subparsers.choices:
-        parser = subparsers.add_parser("view", help="open the viewer (not installed)")
-        add_scene(parser, optional=True)
-        parser.set_defaults(run=run)
+    parser = subparsers.add_parser("view", help="open the viewer (not installed)")
+    add_scene(parser, optional=True)
+    parser.set_defaults(run=run)
 
 
 def _with_command(words: list[str], commands: list[str]) -> list[str]:

@@ -35,7 +35,8 @@ def bundled_scenes() -> dict[str, Path]:
 
 def bundled_meshes() -> dict[str, Path]:
     """Return the shapes that come with the package, by name."""
-    return {path.stem: path for path in sorted((resources() / "meshes").iterdir())}
+    # In a checkout, the script that makes a mesh stands beside it.
+    return {path.stem: path for path in sorted((resources() / "meshes").iterdir()) if path.suffix != ".py"}
 
 
 def load_scene(name_or_path: str | Path) -> Scene:

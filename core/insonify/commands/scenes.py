@@ -1,4 +1,4 @@
-"""``insonify scenes``: what there is."""
+"""``insonify scenes``: list the bundled scenes, or describe some."""
 
 from __future__ import annotations
 

@@ -1,0 +1,29 @@
+"""Find what extends the program: the modules of a package, and what installed packages announce as entry points."""
+
+from __future__ import annotations
+
+import pkgutil
+from collections.abc import Iterable
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from types import ModuleType
+
+
+def modules_in(package: str) -> list[ModuleType]:
+    """Import every module of a package, in the order of their names.
+
+    Parameters
+    ----------
+    package : str
+        Dotted name of the package; its sub-packages count as modules.
+
+    Returns
+    -------
+    list of module
+    """
+    return [import_module(found.name) for found in pkgutil.iter_modules(import_module(package).__path__, f"{package}.")]
+
+
+def announced(group: str) -> Iterable[EntryPoint]:
+    """Entry points of a group, such as ``insonify.commands``, over all installed packages."""
+    return entry_points(group=group)
