@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import SceneArrays, Solids
+from insonify.optics.cutaway import Block
 from insonify.packing.primitives import Solid, ball, frustum
-from insonify_viewer.block import Block
 
 FISH = np.array([0.85, 0.47, 0.03])  # as shown
 SIZE = 0.045  # length over the block's longer side: larger than life, to be seen

@@ -11,7 +11,7 @@ from insonify.scene import Scene, SceneError, edit
 from insonify.scene.materials import MATERIALS, Material, PatternMap, Reflectivity
 from insonify.scene.motion import Straight, Sum
 from insonify.scene.reliefs import Mimic
-from insonify_viewer.entailed_relief import endless, parts, spectrum, together
+from insonify_viewer.dependent_relief_edits import endless, parts, spectrum, together
 
 Changes = dict[str, Any]
 SLOWEST = 1e-3  # Hz, a rate of pings that any range allows
