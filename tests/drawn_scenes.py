@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from insonify.files import bundled_meshes
 from insonify.scene import Scene
-from insonify.scene.files import bundled_meshes
 from insonify.scene.kinds import kind_name
 from insonify.scene.materials import MATERIALS
 

@@ -11,8 +11,8 @@ from PySide6.QtWidgets import QFileDialog, QWidget
 
 from insonify.io.meshes import FORMATS
 from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, load_scene
-from insonify_viewer.dem_scene import scene_over_dem
-from insonify_viewer.simulator import Simulator
+from insonify_viewer.dem import scene_over_dem
+from insonify_viewer.simulation import Simulator
 
 MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 CASTS = "Measured casts (*.cnv *.asvp *.svp *.csv);;All files (*)"

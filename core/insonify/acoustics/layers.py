@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from insonify.acoustics.polyline import straightened, thinned
 from insonify.acoustics.sound_speed import EQUATIONS
+from insonify.files import file_version
 from insonify.io.sound_speed_casts import Cast, read_cast
 from insonify.scene import SceneError
-from insonify.scene.files import file_version
 from insonify.scene.water import CastWater, HydrographyWater, ProfileWater, UniformWater, Water
 
 Values = NDArray[np.float64]

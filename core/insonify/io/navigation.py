@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene import SceneError
+from insonify.errors import SceneError
 
 __all__ = ["COLUMNS", "RecordedTow", "read_tow"]
 

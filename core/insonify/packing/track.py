@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.files import file_version
 from insonify.io.navigation import RecordedTow, read_tow
 from insonify.scene import Scene, SceneError
-from insonify.scene.files import file_version
 from insonify.scene.motion import Recorded, Turn
 from insonify.scene.track import Track
 

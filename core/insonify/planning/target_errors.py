@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from insonify.files import file_version
 from insonify.io.meshes import read_mesh
 from insonify.planning import laws
 from insonify.planning.scene_summary import BEYOND, View
 from insonify.scene import Scene, SceneError
-from insonify.scene.files import file_version
 from insonify.scene.materials import Reflectivity
 from insonify.scene.targets import AnyTarget, Box, Cone, MeshFile, Pipe, Sphere
 

@@ -1,16 +1,9 @@
 """What there is: frozen, validated declarations, and TOML in and out."""
 
-from insonify.scene.base import SceneError
+from insonify.errors import SceneError
+from insonify.files import bundled_meshes, bundled_scenes, resources
 from insonify.scene.edit import build, edit, plain, read_setting
-from insonify.scene.files import (
-    DEFAULT_SCENE,
-    bundled_meshes,
-    bundled_scenes,
-    load_scene,
-    resources,
-    scene_from_toml,
-    scene_to_toml,
-)
+from insonify.scene.files import DEFAULT_SCENE, load_scene, scene_from_toml, scene_to_toml
 from insonify.scene.scene import Scene
 
 __all__ = [

@@ -21,10 +21,6 @@ def _without_nul(path: str) -> str:
 FilePath = Annotated[str, AfterValidator(_without_nul)]
 
 
-class SceneError(ValueError):
-    """A mistake in a scene, said in one sentence that names the field, the value and the remedy."""
-
-
 class Declaration(BaseModel):
     """A frozen part of a scene; unknown keys, NaN and values out of bounds are refused.
 

@@ -9,7 +9,8 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from insonify.scene.base import Choice, SceneError
+from insonify.errors import SceneError
+from insonify.scene.base import Choice
 from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.scene import Scene
 

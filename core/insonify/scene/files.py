@@ -1,42 +1,19 @@
-"""Scenes on disk: TOML in and out, and the scenes that come with the package."""
+"""Scenes on disk: TOML in and out."""
 
 from __future__ import annotations
 
 import tomllib
-from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
-from insonify.scene.base import SceneError
+from insonify.errors import SceneError
+from insonify.files import bundled_meshes, bundled_scenes
 from insonify.scene.edit import build, plain
 from insonify.scene.scene import Scene
 
 DEFAULT_SCENE = "default"
-
-
-@cache
-def resources() -> Path:
-    """Return the folder of scenes, lessons and palettes, in a wheel as in a checkout."""
-    spec = find_spec("insonify")
-    if spec is None or spec.origin is None:
-        raise FileNotFoundError("the insonify package is not installed")
-    package = Path(spec.origin).parent
-    installed = package / "resources"
-    return installed if installed.is_dir() else package.parent.parent / "resources"
-
-
-def bundled_scenes() -> dict[str, Path]:
-    """Return the scenes that come with the package, by name."""
-    return {path.stem: path for path in sorted((resources() / "scenes").glob("*.toml"))}
-
-
-def bundled_meshes() -> dict[str, Path]:
-    """Return the shapes that come with the package, by name."""
-    # In a checkout, the script that makes a mesh stands beside it.
-    return {path.stem: path for path in sorted((resources() / "meshes").iterdir()) if path.suffix != ".py"}
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
@@ -86,15 +63,6 @@ def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
 def scene_to_toml(scene: Scene) -> str:
     """Write a scene as TOML; reading it back gives an equal scene."""
     return tomli_w.dumps(plain(scene))
-
-
-def file_version(path: str) -> tuple[int, int]:
-    """Tell one content of a file from the next; zeros for what is not a file, which the reader refuses."""
-    file = Path(path)
-    if not file.is_file():
-        return 0, 0
-    status = file.stat()
-    return status.st_mtime_ns, status.st_size
 
 
 def _with_paths_beside(source: Path, value: Any) -> Any:

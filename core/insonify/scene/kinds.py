@@ -6,16 +6,15 @@ A family holds the kinds of its own package, those that installed packages bring
 
 from __future__ import annotations
 
-import pkgutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
-from importlib import import_module
-from importlib.metadata import entry_points
 from typing import Any
 
 from pydantic import BaseModel, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
+
+from insonify.plugins import announced, modules_in
 
 _DECLARED: list[type[BaseModel]] = []
 
@@ -23,7 +22,7 @@ _DECLARED: list[type[BaseModel]] = []
 def kind_name(model: type[BaseModel]) -> str | None:
     """Return the ``kind`` by which a declaration is picked, None for one that is not picked by kind."""
     field = model.model_fields.get("kind")
-    return None if field is None else str(field.default)
+    return field.default if field is not None and isinstance(field.default, str) else None
 
 
 class Family:
@@ -77,9 +76,8 @@ class Family:
             return
         self._discovered = True
         if self.package is not None:
-            for module in pkgutil.iter_modules(import_module(self.package).__path__):
-                import_module(f"{self.package}.{module.name}")
-        for entry in entry_points(group=f"insonify.{self.name}"):
+            modules_in(self.package)
+        for entry in announced(f"insonify.{self.name}"):
             entry.load()
 
 

@@ -6,7 +6,8 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from insonify.scene.base import Declaration, Place, SceneError, parameter
+from insonify.errors import SceneError
+from insonify.scene.base import Declaration, Place, parameter
 from insonify.scene.receiver import Coherent, Receiver
 from insonify.scene.reliefs import Dem
 from insonify.scene.seabed import Seabed

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Discriminator, Tag, model_validator
 
-from insonify.scene.base import Choice, Declaration, SceneError, kind_of, parameter
+from insonify.errors import SceneError
+from insonify.scene.base import Choice, Declaration, kind_of, parameter
 
 MOST_BINS = 100_000  # of a record, and that a pulse may last
 

@@ -7,8 +7,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.files import file_version
 from insonify.scene import Scene, SceneError
-from insonify.scene.files import file_version
 from insonify.scene.materials import ImageMap, Material, MaterialMap, PatternMap
 from insonify.scene.reliefs import Dem, Mimic
 from insonify.scene.seabed import AnyMade, Seabed

@@ -13,8 +13,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.files import file_version
 from insonify.scene import SceneError
-from insonify.scene.files import file_version
 from insonify.scene.made import Patchy
 from insonify.scene.ripples import Ripples
 from insonify.scene.roughness import Autocorrelated, Exponential, Gaussian, PowerLaw, Table, TableFile, VonKarman

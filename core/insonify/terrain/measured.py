@@ -8,8 +8,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.files import file_version
 from insonify.io.bathymetry import Grid, read_grid, refusal
-from insonify.scene.files import file_version
 from insonify.scene.reliefs import Dem
 
 HIGHEST = 2e4  # m, of any bed, up or down

@@ -8,8 +8,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.files import file_version
 from insonify.scene import SceneError
-from insonify.scene.files import file_version
 from insonify.scene.materials import ImageMap
 from insonify.terrain.lattice import Lattice, Map
 

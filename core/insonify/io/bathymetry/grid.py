@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene import SceneError
+from insonify.errors import SceneError
 
 # A bed of 16384² float32 nodes is 1 GB; a larger file was surely meant to be cropped.
 LARGEST_SIDE = 16384

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene import SceneError, bundled_meshes
+from insonify.errors import SceneError
+from insonify.files import bundled_meshes
 
 Y_UP = (".gltf", ".glb")
 FORMATS = (".obj", ".stl", ".ply", *Y_UP)

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from insonify.errors import SceneError
 from insonify.io.record_schema import ACROSS, CHANNELS
 from insonify.io.records.xtf import read_xtf
-from insonify.scene import SceneError
 
 # What a record is shown by, and over which dimensions.
 LAID_OUT = {"intensity": ACROSS, "slant_range": ACROSS[2:]} | {

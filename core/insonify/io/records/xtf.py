@@ -15,9 +15,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from insonify.errors import SceneError
 from insonify.io.record_schema import ACROSS, coordinates, labels, platform
 from insonify.io.records.xtf_track import platform_columns, seconds
-from insonify.scene import SceneError
 
 SIDES = {1: 0, 2: 1}  # TypeOfChannel -> row: port, starboard
 SONAR_PACKET, MAGIC, FORMAT = 0, 0xFACE, 123

@@ -1,0 +1,172 @@
+"""Changes that a change entails, so that one slider moves what has to move with it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from insonify.acoustics.water import speed_at_sonar
+from insonify.scene import Scene, SceneError, edit
+from insonify.scene.materials import MATERIALS, Material, PatternMap, Reflectivity
+from insonify.scene.motion import Straight, Sum
+from insonify.scene.reliefs import Mimic
+from insonify_viewer.entailed_relief import endless, parts, spectrum, together
+
+Changes = dict[str, Any]
+SLOWEST = 1e-3  # Hz, a rate of pings that any range allows
+SWINGS = ("sway", "heave", "yaw", "pitch", "roll")
+
+
+def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Add what the changes entail.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene that the changes are meant for.
+    changes : mapping of str to object
+        New values by dotted path.
+
+    Returns
+    -------
+    changes : dict
+        The changes and what they entail; a change asked for is never overruled.
+    remark : str
+        One sentence on what else moved, empty if there is nothing to say.
+    """
+    complete: Changes = {}
+    remarks = []
+    for rule in (
+        _ping_rate,
+        _sonar_height,
+        spectrum,
+        endless,
+        together,
+        parts,
+        _named_numbers,
+        _shares,
+        _material_map,
+        _dunes,
+        _sum,
+        _law,
+    ):
+        extra, remark = rule(scene, changes)
+        complete |= extra
+        if remark:
+            remarks.append(remark)
+    return complete | dict(changes), "; ".join(remarks)
+
+
+def _ping_rate(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Leave echoes from the full range the time to return."""
+    if not any(path.startswith(("sonar.range", "water", "track")) for path in changes):
+        return {}, ""
+    try:
+        after = edit(scene, {**changes, "sonar.ping_rate": SLOWEST})
+        reach, fastest = after.sonar.range, speed_at_sonar(after) / (2.0 * after.sonar.range)
+    except SceneError:
+        return {}, ""  # which the change itself will say
+    if scene.sonar.ping_rate <= fastest:
+        return {}, ""
+    # Three digits, never rounded up.
+    step = 10.0 ** (math.floor(math.log10(fastest)) - 2)
+    rate = round(math.floor(fastest / step) * step, 12)
+    return {"sonar.ping_rate": rate}, f"ping rate lowered to {rate:g} Hz: echoes from {reach:.4g} m need the time"
+
+
+def _positive(value: Any) -> bool:
+    return isinstance(value, (int, float)) and math.isfinite(value) and value > 0
+
+
+def _sonar_height(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Altitude and depth are two ways to say one thing; the one moved last holds."""
+    if "track.altitude" in changes and scene.track.depth is not None:
+        return {"track.depth": None}, ""
+    if "track.depth" in changes and scene.track.terrain_following:
+        return {
+            "track.altitude": None,
+            "track.terrain_following": False,
+        }, "the depth is fixed: terrain following is off"
+    if "track.depth" in changes and scene.track.altitude is not None:
+        return {"track.altitude": None}, ""
+    if changes.get("track.terrain_following") is True and scene.track.depth is not None:
+        return {"track.depth": None, "track.altitude": scene.altitude}, ""
+    return {}, ""
+
+
+def _named_numbers(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Let a material just named show its own numbers."""
+    owners = [path.removesuffix(".name") for path in changes if path.endswith(".name")]
+    of_beds = {f"{owner}.{number}": None for owner in owners if "material" in owner for number in Reflectivity._fields}
+    return of_beds | {f"{owner}.diffuse": None for owner in owners if owner.startswith("seabed.relief.of")}, ""
+
+
+def _shares(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Let the specular share make room for the diffuse one, and the other way round."""
+    for path, share in changes.items():
+        owner, _, name = path.rpartition(".")
+        if name not in ("diffuse", "specular") or not _positive(share) or share > 1.0:
+            continue
+        other = "specular" if name == "diffuse" else "diffuse"
+        material = _at(scene, owner)
+        room = round(1.0 - share, 12)
+        if isinstance(material, Material) and getattr(material.reflectivity, other) > room:
+            return {f"{owner}.{other}": room}, f"{other} share lowered to {room:.4g}: no more can return than arrives"
+    return {}, ""
+
+
+def _at(scene: Scene, path: str) -> Any:
+    """Part of a scene by its dotted path, None where there is none."""
+    place: Any = scene
+    for step in path.split("."):
+        is_position = isinstance(place, tuple) and step.isdigit() and int(step) < len(place)
+        place = place[int(step)] if is_position else getattr(place, step, None)
+    return place
+
+
+def _law(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Leave out what light does not know."""
+    if changes.get("sonar.law") != "light" or scene.receiver.reverberation.kind == "none":
+        return {}, ""
+    return {"receiver.reverberation": "none"}, "reverberation left out: light knows no water"
+
+
+def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Give a map the two materials it needs, and a single material the map's first."""
+    kind = changes.get("seabed.material.kind")
+    material = scene.seabed.material
+    if kind is None or kind == material.kind:
+        return {}, ""
+    if kind == "uniform":
+        first: Material = material if isinstance(material, Material) else material.of[0]
+        return {"seabed.material.name": first.name}, ""
+    if not isinstance(material, Material):
+        return {}, ""
+    other = "rock" if material.name != "rock" else next(iter(MATERIALS))
+    return {"seabed.material.of": [material.name, other]}, ""
+
+
+def _sum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Add every swing to the motion there is, for sliders can only turn what is there."""
+    motion = scene.track.motion
+    if changes.get("track.motion.kind") != "sum" or isinstance(motion, Sum):
+        return {}, ""
+    before = [] if isinstance(motion, Straight) else [motion.model_dump()]
+    return {"track.motion.of": [*before, *({"kind": kind} for kind in SWINGS if kind != motion.kind)]}, ""
+
+
+def _dunes(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+    """Let dunes pass for the pattern there was, or for one of their own, before this sonar."""
+    if changes.get("seabed.relief.kind") != "mimic" or isinstance(scene.seabed.relief, Mimic):
+        return {}, ""
+    from insonify.terrain.inverse import mean_diffuse
+
+    dunes = Mimic(altitude=scene.altitude, reach=scene.sonar.range, law=scene.sonar.law)
+    if isinstance(scene.seabed.material, PatternMap):
+        dunes = dunes.model_copy(update={"of": scene.seabed.material})
+    mean = round(mean_diffuse(dunes.of), 6)
+    return {
+        "seabed.relief": dunes.model_dump(exclude_none=True),
+        "seabed.material": {"diffuse": mean, "specular": 0.0},
+    }, f"the bed is of one material now, which scatters {mean:.4g} evenly"

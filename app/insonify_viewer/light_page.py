@@ -1,0 +1,61 @@
+"""A light picture with its title, as a file."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from insonify.io.records import replacing
+from insonify_viewer.block import Block, make_block
+from insonify_viewer.light import light_picture
+
+if TYPE_CHECKING:
+    from insonify.scene import Scene
+    from insonify_viewer.setting import Setting
+
+DPI = 100
+INSET = 26  # pixels from the left
+INK, FAINT = "#f2f6f8", "#b9cbd3"
+
+
+def write_light(path: Path, setting: Setting) -> tuple[int, int]:
+    """Draw a scene as light shows it and write it as PNG.
+
+    Parameters
+    ----------
+    path : Path
+        File to make or replace; it appears only when whole.
+    setting : Setting
+        A scene laid out.
+
+    Returns
+    -------
+    (int, int)
+        Width and height in pixels.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    block = make_block(setting)
+    image = light_picture(setting, block)
+    height, width, _ = image.shape
+    figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI)
+    FigureCanvasAgg(figure)
+    figure.figimage(image)
+    words = ((setting.scene.title, 44, 15, "bold", INK), (_line(setting.scene, block), 68, 10, "normal", FAINT))
+    for text, down, size, weight, ink in words:
+        figure.text(
+            INSET / width, 1.0 - down / height, text, fontsize=size, fontweight=weight, color=ink, parse_math=False
+        )
+    with replacing(path) as beside, warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # a title in any script
+        figure.savefig(beside, dpi=DPI)
+    return width, height
+
+
+def _line(scene: Scene, block: Block) -> str:
+    """Say what is shown, and whence it is lit."""
+    along, across = (block.high - block.low)[:2]
+    where = f"{scene.altitude:g} m above the bed" if scene.track.depth is None else f"{scene.track.depth:g} m deep"
+    return f"lamp at the sonar, {where}  ·  {along:.0f} m along the track, {across:.0f} m across"

@@ -1,1 +1,0 @@
-"""Chart panel: speed against accuracy of every method on the current scene."""

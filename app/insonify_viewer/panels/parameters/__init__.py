@@ -1,1 +1,0 @@
-"""Parameters panel: every field of the scene with its slider."""

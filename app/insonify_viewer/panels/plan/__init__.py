@@ -1,1 +1,0 @@
-"""Plan panel: what is modelled and what is left out."""

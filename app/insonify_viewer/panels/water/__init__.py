@@ -1,1 +1,0 @@
-"""Water panel: sound speed over depth and the rays that it bends."""

@@ -1,0 +1,336 @@
+"""Sliders and combo boxes described from the scene's own field metadata; no widgets here."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from insonify.acoustics.absorption import NEPER_PER_DB, absorption_coefficient
+from insonify.acoustics.water import speed_at_sonar
+from insonify.scene import Scene, SceneError
+from insonify.scene.fractal import Fractal
+from insonify.scene.kinds import kind_name, models_of
+from insonify.scene.made import Made
+from insonify.scene.materials import MATERIALS, Material, PatternMap
+from insonify.scene.receiver import K, NoSpeckle, PowerTvg
+from insonify.scene.reliefs import Dem
+from insonify.scene.roughness import PowerLaw
+from insonify.scene.sonar import LineArray
+from insonify.scene.targets import Pipe, Target
+from insonify.scene.water import AnyWater, FrancoisGarrison
+
+SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
+PAIR_NAMES = {
+    "peaks": ("fx", "fy"),
+    "points": ("lag", "value"),
+    "gap": ("along", "height"),
+    "position": ("x", "y", "z"),
+    "start": ("x", "y"),
+}
+SIDES = ("length", "width", "height")
+# Fields of a target in the order they are shown, after what tells its shape.
+POSED_LAST = ("heading", "pitch", "roll", "gap", "material")
+# Fields of all made relief, after its own.
+OF_ALL_RELIEF = ("period", "extent", "mask")
+PLACE_REACH = 100.0
+USUAL_SPEED = 1500.0  # m/s, while a cast cannot be read
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number with a slider, or without one where the field declares no useful range.
+
+    Attributes
+    ----------
+    path : str
+        Dotted path of the field, as ``insonify.scene.edit`` takes it.
+    label, tooltip, unit : str
+        What is printed.
+    indent : int
+        Depth below the section.
+    value : float
+        Value that applies, also where the scene leaves it open.
+    slider : (float, float) or None
+        Ends of the slider.
+    log : bool
+        Whether the slider moves in equal ratios.
+    integer : bool
+        Whether only whole numbers fit.
+    idle : str
+        Why it changes nothing at present, empty if it does.
+    """
+
+    path: str
+    label: str
+    tooltip: str
+    unit: str
+    indent: int
+    value: float
+    slider: tuple[float, float] | None
+    log: bool
+    integer: bool
+    idle: str = ""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of several names; see `Number` for what the fields mean."""
+
+    path: str
+    label: str
+    tooltip: str
+    indent: int
+    value: str | int
+    options: tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class File:
+    """The name of a file; see `Number` for what the fields mean."""
+
+    path: str
+    label: str
+    tooltip: str
+    indent: int
+    value: str
+
+
+Parameter = Number | Choice | File
+
+
+@dataclass(frozen=True)
+class Section:
+    """Parameters shown under one heading; a target's may be removed."""
+
+    key: str
+    title: str
+    parameters: tuple[Parameter, ...]
+    removable: bool = False
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        """What the widgets depend on apart from the values."""
+        return tuple((type(p), p.path, p.label, _widgets(p)) for p in self.parameters)
+
+
+def _widgets(parameter: Parameter) -> Any:
+    """Tell what the widgets of one row depend on."""
+    if isinstance(parameter, Choice):
+        return parameter.options
+    return isinstance(parameter, Number) and parameter.slider is None
+
+
+def sections_of(scene: Scene) -> tuple[Section, ...]:
+    """Describe every parameter of a scene that a person may turn.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene whose values are shown.
+
+    Returns
+    -------
+    tuple of Section
+        In the order they are shown; sections without parameters are left out.
+    """
+    found = []
+    for name in SECTIONS:
+        part = getattr(scene, name)
+        if name == "targets":
+            for index, target in enumerate(part):
+                path = f"targets.{index}"
+                title = f"{target.kind.capitalize()} {index + 1}"
+                found.append(Section(path, title, _inside(scene, target, path, 0), removable=True))
+        else:
+            parameters = _inside(scene, part, name, 0)
+            if name == "seabed":
+                parameters += tuple(_of_field(scene, scene, "seed", "", 0))
+            found.append(Section(name, name.capitalize(), parameters))
+    return tuple(section for section in found if section.parameters)
+
+
+def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Parameter, ...]:
+    """All parameters of one declaration."""
+    names = [name for name in type(part).model_fields if name != "kind" and not _stands_aside(scene, part, name, path)]
+    last = POSED_LAST if isinstance(part, Target) else OF_ALL_RELIEF if isinstance(part, Made) else ()
+    names.sort(key=lambda name: last.index(name) if name in last else -1)
+    if isinstance(part, AnyWater):
+        names.sort(key=lambda name: name in AnyWater.model_fields)  # its speed first
+    return tuple(parameter for name in names for parameter in _of_field(scene, part, name, path, indent))
+
+
+def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
+    """Parameters of one field: of itself, or of what it holds."""
+    field = type(part).model_fields[name]
+    value = getattr(part, name)
+    path = f"{path}.{name}" if path else name
+    label = name.replace("_", " ")
+    tooltip = field.description or ""
+    if isinstance(value, BaseModel):
+        yield from _of_declaration(scene, part, name, path, indent)
+    elif isinstance(part, Material) and name == "name":
+        yield Choice(path, label if indent else "material", tooltip, indent, value, tuple(MATERIALS))
+    elif get_origin(field.annotation) is Literal:
+        options = get_args(field.annotation)
+        if len(options) > 1:
+            yield Choice(path, label, tooltip, indent, value, options)
+    elif isinstance(value, bool):
+        yield Choice(path, label, tooltip, indent, value, (False, True))
+    elif isinstance(value, tuple):
+        yield from _of_tuple(scene, field, value, name, path, indent)
+    elif name == "path":
+        yield File(path, "file", tooltip, indent, value)
+    elif not isinstance(value, str):
+        applies = _value_that_applies(scene, part, name) if value is None else value
+        if applies is not None:
+            number = _number(field, path, label, indent, applies, most=_most(scene, path))
+            yield replace(number, idle=_idle(scene, path))
+
+
+def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
+    """Parameters of a nested declaration, led by its kind where there are several."""
+    value: BaseModel = getattr(part, name)
+    kinds = tuple(kind for kind in map(kind_name, models_of(type(part), name)) if kind)
+    label = name.replace("_", " ")
+    if len(kinds) > 1:
+        tooltip = type(part).model_fields[name].description or ""
+        yield Choice(f"{path}.kind", label, tooltip, indent, kind_name(type(value)) or "", kinds)
+    yield from _inside(scene, value, path, indent + 1 if len(kinds) > 1 else indent)
+
+
+def _of_tuple(
+    scene: Scene, field: FieldInfo, value: tuple[Any, ...], name: str, path: str, indent: int
+) -> Iterator[Parameter]:
+    """Parameters of a list of declarations, of pairs, or of coordinates."""
+    single = name.removesuffix("s")
+    axes = PAIR_NAMES.get(name, tuple(str(i + 1) for i in range(len(value))))
+    for index, item in enumerate(value):
+        place = f"{path}.{index}"
+        if isinstance(item, BaseModel):
+            for parameter in _inside(scene, item, place, indent + 1):
+                is_name = isinstance(parameter, Choice) and parameter.path.endswith(".name")
+                what = "" if isinstance(item, Material) else f"{kind_name(type(item))} "
+                yield (
+                    replace(parameter, label=f"material {index + 1}", indent=indent)
+                    if is_name
+                    else replace(parameter, label=f"{what}{parameter.label}")
+                )
+        elif isinstance(item, tuple):
+            for k, number in enumerate(item):
+                between = _neighbours(value, index) if name == "gap" and k == 0 else None
+                yield _number(field, f"{place}.{k}", f"{single} {index + 1} {axes[k]}", indent, number, ends=between)
+        else:
+            if name == "size":
+                yield _number(field, place, SIDES[index], indent, item)
+                continue
+            about_origin = (min(-PLACE_REACH, item), max(PLACE_REACH, item))
+            yield _number(field, place, f"{name} {axes[index]}", indent, item, ends=about_origin)
+
+
+def _number(
+    field: FieldInfo,
+    path: str,
+    label: str,
+    indent: int,
+    value: float,
+    *,
+    ends: tuple[float, float] | None = None,
+    most: float = math.inf,
+) -> Number:
+    """Describe one number by its field's metadata; ``ends`` stand for its slider's, ``most`` caps the upper one."""
+    extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
+    useful: Any = ends or extra.get("slider")
+    slider = None if useful is None else (float(useful[0]), max(min(float(useful[1]), most), float(useful[0]) * 1.001))
+    return Number(
+        path=path,
+        label=label,
+        tooltip=field.description or "",
+        unit=str(extra.get("unit", "")),
+        indent=indent,
+        value=float(value),
+        slider=slider,
+        log=bool(extra.get("log")) and ends is None,
+        integer=field.annotation is int,
+    )
+
+
+def _neighbours(stations: tuple[tuple[float, float], ...], index: int) -> tuple[float, float]:
+    """Room of a station between those before and after it, which it may not pass."""
+    low = stations[index - 1][0] if index else min(-PLACE_REACH, stations[0][0])
+    high = stations[index + 1][0] if index + 1 < len(stations) else max(PLACE_REACH, stations[-1][0])
+    margin = 0.01 * (high - low)
+    return low + margin * (index > 0), high - margin * (index + 1 < len(stations))
+
+
+def _most(scene: Scene, path: str) -> float:
+    """Largest value that the rest of the scene allows."""
+    limits = {"sonar.ping_rate": known_speed(scene) / (2.0 * scene.sonar.range)}
+    if not isinstance(scene.seabed.relief, Dem):
+        limits |= {"track.altitude": scene.seabed.depth, "track.depth": 0.999 * scene.seabed.depth}
+    return limits.get(path, math.inf)
+
+
+def _idle(scene: Scene, path: str) -> str:
+    """Tell why a number changes nothing as the rest of the scene is, empty if it does."""
+    if path != "sonar.frequency":
+        return ""
+    heard = isinstance(scene.sonar.beam, LineArray) or isinstance(scene.water.absorption, FrancoisGarrison)
+    if heard or not isinstance(scene.receiver.speckle, NoSpeckle):
+        return ""
+    return "changes nothing as long as the beam is no array, absorption no Francois-Garrison, and there is no speckle"
+
+
+def known_speed(scene: Scene) -> float:
+    """Speed of sound at the sonar in m/s, or a usual one while the water is of a cast that cannot be read."""
+    try:
+        return speed_at_sonar(scene)
+    except SceneError:
+        return USUAL_SPEED
+
+
+def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
+    """Whether a field has no say with the others as they are, or is a column of a table that is shown as a curve."""
+    if isinstance(part, AnyWater) and name in part.table and isinstance(getattr(part, name), tuple):
+        return True
+    if path.startswith("seabed.relief.of") and isinstance(part, PatternMap | Material):
+        # Dunes lie along the track and pass for what scatters evenly.
+        return name == "heading" or (isinstance(part, Material) and name not in ("name", "diffuse"))
+    if isinstance(part, Material) and name in ("reflection", "speed_ratio"):
+        return scene.sonar.bounces == 0
+    if isinstance(part, Material) and name == "speckle_shape":
+        return not isinstance(scene.receiver.speckle, K)
+    if isinstance(part, Made) and name == "period":
+        return part.endless and not isinstance(part, Fractal | PowerLaw)  # which level off there
+    if isinstance(part, Fractal):
+        isotropic = part.decay == "isotropic"
+        return (name == "beta" and not isotropic) or (name in ("beta_x", "beta_y") and isotropic)
+    if isinstance(part, Target) and name == "gap":
+        return len(part.position) == 3
+    if isinstance(part, Pipe) and name == "pitch":
+        return isinstance(part.gap, tuple)
+    return False
+
+
+def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None:
+    """Value of a field that the scene leaves open."""
+    if isinstance(part, Material):
+        number: float | None = getattr(part.reflectivity, name)
+        return number
+    if isinstance(part, Fractal):
+        return part.exponents[1 if name == "beta_y" else 0]
+    if isinstance(part, Pipe):
+        return 0.0  # a pitch
+    if isinstance(part, PowerTvg):
+        depth = scene.seabed.depth - scene.altitude
+        return absorption_coefficient(scene.water.absorption, scene.sonar.frequency, depth) * 1e3 / NEPER_PER_DB
+    values = {
+        "altitude": scene.altitude,
+        "depth": scene.seabed.depth - scene.altitude,
+        "reference_speed": known_speed(scene),
+    }
+    return values.get(name)

@@ -1,0 +1,141 @@
+"""Feeds the three-dimensional view: what is slow is baked on the worker."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene import SceneError
+from insonify_viewer.simulation import Simulator
+
+if TYPE_CHECKING:
+    from PySide6.QtWidgets import QWidget
+
+    from insonify.kernels.common.types import Mesh, Solids
+    from insonify.simulation import Simulation
+    from insonify.terrain import AnyGround
+    from insonify_viewer.pv_meshes import BedPatch
+
+    _Bed = tuple[AnyGround, tuple[float, float], float]
+    _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
+    from insonify_viewer.views.seabed_view import SeabedView
+
+
+class Seabed:
+    """Holds the view once its libraries are there, and tells it only what has changed.
+
+    Parameters
+    ----------
+    simulator : Simulator
+        Whose worker bakes the bed.
+    accelerated : bool
+        Whether OpenGL widgets work here.
+    """
+
+    def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
+        self._simulator, self._accelerated = simulator, accelerated
+        self._view: SeabedView | None = None
+        self._latest: tuple[Simulation, int, NDArray[np.float32]] | None = None
+        self._bed: _Bed | None = None
+        self._bodies: _Bodies | None = None
+        self._baking = 0
+        self._laid = False
+
+    @property
+    def view(self) -> SeabedView | None:
+        """The view, None until it is loaded."""
+        return self._view
+
+    @property
+    def complete(self) -> bool:
+        """Whether the view shows what it was last told."""
+        return self._view is not None and self._bed is not None and self._baking == 0
+
+    def load(self, put: Callable[[QWidget], None]) -> None:
+        """Import the libraries on the worker, then build the view here and hand it over."""
+        self._simulator.send(self._import, lambda _: self._build(put))
+
+    def show_sonar(self, simulation: Simulation, ping: int, tones: NDArray[np.float32]) -> None:
+        """Follow the sonar to a ping; bed and targets follow if they are no longer the same."""
+        self._latest = (simulation, ping, tones)
+        if self._view is None:
+            return
+        from insonify_viewer.pv_meshes import path_pings, window_centre
+        from insonify_viewer.shading import target_colours
+
+        sent = np.array([ping], dtype=np.int64)
+        pose, line = simulation.poses(sent), simulation.line(sent)
+        reach = simulation.arrays.bins * simulation.arrays.bin_length
+        ground, bed = simulation.ground, (simulation.ground, window_centre(line, reach), reach)
+        bodies = (simulation.arrays.solids, simulation.arrays.mesh, target_colours(simulation.scene))
+        if self._bed != bed or not _same(self._bodies, bodies):
+            self._bed, self._bodies = bed, bodies
+            self._bake(bed, bodies)
+        self._view.show_sonar(ground, simulation.arrays, pose, float(line.heading[0]), tones)
+        scene = simulation.scene
+        step = scene.track.speed / scene.sonar.ping_rate
+        self._view.show_path(simulation.poses(path_pings(ping, step, reach)))
+
+    def show_mark(self, place: tuple[float, float, float] | None) -> None:
+        """Mark a point of the bed, or none."""
+        if self._view is not None:
+            self._view.show_mark(place)
+
+    def reset_camera(self) -> None:
+        """Look from behind and above again."""
+        if self._view is not None:
+            self._view.reset_camera()
+
+    def draw_now(self) -> None:
+        """Draw at once, for a picture of the window."""
+        if self._view is not None:
+            self._view.draw_now()
+
+    def close(self) -> None:
+        """Give the drawing resources back."""
+        if self._view is not None:
+            self._view.close_view()
+            self._view = None
+
+    def _import(self) -> None:
+        # A second or two of imports, off the main thread.
+        from insonify_viewer.views.seabed_view import load_libraries
+
+        load_libraries(accelerated=self._accelerated)
+
+    def _build(self, put: Callable[[QWidget], None]) -> None:
+        from insonify_viewer.views.seabed_view import SeabedView
+
+        self._view = SeabedView(accelerated=self._accelerated)
+        put(self._view)
+        if self._latest is not None:
+            self.show_sonar(*self._latest)
+
+    def _bake(self, bed: _Bed, bodies: _Bodies) -> None:
+        """Work bed and targets out on the worker."""
+        from insonify_viewer.pv_meshes import bed_patch, targets_mesh
+
+        self._baking += 1
+        number = self._baking
+        # The first bed is wanted before the kernels compile, a later one gives way to the record.
+        send = self._simulator.send_patiently if self._laid else self._simulator.send
+        send(lambda: (bed_patch(*bed), targets_mesh(*bodies)), lambda baked: self._lay(number, baked))
+
+    def _lay(self, number: int, baked: tuple[BedPatch, Any] | SceneError) -> None:
+        if number == self._baking:
+            self._baking = 0
+        self._laid = True
+        if self._view is not None and not isinstance(baked, SceneError):
+            self._view.show_bed(baked[0])
+            self._view.show_targets(baked[1])
+
+
+def _same(first: _Bodies | None, second: _Bodies) -> bool:
+    """Whether two sets of targets look the same."""
+    if first is None or first[0] is second[0]:
+        return first is not None
+    bodies = [*zip(first[0], second[0]), *zip(first[1], second[1])]
+    return np.array_equal(first[2], second[2]) and all(np.array_equal(a, b) for a, b in bodies)

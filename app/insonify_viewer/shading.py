@@ -1,0 +1,156 @@
+"""The bed as an image: colours of its materials, shaded by its slopes, fading into the water."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene.materials import MATERIALS
+
+if TYPE_CHECKING:
+    from insonify.scene import Scene
+    from insonify.terrain.ground import Ground
+
+FOG = (0.345, 0.570, 0.655)
+COLOURS = {
+    "silt": (0.47, 0.45, 0.38),
+    "fine_sand": (0.83, 0.74, 0.55),
+    "medium_sand": (0.80, 0.68, 0.47),
+    "coarse_sand": (0.72, 0.58, 0.40),
+    "sandy_gravel": (0.60, 0.53, 0.45),
+    "cobble": (0.50, 0.48, 0.45),
+    "rock": (0.40, 0.39, 0.39),
+    "concrete": (0.66, 0.66, 0.64),
+    "steel": (0.50, 0.52, 0.55),
+    "mirror": (0.80, 0.84, 0.88),
+}
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue
+LAMP = np.array([-0.50, 0.55, 0.67]) / np.linalg.norm([-0.50, 0.55, 0.67])
+LIT = 1.3  # of targets, which stand out from the bed
+SLOPE_SHOWN = 0.42
+EXAGGERATION = (0.5, 15.0)
+FADE = (0.55, 0.98)
+DARK = 1e-6  # diffuse share below which a material counts as black
+TONES = (0.3, 2.5)  # of diffuse shares over the usual, shown
+
+
+def target_colours(scene: Scene) -> NDArray[np.uint8]:
+    """Return the colours of a scene's targets by their materials' names, (targets, 3) uint8."""
+    colours = np.array([COLOURS[target.material.name] for target in scene.targets]).reshape(-1, 3)
+    return np.asarray(255.0 * np.minimum(colours * LIT, 1.0), dtype=np.uint8)
+
+
+def hues(rows: tuple[str, ...]) -> NDArray[np.float64]:
+    """Return the linear colours of rows of the material table, (n, 3), of luminance 1."""
+    linear = np.array([sum(share * np.array(COLOURS[name]) for name, share in _shares(row)) for row in rows]) ** 2.2
+    return np.asarray(linear / (linear @ LUMINANCE)[:, np.newaxis])
+
+
+def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: int) -> NDArray[np.uint8]:
+    """Shade the bed within a window, seen from above.
+
+    Parameters
+    ----------
+    ground : Ground
+        Heights and materials.
+    centre : (float, float)
+        Middle of the window, in local metres.
+    half : float
+        Half its side, in metres.
+    size : int
+        Pixels a side.
+
+    Returns
+    -------
+    (size, size, 3) uint8
+        Row 0 at the far y. Slopes are exaggerated so that faint ripples show.
+    """
+    offset = ((np.arange(size) + 0.5) / size * 2.0 - 1.0).astype(np.float32)
+    x, y = centre[0] + half * offset, centre[1] + half * offset
+    z = sampled(ground, x, y)
+    light = _shade(z, 2.0 * half / size)
+    r = np.clip((np.hypot(offset, offset[:, None]) - FADE[0]) / (FADE[1] - FADE[0]), 0.0, 1.0)
+    clear = np.where(np.isnan(z), np.float32(0.0), 1.0 - r * r * (3.0 - 2.0 * r))
+    light = np.nan_to_num(light) * clear
+    materials = _materials(ground, x, y)
+    table = _colours(ground)
+    image = np.empty((size, size, 3), dtype=np.uint8)
+    for channel in range(3):
+        tone = table[:, channel][materials] * light + np.float32(FOG[channel]) * (1.0 - clear)
+        image[..., channel] = (np.clip(tone[::-1], 0.0, 1.0) * 255.0).astype(np.uint8)
+    return image
+
+
+def _colours(ground: Ground) -> NDArray[np.float32]:
+    """Colour of each row of the material table, (n, 3): its name's, lighter or darker as its numbers have it."""
+    named = [_shares(name) for name in ground.names]
+    colours = np.array([sum(share * np.array(COLOURS[name]) for name, share in shares) for shares in named])
+    usual = np.array([sum(share * MATERIALS[name].diffuse for name, share in shares) for shares in named])
+    ratio = np.array([row.diffuse for row in ground.reflectivities]) / np.maximum(usual, DARK)
+    tone = np.sqrt(np.clip(ratio / max(float(ratio.mean()), DARK), *TONES))
+    return np.asarray(colours * tone[:, np.newaxis], dtype=np.float32)
+
+
+def _shares(row: str) -> list[tuple[str, float]]:
+    """Materials that a row's name tells, and their shares: ``25.1_silt+74.9_rock``, or one name alone."""
+    parts = [part.partition("_") for part in row.split("+")]
+    return [(name, float(percent) / 100.0) for percent, _, name in parts] if "+" in row else [(row, 1.0)]
+
+
+def sampled(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float32]:
+    """Bilinear heights on a grid along the axes, one axis after the other.
+
+    Parameters
+    ----------
+    ground : Ground
+        Heights.
+    x : (nx,) float array
+        Local coordinates, in metres.
+    y : (ny,) float array
+        Likewise.
+
+    Returns
+    -------
+    (ny, nx) float32
+        Metres above the datum, NaN where there is no bed.
+    """
+    ny, nx = ground.heights.shape
+    j, part_y = _nodes(y, ground.y0, ground.spacing, ny, periodic=ground.periodic)
+    i, part_x = _nodes(x, ground.x0, ground.spacing, nx, periodic=ground.periodic)
+    z = ground.heights
+    along = z[:, i] * (1 - part_x) + z[:, (i + 1) % nx] * part_x
+    return np.asarray(along[j] * (1 - part_y[:, None]) + along[(j + 1) % ny] * part_y[:, None])
+
+
+def _nodes(
+    place: NDArray[Any], first: float, spacing: float, nodes: int, *, periodic: bool
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Node before each place, and the part of the cell beyond it; NaN for a place outside."""
+    u = (np.asarray(place, dtype=np.float64) - first) / spacing
+    low = np.floor(u).astype(np.int64)
+    part = (u - low).astype(np.float32)
+    if periodic:
+        return low % nodes, part
+    part[(u < 0) | (u >= nodes - 1)] = np.nan
+    return np.clip(low, 0, max(nodes - 2, 0)), part
+
+
+def _shade(z: NDArray[np.float32], spacing: float) -> NDArray[np.float32]:
+    """Light on every pixel, about 1 on the level, with slopes scaled to a visible size."""
+    slope_y, slope_x = np.gradient(z, np.float32(spacing))
+    square = slope_x**2 + slope_y**2
+    spread = float(np.sqrt(np.nanmean(square))) if np.isfinite(square).any() else 0.0
+    scale = np.float32(np.clip(SLOPE_SHOWN / max(spread, 1e-9), *EXAGGERATION))
+    lamp = LAMP.astype(np.float32)
+    toward = (lamp[2] - scale * (lamp[0] * slope_x + lamp[1] * slope_y)) / np.sqrt(1.0 + scale**2 * square)
+    return np.asarray(0.30 + 0.70 / lamp[2] * np.maximum(toward, 0.0), dtype=np.float32)
+
+
+def _materials(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.uint8]:
+    """Material of the cell at each place of a grid along the axes, (ny, nx)."""
+    ny, nx = ground.materials.shape
+    j, _ = _nodes(y, ground.y0, ground.spacing, ny, periodic=ground.periodic)
+    i, _ = _nodes(x, ground.x0, ground.spacing, nx, periodic=ground.periodic)
+    return np.asarray(ground.materials[np.ix_(j, i)])

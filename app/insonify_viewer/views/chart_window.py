@@ -1,0 +1,199 @@
+"""The chart's window: speed against accuracy, and the record behind each point."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QSplitter, QVBoxLayout, QWidget
+
+from insonify_viewer.judging import Judged, Pictured, in_numbers, nearest
+from insonify_viewer.views.strips_view import StripsView
+from insonify_viewer.views.theme import ACCENT, GROUND, QUIET
+
+SIZE, SMALLEST = (1120, 860), (560, 460)
+STRIPS, MOST = 320, 0.42  # px, height of the strips at first, and the share of the window's that they take at most
+GRASP = 14.0  # px within which a point is picked
+INVITATION = (
+    "“Measure here” times every method on this scene and holds its record against a reference that proves itself. "
+    "It takes a minute or two."
+)
+HINT = "Click a point for its record, the reference and the difference."
+
+
+class ChartWindow(QWidget):
+    """Shows a chart, and announces what the person asks for."""
+
+    measure_wanted = Signal()
+    stop_wanted = Signal()
+    save_wanted = Signal()
+    picked = Signal(object)  # Row
+
+    def __init__(self, owner: QWidget) -> None:
+        super().__init__(owner, Qt.WindowType.Window)
+        self.setObjectName("panel")
+        self.setWindowTitle("Chart · insonify")
+        self.resize(*SIZE)
+        self.setMinimumSize(*SMALLEST)
+        self.measure = _button("Measure here", "Measure every method on the scene as it is now")
+        self.stop = _button("Stop", "Give the measurement up")
+        self.save = _button("Save…", "Write the chart as .png, .svg, .csv or .json")
+        self._progress = QProgressBar()
+        self._progress.setRange(0, 1000)
+        self._progress.setTextVisible(False)
+        self._sentence = QLabel(INVITATION)
+        self._sentence.setObjectName("name")
+        self._sentence.setWordWrap(True)
+        self._picture, self._strips = _Picture(), StripsView()
+        self._numbers = QLabel()
+        self._numbers.setObjectName("numbers")
+        self._numbers.setWordWrap(True)
+        self._numbers.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self._lay_out()
+        for button, wanted in (
+            (self.measure, self.measure_wanted),
+            (self.stop, self.stop_wanted),
+            (self.save, self.save_wanted),
+        ):
+            button.clicked.connect(wanted)
+        self._picture.picked.connect(self.picked)
+        self.save.setEnabled(False)
+        self.show_busy(False)
+
+    @property
+    def picture(self) -> _Picture:
+        """The chart itself."""
+        return self._picture
+
+    def show_busy(self, busy: bool) -> None:
+        """Offer to stop what is under way, or to begin."""
+        self.measure.setEnabled(not busy)
+        self.stop.setEnabled(busy)
+        self._progress.setVisible(busy)
+        if busy:
+            self._progress.setValue(0)
+            self.say("measuring; the tow is paused, and whatever else runs here is in the times …")
+
+    def show_progress(self, share: float) -> None:
+        """Show how much is done."""
+        self._progress.setValue(round(1000.0 * share))
+
+    def show_chart(self, pictured: Pictured) -> None:
+        """Show a chart that was measured."""
+        self.setWindowTitle(f"Chart of {pictured.chart.title or 'an untitled scene'} · insonify")
+        self._picture.show_chart(pictured)
+        self._bottom.hide()
+        self.save.setEnabled(True)
+        self.say(HINT)
+
+    def show_judged(self, judged: Judged) -> None:
+        """Show the record behind a point."""
+        if self._bottom.isHidden():
+            self._bottom.show()
+            height = self._splitter.height()
+            strips = min(STRIPS, round(MOST * height))
+            self._splitter.setSizes([height - strips, strips])
+        self._strips.show_judged(judged)
+        self._numbers.setText(in_numbers(judged))
+        self._picture.show_chosen(judged.row)
+
+    def say(self, sentence: str) -> None:
+        """Show a sentence until the next one."""
+        self._sentence.setText(sentence)
+
+    def _lay_out(self) -> None:
+        top = QHBoxLayout()
+        for widget in (self.measure, self.stop, self.save, self._progress):
+            top.addWidget(widget)
+        top.addWidget(self._sentence, 1)
+        self._bottom = QWidget()
+        below = QVBoxLayout(self._bottom)
+        below.setContentsMargins(0, 4, 0, 0)
+        below.addWidget(self._strips, 1)
+        below.addWidget(self._numbers)
+        self._bottom.hide()
+        self._splitter = splitter = QSplitter(Qt.Orientation.Vertical)
+        splitter.addWidget(self._picture)
+        splitter.addWidget(self._bottom)
+        splitter.setStretchFactor(0, 1)
+        splitter.setChildrenCollapsible(False)
+        column = QVBoxLayout(self)
+        column.addLayout(top)
+        column.addWidget(splitter, 1)
+
+
+class _Picture(QWidget):
+    """A chart on its own paper, as large as fits."""
+
+    picked = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setMinimumSize(320, 180)
+        self._pictured: Pictured | None = None
+        self._image = QImage()
+        self._chosen: object = None
+        self.setMouseTracking(True)
+
+    def show_chart(self, pictured: Pictured) -> None:
+        height, width = pictured.pixels.shape[:2]
+        self._pictured, self._chosen = pictured, None
+        # The image looks into the array, which lives as long as the chart is shown.
+        self._image = QImage(pictured.pixels.data, width, height, 4 * width, QImage.Format.Format_RGBA8888)
+        self.update()
+
+    def show_chosen(self, row: object) -> None:
+        self._chosen = row
+        self.update()
+
+    def place_of(self, row: object) -> QPointF:
+        """Pixel of a row's point."""
+        assert self._pictured is not None
+        frame = self._frame()
+        point = next(point for point in self._pictured.points if point.row is row)
+        return QPointF(frame.left() + point.x * frame.width(), frame.top() + point.y * frame.height())
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the chart, and a ring about the point that was picked."""
+        del event
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(GROUND))
+        painter.setRenderHints(QPainter.RenderHint.SmoothPixmapTransform | QPainter.RenderHint.Antialiasing)
+        if self._pictured is None:
+            painter.setPen(QColor(QUIET))
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "nothing measured yet")
+        else:
+            painter.drawImage(self._frame(), self._image)
+            if self._chosen is not None:
+                painter.setPen(QPen(QColor(ACCENT), 3))
+                painter.drawEllipse(self.place_of(self._chosen), 9.0, 9.0)
+        painter.end()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Announce the point under the mouse."""
+        if (row := self._under(event.position())) is not None:
+            self.picked.emit(row)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Show what can be picked."""
+        over = self._under(event.position()) is not None
+        self.setCursor(Qt.CursorShape.PointingHandCursor if over else Qt.CursorShape.ArrowCursor)
+
+    def _under(self, place: QPointF) -> object:
+        if self._pictured is None:
+            return None
+        frame = self._frame()
+        x, y = (place.x() - frame.left()) / frame.width(), (place.y() - frame.top()) / frame.height()
+        return nearest(self._pictured.points, x, y, frame.height() / frame.width(), GRASP / frame.width())
+
+    def _frame(self) -> QRectF:
+        """Where the picture is drawn."""
+        scale = min(self.width() / self._image.width(), self.height() / self._image.height())
+        width, height = scale * self._image.width(), scale * self._image.height()
+        return QRectF((self.width() - width) / 2.0, (self.height() - height) / 2.0, width, height)
+
+
+def _button(text: str, tip: str) -> QPushButton:
+    button = QPushButton(text)
+    button.setObjectName("tool")
+    button.setToolTip(tip)
+    return button

@@ -1,0 +1,177 @@
+"""The panel of sliders: one foldable section for each part of the scene."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QLabel,
+    QScrollArea,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from insonify_viewer.parameters import Choice, Number, Parameter, Section
+from insonify_viewer.views.folding import FoldingBox
+from insonify_viewer.views.parameter_rows import ChoiceRow, FileRow, NumberRow
+
+OPEN_AT_FIRST = ("sonar", "seabed", "track")
+Row = NumberRow | ChoiceRow | FileRow
+
+
+class ParameterPanel(QScrollArea):
+    """Shows parameters and announces what the person does to them."""
+
+    dragged = Signal(str, object)
+    settled = Signal(str, object)
+    file_asked = Signal(str)
+    removed = Signal(str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setMinimumWidth(292)
+        self._body = QWidget()
+        self._body.setObjectName("panel")
+        self._column = QVBoxLayout(self._body)
+        self._column.setContentsMargins(8, 8, 8, 8)
+        self._column.setSpacing(6)
+        self._about = AboutBox()
+        self._column.addWidget(self._about)
+        self._column.addStretch(1)
+        self.setWidget(self._body)
+        self._sections: dict[str, SectionBox] = {}
+
+    @property
+    def about(self) -> str:
+        """What is shown of the scene's own words."""
+        return self._about.words
+
+    def show_about(self, description: str) -> None:
+        """Show what the scene says of itself."""
+        self._about.say(description)
+
+    def show_sections(self, sections: tuple[Section, ...]) -> None:
+        """Show these parameters; only what is built otherwise than before is built anew."""
+        keys = [section.key for section in sections]
+        for key in [key for key in self._sections if key not in keys]:
+            self._drop(key)
+        for place, section in enumerate(sections):
+            box = self._sections.get(section.key)
+            if box is not None and box.structure == section.structure:
+                box.show_values(section)
+                continue
+            unfolded = section.key in OPEN_AT_FIRST if box is None else box.unfolded
+            if box is not None:
+                self._drop(section.key)
+            box = SectionBox(section, self, unfolded=unfolded)
+            self._sections[section.key] = box
+            self._column.insertWidget(place + 1, box)
+
+    def turn_to(self, key: str) -> None:
+        """Open the section of a target, fold those of the others, and scroll to it."""
+        for name, box in self._sections.items():
+            if box.removable:
+                box.unfold(name == key)
+        # Laid out at once, for the scroll bar to reach that far.
+        self._sections[key].show()
+        self._column.activate()
+        self._body.resize(self._body.width(), self._body.sizeHint().height())
+        self.ensureWidgetVisible(self._sections[key], 0, 8)
+
+    def row(self, path: str) -> Row:
+        """Find the row of a parameter by its dotted path."""
+        return next(box.rows[path] for box in self._sections.values() if path in box.rows)
+
+    def _drop(self, key: str) -> None:
+        box = self._sections.pop(key)
+        self._column.removeWidget(box)
+        box.hide()
+        box.deleteLater()
+
+
+class AboutBox(FoldingBox):
+    """What the scene shows and what to move, in its own words."""
+
+    def __init__(self) -> None:
+        self._words = QLabel()
+        self._words.setObjectName("about")
+        self._words.setWordWrap(True)
+        self._words.setTextFormat(Qt.TextFormat.PlainText)
+        self._words.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        super().__init__("About this scene", self._words, unfolded=True)
+
+    @property
+    def words(self) -> str:
+        """What is shown."""
+        return self._words.text()
+
+    def say(self, description: str) -> None:
+        """Show a description; a scene without one has no heading for it either."""
+        self._words.setText(" ".join(description.split()))
+        self.setVisible(bool(description.strip()))
+
+
+class SectionBox(FoldingBox):
+    """A section of the panel.
+
+    Attributes
+    ----------
+    rows : dict of str to row
+        By dotted path.
+    structure, removable : tuple, bool
+        Of the section it was built from.
+    """
+
+    def __init__(self, section: Section, panel: ParameterPanel, *, unfolded: bool) -> None:
+        self.structure, self.removable = section.structure, section.removable
+        self.rows: dict[str, Row] = {}
+        body = QWidget()
+        grid = QGridLayout(body)
+        grid.setContentsMargins(6, 4, 2, 4)
+        grid.setHorizontalSpacing(8)
+        grid.setVerticalSpacing(4)
+        grid.setColumnStretch(1, 1)
+        for line, parameter in enumerate(section.parameters):
+            row = _row(parameter, panel)
+            row.place(grid, line)
+            self.rows[parameter.path] = row
+        remover = _remover(section, panel) if section.removable else None
+        super().__init__(section.title, body, unfolded=unfolded, beside=remover)
+
+    def show_values(self, section: Section) -> None:
+        """Show other values in the same rows."""
+        self.entitle(section.title)
+        for parameter in section.parameters:
+            row: Any = self.rows[parameter.path]
+            row.show_value(parameter)
+
+
+def _row(parameter: Parameter, panel: ParameterPanel) -> Row:
+    """Return the row for a parameter."""
+    if isinstance(parameter, Number):
+        return NumberRow(parameter, panel.dragged.emit, panel.settled.emit)
+    if isinstance(parameter, Choice):
+        return ChoiceRow(parameter, panel.settled.emit)
+    return FileRow(parameter, panel.file_asked.emit)
+
+
+def _remover(section: Section, panel: ParameterPanel) -> QToolButton:
+    """Return the button that takes a section's subject out of the scene."""
+    button = QToolButton()
+    button.setObjectName("remove")
+    button.setText("×")
+    button.setToolTip("Remove this target")
+    button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    button.setFixedWidth(26)
+    button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+    key = section.key
+    button.clicked.connect(lambda: panel.removed.emit(key))
+    return button

@@ -1,0 +1,197 @@
+"""One row of the panel for one parameter: a slider with its number, or a combo box."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QPushButton, QSizePolicy, QSlider
+
+from insonify_viewer.parameters import Choice, File, Number
+from insonify_viewer.quantities import at_fraction, fraction, read, shown
+
+STEPS = 1000
+INDENT = 12
+Change = Callable[[str, Any], None]
+
+
+class _Slider(QSlider):
+    """A slider that leaves the wheel to the panel unless it was clicked on."""
+
+    def __init__(self) -> None:
+        super().__init__(Qt.Orientation.Horizontal)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setRange(0, STEPS)
+        self.setPageStep(STEPS // 20)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+
+class Combo(QComboBox):
+    """A combo box that leaves the wheel to the panel."""
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Let the panel scroll."""
+        event.ignore()
+
+
+class NumberRow:
+    """A number: name, slider, and a field to type into.
+
+    Parameters
+    ----------
+    number : Number
+        What to show.
+    dragged, settled : callable
+        Called with (path, value) while the slider is held, and when a value is final.
+    """
+
+    def __init__(self, number: Number, dragged: Change, settled: Change) -> None:
+        self._number, self._dragged, self._settled = number, dragged, settled
+        self._showing = False
+        self.label = _label(number.label, number.indent, number.tooltip, number.unit)
+        self._tooltip = self.label.toolTip()
+        self.slider = _Slider()
+        self.slider.setVisible(number.slider is not None)
+        self.field = QLineEdit()
+        self.field.setObjectName("value")
+        self.field.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.field.setFixedWidth(76)
+        self.slider.valueChanged.connect(self._moved)
+        self.slider.sliderReleased.connect(self._released)
+        self.field.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+        self.field.editingFinished.connect(self._typed)
+        # The keyboard goes back to the window, where Space pauses.
+        self.field.returnPressed.connect(self.field.clearFocus)
+        self.show_value(number)
+
+    def place(self, grid: QGridLayout, row: int) -> None:
+        """Put the row into a grid of three columns."""
+        grid.addWidget(self.label, row, 0)
+        grid.addWidget(self.slider, row, 1)
+        grid.addWidget(self.field, row, 2)
+
+    def show_value(self, number: Number) -> None:
+        """Show another value, unless the slider is in the person's hand."""
+        self._number = number
+        self._let_be(number.idle)
+        if not self.field.hasFocus() or not self.field.isModified():
+            self.field.setText(shown(number.value, number.unit))
+            self.field.setCursorPosition(0)
+        if number.slider is not None and not self.slider.isSliderDown():
+            self._showing = True
+            self.slider.setValue(round(STEPS * fraction(number.value, number.slider, log=number.log)))
+            self._showing = False
+
+    def _let_be(self, idle: str) -> None:
+        """Put the row aside while it changes nothing, and say why."""
+        for widget in (self.label, self.slider, self.field):
+            widget.setEnabled(not idle)
+            widget.setToolTip(f"{self._tooltip}; {idle}" if idle else self._tooltip)
+
+    def _moved(self, position: int) -> None:
+        if self._showing or self._number.slider is None:
+            return
+        number = self._number
+        value = at_fraction(position / STEPS, self._number.slider, log=number.log, integer=number.integer)
+        # Arrow keys and clicks beside the handle are final at once.
+        change = self._dragged if self.slider.isSliderDown() else self._settled
+        change(number.path, int(value) if number.integer else value)
+
+    def _released(self) -> None:
+        self._settled("", None)
+
+    def _typed(self) -> None:
+        if not self.field.isModified():
+            return
+        self.field.setModified(False)
+        number = self._number
+        value = read(self.field.text(), number.unit)
+        if value is None or (number.integer and value != round(value)):
+            self._settled(number.path, self.field.text())
+        else:
+            self._settled(number.path, int(value) if number.integer else value)
+
+
+class ChoiceRow:
+    """A choice: name and combo box.
+
+    Parameters
+    ----------
+    choice : Choice
+        What to show.
+    settled : callable
+        Called with (path, value) when another entry is picked.
+    """
+
+    def __init__(self, choice: Choice, settled: Change) -> None:
+        self._choice, self._settled = choice, settled
+        self.label = _label(choice.label, choice.indent, choice.tooltip, "")
+        self.combo = Combo()
+        self.combo.setToolTip(choice.tooltip)
+        for option in choice.options:
+            name = ("off", "on")[option] if isinstance(option, bool) else str(option).replace("_", " ")
+            self.combo.addItem(name, option)
+        self.combo.activated.connect(self._picked)
+        self.show_value(choice)
+
+    def place(self, grid: QGridLayout, row: int) -> None:
+        """Put the row into a grid of three columns."""
+        grid.addWidget(self.label, row, 0)
+        grid.addWidget(self.combo, row, 1, 1, 2)
+
+    def show_value(self, choice: Choice) -> None:
+        """Show another value."""
+        self._choice = choice
+        self.combo.setCurrentIndex(choice.options.index(choice.value))
+
+    def _picked(self, index: int) -> None:
+        value = self.combo.itemData(index)
+        if value != self._choice.value:
+            self._settled(self._choice.path, value)
+
+
+class FileRow:
+    """A file: a button with its name, which asks for another.
+
+    Parameters
+    ----------
+    file : File
+        What to show.
+    asked : callable
+        Called with the path of the field when the person wants another file.
+    """
+
+    def __init__(self, file: File, asked: Callable[[str], None]) -> None:
+        self.label = _label(file.label, file.indent, file.tooltip, "")
+        self.button = QPushButton()
+        self.button.setObjectName("file")
+        self.button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # a long name is cut off
+        self.button.clicked.connect(lambda: asked(file.path))
+        self.show_value(file)
+
+    def place(self, grid: QGridLayout, row: int) -> None:
+        """Put the row into a grid of three columns."""
+        grid.addWidget(self.label, row, 0)
+        grid.addWidget(self.button, row, 1, 1, 2)
+
+    def show_value(self, file: File) -> None:
+        """Show another name."""
+        self.button.setText(f"{Path(file.value).name} …")
+        self.button.setToolTip(file.value)
+
+
+def _label(text: str, indent: int, tooltip: str, unit: str) -> QLabel:
+    label = QLabel(text)
+    label.setObjectName("name")
+    label.setToolTip(f"{tooltip} ({unit})" if unit else tooltip)
+    label.setContentsMargins(INDENT * indent, 0, 0, 0)
+    return label

@@ -1,0 +1,250 @@
+"""The plan's panel: what is modelled and what is left out, each with its reason and a way to force it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QScrollArea,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
+
+from insonify_viewer.modelling import Modelling
+from insonify_viewer.parameters import Number
+from insonify_viewer.quantities import span
+from insonify_viewer.views.folding import FoldingBox
+from insonify_viewer.views.parameter_rows import Combo, NumberRow
+
+if TYPE_CHECKING:
+    from insonify.planning import Entry, Plan
+
+Force = Callable[[str, str | None], None]
+AUTOMATIC = "automatic"
+TOLERANCES = (0.2, 50.0)  # %
+
+
+class PlanView(QScrollArea):
+    """Shows a plan, and announces what the person wants to be modelled otherwise."""
+
+    forced = Signal(str, object)  # subject, and a choice or None
+    tolerated = Signal(float)
+    left_to_plan = Signal()
+    chart_wanted = Signal()
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setMinimumWidth(292)
+        body = QWidget()
+        body.setObjectName("panel")
+        column = QVBoxLayout(body)
+        column.setContentsMargins(8, 8, 8, 8)
+        column.setSpacing(6)
+        self._tolerance = _Tolerance(self.tolerated.emit)
+        self._totals = _words("about")
+        self._change = _words("change")
+        self.automatic = _button("Back to automatic", "Leave every choice to the plan again")
+        self.automatic.clicked.connect(self.left_to_plan)
+        self.chart = _button("Chart…", "Measure speed and accuracy of every method on this scene")
+        self.chart.clicked.connect(self.chart_wanted)
+        buttons = QHBoxLayout()
+        buttons.addWidget(self.automatic)
+        buttons.addWidget(self.chart)
+        self._groups = {True: Group("Modelled"), False: Group("Left out")}
+        for part in (self._tolerance, self._totals, self._change):
+            column.addWidget(part)
+        column.addLayout(buttons)
+        for group in self._groups.values():
+            column.addWidget(group)
+        column.addStretch(1)
+        self.setWidget(body)
+        self._predicted = ""
+        self.show_change("", "")
+
+    def show_plan(self, plan: Plan, modelling: Modelling) -> None:
+        """Show a plan, and what of it was asked for."""
+        self._tolerance.show_share(modelling.tolerance)
+        self.automatic.setEnabled(bool(modelling.forced))
+        self._predicted = f"predicted: misses {_share(plan.error)}, {span(plan.cost)} a ping on one thread"
+        self._totals.setText(self._predicted)
+        forced = dict(modelling.forced)
+        for modelled, group in self._groups.items():
+            group.show_entries(
+                [entry for entry in plan.entries if entry.modelled is modelled], forced, self.forced.emit
+            )
+
+    def show_measured(self, seconds: float) -> None:
+        """Say what a ping takes here, beside what was predicted."""
+        self._totals.setText(f"{self._predicted}\nmeasured: {span(seconds)} a ping on all threads")
+
+    def show_change(self, subject: str, words: str) -> None:
+        """Say what the last change did; beside the choice if one subject alone changed."""
+        for group in self._groups.values():
+            for name, line in group.lines.items():
+                line.say(words if name == subject else "")
+        beside_none = subject not in {name for group in self._groups.values() for name in group.lines}
+        self._change.setText(words)
+        self._change.setVisible(bool(words) and beside_none)
+
+    def line(self, subject: str) -> Line:
+        """Find the line of a subject."""
+        return next(group.lines[subject] for group in self._groups.values() if subject in group.lines)
+
+    def subjects(self, *, modelled: bool) -> list[str]:
+        """List the subjects of one group as they are shown."""
+        return list(self._groups[modelled].lines)
+
+
+class Group(FoldingBox):
+    """The lines of what is modelled, or of what is left out."""
+
+    def __init__(self, title: str) -> None:
+        self.lines: dict[str, Line] = {}
+        self._rows = QWidget()
+        self._column = QVBoxLayout(self._rows)
+        self._column.setContentsMargins(6, 4, 2, 4)
+        self._column.setSpacing(8)
+        super().__init__(title, self._rows, unfolded=True)
+        self.hide()
+
+    def show_entries(self, entries: list[Entry], forced: dict[str, str], force: Force) -> None:
+        """Show these entries; lines of the same subjects in the same order stay what they are."""
+        names = _names(entries)
+        if names != list(self.lines):
+            for line in self.lines.values():
+                self._column.removeWidget(line)
+                line.hide()
+                line.deleteLater()
+            self.lines = {name: Line(force) for name in names}
+            for line in self.lines.values():
+                self._column.addWidget(line)
+        for name, entry in zip(names, entries):
+            self.lines[name].show_entry(entry, forced.get(entry.subject))
+        self.setVisible(bool(entries))
+
+
+class Line(QWidget):
+    """One choice of the plan.
+
+    Attributes
+    ----------
+    combo : QComboBox
+        What it can be forced to, led by "automatic"; hidden where there is no choice.
+    """
+
+    def __init__(self, force: Force) -> None:
+        super().__init__()
+        self._subject = ""
+        self._choice, self._reason, self._numbers, self._change = (
+            _words(name) for name in ("choice", "name", "numbers", "change")
+        )
+        self.combo = Combo()
+        self.combo.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.combo.setFixedWidth(104)
+        self.combo.activated.connect(lambda _: force(self._subject, self.combo.currentData()))
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setVerticalSpacing(1)
+        grid.setColumnStretch(0, 1)
+        grid.addWidget(self._choice, 0, 0)
+        grid.addWidget(self.combo, 0, 1, Qt.AlignmentFlag.AlignTop)
+        for row, words in enumerate((self._reason, self._numbers, self._change), 1):
+            grid.addWidget(words, row, 0, 1, 2)
+
+    def show_entry(self, entry: Entry, forced: str | None) -> None:
+        """Show a choice, its reason and its numbers."""
+        self._subject = entry.subject
+        self._choice.setText(entry.choice)
+        self._reason.setText(entry.reason)
+        error = f"misses {_share(entry.error)}" if entry.error > 0.0 else ""
+        cost = f"{'' if entry.modelled else 'would take '}{span(entry.cost)} a ping" if entry.cost > 0.0 else ""
+        self._numbers.setText(" · ".join(part for part in (error, cost) if part))
+        self._numbers.setVisible(bool(error or cost))
+        options = [*entry.options, *([forced] if forced and forced not in entry.options else [])]
+        self.combo.clear()
+        self.combo.addItem(AUTOMATIC, None)
+        for option in options:
+            self.combo.addItem(option, option)
+        self.combo.setCurrentIndex(0 if forced is None else self.combo.findData(forced))
+        self.combo.setVisible(bool(options))
+        self.combo.setToolTip(f"Force {entry.subject}, or leave it to the plan")
+
+    def say(self, words: str) -> None:
+        """Say what forcing it changed."""
+        self._change.setText(words)
+        self._change.setVisible(bool(words))
+
+
+class _Tolerance(QWidget):
+    """The slider of what may be missed; final when it is let go."""
+
+    def __init__(self, settled: Callable[[float], None]) -> None:
+        super().__init__()
+        self._settled = settled
+        self._value = 0.0
+        self._row = NumberRow(_number(3.0), self._dragged, self._final)
+        grid = QGridLayout(self)
+        grid.setContentsMargins(6, 0, 2, 0)
+        grid.setColumnStretch(1, 1)
+        self._row.place(grid, 0)
+        self.slider = self._row.slider
+
+    def show_share(self, share: float) -> None:
+        self._value = 100.0 * share
+        self._row.show_value(_number(self._value))
+
+    def _dragged(self, _: str, percent: float) -> None:
+        self.show_share(percent / 100.0)
+
+    def _final(self, path: str, percent: object) -> None:
+        value = percent if path else self._value
+        if isinstance(value, (int, float)) and value > 0.0:
+            self._settled(value / 100.0)
+        else:
+            self.show_share(self._value / 100.0)
+
+
+def _number(percent: float) -> Number:
+    tooltip = "Greatest error beyond 1.4 altitudes that the plan may leave"
+    return Number("tolerance", "may miss", tooltip, "%", 0, percent, TOLERANCES, log=True, integer=False)
+
+
+def _names(entries: list[Entry]) -> list[str]:
+    """Subjects, each told apart from the same one before it."""
+    names: list[str] = []
+    for entry in entries:
+        names.append(entry.subject if entry.subject not in names else f"{entry.subject} {len(names)}")
+    return names
+
+
+def _share(error: float) -> str:
+    return f"{100.0 * error:.2g} %" if error < 0.995 else "all" if error < 1.5 else f"{error:.0f} ×"
+
+
+def _words(name: str) -> QLabel:
+    label = QLabel()
+    label.setObjectName(name)
+    label.setWordWrap(True)
+    label.setTextFormat(Qt.TextFormat.PlainText)
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    return label
+
+
+def _button(text: str, tip: str) -> QPushButton:
+    button = QPushButton(text)
+    button.setObjectName("file")
+    button.setToolTip(tip)
+    button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+    return button

@@ -1,0 +1,113 @@
+"""Three strips, one above the other on one scale of range: a record, its reference, their difference."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QRect, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
+from PySide6.QtWidgets import QWidget
+
+from insonify.display.picture import PALETTES, contrast, palette
+from insonify_viewer.judging import Judged
+from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
+from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
+
+LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
+LARGE = 0.5  # of the span of the palette, a difference that takes its full colour
+
+
+class StripsView(QWidget):
+    """Shows what lies behind a point of a chart."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setMinimumHeight(3 * (TITLE + 16) + RULER)
+        self._judged: Judged | None = None
+
+    def show_judged(self, judged: Judged) -> None:
+        """Show a record beside its reference."""
+        self._judged = judged
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the strips with their titles, and the ruler."""
+        del event
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(GROUND))
+        if (judged := self._judged) is not None:
+            low, high = contrast(judged.reference)
+            shades = colour_table(palette(PALETTES[0]))
+            largest = LARGE * (high - low)
+            for number, (title, strip, ends, table) in enumerate(
+                (
+                    (
+                        ((f"record: {judged.row.method}, {judged.row.setting}", TEXT),),
+                        judged.record,
+                        (low, high),
+                        shades,
+                    ),
+                    (((f"reference: {judged.rays:,} rays a side", TEXT),), judged.reference, (low, high), shades),
+                    (
+                        (
+                            ("difference, full colour at half the picture's span: ", TEXT),
+                            ("too bright", ACCENT),
+                            (" or ", TEXT),
+                            ("too dark", MARK),
+                        ),
+                        judged.record - judged.reference,
+                        (-largest, largest),
+                        _two_sided(),
+                    ),
+                )
+            ):
+                self._draw(painter, number, title, strip, ends, table)
+            self._draw_ruler(painter, judged.reach)
+        painter.end()
+
+    def _draw(
+        self,
+        painter: QPainter,
+        number: int,
+        title: tuple[tuple[str, str], ...],
+        strip: NDArray[np.float32],
+        ends: tuple[float, float],
+        table: NDArray[np.uint32],
+    ) -> None:
+        place = self._place(number)
+        line = place.adjusted(0, -TITLE, 0, 0)
+        for words, colour in title:
+            painter.setPen(QColor(colour))
+            painter.drawText(line, Qt.AlignmentFlag.AlignLeft, words)
+            line.setLeft(line.left() + painter.fontMetrics().horizontalAdvance(words))
+        pixels = np.ascontiguousarray(colours(column_means(strip, place.width()), *ends, table))
+        rows, width = pixels.shape
+        painter.drawImage(place, QImage(pixels.data, width, rows, 4 * width, QImage.Format.Format_RGB32))
+
+    def _place(self, number: int) -> QRect:
+        """Where a strip lies."""
+        tall = (self.height() - RULER) / 3.0
+        top = round(number * tall) + TITLE
+        return QRect(LEFT, top, max(self.width() - LEFT - RIGHT, 2), max(round((number + 1) * tall) - top - 2, 1))
+
+    def _draw_ruler(self, painter: QPainter, reach: float) -> None:
+        """Metres of slant range from nadir to both sides."""
+        last = self._place(2)
+        middle, base = last.left() + last.width() / 2.0, last.bottom() + 2
+        for value in ticks(reach, max(last.width() // 160, 1)):
+            for x in {middle - value / reach * last.width() / 2.0, middle + value / reach * last.width() / 2.0}:
+                painter.setPen(QColor(EDGE))
+                painter.drawLine(int(x), base, int(x), base + 4)
+                painter.setPen(QColor(QUIET))
+                unit = " m" if value == 0.0 else ""
+                painter.drawText(
+                    QRect(int(x) - 40, base + 5, 80, 15), Qt.AlignmentFlag.AlignHCenter, f"{value:g}{unit}"
+                )
+
+
+def _two_sided() -> NDArray[np.uint32]:
+    """Colours of differences: from too dark over none to too bright."""
+    dark, none, bright = (np.array([c.red(), c.green(), c.blue()], float) for c in map(QColor, (MARK, GROUND, ACCENT)))
+    share = np.linspace(-1.0, 1.0, 256)[:, None]
+    mixed = none + np.maximum(-share, 0.0) * (dark - none) + np.maximum(share, 0.0) * (bright - none)
+    return colour_table(np.rint(mixed).astype(np.uint8))

@@ -1,0 +1,24 @@
+"""The one error that a person who uses the package is told about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+class SceneError(ValueError):
+    """A mistake in a scene, said in one sentence that names the field, the value and the remedy."""
+
+
+@contextmanager
+def located(path: str) -> Iterator[None]:
+    """Put the dotted path of a part of a scene in front of the field that an error within names.
+
+    Raises
+    ------
+    SceneError
+    """
+    try:
+        yield
+    except SceneError as error:
+        raise SceneError(f"{path}.{error}") from None

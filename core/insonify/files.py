@@ -1,0 +1,38 @@
+"""Files that come with the package, and versions of files on disk."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+
+@cache
+def resources() -> Path:
+    """Return the folder of scenes, lessons, meshes, materials and palettes, in a wheel as in a checkout."""
+    spec = find_spec("insonify")
+    if spec is None or spec.origin is None:
+        raise FileNotFoundError("the insonify package is not installed")
+    package = Path(spec.origin).parent
+    installed = package / "resources"
+    return installed if installed.is_dir() else package.parent.parent / "resources"
+
+
+def bundled_scenes() -> dict[str, Path]:
+    """Return the scenes that come with the package, by name."""
+    return {path.stem: path for path in sorted((resources() / "scenes").glob("*.toml"))}
+
+
+def bundled_meshes() -> dict[str, Path]:
+    """Return the shapes that come with the package, by name."""
+    # In a checkout, the script that makes a mesh stands beside it.
+    return {path.stem: path for path in sorted((resources() / "meshes").iterdir()) if path.suffix != ".py"}
+
+
+def file_version(path: str | Path) -> tuple[int, int]:
+    """Tell one content of a file from the next; zeros for what is not a file, which the reader refuses."""
+    file = Path(path)
+    if not file.is_file():
+        return 0, 0
+    status = file.stat()
+    return status.st_mtime_ns, status.st_size

@@ -1,1 +1,0 @@
-"""The scene as light shows it: rays of sight through the same bodies and materials, to a picture."""

@@ -1,0 +1,135 @@
+"""Pictures by light: shadows where geometry puts them, Lambert's law, mirrors, and nothing black."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from insonify.cli import main
+from insonify.scene import edit, load_scene
+from insonify_viewer.block import make_block, make_camera
+from insonify_viewer.glances import glances
+from insonify_viewer.light import LAMP, Stage, light_picture
+from insonify_viewer.setting import Setting, make_setting
+from insonify_viewer.shading import hues
+
+LEVEL = {"seabed.relief": "flat", "seabed.material": {"name": "rock", "diffuse": 0.5, "specular": 0.0}, "targets": []}
+
+
+def laid_out(name: str, **changes: Any) -> Setting:
+    return make_setting(edit(load_scene(name), {path.replace("__", "."): value for path, value in changes.items()}))
+
+
+def pixel(setting: Setting, image: Any, place: tuple[float, float, float]) -> Any:
+    block = make_block(setting)
+    x, y = make_camera(block, image.shape[1]).seen(np.array(place))
+    return image[int(y), int(x)].astype(float)
+
+
+def shadow(gap: float) -> tuple[float, float]:
+    """Ground ranges between which a pipe of 0.5 m radius, 30 m away, shades a level bed from a lamp 10 m up."""
+    drop = 10.0 - gap - 0.5
+    angle, half = math.atan2(drop, 30.0), math.asin(0.5 / math.hypot(30.0, drop))
+    return 10.0 / math.tan(angle + half), 10.0 / math.tan(angle - half)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1.0])
+def test_the_shadow_of_a_pipe_lies_where_geometry_puts_it(gap: float) -> None:
+    setting = laid_out("pipe-on-bed", targets__0__gap=gap)
+    image = light_picture(setting, make_block(setting), 1000)
+    begins, ends = shadow(gap)
+    middle = setting.scene.track.pings // 2 * setting.scene.track.speed / setting.scene.sonar.ping_rate
+    lit, dark = (
+        [pixel(setting, image, (middle, -y, 0.0)).sum() for y in ranges]
+        for ranges in ((ends + 0.3, ends + 1.0), (max(begins, 32.0) + 0.3, 0.5 * (begins + ends) + 0.5, ends - 0.3))
+    )
+    assert max(dark) < 0.7 * min(lit)
+
+
+def test_light_on_a_level_bed_falls_with_the_cosine() -> None:
+    setting = make_setting(edit(load_scene("pipe-on-bed"), LEVEL))
+    block = make_block(setting)
+    stage = Stage(setting, block)
+    aside = (5.0, 10.0, 20.0)
+    down = np.array([[0.0, 0.0, -1.0]])
+    near, middle, far = (stage.seen(np.add(block.lamp, (0.0, -y, 1.0)), down)[0, :3] for y in aside)
+    cosines = [math.cos(math.atan2(y, 10.0)) for y in aside]
+    # The light from around is the same everywhere and cancels.
+    expected = (cosines[0] - cosines[1]) / (cosines[0] - cosines[2])
+    np.testing.assert_allclose((near - middle) / (near - far), expected, rtol=1e-9)
+    colour = LAMP * hues(("rock",))[0]
+    np.testing.assert_allclose(near - far, 0.5 * colour * (cosines[0] - cosines[2]), rtol=1e-9)
+
+
+def test_a_mirror_shows_what_stands_before_it() -> None:
+    setting = laid_out("figure-1", sonar__bounces=1)
+    # From the ball's side of the mirror at y = 26.9, looking at the ball's image behind it.
+    eye, image = np.array([16.0, 10.0, 4.0]), np.array([10.0, 2 * 26.9 - 20.0, 0.8])
+    way = (image - eye) / np.linalg.norm(image - eye)
+    found = glances(setting.arrays, eye[None], way[None], np.array([100.0]), len(setting.ground.names))
+    assert found.what.tolist() == [0, 1]
+    assert np.linalg.norm(found.where[1] - [10.0, 20.0, 0.8]) == pytest.approx(0.8, abs=1e-6)
+    assert found.share[1] == pytest.approx(1.0)
+    assert found.normal[1] @ found.way[1] < -0.9
+
+
+def test_what_leaves_into_the_water_is_accounted_for() -> None:
+    """With surfaces that keep nothing, every ray ends on the bed or in the water, and no share is lost or won."""
+    setting = laid_out("figure-1", sonar__bounces=8)
+    rng = np.random.default_rng(1)
+    centre = np.array([12.0, -18.0, 2.5])  # of the clear ball
+    eyes = centre + np.column_stack([rng.uniform(-6.0, 6.0, (500, 2)), rng.uniform(3.0, 8.0, 500)])
+    ways = centre + rng.uniform(-1.2, 1.2, (500, 3)) - eyes
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    found = glances(setting.arrays, eyes, ways, np.full(500, 100.0), len(setting.ground.names))
+    ended = np.zeros(500)
+    np.add.at(ended, found.ray, found.escaped)
+    others = (found.what != 5) & (found.share > 0.0)
+    np.add.at(ended, found.ray[others], found.share[others])
+    first_on_ball = np.zeros(500, bool)
+    first_on_ball[found.ray[(found.what == 5) & (found.share == 1.0)]] = True
+    assert first_on_ball.sum() > 300
+    # The bed mirrors under half a percent.
+    assert np.median(ended[first_on_ball]) == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["default", "double-image", "figure-5-relief", "sediments", "real-bed", "wreck"])
+def test_no_picture_has_black_or_blank_regions(name: str) -> None:
+    setting = make_setting(load_scene(name))
+    image = light_picture(setting, make_block(setting), 300).astype(int)
+    assert image.sum(axis=2).min() > 45
+    assert (image.min(axis=2) >= 254).mean() < 0.01
+    middle = image[image.shape[0] // 3 : -image.shape[0] // 3, 75:-75]
+    assert middle.std() > 4.0
+    sand = middle[..., 0] >= middle[..., 2] - 12
+    assert sand.mean() > 0.7, "the block fills the picture"
+
+
+def test_the_command_draws_the_scene_as_it_is_set(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "light.png"
+    gravel = ["--set", "seabed.relief=flat", "--set", "seabed.material=cobble", "--set", "targets=[]"]
+    assert main(["light", "pipe-on-bed", "-o", str(path), *gravel]) == 0
+    assert "light.png: 1200 x" in capsys.readouterr().out
+    image = np.asarray(Image.open(path).convert("RGB")).astype(int)
+    middle = image[image.shape[0] // 2, 450:550]
+    assert np.ptp(middle, axis=1).mean() < 30, "cobble is grey"
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (("nowhere", "-o", "l.png"), "no such file"),
+        (("default", "-o", "l.jpg"), ".png"),
+        (("default", "-o", "l.png", "--set", "sonar.range=-1"), "sonar.range"),
+    ],
+)
+def test_mistakes_are_one_sentence(words: tuple[str, ...], part: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["light", *words]) == 2
+    said = capsys.readouterr().err
+    assert part in said
+    assert said.count("\n") == 1
