@@ -9,9 +9,9 @@ import numpy as np
 from insonify.acoustics.rays import follow_paths
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import Water
-from insonify.kernels.refraction.arcs import launch_ray, step
-from insonify.kernels.refraction.eigenrays import eigenray, shoot
-from insonify.kernels.refraction.ray_paths import Limits
+from insonify.kernels.refraction.arcs import advance_in_layers, launch_in_layers
+from insonify.kernels.refraction.eigenrays import find_direct_ray, follow_to_range
+from insonify.kernels.refraction.ray_paths import RayLimits
 
 NO_FLOOR, NO_CEILING = -math.inf, math.inf
 
@@ -28,12 +28,12 @@ def gradient(speed, per_metre, depth=1e5):
 
 @kernel
 def launched(height, speed, z, cosine, sine):
-    return launch_ray(height, speed, z, cosine, sine)
+    return launch_in_layers(height, speed, z, cosine, sine)
 
 
 @kernel
 def stepped(height, speed, ray, x_end, low, high):
-    return step(height, speed, ray, x_end, low, high)
+    return advance_in_layers(height, speed, ray, x_end, low, high)
 
 
 def downward(water, depth, degrees):
@@ -44,12 +44,12 @@ def downward(water, depth, degrees):
 
 def shot(water, depth, degrees, x_end=math.inf, bottom=math.inf, surface=NO_CEILING):
     """Follow a ray to a range or a bottom."""
-    return shoot(*water, downward(water, depth, degrees), x_end, -bottom, surface)
+    return follow_to_range(*water, downward(water, depth, degrees), x_end, -bottom, surface)
 
 
 def joined(water, depth, x, to_depth):
     """The ray between two points, and its launch angle below the horizontal in degrees."""
-    status, ray = eigenray(*water, -depth, -to_depth, x, NO_FLOOR, NO_CEILING)
+    status, ray = find_direct_ray(*water, -depth, -to_depth, x, NO_FLOOR, NO_CEILING)
     return status, ray, math.degrees(math.atan2(-ray.sine0, ray.cosine0))
 
 
@@ -62,5 +62,5 @@ def water_of(height, speed, station=(0.0,)):
 def followed(water, depth, degrees, ranges, bottom=math.inf, surface=NO_CEILING, mirrored=False):
     """Follow rays launched at so many degrees below the horizontal, to the last of some ranges."""
     ranges = np.asarray(ranges, float)
-    limits = Limits(float(ranges[-1]), -float(bottom), surface, False, mirrored)
+    limits = RayLimits(float(ranges[-1]), -float(bottom), surface, False, mirrored)
     return follow_paths(water, -float(depth), -np.radians(np.atleast_1d(degrees).astype(float)), ranges, limits)

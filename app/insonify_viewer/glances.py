@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import SceneArrays
-from insonify.tracers.rays import Paths, cast, follow
+from insonify.tracers.rays import PathHits, cast, follow
 from insonify_viewer.block import Vectors
 
 SHORT = 1e-5  # m before a hit, from where its surface is looked at
@@ -83,7 +83,7 @@ def _followed(arrays: SceneArrays, starts: Vectors, ways: Vectors, ray: NDArray[
     return Glances(ray[paths.ray], paths.position, way, normal, paths.what, share, escaped)
 
 
-def _before(paths: Paths) -> NDArray[np.int64]:
+def _before(paths: PathHits) -> NDArray[np.int64]:
     """Find the hit before each, which is the last one listed with a bounce less; its own number for a first hit."""
     numbers = np.arange(paths.ray.size)
     before = numbers.copy()
@@ -95,7 +95,7 @@ def _before(paths: Paths) -> NDArray[np.int64]:
 
 
 def _escaped(
-    arrays: SceneArrays, paths: Paths, before: NDArray[np.int64], within: NDArray[np.bool_], of_bed: int
+    arrays: SceneArrays, paths: PathHits, before: NDArray[np.int64], within: NDArray[np.bool_], of_bed: int
 ) -> NDArray[np.float64]:
     """Share of every hit's ray that goes on from there and meets nothing."""
     rows = material_rows(arrays, paths.position, paths.what, of_bed)

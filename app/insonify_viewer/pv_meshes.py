@@ -10,12 +10,12 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from insonify.packing.rotation import rotation
+from insonify.packing.rotation import rotation_matrix
 from insonify_viewer.shading import bed_image, sampled
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
-    from insonify.packing.track import Line
+    from insonify.packing.track import TowLine
     from insonify.terrain import AnyGround
 
 MESH_NODES = 256
@@ -49,7 +49,7 @@ class BedPatch:
     image: NDArray[np.uint8]
 
 
-def window_centre(line: Line, reach: float) -> tuple[float, float]:
+def window_centre(line: TowLine, reach: float) -> tuple[float, float]:
     """Place the window about a place of the line, in the steps in which it follows the tow."""
     step, behind = reach / STEPS, BEHIND * reach
     x = float(line.x[0]) - behind * math.cos(float(line.heading[0]))
@@ -178,7 +178,7 @@ def placed(pose: Poses, length: float, *, level: bool = False) -> NDArray[np.flo
     """Place what heads for +x at a pose, in this length and in the fish's own attitude, or level; (4, 4) float64."""
     pitch, roll = (0.0, 0.0) if level else (math.degrees(pose.pitch[0]), math.degrees(pose.roll[0]))
     matrix = np.eye(4)
-    matrix[:3, :3] = length * rotation(math.degrees(pose.heading[0]), pitch, roll)
+    matrix[:3, :3] = length * rotation_matrix(math.degrees(pose.heading[0]), pitch, roll)
     matrix[:3, 3] = pose.x[0], pose.y[0], pose.z[0]
     return matrix
 

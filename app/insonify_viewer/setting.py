@@ -9,7 +9,7 @@ import numpy as np
 from insonify.kernels.common.types import Poses, SceneArrays, still_water
 from insonify.packing.navigation import make_poses
 from insonify.packing.scene_arrays import make_bed, pack_scene
-from insonify.packing.track import line_at
+from insonify.packing.track import tow_line_at
 from insonify.scene import Scene
 from insonify.terrain import Ground, build_ground
 
@@ -54,4 +54,4 @@ def make_setting(scene: Scene) -> Setting:
     reach = arrays.bins * arrays.bin_length
     ground = everywhere.around((float(pose.x[0]), float(pose.y[0])), 1.5 * reach)  # to the block's corners
     straight = arrays._replace(bed=make_bed(ground), water=still_water())
-    return Setting(scene, ground, straight, pose, float(line_at(scene, middle).heading[0]))
+    return Setting(scene, ground, straight, pose, float(tow_line_at(scene, middle).heading[0]))

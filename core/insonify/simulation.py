@@ -14,11 +14,11 @@ from insonify.acoustics.water import recording_speed
 from insonify.io.record_schema import ACROSS, coordinates, labels, platform
 from insonify.kernels.common.types import Poses, SceneArrays, still_water
 from insonify.packing.containment import refuse_sonar_in_mesh
-from insonify.packing.navigation import bed_beneath, make_poses, take
-from insonify.packing.reduced_scene import lessened
+from insonify.packing.navigation import bed_beneath, make_poses, take_poses
+from insonify.packing.reduced_scene import reduce_scene
 from insonify.packing.scene_arrays import make_bed, pack_scene
-from insonify.packing.terrain_tiles import Windows, in_order
-from insonify.packing.track import Line, line_at
+from insonify.packing.terrain_tiles import TerrainTiles, restore_order
+from insonify.packing.track import TowLine, tow_line_at
 from insonify.parallel import in_parallel
 from insonify.planning import Plan, plan
 from insonify.receiver import Reception, make_reception, receive
@@ -26,8 +26,8 @@ from insonify.scene import Scene, SceneError, scene_to_toml
 from insonify.scene.receiver import K
 from insonify.terrain import AnyGround, EndlessGround, build_ground
 from insonify.tracers import march, rays, sweep
-from insonify.tracers.labels import PATHS, Truth, trace_truth
-from insonify.tracers.scatterers import Interference, make_interference
+from insonify.tracers.labels import PATHS, RecordLabels, trace_labels
+from insonify.tracers.scatterers import ScattererTracer, make_scatterer_tracer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,11 +40,11 @@ TRACERS: dict[str, Tracer] = {
 }
 
 
-class Modelled(NamedTuple):
+class ReducedScene(NamedTuple):
     """A problem and the ground about each ping, less what the plan leaves out."""
 
     arrays: SceneArrays
-    windows: Windows
+    tiles: TerrainTiles
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,17 +59,17 @@ class Simulation:
         How it is traced.
     ground : AnyGround
         The bed.
-    problem : Problem
+    arrays : SceneArrays
         All of it as the tracers take it; of endless ground only a piece.
-    windows : Windows
+    tiles : TerrainTiles
         The ground about each ping.
-    modelled : Modelled
+    reduced : ReducedScene
         What of both is traced.
     reception : Reception
         What becomes of the echoes.
-    spiky : Problem or None
+    per_material_k : SceneArrays or None
         Likewise, with every material's echo divided by the shape of its K speckle; None where that is of no account.
-    interference : Interference or None
+    scatterers : ScattererTracer or None
         Scatterers to be heard one by one; None where speckle is not made of them.
     """
 
@@ -77,19 +77,19 @@ class Simulation:
     plan: Plan
     ground: AnyGround
     arrays: SceneArrays
-    windows: Windows
-    modelled: Modelled
+    tiles: TerrainTiles
+    reduced: ReducedScene
     reception: Reception
-    spiky: SceneArrays | None
-    interference: Interference | None
+    per_material_k: SceneArrays | None
+    scatterers: ScattererTracer | None
 
     def poses(self, pings: NDArray[np.int64]) -> Poses:
         """Return where the sonar is at the given pings; beyond the track's last the tow goes on."""
         return make_poses(self.scene, self.ground, pings)
 
-    def line(self, pings: NDArray[np.int64]) -> Line:
+    def line(self, pings: NDArray[np.int64]) -> TowLine:
         """Return where the line of the tow leads, from which the fish strays by its motion."""
-        return line_at(self.scene, pings)
+        return tow_line_at(self.scene, pings)
 
     def altitude(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return how high above the bed beneath the sonar is, in metres, with the bed smoothed as a fish follows it."""
@@ -109,19 +109,21 @@ class Simulation:
             Linear intensity, port first; each ping is a function of the scene and its number alone.
         """
         pings = np.asarray(pings, dtype=np.int64)
-        trace = TRACERS[self.plan.method] if self.interference is None else self.interference.trace
+        trace = TRACERS[self.plan.method] if self.scatterers is None else self.scatterers.trace
         poses = self.poses(pings)
-        refuse_sonar_in_mesh(self.modelled.arrays, poses)
-        traced = self._traced(trace, self.modelled.arrays, poses)
-        spiky = None if self.spiky is None else self._traced(trace, self.spiky, poses)
+        refuse_sonar_in_mesh(self.reduced.arrays, poses)
+        traced = self._traced(trace, self.reduced.arrays, poses)
+        per_material_k = None if self.per_material_k is None else self._traced(trace, self.per_material_k, poses)
 
         def block(first: int, last: int) -> NDArray[np.float32]:
             part = slice(first, last)
-            return receive(self.reception, traced[part], pings[part], None if spiky is None else spiky[part])
+            return receive(
+                self.reception, traced[part], pings[part], None if per_material_k is None else per_material_k[part]
+            )
 
         return np.concatenate(in_parallel(block, pings.size)) if pings.size else traced
 
-    def truth(self, pings: NDArray[np.int64]) -> Truth:
+    def truth(self, pings: NDArray[np.int64]) -> RecordLabels:
         """Tell what every bin of the given pings shows.
 
         Parameters
@@ -139,18 +141,18 @@ class Simulation:
         poses = self.poses(np.asarray(pings, dtype=np.int64))
         refuse_sonar_in_mesh(self.arrays, poses)
         crosstalk = self.reception.crosstalk
-        places, window_arrays = zip(*self.modelled.windows.over(self.modelled.arrays, poses))
+        places, tile_arrays = zip(*self.reduced.tiles.over(self.reduced.arrays, poses))
         found = [
-            trace_truth(arrays, take(poses, some), crosstalk=crosstalk, **fine)
-            for some, arrays in zip(places, window_arrays)
+            trace_labels(arrays, take_poses(poses, some), crosstalk=crosstalk, **fine)
+            for some, arrays in zip(places, tile_arrays)
         ]
-        return Truth(*(in_order(places, columns) for columns in zip(*found)))
+        return RecordLabels(*(restore_order(places, columns) for columns in zip(*found)))
 
     def _traced(self, trace: Tracer, arrays: SceneArrays, poses: Poses) -> NDArray[np.float32]:
         """Trace pings window by window."""
-        places, window_arrays = zip(*self.modelled.windows.over(arrays, poses))
-        found = [trace(part, take(poses, some), **self.plan.settings) for some, part in zip(places, window_arrays)]
-        return in_order(places, found)
+        places, tile_arrays = zip(*self.reduced.tiles.over(arrays, poses))
+        found = [trace(part, take_poses(poses, some), **self.plan.settings) for some, part in zip(places, tile_arrays)]
+        return restore_order(places, found)
 
 
 def prepare(
@@ -179,29 +181,29 @@ def prepare(
     if not chosen.bent:
         arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
     reception = _make_reception(scene, ground, arrays)
-    interference = make_interference(scene, arrays)
-    reach = (arrays.bins + (0 if interference is None else interference.beyond)) * arrays.bin_length
-    windows = Windows(ground, reach)
-    modelled = _modelled(scene, chosen, ground, arrays, windows)
-    spiky = _spiky(scene, ground, modelled.arrays)
-    return Simulation(scene, chosen, ground, arrays, windows, modelled, reception, spiky, interference)
+    scatterers = make_scatterer_tracer(scene, arrays)
+    reach = (arrays.bins + (0 if scatterers is None else scatterers.beyond)) * arrays.bin_length
+    tiles = TerrainTiles(ground, reach)
+    reduced = _reduce(scene, chosen, ground, arrays, tiles)
+    per_material_k = _per_material_k(scene, ground, reduced.arrays)
+    return Simulation(scene, chosen, ground, arrays, tiles, reduced, reception, per_material_k, scatterers)
 
 
-def _modelled(scene: Scene, chosen: Plan, ground: AnyGround, arrays: SceneArrays, windows: Windows) -> Modelled:
+def _reduce(scene: Scene, chosen: Plan, ground: AnyGround, arrays: SceneArrays, tiles: TerrainTiles) -> ReducedScene:
     """Leave out what the plan does."""
     bed = arrays.bed
     if chosen.every > 1:
         thinned = ground.thinned(chosen.every)
-        bed, windows = make_bed(thinned.around(scene.track.start, 0.0)), Windows(thinned, windows.reach)
-    less = lessened(arrays, bed=bed, ways=chosen.ways, bounces=chosen.bounces, targets=chosen.targets)
-    return Modelled(less, windows)
+        bed, tiles = make_bed(thinned.around(scene.track.start, 0.0)), TerrainTiles(thinned, tiles.reach)
+    less = reduce_scene(arrays, bed=bed, ways=chosen.ways, bounces=chosen.bounces, targets=chosen.targets)
+    return ReducedScene(less, tiles)
 
 
 def _refuse_silence(scene: Scene, ground: AnyGround) -> None:
     """Refuse a tow that never comes within range of a bed that ends somewhere, unless a target may be heard."""
     if isinstance(ground, EndlessGround) or ground.periodic or scene.targets:
         return
-    line = line_at(scene, np.unique(np.linspace(0, scene.track.pings - 1, 512).astype(np.int64)))
+    line = tow_line_at(scene, np.unique(np.linspace(0, scene.track.pings - 1, 512).astype(np.int64)))
     ny, nx = ground.heights.shape
     x1, y1 = ground.x0 + (nx - 1) * ground.spacing, ground.y0 + (ny - 1) * ground.spacing
     away = np.hypot(line.x - np.clip(line.x, ground.x0, x1), line.y - np.clip(line.y, ground.y0, y1))
@@ -212,7 +214,7 @@ def _refuse_silence(scene: Scene, ground: AnyGround) -> None:
         )
 
 
-def _spiky(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> SceneArrays | None:
+def _per_material_k(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> SceneArrays | None:
     """Divide the strength of every material by the shape of its K speckle, if any says one."""
     speckle = scene.receiver.speckle
     rows = (*ground.reflectivities, *(target.material.reflectivity for target in scene.targets))

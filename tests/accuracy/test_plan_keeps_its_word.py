@@ -146,7 +146,7 @@ def _seconds(simulation: Simulation, pings: np.ndarray) -> float:
     """Time of one thread, so that what else the machine does hardly counts."""
     from insonify.simulation import TRACERS
 
-    poses, modelled = simulation.poses(pings), simulation.modelled.arrays
+    poses, modelled = simulation.poses(pings), simulation.reduced.arrays
     began = time.thread_time()
     TRACERS[simulation.plan.method](modelled, poses, threads=1, **simulation.plan.settings)
     return time.thread_time() - began

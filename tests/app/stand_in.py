@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.packing.navigation import make_poses
 from insonify.packing.scene_arrays import pack_scene
-from insonify.packing.track import line_at
+from insonify.packing.track import tow_line_at
 from insonify.planning import plan
 from insonify.receiver import make_reception
 from insonify.scene import Scene, SceneError
@@ -35,7 +35,7 @@ class StandIn:
         return make_poses(self.scene, self.ground, pings)
 
     def line(self, pings: NDArray[np.int64]) -> Any:
-        return line_at(self.scene, pings)
+        return tow_line_at(self.scene, pings)
 
     def altitude(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
         return self.poses(pings).z

@@ -11,7 +11,7 @@ import pytest
 from insonify.accuracy.metrics import time_calls
 from insonify.acoustics.rays import join_points
 from insonify.kernels.common.jit import kernel
-from insonify.kernels.refraction.eigenrays import eigenray
+from insonify.kernels.refraction.eigenrays import find_direct_ray
 from water import NO_CEILING, NO_FLOOR, followed, layers, water_of
 
 pytestmark = pytest.mark.bench
@@ -23,7 +23,7 @@ def join_all(height, speed, x, z):
     """Sum of the times, so that nothing is left out."""
     total = 0.0
     for k in range(x.size):
-        total += eigenray(height, speed, -5.0, z[k], x[k], NO_FLOOR, NO_CEILING)[1].time
+        total += find_direct_ray(height, speed, -5.0, z[k], x[k], NO_FLOOR, NO_CEILING)[1].time
     return total
 
 

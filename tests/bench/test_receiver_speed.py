@@ -57,7 +57,7 @@ def test_what_coherent_speckle_costs(capsys):
     for density in (None, 100.0, 10.0):
         speckle = {"kind": "coherent", "density": density}
         simulation = prepare(edit(load_scene("default"), {"receiver.speckle": speckle}))
-        waves, arrays, poses = simulation.interference, simulation.arrays, simulation.poses(pings)
+        waves, arrays, poses = simulation.scatterers, simulation.arrays, simulation.poses(pings)
         assert waves is not None
 
         def call(waves=waves, arrays=arrays, poses=poses, planes=simulation.plan.planes):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from insonify.accuracy.metrics import compare
-from insonify.acoustics.straightness import Bending
+from insonify.acoustics.straightness import RefractionEffect
 from insonify.planning import laws
 from insonify.planning.bed_errors import Echo
 from insonify.planning.relief_detail import detail_of
@@ -69,10 +69,10 @@ def test_a_level_bed_of_one_material_needs_one_plane():
 
 def test_sound_that_is_not_shifted_is_not_missed():
     of = echo(over(KINDS["fractal"]))
-    errors = [of.of_shift(Bending(shift, 0.0, shift)) for shift in (0.0, 0.003, 0.01, 0.03)]
+    errors = [of.of_shift(RefractionEffect(shift, 0.0, shift)) for shift in (0.0, 0.003, 0.01, 0.03)]
     assert errors[0] == 0.0
     assert errors == sorted(errors)
-    assert of.of_shift(Bending(0.0, 0.2, 0.2)) == pytest.approx(0.1, rel=0.5)  # most of it far out
+    assert of.of_shift(RefractionEffect(0.0, 0.2, 0.2)) == pytest.approx(0.1, rel=0.5)  # most of it far out
 
 
 @pytest.mark.parametrize("kind", ["fractal", "power_law", "exponential"])

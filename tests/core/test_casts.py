@@ -6,7 +6,7 @@ import gsw
 import numpy as np
 import pytest
 
-from insonify.acoustics.layers import lay_out
+from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.sound_speed import EQUATIONS
 from insonify.io.sound_speed_casts import read_cast
 from insonify.scene import SceneError, edit, load_scene
@@ -69,7 +69,7 @@ def test_a_seabird_cast_leaves_out_soak_and_way_up():
     assert cast.salinity.min() > 34.2
     assert cast.depth[0] <= 1.5
     assert cast.depth[-1] == pytest.approx(14.0)
-    speed = lay_out(CastWater(path=real("Hotin.cnv"))).speed
+    speed = make_sound_speed_field(CastWater(path=real("Hotin.cnv"))).speed
     assert 1478.0 < speed.min() < speed.max() < 1480.0
 
 
@@ -77,7 +77,7 @@ def test_a_seabird_cast_without_salinity_has_it_from_conductivity():
     cast = read_cast(real("PIRA001.cnv"))
     np.testing.assert_allclose(cast.salinity, 36.32, atol=0.01)  # the western tropical Atlantic
     np.testing.assert_allclose(cast.temperature, 27.05, atol=0.01)
-    speed = lay_out(CastWater(path=real("PIRA001.cnv"))).speed
+    speed = make_sound_speed_field(CastWater(path=real("PIRA001.cnv"))).speed
     np.testing.assert_allclose(speed, 1540.55, atol=0.1)
 
 
@@ -87,7 +87,7 @@ def test_a_seabird_cast_without_salinity_has_it_from_conductivity():
 @pytest.mark.parametrize("interpolation", ["linear", "pchip"])
 def test_few_points_keep_to_a_real_cast(name, interpolation):
     path = real(name)
-    cast, layers = read_cast(path), lay_out(CastWater(path=path, interpolation=interpolation))
+    cast, layers = read_cast(path), make_sound_speed_field(CastWater(path=path, interpolation=interpolation))
     speed = cast.sound_speed
     if speed is None:
         speed = EQUATIONS["teos10"](cast.temperature, cast.salinity, cast.depth)
@@ -161,22 +161,22 @@ def test_a_caris_profile_is_read(tmp_path):
 
 def test_the_equation_takes_precedence_when_given(tmp_path):
     path = text(tmp_path / "cast.csv", "depth,sound_speed,temperature,salinity\n0,1500,10,35\n20,1501,10,35\n")
-    np.testing.assert_array_equal(lay_out(CastWater(path=path)).speed, [[1500.0, 1501.0]])
-    by_paper = lay_out(CastWater(path=path, equation="paper")).speed
+    np.testing.assert_array_equal(make_sound_speed_field(CastWater(path=path)).speed, [[1500.0, 1501.0]])
+    by_paper = make_sound_speed_field(CastWater(path=path, equation="paper")).speed
     np.testing.assert_allclose(by_paper, [[1489.8, 1489.8 + 20.0 / 61.0]])
 
 
 def test_a_file_written_anew_is_read_anew(tmp_path):
     path = text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
-    before = lay_out(CastWater(path=path)).speed[0, 0]
+    before = make_sound_speed_field(CastWater(path=path)).speed[0, 0]
     text(tmp_path / "cast.csv", "depth,speed\n0,1490\n20,1501.5\n")
-    assert (before, lay_out(CastWater(path=path)).speed[0, 0]) == (1500.0, 1490.0)
+    assert (before, make_sound_speed_field(CastWater(path=path)).speed[0, 0]) == (1500.0, 1490.0)
 
 
 def test_a_cast_lies_beside_its_scene(tmp_path):
     text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
     scene = text(tmp_path / "scene.toml", 'water = { kind = "cast", path = "cast.csv" }\n')
-    assert lay_out(load_scene(scene).water).speed.tolist() == [[1500.0, 1501.0]]
+    assert make_sound_speed_field(load_scene(scene).water).speed.tolist() == [[1500.0, 1501.0]]
 
 
 WRONG = [
@@ -201,7 +201,7 @@ WRONG = [
 def test_what_is_no_cast_is_refused_in_one_sentence(tmp_path, name, content, words):
     path = text(tmp_path / name, content)
     with pytest.raises(SceneError) as caught:
-        lay_out(CastWater(path=path))
+        make_sound_speed_field(CastWater(path=path))
     sentence = str(caught.value)
     assert "\n" not in sentence
     for word in ["water.path", path, *words]:
@@ -211,7 +211,7 @@ def test_what_is_no_cast_is_refused_in_one_sentence(tmp_path, name, content, wor
 def test_an_equation_without_its_columns_is_refused(tmp_path):
     path = text(tmp_path / "cast.csv", "depth,speed\n0,1500\n20,1501\n")
     with pytest.raises(SceneError, match=r"water.equation: 'paper' needs temperature and salinity"):
-        lay_out(CastWater(path=path, equation="paper"))
+        make_sound_speed_field(CastWater(path=path, equation="paper"))
 
 
 def test_a_missing_cast_is_named_before_anything_is_traced():

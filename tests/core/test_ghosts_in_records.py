@@ -12,7 +12,7 @@ from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.surface import WAYS
 from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
-from insonify.tracers.labels import PATHS, trace_truth
+from insonify.tracers.labels import PATHS, trace_labels
 
 GHOSTS = edit(
     load_scene("ghosts"),
@@ -26,7 +26,7 @@ def test_truth_tells_by_which_way_the_strongest_sound_came():
     arrays = bright_ball(arrays_of(FLAT, 0.5, periodic=True, bins=600, bin_length=0.1), (0.0, 20.0, 0.0), 0.3)
     sea = under_sea(arrays, 18.0, *WAYS)
     poses = poses_of(0.0, 0.0, 12.0)
-    truth, record = trace_truth(sea, poses), sweep.trace(sea, poses)
+    truth, record = trace_labels(sea, poses), sweep.trace(sea, poses)
     assert ((truth.path[0] >= 0) == (record[0] > 0.0)).all()
     # Straight, by images at 24 m and 48 m above the bed, and the surface 6 m above the sonar.
     for r, path in (
@@ -51,7 +51,7 @@ def test_every_heard_bin_has_a_way_and_no_other():
     for wind in (0.0, 5.0):
         sea = under_sea(arrays, 13.0, *WAYS, wind_speed=wind)
         poses = poses_of([0.1, 2.7], 0.2, 7.0, 0.4)
-        truth, record = trace_truth(sea, poses, planes=4), sweep.trace(sea, poses, planes=4)
+        truth, record = trace_labels(sea, poses, planes=4), sweep.trace(sea, poses, planes=4)
         np.testing.assert_array_equal(truth.path >= 0, record > 0.0)
         assert set(np.unique(truth.path)) <= set(range(-1, len(WAYS) + 1))
 

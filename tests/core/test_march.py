@@ -10,7 +10,7 @@ import pytest
 from beds import arrays_of, poses_of, rough
 from insonify.accuracy.metrics import compare
 from insonify.kernels.common.types import BED, LIGHT, SONAR
-from insonify.kernels.rays.cell_walk import Bundle
+from insonify.kernels.rays.cell_walk import RayBundle
 from insonify.kernels.rays.first_echoes import empty_hits
 from insonify.kernels.rays.march import march_hits
 from insonify.scene import SceneError
@@ -25,7 +25,7 @@ def hits_of(arrays, origin, directions, step):
     starts = np.broadcast_to(np.asarray(origin, dtype=float), ways.shape)
     hits = empty_hits(len(ways))
     near = np.arange(arrays.solids.shape.size)
-    bundle = Bundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
+    bundle = RayBundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
     reach = arrays.bins * arrays.bin_length
     march_hits(arrays.bed, arrays.solids, near, near.size, arrays.mesh, bundle, reach, step, hits)
     return hits

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from insonify.accuracy.metrics import compare
-from insonify.acoustics.straightness import bending_of
+from insonify.acoustics.straightness import estimate_refraction
 from insonify.planning import MOST_PLANES, plan
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
@@ -176,7 +176,7 @@ def test_the_shift_of_the_farthest_echo_is_that_of_bent_rays(gradient):
     speeds = [1500.0 - 20.0 * gradient, 1500.0 + 10.0 * gradient]
     scene = edit(DEFAULT, {"water": {"kind": "profile", "depth": [0.0, 30.0], "sound_speed": speeds}})
     time = 2.0 / abs(gradient) * math.asinh(abs(gradient) * 50.0 / (2.0 * math.sqrt(1500.0 * speeds[1])))
-    assert bending_of(scene).shift == pytest.approx(abs(1500.0 * time - 50.0), rel=0.03)
+    assert estimate_refraction(scene).shift == pytest.approx(abs(1500.0 * time - 50.0), rel=0.03)
 
 
 def test_water_that_differs_along_the_level_is_for_rays():

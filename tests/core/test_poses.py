@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from insonify.io.records import write_netcdf
 from insonify.packing.navigation import bed_beneath, make_poses
-from insonify.packing.track import line_at
+from insonify.packing.track import tow_line_at
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate, simulate_blocks
 from insonify.terrain import build_ground
@@ -294,5 +294,5 @@ def test_the_line_is_without_the_motion():
     scene = edit(LEVEL, {"track.motion": sum_of("sway", "yaw", {"kind": "turn", "begin": 1.0})})
     turn = edit(LEVEL, {"track.motion": {"kind": "turn", "begin": 1.0}})
     pings = np.arange(100)
-    for one, other in zip(line_at(scene, pings), line_at(turn, pings)):
+    for one, other in zip(tow_line_at(scene, pings), tow_line_at(turn, pings)):
         np.testing.assert_array_equal(one, other)

@@ -11,7 +11,7 @@ from insonify.acoustics.water import make_water
 from insonify.cli import main
 from insonify.display.ray_diagram.fan import CELLS
 from insonify.display.ray_diagram.rays import ray_diagram
-from insonify.kernels.refraction.ray_paths import Limits
+from insonify.kernels.refraction.ray_paths import RayLimits
 from insonify.scene import SceneError, edit, load_scene
 
 DUCT = {"kind": "profile", "depth": [0.0, 20.0, 40.0], "sound_speed": [1520.0, 1500.0, 1510.0]}
@@ -96,7 +96,7 @@ def test_caustics_are_where_neighbouring_rays_cross(diagram):
     angles = np.linspace(-0.12, 0.12, 20_001)
     assert len(diagram.caustics) > 100
     for x, depth in diagram.caustics[np.argsort(diagram.caustics[:, 1])][-40::4]:
-        points, _ = follow_paths(water, 20.0, angles, np.array([x]), Limits(x, 0.0, 40.0, False, False))
+        points, _ = follow_paths(water, 20.0, angles, np.array([x]), RayLimits(x, 0.0, 40.0, False, False))
         depths = 40.0 - points.z[:, 0]
         turns = np.flatnonzero(np.diff(np.sign(np.diff(depths))) != 0)
         assert np.nanmin(np.abs(depths[turns + 1] - depth)) < 0.05

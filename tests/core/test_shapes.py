@@ -12,7 +12,7 @@ from beds import arrays_of, poses_of, solids_of
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.geometry.solids import exit_solid, intersect_solid
-from insonify.kernels.rays.launch import inside_body
+from insonify.kernels.rays.launch import find_enclosing_solid
 from insonify.tracers import march, rays
 
 FLAT = np.zeros((8, 8))
@@ -147,7 +147,7 @@ def test_inside_and_outside():
     solids = solids_of([TIP])
     inside = [(0, 0, 1), (1.4, 0, 1), (0, 0.05, 3.8)]
     outside = [(1.6, 0, 1), (0, 0.2, 3.8), (0, 0, 4.1), (0, 0, -0.1)]
-    assert [inside_body(solids, *map(float, point)) for point in inside + outside] == [0] * 3 + [-1] * 4
+    assert [find_enclosing_solid(solids, *map(float, point)) for point in inside + outside] == [0] * 3 + [-1] * 4
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])

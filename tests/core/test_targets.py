@@ -9,7 +9,7 @@ from beds import arrays_of
 from insonify.kernels.common.types import FRUSTUM, Mesh
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.packing.primitives import block
-from insonify.packing.rotation import rotation
+from insonify.packing.rotation import rotation_matrix
 from insonify.scene import SceneError, scene_from_toml
 from insonify.simulation import prepare
 from naive import NOTHING, body_depth, cast
@@ -38,18 +38,18 @@ def turned(heading, pitch, roll) -> str:
 
 
 def test_heading_pitch_and_roll_turn_bow_up_and_port_up():
-    bow, port, top = rotation(90.0, 0.0, 0.0).T
+    bow, port, top = rotation_matrix(90.0, 0.0, 0.0).T
     np.testing.assert_array_equal([bow, port, top], [[0, 1, 0], [-1, 0, 0], [0, 0, 1]])
-    bow, port, top = rotation(0.0, 90.0, 0.0).T
+    bow, port, top = rotation_matrix(0.0, 90.0, 0.0).T
     np.testing.assert_array_equal([bow, port, top], [[0, 0, 1], [0, 1, 0], [-1, 0, 0]])
-    bow, port, top = rotation(0.0, 0.0, 90.0).T
+    bow, port, top = rotation_matrix(0.0, 0.0, 90.0).T
     np.testing.assert_array_equal([bow, port, top], [[1, 0, 0], [0, 0, 1], [0, -1, 0]])
 
 
 @pytest.mark.parametrize("pose", POSES)
 def test_they_turn_in_this_order(pose):
     heading, pitch, roll = np.radians(pose)
-    bow, port, top = rotation(*pose).T
+    bow, port, top = rotation_matrix(*pose).T
     ahead = [math.cos(heading) * math.cos(pitch), math.sin(heading) * math.cos(pitch), math.sin(pitch)]
     np.testing.assert_allclose(bow, ahead, atol=1e-15)
     assert port[2] == pytest.approx(math.cos(pitch) * math.sin(roll), abs=1e-15)
@@ -62,7 +62,7 @@ def test_a_box_stands_where_its_corners_are(pose):
         f'kind = "box"\nposition = [3.0, -2.0, -20.0]\nsize = [3.0, 2.0, 1.0]\n{turned(*pose)}'
     ).mesh.corners
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    expected = (signs * HALF_A_BOX) @ rotation(*pose).T + [3.0, -2.0, 10.0]
+    expected = (signs * HALF_A_BOX) @ rotation_matrix(*pose).T + [3.0, -2.0, 10.0]
     found = np.unique(corners.reshape(-1, 3).round(9), axis=0)
     np.testing.assert_allclose(found, np.unique(expected.round(9), axis=0), atol=1e-9)
 
@@ -82,7 +82,7 @@ def test_the_gap_is_under_the_lowest_point_of_a_box(pose, gap):
         f'kind = "box"\nposition = [3.0, -2.0]\nsize = [3.0, 2.0, 1.0]\ngap = {gap}\n{turned(*pose)}'
     )
     assert low == pytest.approx(gap, abs=1e-12)
-    assert high - low == pytest.approx(2.0 * abs(rotation(*pose)[2]) @ HALF_A_BOX)
+    assert high - low == pytest.approx(2.0 * abs(rotation_matrix(*pose)[2]) @ HALF_A_BOX)
 
 
 @pytest.mark.parametrize("pose", POSES)
@@ -98,7 +98,7 @@ def test_the_gap_is_under_the_rim_or_apex_of_a_cone(pose):
     rim = base + 0.8 * (np.cos(angle)[:, None] * across[0] + np.sin(angle)[:, None] * across[1])
     apex = base + 1.5 * up
     assert min(rim[:, 2].min(), apex[2]) == pytest.approx(0.25, abs=1e-7)
-    np.testing.assert_allclose(up, rotation(*pose)[:, 2], atol=1e-15)
+    np.testing.assert_allclose(up, rotation_matrix(*pose)[:, 2], atol=1e-15)
     np.testing.assert_allclose((0.5 * (base + apex))[:2], [3.0, -2.0], atol=1e-12)
     np.testing.assert_allclose(body_depth(solids, 0, np.array([apex, rim[0], rim[777]])), 0.0, atol=1e-9)
 

@@ -14,7 +14,7 @@ from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare, simulate, simulate_blocks
 from insonify.tracers import sweep
-from insonify.tracers.labels import trace_truth
+from insonify.tracers.labels import trace_labels
 
 ALTITUDE = 10.02
 FLAT = np.zeros((4, 4))
@@ -23,7 +23,7 @@ NARROW = math.radians(0.5)
 
 def both(arrays, poses, planes=4):
     """Record and truth by as many planes."""
-    return sweep.trace(arrays, poses, planes=planes), trace_truth(arrays, poses, planes=planes)
+    return sweep.trace(arrays, poses, planes=planes), trace_labels(arrays, poses, planes=planes)
 
 
 def ground_extent(altitude, bins, step):
@@ -179,7 +179,7 @@ def test_what_is_heard_has_a_contributor_and_nothing_else_has(law, half_width):
 def test_the_number_of_threads_changes_nothing():
     arrays = arrays_of(rough(64, 64, rms=0.2), 0.2, periodic=True, solids=[((0.0, 12.0, 0.5), 0.5)], half_width=NARROW)
     poses = poses_of(np.linspace(0, 5, 20), 0.0, 8.0)
-    one, two = (trace_truth(arrays, poses, planes=4, threads=threads) for threads in (1, 2))
+    one, two = (trace_labels(arrays, poses, planes=4, threads=threads) for threads in (1, 2))
     for a, b in zip(one, two):
         np.testing.assert_array_equal(a, b)
 
@@ -187,7 +187,7 @@ def test_the_number_of_threads_changes_nothing():
 def test_a_sonar_inside_a_body_is_refused():
     arrays = arrays_of(FLAT, 0.1, periodic=True, solids=[((0.0, 0.0, 8.0), 1.0)])
     with pytest.raises(SceneError, match=r"targets\.0\.position: the sonar runs into it"):
-        trace_truth(arrays, poses_of(0.0, 0.0, 8.0))
+        trace_labels(arrays, poses_of(0.0, 0.0, 8.0))
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from insonify.acoustics.layers import lay_out
-from insonify.acoustics.polyline import straightened, thinned
+from insonify.acoustics.layers import make_sound_speed_field
+from insonify.acoustics.polyline import approximate_by_segments, thin_polyline
 from insonify.acoustics.sound_speed import mackenzie
 from insonify.acoustics.water import make_water, recording_speed, speed_at_sonar
 from insonify.scene import SceneError, build, edit, load_scene, scene_from_toml, scene_to_toml
@@ -85,7 +85,7 @@ def test_pings_leave_echoes_their_time_in_any_water():
 
 
 def test_a_smooth_profile_is_followed_and_never_overshoots():
-    layers = lay_out(ProfileWater(depth=DEPTHS, sound_speed=SPEEDS, interpolation="pchip"))
+    layers = make_sound_speed_field(ProfileWater(depth=DEPTHS, sound_speed=SPEEDS, interpolation="pchip"))
     depth = np.linspace(0.0, 70.0, 20_001)
     curve = PchipInterpolator(DEPTHS, SPEEDS)(np.clip(depth, DEPTHS[0], DEPTHS[-1]))
     speed = layers.speed_at(0.0, 0.0, depth)
@@ -98,7 +98,7 @@ def test_a_smooth_profile_is_followed_and_never_overshoots():
 @pytest.mark.parametrize("angle", [0.0, 60.0, 80.0])
 def test_the_pieces_of_a_curve_keep_its_travel_time(angle):
     # A straight way of 100 m, its depths about the thermocline.
-    layers = lay_out(ProfileWater(depth=DEPTHS, sound_speed=SPEEDS, interpolation="pchip"))
+    layers = make_sound_speed_field(ProfileWater(depth=DEPTHS, sound_speed=SPEEDS, interpolation="pchip"))
     depth = np.linspace(5.0, 5.0 + 100.0 * np.cos(np.radians(angle)), 200_001)
     exact = PchipInterpolator(DEPTHS, SPEEDS)(np.clip(depth, DEPTHS[0], DEPTHS[-1]))
     times = [100.0 * np.trapezoid(1.0 / speed, dx=1.0 / 200_000) for speed in (exact, layers.speed_at(0, 0, depth))]
@@ -111,7 +111,7 @@ def test_hydrography_is_an_equation_of_straight_temperature_and_salinity():
     depth = np.linspace(0.0, 50.0, 5001)
     temperature = np.interp(depth, declared.depth, declared.temperature)
     salinity = np.interp(depth, declared.depth, declared.salinity)
-    speed = lay_out(water).speed_at(0.0, 0.0, depth)
+    speed = make_sound_speed_field(water).speed_at(0.0, 0.0, depth)
     assert np.abs(speed - mackenzie(temperature, salinity, depth)).max() < 2e-3
     # The speed curves between two depths; a straight line between their speeds would not do.
     assert abs(speed[1000] - 0.5 * (speed[0] + speed[2000])) > 1.5
@@ -124,7 +124,7 @@ def test_a_section_is_straight_between_its_profiles_and_even_beyond():
         sound_speed=((1500.0, 1500.0), (1500.0, 1540.0), (1530.0, 1500.0)),
         heading=90.0,
     )
-    layers = lay_out(section)
+    layers = make_sound_speed_field(section)
     places = [(0.0, -99.0, 20.0), (7.0, -5.0, 40.0), (-3.0, 0.0, 40.0), (0.0, 15.0, 10.0), (0.0, 99.0, 80.0)]
     # The fourth lies above the diagonal from (0 m, top) to (30 m, bottom), along which nothing changes.
     expected = [1500.0, 1520.0, 1540.0, 1530.0 - 0.5 * 30.0 - 0.25 * 30.0, 1500.0]
@@ -139,14 +139,14 @@ def test_a_section_is_straight_between_its_profiles_and_even_beyond():
 def test_thinning_keeps_within_its_tolerance_and_drops_what_is_straight():
     x = np.linspace(0.0, 10.0, 1001)
     y = np.abs(x - 4.0) + 0.01 * np.sin(40.0 * x)
-    kept = thinned(x, y, 0.02)
+    kept = thin_polyline(x, y, 0.02)
     assert np.abs(np.interp(x, x[kept], y[kept]) - y).max() <= 0.02
     assert kept.size <= 5
-    assert thinned(x, 3.0 * x, 1e-9).tolist() == [0, 1000]
+    assert thin_polyline(x, 3.0 * x, 1e-9).tolist() == [0, 1000]
 
 
 def test_straight_pieces_meet_the_curve_between_samples_too():
-    places, values = straightened(np.sin, np.array([0.0, 1.0, 7.0]), 1e-3)
+    places, values = approximate_by_segments(np.sin, np.array([0.0, 1.0, 7.0]), 1e-3)
     x = np.linspace(0.0, 7.0, 100_001)
     assert np.abs(np.interp(x, places, values) - np.sin(x)).max() < 1e-3
     assert places.size < 90

@@ -11,8 +11,8 @@ import pytest
 
 from insonify.acoustics.rays import follow_paths
 from insonify.kernels.refraction.arcs import HIGH, LOW, RANGE
-from insonify.kernels.refraction.eigenrays import FOUND, shoot
-from insonify.kernels.refraction.ray_paths import Limits
+from insonify.kernels.refraction.eigenrays import FOUND, follow_to_range
+from insonify.kernels.refraction.ray_paths import RayLimits
 from water import NO_CEILING, NO_FLOOR, gradient, joined, launched, layers, shot, water_of
 
 BELLHOP = Path(__file__).parents[3] / "shared/data/bellhop"
@@ -93,7 +93,7 @@ def test_a_tube_keeps_to_its_neighbours_when_mirrored_where_speed_has_a_gradient
     height, speed = layers(depths, np.interp(depths, [0, 25, 60], [1500, 1520, 1490]))
     water = water_of(height, np.tile(speed, (stations, 1)), np.arange(stations) * 100.0)
     ranges, apart = np.linspace(10.0, 250.0, 13), 1e-5
-    limits = Limits(250.0, -60.0, 0.0, True, True)
+    limits = RayLimits(250.0, -60.0, 0.0, True, True)
     for degrees in (-40.0, -25.0, 20.0, 35.0, 50.0):
         angles = np.radians([degrees, degrees - apart, degrees + apart])
         points, _ = follow_paths(water, -20.0, angles, ranges, limits)
@@ -110,7 +110,7 @@ def test_a_ray_sent_back_comes_back(degrees):
     water = layers([0, 10, 20, 60, 300], [1520, 1520, 1500, 1498, 1503])
     _, there = shot(water, 30.0, degrees, x_end=x)
     back = launched(*water, there.z, there.cosine, -there.sine)
-    status, home = shoot(*water, back, x, NO_FLOOR, NO_CEILING)
+    status, home = follow_to_range(*water, back, x, NO_FLOOR, NO_CEILING)
     assert status == RANGE
     assert -home.z == pytest.approx(30.0, abs=1e-9)
     assert home.time == pytest.approx(there.time, abs=1e-14)

@@ -10,9 +10,9 @@ import pytest
 import naive
 from beds import arrays_of, icosphere, mesh_of, poses_of, rough
 from insonify.kernels.common.types import BED, LIGHT, SONAR, Water, still_water
-from insonify.kernels.rays.cell_walk import Bundle
+from insonify.kernels.rays.cell_walk import RayBundle
 from insonify.kernels.rays.first_echoes import empty_hits
-from insonify.kernels.refracted_rays.hits import bent_hits, empty_arrivals
+from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
 from insonify.scene import SceneError
 from insonify.scene.materials import Reflectivity
 from insonify.tracers import march, rays
@@ -52,9 +52,9 @@ def downwards(angles, azimuth=0.3):
 def land(arrays, start, directions, reach=1000.0):
     """All that is known of the first hits."""
     columns = np.broadcast_arrays(*start, *np.asarray(directions, float).T)
-    bundle = Bundle(*(np.ascontiguousarray(column, dtype=float) for column in columns))
+    bundle = RayBundle(*(np.ascontiguousarray(column, dtype=float) for column in columns))
     hits, arrivals = empty_hits(bundle.x.size), empty_arrivals(bundle.x.size)
-    bent_hits(arrays, bundle, reach, 0.0, hits, arrivals)
+    find_refracted_hits(arrays, bundle, reach, 0.0, hits, arrivals)
     return hits, arrivals
 
 
@@ -256,9 +256,9 @@ def test_sound_goes_back_the_way_it_came():
     arrays = arrays_of(rough(64, 64, rms=0.1), 1.0, periodic=True, solids=[sonar])._replace(water=water)
     ways = downwards(np.linspace(8.0, 80.0, 30), azimuth=1.1)
     outside = np.array(start) + 0.051 * ways
-    bundle = Bundle(*(np.ascontiguousarray(column) for column in (*outside.T, *ways.T)))
+    bundle = RayBundle(*(np.ascontiguousarray(column) for column in (*outside.T, *ways.T)))
     hits, arrivals = empty_hits(30), empty_arrivals(30)
-    bent_hits(arrays, bundle, 300.0, 0.0, hits, arrivals)
+    find_refracted_hits(arrays, bundle, 300.0, 0.0, hits, arrivals)
     assert (hits.body == BED).all()
     way = np.column_stack([arrivals.dx, arrivals.dy, arrivals.dz])
     x = arrivals.spread * np.hypot(ways[:, 0], ways[:, 1])

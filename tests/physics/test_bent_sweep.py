@@ -9,9 +9,9 @@ import bent
 from beds import arrays_of, icosphere, mesh_of, poses_of
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.refraction.apparent_positions import look_up_position, prepare_table
-from insonify.packing.apparent_tables import make_bending
+from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.tracers import sweep
-from insonify.tracers.labels import trace_truth
+from insonify.tracers.labels import trace_labels
 
 SONAR = 10.02
 FLAT = np.zeros((4, 4))
@@ -29,18 +29,18 @@ def wet(arrays, name, sonar=SONAR):
 
 
 @kernel
-def places(bending, z, table, x, heights):
+def places(apparent, z, table, x, heights):
     """What a sonar at height z reads of places, (n, 4)."""
-    sheet, out = prepare_table(bending, z, table), np.zeros((x.size, 4))
+    sheet, out = prepare_table(apparent, z, table), np.zeros((x.size, 4))
     for k in range(x.size):
         out[k, 0], out[k, 1], out[k, 2], out[k, 3] = look_up_position(table, sheet, x[k], heights[k] - z)
     return out
 
 
 def read(arrays, z, x, heights):
-    bending, folded = make_bending(arrays, poses_of(0.0, 0.0, z))
+    apparent, folded = make_apparent_tables(arrays, poses_of(0.0, 0.0, z))
     assert not folded.any()
-    return places(bending, z, np.zeros(bending.tables.shape[1:], np.float32), x, heights)
+    return places(apparent, z, np.zeros(apparent.tables.shape[1:], np.float32), x, heights)
 
 
 @pytest.mark.parametrize("gradient", [1.0, 0.1, -0.1, -1.0])
@@ -172,7 +172,7 @@ def test_a_fan_widens_with_the_azimuth_it_takes_in():
 @pytest.mark.parametrize("name", WATERS)
 def test_truth_tells_true_ground_ranges_and_incidences(name):
     arrays = wet(arrays_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1), name)
-    truth = trace_truth(arrays, poses_of(0.0, 0.0, SONAR))
+    truth = trace_labels(arrays, poses_of(0.0, 0.0, SONAR))
     x = np.linspace(0.01, 52.0, 4000)
     level, rise, _, turn = read(arrays, SONAR, x, np.zeros_like(x)).T
     seen_x, seen_z = x * (1.0 + level), rise - SONAR
@@ -189,7 +189,7 @@ def test_truth_tells_where_targets_are():
     arrays = wet(
         arrays_of(FLAT, 0.1, periodic=True, bins=500, bin_length=0.1, solids=[((0, 30, 0.9), 0.8)]), "thermocline"
     )
-    truth = trace_truth(arrays, poses_of(0.0, 0.0, SONAR))
+    truth = trace_labels(arrays, poses_of(0.0, 0.0, SONAR))
     hit = truth.target_id[0, 0] == 0
     assert 5 < hit.sum() < 15
     assert ((truth.ground_range[0, 0, hit] > 29.2) & (truth.ground_range[0, 0, hit] < 30.4)).all()
@@ -220,7 +220,7 @@ def test_the_bed_is_unseen_beyond_the_limiting_range(gradient, limit):
     speeds = [speed + gradient * 120.0, speed - gradient * 80.0]
     arrays = arrays_of(FLAT, 0.25, periodic=True, bins=400, bin_length=1.0)
     arrays = arrays._replace(water=bent.layered([-100.0, 100.0], speeds, height))
-    truth = trace_truth(arrays, poses_of(0.0, 0.0, height))
+    truth = trace_labels(arrays, poses_of(0.0, 0.0, height))
     # The very last of it is as faint as it is level with the sound.
     assert np.nanmax(truth.ground_range[0, 0]) == pytest.approx(limit, abs=1.5)
     assert truth.shadow[0, 0, int(limit) + 3 : 380].all()
@@ -231,20 +231,20 @@ def test_a_table_too_large_to_hold_is_left_to_rays():
         peak = high * np.eye(4)
         arrays = arrays_of(peak, 0.5, periodic=True, bins=1000, bin_length=1.0)
         water = bent.layered([-200.0, 200.0], [1500.0, 1499.9], SONAR, surface=3000.0)
-        bending, folded = make_bending(arrays._replace(water=water), poses_of(0.0, 0.0, SONAR))
+        apparent, folded = make_apparent_tables(arrays._replace(water=water), poses_of(0.0, 0.0, SONAR))
         assert folded.all() == left
-        assert bending.tables.nbytes < 2e6
+        assert apparent.tables.nbytes < 2e6
 
 
 def test_waters_in_which_places_are_heard_twice_fold():
     # A strong duct over the bed: rays launched upwards come back to it.
     arrays = arrays_of(FLAT, 0.5, periodic=True, bins=3000, bin_length=0.1)
     duct = arrays._replace(water=bent.layered([-50.0, 12.0, 16.0, 50.0], [1490.0, 1490.0, 1500.0, 1500.0], SONAR))
-    _, folded = make_bending(duct, poses_of(0.0, 0.0, [SONAR, SONAR + 0.5]))
+    _, folded = make_apparent_tables(duct, poses_of(0.0, 0.0, [SONAR, SONAR + 0.5]))
     assert folded.all()
-    _, folded = make_bending(duct._replace(bins=500), poses_of(0.0, 0.0, SONAR))
+    _, folded = make_apparent_tables(duct._replace(bins=500), poses_of(0.0, 0.0, SONAR))
     assert not folded.any()
     # Beneath a surface near by, the far bed is in its shadow.
     arrays = arrays._replace(water=bent.layered([-50.0, 50.0], [1450.0, 1550.0], SONAR, surface=SONAR + 2.0))
-    _, folded = make_bending(arrays, poses_of(0.0, 0.0, SONAR))
+    _, folded = make_apparent_tables(arrays, poses_of(0.0, 0.0, SONAR))
     assert folded.all()

@@ -49,9 +49,9 @@ def layered(water, degrees_up):
 
 
 def shot_on(water, ray):
-    from insonify.kernels.refraction.eigenrays import shoot
+    from insonify.kernels.refraction.eigenrays import follow_to_range
 
-    return shoot(*water, ray, math.inf, -RECEIVER, math.inf)
+    return follow_to_range(*water, ray, math.inf, -RECEIVER, math.inf)
 
 
 def farthest(trace):

@@ -14,13 +14,13 @@ from insonify.acoustics.pulses import envelope, pulse_taps
 from insonify.kernels.common.hashing import hash_integers, splitmix64
 from insonify.kernels.receiver.pulse import convolve_pulse
 from insonify.kernels.speckle.scatterers import BED_STREAM, LOT, Scatterers
-from insonify.packing.navigation import take
-from insonify.packing.surface_patches import make_skin
+from insonify.packing.navigation import take_poses
+from insonify.packing.surface_patches import make_surface_patches
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.sonar import Chirp, Ideal, Tone
 from insonify.simulation import prepare
 from insonify.tracers import rays, sweep
-from insonify.tracers.scatterers import Interference, heard_at_once
+from insonify.tracers.scatterers import ScattererTracer, heard_at_once
 
 SPEED, FREQUENCY = 1500.0, 400e3
 WAVELENGTH = SPEED / FREQUENCY
@@ -37,8 +37,8 @@ def even(**changes):
 
 
 def interference(arrays, *, density=1000.0, pulse=TONE, seed=1):
-    scatterers = Scatterers(seed, density, 2.0 / WAVELENGTH, make_skin(arrays.solids, arrays.mesh))
-    return Interference(scatterers, heard_at_once(pulse, SPEED, arrays.bin_length))
+    scatterers = Scatterers(seed, density, 2.0 / WAVELENGTH, make_surface_patches(arrays.solids, arrays.mesh))
+    return ScattererTracer(scatterers, heard_at_once(pulse, SPEED, arrays.bin_length))
 
 
 def record(arrays, poses, *, planes=8, **settings):
@@ -239,7 +239,7 @@ def test_every_ping_is_a_function_of_its_pose_alone(changes):
     whole = waves.trace(arrays, poses, planes=8, threads=2)
     backwards = type(poses)(*(column[::-1].copy() for column in poses))
     np.testing.assert_array_equal(waves.trace(arrays, backwards, planes=8, threads=1)[::-1], whole)
-    np.testing.assert_array_equal(waves.trace(arrays, take(poses, slice(10, 15)), planes=8), whole[10:15])
+    np.testing.assert_array_equal(waves.trace(arrays, take_poses(poses, slice(10, 15)), planes=8), whole[10:15])
 
 
 def test_a_longer_record_begins_as_a_shorter_one():
@@ -291,7 +291,7 @@ def test_skin_has_the_area_of_the_bodies():
         ],
         mesh=mesh_of([[0.0, 0.0, 0.0], [8.0, 0.0, 0.0], [0.0, 6.0, 0.0]], [[0, 1, 2]], target=3),
     )
-    skin = make_skin(arrays.solids, arrays.mesh)
+    skin = make_surface_patches(arrays.solids, arrays.mesh)
     areas = [skin.area[skin.target == target].sum() for target in range(4)]
     np.testing.assert_allclose(
         areas, [16.0 * math.pi, math.pi * 5.0 + 0.5 * math.pi, 15.0 * math.pi + 9.0 * math.pi, 24.0]

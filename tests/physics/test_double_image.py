@@ -13,13 +13,13 @@ from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import LIGHT, SONAR, Water
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
 from insonify.kernels.labels.sweep_labels import empty_labels
-from insonify.kernels.rays.cell_walk import Bundle
+from insonify.kernels.rays.cell_walk import RayBundle
 from insonify.kernels.rays.first_echoes import empty_hits
-from insonify.kernels.refracted_rays.hits import bent_hits, empty_arrivals
+from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
 from insonify.kernels.refraction.eigenray_search import TIME
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.tracers import rays, sweep
-from insonify.tracers.labels import trace_truth
+from insonify.tracers.labels import trace_labels
 
 SONAR_HEIGHT, SURFACE, REFERENCE = 25.0, 54.0, 1489.0
 # Warm water on cold: what goes up flatter than 13 degrees is bent down again.
@@ -69,9 +69,9 @@ def landings(up):
     """Where rays come down on the bed, by range: the sine there, one-way intensity and slant range."""
     angles = np.radians(np.linspace(11.6, 12.9, 2000) if up else np.linspace(-5.6, -4.5, 2000))
     zero = np.zeros(angles.size)
-    bundle = Bundle(zero, zero, zero + SONAR_HEIGHT, zero, np.cos(angles), np.sin(angles))
+    bundle = RayBundle(zero, zero, zero + SONAR_HEIGHT, zero, np.cos(angles), np.sin(angles))
     hits, there = empty_hits(angles.size), empty_arrivals(angles.size)
-    bent_hits(arrays(), bundle, 400.0, 0.0, hits, there)
+    find_refracted_hits(arrays(), bundle, 400.0, 0.0, hits, there)
     order = np.argsort(there.x)
     columns = (there.x, -there.dz, 1.0 / (there.tube * there.spread), hits.distance)
     return [column[order] for column in columns]
@@ -107,7 +107,7 @@ def test_pairs_of_which_one_comes_too_late_are_whole():
 def test_truth_names_the_ball_in_all_its_images():
     scene = arrays(solids=[((0.0, 255.0, 3.0), 0.3)], half_width=math.radians(0.5))
     poses = poses_of(0.0, 0.0, SONAR_HEIGHT)
-    truth, heard = trace_truth(scene, poses, rays=40_000), sweep.trace(scene, poses, rays=40_000)
+    truth, heard = trace_labels(scene, poses, rays=40_000), sweep.trace(scene, poses, rays=40_000)
     assert ((truth.target_id != -2) == (heard > 0.0)).all()
     direct, bent = slant_ranges(255.0, 3.0)
     for image in (direct, 0.5 * (direct + bent), bent):
@@ -129,7 +129,7 @@ def test_truth_flags_a_caustic_where_its_rays_come_down():
     slope = math.sqrt(even * g / (2.0 * c))
     sine = slope / math.sqrt(1.0 + slope * slope)
     scene = arrays_of(FLAT, 8.0, periodic=True, bins=4000, bin_length=BIN)._replace(water=water)
-    truth = trace_truth(scene, poses_of(0.0, 0.0, SONAR_HEIGHT), rays=100_000)
+    truth = trace_labels(scene, poses_of(0.0, 0.0, SONAR_HEIGHT), rays=100_000)
     flagged = (np.flatnonzero(truth.caustic[0, 0]) + 0.5) * BIN
     assert flagged.size
     np.testing.assert_allclose(flagged, even / sine + c * (2.0 / g) * math.atanh(sine), atol=1.0)
@@ -146,7 +146,7 @@ def test_truth_by_rays_is_that_by_tables():
         scene._replace(water=water._replace(reference=1495.0), bin_length=0.12),
         poses_of([3.0, 3.4], 0.0, 12.0),
     )
-    swept = trace_truth(scene, poses, planes=64)
+    swept = trace_labels(scene, poses, planes=64)
     found = empty_labels(2, 300)
     assert label_refracted_pings(scene, poses, 40_000, empty_contributor_table(2, 300), found) == 0
     whose = np.where(found.contributor == NO_PRIMITIVE, -2, found.contributor - 1)

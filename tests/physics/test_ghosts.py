@@ -12,7 +12,7 @@ from ghosts import bright_ball, image_heights, naive_ghost, under_sea
 from insonify.accuracy.metrics import compare
 from insonify.acoustics.sea_surface import rms_height, slope_variance
 from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
-from insonify.packing.navigation import take
+from insonify.packing.navigation import take_poses
 from insonify.tracers import march, rays, sweep
 
 ALTITUDE, DEPTH = 20.0, 30.0
@@ -266,7 +266,7 @@ def test_the_record_does_not_depend_on_threads_and_blocks(trace):
     poses = poses_of(np.arange(20) * 0.3, 0.2, 7.0)
     whole = trace(sea, poses, threads=1)
     np.testing.assert_array_equal(trace(sea, poses, threads=2), whole)
-    np.testing.assert_array_equal(trace(sea, take(poses, slice(7, 9))), whole[7:9])
+    np.testing.assert_array_equal(trace(sea, take_poses(poses, slice(7, 9))), whole[7:9])
 
 
 @pytest.mark.parametrize("trace", [sweep.trace, rays.trace], ids=["sweep", "rays"])

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from insonify.acoustics.layers import Layers
+from insonify.acoustics.layers import SoundSpeedField
 from insonify.kernels.common.jit import kernel
-from insonify.kernels.refraction.ray_paths import ON_BED, Limits, Points, trace_paths
-from insonify.kernels.refraction.section_arcs import Plane, speed_across
+from insonify.kernels.refraction.ray_paths import ON_BED, RayLimits, RayPoints, trace_ray_paths
+from insonify.kernels.refraction.section_arcs import SectionPlane, speed_in_section
 from water import followed, water_of
 
 RANGES = np.linspace(0.0, 2500.0, 26)
@@ -73,9 +73,9 @@ def through(water, plane, z, angle, x_end):
     """Follow a ray in any plane to a range."""
     shape = (1, 2)
     floats, counts = [np.full(shape, math.nan) for _ in range(6)], [np.zeros(shape, np.int64) for _ in range(3)]
-    points = Points(*floats, np.zeros(shape, np.bool_), *counts)
-    limits = Limits(x_end, -math.inf, math.inf, False, False)
-    trace_paths(water, plane, z, np.array([angle]), np.array([x_end]), limits, points, np.zeros(1, np.int64))
+    points = RayPoints(*floats, np.zeros(shape, np.bool_), *counts)
+    limits = RayLimits(x_end, -math.inf, math.inf, False, False)
+    trace_ray_paths(water, plane, z, np.array([angle]), np.array([x_end]), limits, points, np.zeros(1, np.int64))
     return points
 
 
@@ -89,13 +89,16 @@ def through(water, plane, z, angle, x_end):
 def test_a_ray_sent_back_through_a_section_comes_back(speeds, angle, z, x):
     station, height = np.array([-50.0, 40.0, 90.0, 130.0, 300.0]), np.array([-50.0, -35.0, -18.0, 0.0])
     water = water_of(height, np.reshape(speeds, (5, 4)), station)
-    there = through(water, Plane(0.0, 1.0), z, angle, x)
+    there = through(water, SectionPlane(0.0, 1.0), z, angle, x)
     direction = math.atan2(-there.sine[0, 0], there.cosine[0, 0])
-    back = through(water, Plane(x, -1.0), there.z[0, 0], direction, x)
+    back = through(water, SectionPlane(x, -1.0), there.z[0, 0], direction, x)
     assert back.z[0, 0] == pytest.approx(z, abs=1e-7)
     assert back.time[0, 0] == pytest.approx(there.time[0, 0], abs=1e-11)
     # The tube is the same both ways but for the speeds at its ends.
-    ends = [through(water, Plane(place, 1.0), at, 0.1, 1e-9).time[0, 0] for place, at in ((0.0, z), (x, there.z[0, 0]))]
+    ends = [
+        through(water, SectionPlane(place, 1.0), at, 0.1, 1e-9).time[0, 0]
+        for place, at in ((0.0, z), (x, there.z[0, 0]))
+    ]
     if not (there.grazed.any() or back.grazed.any()):
         ours, theirs = there.q[0, 0] * ends[1], back.q[0, 0] * ends[0]
         assert ours == pytest.approx(theirs, rel=1e-4, abs=1e-4 * x * ends[0])
@@ -106,7 +109,7 @@ def test_an_oblique_plane_sees_the_stations_farther_apart(along):
     rng = np.random.default_rng(5)
     station, height = np.array([-50.0, 40.0, 90.0, 130.0, 300.0]), np.array([-50.0, -35.0, -22.0, 0.0])
     speed = 1500.0 + rng.uniform(-5.0, 5.0, (5, 4))
-    oblique = through(water_of(height, speed, station), Plane(60.0, along), -25.0, 0.1, 150.0)
+    oblique = through(water_of(height, speed, station), SectionPlane(60.0, along), -25.0, 0.1, 150.0)
     if abs(along) < 1e-6:
         share = (60.0 - 40.0) / 50.0
         # What the plane cuts of the two triangles of each cell: a node more, on the diagonal.
@@ -118,11 +121,11 @@ def test_an_oblique_plane_sees_the_stations_farther_apart(along):
             nodes += [height[j], height[j] + part * (height[j + 1] - height[j])]
             profile += [speed[1, j] + share * (speed[2, j] - speed[1, j]), ends[0] + share * (ends[1] - ends[0])]
         nodes, profile = [*nodes, 0.0], [*profile, speed[1, 3] + share * (speed[2, 3] - speed[1, 3])]
-        same = through(water_of(nodes, profile), Plane(0.0, 1.0), -25.0, 0.1, 150.0)
+        same = through(water_of(nodes, profile), SectionPlane(0.0, 1.0), -25.0, 0.1, 150.0)
     else:
         stretched = np.sort((station - 60.0) / along)
         kept = speed if along > 0.0 else speed[::-1]
-        same = through(water_of(height, kept, stretched), Plane(0.0, 1.0), -25.0, 0.1, 150.0)
+        same = through(water_of(height, kept, stretched), SectionPlane(0.0, 1.0), -25.0, 0.1, 150.0)
     assert oblique.z[0, 0] == pytest.approx(same.z[0, 0], abs=1e-6)
     assert oblique.time[0, 0] == pytest.approx(same.time[0, 0], abs=1e-10)
     assert oblique.q[0, 0] == pytest.approx(same.q[0, 0], rel=1e-5)
@@ -162,7 +165,7 @@ def test_rays_through_triangles_are_those_of_the_ray_equations():
         while state[0] < 60.0:
             middle = state + 0.5 * step * rates(state)
             state = state + step * rates(middle)
-        ours = through(water, Plane(0.0, 1.0), -25.0, angle, float(state[0]))
+        ours = through(water, SectionPlane(0.0, 1.0), -25.0, angle, float(state[0]))
         # A step over a border errs by its length times the change of curvature: 0.01 m · 0.6 /s / c, some 4 µrad.
         assert ours.z[0, 0] == pytest.approx(state[1], abs=4e-4)
         assert ours.time[0, 0] == pytest.approx(state[3], abs=1e-7)
@@ -172,14 +175,14 @@ def test_rays_through_triangles_are_those_of_the_ray_equations():
 @kernel
 def speeds_across(height, speed, station, place, z, out):
     for k in range(out.size):
-        out[k] = speed_across(height, speed, station, place[k], z[k])
+        out[k] = speed_in_section(height, speed, station, place[k], z[k])
 
 
 @pytest.mark.parametrize("shape", [(4, 5), (2, 2), (1, 4), (3, 1)])
 def test_speed_at_a_place_is_what_rays_have_there(shape):
     rng = np.random.default_rng(8)
     station, depth = np.sort(rng.uniform(0.0, 100.0, shape[0])), np.sort(rng.uniform(0.0, 60.0, shape[1]))
-    laid = Layers(depth, station, 1500.0 + rng.uniform(-9.0, 9.0, shape))
+    laid = SoundSpeedField(depth, station, 1500.0 + rng.uniform(-9.0, 9.0, shape))
     place, below = rng.uniform(-20.0, 120.0, 500), rng.uniform(-10.0, 70.0, 500)
     ours = np.empty(500)
     speeds_across(-depth[::-1], np.ascontiguousarray(laid.speed[:, ::-1]), station, place, -below, ours)

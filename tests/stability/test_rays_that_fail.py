@@ -13,7 +13,7 @@ from insonify.acoustics.rays import follow_paths, join_points
 from insonify.kernels.refraction.arcs import ENDLESS, GRAZING, HIGH, LOW, NODE, RANGE
 from insonify.kernels.refraction.eigenray_search import ANGLE, TIME
 from insonify.kernels.refraction.eigenrays import FOUND, NONE
-from insonify.kernels.refraction.ray_paths import AT_RANGE, NOWHERE, TRAPPED, Limits
+from insonify.kernels.refraction.ray_paths import AT_RANGE, NOWHERE, TRAPPED, RayLimits
 from insonify.scene.water import Water
 from water import NO_CEILING, NO_FLOOR, downward, followed, joined, layers, shot, stepped, water_of
 
@@ -242,7 +242,7 @@ def test_a_duct_without_end_of_eigenrays_gives_some_and_ends():
 
 
 def test_a_ray_between_two_mirrors_ends():
-    limits = Limits(100.0, -60.0, 0.0, True, True)
+    limits = RayLimits(100.0, -60.0, 0.0, True, True)
     _, ends = follow_paths(
         water_of(*layers([0, 60], [1500, 1510])), -20.0, np.radians([90.0, 80.0]), np.array([50.0]), limits
     )

@@ -19,7 +19,7 @@ def flat_bed_curve(
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         Law, beam, bins and range factors.
     altitude : float
         Height of the sonar above the bed, in metres.

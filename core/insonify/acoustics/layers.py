@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insonify.acoustics.polyline import straightened, thinned
+from insonify.acoustics.polyline import approximate_by_segments, thin_polyline
 from insonify.acoustics.sound_speed import EQUATIONS
 from insonify.files import file_version
 from insonify.io.sound_speed_casts import Cast, read_cast
@@ -23,7 +23,7 @@ OF_CASTS = 0.02  # likewise of measurements, which are no better
 
 
 @dataclass(frozen=True, eq=False)
-class Layers:
+class SoundSpeedField:
     """Speed of sound, linear between its points (of a section: in the triangles that rays see) and even beyond them.
 
     Attributes
@@ -80,7 +80,7 @@ def _within(places: Values, wanted: Values) -> tuple[NDArray[np.int64], Values]:
     return piece, np.clip((wanted - places[piece]) / (places[piece + 1] - places[piece]), 0.0, 1.0)
 
 
-def lay_out(water: Water) -> Layers:
+def make_sound_speed_field(water: Water) -> SoundSpeedField:
     """Lay out the speed of sound of a declared water.
 
     Raises
@@ -92,7 +92,7 @@ def lay_out(water: Water) -> Layers:
 
 
 @lru_cache(maxsize=16)
-def _kept_layers(water: Water, version: tuple[int, int] | None) -> Layers:
+def _kept_layers(water: Water, version: tuple[int, int] | None) -> SoundSpeedField:
     del version  # part of the key alone: a file written anew is read anew
     if isinstance(water, UniformWater):
         return _level([0.0], [water.sound_speed])
@@ -104,21 +104,23 @@ def _kept_layers(water: Water, version: tuple[int, int] | None) -> Layers:
         return _level(*_of_hydrography(water))
     if isinstance(water, CastWater):
         return _level(*_of_cast(water))
-    return Layers(
+    return SoundSpeedField(
         np.array(water.depth), np.array(water.distance), np.array(water.sound_speed), math.radians(water.heading)
     )
 
 
-def _level(depth: ArrayLike, speed: ArrayLike) -> Layers:
+def _level(depth: ArrayLike, speed: ArrayLike) -> SoundSpeedField:
     """Water that is the same everywhere."""
-    return Layers(np.asarray(depth, dtype=np.float64), np.zeros(1), np.asarray(speed, dtype=np.float64)[None, :])
+    return SoundSpeedField(
+        np.asarray(depth, dtype=np.float64), np.zeros(1), np.asarray(speed, dtype=np.float64)[None, :]
+    )
 
 
 def _smooth(depth: Values, speed: Values, tolerance: float) -> tuple[Values, Values]:
     """Pieces of the curve through the points that keeps to their order of size: PCHIP, for a spline overshoots."""
     from scipy.interpolate import PchipInterpolator
 
-    return straightened(PchipInterpolator(depth, speed), depth, tolerance)
+    return approximate_by_segments(PchipInterpolator(depth, speed), depth, tolerance)
 
 
 def _of_hydrography(water: HydrographyWater) -> tuple[Values, Values]:
@@ -130,7 +132,7 @@ def _of_hydrography(water: HydrographyWater) -> tuple[Values, Values]:
         temperature = np.interp(places, depth, np.array(water.temperature))
         return EQUATIONS[water.equation](temperature, np.interp(places, depth, salinity), places)
 
-    return straightened(speed, depth, OF_CURVES)
+    return approximate_by_segments(speed, depth, OF_CURVES)
 
 
 def _of_cast(water: CastWater) -> tuple[Values, Values]:
@@ -139,7 +141,7 @@ def _of_cast(water: CastWater) -> tuple[Values, Values]:
     speed = _speed_of_cast(water, cast)
     if water.interpolation == "pchip" and cast.depth.size > 1:
         return _smooth(cast.depth, speed, OF_CASTS)
-    kept = thinned(cast.depth, speed, OF_CASTS)
+    kept = thin_polyline(cast.depth, speed, OF_CASTS)
     return cast.depth[kept], speed[kept]
 
 

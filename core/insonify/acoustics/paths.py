@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from insonify.acoustics.layers import lay_out
+from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.rays import find_shadows, follow_paths, join_points
 from insonify.kernels.common.types import Water as LaidWater
 from insonify.kernels.refraction.eigenray_search import ANGLE, BOTTOMS, COSINE, GRAZED, SINE, TIME, TOPS, TUBE, TURNS
-from insonify.kernels.refraction.ray_paths import ON_BED, Limits, Points
+from insonify.kernels.refraction.ray_paths import ON_BED, RayLimits, RayPoints
 from insonify.scene import SceneError
 from insonify.scene.water import Water
 
@@ -157,7 +157,7 @@ def shadow_zones(
 
 def prepare_paths(
     water: Water, source_depth: float, angles: ArrayLike, max_range: float, bottom: float | None
-) -> tuple[LaidWater, Values, Limits]:
+) -> tuple[LaidWater, Values, RayLimits]:
     """Check what rays are asked for: the water laid out, the angles, and where rays end; parameters of `ray_paths`."""
     launch = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     if launch.ndim != 1:
@@ -169,11 +169,11 @@ def prepare_paths(
     return (
         _below_surface(water),
         launch,
-        Limits(float(max_range), _height_of(bottom), 0.0, False, water.surface.kind != "none"),
+        RayLimits(float(max_range), _height_of(bottom), 0.0, False, water.surface.kind != "none"),
     )
 
 
-def _as_paths(launch: Values, points: Points, ends: NDArray[np.int64]) -> xr.Dataset:
+def _as_paths(launch: Values, points: RayPoints, ends: NDArray[np.int64]) -> xr.Dataset:
     """Name what was found of whole rays; the longest gives the number of points."""
     import xarray as xr
 
@@ -220,7 +220,7 @@ def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
 
 def _below_surface(water: Water) -> LaidWater:
     """Lay water out with heights above the sea surface."""
-    layers = lay_out(water)
+    layers = make_sound_speed_field(water)
     return LaidWater(
         bent=True,
         height=np.ascontiguousarray(0.0 - layers.depth[::-1]),

@@ -13,7 +13,9 @@ FINER = 0.1  # share of the tolerance to which a curve is sampled before it is t
 MOST_PARTS = 4096  # of one interval between knots
 
 
-def straightened(curve: Callable[[Values], Values], knots: Values, tolerance: float) -> tuple[Values, Values]:
+def approximate_by_segments(
+    curve: Callable[[Values], Values], knots: Values, tolerance: float
+) -> tuple[Values, Values]:
     """Approximate a curve by straight pieces.
 
     Parameters
@@ -33,7 +35,7 @@ def straightened(curve: Callable[[Values], Values], knots: Values, tolerance: fl
     parts = [_sampled(curve, low, high, FINER * tolerance) for low, high in itertools.pairwise(knots)]
     places = np.concatenate([*(part[:-1] for part in parts), knots[-1:]])
     values = curve(places)
-    kept = thinned(places, values, (1.0 - FINER) * tolerance)
+    kept = thin_polyline(places, values, (1.0 - FINER) * tolerance)
     return places[kept], values[kept]
 
 
@@ -50,7 +52,7 @@ def _sampled(curve: Callable[[Values], Values], low: float, high: float, toleran
         parts = min(max(parts + 1, int(np.ceil(parts * np.sqrt(error / tolerance)))), MOST_PARTS)
 
 
-def thinned(places: Values, values: Values, tolerance: float) -> NDArray[np.int64]:
+def thin_polyline(places: Values, values: Values, tolerance: float) -> NDArray[np.int64]:
     """Choose points whose straight connections pass all others within the tolerance.
 
     Parameters

@@ -22,13 +22,13 @@ from insonify.kernels.refraction.eigenray_search import (
     TOPS,
     TUBE,
     TURNS,
-    Span,
+    EndPoints,
     X,
     find_eigenrays,
-    find_lit,
+    find_insonified_ranges,
 )
-from insonify.kernels.refraction.ray_paths import Limits, Points, trace_paths
-from insonify.kernels.refraction.section_arcs import Plane
+from insonify.kernels.refraction.ray_paths import RayLimits, RayPoints, trace_ray_paths
+from insonify.kernels.refraction.section_arcs import SectionPlane
 
 Values = NDArray[np.float64]
 ROOM = 64  # for rays that join two points, at first
@@ -36,10 +36,12 @@ FAN = 4000  # rays sent through a section to find those that join two points
 HALVINGS = 60  # of the angle between two rays of that fan
 SEAM = 1e-5  # of the farthest range looked at: two lit stretches this close are one
 CLOSE = 1e-6  # m by which a ray that joins two points may miss: more, and it is the brink of a shadow
-ALONG_STATIONS = Plane(0.0, 1.0)
+ALONG_STATIONS = SectionPlane(0.0, 1.0)
 
 
-def follow_paths(water: Water, height: float, angles: Values, ranges: Values, limits: Limits) -> tuple[Points, Any]:
+def follow_paths(
+    water: Water, height: float, angles: Values, ranges: Values, limits: RayLimits
+) -> tuple[RayPoints, Any]:
     """Follow rays along the line of the water's stations.
 
     Parameters
@@ -63,9 +65,9 @@ def follow_paths(water: Water, height: float, angles: Values, ranges: Values, li
     shape = (angles.size, ranges.size + 1)
     x, z, cosine, sine, time, q = (np.full(shape, math.nan) for _ in range(6))
     turns, tops, bottoms = (np.zeros(shape, np.int64) for _ in range(3))
-    points = Points(x, z, cosine, sine, time, q, np.zeros(shape, np.bool_), turns, tops, bottoms)
+    points = RayPoints(x, z, cosine, sine, time, q, np.zeros(shape, np.bool_), turns, tops, bottoms)
     ends = np.zeros(angles.size, np.int64)
-    trace_paths(water, ALONG_STATIONS, height, angles, ranges, limits, points, ends)
+    trace_ray_paths(water, ALONG_STATIONS, height, angles, ranges, limits, points, ends)
     return points, ends
 
 
@@ -91,7 +93,7 @@ def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, 
         As by `kernels.branches`, by launch angle, radians above the horizontal. Rays that have come to that height
         ORDERS times before are left out.
     """
-    span = Span(float(z_from), float(z_to), float(x), float(low), float(high), int(most))
+    span = EndPoints(float(z_from), float(z_to), float(x), float(low), float(high), int(most))
     if water.station.size > 1:
         return _join_across(water, span)
     edges, room = _critical_angles(water, span), ROOM
@@ -103,7 +105,7 @@ def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, 
         room *= 2
 
 
-def _critical_angles(water: Water, span: Span) -> Values:
+def _critical_angles(water: Water, span: EndPoints) -> Values:
     """Launch angles at which rays graze a node, an end of the water or the height asked for, in radians, ascending."""
     nodes = (water.height > span.low) & (water.height < span.high)
     heights = np.array([z for z in (span.z_to, span.low, span.high) if math.isfinite(z)])
@@ -114,41 +116,41 @@ def _critical_angles(water: Water, span: Span) -> Values:
     return np.concatenate(halves)
 
 
-def _join_across(water: Water, span: Span) -> Values:
+def _join_across(water: Water, span: EndPoints) -> Values:
     """Find the rays between two points of a section: by a fan, halved where the point lies between two of its rays."""
     lower, upper = sorted((span.z_from, span.z_to))
     heights = np.linspace(lower - span.x, upper + span.x, FAN // 2)
     angles = np.union1d(np.arctan2(heights - span.z_from, span.x), np.linspace(-0.5, 0.5, FAN // 2 + 2)[1:-1] * math.pi)
     fan = _arrive(water, span, angles)
     first, last = fan[:-1], fan[1:]
-    between = _parted(_miss(span, first), _miss(span, last))
+    between = _opposite_signs(_miss(span, first), _miss(span, last))
     # About an extremum of the height two more may hide.
     nears = _rise(span, first) * _miss(span, first) < 0.0
     leaves = _rise(span, last) * _miss(span, last) > 0.0
     hidden = ~between & nears & leaves
-    extremum = _halve(water, span, first[hidden], last[hidden], _rise)
+    extremum = _bisect(water, span, first[hidden], last[hidden], _rise)
     a, b = (
         np.concatenate([first[between], first[hidden], extremum]),
         np.concatenate([last[between], extremum, last[hidden]]),
     )
-    held = _parted(_miss(span, a), _miss(span, b))
-    found = _halve(water, span, a[held], b[held], _miss)
+    held = _opposite_signs(_miss(span, a), _miss(span, b))
+    found = _bisect(water, span, a[held], b[held], _miss)
     few = found[:, TOPS] + found[:, BOTTOMS] <= span.reflections
     found = found[few & (np.abs(_miss(span, found)) < CLOSE)]
     found[:, X] = span.x
     return found[np.argsort(found[:, ANGLE], kind="stable")]
 
 
-def _parted(a: Values, b: Values) -> NDArray[np.bool_]:
+def _opposite_signs(a: Values, b: Values) -> NDArray[np.bool_]:
     """Whether one of two is above 0 and the other is not; never for NaN."""
     return np.isfinite(a) & np.isfinite(b) & ((a > 0.0) != (b > 0.0))
 
 
-def _arrive(water: Water, span: Span, angles: Values) -> Values:
+def _arrive(water: Water, span: EndPoints, angles: Values) -> Values:
     """Send rays to the range of a point; column X holds their height there, NaN for those that do not come."""
     # A point at an end of the water lies between rays that are sent back before it and behind it.
     most = span.reflections + (span.z_to in (span.low, span.high))
-    limits = Limits(span.x, span.low, span.high, most > 0, most > 0)
+    limits = RayLimits(span.x, span.low, span.high, most > 0, most > 0)
     points, _ = follow_paths(water, span.z_from, angles, np.array([span.x]), limits)
     rows = np.empty((angles.size, COLUMNS))
     rows[:, ANGLE] = angles
@@ -161,18 +163,18 @@ def _arrive(water: Water, span: Span, angles: Values) -> Values:
     return rows
 
 
-def _miss(span: Span, rows: Values) -> Values:
+def _miss(span: EndPoints, rows: Values) -> Values:
     """Height of rays above the point, in metres; beyond an end of the water on which it lies, if they went on."""
-    return _onwards(span, rows) * (rows[:, X] - span.z_to)
+    return _reflection_sign(span, rows) * (rows[:, X] - span.z_to)
 
 
-def _rise(span: Span, rows: Values) -> Values:
+def _rise(span: EndPoints, rows: Values) -> Values:
     """dz/dθ0 of that height, in m/rad."""
     mirrored = (rows[:, TOPS] + rows[:, BOTTOMS]) % 2 == 1
-    return _onwards(span, rows) * np.where(mirrored, -1.0, 1.0) * rows[:, TUBE] / rows[:, COSINE]
+    return _reflection_sign(span, rows) * np.where(mirrored, -1.0, 1.0) * rows[:, TUBE] / rows[:, COSINE]
 
 
-def _onwards(span: Span, rows: Values) -> Values:
+def _reflection_sign(span: EndPoints, rows: Values) -> Values:
     """-1 for rays that an end of the water with the point on it has turned upside down, otherwise 1."""
     if span.z_to == span.low:
         return 1.0 - 2.0 * (rows[:, BOTTOMS] % 2)
@@ -181,7 +183,9 @@ def _onwards(span: Span, rows: Values) -> Values:
     return np.ones(len(rows))
 
 
-def _halve(water: Water, span: Span, a: Values, b: Values, value: Callable[[Span, Values], Values]) -> Values:
+def _bisect(
+    water: Water, span: EndPoints, a: Values, b: Values, value: Callable[[EndPoints, Values], Values]
+) -> Values:
     """Find the rays between ``a`` and ``b`` at which a value of them changes its sign: those less often reflected."""
     above = value(span, a) > 0.0
     first, last = a.copy(), b.copy()
@@ -210,10 +214,10 @@ def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: flo
     (n, 2) float64
         Beginning and end of each shadow, in metres, ascending.
     """
-    span = Span(float(z_from), float(z_to), math.inf, float(low), float(high), 0)
+    span = EndPoints(float(z_from), float(z_to), math.inf, float(low), float(high), 0)
     edges = _critical_angles(water, span)
     lit = np.full((edges.size - 1, ORDERS, 2), math.inf)
-    find_lit(water.height, water.speed[0], span, edges, lit)
+    find_insonified_ranges(water.height, water.speed[0], span, edges, lit)
     pieces = lit.reshape(-1, 2)
     shadows, reached = [], 0.0
     for begin, end in pieces[np.argsort(pieces[:, 0], kind="stable")]:

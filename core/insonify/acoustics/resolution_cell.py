@@ -50,7 +50,7 @@ def volume_echo(arrays: SceneArrays, altitude: float, depth: float) -> Curve:
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         Beam, bins and range factors.
     altitude, depth : float
         Height of the sonar above the bed and its depth, in metres.
@@ -77,7 +77,7 @@ def surface_echo(arrays: SceneArrays, depth: float) -> Curve:
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         Beam, bins and range factors.
     depth : float
         Of the sonar, in metres.

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from insonify.acoustics.layers import lay_out
+from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene
 from insonify.scene.reliefs import Dem
@@ -15,7 +15,7 @@ from insonify.scene.reliefs import Dem
 DEPTHS = 64  # at which the way to the bed is looked at
 
 
-class Bending(NamedTuple):
+class RefractionEffect(NamedTuple):
     """What bending does to the farthest echo of the bed.
 
     Attributes
@@ -33,7 +33,7 @@ class Bending(NamedTuple):
     most: float
 
 
-def bending_of(scene: Scene) -> Bending:
+def estimate_refraction(scene: Scene) -> RefractionEffect:
     """Estimate what the bending of sound makes of a scene's farthest echo, in closed form.
 
     Parameters
@@ -52,9 +52,9 @@ def bending_of(scene: Scene) -> Bending:
     SceneError
         If a cast cannot be read.
     """
-    layers, reference = lay_out(scene.water), speed_at_sonar(scene)
+    layers, reference = make_sound_speed_field(scene.water), speed_at_sonar(scene)
     if (layers.speed == layers.speed[0, 0]).all():
-        return Bending(0.0, 0.0, 0.0)
+        return RefractionEffect(0.0, 0.0, 0.0)
     bed, reach = scene.seabed.depth, scene.sonar.range
     sonar = bed - scene.altitude if scene.track.depth is None else scene.track.depth
     way = layers.speed_at(*scene.track.start, np.linspace(sonar, bed, DEPTHS))
@@ -64,7 +64,7 @@ def bending_of(scene: Scene) -> Bending:
     within = layers.depth < (math.inf if isinstance(scene.seabed.relief, Dem) else bed)
     unlike = max(abs(layers.speed[:, within] - reference).max(initial=0.0), abs(way - reference).max())
     bin_length = reach / scene.sonar.bins
-    return Bending(
+    return RefractionEffect(
         shift=reach * abs(reference * float((1.0 / way).mean()) - 1.0),
         level=per_speed * abs(float(way[-1]) - reference),
         most=float(unlike) * max(reach / reference / bin_length, per_speed),

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from insonify.acoustics.layers import Layers, lay_out
+from insonify.acoustics.layers import SoundSpeedField, make_sound_speed_field
 from insonify.kernels.common.types import Water, still_water
 from insonify.scene import Scene
 
@@ -33,7 +33,7 @@ def speed_at_sonar(scene: Scene, datum: float | None = None) -> float:
     """
     mean_bed = scene.seabed.depth if datum is None else -datum
     depth = mean_bed - scene.altitude if scene.track.depth is None else scene.track.depth
-    return float(lay_out(scene.water).speed_at(*scene.track.start, depth))
+    return float(make_sound_speed_field(scene.water).speed_at(*scene.track.start, depth))
 
 
 def recording_speed(scene: Scene, datum: float | None = None) -> float:
@@ -63,7 +63,7 @@ def make_water(scene: Scene, datum: float, low: float = -math.inf) -> Water:
     SceneError
         If a cast cannot be read.
     """
-    layers = _cut(lay_out(scene.water), 0.0, -(low + datum))
+    layers = _cut(make_sound_speed_field(scene.water), 0.0, -(low + datum))
     reference = speed_at_sonar(scene, datum)
     if (layers.speed == layers.speed[0, 0]).all():
         return still_water(reference, -datum)
@@ -79,7 +79,7 @@ def make_water(scene: Scene, datum: float, low: float = -math.inf) -> Water:
     )
 
 
-def _cut(layers: Layers, top: float, bottom: float) -> Layers:
+def _cut(layers: SoundSpeedField, top: float, bottom: float) -> SoundSpeedField:
     """Leave out what lies above and below two depths, and put points there instead."""
     within = layers.depth[(layers.depth > top) & (layers.depth < bottom)]
     ends = [depth for depth in (top, bottom) if layers.depth[0] <= depth <= layers.depth[-1]]
@@ -88,4 +88,4 @@ def _cut(layers: Layers, top: float, bottom: float) -> Layers:
         # All of it lies outside: the nearer end holds.
         depth = layers.depth[:1] if bottom < layers.depth[0] else layers.depth[-1:]
     speed = np.stack([np.interp(depth, layers.depth, profile) for profile in layers.speed])
-    return Layers(depth, layers.distance, speed, layers.heading)
+    return SoundSpeedField(depth, layers.distance, speed, layers.heading)

@@ -30,7 +30,7 @@ class _Extent(NamedTuple):
     reference: float  # m/s
 
 
-def make_bending(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTables, NDArray[np.bool_]]:
+def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTables, NDArray[np.bool_]]:
     """Tabulate the water of a problem for the heights of some pings.
 
     Parameters
@@ -52,7 +52,7 @@ def make_bending(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTables, NDA
         return no_apparent_tables(), np.zeros(poses.z.size, np.bool_)
     if arrays.water.station.size > 1:
         return no_apparent_tables(), np.ones(poses.z.size, np.bool_)
-    height, speed = _continued(arrays)
+    height, speed = _extend_below_bed(arrays)
     stretch = max(float(speed[height >= arrays.bed.low].max()) / arrays.water.reference, 1.0)
     extent = _extent_of(arrays, stretch)
     if extent.rows * extent.columns > MOST_PLACES:
@@ -76,7 +76,7 @@ def make_bending(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTables, NDA
     return bending, folds[below - numbers[0]] | folds[below + 1 - numbers[0]]
 
 
-def _continued(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Nodes of the water, going on below the lowest bed as it is there.
 
     No sound goes there; but a ray that would come up again from there seems to come from below the bed, which hides it.

@@ -18,7 +18,7 @@ def refuse_sonar_in_mesh(arrays: SceneArrays, poses: Poses) -> None:
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         The scene as kernels see it.
     poses : Poses
         Where the sonar is.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses
-from insonify.packing.track import Line, line_at, recorded_at
+from insonify.packing.track import TowLine, recorded_at, tow_line_at
 from insonify.scene import Scene
 from insonify.scene.motion import Heave, Oscillation, Pitch, Roll, Sway, Yaw
 from insonify.terrain import AnyGround
@@ -44,7 +44,7 @@ def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Pos
     SceneError
         If a recorded motion cannot be read.
     """
-    line, known = line_at(scene, pings), recorded_at(scene, pings)
+    line, known = tow_line_at(scene, pings), recorded_at(scene, pings)
     zero = np.zeros(line.x.shape)
     sway = _swing(scene, Sway, pings)
     return Poses(
@@ -57,7 +57,7 @@ def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Pos
     )
 
 
-def take(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
+def take_poses(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
     """Return some of the poses."""
     return Poses(*(np.ascontiguousarray(column[places]) for column in poses))
 
@@ -86,11 +86,11 @@ def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> ND
     reach = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed
     numbers = np.asarray(pings, dtype=np.float64)
     parts = np.array_split(numbers, math.ceil(max(numbers.size, 1) / TOGETHER))
-    lines = (line_at(scene, part[:, None] + reach * share) for part in parts)
+    lines = (tow_line_at(scene, part[:, None] + reach * share) for part in parts)
     return np.concatenate([ground.height_near(line.x, line.y) @ weight for line in lines])
 
 
-def _height(scene: Scene, ground: AnyGround, line: Line, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+def _height(scene: Scene, ground: AnyGround, line: TowLine, pings: NDArray[np.int64]) -> NDArray[np.float64]:
     """Heights of the sonar above the datum, but for its heave."""
     known = recorded_at(scene, pings)
     if "depth" in known:

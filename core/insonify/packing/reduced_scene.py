@@ -13,14 +13,14 @@ from insonify.kernels.geometry.bvh import build_mesh
 from insonify.scene.surface import WAYS
 
 
-def lessened(
+def reduce_scene(
     arrays: SceneArrays, *, bed: Bed, ways: Collection[str], bounces: int, targets: Collection[int]
 ) -> SceneArrays:
     """Leave out what is not modelled.
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         With all that the scene declares.
     bed : Bed
         With as many nodes as are modelled.
@@ -33,7 +33,7 @@ def lessened(
 
     Returns
     -------
-    Problem
+    SceneArrays
     """
     ghosts = arrays.ghosts
     heard: dict[str, Any] = {way: getattr(ghosts, way) and way in ways for way in WAYS}

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from insonify.packing.track import exact_cos
 
 
-def rotation(heading: float, pitch: float, roll: float) -> NDArray[np.float64]:
+def rotation_matrix(heading: float, pitch: float, roll: float) -> NDArray[np.float64]:
     """Turn a body first by its heading about z, then by its pitch, then by its roll, each about its own turned axes.
 
     Parameters

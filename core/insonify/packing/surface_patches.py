@@ -27,7 +27,7 @@ class _Belt(NamedTuple):
     bound: float
 
 
-def make_skin(solids: Solids, mesh: Mesh) -> SurfacePatches:
+def make_surface_patches(solids: Solids, mesh: Mesh) -> SurfacePatches:
     """Cut the skin of all bodies into patches.
 
     Parameters

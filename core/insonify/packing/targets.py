@@ -12,7 +12,7 @@ from insonify.io.meshes import read_mesh
 from insonify.kernels.common.types import Mesh, Solids
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.packing.primitives import Shape, Vector, ball, block, frustum
-from insonify.packing.rotation import rotation
+from insonify.packing.rotation import rotation_matrix
 from insonify.packing.track import exact_cos
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import Reflectivity
@@ -80,7 +80,7 @@ def _posed(target: AnyTarget, ground: AnyGround, number: int) -> Shape:
     shape = _shape(target, number)
     if not isinstance(target, Sphere):
         roll = 0.0 if isinstance(target, Pipe) else target.roll
-        shape = shape.turned(rotation(target.heading, target.pitch or 0.0, roll))
+        shape = shape.turned(rotation_matrix(target.heading, target.pitch or 0.0, roll))
     x, y = target.position[:2]
     if len(target.position) == 3:
         return shape.moved(np.array([x, y, target.position[2] - ground.datum]))

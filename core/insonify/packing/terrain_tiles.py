@@ -20,7 +20,7 @@ MARGIN = 1.1
 KEPT_BEDS = 2
 
 
-class Windows:
+class TerrainTiles:
     """Beds, one for each window of endless ground; any other ground is one window.
 
     Parameters
@@ -40,7 +40,7 @@ class Windows:
 
         Parameters
         ----------
-        problem : Problem
+        arrays : SceneArrays
             A scene over this ground.
         poses : Poses
             Where the sonar is, n pings.
@@ -49,7 +49,7 @@ class Windows:
         ------
         places : int64 array or slice
             Which of the poses.
-        problem : Problem
+        arrays : SceneArrays
             With the bed about them: a function of each pose alone.
         """
         if not isinstance(self._ground, EndlessGround) or poses.x.size == 0:
@@ -64,7 +64,7 @@ class Windows:
         return make_bed(self._ground.window(row, column, MARGIN * self.reach))
 
 
-def in_order(places: Sequence[NDArray[np.int64] | slice], columns: Sequence[Column]) -> Column:
+def restore_order(places: Sequence[NDArray[np.int64] | slice], columns: Sequence[Column]) -> Column:
     """Join what was found for pings window by window, in the order of the pings."""
     if len(columns) == 1:
         return columns[0]

@@ -20,7 +20,7 @@ STRAIGHT = 1e-30  # rad/m, below which no bend shows over any tow
 ANGLES = ("heading", "pitch", "roll")
 
 
-class Line(NamedTuple):
+class TowLine(NamedTuple):
     """Where a tow leads.
 
     Attributes
@@ -36,7 +36,7 @@ class Line(NamedTuple):
     heading: Column
 
 
-def line_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> Line:
+def tow_line_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> TowLine:
     """Follow the line of a tow, without what the fish does about it.
 
     Parameters
@@ -47,9 +47,9 @@ def line_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> Li
         Ping numbers of any shape, also between pings and before the first.
     """
     track = scene.track
-    line = _bent(track, np.asarray(pings, dtype=np.float64) * (track.speed / scene.sonar.ping_rate))
+    line = _follow_turns(track, np.asarray(pings, dtype=np.float64) * (track.speed / scene.sonar.ping_rate))
     known = recorded_at(scene, pings)
-    return Line(known.get("x", line.x), known.get("y", line.y), known.get("heading", line.heading))
+    return TowLine(known.get("x", line.x), known.get("y", line.y), known.get("heading", line.heading))
 
 
 class _Pieces(NamedTuple):
@@ -64,7 +64,7 @@ class _Pieces(NamedTuple):
     sin: Column
 
 
-def _bent(track: Track, along: Column) -> Line:
+def _follow_turns(track: Track, along: Column) -> TowLine:
     """Go so many metres along the line with its turns."""
     pieces = _pieces(track)
     at = np.maximum(np.searchsorted(pieces.begin, along, side="right") - 1, 0)
@@ -76,7 +76,7 @@ def _bent(track: Track, along: Column) -> Line:
     curved = np.abs(curvature) > STRAIGHT
     chord = np.where(curved, 2.0 * np.sin(half) / np.where(curved, curvature, 1.0), beyond)
     way = np.radians(heading) + half
-    return Line(
+    return TowLine(
         x=x + np.where(curved, np.cos(way), pieces.cos[at]) * chord,
         y=y + np.where(curved, np.sin(way), pieces.sin[at]) * chord,
         heading=np.radians(heading) + curvature * beyond,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from insonify.acoustics.straightness import Bending
+from insonify.acoustics.straightness import RefractionEffect
 from insonify.planning import laws
 from insonify.planning.plane_sampling import Comb
 from insonify.planning.relief_detail import ALONG, AWAY, Detail, detail_of
@@ -150,7 +150,7 @@ class Echo:
         error = min(laws.LEVEL * (length / self._view.bin_length) ** laws.LEVEL_ORDER, laws.LEVEL_MOST)
         return max(error, laws.LEVEL_SHADED * (length / self._view.altitude) ** 2 if self._view.shaded else 0.0)
 
-    def of_shift(self, bending: Bending) -> float:
+    def of_shift(self, bending: RefractionEffect) -> float:
         """Error of sound that is taken to go straight: echoes lie elsewhere and are louder or fainter."""
         shift = bending.shift * self._share
         turned = 4.0 * np.sin(np.pi * self._detail.fx.T * shift[:, None]) ** 2

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.beam_patterns import is_patterned
-from insonify.acoustics.straightness import bending_of
+from insonify.acoustics.straightness import estimate_refraction
 from insonify.planning import laws
 from insonify.planning.bed_errors import Echo, echo_of
 from insonify.planning.candidates import Draft
@@ -46,7 +46,7 @@ class Errors:
 
     def __init__(self, scene: Scene, view: View, silent: frozenset[str] = frozenset()) -> None:
         self._scene, self._view, self._silent = scene, view, silent
-        self.bending = bending_of(scene)
+        self.bending = estimate_refraction(scene)
         self.targets = targets_in_reach(scene)
         self.far_targets = tuple(k for k in range(len(scene.targets)) if k not in self.targets)
         self.ways = ways_in_reach(scene)

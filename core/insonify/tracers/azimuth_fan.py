@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from insonify.kernels.beam.azimuth_sector import FADING
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
-from insonify.packing.navigation import take
+from insonify.packing.navigation import take_poses
 
 FEW = 16  # planes; with more than these all that is rough about a fan's planes shrinks as they come closer
 # Up to where cos θ reaches 1 - FORESHORTENED the beam's cone is followed azimuth by azimuth; beyond it the inner planes
@@ -100,7 +100,7 @@ def lay_planes_of_images(
     return [
         (places[within], beam, of_image)
         for places, beam in laid
-        for within, of_image in lay_planes(arrays, take(lifted, places), planes)
+        for within, of_image in lay_planes(arrays, take_poses(lifted, places), planes)
     ]
 
 

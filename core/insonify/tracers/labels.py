@@ -17,8 +17,8 @@ from insonify.kernels.refraction.apparent_positions import ApparentTables, empty
 from insonify.kernels.sweep.sweep import AzimuthFan
 from insonify.kernels.sweep.visibility import empty_segment_echoes
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, empty_zbuffer
-from insonify.packing.apparent_tables import make_bending
-from insonify.packing.navigation import take
+from insonify.packing.apparent_tables import make_apparent_tables
+from insonify.packing.navigation import take_poses
 from insonify.packing.targets import refuse_sonar_inside
 from insonify.parallel import in_parallel
 from insonify.tracers.azimuth_fan import lay_planes_of_images
@@ -30,7 +30,7 @@ NO_PATH = -1
 PATHS = ("direct", "surface_bottom", "surface_bottom_surface", "second_bottom", "surface", "crosstalk")
 
 
-class Truth(NamedTuple):
+class RecordLabels(NamedTuple):
     """What each bin shows, (n, 2, bins) each.
 
     Attributes
@@ -63,7 +63,7 @@ class Truth(NamedTuple):
     caustic: NDArray[np.bool_]
 
 
-def trace_truth(
+def trace_labels(
     arrays: SceneArrays,
     poses: Poses,
     *,
@@ -71,7 +71,7 @@ def trace_truth(
     rays: int = 4000,
     crosstalk: float = 0.0,
     threads: int | None = None,
-) -> Truth:
+) -> RecordLabels:
     """Tell what every bin of every ping shows, for an ideal pulse: where an echo begins.
 
     Parameters
@@ -101,13 +101,17 @@ def trace_truth(
         If the sonar runs into a target.
     """
     found = empty_labels(poses.x.size, arrays.bins)
-    bending, folded = make_bending(arrays, poses)
+    apparent, folded = make_apparent_tables(arrays, poses)
     if folded.any():
-        _enter(found, np.flatnonzero(folded), _find_by_rays(arrays, take(poses, np.flatnonzero(folded)), rays, threads))
+        _enter(
+            found,
+            np.flatnonzero(folded),
+            _find_by_rays(arrays, take_poses(poses, np.flatnonzero(folded)), rays, threads),
+        )
     clear = np.flatnonzero(~folded)
-    for among, *beams in lay_planes_of_images(arrays, take(poses, clear), planes):
+    for among, *beams in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
         places = clear[among]
-        _enter(found, places, _find(arrays, take(poses, places), beams, bending, threads))
+        _enter(found, places, _find(arrays, take_poses(poses, places), beams, apparent, threads))
     own = _in_words_of_the_scene(arrays, found)
     return _with_crosstalk(own, found.energy, crosstalk) if crosstalk > 0.0 else own
 
@@ -126,7 +130,7 @@ def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | N
         ledger = empty_contributor_table(_contributors(arrays), arrays.bins)
         return int(
             label_refracted_pings(
-                arrays, take(poses, slice(first, last)), rays, ledger, labels_of_pings(found, first, last)
+                arrays, take_poses(poses, slice(first, last)), rays, ledger, labels_of_pings(found, first, last)
             )
         )
 
@@ -135,23 +139,23 @@ def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | N
 
 
 def _find(
-    arrays: SceneArrays, poses: Poses, beams: list[AzimuthFan], bending: ApparentTables, threads: int | None
+    arrays: SceneArrays, poses: Poses, beams: list[AzimuthFan], apparent: ApparentTables, threads: int | None
 ) -> BinLabels:
     """Find what the bins of pings show that share their planes."""
-    capacity = profile_capacity(bending.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
+    capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
     contributors = _contributors(arrays) * (WAYS if arrays.ghosts.heard else 1)
     found = empty_labels(poses.x.size, arrays.bins)
 
     def block(first: int, last: int) -> int:
-        part = take(poses, slice(first, last))
+        part = take_poses(poses, slice(first, last))
         room = empty_profile(capacity), empty_segment_echoes(capacity), empty_zbuffer(arrays.solids, arrays.mesh)
         far, ledger = room_for_ghosts(arrays, capacity), empty_contributor_table(contributors, arrays.bins)
         return label_swept_pings(
             arrays,
             part,
             *beams,
-            bending,
-            empty_table(bending),
+            apparent,
+            empty_table(apparent),
             *room,
             *far,
             ledger,
@@ -172,7 +176,7 @@ def _contributors(arrays: SceneArrays) -> int:
     return arrays.reflectivity.shape[0] + _targets(arrays)
 
 
-def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> Truth:
+def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> RecordLabels:
     """Turn contributors into targets and materials, radians into degrees."""
     rows = arrays.reflectivity.shape[0]
     heard, way, who = found.contributor != NO_PRIMITIVE, *np.divmod(found.contributor, _contributors(arrays))
@@ -181,7 +185,7 @@ def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> Truth:
     material_of = np.arange(_contributors(arrays))
     for bodies in (arrays.solids, arrays.mesh):
         material_of[rows + bodies.target] = bodies.material
-    return Truth(
+    return RecordLabels(
         target_id=np.where(is_target, who - rows, np.where(heard & ~of_surface, BED, NOTHING)).astype(np.int16),
         material=np.where(heard & ~of_surface, material_of[who], NO_MATERIAL).astype(np.int16),
         shadow=found.shadow,
@@ -192,9 +196,9 @@ def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> Truth:
     )
 
 
-def _with_crosstalk(own: Truth, energy: NDArray[np.float32], crosstalk: float) -> Truth:
+def _with_crosstalk(own: RecordLabels, energy: NDArray[np.float32], crosstalk: float) -> RecordLabels:
     """Put in the other side's contributor wherever what is heard of it exceeds one's own."""
     across = crosstalk * energy[:, ::-1] > energy
     columns = {name: np.where(across, column[:, ::-1], column) for name, column in own._asdict().items()}
     columns["path"][across] = PATHS.index("crosstalk")
-    return Truth(**columns | {"shadow": own.shadow})
+    return RecordLabels(**columns | {"shadow": own.shadow})

@@ -19,7 +19,7 @@ def trace(
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         The scene as kernels see it.
     poses : Poses
         Where the sonar is, n pings.

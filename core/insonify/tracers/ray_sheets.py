@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.refracted_rays.ray_sheets import trace_sheets
-from insonify.packing.navigation import take
+from insonify.kernels.refracted_rays.ray_sheets import trace_ray_sheets
+from insonify.packing.navigation import take_poses
 from insonify.packing.targets import refuse_sonar_inside
 from insonify.parallel import in_parallel
 from insonify.scene import SceneError
@@ -20,7 +20,7 @@ def trace(
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         The scene as kernels see it: no ghosts, no bounces.
     poses : Poses
         Where the sonar is, n pings.
@@ -49,7 +49,7 @@ def trace(
     out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
 
     def block(first: int, last: int) -> int:
-        return int(trace_sheets(arrays, take(poses, slice(first, last)), sheets, int(rays), out[first:last]))
+        return int(trace_ray_sheets(arrays, take_poses(poses, slice(first, last)), sheets, int(rays), out[first:last]))
 
     refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
     return out

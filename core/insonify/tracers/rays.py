@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.multipath.multipath_rays import trace_multipath
-from insonify.kernels.rays.cell_walk import NOTHING, Bundle
-from insonify.kernels.rays.first_echoes import cast_rays, empty_hits, trace_pings
-from insonify.kernels.rays.specular_paths import follow_paths
-from insonify.kernels.refracted_rays.echoes import trace_bent_pings
-from insonify.kernels.refracted_rays.hits import bent_hits, empty_arrivals
-from insonify.packing.navigation import take
+from insonify.kernels.rays.cell_walk import NOTHING, RayBundle
+from insonify.kernels.rays.first_echoes import cast_straight_rays, empty_hits, trace_straight_pings
+from insonify.kernels.rays.specular_paths import follow_specular_paths
+from insonify.kernels.refracted_rays.echoes import trace_refracted_pings
+from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
+from insonify.packing.navigation import take_poses
 from insonify.packing.targets import refuse_sonar_inside
 from insonify.parallel import in_parallel
 from insonify.scene import SceneError
@@ -79,13 +79,13 @@ def cast(
     hits = empty_hits(bundle.x.size)
     farthest = arrays.bins * arrays.bin_length if reach is None else float(reach)
     if arrays.water.bent:
-        bent_hits(arrays, bundle, farthest, WALK, hits, empty_arrivals(bundle.x.size))
+        find_refracted_hits(arrays, bundle, farthest, WALK, hits, empty_arrivals(bundle.x.size))
     else:
-        cast_rays(arrays, bundle, farthest, hits)
+        cast_straight_rays(arrays, bundle, farthest, hits)
     return hits.distance, _targets(arrays)[hits.body], np.column_stack([hits.nx, hits.ny, hits.nz])
 
 
-class Paths(NamedTuple):
+class PathHits(NamedTuple):
     """Every hit of followed rays, ray by ray; the parts of a split one after the other, the mirrored first.
 
     Attributes
@@ -114,7 +114,7 @@ class Paths(NamedTuple):
 
 def follow(
     arrays: SceneArrays, origins: ArrayLike, directions: ArrayLike, bounces: int, *, reach: float = math.inf
-) -> Paths:
+) -> PathHits:
     """Follow rays through mirrors and bodies.
 
     Parameters
@@ -138,17 +138,19 @@ def follow(
         If the water bends sound: bounces are followed along straight lines alone.
     """
     _refuse_bends(arrays, bounces)
-    whole, real = follow_paths(arrays._replace(bounces=int(bounces)), _bundle(origins, directions), float(reach))
-    return Paths(whole[0], whole[1], np.ascontiguousarray(real[:3].T), real[3], real[4], _targets(arrays)[whole[2]])
+    whole, real = follow_specular_paths(
+        arrays._replace(bounces=int(bounces)), _bundle(origins, directions), float(reach)
+    )
+    return PathHits(whole[0], whole[1], np.ascontiguousarray(real[:3].T), real[3], real[4], _targets(arrays)[whole[2]])
 
 
-def _bundle(origins: ArrayLike, directions: ArrayLike) -> Bundle:
+def _bundle(origins: ArrayLike, directions: ArrayLike) -> RayBundle:
     """Pack rays that broadcast together, directions of any length."""
     starts, ways = np.broadcast_arrays(
         np.atleast_2d(np.asarray(origins, dtype=np.float64)), np.atleast_2d(np.asarray(directions, dtype=np.float64))
     )
     ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-    return Bundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
+    return RayBundle(*(np.ascontiguousarray(column) for column in (*starts.T, *ways.T)))
 
 
 def _targets(arrays: SceneArrays) -> NDArray[np.int64]:
@@ -161,11 +163,11 @@ def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, thread
     if rays < 1:
         raise SceneError(f"rays: {rays} is too few; give at least 1 ray per side")
     _refuse_bends(arrays, arrays.bounces)
-    trace = trace_bent_pings if arrays.water.bent else trace_pings
+    trace = trace_refracted_pings if arrays.water.bent else trace_straight_pings
     out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
 
     def block(first: int, last: int) -> int:
-        part = take(poses, slice(first, last))
+        part = take_poses(poses, slice(first, last))
         status = int(trace(arrays, part, int(rays), float(step), out[first:last]))
         if arrays.ghosts.heard and status == 0:
             trace_multipath(arrays, part, int(rays), out[first:last])

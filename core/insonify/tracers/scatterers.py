@@ -16,8 +16,8 @@ from insonify.kernels.speckle.scatterers import PulseTaps, Scatterers, empty_sig
 from insonify.kernels.speckle.surface_patches import SurfacePatches
 from insonify.kernels.sweep.sweep import AzimuthFan
 from insonify.kernels.sweep.visible_stretches import empty_visible_bed
-from insonify.packing.navigation import take
-from insonify.packing.surface_patches import make_skin
+from insonify.packing.navigation import take_poses
+from insonify.packing.surface_patches import make_surface_patches
 from insonify.packing.targets import refuse_sonar_inside
 from insonify.parallel import in_parallel
 from insonify.scene import Scene, SceneError
@@ -36,7 +36,7 @@ RESOLVED = 8  # cells of the line, at least, per resolution cell of the pulse
 
 
 @dataclass(frozen=True, eq=False)
-class Interference:
+class ScattererTracer:
     """What the scatterers of a scene need beyond what every tracer knows.
 
     Attributes
@@ -79,18 +79,18 @@ class Interference:
         SceneError
             If the sonar runs into a target.
         """
-        further = _narrowed(_lengthened(arrays, self.beyond), self.scatterers.skin, poses)
+        further = _narrowed(_extend_range(arrays, self.beyond), self.scatterers.skin, poses)
         capacity = profile_capacity(further.bins * further.bin_length, arrays.bed.spacing)
         out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
         for places, laid in lay_planes(further, poses, max(planes, 2)):
-            some, beam = take(poses, places), _in_order(laid)
+            some, beam = take_poses(poses, places), _sort_planes(laid)
             _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
             traced = np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
 
             def block(
                 first: int, last: int, some: Poses = some, beam: AzimuthFan = beam, traced: Record = traced
             ) -> int:
-                part, sight = take(some, slice(first, last)), empty_visible_bed(beam.azimuth, capacity)
+                part, sight = take_poses(some, slice(first, last)), empty_visible_bed(beam.azimuth, capacity)
                 room = empty_profile(capacity), sight, empty_signal(further.bins, self.pulse)
                 return trace_scatterers(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
 
@@ -99,7 +99,7 @@ class Interference:
         return out
 
 
-def make_interference(scene: Scene, arrays: SceneArrays) -> Interference | None:
+def make_scatterer_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer | None:
     """Strew the scatterers of a scene; None if its speckle is of another kind.
 
     Raises
@@ -122,8 +122,8 @@ def make_interference(scene: Scene, arrays: SceneArrays) -> Interference | None:
         )
     per_wave = 2.0 * scene.sonar.frequency / speed
     _refuse_large_meshes(arrays.mesh.corners)
-    skin = make_skin(arrays.solids, arrays.mesh)
-    return Interference(
+    skin = make_surface_patches(arrays.solids, arrays.mesh)
+    return ScattererTracer(
         Scatterers(scene.seed, density, per_wave, skin), heard_at_once(pulse, speed, arrays.bin_length, arrays.bins)
     )
 
@@ -199,7 +199,7 @@ def _refuse_large_meshes(corners: NDArray[np.float64]) -> None:
         )
 
 
-def _lengthened(arrays: SceneArrays, bins: int) -> SceneArrays:
+def _extend_range(arrays: SceneArrays, bins: int) -> SceneArrays:
     """Let the problem go on beyond its last bin as it is there."""
     factor = np.concatenate([arrays.range_factor, np.repeat(arrays.range_factor[-1:], bins)])
     return arrays._replace(bins=arrays.bins + bins, range_factor=factor)
@@ -239,7 +239,7 @@ def _without_faint_sidelobes(
     return half * extent, np.interp(half * place, place, energy), inner - inner[0]
 
 
-def _in_order(planes: AzimuthFan) -> AzimuthFan:
+def _sort_planes(planes: AzimuthFan) -> AzimuthFan:
     """Bring planes into the order of their azimuths."""
     order = np.argsort(planes.azimuth)
     return AzimuthFan(*(np.ascontiguousarray(column[order]) for column in planes))

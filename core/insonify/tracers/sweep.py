@@ -17,8 +17,8 @@ from insonify.kernels.refraction.apparent_positions import ApparentTables, empty
 from insonify.kernels.sweep.sweep import AzimuthFan, sweep_pings
 from insonify.kernels.sweep.visibility import empty_segment_echoes
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer
-from insonify.packing.apparent_tables import make_bending
-from insonify.packing.navigation import take
+from insonify.packing.apparent_tables import make_apparent_tables
+from insonify.packing.navigation import take_poses
 from insonify.packing.targets import refuse_sonar_inside
 from insonify.parallel import in_parallel
 from insonify.tracers.azimuth_fan import lay_planes_of_images
@@ -63,15 +63,15 @@ def trace(
     SceneError
         If the sonar runs into a target.
     """
-    bending, folded = make_bending(arrays, poses)
+    apparent, folded = make_apparent_tables(arrays, poses)
     out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
     if folded.any():
-        out[folded] = trace_rays(arrays, take(poses, np.flatnonzero(folded)), rays=rays, threads=threads)
+        out[folded] = trace_rays(arrays, take_poses(poses, np.flatnonzero(folded)), rays=rays, threads=threads)
     clear = np.flatnonzero(~folded)
-    for among, beam, lifted in lay_planes_of_images(arrays, take(poses, clear), planes):
+    for among, beam, lifted in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
         places = clear[among]
         traced = out if places.size == poses.x.size else np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
-        _trace_alike(arrays, take(poses, places), (beam, lifted), bending, double, threads, traced)
+        _trace_alike(arrays, take_poses(poses, places), (beam, lifted), apparent, double, threads, traced)
         if traced is not out:
             out[places] = traced
     return out
@@ -81,21 +81,21 @@ def _trace_alike(
     arrays: SceneArrays,
     poses: Poses,
     beams: tuple[AzimuthFan, AzimuthFan],
-    bending: ApparentTables,
+    apparent: ApparentTables,
     double: bool,
     threads: int | None,
     out: Record,
 ) -> None:
     """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
-    capacity = profile_capacity(bending.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
+    capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
     real = np.float64 if double else np.float32
     beam, lifted = beams
 
     def block(first: int, last: int) -> int:
-        part = take(poses, slice(first, last))
+        part = take_poses(poses, slice(first, last))
         screen = empty_zbuffer(arrays.solids, arrays.mesh)
         room = empty_profile(capacity, real), empty_segment_echoes(capacity, real), screen
-        status = sweep_pings(arrays, part, beam, bending, empty_table(bending), *room, out[first:last])
+        status = sweep_pings(arrays, part, beam, apparent, empty_table(apparent), *room, out[first:last])
         if arrays.ghosts.heard and status == 0:
             far = *room_for_ghosts(arrays, capacity), empty_contributor_table(0, 0)
             sweep_multipath(arrays, part, beam, lifted, room[0], *far, out[first:last])

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import BED, PORT, Poses, SceneArrays
-from insonify.kernels.rays.cell_walk import NOTHING, Bundle
-from insonify.kernels.rays.first_echoes import deposit, empty_bundle, empty_hits, empty_launch
-from insonify.kernels.rays.launch import Beam, Launch, aim, highest_elevation, turn
+from insonify.kernels.rays.cell_walk import NOTHING, RayBundle
+from insonify.kernels.rays.first_echoes import deposit_hits, empty_bundle, empty_hits, empty_launch
+from insonify.kernels.rays.launch import RayLaunch, SideBeam, aim_rays, highest_elevation, rotate_to_world
 from insonify.scene import SceneError
 
 MOST_TRIANGLES = 8_000_000
@@ -100,17 +100,17 @@ class TriangulatedBed:
                 self._aim(launch, float(z))
                 aimed_at = z
             for side in range(2):
-                turn(launch, _beam(arrays, poses, ping, side), bundle)
+                rotate_to_world(launch, _beam(arrays, poses, ping, side), bundle)
                 self._sum(bundle, launch, sums)
                 out[ping, side] = sums * arrays.range_factor
         return out
 
-    def _aim(self, launch: Launch, z: float) -> None:
+    def _aim(self, launch: RayLaunch, z: float) -> None:
         arrays, reach = self._arrays, self._arrays.bins * self._arrays.bin_length
         top = highest_elevation(arrays.bed.high - z, 0.0, reach)
-        aim(launch, z, top, reach, arrays.half_width, arrays.law, False)
+        aim_rays(launch, z, top, reach, arrays.half_width, arrays.law, False)
 
-    def _sum(self, bundle: Bundle, launch: Launch, sums: NDArray[np.float64]) -> None:
+    def _sum(self, bundle: RayBundle, launch: RayLaunch, sums: NDArray[np.float64]) -> None:
         """Cast a bundle and sum what it returns."""
         arrays, hits = self._arrays, empty_hits(bundle.x.size)
         origins = np.column_stack([bundle.x - self._origin[0], bundle.y - self._origin[1], bundle.z])
@@ -125,7 +125,7 @@ class TriangulatedBed:
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300) * np.sign(normal[:, 2:] + 1e-300)
         hits.nx[:], hits.ny[:], hits.nz[:] = normal.T
         fan = arrays.half_width > 0.0
-        deposit(bundle, hits, launch.weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
+        deposit_hits(bundle, hits, launch.weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
 
 
 def _nodes(arrays: SceneArrays, poses: Poses) -> tuple[tuple[int, int], tuple[int, int]]:
@@ -143,13 +143,13 @@ def _nodes(arrays: SceneArrays, poses: Poses) -> tuple[tuple[int, int], tuple[in
     return spans[0], spans[1]
 
 
-def _beam(arrays: SceneArrays, poses: Poses, ping: int, side: int) -> Beam:
+def _beam(arrays: SceneArrays, poses: Poses, ping: int, side: int) -> SideBeam:
     """Point one side of one level ping."""
     ahead_x, ahead_y = math.cos(poses.heading[ping]), math.sin(poses.heading[ping])
     to_side = 1.0 if side == PORT else -1.0
     x, y, z = float(poses.x[ping]), float(poses.y[ping]), float(poses.z[ping])
     side_x, side_y, s = -to_side * ahead_y, to_side * ahead_x, math.sin(arrays.half_width)
-    return Beam(
+    return SideBeam(
         x, y, z, ahead_x, ahead_y, side_x, side_y, ahead_x, ahead_y, 0.0, -s, s,
         side_x, side_y, 0.0, 0.0, 0.0, 1.0, arrays.bins * arrays.bin_length,
     )  # fmt: skip

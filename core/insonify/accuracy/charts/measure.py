@@ -20,9 +20,9 @@ from insonify.accuracy.charts.reference import Reference, prove
 from insonify.accuracy.metrics import Displacement, Errors, compare, displacement, flat_bed_curves, time_calls
 from insonify.display.picture import held_curve, normalise
 from insonify.kernels.common.types import Poses, SceneArrays, still_water
-from insonify.packing.navigation import make_poses, take
+from insonify.packing.navigation import make_poses, take_poses
 from insonify.packing.scene_arrays import pack_scene
-from insonify.packing.terrain_tiles import Windows
+from insonify.packing.terrain_tiles import TerrainTiles
 from insonify.scene import Scene, SceneError, edit
 from insonify.simulation import prepare
 from insonify.terrain import build_ground
@@ -287,9 +287,9 @@ def ready(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
     if straight and (arrays.ghosts.heard or arrays.bounces):
         arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
     poses = make_poses(scene, ground, np.unique(np.linspace(0, scene.track.pings - 1, pings).astype(np.int64)))
-    pieces = Windows(ground, arrays.bins * arrays.bin_length).over(arrays, poses)
+    pieces = TerrainTiles(ground, arrays.bins * arrays.bin_length).over(arrays, poses)
     places, arrays = max(pieces, key=lambda piece: poses.x[piece[0]].size)
-    return arrays, take(poses, places)
+    return arrays, take_poses(poses, places)
 
 
 def _measure(
@@ -339,7 +339,7 @@ def _ping_by_ping(bed: TriangulatedBed, poses: Poses, rays: int, told: Callable[
     """Trace with many rays; ``told`` is called after every ping."""
     records = []
     for ping in range(poses.x.size):
-        records.append(bed.trace(take(poses, slice(ping, ping + 1)), rays=rays))
+        records.append(bed.trace(take_poses(poses, slice(ping, ping + 1)), rays=rays))
         told()
     return np.concatenate(records)
 
@@ -349,5 +349,5 @@ def _clocked(one: Contender, poses: Poses) -> tuple[Callable[[], Record], int]:
     began = thread_time()
     one.trace(poses)
     times = math.ceil(CLOCKED / max(thread_time() - began, 1e-6))
-    many = take(poses, np.tile(np.arange(poses.x.size), max(min(times, MOST_CLOCKED // poses.x.size), 1)))
+    many = take_poses(poses, np.tile(np.arange(poses.x.size), max(min(times, MOST_CLOCKED // poses.x.size), 1)))
     return partial(one.trace, many), many.x.size

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.accuracy.metrics import compare
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.packing.navigation import take
+from insonify.packing.navigation import take_poses
 from insonify.tracers import ray_sheets, rays
 
 RESOLVED = 10.0  # times finer than an error the reference is to be
@@ -120,7 +120,7 @@ def trace(arrays: SceneArrays, poses: Poses, count: int, told: Callable[[], None
     records = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         try:
-            for record in pool.map(single, (take(poses, slice(k, k + 1)) for k in range(poses.x.size))):
+            for record in pool.map(single, (take_poses(poses, slice(k, k + 1)) for k in range(poses.x.size))):
                 records.append(record)
                 told()
         except BaseException:

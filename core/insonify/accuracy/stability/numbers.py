@@ -14,7 +14,7 @@ from insonify.accuracy.stability.compiled import guarded_mean, swallowed
 from insonify.accuracy.stability.drawing import FAINT, INK, RIGHT, WRONG, named, panel, told
 from insonify.accuracy.stability.scenery import ground_of, level_scene
 from insonify.kernels.common.jit import FAST
-from insonify.packing.navigation import take
+from insonify.packing.navigation import take_poses
 from insonify.scene import SceneError, load_scene
 from insonify.simulation import prepare
 from insonify.terrain import relief
@@ -159,8 +159,10 @@ def _own_threads() -> float:
     one = sweep.trace(simulation.arrays, poses, planes=4, threads=1)
     others = [
         sweep.trace(simulation.arrays, poses, planes=4, threads=3),
-        sweep.trace(simulation.arrays, take(poses, pings[::-1]), planes=4)[::-1],
-        np.concatenate([sweep.trace(simulation.arrays, take(poses, pings[k : k + 7]), planes=4) for k in pings[::7]]),
+        sweep.trace(simulation.arrays, take_poses(poses, pings[::-1]), planes=4)[::-1],
+        np.concatenate(
+            [sweep.trace(simulation.arrays, take_poses(poses, pings[k : k + 7]), planes=4) for k in pings[::7]]
+        ),
     ]
     return float(100.0 * max(np.mean(one != other) for other in others))
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from insonify.accuracy.stability.case import Case, Way
 from insonify.accuracy.stability.drawing import FAINT, INK, RIGHT, WRONG, named, panel, told
 from insonify.accuracy.stability.scenery import level_scene
-from insonify.acoustics.layers import lay_out
+from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.paths import ray_paths
 from insonify.acoustics.sound_speed import paper, teos10
 from insonify.scene import SceneError, edit, load_scene
@@ -116,7 +116,7 @@ def _overshoot(speed: Values) -> float:
 def _draw_thermocline(figure: Figure) -> None:
     axes = panel(figure, x="speed of sound (m/s)", y="depth (m)")
     depth, spline = _spline()
-    layers = lay_out(THERMOCLINE)
+    layers = make_sound_speed_field(THERMOCLINE)
     axes.plot(spline, depth, color=WRONG, label="cubic spline")
     axes.plot(layers.speed[0], layers.depth, color=RIGHT, label="monotone curve (PCHIP), laid out")
     axes.plot(THERMOCLINE.sound_speed, THERMOCLINE.depth, "o", color=INK, markersize=4, label="given")
@@ -192,7 +192,7 @@ def _told_beyond(speed: float) -> float:
 
 
 def _own_beyond(water: Water, depth: float) -> float:
-    return float(lay_out(water).speed_at(0.0, 0.0, depth))
+    return float(make_sound_speed_field(water).speed_at(0.0, 0.0, depth))
 
 
 def _draw_plumb(figure: Figure) -> None:
@@ -265,7 +265,11 @@ CASES = (
         "A smooth curve through a sudden step swings beyond it on both sides.",
         "overshoot", "m/s",
         Way("Draws a cubic spline.", lambda: _overshoot(_spline()[1]), 1.0),
-        Way("Draws a curve that is monotone between its points.", lambda: _overshoot(lay_out(THERMOCLINE).speed), 1e-9),
+        Way(
+            "Draws a curve that is monotone between its points.",
+            lambda: _overshoot(make_sound_speed_field(THERMOCLINE).speed),
+            1e-9,
+        ),
         _draw_thermocline,
     ),
     Case(

@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.layers import Layers
+from insonify.acoustics.layers import SoundSpeedField
 from insonify.io.atomic import replacing
 from insonify.scene import SceneError
 
@@ -85,7 +85,7 @@ class Diagram:
     """
 
     title: str
-    layers: Layers
+    layers: SoundSpeedField
     source_depth: float
     bottom: float
     reach: float
@@ -134,7 +134,7 @@ def speed_ends(diagram: Diagram) -> tuple[float, float]:
     return float(speed.min()) - room, float(speed.max()) + room
 
 
-def beside(layers: Layers, distance: Values) -> tuple[Values, Values]:
+def beside(layers: SoundSpeedField, distance: Values) -> tuple[Values, Values]:
     """Places of the scene at distances along the line of a water's stations, in metres."""
     cos, sin = layers.axis
     return cos * distance, sin * distance

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.rays import follow_paths
 from insonify.kernels.common.types import Water
-from insonify.kernels.refraction.ray_paths import AT_SURFACE, ON_BED, Limits
+from insonify.kernels.refraction.ray_paths import AT_SURFACE, ON_BED, RayLimits
 
 Values = NDArray[np.float64]
 FIRST = 257  # rays, denser towards the horizontal
@@ -46,7 +46,7 @@ class Fan:
     dark: Values
 
 
-def trace_fan(water: Water, height: float, limits: Limits, columns: int) -> Fan:
+def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> Fan:
     """Send rays in all directions, and more of them where they part.
 
     Parameters
@@ -93,7 +93,7 @@ class _Rays(NamedTuple):
     end: NDArray[np.int64]  # (n,)
 
 
-def _trace(water: Water, height: float, angles: Values, ranges: Values, limits: Limits) -> _Rays:
+def _trace(water: Water, height: float, angles: Values, ranges: Values, limits: RayLimits) -> _Rays:
     points, ends = follow_paths(water, height, angles, ranges, limits)
     # Behind its last range a ray has a point of its own, where it ends.
     beyond = points.x[:, : ranges.size] != ranges
@@ -129,7 +129,7 @@ def _dark(rays: _Rays, reach: float) -> Values:
     return np.column_stack([reached[gaps], begins[gaps]])
 
 
-def _lit(rays: _Rays, limits: Limits, cell: float) -> NDArray[np.bool_]:
+def _lit(rays: _Rays, limits: RayLimits, cell: float) -> NDArray[np.bool_]:
     """Fill in between neighbours; two that end on the bed, or at the surface, enclose what lies up to there."""
     height, ends = rays.height, rays.end
     first, last = height[:-1], height[1:]

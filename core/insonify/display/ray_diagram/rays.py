@@ -7,14 +7,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.layers import lay_out
+from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.rays import follow_paths, join_points
 from insonify.acoustics.water import make_water
 from insonify.display.ray_diagram.diagram import Diagram, Eigenray, Path
 from insonify.display.ray_diagram.fan import Fan, trace_fan
 from insonify.kernels.common.types import Water
 from insonify.kernels.refraction.eigenray_search import ANGLE, TIME, TUBE
-from insonify.kernels.refraction.ray_paths import Limits
+from insonify.kernels.refraction.ray_paths import RayLimits
 from insonify.scene import Scene, SceneError
 
 Values = NDArray[np.float64]
@@ -63,11 +63,11 @@ def ray_diagram(
             f"to {FARTHEST:g} m, and a depth from 0 to {bottom:g} m"
         )
     reach = scene.sonar.range if target is None else max(scene.sonar.range, 1.05 * target[0])
-    limits = Limits(reach, 0.0, bottom, False, False)
+    limits = RayLimits(reach, 0.0, bottom, False, False)
     fan = trace_fan(water, bottom - depth, limits, columns)
     return Diagram(
         title=scene.title,
-        layers=lay_out(scene.water),
+        layers=make_sound_speed_field(scene.water),
         source_depth=depth,
         bottom=bottom,
         reach=reach,
@@ -88,7 +88,7 @@ def _round_angles(depth: float, bottom: float, reach: float) -> Values:
     return np.arange(-count, count + 1, dtype=np.float64) * step
 
 
-def _paths(water: Water, bottom: float, depth: float, angles: Values, limits: Limits) -> tuple[Path, ...]:
+def _paths(water: Water, bottom: float, depth: float, angles: Values, limits: RayLimits) -> tuple[Path, ...]:
     """Follow rays to their ends; the sonar is their first point."""
     ranges = np.linspace(0.0, limits.x, POINTS)
     points, _ = follow_paths(water, bottom - depth, -np.radians(angles), ranges, limits)
@@ -108,7 +108,7 @@ def _eigenrays(water: Water, bottom: float, depth: float, target: tuple[float, f
         spread = x * abs(float(row[TUBE]))
         level = 10.0 * math.log10(math.cos(float(row[ANGLE])) / spread) if spread > 0.0 else math.inf
         # The last point is the target itself, whatever rounding makes of a ray that touches the bed there.
-        (path,) = _paths(water, bottom, depth, np.array([angle]), Limits(x, 0.0, bottom, False, False))
+        (path,) = _paths(water, bottom, depth, np.array([angle]), RayLimits(x, 0.0, bottom, False, False))
         time = float(row[TIME])
         points = (np.append(path.range[:-1], x), np.append(path.depth[:-1], target[1]), np.append(path.time[:-1], time))
         found.append(Eigenray(angle, *points, time, water.reference * time, level))

@@ -12,11 +12,11 @@ from insonify.kernels.common.contributors import add_contribution, open_contribu
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import BED
 from insonify.kernels.labels.sweep_labels import label_bins
-from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, weigh
-from insonify.kernels.rays.launch import inside_body, make_beam, turn
-from insonify.kernels.refracted_rays.echoes import aim_side, echo_of, sea_of
-from insonify.kernels.refracted_rays.hits import CAUSTIC, bent_hits, empty_arrivals
-from insonify.kernels.refracted_rays.mixed_paths import mixed_echoes
+from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, weigh_by_pattern
+from insonify.kernels.rays.launch import find_enclosing_solid, orient_beam, rotate_to_world
+from insonify.kernels.refracted_rays.echoes import aim_side, make_waveguide, refracted_echo
+from insonify.kernels.refracted_rays.hits import CAUSTIC, empty_arrivals, find_refracted_hits
+from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
 from insonify.kernels.refracted_rays.probe_rays import CLOSE
 
 
@@ -27,30 +27,32 @@ def label_refracted_pings(arrays, poses, rays, ledger, found):
     weighed, intensity, silence = np.empty(rays), np.empty(arrays.bins), np.zeros(arrays.bins)
     for ping in range(poses.x.size):
         z = poses.z[ping]
-        body = inside_body(arrays.solids, poses.x[ping], poses.y[ping], z)
+        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], z)
         if body >= 0:
             return -1 - body
         for side in range(2):
-            beam = make_beam(arrays, poses, ping, side)
-            sea = sea_of(arrays, beam)
-            landings = aim_side(arrays, sea, z, poses.pitch[ping], launch)
-            turn(launch, beam, bundle)
-            bent_hits(arrays, bundle, sea.reach, 0.0, hits, arrivals)
+            beam = orient_beam(arrays, poses, ping, side)
+            waveguide = make_waveguide(arrays, beam)
+            landings = aim_side(arrays, waveguide, z, poses.pitch[ping], launch)
+            rotate_to_world(launch, beam, bundle)
+            find_refracted_hits(arrays, bundle, waveguide.reach, 0.0, hits, arrivals)
             weight = launch.weight
             if arrays.pattern.tabled:
-                weight = weigh(arrays, beam, bundle, hits, launch.weight, weighed)
+                weight = weigh_by_pattern(arrays, beam, bundle, hits, launch.weight, weighed)
             intensity[:] = 0.0
             for k in range(rays):
-                b, value, cosine = echo_of(arrays, hits, arrivals, weight, k)
+                b, value, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
                 _enter(arrays, hits, arrivals, k, b, value, cosine, ledger, intensity)
                 # A tube that closes counts as wider than it is.
                 if b >= 0 and value > 0.0 and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
                     found.caustic[ping, side, b] = True
             if landings.fold < np.inf:
-                pairs, bins, values = mixed_echoes(arrays, beam, sea, z, landings, launch, bundle, hits, arrivals)
+                pairs, bins, values = find_mixed_echoes(
+                    arrays, beam, waveguide, z, landings, launch, bundle, hits, arrivals
+                )
                 for m in range(pairs.size):
                     k = pairs[m]
-                    _, _, cosine = echo_of(arrays, hits, arrivals, weight, k)
+                    _, _, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
                     _enter(arrays, hits, arrivals, k, bins[m], values[m], cosine, ledger, intensity)
             _mark_landings(landings, arrays.bin_length, ledger.hidden)
             label_bins(ledger, intensity, silence, found, ping, side)

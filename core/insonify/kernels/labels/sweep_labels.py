@@ -73,13 +73,13 @@ def labels_of_pings(found: BinLabels, first: int, last: int) -> BinLabels:
 
 @kernel
 def label_swept_pings(
-    arrays, poses, planes, lifted, bending, table, profile, heard, screen, outlooks, screens, echoes, ledger, found
+    arrays, poses, planes, lifted, apparent, table, profile, heard, screen, outlooks, screens, echoes, ledger, found
 ):
     """Tell what every bin of every ping shows; return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(arrays.bins + 2, np.int64)
     straight, by_surface = np.zeros((2, arrays.bins), np.float32)
     for ping in range(poses.x.size):
-        sheet = prepare_table(bending, poses.z[ping], table)
+        sheet = prepare_table(apparent, poses.z[ping], table)
         for side in range(2):
             for plane in range(planes.azimuth.size):
                 view, wedge, reach = aim_plane(arrays, poses, ping, side, planes, plane, sheet)

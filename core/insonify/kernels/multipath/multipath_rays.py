@@ -16,19 +16,19 @@ from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.kernels.multipath.image_sources import bottom_image, height_delay, surface_image, tilt_delay
-from insonify.kernels.rays.cell_walk import NOTHING, first_hits
+from insonify.kernels.rays.cell_walk import NOTHING, find_first_hits
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch
 from insonify.kernels.rays.launch import (
-    Beam,
-    aim,
+    SideBeam,
+    aim_rays,
     cone_azimuth,
-    gather,
     highest_elevation,
-    make_beam,
-    spread_rays,
-    turn,
+    list_solids_in_beam,
+    orient_beam,
+    rotate_to_world,
+    spread_over_pattern,
 )
-from insonify.kernels.rays.specular_paths import Meeting, arrive, meet_any, mixed_ghost, set_out
+from insonify.kernels.rays.specular_paths import Intersection, advance_to, meet_scene, mixed_echo, start_path
 
 
 @kernel
@@ -41,7 +41,7 @@ def trace_multipath(arrays, poses, rays, out):
         x, y, z, pitch = poses.x[ping], poses.y[ping], poses.z[ping], poses.pitch[ping]
         surface, bottom = surface_image(arrays, z), bottom_image(arrays, x, y, z)
         for side in range(2):
-            beam = make_beam(arrays, poses, ping, side)
+            beam = orient_beam(arrays, poses, ping, side)
             sums[:] = 0.0
             if ghosts.surface_bottom or ghosts.surface_bottom_surface:
                 _add_image(arrays, beam, surface, pitch, near, launch, bundle, hits, sums)
@@ -60,19 +60,19 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
     seen_from = _lifted(arrays, beam, image)
     if image.mirrored:
         pitch = -pitch
-    count, top = gather(arrays.solids, arrays.mesh, seen_from, near)
+    count, top = list_solids_in_beam(arrays.solids, arrays.mesh, seen_from, near)
     top = max(top, highest_elevation(arrays.bed.high - seen_from.z, 0.0, seen_from.reach))
     spreads = fan and arrays.pattern.tabled
-    aim(launch, seen_from.z, top, seen_from.reach, arrays.half_width, arrays.law, spreads)
+    aim_rays(launch, seen_from.z, top, seen_from.reach, arrays.half_width, arrays.law, spreads)
     if spreads:
-        spread_rays(launch, arrays.pattern, seen_from.z, seen_from.reach, pitch)
-    turn(launch, seen_from, bundle)
-    first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, seen_from.reach, hits)
+        spread_over_pattern(launch, arrays.pattern, seen_from.z, seen_from.reach, pitch)
+    rotate_to_world(launch, seen_from, bundle)
+    find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, seen_from.reach, hits)
     for k in range(launch.weight.size):
         if hits.body[k] == NOTHING or launch.weight[k] == 0.0 or _is_stopped(arrays, beam, image, bundle, hits, k):
             continue
-        meeting = Meeting(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
-        path, out = arrive(arrays, set_out(bundle, k), meeting), 1.0
+        meeting = Intersection(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
+        path, out = advance_to(arrays, start_path(bundle, k), meeting), 1.0
         if arrays.pattern.tabled:
             out = two_way_response(arrays.pattern, seen_from, fan, arrays.law, path.dx, path.dy, path.dz, path.length)
         drop = seen_from.z - path.z
@@ -85,7 +85,7 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
             weight = launch.weight[k] * image.share
             if arrays.law == LIGHT and fan and not arrays.pattern.tabled:
                 weight *= _of_lower_cone(arrays, beam, path)
-            r, value = mixed_ghost(arrays, beam, fan, out, weight, path, meeting)
+            r, value = mixed_echo(arrays, beam, fan, out, weight, path, meeting)
             _smear(r, value, rise, tilt, ghosts.facets[0], arrays.bin_length, sums)
 
 
@@ -95,7 +95,7 @@ def _lifted(arrays, beam, image):
     turned = -1.0 if image.mirrored else 1.0
     # R + R' <= 2r and R' - R <= the height of the image.
     reach = arrays.bins * arrays.bin_length + 0.5 * image.height
-    return Beam(
+    return SideBeam(
         beam.x, beam.y, beam.z + image.height, beam.ahead_x, beam.ahead_y, beam.side_x, beam.side_y,
         beam.axis_x, beam.axis_y, turned * beam.axis_z, beam.s_low, beam.s_high,
         beam.own_x, beam.own_y, turned * beam.own_z, beam.up_x, beam.up_y, turned * beam.up_z, reach,
@@ -133,7 +133,7 @@ def _is_stopped(arrays, beam, image, bundle, hits, k):
     if not image.mirrored:
         return False
     length = image.above / -bundle.dz[k]
-    blocker = meet_any(arrays, beam.x, beam.y, beam.z, bundle.dx[k], bundle.dy[k], -bundle.dz[k], length)
+    blocker = meet_scene(arrays, beam.x, beam.y, beam.z, bundle.dx[k], bundle.dy[k], -bundle.dz[k], length)
     return blocker.body != NOTHING
 
 

@@ -37,7 +37,7 @@ from insonify.kernels.multipath.image_sources import (
     tilt_delay,
 )
 from insonify.kernels.multipath.target_multipath import list_target_echoes
-from insonify.kernels.rays.launch import make_beam
+from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
 from insonify.kernels.sweep.partial_segments import FINE
 from insonify.kernels.sweep.sweep import LOWEST, aim_plane, visible_from
@@ -335,7 +335,7 @@ def _add_surface_echo(arrays, poses, ping, side, echoes, bins, ledger, noting):
         return
     value = 1.0
     if arrays.pattern.tabled:
-        beam, fan = make_beam(arrays, poses, ping, side), arrays.half_width > 0.0
+        beam, fan = orient_beam(arrays, poses, ping, side), arrays.half_width > 0.0
         value = two_way_response(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth)
     energy = value if law == LIGHT else 0.25 * value * depth * depth
     rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.rms_height)

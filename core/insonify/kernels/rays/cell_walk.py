@@ -37,7 +37,7 @@ class Ray(NamedTuple):
     dz: float
 
 
-class Bundle(NamedTuple):
+class RayBundle(NamedTuple):
     """Many rays: where each starts and its unit direction, (n,) each."""
 
     x: NDArray[np.float64]
@@ -59,7 +59,7 @@ class Hits(NamedTuple):
     nz: NDArray[np.float64]
 
 
-class Cell(NamedTuple):
+class BilinearCell(NamedTuple):
     """Height over one cell, a + b u + c v + d u v with u, v in [0, 1]."""
 
     a: float
@@ -69,9 +69,9 @@ class Cell(NamedTuple):
 
 
 @kernel
-def first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
+def find_first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
     """Find what each ray meets first within ``reach``: bed, mesh, or one of the first ``count`` bodies in ``near``."""
-    meet_bodies(solids, near, count, bundle, reach, hits)
+    _meet_solids(solids, near, count, bundle, reach, hits)
     if mesh.skip.size > 0:
         intersect_mesh_bundle(solids, mesh, bundle, reach, hits)
     for k in range(bundle.x.size):
@@ -84,7 +84,7 @@ def first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
 
 
 @kernel
-def meet_bodies(solids, near, count, bundle, reach, hits):
+def _meet_solids(solids, near, count, bundle, reach, hits):
     """Find the nearest body that each ray meets within ``reach``; this begins the hits."""
     for k in range(bundle.x.size):
         hits.distance[k], hits.body[k], hits.material[k] = math.inf, NOTHING, 0
@@ -109,7 +109,7 @@ def meet_bed(bed, ray, reach):
     ny, nx = bed.heights.shape
     u0, v0 = (ray.x - bed.x0) / bed.spacing, (ray.y - bed.y0) / bed.spacing
     du, dv = ray.dx / bed.spacing, ray.dy / bed.spacing
-    start, end = _slab(bed, ray, reach)
+    start, end = _height_span(bed, ray, reach)
     if not bed.periodic:
         start, end = clip_to_grid(u0, du, nx - 1.0, start, end)
         start, end = clip_to_grid(v0, dv, ny - 1.0, start, end)
@@ -136,25 +136,25 @@ def meet_bed(bed, ray, reach):
                     return math.nan, 0, 0.0, 0.0, 0.0
                 above, known = max(above, skin), True
             span = stop - start
-            share = first_root(above, after, -cell.d * du * dv * span * span)
+            share = _first_root(above, after, -cell.d * du * dv * span * span)
             if share <= 1.0:
                 distance = start + share * span
-                mx, my, mz = normal_at(cell, u0 + distance * du - i, v0 + distance * dv - j, bed.spacing)
+                mx, my, mz = cell_normal(cell, u0 + distance * du - i, v0 + distance * dv - j, bed.spacing)
                 return distance, np.int64(bed.materials[row, column]), mx, my, mz
         else:
             known = False
         above, start = after, stop
         if t_u <= t_v:
-            i, column = _next(i, column, ahead_u, nx)
+            i, column = _next_cell(i, column, ahead_u, nx)
             t_u = (i + ahead_u - u0) * per_u
         else:
-            j, row = _next(j, row, ahead_v, ny)
+            j, row = _next_cell(j, row, ahead_v, ny)
             t_v = (j + ahead_v - v0) * per_v
     return math.inf, 0, 0.0, 0.0, 0.0
 
 
 @kernel
-def _next(cell, node, forwards, nodes):
+def _next_cell(cell, node, forwards, nodes):
     """Next cell along one axis and its low node, which wraps."""
     if forwards:
         return cell + 1, (node + 1 if node + 1 < nodes else 0)
@@ -170,11 +170,11 @@ def load_cell(heights, row, column):
     a = np.float64(heights[row, column])
     b = np.float64(heights[row, across]) - a
     c = np.float64(heights[along, column]) - a
-    return Cell(a, b, c, np.float64(heights[along, across]) - a - b - c)
+    return BilinearCell(a, b, c, np.float64(heights[along, across]) - a - b - c)
 
 
 @inlined_before_typing
-def first_root(above, after, bend):
+def _first_root(above, after, bend):
     """Share of [0, 1] at which above + (after − above − bend) s + bend s² first falls to zero, 2 if never.
 
     ``above`` is positive. A fall below zero always gives a root, whatever the rounding.
@@ -194,7 +194,7 @@ def first_root(above, after, bend):
 
 
 @inlined_before_typing
-def normal_at(cell, u, v, spacing):
+def cell_normal(cell, u, v, spacing):
     """Upward unit normal of a bilinear cell."""
     p, q = (cell.b + cell.d * v) / spacing, (cell.c + cell.d * u) / spacing
     norm = 1.0 / math.sqrt(1.0 + p * p + q * q)
@@ -208,7 +208,7 @@ def _clearance(cell, u, v, z):
 
 
 @inlined_before_typing
-def _slab(bed, ray, reach):
+def _height_span(bed, ray, reach):
     """Distances between which a ray is between the bed's lowest and highest heights."""
     margin = 1e-6 * (bed.spacing + abs(bed.low) + abs(bed.high))
     if ray.dz == 0.0:

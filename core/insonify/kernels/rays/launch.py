@@ -24,7 +24,7 @@ AIM_STEPS = 64.0  # per radian
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
-class Beam(NamedTuple):
+class SideBeam(NamedTuple):
     """One side of one ping."""
 
     x: float
@@ -48,7 +48,7 @@ class Beam(NamedTuple):
     reach: float  # m
 
 
-class Launch(NamedTuple):
+class RayLaunch(NamedTuple):
     """Rays of one side, in the sonar's own axes."""
 
     ahead: NDArray[np.float64]  # (n,) unit directions
@@ -58,14 +58,14 @@ class Launch(NamedTuple):
 
 
 @inlined
-def make_beam(arrays, poses, ping, side):
+def orient_beam(arrays, poses, ping, side):
     """Point one side of one ping: its own axes after heading, pitch (bow up), then roll (port up)."""
     ahead_x, ahead_y = snap_to_grid(math.cos(poses.heading[ping])), snap_to_grid(math.sin(poses.heading[ping]))
     to_side = 1.0 if side == PORT else -1.0
     x, y, z, reach = poses.x[ping], poses.y[ping], poses.z[ping], arrays.bins * arrays.bin_length
     if not arrays.pattern.tabled:
         s = math.sin(arrays.half_width)
-        return Beam(
+        return SideBeam(
             x, y, z, ahead_x, ahead_y, -to_side * ahead_y, to_side * ahead_x, ahead_x, ahead_y, 0.0, -s, s,
             -to_side * ahead_y, to_side * ahead_x, 0.0, 0.0, 0.0, 1.0, reach,
         )  # fmt: skip
@@ -79,14 +79,14 @@ def make_beam(arrays, poses, ping, side):
         extent = widest_extent(arrays.pattern)
         s_low, s_high = arrays.pattern.centre - extent, arrays.pattern.centre + extent
         axis_x, axis_y, axis_z = cos_p * ahead_x, cos_p * ahead_y, sin_p
-    return Beam(
+    return SideBeam(
         x, y, z, ahead_x, ahead_y, -to_side * ahead_y, to_side * ahead_x, axis_x, axis_y, axis_z, s_low, s_high,
         to_side * own_x, to_side * own_y, to_side * sin_r * cos_p, up_x, up_y, cos_r * cos_p, reach,
     )  # fmt: skip
 
 
 @kernel
-def aim(launch, height, top, reach, half_width, law, spreads):
+def aim_rays(launch, height, top, reach, half_width, law, spreads):
     """Aim all rays of a side; athwart where a pattern ``spreads`` them later.
 
     ``height`` of the sonar above the mean bed, ``top`` the highest elevation there is to see (radians, up positive).
@@ -104,12 +104,12 @@ def aim(launch, height, top, reach, half_width, law, spreads):
         shallow = math.asin(height / r_far)
         # Exactly a step of slant range on a level bed for law `light`, exactly the angle for law `sonar`.
         angle = (r_far - r_near) * math.tan(theta) / r if law == LIGHT else steep - shallow
-        send(launch, k, -theta, angle, height / r_near - height / r_far, half_width, law, spreads)
+        set_ray(launch, k, -theta, angle, height / r_near - height / r_far, half_width, law, spreads)
     step = (top - lowest) / max(n - main, 1)
     for k in range(main, n):
         low = lowest + (k - main) * step
         band = math.sin(low + step) - math.sin(low)
-        send(launch, k, low + 0.5 * step, step, band, half_width, law, spreads)
+        set_ray(launch, k, low + 0.5 * step, step, band, half_width, law, spreads)
 
 
 @kernel
@@ -123,7 +123,7 @@ def _upper_rays(n, height, reach, lowest, top):
 
 
 @kernel
-def send(launch, k, elevation, angle, band, half_width, law, spreads):
+def set_ray(launch, k, elevation, angle, band, half_width, law, spreads):
     """Set ray k: its elevation, the angle it stands for and the difference of sin(elevation) over that angle."""
     c, s = math.cos(elevation), math.sin(elevation)
     # Law `light` averages over the beam, law `sonar` integrates it.
@@ -131,7 +131,7 @@ def send(launch, k, elevation, angle, band, half_width, law, spreads):
     azimuth = 0.0
     if not spreads:
         widest = cone_azimuth(c, half_width)
-        azimuth = widest * (2.0 * _place(k) - 1.0)
+        azimuth = widest * (2.0 * _place_in_beam(k) - 1.0)
         if law != LIGHT and half_width > 0.0:
             weight *= 2.0 * widest
     launch.ahead[k], launch.abeam[k], launch.up[k] = c * math.sin(azimuth), c * math.cos(azimuth), s
@@ -139,20 +139,20 @@ def send(launch, k, elevation, angle, band, half_width, law, spreads):
 
 
 @inlined
-def _place(k):
+def _place_in_beam(k):
     """Place of ray k within the beam, in [0, 1)."""
     place = (k + 1) * GOLDEN
     return place - math.floor(place)
 
 
 @kernel
-def spread_rays(launch, pattern, height, reach, pitch):
+def spread_over_pattern(launch, pattern, height, reach, pitch):
     """Spread rays that lie athwart over the azimuths of a pattern."""
     for k in range(launch.up.size):
         c, s = launch.abeam[k], launch.up[k]
         # Where it meets a level bed, if it does.
         r = min(-height / s, reach) if s < 0.0 < height else reach
-        azimuth, stands_for = pick_azimuth(pattern, math.cos(pitch) * c, math.sin(pitch) * s, r, _place(k))
+        azimuth, stands_for = pick_azimuth(pattern, math.cos(pitch) * c, math.sin(pitch) * s, r, _place_in_beam(k))
         launch.ahead[k], launch.abeam[k] = c * math.sin(azimuth), c * math.cos(azimuth)
         launch.weight[k] *= stands_for
 
@@ -165,7 +165,7 @@ def cone_azimuth(cos_elevation, half_width):
 
 
 @kernel
-def turn(launch, beam, bundle):
+def rotate_to_world(launch, beam, bundle):
     """Turn all rays of a side from the sonar's axes to the world's."""
     for k in range(launch.up.size):
         bundle.x[k], bundle.y[k], bundle.z[k] = beam.x, beam.y, beam.z
@@ -175,7 +175,7 @@ def turn(launch, beam, bundle):
 
 
 @kernel
-def gather(solids, mesh, beam, near):
+def list_solids_in_beam(solids, mesh, beam, near):
     """List the bodies that a beam can touch; return their number and the highest elevation of anything to be met."""
     count, top = 0, -0.5 * math.pi
     for k in range(solids.shape.size):
@@ -185,7 +185,7 @@ def gather(solids, mesh, beam, near):
         cz = solids.start[k, 2] + middle * solids.axis[k, 2] - beam.z
         bound = middle + greatest_radius(solids, k)
         distance = math.sqrt(cx * cx + cy * cy + cz * cz)
-        if not touches(beam, cx, cy, cz, distance, bound):
+        if not beam_touches_ball(beam, cx, cy, cz, distance, bound):
             continue
         near[count] = k
         count += 1
@@ -197,7 +197,7 @@ def gather(solids, mesh, beam, near):
 
 
 @inlined
-def touches(beam, cx, cy, cz, distance, bound):
+def beam_touches_ball(beam, cx, cy, cz, distance, bound):
     """Whether a beam can touch a ball, its centre counted from the sonar."""
     along = cx * beam.axis_x + cy * beam.axis_y + cz * beam.axis_z
     if along - bound > beam.s_high * (distance + math.copysign(bound, beam.s_high)):
@@ -219,7 +219,7 @@ def _highest_of_mesh(mesh, beam, top):
         cz = mesh.low[node, 2] + wz - beam.z
         bound, distance = math.sqrt(wx * wx + wy * wy + wz * wz), math.sqrt(cx * cx + cy * cy + cz * cz)
         highest = top
-        if touches(beam, cx, cy, cz, distance, bound):
+        if beam_touches_ball(beam, cx, cy, cz, distance, bound):
             farthest = min(distance + bound, beam.reach)
             highest = highest_elevation(cz + wz, max(distance - bound, 0.0), farthest)
         if highest <= top:
@@ -240,7 +240,7 @@ def highest_elevation(summit, nearest, farthest):
 
 
 @kernel
-def inside_body(solids, x, y, z):
+def find_enclosing_solid(solids, x, y, z):
     """Row of the body that a point is inside, -1 if none."""
     for k in range(solids.shape.size):
         if is_inside_solid(solids, k, x, y, z):

@@ -14,7 +14,7 @@ from insonify.kernels.common.jit import inlined_before_typing, kernel
 from insonify.kernels.common.types import BED, SPHERE
 from insonify.kernels.geometry.solids import greatest_radius
 from insonify.kernels.geometry.triangles import facing_normal, intersect_mesh
-from insonify.kernels.rays.cell_walk import NOTHING, Ray, load_cell, normal_at
+from insonify.kernels.rays.cell_walk import NOTHING, Ray, cell_normal, load_cell
 
 TINY = 1e-300  # m; at the very tip of a cone nothing points away from the axis
 
@@ -31,7 +31,7 @@ def march_hits(bed, solids, near, count, mesh, bundle, reach, step, hits):
             distance, body, material = before, solids.shape.size + triangle, mesh.material[triangle]
             nx, ny, nz = facing_normal(mesh, triangle, ray.dx, ray.dy, ray.dz)
         else:
-            material, nx, ny, nz = _surface(bed, solids, ray, distance, body)
+            material, nx, ny, nz = _surface_at(bed, solids, ray, distance, body)
         hits.distance[k], hits.body[k], hits.material[k] = distance, body, material
         hits.nx[k], hits.ny[k], hits.nz[k] = nx, ny, nz
 
@@ -39,30 +39,30 @@ def march_hits(bed, solids, near, count, mesh, bundle, reach, step, hits):
 @inlined_before_typing
 def _march(bed, solids, near, count, ray, ceiling, reach, step):
     """Distance to the hit and the body hit, of one ray."""
-    first, last = _samples(ray, ceiling, reach, step)
-    before = _clearance(bed, ray, (first - 1) * step)
+    first, last = _sample_numbers(ray, ceiling, reach, step)
+    before = _bed_clearance(bed, ray, (first - 1) * step)
     for k in range(first, last + 1):
-        distance, body, before = _feel(bed, solids, near, count, ray, before, k * step, step)
+        distance, body, before = _sample(bed, solids, near, count, ray, before, k * step, step)
         if body != NOTHING:
             return distance, body
     return math.inf, NOTHING
 
 
 @inlined_before_typing
-def _feel(bed, solids, near, count, ray, before, t, step):
+def _sample(bed, solids, near, count, ray, before, t, step):
     """Feel for what the sample at distance t is in: where it began since the last one, the body, and the clearance.
 
     ``before`` is the clearance above the bed of the last sample, a step nearer.
     """
     best, body = math.inf, NOTHING
-    after = _clearance(bed, ray, t)
+    after = _bed_clearance(bed, ray, t)
     if after <= 0.0:
         share = before / (before - after) if 0.0 < before < math.inf else 1.0
         best, body = t - (1.0 - share) * step, BED
     for m in range(count):
-        depth = _distance(solids, near[m], ray, t)
+        depth = _solid_clearance(solids, near[m], ray, t)
         if depth <= 0.0:
-            outside = _distance(solids, near[m], ray, t - step)
+            outside = _solid_clearance(solids, near[m], ray, t - step)
             share = outside / (outside - depth) if outside > 0.0 else 0.0
             distance = t - (1.0 - share) * step
             if distance < best:
@@ -73,13 +73,13 @@ def _feel(bed, solids, near, count, ray, before, t, step):
 @inlined_before_typing
 def march_chord(bed, solids, near, count, ray, length):
     """Meet what is at the end of one step of a ray: (distance, body, material, nx, ny, nz)."""
-    distance, body, _ = _feel(bed, solids, near, count, ray, _clearance(bed, ray, 0.0), length, length)
-    material, nx, ny, nz = _surface(bed, solids, ray, distance, body)
+    distance, body, _ = _sample(bed, solids, near, count, ray, _bed_clearance(bed, ray, 0.0), length, length)
+    material, nx, ny, nz = _surface_at(bed, solids, ray, distance, body)
     return distance, body, material, nx, ny, nz
 
 
 @inlined_before_typing
-def _surface(bed, solids, ray, distance, body):
+def _surface_at(bed, solids, ray, distance, body):
     """Material and normal of what a ray meets at a distance."""
     if body == NOTHING:
         return 0, 0.0, 0.0, 0.0
@@ -102,7 +102,7 @@ def _ceiling(bed, solids, near, count):
 
 
 @kernel
-def _samples(ray, ceiling, reach, step):
+def _sample_numbers(ray, ceiling, reach, step):
     """Numbers of the first and last samples to look at: from the ceiling down, until one is out of reach."""
     last = math.ceil(reach / step)
     if ray.z <= ceiling:
@@ -115,15 +115,15 @@ def _samples(ray, ceiling, reach, step):
 @inlined_before_typing
 def _bed_surface(bed, ray, distance):
     """Material and normal of the bed below the point at a distance."""
-    row, column, u, v = _place(bed, ray, distance)
+    row, column, u, v = _cell_beneath(bed, ray, distance)
     if row < 0:
         return 0, 0.0, 0.0, 0.0
-    nx, ny, nz = normal_at(load_cell(bed.heights, row, column), u, v, bed.spacing)
+    nx, ny, nz = cell_normal(load_cell(bed.heights, row, column), u, v, bed.spacing)
     return np.int64(bed.materials[row, column]), nx, ny, nz
 
 
 @inlined_before_typing
-def _place(bed, ray, t):
+def _cell_beneath(bed, ray, t):
     """Cell below the point at distance t and its place within the cell; row −1 outside the bed."""
     ny, nx = bed.heights.shape
     u, v = (ray.x + t * ray.dx - bed.x0) / bed.spacing, (ray.y + t * ray.dy - bed.y0) / bed.spacing
@@ -137,9 +137,9 @@ def _place(bed, ray, t):
 
 
 @inlined_before_typing
-def _clearance(bed, ray, t):
+def _bed_clearance(bed, ray, t):
     """Height above the bed at distance t, infinite where there is none."""
-    row, column, u, v = _place(bed, ray, t)
+    row, column, u, v = _cell_beneath(bed, ray, t)
     if row < 0:
         return math.inf
     cell = load_cell(bed.heights, row, column)
@@ -157,17 +157,17 @@ def _axial(solids, k, ray, t):
 
 
 @kernel
-def _distance(solids, k, ray, t):
+def _solid_clearance(solids, k, ray, t):
     """Distance from a body's surface, negative inside; beyond a rim, from the nearer face carried on."""
     px, py, pz, along = _axial(solids, k, ray, t)
-    outside = _from_side(solids, k, math.sqrt(px * px + py * py + pz * pz), along)
+    outside = _side_clearance(solids, k, math.sqrt(px * px + py * py + pz * pz), along)
     if solids.shape[k] == SPHERE:
         return outside
     return max(outside, max(-along, along - solids.length[k]))
 
 
 @kernel
-def _from_side(solids, k, radial, along):
+def _side_clearance(solids, k, radial, along):
     """Distance from the side, from how far off the axis and along it a point is."""
     taper = solids.taper[k]
     return (radial - solids.radius[k] - taper * along) / math.sqrt(1.0 + taper * taper)
@@ -180,7 +180,7 @@ def _body_normal(solids, k, ray, t):
     radial = math.sqrt(px * px + py * py + pz * pz)
     ax, ay, az, taper = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2], solids.taper[k]
     cap = max(-along, along - solids.length[k])
-    if solids.shape[k] != SPHERE and cap > _from_side(solids, k, radial, along):
+    if solids.shape[k] != SPHERE and cap > _side_clearance(solids, k, radial, along):
         side = -1.0 if -along > along - solids.length[k] else 1.0
         return side * ax, side * ay, side * az
     norm, radial = math.sqrt(1.0 + taper * taper), max(radial, TINY)

@@ -34,7 +34,16 @@ from insonify.kernels.common.types import BED, LIGHT
 from insonify.kernels.geometry.solids import exit_solid, intersect_solid, is_inside_solid
 from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
 from insonify.kernels.rays.cell_walk import NOTHING, Ray, meet_bed
-from insonify.kernels.rays.ray_differentials import Edge, area, bend_of, land, reflect, refract, rise, turn_across
+from insonify.kernels.rays.ray_differentials import (
+    RayDifferential,
+    differentiate_normal,
+    reflect,
+    refract,
+    start_azimuth_differential,
+    start_elevation_differential,
+    transfer,
+    tube_area,
+)
 
 WATER = -3  # where a path is that is in no body
 OFFSET = 1e-13  # of all lengths, by which a path starts off the surface it leaves
@@ -44,7 +53,7 @@ KNIFE = 0.5  # m, half the along-track width of a knife
 MOST_PARTS = 64  # bodies of one target that a path may cross at a stretch
 
 
-class Path(NamedTuple):
+class SpecularPath(NamedTuple):
     """A path on its way: where it is, at its last corner or arrived at the next surface, and what it carries."""
 
     x: float
@@ -53,15 +62,15 @@ class Path(NamedTuple):
     dx: float
     dy: float
     dz: float
-    up: Edge  # how it moves as its elevation at the sonar grows
-    across: Edge  # and at right angles to that
+    up: RayDifferential  # how it moves as its elevation at the sonar grows
+    across: RayDifferential  # and at right angles to that
     length: float  # m of water that take as long as it has taken
     share: float  # of the energy that set out
     bounce: int
     inside: int  # body, counted as in Hits; WATER if none
 
 
-class Meeting(NamedTuple):
+class Intersection(NamedTuple):
     """What a path meets next."""
 
     distance: float
@@ -72,7 +81,7 @@ class Meeting(NamedTuple):
     nz: float
 
 
-class Step(NamedTuple):
+class PathHit(NamedTuple):
     """One hit of one followed ray."""
 
     ray: int
@@ -86,14 +95,14 @@ class Step(NamedTuple):
 
 
 @kernel
-def add_ghosts(arrays, beam, bundle, hits, weight, sums):
+def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
     """Follow the rays of one side beyond their first hits and sum the ghosts they bring."""
     fan, reach = arrays.half_width > 0.0, arrays.bins * arrays.bin_length
     for k in range(weight.size):
         if hits.body[k] == NOTHING or weight[k] == 0.0:
             continue
-        meeting = Meeting(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
-        path = arrive(arrays, set_out(bundle, k), meeting)
+        meeting = Intersection(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
+        path = advance_to(arrays, start_path(bundle, k), meeting)
         waiting = [path]
         waiting.pop()
         _split(arrays, path, meeting, 2.0 * reach, waiting)
@@ -108,10 +117,10 @@ def add_ghosts(arrays, beam, bundle, hits, weight, sums):
             meeting = _meet_next(arrays, path, 2.0 * reach - path.length)
             if meeting.body == NOTHING:
                 continue
-            path = arrive(arrays, path, meeting)
+            path = advance_to(arrays, path, meeting)
             if path.inside == WATER:
-                _add_retro(arrays, fan, out * weight[k], path, meeting, sums)
-                distance, value = mixed_ghost(arrays, beam, fan, out, weight[k], path, meeting)
+                _add_retro_echo(arrays, fan, out * weight[k], path, meeting, sums)
+                distance, value = mixed_echo(arrays, beam, fan, out, weight[k], path, meeting)
                 b = int(distance / arrays.bin_length)
                 if b < sums.size:
                     sums[b] += value
@@ -119,19 +128,19 @@ def add_ghosts(arrays, beam, bundle, hits, weight, sums):
 
 
 @kernel
-def follow_paths(arrays, bundle, reach):
+def follow_specular_paths(arrays, bundle, reach):
     """Follow every ray until it fades or leaves; return all hits as columns of whole and of real numbers."""
-    steps = [Step(0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)]
+    steps = [PathHit(0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)]
     steps.pop()
     for k in range(bundle.x.size):
-        waiting = [set_out(bundle, k)]
+        waiting = [start_path(bundle, k)]
         while len(waiting) > 0:
             path = waiting.pop()
             meeting = _meet_next(arrays, path, reach - path.length)
             if meeting.body == NOTHING:
                 continue
-            path = arrive(arrays, path, meeting)
-            steps.append(Step(k, path.bounce, path.x, path.y, path.z, path.length, path.share, meeting.body))
+            path = advance_to(arrays, path, meeting)
+            steps.append(PathHit(k, path.bounce, path.x, path.y, path.z, path.length, path.share, meeting.body))
             _split(arrays, path, meeting, reach, waiting)
     whole, real = np.empty((3, len(steps)), np.int64), np.empty((5, len(steps)))
     for n, step in enumerate(steps):
@@ -142,28 +151,28 @@ def follow_paths(arrays, bundle, reach):
 
 
 @inlined
-def set_out(bundle, k):
+def start_path(bundle, k):
     """Ray k as a path that begins."""
     dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
-    up, across = rise(dx, dy, dz), turn_across(dx, dy)
-    return Path(bundle.x[k], bundle.y[k], bundle.z[k], dx, dy, dz, up, across, 0.0, 1.0, 0, WATER)
+    up, across = start_elevation_differential(dx, dy, dz), start_azimuth_differential(dx, dy)
+    return SpecularPath(bundle.x[k], bundle.y[k], bundle.z[k], dx, dy, dz, up, across, 0.0, 1.0, 0, WATER)
 
 
 @inlined
-def arrive(arrays, path, meeting):
+def advance_to(arrays, path, meeting):
     """Go to where a path meets what it meets."""
     t, nx, ny, nz = meeting.distance, meeting.nx, meeting.ny, meeting.nz
     dx, dy, dz = path.dx, path.dy, path.dz
-    up, across = land(path.up, t, dx, dy, dz, nx, ny, nz), land(path.across, t, dx, dy, dz, nx, ny, nz)
+    up, across = transfer(path.up, t, dx, dy, dz, nx, ny, nz), transfer(path.across, t, dx, dy, dz, nx, ny, nz)
     length = path.length + t * _slowness(arrays, path)
-    return Path(
+    return SpecularPath(
         path.x + t * dx, path.y + t * dy, path.z + t * dz, dx, dy, dz, up, across, length, path.share, path.bounce,
         path.inside,
     )  # fmt: skip
 
 
 @inlined
-def _clear_of(x, y, z, length):
+def _offset_from_surface(x, y, z, length):
     """How far off a surface a path starts, so that rounding does not put it on the other side."""
     return OFFSET * (1.0 + abs(x) + abs(y) + abs(z) + length)
 
@@ -195,19 +204,21 @@ def _split(arrays, path, meeting, longest, waiting):
         if root <= 0.0:
             mirrored = 1.0
         elif path.share * (1.0 - mirrored) >= FAINTEST:
-            waiting.append(_refracted(arrays, path, meeting, cosine, speeds, math.sqrt(root), 1.0 - mirrored))
+            waiting.append(_refract_path(arrays, path, meeting, cosine, speeds, math.sqrt(root), 1.0 - mirrored))
     if path.share * mirrored >= FAINTEST:
-        waiting.append(_mirrored(arrays, path, meeting, cosine, mirrored))
+        waiting.append(_reflect_path(arrays, path, meeting, cosine, mirrored))
 
 
 @inlined
-def _mirrored(arrays, path, meeting, cosine, share):
+def _reflect_path(arrays, path, meeting, cosine, share):
     """Turn a path that has arrived as a mirror does."""
     nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
-    off = _clear_of(path.x, path.y, path.z, path.length)
-    up = reflect(path.up, cosine, dx, dy, dz, nx, ny, nz, _bend(arrays, path, path.up, meeting))
-    across = reflect(path.across, cosine, dx, dy, dz, nx, ny, nz, _bend(arrays, path, path.across, meeting))
-    return Path(
+    off = _offset_from_surface(path.x, path.y, path.z, path.length)
+    up = reflect(path.up, cosine, dx, dy, dz, nx, ny, nz, _differentiate_normal(arrays, path, path.up, meeting))
+    across = reflect(
+        path.across, cosine, dx, dy, dz, nx, ny, nz, _differentiate_normal(arrays, path, path.across, meeting)
+    )
+    return SpecularPath(
         path.x + off * nx, path.y + off * ny, path.z + off * nz,
         dx + 2.0 * cosine * nx, dy + 2.0 * cosine * ny, dz + 2.0 * cosine * nz, up, across,
         path.length, path.share * share, path.bounce + 1, path.inside if path.inside == WATER else meeting.body,
@@ -215,15 +226,18 @@ def _mirrored(arrays, path, meeting, cosine, share):
 
 
 @inlined
-def _refracted(arrays, path, meeting, cosine, speeds, root, share):
+def _refract_path(arrays, path, meeting, cosine, speeds, root, share):
     """Pass a path that has arrived into a body, or out of it: Snell's law in vectors."""
     nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
-    off = _clear_of(path.x, path.y, path.z, path.length)
+    off = _offset_from_surface(path.x, path.y, path.z, path.length)
     bend = speeds * cosine - root
-    bent, bent_across = _bend(arrays, path, path.up, meeting), _bend(arrays, path, path.across, meeting)
+    bent, bent_across = (
+        _differentiate_normal(arrays, path, path.up, meeting),
+        _differentiate_normal(arrays, path, path.across, meeting),
+    )
     up = refract(path.up, cosine, speeds, root, dx, dy, dz, nx, ny, nz, bent)
     across = refract(path.across, cosine, speeds, root, dx, dy, dz, nx, ny, nz, bent_across)
-    return Path(
+    return SpecularPath(
         path.x - off * nx, path.y - off * ny, path.z - off * nz,
         speeds * dx + bend * nx, speeds * dy + bend * ny, speeds * dz + bend * nz, up, across,
         path.length, path.share * share, path.bounce + 1, meeting.body if path.inside == WATER else WATER,
@@ -231,11 +245,13 @@ def _refracted(arrays, path, meeting, cosine, speeds, root, share):
 
 
 @inlined
-def _bend(arrays, path, edge, meeting):
+def _differentiate_normal(arrays, path, edge, meeting):
     """How the normal moves with an edge's place: facets and cells are flat."""
     if not 0 <= meeting.body < arrays.solids.shape.size:
         return 0.0, 0.0, 0.0
-    return bend_of(arrays.solids, meeting.body, edge, path.x, path.y, path.z, meeting.nx, meeting.ny, meeting.nz)
+    return differentiate_normal(
+        arrays.solids, meeting.body, edge, path.x, path.y, path.z, meeting.nx, meeting.ny, meeting.nz
+    )
 
 
 @inlined
@@ -252,14 +268,14 @@ def _lets_through(arrays, path, meeting):
 def _meet_next(arrays, path, reach):
     """Meet what a path comes to within ``reach``, from outside or inside."""
     if path.inside == WATER:
-        return meet_any(arrays, path.x, path.y, path.z, path.dx, path.dy, path.dz, reach)
+        return meet_scene(arrays, path.x, path.y, path.z, path.dx, path.dy, path.dz, reach)
     if path.inside < arrays.solids.shape.size:
-        return _leave_target(arrays.solids, path)
+        return _leave_solids(arrays.solids, path)
     return _leave_mesh(arrays, path)
 
 
 @kernel
-def meet_any(arrays, x, y, z, dx, dy, dz, reach):
+def meet_scene(arrays, x, y, z, dx, dy, dz, reach):
     """Meet the nearest thing within ``reach``."""
     best, body, material, mx, my, mz = reach, NOTHING, 0, 0.0, 0.0, 0.0
     for k in range(arrays.solids.shape.size):
@@ -272,31 +288,31 @@ def meet_any(arrays, x, y, z, dx, dy, dz, reach):
         mx, my, mz = facing_normal(arrays.mesh, triangle, dx, dy, dz)
     distance, row, nx, ny, nz = meet_bed(arrays.bed, Ray(x, y, z, dx, dy, dz), best)
     if distance < best:
-        return Meeting(distance, BED, row, nx, ny, nz)
-    return Meeting(best, body, material, mx, my, mz)
+        return Intersection(distance, BED, row, nx, ny, nz)
+    return Intersection(best, body, material, mx, my, mz)
 
 
 @kernel
-def _leave_target(solids, path):
+def _leave_solids(solids, path):
     """Leave a body; where another of the same target goes on, leave that."""
     body, total = path.inside, 0.0
     x, y, z = path.x, path.y, path.z
-    off = _clear_of(x, y, z, path.length)
+    off = _offset_from_surface(x, y, z, path.length)
     for _ in range(MOST_PARTS):
         distance, nx, ny, nz = exit_solid(solids, body, x, y, z, path.dx, path.dy, path.dz)
         if not distance < math.inf:
             break
         total += distance + off
         x, y, z = path.x + total * path.dx, path.y + total * path.dy, path.z + total * path.dz
-        other = _part_at(solids, solids.target[body], x, y, z)
+        other = _solid_of_target_at(solids, solids.target[body], x, y, z)
         if other < 0:
-            return Meeting(total - off, body, solids.material[body], -nx, -ny, -nz)
+            return Intersection(total - off, body, solids.material[body], -nx, -ny, -nz)
         body = other
-    return Meeting(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
+    return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
 
 
 @inlined
-def _part_at(solids, target, x, y, z):
+def _solid_of_target_at(solids, target, x, y, z):
     """Row of a target's body that a point is inside, -1 if none."""
     for k in range(solids.shape.size):
         if solids.target[k] == target and is_inside_solid(solids, k, x, y, z):
@@ -309,7 +325,7 @@ def _leave_mesh(arrays, path):
     """Leave a mesh through the nearest of its triangles that faces the other way."""
     mesh, solids = arrays.mesh, arrays.solids.shape.size
     target, total = mesh.target[path.inside - solids], 0.0
-    off = _clear_of(path.x, path.y, path.z, path.length)
+    off = _offset_from_surface(path.x, path.y, path.z, path.length)
     for _ in range(MOST_PARTS):
         distance, triangle = intersect_mesh(
             mesh, path.x + total * path.dx, path.y + total * path.dy, path.z + total * path.dz,
@@ -321,13 +337,13 @@ def _leave_mesh(arrays, path):
         normal = mesh.normal[triangle]
         outwards = normal[0] * path.dx + normal[1] * path.dy + normal[2] * path.dz
         if mesh.target[triangle] == target and outwards > 0.0:
-            return Meeting(total, solids + triangle, mesh.material[triangle], -normal[0], -normal[1], -normal[2])
+            return Intersection(total, solids + triangle, mesh.material[triangle], -normal[0], -normal[1], -normal[2])
         total += off
-    return Meeting(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
+    return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
 
 
 @inlined
-def _add_retro(arrays, fan, weight, path, meeting, sums):
+def _add_retro_echo(arrays, fan, weight, path, meeting, sums):
     """Add what returns along the path itself, of one that has arrived."""
     b = int(path.length / arrays.bin_length)
     cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
@@ -340,7 +356,7 @@ def _add_retro(arrays, fan, weight, path, meeting, sums):
     if arrays.law == LIGHT:
         value *= abs(up.x * path.dx + up.y * path.dy + up.z * path.dz) / arrays.bin_length
     elif fan:
-        value *= squared * squared / (cosine * max(area(up, path.across) * cosine, CAUSTIC * squared))
+        value *= squared * squared / (cosine * max(tube_area(up, path.across) * cosine, CAUSTIC * squared))
     else:
         width = math.sqrt(up.x * up.x + up.y * up.y + up.z * up.z)
         value *= squared / (cosine * max(width * cosine, CAUSTIC * path.length))
@@ -348,7 +364,7 @@ def _add_retro(arrays, fan, weight, path, meeting, sums):
 
 
 @inlined
-def mixed_ghost(arrays, beam, fan, out, weight, path, meeting):
+def mixed_echo(arrays, beam, fan, out, weight, path, meeting):
     """Slant range and strength of what goes out along a path that has arrived and straight back, or the other way."""
     sx, sy, sz = path.x - beam.x, path.y - beam.y, path.z - beam.z
     r, nx, ny, nz = math.sqrt(sx * sx + sy * sy + sz * sz), meeting.nx, meeting.ny, meeting.nz
@@ -356,11 +372,11 @@ def mixed_ghost(arrays, beam, fan, out, weight, path, meeting):
     cosine, straight = -(nx * path.dx + ny * path.dy + nz * path.dz), -(nx * sx + ny * sy + nz * sz)
     if distance >= arrays.bins * arrays.bin_length or cosine <= 0.0 or straight <= 0.0:
         return distance, 0.0
-    passed = both_ways(arrays, beam, fan, out, sx, sy, sz, r)
+    passed = pair_sensitivity(arrays, beam, fan, out, sx, sy, sz, r)
     if passed == 0.0:
         return distance, 0.0
-    off = _clear_of(path.x, path.y, path.z, path.length)
-    blocker = meet_any(arrays, path.x + off * nx, path.y + off * ny, path.z + off * nz, -sx, -sy, -sz, r)
+    off = _offset_from_surface(path.x, path.y, path.z, path.length)
+    blocker = meet_scene(arrays, path.x + off * nx, path.y + off * ny, path.z + off * nz, -sx, -sy, -sz, r)
     if blocker.body != NOTHING:
         return distance, 0.0
     row, up = arrays.reflectivity[meeting.material], path.up
@@ -377,7 +393,7 @@ def mixed_ghost(arrays, beam, fan, out, weight, path, meeting):
 
 
 @inlined
-def both_ways(arrays, beam, fan, out, sx, sy, sz, r):
+def pair_sensitivity(arrays, beam, fan, out, sx, sy, sz, r):
     """Sensitivity of the beam to what leaves one way and returns another, the mean of both orders."""
     if sx * beam.side_x + sy * beam.side_y < 0.0:
         return 0.0

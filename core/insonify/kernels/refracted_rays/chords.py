@@ -26,7 +26,7 @@ X, Y, Z, DX, DY, DZ, LENGTH, ARC, GROUND, ALONG = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 COLUMNS = 10
 
 
-class Batch(NamedTuple):
+class ChordBatch(NamedTuple):
     """The chords of some rays, those of each one after the other, and what each ray may meet."""
 
     chords: NDArray[np.float64]  # (m, COLUMNS)
@@ -36,7 +36,7 @@ class Batch(NamedTuple):
     meshed: NDArray[np.bool_]  # (rays,) whether it may cross the mesh
 
 
-class Met(NamedTuple):
+class ChordHits(NamedTuple):
     """What each ray of a batch meets first, (rays,) each."""
 
     chord: NDArray[np.int64]
@@ -51,16 +51,16 @@ class Met(NamedTuple):
 @kernel
 def empty_batch(rays, bodies):
     """Room for some rays, each of which may meet any of the bodies."""
-    return Batch(
+    return ChordBatch(
         np.empty((8 * rays, COLUMNS)), np.zeros(rays + 1, np.int64), np.empty((rays, bodies), np.int64),
         np.zeros(rays, np.int64), np.zeros(rays, np.bool_),
     )  # fmt: skip
 
 
 @kernel
-def empty_met(rays):
+def empty_chord_hits(rays):
     """Room for what some rays meet."""
-    return Met(
+    return ChordHits(
         np.empty(rays, np.int64), np.empty(rays), np.empty(rays, np.int64), np.empty(rays, np.int64),
         np.empty(rays), np.empty(rays), np.empty(rays),
     )  # fmt: skip
@@ -80,14 +80,24 @@ def march_chords(bed, solids, mesh, batch, rays, met):
     """Likewise by one sample at the end of each chord; of the mesh, its triangles where they are."""
     chords = batch.chords
     for k in range(rays):
-        met.chord[k], met.distance[k], met.body[k], met.material[k] = batch.start[k + 1], math.inf, NOTHING, 0
+        met.chord[k], met.distance[k], met.body[k], met.material[k] = (
+            batch.start[k + 1],
+            math.inf,
+            NOTHING,
+            0,
+        )
         for c in range(batch.start[k], batch.start[k + 1]):
             way = Ray(chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ])
             distance, body, material, nx, ny, nz = march_chord(
                 bed, solids, batch.near[k], batch.listed[k], way, chords[c, LENGTH]
             )
             if body != NOTHING:
-                met.chord[k], met.distance[k], met.body[k], met.material[k] = c, distance, body, material
+                met.chord[k], met.distance[k], met.body[k], met.material[k] = (
+                    c,
+                    distance,
+                    body,
+                    material,
+                )
                 met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
                 break
     if mesh.skip.size > 0:
@@ -99,7 +109,12 @@ def _meet_bodies(solids, batch, rays, met):
     """Find the first body on each ray; this begins what is met."""
     chords = batch.chords
     for k in range(rays):
-        met.chord[k], met.distance[k], met.body[k], met.material[k] = batch.start[k + 1], math.inf, NOTHING, 0
+        met.chord[k], met.distance[k], met.body[k], met.material[k] = (
+            batch.start[k + 1],
+            math.inf,
+            NOTHING,
+            0,
+        )
         for m in range(batch.listed[k]):
             body = batch.near[k, m]
             for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
@@ -134,7 +149,11 @@ def _meet_mesh(solids, mesh, batch, rays, met):
                 limit = min(limit, met.distance[k])
             distance, triangle = intersect_mesh(mesh, chords[c, X], chords[c, Y], chords[c, Z], dx, dy, dz, limit)
             if triangle != NO_TRIANGLE:
-                met.chord[k], met.distance[k], met.body[k] = c, distance, solids.shape.size + triangle
+                met.chord[k], met.distance[k], met.body[k] = (
+                    c,
+                    distance,
+                    solids.shape.size + triangle,
+                )
                 met.material[k] = mesh.material[triangle]
                 met.nx[k], met.ny[k], met.nz[k] = facing_normal(mesh, triangle, dx, dy, dz)
                 break
@@ -152,7 +171,12 @@ def _meet_bed(bed, batch, rays, met):
                 limit = min(limit, met.distance[k])
             distance, material, nx, ny, nz = meet_bed(bed, way, limit)
             if distance < limit:
-                met.chord[k], met.distance[k], met.body[k], met.material[k] = c, distance, BED, material
+                met.chord[k], met.distance[k], met.body[k], met.material[k] = (
+                    c,
+                    distance,
+                    BED,
+                    material,
+                )
                 met.nx[k], met.ny[k], met.nz[k] = nx, ny, nz
                 break
             if distance != distance:

@@ -18,17 +18,29 @@ from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, PORT
 from insonify.kernels.geometry.solids import greatest_radius
 from insonify.kernels.rays.cell_walk import NOTHING
-from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, tilt, weigh
-from insonify.kernels.rays.launch import inside_body, make_beam, spread_rays, touches, turn
-from insonify.kernels.refracted_rays.hits import Course, bent_hits, clear_of_nodes, empty_arrivals, plane_of
-from insonify.kernels.refracted_rays.mixed_paths import mixed_echoes
-from insonify.kernels.refracted_rays.probe_rays import Sea, aim_bent, no_landings
+from insonify.kernels.rays.first_echoes import elevation_tilt, empty_bundle, empty_hits, empty_launch, weigh_by_pattern
+from insonify.kernels.rays.launch import (
+    beam_touches_ball,
+    find_enclosing_solid,
+    orient_beam,
+    rotate_to_world,
+    spread_over_pattern,
+)
+from insonify.kernels.refracted_rays.hits import (
+    VerticalPlane,
+    clear_of_nodes,
+    empty_arrivals,
+    find_refracted_hits,
+    lay_in_section,
+)
+from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
+from insonify.kernels.refracted_rays.probe_rays import Waveguide, aim_refracted_rays, empty_landings
 
 SLACK = 0.1  # of its distance, by which a body may be beside a beam of straight rays and yet be heard
 
 
 @kernel
-def trace_bent_pings(arrays, poses, rays, march, out):
+def trace_refracted_pings(arrays, poses, rays, march, out):
     """Trace all pings into ``out`` (pings, 2, bins) with ``rays`` a side: a walk along arcs, or a march if that is > 0.
 
     Return -1 - k if the sonar is inside body k, else 0.
@@ -37,33 +49,35 @@ def trace_bent_pings(arrays, poses, rays, march, out):
     bundle, hits, arrivals = empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
     weighed, sums = np.empty(rays), np.empty(arrays.bins)
     aimed_at = np.full((2, 3), math.nan)
-    to_port, to_starboard = no_landings(), no_landings()
+    to_port, to_starboard = empty_landings(), empty_landings()
     for ping in range(poses.x.size):
         z, pitch = poses.z[ping], poses.pitch[ping]
-        body = inside_body(arrays.solids, poses.x[ping], poses.y[ping], z)
+        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], z)
         if body >= 0:
             return -1 - body
         for side in range(2):
-            beam = make_beam(arrays, poses, ping, side)
+            beam = orient_beam(arrays, poses, ping, side)
             launch = port if side == PORT else starboard
-            sea = sea_of(arrays, beam)
-            aimed = z == aimed_at[side, 0] and sea.ceiling == aimed_at[side, 1] and pitch == aimed_at[side, 2]
+            waveguide = make_waveguide(arrays, beam)
+            aimed = z == aimed_at[side, 0] and waveguide.ceiling == aimed_at[side, 1] and pitch == aimed_at[side, 2]
             if not aimed or arrays.water.station.size > 1:
-                landings = aim_side(arrays, sea, z, pitch, launch)
-                aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, sea.ceiling, pitch
+                landings = aim_side(arrays, waveguide, z, pitch, launch)
+                aimed_at[side, 0], aimed_at[side, 1], aimed_at[side, 2] = z, waveguide.ceiling, pitch
                 if side == PORT:
                     to_port = landings
                 else:
                     to_starboard = landings
-            turn(launch, beam, bundle)
-            bent_hits(arrays, bundle, sea.reach, march, hits, arrivals)
+            rotate_to_world(launch, beam, bundle)
+            find_refracted_hits(arrays, bundle, waveguide.reach, march, hits, arrivals)
             weight = launch.weight
             if arrays.pattern.tabled:
-                weight = weigh(arrays, beam, bundle, hits, launch.weight, weighed)
-            deposit_bent(arrays, hits, arrivals, weight, sums)
+                weight = weigh_by_pattern(arrays, beam, bundle, hits, launch.weight, weighed)
+            _deposit_refracted(arrays, hits, arrivals, weight, sums)
             landings = to_port if side == PORT else to_starboard
             if landings.fold < math.inf and march <= 0.0:
-                _, bins, values = mixed_echoes(arrays, beam, sea, z, landings, launch, bundle, hits, arrivals)
+                _, bins, values = find_mixed_echoes(
+                    arrays, beam, waveguide, z, landings, launch, bundle, hits, arrivals
+                )
                 for m in range(bins.size):
                     if bins[m] >= 0:
                         sums[bins[m]] += values[m]
@@ -74,20 +88,22 @@ def trace_bent_pings(arrays, poses, rays, march, out):
 
 
 @kernel
-def sea_of(arrays, beam):
+def make_waveguide(arrays, beam):
     """Tell what the rays of one side run through."""
     water = arrays.water
-    plane = plane_of(water.axis_x, water.axis_y, Course(beam.x, beam.y, beam.side_x, beam.side_y))
-    return Sea(water, plane, clear_of_nodes(water.height, _highest(arrays, beam)), arrays.bins * arrays.bin_length)
+    plane = lay_in_section(water.axis_x, water.axis_y, VerticalPlane(beam.x, beam.y, beam.side_x, beam.side_y))
+    return Waveguide(
+        water, plane, clear_of_nodes(water.height, _highest(arrays, beam)), arrays.bins * arrays.bin_length
+    )
 
 
 @kernel
-def aim_side(arrays, sea, z, pitch, launch):
+def aim_side(arrays, waveguide, z, pitch, launch):
     """Aim all rays of a side over elevations and, where a pattern spreads them, over azimuths."""
     spreads = arrays.half_width > 0.0 and arrays.pattern.tabled
-    landings = aim_bent(launch, sea, z, arrays.half_width, arrays.law, spreads)
+    landings = aim_refracted_rays(launch, waveguide, z, arrays.half_width, arrays.law, spreads)
     if spreads:
-        spread_rays(launch, arrays.pattern, z, sea.reach, pitch)
+        spread_over_pattern(launch, arrays.pattern, z, waveguide.reach, pitch)
     return landings
 
 
@@ -115,21 +131,21 @@ def _highest(arrays, beam):
 def _may_touch(beam, cx, cy, cz, bound):
     """Whether a beam of bent rays may touch a ball, its centre counted from the sonar."""
     distance = math.sqrt(cx * cx + cy * cy + cz * cz)
-    return touches(beam, cx, cy, cz, distance, bound + SLACK * distance)
+    return beam_touches_ball(beam, cx, cy, cz, distance, bound + SLACK * distance)
 
 
 @kernel
-def deposit_bent(arrays, hits, arrivals, weight, sums):
+def _deposit_refracted(arrays, hits, arrivals, weight, sums):
     """Sum what the hits return into time bins; the range factor, which holds 1/r⁴, comes after."""
     sums[:] = 0.0
     for k in range(weight.size):
-        b, value, _ = echo_of(arrays, hits, arrivals, weight, k)
+        b, value, _ = refracted_echo(arrays, hits, arrivals, weight, k)
         if b >= 0:
             sums[b] += value
 
 
 @inlined
-def echo_of(arrays, hits, arrivals, weight, k):
+def refracted_echo(arrays, hits, arrivals, weight, k):
     """Bin and value of what the hit of ray k returns, and its cosine of incidence; bin −1 if it returns nothing."""
     distance = hits.distance[k]
     if hits.body[k] == NOTHING or distance >= arrays.bins * arrays.bin_length:
@@ -146,7 +162,7 @@ def echo_of(arrays, hits, arrivals, weight, k):
     tube, spread = arrivals.tube[k], arrivals.spread[k]
     if law == LIGHT:
         speeds = arrays.water.reference / arrivals.speed[k]
-        return b, value * speeds * tube * tilt(dx, dy, dz, nx, ny, nz) / arrays.bin_length, cos_incidence
+        return b, value * speeds * tube * elevation_tilt(dx, dy, dz, nx, ny, nz) / arrays.bin_length, cos_incidence
     intensity = distance * distance / (tube * spread)  # beside still water's
     if arrays.half_width > 0.0:
         return b, value * distance * distance * intensity, cos_incidence

@@ -26,17 +26,17 @@ from insonify.kernels.refracted_rays.chords import (
     DZ,
     GROUND,
     LENGTH,
-    Batch,
+    ChordBatch,
     X,
     Y,
     Z,
     empty_batch,
-    empty_met,
+    empty_chord_hits,
     march_chords,
     meet_chords,
 )
-from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, Ray, launch_ray, step
-from insonify.kernels.refraction.section_arcs import Plane, launch_across, step_across
+from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, RayState
+from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 
 SAGITTA = 1e-4  # m, by which a chord may leave its arc
 MOST_ARCS = 4096  # of one ray: a trapped one is given up
@@ -61,7 +61,7 @@ class Arrivals(NamedTuple):
     z: NDArray[np.float64]  # height, m
 
 
-class Course(NamedTuple):
+class VerticalPlane(NamedTuple):
     """The vertical plane of a ray: the ground place of its start and the level unit vector it is sent along."""
 
     x: float
@@ -70,7 +70,7 @@ class Course(NamedTuple):
     ahead_y: float
 
 
-class Limits(NamedTuple):
+class ContactZone(NamedTuple):
     """Where a ray may meet anything."""
 
     floor: float  # m, height below which there is nothing
@@ -81,19 +81,19 @@ class Limits(NamedTuple):
 
 
 @kernel
-def bent_hits(arrays, bundle, reach, march, hits, arrivals):
+def find_refracted_hits(arrays, bundle, reach, march, hits, arrivals):
     """Find what each ray meets first within the slant range ``reach``, by the walk or by steps of ``march`` > 0 metres.
 
     The distance of a hit is its slant range: time by the speed at the sonar.
     """
     bed, solids, mesh, water = arrays.bed, arrays.solids, arrays.mesh, arrays.water
-    batch, met = empty_batch(TOGETHER, solids.shape.size), empty_met(TOGETHER)
+    batch, met = empty_batch(TOGETHER, solids.shape.size), empty_chord_hits(TOGETHER)
     limits, begins = np.empty((TOGETHER, 5)), np.empty((4 * TOGETHER, STATE))
     for first in range(0, bundle.x.size, TOGETHER):
         count = min(TOGETHER, bundle.x.size - first)
-        _limit(bed, solids, mesh, water.height, bundle, first, count, batch, limits)
+        _find_contact_zones(bed, solids, mesh, water.height, bundle, first, count, batch, limits)
         rows, begins = _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins)
-        batch = Batch(rows, batch.start, batch.near, batch.listed, batch.meshed)
+        batch = ChordBatch(rows, batch.start, batch.near, batch.listed, batch.meshed)
         if march > 0.0:
             march_chords(bed, solids, mesh, batch, count, met)
         else:
@@ -120,42 +120,26 @@ def clear_of_nodes(height, ceiling):
 
 
 @inlined
-def set_out(height, speed, station, plane, z, cosine, sine):
-    """Start a ray at height z."""
-    if station.size > 1:
-        return launch_across(height, speed, station, plane, z, cosine, sine)
-    return launch_ray(height, speed[0], z, cosine, sine)
-
-
-@inlined
-def go_on(height, speed, station, plane, ray, x_end, low, high):
-    """Follow a ray to the next border in the water, to range ``x_end``, or to height ``low`` or ``high``."""
-    if station.size > 1:
-        return step_across(height, speed, station, plane, ray, x_end, low, high)
-    return step(height, speed[0], ray, x_end, low, high)
-
-
-@inlined
-def _course(bundle, k):
+def _vertical_plane(bundle, k):
     """Lay the plane of a ray; that of a vertical one is any."""
     level = math.sqrt(bundle.dx[k] * bundle.dx[k] + bundle.dy[k] * bundle.dy[k])
     if level > 0.0:
-        return Course(bundle.x[k], bundle.y[k], bundle.dx[k] / level, bundle.dy[k] / level), level
-    return Course(bundle.x[k], bundle.y[k], 1.0, 0.0), 0.0
+        return VerticalPlane(bundle.x[k], bundle.y[k], bundle.dx[k] / level, bundle.dy[k] / level), level
+    return VerticalPlane(bundle.x[k], bundle.y[k], 1.0, 0.0), 0.0
 
 
 @kernel
-def _limit(bed, solids, mesh, height, bundle, first, count, batch, limits):
+def _find_contact_zones(bed, solids, mesh, height, bundle, first, count, batch, limits):
     """List the bodies that the plane of each ray crosses, and tell where it may meet anything."""
     for k in range(count):
-        course, _ = _course(bundle, first + k)
+        plane, _ = _vertical_plane(bundle, first + k)
         low, high, nearest, farthest = bed.low, bed.high, math.inf, -math.inf
         listed = 0
         for body in range(solids.shape.size):
             middle, radius = 0.5 * solids.length[body], greatest_radius(solids, body)
-            cx = solids.start[body, 0] + middle * solids.axis[body, 0] - course.x
-            cy = solids.start[body, 1] + middle * solids.axis[body, 1] - course.y
-            near, far = _across(course, cx, cy, middle + radius)
+            cx = solids.start[body, 0] + middle * solids.axis[body, 0] - plane.x
+            cy = solids.start[body, 1] + middle * solids.axis[body, 1] - plane.y
+            near, far = _disc_crossing(plane, cx, cy, middle + radius)
             if near < far:
                 batch.near[k, listed] = body
                 listed += 1
@@ -165,8 +149,8 @@ def _limit(bed, solids, mesh, height, bundle, first, count, batch, limits):
         batch.listed[k], batch.meshed[k] = listed, False
         if mesh.skip.size > 0:
             wx, wy = 0.5 * (mesh.high[0, 0] - mesh.low[0, 0]), 0.5 * (mesh.high[0, 1] - mesh.low[0, 1])
-            cx, cy = mesh.low[0, 0] + wx - course.x, mesh.low[0, 1] + wy - course.y
-            near, far = _across(course, cx, cy, math.sqrt(wx * wx + wy * wy))
+            cx, cy = mesh.low[0, 0] + wx - plane.x, mesh.low[0, 1] + wy - plane.y
+            near, far = _disc_crossing(plane, cx, cy, math.sqrt(wx * wx + wy * wy))
             if near < far:
                 batch.meshed[k] = True
                 low, high = min(low, mesh.low[0, 2]), max(high, mesh.high[0, 2])
@@ -176,9 +160,9 @@ def _limit(bed, solids, mesh, height, bundle, first, count, batch, limits):
 
 
 @inlined
-def _across(course, cx, cy, bound):
+def _disc_crossing(plane, cx, cy, bound):
     """Ground ranges between which a course may cross a disc, its centre counted from the start; none if they turn."""
-    off, ahead = cy * course.ahead_x - cx * course.ahead_y, cx * course.ahead_x + cy * course.ahead_y
+    off, ahead = cy * plane.ahead_x - cx * plane.ahead_y, cx * plane.ahead_x + cy * plane.ahead_y
     if abs(off) > bound or ahead < -bound:
         return math.inf, -math.inf
     return ahead - bound, ahead + bound
@@ -193,25 +177,25 @@ def _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins
     x_end = latest * speed.max()
     chord, arc = 0, 0
     for k in range(count):
-        course, level = _course(bundle, first + k)
-        plane = plane_of(axis_x, axis_y, course)
-        limit = Limits(limits[k, 0], limits[k, 1], limits[k, 2], limits[k, 3], limits[k, 4])
-        ray = set_out(height, speed, station, plane, bundle.z[first + k], level, bundle.dz[first + k])
+        plane, level = _vertical_plane(bundle, first + k)
+        section = lay_in_section(axis_x, axis_y, plane)
+        limit = ContactZone(limits[k, 0], limits[k, 1], limits[k, 2], limits[k, 3], limits[k, 4])
+        ray = launch_ray(height, speed, station, section, bundle.z[first + k], level, bundle.dz[first + k])
         start[k] = chord
         for _ in range(MOST_ARCS):
             above = ray.z > limit.ceiling or (ray.z == limit.ceiling and ray.sine > 0.0)
             low, high = (limit.ceiling, surface) if above else (limit.floor, limit.ceiling)
-            status, after = go_on(height, speed, station, plane, ray, x_end, low, high)
+            status, after = advance_ray(height, speed, station, section, ray, x_end, low, high)
             if status == ENDLESS:
                 break
             if not above:
-                pieces, turn, whole = _pieces(ray, after, march)
+                pieces, turn, whole = _count_chords(ray, after, march)
                 if chord + pieces > rows.shape[0]:
-                    rows = _wider(rows, chord + pieces)
+                    rows = _enlarge(rows, chord + pieces)
                 if arc == begins.shape[0]:
-                    begins = _wider(begins, arc + 1)
-                _keep(begins, arc, ray)
-                chord = _cut(rows, chord, arc, pieces, turn, whole, course, limit, ray)
+                    begins = _enlarge(begins, arc + 1)
+                _keep_arc_start(begins, arc, ray)
+                chord = _write_chords(rows, chord, arc, pieces, turn, whole, plane, limit, ray)
                 arc += 1
             if status == RANGE or status == (HIGH if above else LOW) or after.time > latest:
                 break
@@ -221,13 +205,13 @@ def _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins
 
 
 @inlined
-def plane_of(axis_x, axis_y, course):
+def lay_in_section(axis_x, axis_y, plane):
     """Lay the plane of a ray through the water's stations, along whose axis they lie."""
-    return Plane(course.x * axis_x + course.y * axis_y, course.ahead_x * axis_x + course.ahead_y * axis_y)
+    return SectionPlane(plane.x * axis_x + plane.y * axis_y, plane.ahead_x * axis_x + plane.ahead_y * axis_y)
 
 
 @kernel
-def _wider(rows, needed):
+def _enlarge(rows, needed):
     """Copy rows into room for as many as are needed, or twice as many as there were."""
     more = np.empty((max(needed, 2 * rows.shape[0]), rows.shape[1]))
     more[: rows.shape[0]] = rows
@@ -235,7 +219,7 @@ def _wider(rows, needed):
 
 
 @inlined
-def _pieces(ray, after, march):
+def _count_chords(ray, after, march):
     """Count the chords that an arc is cut into: (chords, its turn, its length as the crow flies)."""
     dx, dz = after.x - ray.x, after.z - ray.z
     whole = math.sqrt(dx * dx + dz * dz)
@@ -249,7 +233,7 @@ def _pieces(ray, after, march):
 
 
 @inlined
-def _cut(rows, chord, arc, pieces, turn, whole, course, limit, ray):
+def _write_chords(rows, chord, arc, pieces, turn, whole, plane, limit, ray):
     """Write down the chords of an arc that may meet anything; return the number of the next."""
     half, length = 0.5 * turn / pieces, whole / pieces
     if half != 0.0:
@@ -260,9 +244,9 @@ def _cut(rows, chord, arc, pieces, turn, whole, course, limit, ray):
     for _ in range(pieces):
         on_x, on_z = x + length * dx, z + length * dz
         if min(z, on_z) < limit.bed or (max(x, on_x) > limit.near and min(x, on_x) < limit.far):
-            rows[chord, X], rows[chord, Y] = course.x + x * course.ahead_x, course.y + x * course.ahead_y
+            rows[chord, X], rows[chord, Y] = plane.x + x * plane.ahead_x, plane.y + x * plane.ahead_y
             rows[chord, Z], rows[chord, LENGTH] = z, length
-            rows[chord, DX], rows[chord, DY], rows[chord, DZ] = dx * course.ahead_x, dx * course.ahead_y, dz
+            rows[chord, DX], rows[chord, DY], rows[chord, DZ] = dx * plane.ahead_x, dx * plane.ahead_y, dz
             rows[chord, ARC], rows[chord, GROUND], rows[chord, ALONG] = arc, x, dx
             chord += 1
         x, z, dx, dz = on_x, on_z, dx * c - dz * s, dz * c + dx * s
@@ -270,7 +254,7 @@ def _cut(rows, chord, arc, pieces, turn, whole, course, limit, ray):
 
 
 @inlined
-def _keep(begins, arc, ray):
+def _keep_arc_start(begins, arc, ray):
     """Write down how a ray begins an arc."""
     begins[arc, 0], begins[arc, 1], begins[arc, 2], begins[arc, 3] = ray.x, ray.z, ray.cosine, ray.sine
     begins[arc, 4], begins[arc, 5], begins[arc, 6], begins[arc, 7] = ray.speed, ray.time, ray.p, ray.q
@@ -287,11 +271,11 @@ def _arrive(water, bundle, first, count, reach, batch, begins, met, hits, arriva
         hits.nx[n], hits.ny[n], hits.nz[n] = 0.0, 0.0, 0.0
         if met.body[k] == NOTHING:
             continue
-        course, level = _course(bundle, n)
+        plane, level = _vertical_plane(bundle, n)
         row, distance = met.chord[k], met.distance[k]
         low, high, x_end, z = -math.inf, math.inf, math.inf, rows[row, Z] + distance * rows[row, DZ]
         b = begins[int(rows[row, ARC])]
-        ray = Ray(b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7], False)
+        ray = RayState(b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7], False)
         # By range, or by height where it is steep.
         if abs(rows[row, DZ]) <= abs(rows[row, ALONG]):
             x_end = rows[row, GROUND] + distance * rows[row, ALONG]
@@ -299,12 +283,12 @@ def _arrive(water, bundle, first, count, reach, batch, begins, met, hits, arriva
             low = z
         else:
             high = z
-        _, ray = go_on(height, speed, station, plane_of(axis_x, axis_y, course), ray, x_end, low, high)
+        _, ray = advance_ray(height, speed, station, lay_in_section(axis_x, axis_y, plane), ray, x_end, low, high)
         if ray.time * reference > reach:
             continue
         hits.distance[n], hits.body[n], hits.material[n] = ray.time * reference, met.body[k], met.material[k]
         hits.nx[n], hits.ny[n], hits.nz[n] = met.nx[k], met.ny[k], met.nz[k]
-        arrivals.dx[n], arrivals.dy[n] = ray.cosine * course.ahead_x, ray.cosine * course.ahead_y
+        arrivals.dx[n], arrivals.dy[n] = ray.cosine * plane.ahead_x, ray.cosine * plane.ahead_y
         arrivals.dz[n], arrivals.speed[n], arrivals.x[n], arrivals.z[n] = ray.sine, ray.speed, ray.x, ray.z
         spread = ray.x / level if level > 0.0 else abs(ray.q)
         arrivals.tube[n], arrivals.spread[n] = max(abs(ray.q), CAUSTIC * spread), spread

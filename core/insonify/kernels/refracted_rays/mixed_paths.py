@@ -20,9 +20,10 @@ from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cell_walk import NOTHING
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits
-from insonify.kernels.rays.specular_paths import both_ways
-from insonify.kernels.refracted_rays.hits import MOST_ARCS, bent_hits, empty_arrivals, go_on, set_out
+from insonify.kernels.rays.specular_paths import pair_sensitivity
+from insonify.kernels.refracted_rays.hits import MOST_ARCS, empty_arrivals, find_refracted_hits
 from insonify.kernels.refraction.arcs import RANGE
+from insonify.kernels.refraction.section_arcs import advance_ray, launch_ray
 
 MOST_WAYS = 4  # other paths to one place
 TRIES = 12  # Newton's steps
@@ -33,9 +34,9 @@ SEEN = 0.02  # m, by which the landings of two paths may lie apart: chords leave
 
 
 @kernel
-def mixed_echoes(arrays, beam, sea, z, landings, launch, bundle, hits, arrivals):
+def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, bundle, hits, arrivals):
     """Find what goes out by the paths of one side's rays and back by others: (rays, bins, values); bin −1 for none."""
-    pairs, angles = _pair(sea, z, landings, bundle, hits, arrivals, launch.weight)
+    pairs, angles = _pair_paths(waveguide, z, landings, bundle, hits, arrivals, launch.weight)
     n = angles.size
     others, met, back = empty_bundle(n), empty_hits(n), empty_arrivals(n)
     for m in range(n):
@@ -44,18 +45,20 @@ def mixed_echoes(arrays, beam, sea, z, landings, launch, bundle, hits, arrivals)
         others.x[m], others.y[m], others.z[m] = bundle.x[k], bundle.y[k], bundle.z[k]
         c = math.cos(angles[m]) / level
         others.dx[m], others.dy[m], others.dz[m] = c * bundle.dx[k], c * bundle.dy[k], math.sin(angles[m])
-    bent_hits(arrays, others, 2.0 * sea.reach, 0.0, met, back)
+    find_refracted_hits(arrays, others, 2.0 * waveguide.reach, 0.0, met, back)
     bins, values = np.full(n, -1), np.zeros(n)
     for m in range(n):
         k = pairs[m]
         apart = max(abs(back.x[m] - arrivals.x[k]), abs(back.z[m] - arrivals.z[k]))
         if met.body[m] != NOTHING and apart < SEEN:
-            bins[m], values[m] = _echo(arrays, beam, launch.weight[k], bundle, hits, arrivals, k, others, met, back, m)
+            bins[m], values[m] = _mixed_echo(
+                arrays, beam, launch.weight[k], bundle, hits, arrivals, k, others, met, back, m
+            )
     return pairs, bins, values
 
 
 @kernel
-def _pair(sea, z, landings, bundle, hits, arrivals, weight):
+def _pair_paths(waveguide, z, landings, bundle, hits, arrivals, weight):
     """Find the other rays to where rays have landed: the numbers of those, and the elevations of the others."""
     pairs, angles = np.empty(weight.size, np.int64), np.empty(weight.size)
     found = np.empty(MOST_WAYS + 1)
@@ -75,12 +78,12 @@ def _pair(sea, z, landings, bundle, hits, arrivals, weight):
                 continue
             share = low / (low - high) if low != high else 0.5
             guess = landings.angle[i] + share * (landings.angle[i + 1] - landings.angle[i])
-            angle = _search(sea, z, guess, x, height)
+            angle = _find_other_path(waveguide, z, guess, x, height)
             if angle == angle and _is_new(found, ways, angle):
                 found[ways] = angle
                 ways += 1
         if count + ways > pairs.size:
-            pairs, angles = _doubled(pairs), _doubled(angles)
+            pairs, angles = _enlarge_row(pairs), _enlarge_row(angles)
         for way in range(1, ways):
             pairs[count], angles[count] = k, found[way]
             count += 1
@@ -88,14 +91,16 @@ def _pair(sea, z, landings, bundle, hits, arrivals, weight):
 
 
 @kernel
-def _search(sea, z, angle, x, height):
+def _find_other_path(waveguide, z, angle, x, height):
     """Find the elevation at which a ray comes to a place, from a guess; NaN if that leads nowhere."""
-    water = sea.water
+    water = waveguide.water
     for _ in range(TRIES):
-        ray = set_out(water.height, water.speed, water.station, sea.plane, z, math.cos(angle), math.sin(angle))
+        ray = launch_ray(water.height, water.speed, water.station, waveguide.plane, z, math.cos(angle), math.sin(angle))
         status = -1
         for _ in range(MOST_ARCS):
-            status, ray = go_on(water.height, water.speed, water.station, sea.plane, ray, x, -math.inf, water.surface)
+            status, ray = advance_ray(
+                water.height, water.speed, water.station, waveguide.plane, ray, x, -math.inf, water.surface
+            )
             if status != 0:
                 break
         if status != RANGE:
@@ -120,7 +125,7 @@ def _is_new(found, ways, angle):
 
 
 @kernel
-def _doubled(row):
+def _enlarge_row(row):
     """Copy a row into room for twice as many, and some more."""
     more = np.empty(2 * row.size + MOST_WAYS, row.dtype)
     more[: row.size] = row
@@ -128,7 +133,7 @@ def _doubled(row):
 
 
 @inlined
-def _echo(arrays, beam, weight, bundle, hits, arrivals, k, others, met, back, m):
+def _mixed_echo(arrays, beam, weight, bundle, hits, arrivals, k, others, met, back, m):
     """Bin and value of what goes out by ray k and back by the other ray m to the same place."""
     fan, law = arrays.half_width > 0.0, arrays.law
     distance = 0.5 * (hits.distance[k] + met.distance[m])
@@ -144,7 +149,7 @@ def _echo(arrays, beam, weight, bundle, hits, arrivals, k, others, met, back, m)
         out = two_way_response(
             arrays.pattern, beam, fan, law, bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.distance[k]
         )
-    passed = both_ways(arrays, beam, fan, out, others.dx[m], others.dy[m], others.dz[m], met.distance[m])
+    passed = pair_sensitivity(arrays, beam, fan, out, others.dx[m], others.dy[m], others.dz[m], met.distance[m])
     row = arrays.reflectivity[hits.material[k]]
     mirrored = 2.0 * cosine * other - (dx * ex + dy * ey + dz * ez)
     value = bistatic_strength(cosine, other, mirrored, row[0], row[1], row[2], law)
@@ -154,7 +159,7 @@ def _echo(arrays, beam, weight, bundle, hits, arrivals, k, others, met, back, m)
     value *= passed * weight
     if law == LIGHT:
         value *= 0.5 * arrays.water.reference / arrivals.speed[k] / arrays.bin_length
-        value *= arrivals.tube[k] * _stride(dx, dy, dz, ex, ey, ez, nx, ny, nz)
+        value *= arrivals.tube[k] * _range_growth(dx, dy, dz, ex, ey, ez, nx, ny, nz)
     else:
         value *= distance**4 / (cosine * back.tube[m] * back.spread[m])
         if not fan:
@@ -163,7 +168,7 @@ def _echo(arrays, beam, weight, bundle, hits, arrivals, k, others, met, back, m)
 
 
 @inlined
-def _stride(dx, dy, dz, ex, ey, ez, nx, ny, nz):
+def _range_growth(dx, dy, dz, ex, ey, ez, nx, ny, nz):
     """How the lengths of two ways to a landing grow as it moves with a tube 1 m wide that comes by the first."""
     level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
     ux, uy, uz = -dz * dx / level, -dz * dy / level, level

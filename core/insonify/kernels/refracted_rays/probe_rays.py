@@ -15,28 +15,28 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import Water
-from insonify.kernels.rays.launch import send
-from insonify.kernels.refracted_rays.hits import MOST_ARCS, go_on, set_out
+from insonify.kernels.rays.launch import set_ray
+from insonify.kernels.refracted_rays.hits import MOST_ARCS
 from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE
-from insonify.kernels.refraction.section_arcs import Plane
+from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 
-PILOTS = 256
+PROBE_RAYS = 256
 CROWD = 6.0  # the first pilots lie closest about the horizontal, where a degree turns into the most metres
 APART = 1.0 / 512.0  # of the range, that two pilots may land apart: then others go between
 CLOSE = 1e-9  # rad, between pilots of which one lands far from the other, or nowhere: there rays turn
-MOST_PILOTS = 8192
+MOST_PROBE_RAYS = 8192
 
 
-class Sea(NamedTuple):
+class Waveguide(NamedTuple):
     """What the rays of one side run through, athwart, and how high there is anything to hit."""
 
     water: Water
-    plane: Plane
+    plane: SectionPlane
     ceiling: float  # m, height of the highest thing
     reach: float  # m, slant range
 
 
-class Pilot(NamedTuple):
+class ProbeRay(NamedTuple):
     """What becomes of a ray that is sent at one elevation."""
 
     angle: float  # rad, up positive
@@ -57,19 +57,19 @@ class Landings(NamedTuple):
 
 
 @kernel
-def no_landings():
+def empty_landings():
     """Landings of no pilots."""
     return Landings(np.empty(0), np.empty(0), np.empty(0), np.empty(0), math.inf)
 
 
 @kernel
-def aim_bent(launch, sea, z, half_width, law, spreads):
+def aim_refracted_rays(launch, waveguide, z, half_width, law, spreads):
     """Aim all rays of a side; athwart where a pattern ``spreads`` them later. What is left over has no weight.
 
     Return the landings of the pilots.
     """
     n = launch.up.size
-    landings, share = _weigh_elevations(sea, z)
+    landings, share = _weigh_elevations(waveguide, z)
     angle = landings.angle
     total, runs = share.sum(), _runs(share)
     k, first = 0, 0
@@ -83,69 +83,69 @@ def aim_bent(launch, sea, z, half_width, law, spreads):
             k += count
         first = last + 1
     while k < n:
-        send(launch, k, 0.5 * math.pi, 0.0, 0.0, half_width, law, spreads)
+        set_ray(launch, k, 0.5 * math.pi, 0.0, 0.0, half_width, law, spreads)
         k += 1
     return landings
 
 
 @kernel
-def _weigh_elevations(sea, z):
+def _weigh_elevations(waveguide, z):
     """Send pilots; return where they land, and how many rays belong between each two by comparison."""
-    pilots = [_send_pilot(sea, z, _first_angle(0))]
-    waiting = [pilots[0]]
+    probes = [_send_probe(waveguide, z, _first_angle(0))]
+    waiting = [probes[0]]
     waiting.pop()
-    for i in range(1, PILOTS):
-        waiting.append(_send_pilot(sea, z, _first_angle(i)))
+    for i in range(1, PROBE_RAYS):
+        waiting.append(_send_probe(waveguide, z, _first_angle(i)))
         while len(waiting) > 0:
-            last, following = pilots[-1], waiting[-1]
-            if len(pilots) < MOST_PILOTS and _parted(last, following, sea.reach):
-                waiting.append(_send_pilot(sea, z, 0.5 * (last.angle + following.angle)))
+            last, following = probes[-1], waiting[-1]
+            if len(probes) < MOST_PROBE_RAYS and _needs_probe_between(last, following, waveguide.reach):
+                waiting.append(_send_probe(waveguide, z, 0.5 * (last.angle + following.angle)))
             else:
-                pilots.append(waiting.pop())
-    share, on_bed, aloft = np.zeros(len(pilots) - 1), 0.0, 0.0
+                probes.append(waiting.pop())
+    share, on_bed, aloft = np.zeros(len(probes) - 1), 0.0, 0.0
     for i in range(share.size):
-        one, other = pilots[i], pilots[i + 1]
-        if one.range <= sea.reach and other.range <= sea.reach:
-            share[i] = min(abs(other.range - one.range), APART * sea.reach)
+        one, other = probes[i], probes[i + 1]
+        if one.range <= waveguide.reach and other.range <= waveguide.reach:
+            share[i] = min(abs(other.range - one.range), APART * waveguide.reach)
             on_bed += share[i]
         elif one.near or other.near:
             share[i] = -(other.angle - one.angle)
             aloft -= share[i]
     # dr/dθ of a level bed at the end of the range turns angles into metres of slant range.
-    per_angle = sea.reach
-    if 0.0 < z < sea.reach:
-        per_angle = sea.reach * math.sqrt(sea.reach * sea.reach - z * z) / z
+    per_angle = waveguide.reach
+    if 0.0 < z < waveguide.reach:
+        per_angle = waveguide.reach * math.sqrt(waveguide.reach * waveguide.reach - z * z) / z
     if on_bed > 0.0 and aloft > 0.0:
         per_angle = min(per_angle, on_bed / aloft)
     for i in range(share.size):
         if share[i] < 0.0:
             share[i] *= -per_angle
-    return _landings(pilots), share
+    return _landings(probes), share
 
 
 @kernel
-def _landings(pilots):
+def _landings(probes):
     """Lay out where pilots land."""
-    n, fold, farthest = len(pilots), math.inf, 0.0
+    n, fold, farthest = len(probes), math.inf, 0.0
     landings = Landings(np.empty(n), np.full(n, math.nan), np.full(n, math.nan), np.full(n, math.nan), fold)
-    for i, pilot in enumerate(pilots):
-        landings.angle[i] = pilot.angle
-        if pilot.range < math.inf:
-            landings.range[i], landings.x[i], landings.flat[i] = pilot.range, pilot.x, pilot.flat
-            if pilot.x < farthest:
-                fold = min(fold, pilot.x)
-            farthest = max(farthest, pilot.x)
+    for i, probe in enumerate(probes):
+        landings.angle[i] = probe.angle
+        if probe.range < math.inf:
+            landings.range[i], landings.x[i], landings.flat[i] = probe.range, probe.x, probe.flat
+            if probe.x < farthest:
+                fold = min(fold, probe.x)
+            farthest = max(farthest, probe.x)
     return Landings(landings.angle, landings.range, landings.x, landings.flat, fold)
 
 
 @inlined
 def _first_angle(i):
     """Elevation of one of the first pilots."""
-    return 0.5 * math.pi * math.sinh(CROWD * (2.0 * i / (PILOTS - 1) - 1.0)) / math.sinh(CROWD)
+    return 0.5 * math.pi * math.sinh(CROWD * (2.0 * i / (PROBE_RAYS - 1) - 1.0)) / math.sinh(CROWD)
 
 
 @inlined
-def _parted(one, other, reach):
+def _needs_probe_between(one, other, reach):
     """Whether more pilots belong between two."""
     if other.angle - one.angle < CLOSE:
         return False
@@ -174,7 +174,7 @@ def _send_run(launch, first, count, angle, share, half_width, law, spreads):
         high, i, before = _reach_share(angle, share, (k + 1.0) * per_ray, i, before)
         if k == count - 1:
             high = angle[share.size]
-        send(launch, first + k, middle, high - low, math.sin(high) - math.sin(low), half_width, law, spreads)
+        set_ray(launch, first + k, middle, high - low, math.sin(high) - math.sin(low), half_width, law, spreads)
         low = high
 
 
@@ -189,22 +189,22 @@ def _reach_share(angle, share, wanted, i, before):
 
 
 @kernel
-def _send_pilot(sea, z, elevation):
+def _send_probe(waveguide, z, elevation):
     """Send a pilot down to the mean bed."""
-    water, plane = sea.water, sea.plane
-    ray = set_out(water.height, water.speed, water.station, plane, z, math.cos(elevation), math.sin(elevation))
-    in_time, level = sea.reach / water.reference, min(0.0, sea.ceiling)
+    water, plane = waveguide.water, waveguide.plane
+    ray = launch_ray(water.height, water.speed, water.station, plane, z, math.cos(elevation), math.sin(elevation))
+    in_time, level = waveguide.reach / water.reference, min(0.0, waveguide.ceiling)
     x_end, near = 2.0 * in_time * water.speed.max(), False
     for _ in range(MOST_ARCS):
-        above = ray.z > sea.ceiling or (ray.z == sea.ceiling and ray.sine > 0.0)
+        above = ray.z > waveguide.ceiling or (ray.z == waveguide.ceiling and ray.sine > 0.0)
         near = near or (not above and ray.time <= in_time)
         if not above and ray.z <= level:
             break
-        low, high = (sea.ceiling, water.surface) if above else (level, sea.ceiling)
-        status, after = go_on(water.height, water.speed, water.station, plane, ray, x_end, low, high)
+        low, high = (waveguide.ceiling, water.surface) if above else (level, waveguide.ceiling)
+        status, after = advance_ray(water.height, water.speed, water.station, plane, ray, x_end, low, high)
         if status == ENDLESS or status == RANGE or after.time > 2.0 * in_time or (above and status == HIGH):
             break
         if not above and status == LOW:
-            return Pilot(elevation, near, after.time * water.reference, after.x, after.cosine / abs(after.sine))
+            return ProbeRay(elevation, near, after.time * water.reference, after.x, after.cosine / abs(after.sine))
         ray = after
-    return Pilot(elevation, near, math.inf, math.inf, 0.0)
+    return ProbeRay(elevation, near, math.inf, math.inf, 0.0)

@@ -17,23 +17,30 @@ from numpy.typing import NDArray
 from insonify.kernels.beam.pattern import widest_extent
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cell_walk import first_hits
-from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, returned, tilt, weigh
+from insonify.kernels.rays.cell_walk import find_first_hits
+from insonify.kernels.rays.first_echoes import (
+    elevation_tilt,
+    empty_bundle,
+    empty_hits,
+    empty_launch,
+    ray_echo,
+    weigh_by_pattern,
+)
 from insonify.kernels.rays.launch import (
     GOLDEN,
-    Launch,
-    aim,
+    RayLaunch,
+    aim_rays,
     cone_azimuth,
-    gather,
+    find_enclosing_solid,
     highest_elevation,
-    inside_body,
-    make_beam,
-    turn,
+    list_solids_in_beam,
+    orient_beam,
+    rotate_to_world,
 )
-from insonify.kernels.refracted_rays.echoes import echo_of, sea_of
-from insonify.kernels.refracted_rays.hits import bent_hits, empty_arrivals
-from insonify.kernels.refracted_rays.mixed_paths import mixed_echoes
-from insonify.kernels.refracted_rays.probe_rays import aim_bent
+from insonify.kernels.refracted_rays.echoes import make_waveguide, refracted_echo
+from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
+from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
+from insonify.kernels.refracted_rays.probe_rays import aim_refracted_rays
 
 KINKED = 0.02  # share by which growths differ on both sides of a kink
 FINE = 1.0 / 64.0  # of a bin, that rays may land apart unresolved
@@ -42,7 +49,7 @@ OF_NADIR = 4  # of the rays of a sheet one more about nadir
 OF_THREE = 3  # rays of a gap: both ends and the middle
 
 
-class Landed(NamedTuple):
+class SheetEchoes(NamedTuple):
     """What the rays of one sheet return, by ascending elevation."""
 
     angle: NDArray[np.float64]  # (n,) elevation, rad
@@ -53,21 +60,21 @@ class Landed(NamedTuple):
 
 
 @kernel
-def trace_sheets(arrays, poses, sheets, rays, out):
+def trace_ray_sheets(arrays, poses, sheets, rays, out):
     """Trace all pings into ``out`` (pings, 2, bins) with so many sheets a side of so many rays to begin with.
 
     Return -1 - k if the sonar is inside body k, else 0.
     """
     sums, near = np.empty(arrays.bins), np.empty(arrays.solids.shape.size, np.int64)
     for ping in range(poses.x.size):
-        body = inside_body(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
+        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
         if body >= 0:
             return -1 - body
         for side in range(2):
-            beam, pitch = make_beam(arrays, poses, ping, side), poses.pitch[ping]
+            beam, pitch = orient_beam(arrays, poses, ping, side), poses.pitch[ping]
             sums[:] = 0.0
             if arrays.water.bent:
-                _add_bent_sheets(arrays, beam, pitch, sheets, rays, sums)
+                _add_refracted_sheets(arrays, beam, pitch, sheets, rays, sums)
             else:
                 _add_sheets(arrays, beam, pitch, near, sheets, rays, sums)
             for k in range(arrays.bins):
@@ -78,41 +85,41 @@ def trace_sheets(arrays, poses, sheets, rays, out):
 @kernel
 def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
     """Sum what sheets of straight rays return."""
-    bodies, top = gather(arrays.solids, arrays.mesh, beam, near)
+    bodies, top = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
     top = max(top, highest_elevation(arrays.bed.high - beam.z, 0.0, beam.reach))
     launch = empty_launch(rays)
-    aim(launch, beam.z, top, beam.reach, 0.0, LIGHT, True)
+    aim_rays(launch, beam.z, top, beam.reach, 0.0, LIGHT, True)
     angle = _elevations(launch.up, top)
     for sheet in range(sheets):
         place, together = (sheet + 0.5) / sheets, angle.size
-        landed = _land(arrays, beam, pitch, near, bodies, angle, place)
+        landed = _trace_sheet(arrays, beam, pitch, near, bodies, angle, place)
         while landed.angle.size > 0:
-            gaps = _spread(landed, together, arrays.bin_length, sums)
-            middles = _land(arrays, beam, pitch, near, bodies, _middles(landed, gaps), place)
-            landed, together = _halved(landed, gaps, middles), OF_THREE
+            gaps = _spread_or_split(landed, together, arrays.bin_length, sums)
+            middles = _trace_sheet(arrays, beam, pitch, near, bodies, _middles(landed, gaps), place)
+            landed, together = _insert_middles(landed, gaps, middles), OF_THREE
 
 
 @kernel
-def _add_bent_sheets(arrays, beam, pitch, sheets, rays, sums):
+def _add_refracted_sheets(arrays, beam, pitch, sheets, rays, sums):
     """Sum what sheets of rays return that follow arcs."""
-    sea, launch = sea_of(arrays, beam), empty_launch(rays)
+    waveguide, launch = make_waveguide(arrays, beam), empty_launch(rays)
     # A level light's weights are the angles alone that rays stand for.
-    landings = aim_bent(launch, sea, beam.z, 0.0, LIGHT, True)
+    landings = aim_refracted_rays(launch, waveguide, beam.z, 0.0, LIGHT, True)
     angle = _elevations(launch.up, 0.5 * math.pi)
     for sheet in range(sheets):
         place, together = (sheet + 0.5) / sheets, angle.size
-        landed = _land_bent(arrays, beam, pitch, angle, place)
+        landed = _trace_refracted_sheet(arrays, beam, pitch, angle, place)
         while landed.angle.size > 0:
-            gaps = _spread(landed, together, arrays.bin_length, sums)
-            middles = _land_bent(arrays, beam, pitch, _middles(landed, gaps), place)
-            landed, together = _halved(landed, gaps, middles), OF_THREE
+            gaps = _spread_or_split(landed, together, arrays.bin_length, sums)
+            middles = _trace_refracted_sheet(arrays, beam, pitch, _middles(landed, gaps), place)
+            landed, together = _insert_middles(landed, gaps, middles), OF_THREE
         if landings.fold < math.inf:
             shift = (sheet + 1) * GOLDEN
-            _add_mixed(arrays, beam, pitch, sea, landings, launch, place, shift - math.floor(shift) - 0.5, sums)
+            _add_mixed(arrays, beam, pitch, waveguide, landings, launch, place, shift - math.floor(shift) - 0.5, sums)
 
 
 @kernel
-def _add_mixed(arrays, beam, pitch, sea, landings, launch, place, shift, sums):
+def _add_mixed(arrays, beam, pitch, waveguide, landings, launch, place, shift, sums):
     """Sum what goes out by the rays of one place within the beam and back by others.
 
     It comes ray by ray; every sheet has its rays shifted within what they stand for, so that all fill the elevations.
@@ -121,10 +128,10 @@ def _add_mixed(arrays, beam, pitch, sea, landings, launch, place, shift, sums):
     bundle, weight = _send(arrays, beam, pitch, np.arcsin(launch.up) + shift * angles, place)
     for k in range(n):
         weight[k] *= angles[k]
-    launch = Launch(launch.ahead, launch.abeam, launch.up, weight)
+    launch = RayLaunch(launch.ahead, launch.abeam, launch.up, weight)
     hits, arrivals = empty_hits(n), empty_arrivals(n)
-    bent_hits(arrays, bundle, sea.reach, 0.0, hits, arrivals)
-    _, bins, values = mixed_echoes(arrays, beam, sea, beam.z, landings, launch, bundle, hits, arrivals)
+    find_refracted_hits(arrays, bundle, waveguide.reach, 0.0, hits, arrivals)
+    _, bins, values = find_mixed_echoes(arrays, beam, waveguide, beam.z, landings, launch, bundle, hits, arrivals)
     for m in range(bins.size):
         if bins[m] >= 0:
             sums[bins[m]] += values[m]
@@ -145,36 +152,36 @@ def _elevations(up, top):
 
 
 @kernel
-def _land(arrays, beam, pitch, near, bodies, angle, place):
+def _trace_sheet(arrays, beam, pitch, near, bodies, angle, place):
     """Send straight rays of one place within the beam at these elevations."""
     n, fan = angle.size, arrays.half_width > 0.0
     bundle, density = _send(arrays, beam, pitch, angle, place)
-    hits, landed = empty_hits(n), Landed(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
-    first_hits(arrays.bed, arrays.solids, near, bodies, arrays.mesh, bundle, beam.reach, hits)
+    hits, landed = empty_hits(n), SheetEchoes(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
+    find_first_hits(arrays.bed, arrays.solids, near, bodies, arrays.mesh, bundle, beam.reach, hits)
     if arrays.pattern.tabled:
-        density = weigh(arrays, beam, bundle, hits, density, np.empty(n))
+        density = weigh_by_pattern(arrays, beam, bundle, hits, density, np.empty(n))
     for k in range(n):
         landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], arrays.solids.shape.size)
-        value, growth = returned(bundle, hits, k, arrays.reflectivity, arrays.law, fan, arrays.bin_length)
+        value, growth = ray_echo(bundle, hits, k, arrays.reflectivity, arrays.law, fan, arrays.bin_length)
         landed.value[k], landed.growth[k] = value * density[k], growth
     return landed
 
 
 @kernel
-def _land_bent(arrays, beam, pitch, angle, place):
+def _trace_refracted_sheet(arrays, beam, pitch, angle, place):
     """Send rays along arcs of one place within the beam at these elevations."""
     n = angle.size
     bundle, density = _send(arrays, beam, pitch, angle, place)
     hits, arrivals = empty_hits(n), empty_arrivals(n)
-    bent_hits(arrays, bundle, beam.reach, 0.0, hits, arrivals)
+    find_refracted_hits(arrays, bundle, beam.reach, 0.0, hits, arrivals)
     if arrays.pattern.tabled:
-        density = weigh(arrays, beam, bundle, hits, density, np.empty(n))
-    landed = Landed(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
+        density = weigh_by_pattern(arrays, beam, bundle, hits, density, np.empty(n))
+    landed = SheetEchoes(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
     for k in range(n):
         landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], arrays.solids.shape.size)
-        b, value, cos_incidence = echo_of(arrays, hits, arrivals, density, k)
+        b, value, cos_incidence = refracted_echo(arrays, hits, arrivals, density, k)
         if b >= 0:
-            rise = tilt(arrivals.dx[k], arrivals.dy[k], arrivals.dz[k], hits.nx[k], hits.ny[k], hits.nz[k])
+            rise = elevation_tilt(arrivals.dx[k], arrivals.dy[k], arrivals.dz[k], hits.nx[k], hits.ny[k], hits.nz[k])
             landed.value[k] = value
             landed.growth[k] = arrays.water.reference / arrivals.speed[k] * arrivals.tube[k] * rise / cos_incidence
     return landed
@@ -198,7 +205,7 @@ def _send(arrays, beam, pitch, angle, place):
             wide = 1.0 if arrays.law == LIGHT else wide  # which averages over the beam
         launch.ahead[k], launch.abeam[k], launch.up[k] = c * math.sin(azimuth), c * math.cos(azimuth), s
         launch.weight[k] = wide * c if fan and arrays.law != LIGHT else wide
-    turn(launch, beam, bundle)
+    rotate_to_world(launch, beam, bundle)
     return bundle, launch.weight
 
 
@@ -224,7 +231,7 @@ def _azimuth(centre, extent, main, level, place):
 
 
 @kernel
-def _spread(landed, together, bin_length, sums):
+def _spread_or_split(landed, together, bin_length, sums):
     """Sum what is returned between neighbours over the bins that it spans; list those gaps that must be halved.
 
     So many rays at a time are neighbours of one another.
@@ -239,30 +246,32 @@ def _spread(landed, together, bin_length, sums):
         apart = abs(landed.distance[k + 1] - landed.distance[k])
         alike = landed.surface[k] == landed.surface[k + 1] and landed.value[k] > 0.0 and landed.value[k + 1] > 0.0
         if alike and abs(apart - 0.5 * (one + other)) <= 0.5 * max(one, other):
-            _fill(landed, k, angle, one, other, bin_length, sums)
+            _spread_between(landed, k, angle, one, other, bin_length, sums)
         elif max(one, other) > FINE * bin_length and angle > FINEST:
             gaps[count] = k
             count += 1
         else:
-            _add(0.5 * angle * landed.value[k], landed.distance[k], landed.distance[k], bin_length, sums)
-            _add(0.5 * angle * landed.value[k + 1], landed.distance[k + 1], landed.distance[k + 1], bin_length, sums)
+            _add_over_ranges(0.5 * angle * landed.value[k], landed.distance[k], landed.distance[k], bin_length, sums)
+            _add_over_ranges(
+                0.5 * angle * landed.value[k + 1], landed.distance[k + 1], landed.distance[k + 1], bin_length, sums
+            )
     return gaps[:count]
 
 
 @inlined
-def _fill(landed, k, angle, one, other, bin_length, sums):
+def _spread_between(landed, k, angle, one, other, bin_length, sums):
     """Spread what is returned between two neighbours over the range between them, on either side of its kink."""
     near, far, share = landed.distance[k], landed.distance[k + 1], 0.5
     if abs(one - other) > KINKED * max(one, other):
         # One growth up to the kink, the other beyond: how far both have landed apart tells where it is.
         share = min(max((abs(far - near) - other) / (one - other), 0.0), 1.0)
     kink = near + math.copysign(min(share * one, abs(far - near)), far - near)
-    _add(share * angle * landed.value[k], near, kink, bin_length, sums)
-    _add((1.0 - share) * angle * landed.value[k + 1], kink, far, bin_length, sums)
+    _add_over_ranges(share * angle * landed.value[k], near, kink, bin_length, sums)
+    _add_over_ranges((1.0 - share) * angle * landed.value[k + 1], kink, far, bin_length, sums)
 
 
 @kernel
-def _add(value, one, other, bin_length, sums):
+def _add_over_ranges(value, one, other, bin_length, sums):
     """Spread a value evenly over the bins between two ranges."""
     if value == 0.0:
         return
@@ -287,10 +296,10 @@ def _middles(landed, gaps):
 
 
 @kernel
-def _halved(landed, gaps, middles):
+def _insert_middles(landed, gaps, middles):
     """Put the rays halfway across gaps between those that bound them."""
     n = OF_THREE * gaps.size
-    halved = Landed(np.empty(n), np.empty(n), np.empty(n, np.int64), np.empty(n), np.empty(n))
+    halved = SheetEchoes(np.empty(n), np.empty(n), np.empty(n, np.int64), np.empty(n), np.empty(n))
     for m in range(gaps.size):
         _copy(landed, gaps[m], halved, OF_THREE * m)
         _copy(middles, m, halved, OF_THREE * m + 1)

@@ -96,7 +96,7 @@ def look_up_position(table, sheet, x, z):
 
     Bilinear; beyond the table as at its edge.
     """
-    i, j, fu, fv = cell_of(sheet, x, z)
+    i, j, fu, fv = _locate_cell(sheet, x, z)
     gu, gv = np.float32(1.0) - fu, np.float32(1.0) - fv
     a, b, c, d = gu * gv, fu * gv, gu * fv, fu * fv
     level = a * table[j, i, LEVEL] + b * table[j, i + 1, LEVEL] + c * table[j + 1, i, LEVEL]
@@ -112,7 +112,7 @@ def look_up_position(table, sheet, x, z):
 
 
 @inlined
-def cell_of(sheet, x, z):
+def _locate_cell(sheet, x, z):
     """Find the column and row of the cell of a place, and how far into it the place lies."""
     u, v = x * sheet.per_column, (z - sheet.low) * sheet.per_row
     v = v if v > 0.0 else 0.0  # NaN, a hole in the bed, compares false
@@ -142,15 +142,15 @@ def apply_apparent_positions(table, sheet, one_wide, x, z, slope, area, level, g
     count : int
         Knots.
     """
-    _correct(table, sheet, x, z, level, gain, count)
-    if _leans_over(x, level, count):
-        _keep_upright(x, level, count)
-    _tilt(x, z, level, gain, slope, area, count)
-    _amplify(x, level, gain, one_wide, count)
+    _apply_rise(table, sheet, x, z, level, gain, count)
+    if _overhangs(x, level, count):
+        _remove_overhangs(x, level, count)
+    _correct_slopes(x, z, level, gain, slope, area, count)
+    _finish_knots(x, level, gain, one_wide, count)
 
 
 @inlined
-def _correct(table, sheet, x, z, level, tube, count):
+def _apply_rise(table, sheet, x, z, level, tube, count):
     """Read LEVEL and TUBE at the knots of a profile and apply RISE."""
     right, top, last_column, last_row = sheet.columns - 1.0, sheet.rows - 1.0, sheet.columns - 2, sheet.rows - 2
     low, per_row, per_column = sheet.low, sheet.per_row, sheet.per_column
@@ -178,7 +178,7 @@ def _bilinear(table, j, i, what):
 
 
 @inlined
-def _leans_over(x, level, count):
+def _overhangs(x, level, count):
     """Whether any wall, so steep that the water matters, would hang over as it seems."""
     leaning = 0
     for k in range(count - 1):
@@ -188,7 +188,7 @@ def _leans_over(x, level, count):
 
 
 @inlined
-def _keep_upright(x, level, count):
+def _remove_overhangs(x, level, count):
     """Let every knot seem a little beyond the one before it."""
     for k in range(1, count):
         least = x[k - 1] * (1.0 + level[k - 1]) + 2.0 * UPRIGHT * (x[k] - x[k - 1])
@@ -196,7 +196,7 @@ def _keep_upright(x, level, count):
 
 
 @inlined
-def _tilt(x, z, level, tube, slope, area, count):
+def _correct_slopes(x, z, level, tube, slope, area, count):
     """Give the segments the slopes they seem to have, and the areas that leave their incidence as it is."""
     two = np.float32(2.0)
     for k in range(count - 1):
@@ -208,7 +208,7 @@ def _tilt(x, z, level, tube, slope, area, count):
 
 
 @inlined
-def _amplify(x, level, gain, one_wide, count):
+def _finish_knots(x, level, gain, one_wide, count):
     """Put the knots where they seem to be, and turn TUBE into the gain."""
     one = np.float32(1.0)
     for k in range(count):

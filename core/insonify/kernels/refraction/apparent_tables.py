@@ -8,8 +8,8 @@ import numpy as np
 
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.refraction.apparent_positions import LEVEL, RISE, TUBE, TURN
-from insonify.kernels.refraction.arcs import RANGE, launch_ray, speed_at
-from insonify.kernels.refraction.eigenrays import FOUND, eigenray, shoot
+from insonify.kernels.refraction.arcs import RANGE, launch_in_layers, speed_at
+from insonify.kernels.refraction.eigenrays import FOUND, find_direct_ray, follow_to_range
 
 NEAR = 1e-3  # of a column, where the first one lies: beneath the sonar itself all is level or plumb
 FANNED = 256  # rays that are followed to see whether any two meet
@@ -48,7 +48,7 @@ def fill_apparent_table(height, speed, reference, z, first_row, row_step, column
         before = -math.inf
         for j in range(rows):
             place = first_row + j * row_step
-            status, ray = eigenray(height, speed, z, place, x, -math.inf, surface)
+            status, ray = find_direct_ray(height, speed, z, place, x, -math.inf, surface)
             slope = ray.sine0 / ray.cosine0
             if status != FOUND or not ray.q > 0.0 or not slope > before:
                 return False
@@ -75,10 +75,10 @@ def is_single_valued(height, speed, z, low, high, reach, surface):
     below = np.full(LOOKED, -math.inf)
     for k in range(FANNED + 1):
         angle = flattest * (2.0 * k / FANNED - 1.0)
-        ray, gone = launch_ray(height, speed, z, math.cos(angle), math.sin(angle)), False
+        ray, gone = launch_in_layers(height, speed, z, math.cos(angle), math.sin(angle)), False
         for i in range(LOOKED):
             if not gone:
-                status, ray = shoot(height, speed, ray, (i + 1) * reach / LOOKED, -math.inf, surface)
+                status, ray = follow_to_range(height, speed, ray, (i + 1) * reach / LOOKED, -math.inf, surface)
                 gone = status != RANGE
             here = math.inf if gone else ray.z
             if here <= below[i] and here <= high and below[i] >= low:

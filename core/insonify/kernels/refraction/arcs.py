@@ -25,7 +25,7 @@ SNAP = 1e-9  # a ray within this of a node is on it, m
 GRAZING = 1e-7  # sine below which an interface that kicks the tube is taken as if met at this angle
 
 
-class Ray(NamedTuple):
+class RayState(NamedTuple):
     """Where a ray is, in its own vertical plane."""
 
     x: float  # ground range, m
@@ -40,7 +40,7 @@ class Ray(NamedTuple):
 
 
 @inlined
-def layer_below(height, z):
+def node_below(height, z):
     """Find the highest node at or below z, within a snap; -1 below all."""
     low, high = 0, height.size
     while low < high:
@@ -63,21 +63,21 @@ def gradient_above(height, speed, k):
 @inlined
 def speed_at(height, speed, z):
     """Speed of sound at a height, m/s."""
-    k = layer_below(height, z)
+    k = node_below(height, z)
     if k < 0:
         return speed[0]
     return speed[k] + gradient_above(height, speed, k) * max(z - height[k], 0.0)
 
 
 @inlined
-def launch_ray(height, speed, z, cosine, sine):
+def launch_in_layers(height, speed, z, cosine, sine):
     """Start a ray at height z and ground range 0."""
     c = speed_at(height, speed, z)
-    return Ray(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
+    return RayState(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
 
 
 @inlined
-def step(height, speed, ray, x_end, low, high):
+def advance_in_layers(height, speed, ray, x_end, low, high):
     """Follow a ray to the next node of the water, to range ``x_end``, or to height ``low`` or ``high``.
 
     Parameters
@@ -96,36 +96,36 @@ def step(height, speed, ray, x_end, low, high):
     ray : Ray
         There. At a node it has entered the next layer; at ``low`` and ``high`` it has not, though a node be there.
     """
-    layer, g, floor, ceiling = layer_of(height, speed, ray)
-    level, s1, tangents = reach_level(ray, g, max(floor, low), min(ceiling, high))
-    by_range, _ = crossing(ray.cosine, -ray.sine, x_end - ray.x, g * ray.cosine / ray.speed)
+    layer, g, floor, ceiling = find_layer(height, speed, ray)
+    level, s1, tangents = _reach_level(ray, g, max(floor, low), min(ceiling, high))
+    by_range, _ = reach_line(ray.cosine, -ray.sine, x_end - ray.x, g * ray.cosine / ray.speed)
     if by_range == math.inf and tangents == math.inf:
         return ENDLESS, ray
     if by_range > tangents:
-        there = land(ray, g, tangents, level, s1)
+        there = _follow_to_level(ray, g, tangents, level, s1)
         if level == low:
             return LOW, there
         if level == high:
             return HIGH, there
-        return NODE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
-    there = at_range(follow(ray, 0.0, g, by_range), x_end)
+        return NODE, enter_layer(height, speed, there, layer + 1 if level == ceiling else layer)
+    there = _at_range(follow_arc(ray, 0.0, g, by_range), x_end)
     comes = there.sine > 0.0 if level == ceiling else there.sine < 0.0
     if comes and level != low and level != high and abs(there.z - level) <= SNAP:
         # The next step will take it to be on the node, and gone on.
-        return RANGE, cross(height, speed, there, layer + 1 if level == ceiling else layer)
+        return RANGE, enter_layer(height, speed, there, layer + 1 if level == ceiling else layer)
     return RANGE, there
 
 
 @inlined
-def at_range(ray, x):
+def _at_range(ray, x):
     """Put a ray exactly where it was to end."""
-    return Ray(x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
+    return RayState(x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
 
 
 @inlined
-def layer_of(height, speed, ray):
+def find_layer(height, speed, ray):
     """Find the layer a ray goes on in: the node below it, its gradient, floor and ceiling."""
-    k = layer_below(height, ray.z)
+    k = node_below(height, ray.z)
     g = gradient_above(height, speed, k)
     on_node = k >= 0 and ray.z - height[k] <= SNAP
     # A ray on a node belongs to the side it heads for, a level one to the side it bends to.
@@ -144,24 +144,24 @@ def layer_of(height, speed, ray):
 
 
 @inlined
-def reach_level(ray, g, floor, ceiling):
+def _reach_level(ray, g, floor, ceiling):
     """Find which border of a layer a ray meets, the sine of its direction there, and the tangents of the arc to it."""
     bend = g * ray.cosine / ray.speed
     up = ray.sine > 0.0 or (ray.sine == 0.0 and g < 0.0)
     if up:
-        tangents, s1 = crossing(ray.sine, ray.cosine, ceiling - ray.z, bend)
+        tangents, s1 = reach_line(ray.sine, ray.cosine, ceiling - ray.z, bend)
         if tangents < math.inf or math.isinf(ceiling):
             return ceiling, s1, tangents
     # It goes down, or turns below the ceiling.
-    tangents, s1 = crossing(-ray.sine, -ray.cosine, ray.z - floor, bend)
+    tangents, s1 = reach_line(-ray.sine, -ray.cosine, ray.z - floor, bend)
     if up or tangents < math.inf or math.isinf(floor):
         return floor, -s1, tangents
-    tangents, s1 = crossing(ray.sine, ray.cosine, ceiling - ray.z, bend)
+    tangents, s1 = reach_line(ray.sine, ray.cosine, ceiling - ray.z, bend)
     return ceiling, s1, tangents
 
 
 @inlined
-def crossing(along, across, distance, bend):
+def reach_line(along, across, distance, bend):
     """Tangents of the arc from a ray to a line ahead, and the part of its direction there that leads over the line.
 
     Parameters
@@ -195,7 +195,7 @@ def crossing(along, across, distance, bend):
 
 
 @inlined
-def follow(ray, gx, gz, tangents):
+def follow_arc(ray, gx, gz, tangents):
     """Follow an arc of known tangents where speed has the gradient ``gx`` along range and ``gz`` upwards, 1/s."""
     turn = 0.5 * tangents * (ray.cosine * gz - ray.sine * gx) / ray.speed  # tan(κs/2)
     over = 1.0 / (1.0 + turn * turn)
@@ -203,31 +203,31 @@ def follow(ray, gx, gz, tangents):
     sine = (ray.sine * (1.0 - turn * turn) - 2.0 * turn * ray.cosine) * over
     dx, dz = 0.5 * tangents * (ray.cosine + cosine), 0.5 * tangents * (ray.sine + sine)
     speed = ray.speed + gx * dx + gz * dz
-    time, q = spend(ray, gx * gx + gz * gz, turn, tangents, speed)
-    return Ray(ray.x + dx, ray.z + dz, cosine, sine, speed, time, ray.p, q, ray.grazed)
+    time, q = _add_time_and_spread(ray, gx * gx + gz * gz, turn, tangents, speed)
+    return RayState(ray.x + dx, ray.z + dz, cosine, sine, speed, time, ray.p, q, ray.grazed)
 
 
 @inlined
-def land(ray, g, tangents, level, sine):
+def _follow_to_level(ray, g, tangents, level, sine):
     """Follow an arc of layered water whose other end's height and direction are known."""
     speed = ray.speed + g * (level - ray.z)
     cosine = ray.cosine / ray.speed * speed
-    time, q = spend(ray, g * g, 0.5 * tangents * g * ray.cosine / ray.speed, tangents, speed)
+    time, q = _add_time_and_spread(ray, g * g, 0.5 * tangents * g * ray.cosine / ray.speed, tangents, speed)
     x = ray.x + 0.5 * tangents * (ray.cosine + cosine)
-    return Ray(x, level, cosine, sine, speed, time, ray.p, q, ray.grazed)
+    return RayState(x, level, cosine, sine, speed, time, ray.p, q, ray.grazed)
 
 
 @inlined
-def spend(ray, square, turn, tangents, speed):
+def _add_time_and_spread(ray, square, turn, tangents, speed):
     """Time and q at the other end of an arc, by the squared gradient, tan(κs/2), T, and the speed there."""
     # Of the chord D = T cos(κs/2), squared, over the speeds at its ends.
     chord = tangents * tangents / ((1.0 + turn * turn) * ray.speed * speed)
-    time = ray.time + math.sqrt(chord) * asinh_ratio(0.25 * square * chord)
+    time = ray.time + math.sqrt(chord) * _asinh_ratio(0.25 * square * chord)
     return time, ray.q + ray.p * 0.5 * tangents * (ray.speed + speed)
 
 
 @inlined
-def asinh_ratio(square):
+def _asinh_ratio(square):
     """asinh(y)/y of y², 1 at 0."""
     if square < 1e-3:
         series = -5.0 / 112.0 + square * (35.0 / 1152.0)
@@ -237,33 +237,35 @@ def asinh_ratio(square):
 
 
 @inlined
-def cross(height, speed, ray, node):
+def enter_layer(height, speed, ray, node):
     """Let a ray that has come to a node enter the layer beyond it: the jump of the gradient bends the tube."""
     jump = gradient_above(height, speed, node) - gradient_above(height, speed, node - 1)
-    there = Ray(ray.x, height[node], ray.cosine, ray.sine, speed[node], ray.time, ray.p, ray.q, ray.grazed)
-    return kick_tube(there, -jump)
+    there = RayState(ray.x, height[node], ray.cosine, ray.sine, speed[node], ray.time, ray.p, ray.q, ray.grazed)
+    return _bend_tube_at_level(there, -jump)
 
 
 @inlined
-def mirror(ray, g):
+def reflect_at_level(ray, g):
     """Send a ray back from a level surface; ``g`` is dc/dz on its side of it.
 
     q keeps its sign, as if the ray went on into mirrored water: seen from outside, the tube has changed sides.
     """
-    there = kick_tube(ray, 2.0 * g if ray.sine > 0.0 else -2.0 * g)
-    return Ray(there.x, there.z, there.cosine, -there.sine, there.speed, there.time, there.p, there.q, there.grazed)
+    there = _bend_tube_at_level(ray, 2.0 * g if ray.sine > 0.0 else -2.0 * g)
+    return RayState(
+        there.x, there.z, there.cosine, -there.sine, there.speed, there.time, there.p, there.q, there.grazed
+    )
 
 
 @inlined
 def gradient_behind(height, speed, ray):
     """dc/dz on the side that a ray comes from, up or down, 1/s."""
-    k = layer_below(height, ray.z)
+    k = node_below(height, ray.z)
     on_node = k >= 0 and ray.z - height[k] <= SNAP
     return gradient_above(height, speed, k - 1 if on_node and ray.sine > 0.0 else k)
 
 
 @inlined
-def kick_tube(ray, fall):
+def _bend_tube_at_level(ray, fall):
     """Bend the tube at a level interface where dc/dz falls upwards by ``fall``, 1/s, whichever way the ray goes."""
     flat = abs(ray.sine) < GRAZING
     return bend_tube(ray, fall * ray.cosine * ray.cosine / max(abs(ray.sine), GRAZING), flat)
@@ -274,4 +276,4 @@ def bend_tube(ray, strength, flat):
     """Bend the tube at a jump of the gradient; where the ray meets it flatly, that is capped and said."""
     p = ray.p + ray.q * strength / (ray.speed * ray.speed)
     grazed = ray.grazed or (flat and ray.q * strength != 0.0)
-    return Ray(ray.x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, p, ray.q, grazed)
+    return RayState(ray.x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, p, ray.q, grazed)

@@ -18,15 +18,15 @@ from insonify.kernels.refraction.arcs import (
     ENDLESS,
     NODE,
     SNAP,
-    cross,
+    advance_in_layers,
+    enter_layer,
+    find_layer,
     gradient_above,
     gradient_behind,
-    launch_ray,
-    layer_below,
-    layer_of,
-    mirror,
+    launch_in_layers,
+    node_below,
+    reflect_at_level,
     speed_at,
-    step,
 )
 
 STEPS = 10_000  # layers that a ray may pass
@@ -40,7 +40,7 @@ ANGLE, X, TIME, COSINE, SINE, TUBE, TURNS, TOPS, BOTTOMS, GRAZED = 0, 1, 2, 3, 4
 COLUMNS = 10
 
 
-class Span(NamedTuple):
+class EndPoints(NamedTuple):
     """Two points to join, and the ends of the water between them."""
 
     z_from: float  # heights, m
@@ -71,44 +71,44 @@ def find_eigenrays(height, speed, span, edges, found):
         Rays found; m if there may be more than there is room for.
     """
     if span.x <= 0.0:
-        return plumb_rays(height, speed, span, edges, found)
+        return _find_vertical_rays(height, speed, span, edges, found)
     count = 0
     angles, rows, row = np.empty(SAMPLES), np.empty((SAMPLES, ORDERS, COLUMNS)), np.empty((ORDERS, COLUMNS))
     before = np.full((ORDERS, COLUMNS), math.inf)
     for e in range(edges.size - 1):
         # At the critical angle itself rays belong to neither side.
-        inset = doubt(edges[e])
-        width = edges[e + 1] - doubt(edges[e + 1]) - edges[e] - inset
+        inset = _angle_uncertainty(edges[e])
+        width = edges[e + 1] - _angle_uncertainty(edges[e + 1]) - edges[e] - inset
         if width <= 0.0:
             continue
         for i in range(SAMPLES):
             angles[i] = edges[e] + inset + 0.5 * width * (1.0 - math.cos(math.pi * i / (SAMPLES - 1)))
-            trace_crossings(height, speed, span, angles[i], rows[i])
+            _trace_crossings(height, speed, span, angles[i], rows[i])
         if edges[e] == 0.0:
-            count = add_level_ray(height, speed, span, found, count)
+            count = _add_level_ray(height, speed, span, found, count)
         for order in range(ORDERS):
-            count = add_between_sides(height, speed, span, before[order], rows[0, order], found, count)
+            count = _add_critical_ray(height, speed, span, before[order], rows[0, order], found, count)
             if order > 0:
                 # A ray that grazes the height asked for comes there twice at once.
                 a, b = rows[0, order - 1], rows[-1, order - 1]
-                count = add_between_sides(height, speed, span, a, rows[0, order], found, count)
-                count = add_between_sides(height, speed, span, b, rows[-1, order], found, count)
+                count = _add_critical_ray(height, speed, span, a, rows[0, order], found, count)
+                count = _add_critical_ray(height, speed, span, b, rows[-1, order], found, count)
             for i in range(SAMPLES - 1):
                 a, b = rows[i, order], rows[i + 1, order]
-                if crosses(span, a, b):
-                    count = add_root(height, speed, span, order, a, b, row, found, count)
-                elif turns_back(span, a, b):
-                    middle = past_extremum(height, speed, span, order, a, b, row)
-                    if crosses(span, a, middle):
-                        count = add_root(height, speed, span, order, a, middle, row, found, count)
-                        count = add_root(height, speed, span, order, middle, b, row, found, count)
+                if _brackets(span, a, b):
+                    count = _add_root(height, speed, span, order, a, b, row, found, count)
+                elif _may_turn_back(span, a, b):
+                    middle = _find_past_extremum(height, speed, span, order, a, b, row)
+                    if _brackets(span, a, middle):
+                        count = _add_root(height, speed, span, order, a, middle, row, found, count)
+                        count = _add_root(height, speed, span, order, middle, b, row, found, count)
         for order in range(ORDERS):
-            copy_row(rows[SAMPLES - 1, order], before[order])
+            _copy_row(rows[SAMPLES - 1, order], before[order])
     return count
 
 
 @inlined
-def doubt(edge):
+def _angle_uncertainty(edge):
     """By how much a critical angle may be off, rad: an arc cosine is known to rounding over its sine."""
     if edge == 0.0:
         return 2e-16
@@ -116,19 +116,19 @@ def doubt(edge):
 
 
 @kernel
-def trace_crossings(height, speed, span, angle, rows):
+def _trace_crossings(height, speed, span, angle, rows):
     """Follow a ray and keep what it is wherever it comes to the height asked for; x is infinite where it does not."""
     for row in rows:
         row[ANGLE], row[X] = angle, math.inf
     cosine = math.cos(angle) if abs(angle) < 0.5 * math.pi else 0.0
-    ray = launch_ray(height, speed, span.z_from, cosine, math.sin(angle))
+    ray = launch_in_layers(height, speed, span.z_from, cosine, math.sin(angle))
     turns, tops, bottoms, order = 0, 0, 0, 0
     for _ in range(STEPS):
         sine = ray.sine
         below = ray.z < span.z_to or (ray.z == span.z_to and sine < 0.0)
         low = span.low if below else max(span.low, span.z_to)
         high = min(span.high, span.z_to) if below else span.high
-        status, ray = step(height, speed, ray, math.inf, low, high)
+        status, ray = advance_in_layers(height, speed, ray, math.inf, low, high)
         if status == ENDLESS:
             return
         if ray.sine * sine < 0.0:
@@ -136,7 +136,7 @@ def trace_crossings(height, speed, span, angle, rows):
         if status == NODE:
             continue
         if ray.z == span.z_to:
-            keep(rows[order], ray, turns, tops, bottoms)
+            _keep_crossing(rows[order], ray, turns, tops, bottoms)
             order += 1
             if order == rows.shape[0] or ray.x > BEYOND * span.x:
                 return
@@ -145,17 +145,17 @@ def trace_crossings(height, speed, span, angle, rows):
         elif ray.z == span.low:
             bottoms += 1
         else:
-            k = layer_below(height, ray.z)
+            k = node_below(height, ray.z)
             if k >= 0 and ray.z - height[k] <= SNAP:
-                ray = cross(height, speed, ray, k)
+                ray = enter_layer(height, speed, ray, k)
             continue
         if tops + bottoms > span.reflections:
             return
-        ray = mirror(ray, gradient_behind(height, speed, ray))
+        ray = reflect_at_level(ray, gradient_behind(height, speed, ray))
 
 
 @inlined
-def keep(row, ray, turns, tops, bottoms):
+def _keep_crossing(row, ray, turns, tops, bottoms):
     """Write down what a ray is where it comes to the height asked for."""
     row[X], row[TIME], row[TUBE] = ray.x, ray.time, ray.q
     row[COSINE], row[SINE] = ray.cosine, ray.sine
@@ -163,45 +163,45 @@ def keep(row, ray, turns, tops, bottoms):
 
 
 @inlined
-def copy_row(given, taken):
+def _copy_row(given, taken):
     """Copy what is kept of a ray."""
     for column in range(COLUMNS):
         taken[column] = given[column]
 
 
 @inlined
-def crosses(span, a, b):
+def _brackets(span, a, b):
     """Whether the range asked for lies between those of two rays."""
     return (a[X] > span.x) != (b[X] > span.x)
 
 
 @inlined
-def growth(row):
+def _range_rate(row):
     """dx/dθ0 of the range at which a ray comes to the height asked for, m/rad."""
     flipped = (row[TOPS] + row[BOTTOMS]) % 2.0 == 1.0
     return row[TUBE] / row[SINE] if flipped else -row[TUBE] / row[SINE]
 
 
 @inlined
-def turns_back(span, a, b):
+def _may_turn_back(span, a, b):
     """Whether between two rays on one side of the range asked for an extremum may lie that reaches over to it."""
     if math.isinf(a[X]) or math.isinf(b[X]):
         return False
     if a[X] > span.x:
-        return growth(a) < 0.0 < growth(b)
-    return growth(a) > 0.0 > growth(b)
+        return _range_rate(a) < 0.0 < _range_rate(b)
+    return _range_rate(a) > 0.0 > _range_rate(b)
 
 
 @kernel
-def past_extremum(height, speed, span, order, a, b, row):
+def _find_past_extremum(height, speed, span, order, a, b, row):
     """Find, between two rays, one on the other side of the range asked for, or the one that comes nearest."""
-    first, last, falls = a[ANGLE], b[ANGLE], growth(a) < 0.0
+    first, last, falls = a[ANGLE], b[ANGLE], _range_rate(a) < 0.0
     for _ in range(HALVINGS):
         middle = 0.5 * (first + last)
-        trace_crossings(height, speed, span, middle, row[: order + 1])
-        if crosses(span, a, row[order]) or middle == first or middle == last:
+        _trace_crossings(height, speed, span, middle, row[: order + 1])
+        if _brackets(span, a, row[order]) or middle == first or middle == last:
             break
-        if (growth(row[order]) < 0.0) == falls:
+        if (_range_rate(row[order]) < 0.0) == falls:
             first = middle
         else:
             last = middle
@@ -209,7 +209,7 @@ def past_extremum(height, speed, span, order, a, b, row):
 
 
 @kernel
-def add_root(height, speed, span, order, a, b, row, found, count):
+def _add_root(height, speed, span, order, a, b, row, found, count):
     """Find the ray between two on either side of the range asked for: Newton's steps, halvings where they stray."""
     if count == found.shape[0]:
         return count
@@ -217,7 +217,7 @@ def add_root(height, speed, span, order, a, b, row, found, count):
     close = CLOSE * (span.x + abs(span.z_from) + abs(span.z_to))
     angle, stride = 0.5 * (first + last), last - first
     for _ in range(HALVINGS):
-        trace_crossings(height, speed, span, angle, row[: order + 1])
+        _trace_crossings(height, speed, span, angle, row[: order + 1])
         miss = row[order, X] - span.x
         if abs(miss) <= close:
             break
@@ -225,21 +225,21 @@ def add_root(height, speed, span, order, a, b, row, found, count):
             first = angle
         else:
             last = angle
-        guess = angle - miss / growth(row[order])
+        guess = angle - miss / _range_rate(row[order])
         if not (first < guess < last and abs(guess - angle) < 0.5 * stride):
             guess = 0.5 * (first + last)
         if guess == first or guess == last:
             break
         angle, stride = guess, abs(guess - angle)
-    if abs(row[order, X] - span.x) > slack(span):
+    if abs(row[order, X] - span.x) > _tolerated_miss(span):
         return count  # where one of the two ends, or is never there: no ray comes
-    copy_row(row[order], found[count])
-    settle(height, speed, span, found[count])
+    _copy_row(row[order], found[count])
+    _correct_time(height, speed, span, found[count])
     return count + 1
 
 
 @inlined
-def settle(height, speed, span, row):
+def _correct_time(height, speed, span, row):
     """Make good in time what a ray still misses in range, where neighbours come later by dt/dx = ξ.
 
     Along the edge of a gradient tubes are so wide that the last digit of an angle moves its ray by 10⁻⁸ m and more.
@@ -249,28 +249,28 @@ def settle(height, speed, span, row):
 
 
 @inlined
-def slack(span):
+def _tolerated_miss(span):
     """Miss of a ray known to the last digit of its angle: near a critical one ranges hang on it as by a square root."""
     return 1e-3 + 1e-6 * span.x
 
 
 @inlined
-def add_between_sides(height, speed, span, a, b, found, count):
+def _add_critical_ray(height, speed, span, a, b, found, count):
     """Take the ray at a critical angle, if the range asked for lies between the nearly equal ones on its two sides."""
-    if count < found.shape[0] and crosses(span, a, b) and abs(a[X] - b[X]) < slack(span):
-        copy_row(a if abs(a[X] - span.x) < abs(b[X] - span.x) else b, found[count])
-        settle(height, speed, span, found[count])
+    if count < found.shape[0] and _brackets(span, a, b) and abs(a[X] - b[X]) < _tolerated_miss(span):
+        _copy_row(a if abs(a[X] - span.x) < abs(b[X] - span.x) else b, found[count])
+        _correct_time(height, speed, span, found[count])
         return count + 1
     return count
 
 
 @inlined
-def add_level_ray(height, speed, span, found, count):
+def _add_level_ray(height, speed, span, found, count):
     """Take the ray that stays level, if the water keeps it so."""
     if span.z_to != span.z_from or count == found.shape[0]:
         return count
-    ray = launch_ray(height, speed, span.z_from, 1.0, 0.0)
-    k, g, _, _ = layer_of(height, speed, ray)
+    ray = launch_in_layers(height, speed, span.z_from, 1.0, 0.0)
+    k, g, _, _ = find_layer(height, speed, ray)
     pressed = span.z_from == span.high and gradient_above(height, speed, k - 1) < 0.0
     pressed = pressed or (span.z_from == span.low and gradient_above(height, speed, k) > 0.0)
     if g == 0.0 and not pressed:
@@ -283,22 +283,22 @@ def add_level_ray(height, speed, span, found, count):
 
 
 @kernel
-def plumb_rays(height, speed, span, edges, found):
+def _find_vertical_rays(height, speed, span, edges, found):
     """Take the vertical rays, between two points one above the other."""
     count = 0
     rows = np.empty((ORDERS, COLUMNS))
     for angle in (edges[0], edges[edges.size - 1]):
         if abs(angle) == 0.5 * math.pi:
-            trace_crossings(height, speed, span, angle, rows)
+            _trace_crossings(height, speed, span, angle, rows)
             for row in rows:
                 if count < found.shape[0] and not math.isinf(row[X]):
-                    copy_row(row, found[count])
+                    _copy_row(row, found[count])
                     count += 1
     return count
 
 
 @kernel
-def find_lit(height, speed, span, edges, lit):
+def find_insonified_ranges(height, speed, span, edges, lit):
     """Find the ranges at which rays come to a height.
 
     Parameters
@@ -314,7 +314,7 @@ def find_lit(height, speed, span, edges, lit):
         second ... time, m; infinite where none does.
     """
     lit[:] = math.inf
-    everywhere = Span(span.z_from, span.z_to, math.inf, span.low, span.high, span.reflections)
+    everywhere = EndPoints(span.z_from, span.z_to, math.inf, span.low, span.high, span.reflections)
     orders = lit.shape[1]
     rows, row = np.empty((SAMPLES, orders, COLUMNS)), np.empty((orders, COLUMNS))
     for e in range(edges.size - 1):
@@ -322,13 +322,13 @@ def find_lit(height, speed, span, edges, lit):
         for i in range(SAMPLES):
             share = 0.5 * (1.0 - math.cos(math.pi * i / (SAMPLES - 1)))
             angle = edges[e] + inset + share * (edges[e + 1] - edges[e] - 2.0 * inset)
-            trace_crossings(height, speed, everywhere, angle, rows[i])
+            _trace_crossings(height, speed, everywhere, angle, rows[i])
         for order in range(orders):
             least, most = rows[:, order, X].min(), rows[:, order, X].max()
             for i in range(SAMPLES - 1):
                 a, b = rows[i, order], rows[i + 1, order]
-                if math.isinf(a[X]) or math.isinf(b[X]) or growth(a) * growth(b) >= 0.0:
+                if math.isinf(a[X]) or math.isinf(b[X]) or _range_rate(a) * _range_rate(b) >= 0.0:
                     continue
-                x = past_extremum(height, speed, everywhere, order, a, b, row)[X]
+                x = _find_past_extremum(height, speed, everywhere, order, a, b, row)[X]
                 least, most = min(least, x), max(most, x)
             lit[e, order, 0], lit[e, order, 1] = least, most

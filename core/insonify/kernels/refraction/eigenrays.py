@@ -13,11 +13,11 @@ from insonify.kernels.refraction.arcs import (
     NODE,
     RANGE,
     SNAP,
+    advance_in_layers,
     gradient_above,
-    launch_ray,
-    layer_below,
+    launch_in_layers,
+    node_below,
     speed_at,
-    step,
 )
 
 FOUND, NONE = 0, 1
@@ -26,7 +26,7 @@ TRIES = 200  # rays sent before a root is given up: halvings of a bracket, at wo
 CLOSE = 1e-12  # distance by which a ray may miss its end, over the lengths in play
 
 
-class Eigenray(NamedTuple):
+class DirectRay(NamedTuple):
     """A ray from one point to another."""
 
     cosine0: float  # of its direction above the horizontal where it starts
@@ -38,7 +38,7 @@ class Eigenray(NamedTuple):
 
 
 @kernel
-def eigenray(height, speed, z_from, z_to, x, low, high):
+def find_direct_ray(height, speed, z_from, z_to, x, low, high):
     """Find a direct ray between two points of layered water.
 
     Parameters
@@ -60,16 +60,18 @@ def eigenray(height, speed, z_from, z_to, x, low, high):
         Where several rays come, one of them; with q > 0, if heights at that range rise with launch angles about it.
     """
     if x <= 0.0:
-        return plumb(height, speed, z_from, z_to)
-    slope = guess_slope(height, speed, z_from, z_to, x)
+        return _vertical_ray(height, speed, z_from, z_to)
+    slope = _guess_slope(height, speed, z_from, z_to, x)
     least, most = -math.inf, math.inf
     near = CLOSE * (x + abs(z_from) + abs(z_to))
     for _ in range(TRIES):
         cosine = 1.0 / math.sqrt(1.0 + slope * slope)
-        status, ray = shoot(height, speed, launch_ray(height, speed, z_from, cosine, slope * cosine), x, low, high)
+        status, ray = follow_to_range(
+            height, speed, launch_in_layers(height, speed, z_from, cosine, slope * cosine), x, low, high
+        )
         miss = ray.z - z_to
         if status == RANGE and abs(miss) <= near:
-            return FOUND, Eigenray(cosine, slope * cosine, ray.time, ray.cosine, ray.sine, ray.q)
+            return FOUND, DirectRay(cosine, slope * cosine, ray.time, ray.cosine, ray.sine, ray.q)
         if status == ENDLESS:
             break
         # One that takes too many steps winds about the axis of a duct.
@@ -80,46 +82,46 @@ def eigenray(height, speed, z_from, z_to, x, low, high):
         rise = ray.q * cosine * cosine / ray.cosine  # of the height at that range with the launch slope
         guess = slope - miss / rise if status == RANGE and rise > 0.0 else math.nan
         if not least < guess < most:
-            guess = between(least, most)
+            guess = _bisect_slopes(least, most)
         if guess == slope or guess == least or guess == most:
             break
         slope = guess
-    return NONE, Eigenray(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
+    return NONE, DirectRay(math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
 
 
 @inlined
-def plumb(height, speed, z_from, z_to):
+def _vertical_ray(height, speed, z_from, z_to):
     """Give the vertical ray."""
     sine = 1.0 if z_to >= z_from else -1.0
-    ray = launch_ray(height, speed, z_from, 0.0, sine)
+    ray = launch_in_layers(height, speed, z_from, 0.0, sine)
     while ray.z != z_to:
-        _, ray = step(height, speed, ray, math.inf, min(z_to, z_from), max(z_to, z_from))
-    return FOUND, Eigenray(0.0, sine, ray.time, 0.0, sine, ray.q)
+        _, ray = advance_in_layers(height, speed, ray, math.inf, min(z_to, z_from), max(z_to, z_from))
+    return FOUND, DirectRay(0.0, sine, ray.time, 0.0, sine, ray.q)
 
 
 @kernel
-def shoot(height, speed, ray, x, low, high):
+def follow_to_range(height, speed, ray, x, low, high):
     """Follow a ray to a range, or to where it ends before; NODE if it takes too many steps."""
     for _ in range(STEPS):
-        status, ray = step(height, speed, ray, x, low, high)
+        status, ray = advance_in_layers(height, speed, ray, x, low, high)
         if status != NODE:
             return status, ray
     return NODE, ray
 
 
 @inlined
-def guess_slope(height, speed, z_from, z_to, x):
+def _guess_slope(height, speed, z_from, z_to, x):
     """Give the launch slope that would be right if the gradient were even."""
     c0, dz = speed_at(height, speed, z_from), z_to - z_from
     if abs(dz) > SNAP:
         g = (speed_at(height, speed, z_to) - c0) / dz
     else:
-        g = gradient_above(height, speed, layer_below(height, z_from))
+        g = gradient_above(height, speed, node_below(height, z_from))
     return dz / x + 0.5 * g * (x * x + dz * dz) / (x * c0)
 
 
 @inlined
-def between(least, most):
+def _bisect_slopes(least, most):
     """Halve a bracket of slopes, in angle while it is wide; open it further where it has no end."""
     if math.isinf(least) and math.isinf(most):
         return 0.0

@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.refraction.arcs import HIGH, LOW, NODE, RANGE, gradient_behind, launch_ray, mirror, step
-from insonify.kernels.refraction.section_arcs import gradient_across, launch_across, step_across
+from insonify.kernels.refraction.arcs import HIGH, LOW, NODE, RANGE
+from insonify.kernels.refraction.section_arcs import advance_ray, launch_ray, reflect_ray
 
 STEPS = 100_000  # layers, triangles and reflections after which a ray is given up
 AT_RANGE, ON_BED, AT_SURFACE, NOWHERE, TRAPPED = 0, 1, 2, 3, 4
 
 
-class Points(NamedTuple):
+class RayPoints(NamedTuple):
     """Points along rays, a row for each ray; NaN after a ray's last."""
 
     x: NDArray[np.float64]
@@ -31,7 +31,7 @@ class Points(NamedTuple):
     bottoms: NDArray[np.int64]  # and the bed
 
 
-class Limits(NamedTuple):
+class RayLimits(NamedTuple):
     """Where rays end, or are sent back."""
 
     x: float  # ground range at which they end, m
@@ -42,7 +42,7 @@ class Limits(NamedTuple):
 
 
 @kernel
-def trace_paths(water, plane, z0, angles, ranges, limits, points, ends):
+def trace_ray_paths(water, plane, z0, angles, ranges, limits, points, ends):
     """Follow rays from height ``z0`` at range 0.
 
     Parameters
@@ -67,11 +67,11 @@ def trace_paths(water, plane, z0, angles, ranges, limits, points, ends):
     for n in range(angles.size):
         steep = abs(angles[n]) >= 0.5 * math.pi
         cosine, sine = 0.0 if steep else math.cos(angles[n]), math.sin(angles[n])
-        ray = launch(height, speed, station, plane, z0, cosine, sine)
+        ray = launch_ray(height, speed, station, plane, z0, cosine, sine)
         count, turns, tops, bottoms, ends[n] = 0, 0, 0, 0, TRAPPED
         for _ in range(STEPS):
             if count < ranges.size and ray.x >= ranges[count]:
-                write(points, n, count, ray, turns, tops, bottoms)
+                _write_point(points, n, count, ray, turns, tops, bottoms)
                 count += 1
                 continue
             if ray.x >= limits.x:
@@ -79,48 +79,24 @@ def trace_paths(water, plane, z0, angles, ranges, limits, points, ends):
                 break
             x_end = ranges[count] if count < ranges.size else limits.x
             sine = ray.sine
-            status, ray = advance(height, speed, station, plane, ray, x_end, limits.low, limits.high)
+            status, ray = advance_ray(height, speed, station, plane, ray, x_end, limits.low, limits.high)
             if ray.sine * sine < 0.0:
                 turns += 1
             if status == NODE or status == RANGE:
                 continue
             if (status == LOW and limits.from_bed) or (status == HIGH and limits.from_surface):
                 tops, bottoms = tops + (status == HIGH), bottoms + (status == LOW)
-                ray = send_back(height, speed, station, plane, ray)
+                ray = reflect_ray(height, speed, station, plane, ray)
                 continue
             ends[n] = NOWHERE
             if status == LOW or status == HIGH:
                 ends[n] = ON_BED if status == LOW else AT_SURFACE
-                write(points, n, count, ray, turns, tops, bottoms)
+                _write_point(points, n, count, ray, turns, tops, bottoms)
             break
 
 
 @inlined
-def launch(height, speed, station, plane, z, cosine, sine):
-    """Start a ray at height z and ground range 0."""
-    if station.size == 1:
-        return launch_ray(height, speed[0], z, cosine, sine)
-    return launch_across(height, speed, station, plane, z, cosine, sine)
-
-
-@inlined
-def advance(height, speed, station, plane, ray, x_end, low, high):
-    """Follow a ray by one arc, as `arcs.step` or `cells.step_across`."""
-    if station.size == 1:
-        return step(height, speed[0], ray, x_end, low, high)
-    return step_across(height, speed, station, plane, ray, x_end, low, high)
-
-
-@inlined
-def send_back(height, speed, station, plane, ray):
-    """Mirror a ray that has come to the bed or the surface."""
-    if station.size == 1:
-        return mirror(ray, gradient_behind(height, speed[0], ray))
-    return mirror(ray, gradient_across(height, speed, station, plane, ray))
-
-
-@inlined
-def write(points, n, k, ray, turns, tops, bottoms):
+def _write_point(points, n, k, ray, turns, tops, bottoms):
     """Keep a point."""
     points.x[n, k], points.z[n, k], points.cosine[n, k], points.sine[n, k] = ray.x, ray.z, ray.cosine, ray.sine
     points.time[n, k], points.q[n, k], points.grazed[n, k] = ray.time, ray.q, ray.grazed

@@ -18,25 +18,29 @@ from insonify.kernels.refraction.arcs import (
     NODE,
     RANGE,
     SNAP,
-    Ray,
+    RayState,
+    advance_in_layers,
     bend_tube,
-    crossing,
-    follow,
+    follow_arc,
     gradient_above,
-    layer_below,
+    gradient_behind,
+    launch_in_layers,
+    node_below,
+    reach_line,
+    reflect_at_level,
 )
 
 LEVEL = 1e-12  # part of a plane along the stations below which it lies across them, and change of gradient that is none
 
 
-class Plane(NamedTuple):
+class SectionPlane(NamedTuple):
     """How a ray's vertical plane lies to the stations."""
 
     place: float  # of range 0 along their axis, m
     along: float  # metres along their axis per metre of range: the cosine between them
 
 
-class Piece(NamedTuple):
+class SectionTriangle(NamedTuple):
     """A triangle of the lattice, or what is left of a cell beyond its ends, as the stations see it."""
 
     along: float  # gradient of speed along the axis, 1/s
@@ -47,7 +51,31 @@ class Piece(NamedTuple):
 
 
 @inlined
-def step_across(height, speed, station, plane, ray, x_end, low, high):
+def launch_ray(height, speed, station, plane, z, cosine, sine):
+    """Start a ray at height z and ground range 0."""
+    if station.size == 1:
+        return launch_in_layers(height, speed[0], z, cosine, sine)
+    return launch_in_section(height, speed, station, plane, z, cosine, sine)
+
+
+@inlined
+def advance_ray(height, speed, station, plane, ray, x_end, low, high):
+    """Follow a ray by one arc, of layered water or of a section."""
+    if station.size == 1:
+        return advance_in_layers(height, speed[0], ray, x_end, low, high)
+    return advance_in_section(height, speed, station, plane, ray, x_end, low, high)
+
+
+@inlined
+def reflect_ray(height, speed, station, plane, ray):
+    """Mirror a ray that has come to the bed or the surface."""
+    if station.size == 1:
+        return reflect_at_level(ray, gradient_behind(height, speed[0], ray))
+    return reflect_at_level(ray, gradient_in_section(height, speed, station, plane, ray))
+
+
+@inlined
+def advance_in_section(height, speed, station, plane, ray, x_end, low, high):
     """Follow a ray to the next border of a triangle, to range ``x_end``, or to height ``low`` or ``high``.
 
     Parameters
@@ -67,23 +95,23 @@ def step_across(height, speed, station, plane, ray, x_end, low, high):
     ray : Ray
         There, within the next triangle, but at ``low`` and ``high`` not beyond them.
     """
-    i, j, piece = piece_of(height, speed, station, plane, ray)
+    i, j, piece = find_triangle(height, speed, station, plane, ray)
     gx = piece.along * plane.along
     bend = (ray.cosine * piece.up - ray.sine * gx) / ray.speed
-    ahead, behind = station_lines(station, plane, i)
+    ahead, behind = _station_ranges(station, plane, i)
     floor = max(height[j] if j >= 0 else -math.inf, low)
     ceiling = min(height[j + 1] if j < height.size - 1 else math.inf, high)
 
-    to_ahead, _ = crossing(ray.cosine, -ray.sine, ahead - ray.x, bend)
-    to_behind, _ = crossing(-ray.cosine, ray.sine, ray.x - behind, bend)
-    to_ceiling, _ = crossing(ray.sine, ray.cosine, ceiling - ray.z, bend)
-    to_floor, _ = crossing(-ray.sine, -ray.cosine, ray.z - floor, bend)
-    to_end, _ = crossing(ray.cosine, -ray.sine, x_end - ray.x, bend)
-    to_cut = reach_cut(plane, piece, ray, bend)
+    to_ahead, _ = reach_line(ray.cosine, -ray.sine, ahead - ray.x, bend)
+    to_behind, _ = reach_line(-ray.cosine, ray.sine, ray.x - behind, bend)
+    to_ceiling, _ = reach_line(ray.sine, ray.cosine, ceiling - ray.z, bend)
+    to_floor, _ = reach_line(-ray.sine, -ray.cosine, ray.z - floor, bend)
+    to_end, _ = reach_line(ray.cosine, -ray.sine, x_end - ray.x, bend)
+    to_cut = _reach_diagonal(plane, piece, ray, bend)
     tangents = min(min(min(to_ahead, to_behind), min(to_ceiling, to_floor)), min(to_end, to_cut))
     if tangents == math.inf:
         return ENDLESS, ray
-    there = follow(ray, gx, piece.up, tangents)
+    there = follow_arc(ray, gx, piece.up, tangents)
     # Borders are met exactly, so that the next step finds itself on them.
     x, z = there.x, there.z
     if tangents == to_end:
@@ -96,18 +124,18 @@ def step_across(height, speed, station, plane, ray, x_end, low, high):
         z = ceiling
     elif tangents == to_floor:
         z = floor
-    there = Ray(x, z, there.cosine, there.sine, there.speed, there.time, there.p, there.q, there.grazed)
+    there = RayState(x, z, there.cosine, there.sine, there.speed, there.time, there.p, there.q, there.grazed)
     if tangents == to_ceiling and ceiling == high:
         return HIGH, there
     if tangents == to_floor and floor == low:
         return LOW, there
-    _, _, beyond = piece_of(height, speed, station, plane, there)
-    there = enter(there, (beyond.along - piece.along) * plane.along, beyond.up - piece.up)
+    _, _, beyond = find_triangle(height, speed, station, plane, there)
+    there = _enter_triangle(there, (beyond.along - piece.along) * plane.along, beyond.up - piece.up)
     return RANGE if tangents == to_end else NODE, there
 
 
 @inlined
-def enter(ray, dgx, dgz):
+def _enter_triangle(ray, dgx, dgz):
     """Let a ray enter a triangle whose gradient differs by ``dgx`` and ``dgz`` from that of the last."""
     size = math.sqrt(dgx * dgx + dgz * dgz)
     if size < LEVEL:
@@ -121,43 +149,43 @@ def enter(ray, dgx, dgz):
 
 
 @inlined
-def piece_of(height, speed, station, plane, ray):
+def find_triangle(height, speed, station, plane, ray):
     """Find the triangle in which a ray goes on: the station and node below it, and the piece."""
     place, onwards = plane.place + plane.along * ray.x, plane.along * ray.cosine
-    i, j = layer_below(station, place), layer_below(height, ray.z)
+    i, j = node_below(station, place), node_below(height, ray.z)
     on_station = i >= 0 and place - station[i] <= SNAP
     on_node = j >= 0 and ray.z - height[j] <= SNAP
     if on_station and onwards < 0.0:
         i -= 1
     if on_node and ray.sine < 0.0:
         j -= 1
-    piece = cut_cell(height, speed, station, i, j, place, ray.z, onwards, ray.sine)
+    piece = _cut_cell(height, speed, station, i, j, place, ray.z, onwards, ray.sine)
     # A ray along a border belongs to the side it bends to; where it bends to neither it stays on it.
     if on_station and onwards == 0.0 and piece.along >= 0.0:
-        other = cut_cell(height, speed, station, i - 1, j, place, ray.z, onwards, ray.sine)
+        other = _cut_cell(height, speed, station, i - 1, j, place, ray.z, onwards, ray.sine)
         if other.along > 0.0:
             i, piece = i - 1, other
         else:
-            piece = Piece(0.0, piece.up, 0.0, 0.0, math.inf)
+            piece = SectionTriangle(0.0, piece.up, 0.0, 0.0, math.inf)
     if on_node and ray.sine == 0.0 and piece.up >= 0.0:
-        other = cut_cell(height, speed, station, i, j - 1, place, ray.z, onwards, ray.sine)
+        other = _cut_cell(height, speed, station, i, j - 1, place, ray.z, onwards, ray.sine)
         if other.up > 0.0:
             j, piece = j - 1, other
         else:
-            piece = Piece(piece.along, 0.0, 0.0, 0.0, math.inf)
+            piece = SectionTriangle(piece.along, 0.0, 0.0, 0.0, math.inf)
     return i, j, piece
 
 
 @inlined
-def cut_cell(height, speed, station, i, j, place, z, onwards, upwards):
+def _cut_cell(height, speed, station, i, j, place, z, onwards, upwards):
     """Find the piece of cell (i, j) that holds a place, on the diagonal the one that a direction leads into."""
     last, top = station.size - 1, height.size - 1
     if i < 0 or i >= last:
-        return Piece(0.0, gradient_above(height, speed[max(i, 0)], j), 0.0, 0.0, math.inf)
+        return SectionTriangle(0.0, gradient_above(height, speed[max(i, 0)], j), 0.0, 0.0, math.inf)
     width = station[i + 1] - station[i]
     if j < 0 or j >= top:
         k = max(j, 0)
-        return Piece((speed[i + 1, k] - speed[i, k]) / width, 0.0, 0.0, 0.0, math.inf)
+        return SectionTriangle((speed[i + 1, k] - speed[i, k]) / width, 0.0, 0.0, 0.0, math.inf)
     rise = height[j + 1] - height[j]
     c00, c10, c01, c11 = speed[i, j], speed[i + 1, j], speed[i, j + 1], speed[i + 1, j + 1]
     # The normal of the diagonal, upwards, and how far the place is above it.
@@ -174,12 +202,12 @@ def cut_cell(height, speed, station, i, j, place, z, onwards, upwards):
     g_along = (c11 - c01 if upper else c10 - c00) / width
     g_up = (c01 - c00 if upper == rising else c11 - c10) / rise
     if upper:
-        return Piece(g_along, g_up, -along, -up, above)
-    return Piece(g_along, g_up, along, up, -above)
+        return SectionTriangle(g_along, g_up, -along, -up, above)
+    return SectionTriangle(g_along, g_up, along, up, -above)
 
 
 @inlined
-def reach_cut(plane, piece, ray, bend):
+def _reach_diagonal(plane, piece, ray, bend):
     """Tangents of the arc to the diagonal of its cell."""
     nx, nz = piece.across_axis * plane.along, piece.across_up
     length = math.sqrt(nx * nx + nz * nz)
@@ -187,12 +215,12 @@ def reach_cut(plane, piece, ray, bend):
         return math.inf
     nx, nz = nx / length, nz / length
     along, across = ray.cosine * nx + ray.sine * nz, ray.cosine * nz - ray.sine * nx
-    tangents, _ = crossing(along, across, piece.distance / length, bend)
+    tangents, _ = reach_line(along, across, piece.distance / length, bend)
     return tangents
 
 
 @inlined
-def station_lines(station, plane, i):
+def _station_ranges(station, plane, i):
     """Ranges of the two stations about a ray, the farther one first; infinite where there is none."""
     if abs(plane.along) < LEVEL:
         return math.inf, -math.inf
@@ -204,25 +232,25 @@ def station_lines(station, plane, i):
 
 
 @inlined
-def launch_across(height, speed, station, plane, z, cosine, sine):
+def launch_in_section(height, speed, station, plane, z, cosine, sine):
     """Start a ray at height z and ground range 0."""
-    c = speed_across(height, speed, station, plane.place, z)
-    return Ray(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
+    c = speed_in_section(height, speed, station, plane.place, z)
+    return RayState(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
 
 
 @inlined
-def gradient_across(height, speed, station, plane, ray):
+def gradient_in_section(height, speed, station, plane, ray):
     """dc/dz on the side that a ray comes from, up or down, 1/s."""
-    back = Ray(ray.x, ray.z, -ray.cosine, -ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
-    _, _, piece = piece_of(height, speed, station, plane, back)
+    back = RayState(ray.x, ray.z, -ray.cosine, -ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
+    _, _, piece = find_triangle(height, speed, station, plane, back)
     return piece.up
 
 
 @inlined
-def speed_across(height, speed, station, place, z):
+def speed_in_section(height, speed, station, place, z):
     """Speed of sound at a place along the stations and a height, m/s."""
-    i, j = layer_below(station, place), layer_below(height, z)
-    piece = cut_cell(height, speed, station, i, j, place, z, 0.0, 0.0)
+    i, j = node_below(station, place), node_below(height, z)
+    piece = _cut_cell(height, speed, station, i, j, place, z, 0.0, 0.0)
     # Every piece has the lower corner before it or the upper one behind it, by which its gradient is told.
     k, m = max(i, 0), max(j, 0)
     if piece.across_up < 0.0:

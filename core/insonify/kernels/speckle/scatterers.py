@@ -21,8 +21,8 @@ from insonify.kernels.common.scattering import backscatter
 from insonify.kernels.common.types import SONAR
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import intersect_mesh
-from insonify.kernels.rays.cell_walk import Ray, load_cell, meet_bed, normal_at
-from insonify.kernels.rays.launch import gather, inside_body, make_beam, touches
+from insonify.kernels.rays.cell_walk import Ray, cell_normal, load_cell, meet_bed
+from insonify.kernels.rays.launch import beam_touches_ball, find_enclosing_solid, list_solids_in_beam, orient_beam
 from insonify.kernels.speckle.surface_patches import FACE, SurfacePatches, load_patch, sample_patch
 from insonify.kernels.sweep.visible_stretches import find_visible_bed, is_bed_visible
 
@@ -105,13 +105,13 @@ def trace_scatterers(arrays, poses, planes, scatterers, pulse, profile, sight, l
     """
     near = np.empty(arrays.solids.shape.size, np.int64)
     for ping in range(poses.x.size):
-        body = inside_body(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
+        body = find_enclosing_solid(arrays.solids, poses.x[ping], poses.y[ping], poses.z[ping])
         if body >= 0:
             return -1 - body
         for side in range(2):
-            beam = make_beam(arrays, poses, ping, side)
+            beam = orient_beam(arrays, poses, ping, side)
             find_visible_bed(arrays, poses, ping, side, planes, profile, sight)
-            count, _ = gather(arrays.solids, arrays.mesh, beam, near)
+            count, _ = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
             line.real[:], line.imaginary[:] = 0.0, 0.0
             _hear_bed(arrays, beam, scatterers, sight, near[:count], pulse, line)
             _hear_bodies(arrays, beam, scatterers, near[:count], pulse, line)
@@ -177,7 +177,7 @@ def _hear_bodies(arrays, beam, scatterers, near, pulse, line):
     skin, waves = scatterers.skin, _waves(arrays, scatterers, pulse)
     for row in range(skin.kind.size):
         cx, cy, cz = skin.centre[row, 0] - beam.x, skin.centre[row, 1] - beam.y, skin.centre[row, 2] - beam.z
-        if touches(beam, cx, cy, cz, math.sqrt(cx * cx + cy * cy + cz * cz), skin.bound[row]):
+        if beam_touches_ball(beam, cx, cy, cz, math.sqrt(cx * cx + cy * cy + cz * cz), skin.bound[row]):
             patch, material = load_patch(skin, row, arrays.solids, arrays.mesh)
             mean, lots = skin.area[row] * scatterers.density, math.ceil(skin.area[row] * scatterers.density / LOT)
             for lot in range(lots):
@@ -263,7 +263,7 @@ def _bed_at(heights, materials, grid, x, y):
     row, column = (j, i) if inside else (j % rows, i % columns)
     cell = load_cell(heights, row, column)
     u, v = u - i, v - j
-    nx, ny, nz = normal_at(cell, u, v, grid.spacing)
+    nx, ny, nz = cell_normal(cell, u, v, grid.spacing)
     height = cell.a + cell.b * u + (cell.c + cell.d * u) * v
     return (height if inside or grid.periodic else math.nan), nx, ny, nz, materials[row, column]
 

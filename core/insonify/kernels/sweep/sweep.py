@@ -173,16 +173,16 @@ def sweep_plane(arrays, view, wedge, reach, sheet, table, profile, screen, heard
 
 
 @kernel
-def sweep_pings(arrays, poses, planes, bending, table, profile, heard, screen, out):
+def sweep_pings(arrays, poses, planes, apparent, table, profile, heard, screen, out):
     """Sweep every plane of every ping into ``out`` (pings, 2, bins); return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(arrays.bins + 2, np.int64)
-    return _sweep_all(arrays, poses, planes, bending, table, profile, heard, screen, bins, out)
+    return _sweep_all(arrays, poses, planes, apparent, table, profile, heard, screen, bins, out)
 
 
 @inlined_uncounted
-def _sweep_all(arrays, poses, planes, bending, table, profile, heard, screen, bins, out):
+def _sweep_all(arrays, poses, planes, apparent, table, profile, heard, screen, bins, out):
     for ping in range(poses.x.size):
-        sheet = prepare_table(bending, poses.z[ping], table)
+        sheet = prepare_table(apparent, poses.z[ping], table)
         for side in range(2):
             prefetch_row(out[ping, side])
             if planes.azimuth.size == 1:
