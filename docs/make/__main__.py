@@ -1,0 +1,78 @@
+"""Regenerate what the documentation prints and shows: reference pages, outputs of commands, pictures, figures.
+
+``python docs/make`` makes all anew; ``python docs/make PAGE …`` runs the named pages alone (``reference``,
+``figures``, or a path below ``docs`` such as ``tutorial/python``). ``--check`` changes nothing: it compares what is
+quick to make with the files as they are, names what is out of date, and exits with 1.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import fields
+import pages
+import reference
+
+DOCS = Path(__file__).resolve().parents[1]
+GENERATED = {
+    "reference/scene.md": fields.page,
+    "reference/cli.md": reference.command_page,
+    "reference/python.md": reference.python_page,
+    "howto/index.md": reference.howto_page,
+}
+
+
+def main() -> int:
+    """Make or check; return the exit code."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("names", nargs="*", help="pages to make; all when left out")
+    parser.add_argument("--check", action="store_true", help="compare what is quick to make, change nothing")
+    arguments = parser.parse_args()
+    stale = [*_reference(arguments), *_pages(arguments)]
+    if not arguments.check and _wanted("figures", arguments.names):
+        import figures
+
+        figures.draw(DOCS / "pictures")
+    for name in stale:
+        sys.stderr.write(f"docs/{name} {'is out of date: run python docs/make' if arguments.check else 'made anew'}\n")
+    return int(arguments.check and bool(stale))
+
+
+def _wanted(name: str, names: list[str]) -> bool:
+    return not names or any(name.startswith(wanted) for wanted in names)
+
+
+def _reference(arguments: argparse.Namespace) -> list[str]:
+    """Make the generated pages; return those that differ from the files."""
+    stale = []
+    for name, make in GENERATED.items():
+        path, text = DOCS / name, make()
+        if _wanted(name, arguments.names) and (not path.exists() or path.read_text(encoding="utf-8") != text):
+            stale.append(name)
+            if not arguments.check:
+                path.write_text(text, encoding="utf-8")
+    return stale
+
+
+def _pages(arguments: argparse.Namespace) -> list[str]:
+    """Run the commands and programs of the written pages; return the pages whose printed output differs."""
+    stale = []
+    for path in [*sorted(DOCS.rglob("*.md")), DOCS.parent / "README.md"]:
+        name = path.relative_to(DOCS).as_posix() if path.is_relative_to(DOCS) else f"../{path.name}"
+        if name in GENERATED or not _wanted(name, arguments.names):
+            continue
+        text = path.read_text(encoding="utf-8")
+        made = pages.run(text, None if arguments.check else path)
+        if made != text:
+            stale.append(name)
+            if not arguments.check:
+                path.write_text(made, encoding="utf-8")
+    return stale
+
+
+if __name__ == "__main__":
+    sys.exit(main())

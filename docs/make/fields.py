@@ -1,0 +1,136 @@
+"""The reference of scene fields, made from the declarations in ``insonify.scene``."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from insonify.scene import Scene
+
+HEAD = """# Scene fields
+
+<!-- Made by `python docs/make` from the declarations in `insonify.scene`. Edit those. -->
+
+Every field of a scene file, with its unit, default, bounds and meaning. The path before a field's name is its table in
+the TOML file and its name for `--set`: `--set sonar.beam.width=0.5`. A field with a `kind` is written as a table,
+`beam = { kind = "fan", width = 1.0 }`, or as the bare name of the kind, `beam = "fan"`, with all its defaults.
+Lengths are in metres, times in seconds, frequencies in hertz, angles in degrees. Directions count counter-clockwise from
++x (east); z points up with the sea surface at 0, and *depth* points down.
+
+"""
+TABLE = "| field | default | unit | bounds | meaning |\n|---|---|---|---|---|\n"
+
+
+def page() -> str:
+    """Return the page."""
+    schema = Scene.model_json_schema()
+    made = _Made(schema["$defs"])
+    made.struct("scene", "", {**schema, "description": "Everything a record depends on."})
+    return HEAD + "".join(made.out).rstrip() + "\n"
+
+
+class _Made:
+    """Sections of the page in order; each declaration is printed once, where it is met first."""
+
+    def __init__(self, declarations: dict[str, Any]):
+        self.declarations = declarations
+        self.out: list[str] = []
+        self.where: dict[str, str] = {}  # heading under which a declaration stands
+
+    def struct(self, heading: str, path: str, schema: dict[str, Any], level: int = 2) -> None:
+        """Print one declaration as a table, then the declarations within it."""
+        self.out.append(f"{'#' * level} {heading}\n\n")
+        if schema.get("description"):
+            self.out.append(f"{_sentence(schema['description'])}\n\n")
+        fields = {name: field for name, field in schema["properties"].items() if name != "kind"}
+        if not fields:
+            self.out.append("No fields.\n\n")
+            return
+        required = schema.get("required", [])
+        rows = [self._row(path, name, field, name in required) for name, field in fields.items()]
+        self.out.append(TABLE + "".join(rows) + "\n")
+        for name, field in fields.items():
+            self._within(f"{path}.{name}" if path else name, field, level)
+
+    def _row(self, path: str, name: str, field: dict[str, Any], required: bool) -> str:
+        default = "required" if required else _default(field.get("default"))
+        kinds = [_kind(self.declarations[reference]) for reference in _references(field)]
+        meaning = _sentence(field.get("description", ""))
+        if len(kinds) > 1:
+            meaning += f" Kinds: {', '.join(f'`{kind}`' for kind in kinds)}."
+        full = f"{path}.{name}" if path else name
+        return f"| `{full}` | {default} | {field.get('unit', '')} | {_bounds(field)} | {_escaped(meaning)} |\n"
+
+    def _within(self, path: str, field: dict[str, Any], level: int) -> None:
+        references = _references(field)
+        several = len(references) > 1
+        is_list = field.get("type") == "array"
+        for reference in references:
+            schema = self.declarations[reference]
+            shown = f"{path}[]" if is_list else path
+            heading = f"{shown}: {_kind(schema)}" if several else shown
+            if reference in self.where:
+                if not several:
+                    self.out.append(f"`{path}` has the fields of [{self.where[reference]}].\n\n")
+                continue
+            self.where[reference] = heading
+            self.struct(heading, shown, schema, min(level + 1, 5))
+
+
+def _references(field: dict[str, Any]) -> list[str]:
+    """Names of the declarations that a field may hold."""
+    inner = field.get("items", {}) if field.get("type") == "array" else field
+    found = [inner, *inner.get("oneOf", []), *inner.get("anyOf", [])]
+    return [entry["$ref"].rpartition("/")[2] for entry in found if "$ref" in entry]
+
+
+def _kind(schema: dict[str, Any]) -> str:
+    kind = schema["properties"].get("kind", {})
+    return str(kind.get("const", kind.get("default", schema.get("title", ""))))
+
+
+def _default(value: Any) -> str:
+    if value is None:
+        return "not given"
+    if isinstance(value, dict):
+        if "kind" not in value and "name" not in value:
+            return "see below"
+        given = {key: entry for key, entry in value.items() if entry is not None}
+        name = str(given.get("name", given.get("kind")))
+        return f"`{json.dumps(name)}`"
+    if isinstance(value, float):
+        return f"`{value:g}`"
+    return f"`{json.dumps(value)}`"
+
+
+def _bounds(field: dict[str, Any]) -> str:
+    """Say what values a field may have."""
+    if "enum" in field:
+        return ", ".join(f"`{json.dumps(value)}`" for value in field["enum"])
+    if "const" in field:
+        return f"`{json.dumps(field['const'])}`"
+    texts = [_interval(entry) for entry in (field, *field.get("anyOf", []))]
+    if "minItems" in field or "maxItems" in field:
+        low, high = field.get("minItems", 0), field.get("maxItems")
+        texts.append(f"{low} entries" if low == high else f"{low} to {high} entries" if high else f"{low} or more entries")
+    if field.get("type") == "boolean":
+        texts.append("`true`, `false`")
+    return "; ".join(dict.fromkeys(text for text in texts if text))
+
+
+def _interval(entry: dict[str, Any]) -> str:
+    signs = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
+    return ", ".join(f"{sign} {_number(entry[key])}" for key, sign in signs.items() if key in entry)
+
+
+def _number(value: float) -> str:
+    return str(value) if isinstance(value, int) else f"{value:g}"
+
+
+def _sentence(text: str) -> str:
+    first = text.strip().partition("\n\n")[0].replace("\n", " ")
+    return first[:1].upper() + first[1:] + ("" if first.endswith(".") or not first else ".")
+
+
+def _escaped(text: str) -> str:
+    return text.replace("|", "\\|").replace("[[", "\\[\\[").replace("[x", "\\[x").replace("[fx", "\\[fx")
