@@ -1,8 +1,8 @@
 """Regenerate what the documentation prints and shows: reference pages, outputs of commands, pictures, figures.
 
-``python docs/make`` makes all anew; ``python docs/make PAGE …`` runs the named pages alone (``reference``,
-``figures``, or a path below ``docs`` such as ``tutorial/python``). ``--check`` changes nothing: it compares what is
-quick to make with the files as they are, names what is out of date, and exits with 1.
+``python docs/make`` makes all anew; ``python docs/make PAGE …`` makes the named ones alone (``reference``,
+``figures``, ``gallery``, or a path below ``docs`` such as ``tutorial/python``). ``--check`` changes nothing: it
+compares what is quick to make with the files as they are, names what is out of date, and exits with 1.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 import fields
+import figures
+import gallery
 import pages
 import reference
 
@@ -24,6 +26,7 @@ GENERATED = {
     "reference/python.md": reference.python_page,
     "howto/index.md": reference.howto_page,
 }
+DRAWN = {"figures": lambda: figures.draw(DOCS / "pictures"), "gallery": lambda: gallery.draw(DOCS)}
 
 
 def main() -> int:
@@ -33,10 +36,10 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="compare what is quick to make, change nothing")
     arguments = parser.parse_args()
     stale = [*_reference(arguments), *_pages(arguments)]
-    if not arguments.check and _wanted("figures", arguments.names):
-        import figures
-
-        figures.draw(DOCS / "pictures")
+    if not arguments.check:
+        for name, draw in DRAWN.items():
+            if _wanted(name, arguments.names):
+                draw()
     for name in stale:
         sys.stderr.write(f"docs/{name} {'is out of date: run python docs/make' if arguments.check else 'made anew'}\n")
     return int(arguments.check and bool(stale))

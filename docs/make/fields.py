@@ -14,8 +14,8 @@ HEAD = """# Scene fields
 Every field of a scene file, with its unit, default, bounds and meaning. The path before a field's name is its table in
 the TOML file and its name for `--set`: `--set sonar.beam.width=0.5`. A field with a `kind` is written as a table,
 `beam = { kind = "fan", width = 1.0 }`, or as the bare name of the kind, `beam = "fan"`, with all its defaults.
-Lengths are in metres, times in seconds, frequencies in hertz, angles in degrees. Directions count counter-clockwise from
-+x (east); z points up with the sea surface at 0, and *depth* points down.
+Lengths are in metres, times in seconds, frequencies in hertz, angles in degrees. Directions count counter-clockwise
+from +x (east); z points up with the sea surface at 0, and *depth* points down.
 
 """
 TABLE = "| field | default | unit | bounds | meaning |\n|---|---|---|---|---|\n"
@@ -111,8 +111,8 @@ def _bounds(field: dict[str, Any]) -> str:
         return f"`{json.dumps(field['const'])}`"
     texts = [_interval(entry) for entry in (field, *field.get("anyOf", []))]
     if "minItems" in field or "maxItems" in field:
-        low, high = field.get("minItems", 0), field.get("maxItems")
-        texts.append(f"{low} entries" if low == high else f"{low} to {high} entries" if high else f"{low} or more entries")
+        low, high = field.get("minItems", 0), field.get("maxItems", "more")
+        texts.append(f"{low} entries" if low == high else f"{low} to {high} entries")
     if field.get("type") == "boolean":
         texts.append("`true`, `false`")
     return "; ".join(dict.fromkeys(text for text in texts if text))
@@ -129,8 +129,11 @@ def _number(value: float) -> str:
 
 def _sentence(text: str) -> str:
     first = text.strip().partition("\n\n")[0].replace("\n", " ")
-    return first[:1].upper() + first[1:] + ("" if first.endswith(".") or not first else ".")
+    word = first.partition(" ")[0]
+    if word[1:].islower() or len(word) == 1:
+        first = first[:1].upper() + first[1:]
+    return first + ("" if first.endswith(".") or not first else ".")
 
 
 def _escaped(text: str) -> str:
-    return text.replace("|", "\\|").replace("[[", "\\[\\[").replace("[x", "\\[x").replace("[fx", "\\[fx")
+    return text.replace("|", "\\|").replace("[", "\\[")

@@ -1,4 +1,5 @@
 """Draw the figures of the theory and architecture pages."""
+
 from pathlib import Path
 
 

@@ -25,6 +25,7 @@ from PIL import Image
 BLOCK = re.compile(r"^```(\w+)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]*pictures/([\w-]+)\.jpg)\)")
 WIDTH, LARGEST = 900, 250_000  # pixels, bytes
+WIDTHS = {"window": 1400, "ghosts": 1200, "rays": 1200}
 QUICK = ("plan", "scenes")  # commands that a check runs; anything else is run only to make the page
 COLUMNS = "80"
 
@@ -122,14 +123,14 @@ def _keep_pictures(text: str, place: Path, folder: Path) -> None:
     for path, name in PICTURE.findall(text):
         drawn = folder / f"{name}.png"
         if drawn.exists():
-            shrink(drawn, place / path)
+            shrink(drawn, place / path, WIDTHS.get(name, WIDTH))
 
 
-def shrink(drawn: Path, picture: Path) -> None:
+def shrink(drawn: Path, picture: Path, width: int = WIDTH) -> None:
     """Write a smaller JPEG of a PNG."""
     with Image.open(drawn) as image:
         small = image.convert("RGB")
-    small.thumbnail((WIDTH, 2 * WIDTH), Image.Resampling.LANCZOS)
+    small.thumbnail((width, 2 * width), Image.Resampling.LANCZOS)
     for quality in (88, 80, 70, 60):
         small.save(picture, quality=quality, optimize=True, progressive=True)
         if picture.stat().st_size <= LARGEST:

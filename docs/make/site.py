@@ -61,7 +61,9 @@ def _api_page(title: str, source: Path, paths: list[Path]) -> str:
     names = {path: _module_name(path.relative_to(source)) for path in paths}
     table = [f"| [`{names[path]}`][{names[path]}] | {_first_line(path)} |" for path in paths]
     head = [f"# {title}", "", "| module | what it holds |", "|---|---|", *table]
-    return "\n".join([*head, "", *(f"::: {name}\n" for name in names.values())])
+    # The public names have a page of their own.
+    bodies = [f"::: {name}\n" + ("    options: { members: false }\n" * (name == "insonify")) for name in names.values()]
+    return "\n".join([*head, "", *bodies])
 
 
 def _module_name(path: Path) -> str:

@@ -1,7 +1,6 @@
-"""What the README says works."""
+"""What README and documentation say works."""
 
 import re
-import runpy
 import shlex
 import subprocess
 import sys
@@ -14,51 +13,71 @@ from insonify.commands.options import chosen_scene, is_record
 from insonify.scene import scene_from_toml
 
 ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
 README = ROOT / "README.md"
-GALLERY = runpy.run_path(str(ROOT / "docs" / "gallery.py"))["cells"](README.read_text(encoding="utf-8"))
+PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in [README, *DOCS.rglob("*.md")]}
+GALLERY = re.findall(r"\]\((gallery/[\w-]+\.jpg)\)<br>[^|]*?<br>`(insonify [^`]+)`", PAGES["docs/gallery.md"])
+PARSER, COMMANDS = build_parser()
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", README.read_text(encoding="utf-8"), flags=re.DOTALL)
+def blocks(language: str) -> list[tuple[str, str]]:
+    """Blocks of one language, each with its page."""
+    pattern = rf"```{language}([^\n]*)\n(.*?)```"
+    return [(page, body) for page, text in PAGES.items() for _, body in re.findall(pattern, text, flags=re.DOTALL)]
 
 
 def commands() -> list[str]:
-    lines = [line for block in blocks("sh") for line in block.splitlines()]
-    return [line for line in lines if re.match(r"insonify \w+ ", line) and line.split()[1] in build_parser()[1]]
+    shown = "\n".join(body for language in ("sh", "console") for _, body in blocks(language))
+    lines = [line.removeprefix("$ ") for line in shown.splitlines()]
+    known = [line for line in lines if re.match(r"insonify \w+ ", line) and line.split()[1] in COMMANDS]
+    return sorted({line for line in known if "span.toml" not in line and "width=90" not in line})
 
 
 def test_there_are_commands_to_try():
-    assert len(commands()) > 8
+    assert len(commands()) > 30
 
 
 @pytest.mark.parametrize("line", [*commands(), *(command for _, command in GALLERY)])
 def test_every_command_is_understood(line):
     words = shlex.split(line, comments=True)[1:]
-    arguments = build_parser()[0].parse_args(words)
-    if hasattr(arguments, "scene") and not is_record(arguments.scene):
+    arguments = PARSER.parse_args(words)
+    if hasattr(arguments, "scene") and isinstance(arguments.scene, str) and not is_record(arguments.scene):
         chosen_scene(arguments)
 
 
 def test_the_gallery_is_whole_and_light():
-    pictures = [ROOT / path for path, _ in GALLERY]
-    assert len(pictures) == README.read_text(encoding="utf-8").count("](docs/gallery/")
-    assert {path.name for path in pictures} == {path.name for path in (ROOT / "docs" / "gallery").iterdir()}
+    pictures = [DOCS / path for path, _ in GALLERY]
+    assert len(pictures) == PAGES["docs/gallery.md"].count("](gallery/")
+    assert {path.name for path in pictures} == {path.name for path in (DOCS / "gallery").iterdir()}
     sizes = [path.stat().st_size for path in pictures]
     assert max(sizes) < 300_000
     assert sum(sizes) < 4_000_000
 
 
-def test_the_scene_is_one_and_its_parts_are_of_one():
-    whole, *parts = map(scene_from_toml, blocks("toml"))
-    assert whole.targets[0].length == 30.0
+def test_every_scene_is_one_and_every_part_is_of_one(tmp_path, monkeypatch):
+    parts = [scene_from_toml(body) for page, body in blocks("toml") if page != "docs/architecture/extend.md"]
+    assert any(part.targets and part.targets[0].length == 30.0 for part in parts if part.title == "A pipe with a span")
     assert ("heave", "yaw", "turn") in {part.track.kinds for part in parts}
     assert "pattern" in {part.seabed.material.kind for part in parts}
 
 
-def test_the_python_runs():
+def test_the_python_of_the_readme_runs():
     """In a fresh interpreter, as a reader would."""
-    text = "\n".join(blocks("python"))
+    text = "\n".join(re.findall(r"```python\n(.*?)```", PAGES["README.md"], flags=re.DOTALL))
     done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert "('ping_time', 'range_sample')" in done.stdout
-    assert "[475.43062234 239.22822184  31.28132944]" in done.stdout
+    assert done.stdout in PAGES["README.md"]
+
+
+def test_generated_pages_and_quoted_outputs_are_up_to_date():
+    """Run what is quick of the script that makes the documentation: references, plans, lists, programs."""
+    done = subprocess.run(
+        [sys.executable, str(DOCS / "make"), "--check"], capture_output=True, text=True, check=False, cwd=ROOT
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_documentation_shows_no_picture_that_is_missing():
+    for page, text in PAGES.items():
+        for path in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
+            assert ((ROOT / page).parent / path).resolve().is_file(), f"{page}: {path}"
