@@ -6,7 +6,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from insonify.io.records import replacing
+from insonify.io.atomic import replacing
 from insonify_viewer.block import Block, make_block
 from insonify_viewer.light import light_picture
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.water import recording_speed
-from insonify.io.record_schema import ACROSS, coordinates, labels, platform
+from insonify.io.record_schema import ACROSS, coordinates, join_blocks, labels, platform
 from insonify.kernels.common.types import Poses, SceneArrays, still_water
 from insonify.packing.containment import refuse_sonar_in_mesh
 from insonify.packing.navigation import bed_beneath, make_poses, take_poses
@@ -270,8 +270,6 @@ def simulate(
     SceneError
         One sentence with what is wrong and the remedy.
     """
-    import xarray as xr  # takes longer to import than a preview takes to trace
-
     blocks = []
     done = 0
     for block in simulate_blocks(scene, method=method, tolerance=tolerance, forced=forced, truth=truth):
@@ -279,9 +277,7 @@ def simulate(
         done += block.sizes["ping_time"]
         if progress is not None:
             progress(done, scene.track.pings)
-    return xr.concat(
-        blocks, dim="ping_time", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
-    )
+    return join_blocks(blocks)
 
 
 def simulate_blocks(
@@ -333,7 +329,7 @@ def simulate_blocks(
 
 def _dataset(simulation: Simulation, pings: NDArray[np.int64], attributes: dict[str, Any], truth: bool) -> xr.Dataset:
     """Trace one block and dress it."""
-    import xarray as xr
+    import xarray as xr  # takes longer to import than a preview takes to trace
 
     scene, sonar, poses = simulation.scene, simulation.scene.sonar, simulation.poses(pings)
     slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)

@@ -9,7 +9,8 @@ from PIL import Image
 
 from insonify.accuracy.record_statistics import likeness
 from insonify.cli import main
-from insonify.io.records import read_record, write_npz
+from insonify.io.records import read_record
+from insonify.io.records.npz import write_npz
 from insonify.scene import SceneError
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
@@ -107,7 +108,7 @@ def test_a_real_recording():
 
 def test_compare_draws_a_sheet_and_says_the_numbers(tmp_path, capsys):
     for number in (1, 2):
-        write_npz(tmp_path / f"{number}.npz", record(lambert() * speckle(number)))
+        write_npz(tmp_path / f"{number}.npz", [record(lambert() * speckle(number))])
     names = [str(tmp_path / "1.npz"), str(tmp_path / "2.npz")]
     assert main(["compare", *names, "-o", str(tmp_path / "sheet.png")]) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -122,7 +123,7 @@ def test_compare_draws_a_sheet_and_says_the_numbers(tmp_path, capsys):
     [
         (["atlantis", "default", "-o", "x.png"], "no such file"),
         (["a.xtf", "default", "-o", "x.png"], "does not exist"),
-        (["a.nc", "default", "-o", "x.png"], "there is no such file"),
+        (["a.nc", "default", "-o", "x.png"], "does not exist; give the path of a record"),
         (["default", "default", "-o", "x.nc"], "end the name in .png"),
     ],
 )

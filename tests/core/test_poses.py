@@ -10,7 +10,7 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from insonify.io.records import write_netcdf
+from insonify.io.records.netcdf import write_netcdf
 from insonify.packing.navigation import bed_beneath, make_poses
 from insonify.packing.track import tow_line_at
 from insonify.scene import SceneError, edit, load_scene

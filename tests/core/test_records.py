@@ -8,7 +8,10 @@ import pytest
 import xarray as xr
 
 import insonify.io.records.netcdf
-from insonify.io.records import read_record, replacing, write_netcdf, write_npz
+from insonify.io.atomic import replacing
+from insonify.io.records import read_record
+from insonify.io.records.netcdf import write_netcdf
+from insonify.io.records.npz import write_npz
 from insonify.scene import SceneError
 
 
@@ -74,7 +77,7 @@ def test_a_tow_is_written_without_being_held(tmp_path):
 
 def test_npz_reads_back_without_pickles(tmp_path):
     record = block(0, 4)
-    write_npz(tmp_path / "record.npz", record)
+    write_npz(tmp_path / "record.npz", [record])
     with np.load(tmp_path / "record.npz", allow_pickle=False) as read:
         np.testing.assert_array_equal(read["intensity"], record.intensity)
         np.testing.assert_array_equal(read["slant_range"], record.slant_range)

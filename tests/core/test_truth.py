@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from beds import arrays_of, poses_of, rough
-from insonify.io.records import write_netcdf
+from insonify.io.records.netcdf import write_netcdf
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare, simulate, simulate_blocks

@@ -11,7 +11,9 @@ import xarray as xr
 from PIL import Image
 
 from insonify.cli import main
-from insonify.io.records import read_record, write_netcdf, write_npz
+from insonify.io.records import read_record
+from insonify.io.records.netcdf import write_netcdf
+from insonify.io.records.npz import write_npz
 from insonify.io.records.xtf import read_xtf
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate
@@ -240,7 +242,7 @@ def test_ground_range_recordings_are_refused(tmp_path):
 def test_records_written_here_are_read_back(tmp_path):
     record = simulate(edit(load_scene("pipe-span"), {"track.pings": 3, "sonar.bins": 100}))
     write_netcdf(tmp_path / "a.nc", [record])
-    write_npz(tmp_path / "a.npz", record)
+    write_npz(tmp_path / "a.npz", [record])
     xr.testing.assert_equal(read_record(tmp_path / "a.nc"), record)
     xr.testing.assert_equal(read_record(tmp_path / "a.npz"), record)
     assert read_record(tmp_path / "a.npz").attrs == record.attrs
@@ -249,7 +251,7 @@ def test_records_written_here_are_read_back(tmp_path):
 @pytest.mark.parametrize("name", ["a.nc", "a.npz"])
 def test_what_is_no_record_is_one_sentence(tmp_path, name):
     path = tmp_path / name
-    with pytest.raises(SceneError, match="there is no such file"):
+    with pytest.raises(SceneError, match="does not exist; give the path of a record"):
         read_record(path)
     path.write_bytes(b"no record")
     with pytest.raises(SceneError, match="cannot be read"):

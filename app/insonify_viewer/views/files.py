@@ -6,19 +6,20 @@ import errno
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtWidgets import QFileDialog, QWidget
 
-from insonify.io.meshes import FORMATS
+from insonify.io.bathymetry import BATHYMETRY
+from insonify.io.formats import FormatRegistry
+from insonify.io.meshes import MESHES
+from insonify.io.navigation import NAVIGATION
+from insonify.io.sound_speed_casts import CASTS
 from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, load_scene
 from insonify_viewer.dem import scene_over_dem
 from insonify_viewer.simulation import Simulator
 
 MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
-CASTS = "Measured casts (*.cnv *.asvp *.svp *.csv);;All files (*)"
-TOWS = "Recorded tows (*.csv *.nc);;All files (*)"
-MESHES = f"Meshes ({' '.join(f'*{suffix}' for suffix in FORMATS)});;All files (*)"
-GRIDS = "Grids of heights (*.tif *.tiff *.bag *.asc *.npy *.npz);;All files (*)"
 
 
 class Files:
@@ -49,16 +50,21 @@ class Files:
         if path:
             self.open_scene(path)
 
+    def _ask(self, title: str, kind: str, formats: FormatRegistry[Any], folder: str = "") -> str:
+        """Let the person pick a file of one of the readable formats; return its path, empty if none was picked."""
+        patterns = " ".join(f"*{suffix}" for suffix in formats.readable())
+        return QFileDialog.getOpenFileName(self._window, title, folder, f"{kind} ({patterns});;All files (*)")[0]
+
     def ask_for_dem(self, scene: Scene) -> bool:
         """Let the person pick a measured bed for a scene; return whether one was picked."""
-        path, _ = QFileDialog.getOpenFileName(self._window, "Open a measured bed", "", GRIDS)
+        path = self._ask("Open a measured bed", "Grids of heights", BATHYMETRY)
         if path:
             self.open_dem(scene, path)
         return bool(path)
 
     def ask_for_tow(self) -> str:
-        """Let the person pick a recorded tow; return its path, empty if none was picked."""
-        return QFileDialog.getOpenFileName(self._window, "Open a recorded tow", "", TOWS)[0]
+        """Let the person pick recorded navigation; return its path, empty if none was picked."""
+        return self._ask("Open recorded navigation", "Recorded navigation", NAVIGATION)
 
     def ask_for_map(self) -> str:
         """Let the person pick a picture to lay on the bed; return its path, empty if none was picked."""
@@ -66,11 +72,11 @@ class Files:
 
     def ask_for_cast(self) -> str:
         """Let the person pick a measured cast; return its path, empty if none was picked."""
-        return QFileDialog.getOpenFileName(self._window, "Open a measured cast", "", CASTS)[0]
+        return self._ask("Open a measured cast", "Measured casts", CASTS)
 
     def ask_for_mesh(self) -> str:
         """Let the person pick a mesh; return its path, or its name if it is a bundled one, or nothing."""
-        path, _ = QFileDialog.getOpenFileName(self._window, "Open a mesh", self._meshes, MESHES)
+        path = self._ask("Open a mesh", "Meshes", MESHES, self._meshes)
         if path:
             self._meshes = str(Path(path).parent)
         return next((name for name, file in bundled_meshes().items() if file == Path(path)), path)

@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from insonify.commands.options import is_record, output, say
+from insonify.io.records import RECORDS, read_record
 from insonify.scene import load_scene
 
 if TYPE_CHECKING:
@@ -19,9 +20,14 @@ def register(subparsers: Any) -> None:
         help="lay two records side by side, with their histograms and spectra",
         description="Draw two records to one scale, each relative to its own median, and measure both alike: the "
         "variation of amplitudes in even patches, their histogram, the spectra along and across the track, the depth "
-        "of shadows. A record is a recording (.xtf), one written here (.nc, .npz), or a scene to be simulated.",
+        "of shadows.",
     )
-    parser.add_argument("records", nargs=2, metavar="RECORD", help="a record's file, or a scene's name or TOML file")
+    parser.add_argument(
+        "records",
+        nargs=2,
+        metavar="RECORD",
+        help=f"a record: {RECORDS.describe(RECORDS.readable())}; or a scene, which is simulated: a name or a TOML file",
+    )
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="picture to write: .png")
     parser.set_defaults(run=run)
 
@@ -47,8 +53,6 @@ def run(arguments: argparse.Namespace) -> int:
 def _record(name: str) -> xr.Dataset:
     """Read a record, or simulate a scene."""
     if is_record(name):
-        from insonify.io.records import read_record
-
         return read_record(name)
     from insonify.simulation import simulate
 

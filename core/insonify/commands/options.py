@@ -9,13 +9,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from insonify.io.records import RECORDS
 from insonify.planning import METHODS
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
 
 if TYPE_CHECKING:
     import xarray as xr
-
-RECORDS = (".xtf", ".nc", ".npz")  # files that hold a record, not a scene
 
 
 def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
@@ -76,7 +75,7 @@ def chosen_model(arguments: argparse.Namespace) -> dict[str, str]:
 
 def is_record(name: str) -> bool:
     """Tell a record to be read from a scene to be simulated, by the name's suffix."""
-    return Path(name).suffix.lower() in RECORDS
+    return Path(name).suffix.lower() in RECORDS.readable()
 
 
 def chosen_scene(arguments: argparse.Namespace) -> Scene:

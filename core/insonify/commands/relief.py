@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     scene = chosen_scene(arguments)
     from PIL import Image
 
-    from insonify.io.records import replacing
+    from insonify.io.atomic import replacing
     from insonify.terrain import relief_picture
 
     picture = relief_picture(scene)

@@ -19,22 +19,26 @@ from insonify.commands.options import (
     tracked,
 )
 from insonify.display.options import PALETTES, SIDES, Look
+from insonify.io.records import RECORDS, read_record, write_record
 from insonify.scene import Scene, SceneError
 
-SUFFIXES = (".png", ".nc", ".npz")
+PICTURE = ".png"
 
 
 def register(subparsers: Any) -> None:
     """Add ``render``."""
+    written = RECORDS.describe(RECORDS.writable())
     parser = subparsers.add_parser(
         "render",
-        help="simulate a record: a picture (.png), netCDF (.nc) or NumPy (.npz)",
-        description="Simulate a scene's record and write it by suffix: .png a picture, .nc netCDF, .npz NumPy arrays. "
-        "NetCDF is written as it is made, so a tow of any length fits. In place of a scene a record may stand, a real "
-        "one (.xtf) or one written here (.nc, .npz); it is shown, or written anew, as it is.",
+        help=f"simulate a record: {PICTURE} (picture), {written}",
+        description="Simulate the record of a scene and write it in the format of its suffix. NetCDF is written block "
+        "by block, so memory does not grow with the number of pings. A record may stand in place of the scene: "
+        f"{RECORDS.describe(RECORDS.readable())}. It is drawn, or written in another format, as it is.",
     )
     add_scene(parser)
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png, .nc or .npz")
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="OUT", help=f"file to write: {PICTURE} (picture), {written}"
+    )
     picture = parser.add_argument_group("pictures")
     picture.add_argument("--palette", choices=PALETTES, help="colours (default: copper)")
     picture.add_argument("--side", choices=SIDES, help="channels shown (default: both)")
@@ -52,11 +56,11 @@ def run(arguments: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    path = output(arguments.output, SUFFIXES)
+    path = output(arguments.output, (PICTURE, *RECORDS.writable()))
     given = {name: getattr(arguments, name) for name in Look._fields if getattr(arguments, name) not in (None, False)}
-    if given and path.suffix.lower() != ".png":
+    if given and not _is_picture(path):
         option = f"--{next(iter(given)).replace('_', '-')}"
-        raise SceneError(f"{option} is for pictures, not {path.name}; leave it out or end the name in .png")
+        raise SceneError(f"{option} is for pictures, not {path.name}; leave it out or end the name in {PICTURE}")
     if is_record(arguments.scene):
         pings, bins = _render_record(arguments, path, Look(**given))
     else:
@@ -74,13 +78,9 @@ def _render_record(arguments: argparse.Namespace, path: Path, look: Look) -> tup
     changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
     if changed is not None:
         raise SceneError(f"--{changed} is for scenes, and {arguments.scene} is a record already; leave it out")
-    from insonify.io.records import read_record, write_netcdf, write_npz
-
     record = read_record(arguments.scene)
-    if path.suffix.lower() == ".npz":
-        write_npz(path, record)
-    elif path.suffix.lower() == ".nc":
-        write_netcdf(path, [record])
+    if not _is_picture(path):
+        write_record(path, [record])
     else:
         from insonify.display.page import record_caption, write_page
         from insonify.display.sheet import gather_record
@@ -105,25 +105,18 @@ def write(
     ----------
     scene : Scene
     path : Path
-        Ends in one of ``SUFFIXES``; appears only when whole.
+        A picture, or a record of a format in `RECORDS`; appears only when whole.
     look : Look
         For pictures.
     method, tolerance, forced
         As in `insonify.simulate`.
     """
-    from insonify.simulation import simulate, simulate_blocks
+    from insonify.simulation import simulate_blocks
 
     pings = scene.track.pings
-    if path.suffix.lower() == ".npz":
-        from insonify.io.records import write_npz
-
-        write_npz(path, simulate(scene, method=method, tolerance=tolerance, forced=forced))
-        return
     blocks = tracked(simulate_blocks(scene, method=method, tolerance=tolerance, forced=forced), pings)
-    if path.suffix.lower() == ".nc":
-        from insonify.io.records import write_netcdf
-
-        write_netcdf(path, blocks)
+    if not _is_picture(path):
+        write_record(path, blocks)
         return
     from insonify.display.page import scene_caption, write_page
     from insonify.display.picture import LevelBed
@@ -132,3 +125,7 @@ def write(
 
     level = LevelBed(prepare(scene, method=method, tolerance=tolerance, forced=forced))
     write_page(path, gather(blocks, level.curves, pings, look), look, scene_caption(scene, look))
+
+
+def _is_picture(path: Path) -> bool:
+    return path.suffix.lower() == PICTURE

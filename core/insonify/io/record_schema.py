@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 CHANNELS = ("port", "starboard")
 ACROSS = ("channel", "ping_time", "range_sample")
@@ -66,3 +69,14 @@ def platform(columns: Iterable[NDArray[np.float64]]) -> dict[str, Any]:
 def labels(unit: str, text: str) -> dict[str, str]:
     """Return the attributes of a variable."""
     return {"units": unit, "long_name": text}
+
+
+def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Join successive blocks of pings into one record; what does not change with time is taken from the first."""
+    import xarray as xr  # slow to import, and a preview in the viewer needs none of it
+
+    if len(blocks) == 1:
+        return blocks[0]
+    return xr.concat(
+        blocks, dim="ping_time", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
+    )

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.files import file_version
-from insonify.io.navigation import RecordedTow, read_tow
+from insonify.io.file_cache import kept_until_changed
+from insonify.io.navigation import RecordedNavigation, read_navigation
 from insonify.scene import Scene, SceneError
 from insonify.scene.motion import Recorded, Turn
 from insonify.scene.track import Track
@@ -139,7 +139,7 @@ def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -
     time = np.asarray(pings, dtype=np.float64) / scene.sonar.ping_rate
     known: dict[str, Column] = {}
     for path in paths:
-        tow = _kept_tow(path, file_version(path))
+        tow = _read_with_course(path)
         both = sorted(known.keys() & tow.columns.keys())
         if both:
             raise SceneError(f"track.motion.of: {path!r} gives {both[0]} a second time; leave it out of one file")
@@ -148,7 +148,7 @@ def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -
     return known
 
 
-def _at(tow: RecordedTow, time: Column, speed: float) -> dict[str, Column]:
+def _at(tow: RecordedNavigation, time: Column, speed: float) -> dict[str, Column]:
     known = {
         name: np.interp(time, tow.time, np.radians(np.unwrap(values, period=360.0)) if name in ANGLES else values)
         for name, values in tow.columns.items()
@@ -160,16 +160,15 @@ def _at(tow: RecordedTow, time: Column, speed: float) -> dict[str, Column]:
     return known
 
 
-@lru_cache(maxsize=4)
-def _kept_tow(path: str, version: tuple[int, int]) -> RecordedTow:
-    del version  # part of the key alone: a file written anew is read anew
-    tow = read_tow(path)
+@kept_until_changed(maxsize=4)
+def _read_with_course(path: str) -> RecordedNavigation:
+    tow = read_navigation(path)
     if "x" not in tow.columns or "heading" in tow.columns:
         return tow
-    return RecordedTow(tow.time, {**tow.columns, "heading": _course(tow)})
+    return RecordedNavigation(tow.time, {**tow.columns, "heading": _course(tow)})
 
 
-def _course(tow: RecordedTow) -> Column:
+def _course(tow: RecordedNavigation) -> Column:
     """Direction from place to place in degrees, for files that do not say where the fish heads."""
     east, north = (np.gradient(tow.columns[name], tow.time) for name in ("x", "y"))
     moving = (east != 0.0) | (north != 0.0)

@@ -13,7 +13,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.files import file_version
+from insonify.io.file_cache import kept_until_changed
+from insonify.io.formats import reason
 from insonify.scene import SceneError
 from insonify.scene.made import Patchy
 from insonify.scene.ripples import Ripples
@@ -136,7 +137,7 @@ def points_of(of: Table | TableFile) -> tuple[tuple[float, float], ...]:
     """Points of a tabled autocorrelation."""
     if isinstance(of, Table):
         return of.points
-    return _kept_points(of.path, file_version(of.path))
+    return read_autocorrelation(of.path)
 
 
 @lru_cache(maxsize=4)
@@ -170,12 +171,7 @@ def tabled(points: tuple[tuple[float, float], ...]) -> tuple[Field, Field]:
     return wave, np.maximum(power, 0.0)
 
 
-@lru_cache(maxsize=4)
-def _kept_points(path: str, version: tuple[int, int]) -> tuple[tuple[float, float], ...]:
-    del version  # part of the key alone: a file written anew is read anew
-    return read_autocorrelation(path)
-
-
+@kept_until_changed(maxsize=4)
 def read_autocorrelation(path: str) -> tuple[tuple[float, float], ...]:
     """Read the points of an autocorrelation from a CSV file.
 
@@ -189,8 +185,7 @@ def read_autocorrelation(path: str) -> tuple[tuple[float, float], ...]:
     try:
         rows = np.genfromtxt(path, delimiter=",", comments="#", dtype=np.float64, ndmin=2)
     except (OSError, ValueError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise _refusal(path, f"cannot be read ({reason})") from None
+        raise _refusal(path, f"cannot be read ({reason(error)})") from None
     # A line of names comes out as NaN.
     rows = rows[1:] if len(rows) and np.isnan(rows[0]).all() else rows
     if rows.shape[1] != 2 or not np.isfinite(rows).all():

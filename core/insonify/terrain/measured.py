@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.files import file_version
-from insonify.io.bathymetry import Grid, read_grid, refusal
+from insonify.io.bathymetry import BATHYMETRY, Grid, read_grid
+from insonify.io.file_cache import kept_until_changed
 from insonify.scene.reliefs import Dem
 
 HIGHEST = 2e4  # m, of any bed, up or down
 SQUARE = 1e-6  # relative difference of spacings that still counts as square
+_read_grid = kept_until_changed(maxsize=2)(read_grid)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ def measured_bed(dem: Dem, spacing: float, origin: tuple[float, float] | None) -
     origin : (float, float), optional
         Map coordinates of the local (0, 0); the centre of the grid when left out or when the file has none.
     """
-    grid = _squared(_kept_grid(dem.path, file_version(dem.path)), spacing)
+    grid = _squared(_read_grid(dem.path), spacing)
     step = spacing if grid.spacing is None else grid.spacing[0]
     ny, nx = grid.heights.shape
     x0, y0 = -0.5 * (nx - 1) * step, -0.5 * (ny - 1) * step
@@ -62,16 +62,10 @@ def _on_earth(dem: Dem, heights: NDArray[np.float64]) -> NDArray[np.float64]:
     """Refuse heights that no bed has: a number that was to say "none", or another unit."""
     low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
     if not -HIGHEST <= low <= high <= HIGHEST:
-        raise refusal(
+        raise BATHYMETRY.refusal(
             dem.path, f"has heights from {low:g} to {high:g} m", "declare its nodata value, or turn its unit by scale"
         )
     return heights
-
-
-@lru_cache(maxsize=2)
-def _kept_grid(path: str, version: tuple[int, int]) -> Grid:
-    del version  # part of the key alone: a file written anew is read anew
-    return read_grid(path)
 
 
 def _squared(grid: Grid, spacing: float) -> Grid:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import warnings
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.files import file_version
+from insonify.io.file_cache import kept_until_changed
+from insonify.io.formats import reason
 from insonify.scene import SceneError
 from insonify.scene.materials import ImageMap
 from insonify.terrain.lattice import Lattice, Map
@@ -48,6 +48,7 @@ def picture_shape(layout: ImageMap, spacing: float, fewest: int) -> tuple[int, i
     return ny, nx
 
 
+@kept_until_changed(maxsize=4)
 def picture_rows(path: str, count: int) -> Map:
     """Read a picture as rows of a table of ``count`` materials, (rows, columns) uint8, southernmost first.
 
@@ -56,12 +57,6 @@ def picture_rows(path: str, count: int) -> Map:
     SceneError
         If it cannot be read, is no plain picture, or has colours beyond the materials.
     """
-    return _kept_rows(path, file_version(path), count)
-
-
-@lru_cache(maxsize=4)
-def _kept_rows(path: str, version: tuple[int, int], count: int) -> Map:
-    del version  # part of the key alone: a file written anew is read anew
     pixels, levels = _read(path)
     if levels is None:
         if int(pixels.max()) >= count:
@@ -90,8 +85,7 @@ def _read(path: str) -> tuple[NDArray[np.integer], int | None]:
     except (Image.DecompressionBombWarning, Image.DecompressionBombError):
         raise _refusal(path, "is too large to be read", "thin it to 8192 pixels a side") from None
     except (OSError, UnidentifiedImageError, ValueError, SyntaxError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise _refusal(path, f"cannot be read ({reason})", "give a PNG or TIFF picture") from None
+        raise _refusal(path, f"cannot be read ({reason(error)})", "give a PNG or TIFF picture") from None
     if mode == "P":
         return pixels, None
     if plain.mode not in LEVELS or not 0 <= int(pixels.min()) <= int(pixels.max()) < LEVELS[plain.mode]:

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.bathymetry.grid import Grid, check_size, check_type, refusal
+from insonify.io.bathymetry.grid import BATHYMETRY, Grid, check_size, check_type
+from insonify.io.formats import FileFormat
 
 NAMES = ("elevation", "z")
 SAMPLE = "sample:"
@@ -27,7 +28,7 @@ def read_array(path: str) -> Grid:
     try:
         stored = np.load(path, allow_pickle=False)
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise refusal(path, f"cannot be read ({_one_line(error)})", "save it with numpy.save or numpy.savez") from None
+        raise BATHYMETRY.unreadable(path, error, "save it with numpy.save or numpy.savez") from None
     if isinstance(stored, np.ndarray):
         return Grid(_heights(path, stored))
     with stored:
@@ -40,7 +41,9 @@ def read_sample(path: str) -> Grid:
 
     name = path.removeprefix(SAMPLE)
     if name not in SAMPLES:
-        raise refusal(path, "is not a sample known here", f"choose {' or '.join(SAMPLE + name for name in SAMPLES)}")
+        raise BATHYMETRY.refusal(
+            path, "is not a sample known here", f"choose {' or '.join(SAMPLE + name for name in SAMPLES)}"
+        )
     file, key, northern_first = SAMPLES[name]
     with np.load(Path(str(cbook.get_sample_data(file, asfileobj=False)))) as stored:
         heights = _heights(path, stored[key])
@@ -52,7 +55,7 @@ def _pick(path: str, stored: Mapping[str, Any]) -> NDArray[Any]:
     arrays = map(partial(_get, path, stored), [*(name for name in NAMES if name in stored), *stored])
     found = next((array for array in arrays if array.ndim == 2), None)
     if found is None:
-        raise refusal(path, "holds no 2-D array", "save the heights as a 2-D array named elevation")
+        raise BATHYMETRY.refusal(path, "holds no 2-D array", "save the heights as a 2-D array named elevation")
     return found
 
 
@@ -60,15 +63,13 @@ def _get(path: str, stored: Mapping[str, Any], name: str) -> NDArray[Any]:
     try:
         return np.asarray(stored[name])
     except (OSError, ValueError, zipfile.BadZipFile) as error:
-        raise refusal(
-            path, f"cannot be read ({_one_line(error)})", "save it with numpy.savez as plain numbers"
-        ) from None
+        raise BATHYMETRY.unreadable(path, error, "save it with numpy.savez as plain numbers") from None
 
 
 def _heights(path: str, array: NDArray[Any]) -> NDArray[np.float64]:
     """Check an array and turn what is not finite into NaN."""
     if array.ndim != 2:
-        raise refusal(path, f"has {array.ndim} dimensions", "save the heights as a 2-D array")
+        raise BATHYMETRY.refusal(path, f"has {array.ndim} dimensions", "save the heights as a 2-D array")
     check_type(path, array.dtype)
     check_size(path, array.shape)
     heights = array.astype(np.float64)
@@ -76,5 +77,4 @@ def _heights(path: str, array: NDArray[Any]) -> NDArray[np.float64]:
     return heights
 
 
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())[:120]
+ARRAYS = FileFormat("NumPy array", (".npy", ".npz"), read_array)

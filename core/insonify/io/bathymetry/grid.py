@@ -1,4 +1,4 @@
-"""A grid of heights as a file holds it, and how its mistakes are told."""
+"""A grid of heights as a file holds it, and the checks that every format shares."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.errors import SceneError
+from insonify.io.formats import FormatRegistry
 
 # A bed of 16384² float32 nodes is 1 GB; a larger file was surely meant to be cropped.
 LARGEST_SIDE = 16384
@@ -33,20 +33,25 @@ class Grid:
     corner: tuple[float, float] | None = None
 
 
-def refusal(path: str, fault: str, remedy: str) -> SceneError:
-    """Say in one sentence what is wrong with a grid's file."""
-    return SceneError(f"seabed.relief.path: {path!r} {fault}; {remedy}")
+BATHYMETRY: FormatRegistry[Grid] = FormatRegistry(
+    "a grid of heights",
+    "insonify.io.bathymetry",
+    "insonify.bathymetry_formats",
+    "seabed.relief.path: {path!r} {fault}; {remedy}",
+)
 
 
 def check_size(path: str, shape: tuple[int, ...]) -> None:
     """Refuse a grid too small to span a cell or too large to hold."""
     if min(shape) < 2:
-        raise refusal(path, f"is only {shape[1]} by {shape[0]} heights", "give at least 2 by 2")
+        raise BATHYMETRY.refusal(path, f"is only {shape[1]} by {shape[0]} heights", "give at least 2 by 2")
     if max(shape) > LARGEST_SIDE:
-        raise refusal(path, f"is {shape[1]} by {shape[0]} heights", f"crop or thin it to {LARGEST_SIDE} a side")
+        raise BATHYMETRY.refusal(
+            path, f"is {shape[1]} by {shape[0]} heights", f"crop or thin it to {LARGEST_SIDE} a side"
+        )
 
 
 def check_type(path: str, stored: np.dtype[Any]) -> None:
     """Refuse numbers that are no heights: complex ones, truth values, text."""
     if stored.kind not in "fiu":
-        raise refusal(path, f"holds {stored} values", "save the heights as real numbers")
+        raise BATHYMETRY.refusal(path, f"holds {stored} values", "save the heights as real numbers")

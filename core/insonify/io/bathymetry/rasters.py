@@ -6,17 +6,19 @@ import warnings
 from typing import Any
 
 import numpy as np
-import rasterio
 from numpy.typing import NDArray
-from rasterio.errors import NotGeoreferencedWarning, RasterioError
 
-from insonify.io.bathymetry.grid import Grid, check_size, check_type, refusal
+from insonify.io.bathymetry.grid import BATHYMETRY, Grid, check_size, check_type
+from insonify.io.formats import FileFormat
 
 ELEVATION = 1  # band of either format that holds the heights
 
 
 def read_raster(path: str) -> Grid:
     """Read the first band of a raster; a BAG of varying resolution is laid out at its finest."""
+    # GDAL takes a fifth of a second to load; only rasters need it.
+    from rasterio.errors import NotGeoreferencedWarning, RasterioError
+
     try:
         with warnings.catch_warnings():
             # A bare TIFF is welcome: the scene then gives its spacing.
@@ -24,12 +26,13 @@ def read_raster(path: str) -> Grid:
             with _open(path) as raster:
                 return _read(path, raster)
     except RasterioError as error:
-        reason = " ".join(str(error).split())[:120]
-        raise refusal(path, f"cannot be read ({reason})", "give a valid GeoTIFF, BAG or ESRI ASCII grid") from None
+        raise BATHYMETRY.unreadable(path, error, "give a valid GeoTIFF, BAG or ESRI ASCII grid") from None
 
 
 def _open(path: str) -> Any:
     """Open a raster; a BAG of varying resolution would otherwise show only its coarse overview."""
+    import rasterio
+
     raster = rasterio.open(path)
     if raster.tags().get("HAS_SUPERGRIDS") != "TRUE":
         return raster
@@ -46,7 +49,9 @@ def _read(path: str, raster: Any) -> Grid:
     _check_metres(path, raster)
     transform = raster.transform
     if transform.b != 0.0 or transform.d != 0.0 or transform.a <= 0.0 or transform.e >= 0.0:
-        raise refusal(path, "is not laid out north up", "warp it to a north-up grid, for example with gdalwarp")
+        raise BATHYMETRY.refusal(
+            path, "is not laid out north up", "warp it to a north-up grid, for example with gdalwarp"
+        )
     # A height belongs to the centre of its pixel; the last row is the southernmost.
     x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
     return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y))
@@ -64,8 +69,13 @@ def _check_metres(path: str, raster: Any) -> None:
     if raster.crs is None:
         return
     if raster.crs.is_geographic:
-        raise refusal(path, "is in degrees", "project it to metres, for example with gdalwarp -t_srs EPSG:32633")
+        raise BATHYMETRY.refusal(
+            path, "is in degrees", "project it to metres, for example with gdalwarp -t_srs EPSG:32633"
+        )
     if raster.crs.is_projected and abs(raster.crs.linear_units_factor[1] - 1.0) > 1e-9:
-        raise refusal(
+        raise BATHYMETRY.refusal(
             path, f"is in {raster.crs.linear_units}", "project it to metres, for example with gdalwarp -t_srs"
         )
+
+
+RASTERS = FileFormat("GeoTIFF, BAG or ESRI ASCII grid", (".tif", ".tiff", ".bag", ".asc"), read_raster)

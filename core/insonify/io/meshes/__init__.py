@@ -1,5 +1,5 @@
-"""Readers of shapes made of triangles."""
+"""Meshes of triangles: a format is one module here that holds a `FileFormat`."""
 
-from insonify.io.meshes.read import FORMATS, read_mesh
+from insonify.io.meshes.mesh import MESHES, read_mesh
 
-__all__ = ["FORMATS", "read_mesh"]
+__all__ = ["MESHES", "read_mesh"]

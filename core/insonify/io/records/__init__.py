@@ -1,8 +1,5 @@
-"""Records on disk."""
+"""Records on disk: a format is one module here that holds a `FileFormat`."""
 
-from insonify.io.atomic import replacing
-from insonify.io.records.netcdf import append_to, write_netcdf
-from insonify.io.records.npz import write_npz
-from insonify.io.records.reading import read_record
+from insonify.io.records.files import RECORDS, read_record, write_record
 
-__all__ = ["append_to", "read_record", "replacing", "write_netcdf", "write_npz"]
+__all__ = ["RECORDS", "read_record", "write_record"]

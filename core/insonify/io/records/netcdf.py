@@ -6,14 +6,16 @@ import errno
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import netCDF4
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from insonify.io.atomic import replacing
+from insonify.io.formats import FileFormat
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 ALONG = "ping_time"
 EPOCH = "nanoseconds since 1970-01-01"
@@ -29,20 +31,30 @@ def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
     """
+    import netCDF4  # slow to import, and no other command needs it at its start
+
     with replacing(path) as beside:
         file = netCDF4.Dataset(beside, "w", format="NETCDF4")
         try:
             for block in blocks:
-                with _faults_of_the_disk():
+                with _disk_errors():
                     append_to(file, block)
         finally:
-            with _faults_of_the_disk():
+            with _disk_errors():
                 file.close()
 
 
+def read_netcdf(path: str | Path) -> xr.Dataset:
+    """Read a record written by `write_netcdf`."""
+    import xarray as xr  # slow to import too
+
+    with xr.open_dataset(path, engine="netcdf4") as record:
+        return record.load()
+
+
 @contextmanager
-def _faults_of_the_disk() -> Iterator[None]:
-    """Call by its name what the library calls a RuntimeError: the disk is full, or gone."""
+def _disk_errors() -> Iterator[None]:
+    """Raise an OSError where the library raises a RuntimeError because the disk is full or gone."""
     try:
         yield
     except RuntimeError as error:
@@ -112,3 +124,6 @@ def _plain(value: Any) -> Any:
     return (
         value if isinstance(value, (int, float, np.number, np.ndarray)) and not isinstance(value, bool) else str(value)
     )
+
+
+NETCDF = FileFormat("netCDF", (".nc",), read_netcdf, write_netcdf)

@@ -1,16 +1,25 @@
-"""Records as NumPy archives."""
+"""Records as NumPy archives: one array a variable."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from insonify.io.atomic import replacing
+from insonify.io.formats import FileFormat
+from insonify.io.record_schema import ACROSS, join_blocks
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+ALONG_RANGE = ("slant_range", "travel_time")  # coordinates
+ATTRIBUTE = "attrs."  # before the names of attributes
 
 
-def write_npz(path: str | Path, record: xr.Dataset) -> None:
+def write_npz(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     """Write a record as one array a variable; readable by ``numpy.load`` without pickles.
 
     An archive is written whole, so the record must fit in memory; a long tow belongs in netCDF.
@@ -19,11 +28,38 @@ def write_npz(path: str | Path, record: xr.Dataset) -> None:
     ----------
     path : str or Path
         File to make or replace; it appears only when whole.
-    record : Dataset
-        Variables and coordinates keep their names and shapes; attributes become ``attrs.<name>``.
+    blocks : iterable of Dataset
+        Successive pings. Variables and coordinates keep their names and shapes; attributes become ``attrs.<name>``.
     """
+    record = join_blocks(list(blocks))
     arrays = {str(name): variable.values for name, variable in record.variables.items()}
-    arrays |= {f"attrs.{key}": np.array(value) for key, value in record.attrs.items()}
+    arrays |= {f"{ATTRIBUTE}{key}": np.array(value) for key, value in record.attrs.items()}
     arrays = {name: values.astype(str) if values.dtype.kind in "OT" else values for name, values in arrays.items()}
     with replacing(path) as beside, beside.open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
+
+
+def read_npz(path: str | Path) -> xr.Dataset:
+    """Read a record written by `write_npz`."""
+    import xarray as xr  # slow to import, and no other command needs it at its start
+
+    with np.load(path, allow_pickle=False) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    told = [name for name in arrays if name.startswith(ATTRIBUTE)]
+    attributes = {name.removeprefix(ATTRIBUTE): arrays.pop(name).item() for name in told}
+    sizes = dict(zip(ACROSS, arrays["intensity"].shape))
+    named = {name: (_dimensions(name, values.shape, sizes), values) for name, values in arrays.items()}
+    return xr.Dataset(named, attrs=attributes).set_coords([name for name in ALONG_RANGE if name in named])
+
+
+def _dimensions(name: str, shape: tuple[int, ...], sizes: dict[str, int]) -> tuple[str, ...]:
+    """Name the dimensions of an array, which an archive does not keep, by its name or by its number of dimensions."""
+    if name in sizes:
+        return (name,)
+    if len(shape) == len(ACROSS):
+        return ACROSS
+    across = ("range_sample",) if name in ALONG_RANGE else ("ping_time",)
+    return across[: len(shape)]
+
+
+NPZ = FileFormat("NumPy arrays", (".npz",), read_npz, write_npz)

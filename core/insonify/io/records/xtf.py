@@ -9,15 +9,18 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from insonify.errors import SceneError
+from insonify.io.formats import FileFormat
 from insonify.io.record_schema import ACROSS, coordinates, labels, platform
+from insonify.io.records.files import RECORDS
 from insonify.io.records.xtf_track import platform_columns, seconds
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SIDES = {1: 0, 2: 1}  # TypeOfChannel -> row: port, starboard
 SONAR_PACKET, MAGIC, FORMAT = 0, 0xFACE, 123
@@ -73,19 +76,23 @@ def read_xtf(path: str | Path) -> xr.Dataset:
     header = XTFFileHeader.from_buffer_copy(content[:BLOCK])
     pings = list(_pings(path, content, header))
     if not pings:
-        raise _refusal(path, "holds no side-scan pings", "give a recording with port or starboard channels")
+        raise RECORDS.refusal(path, "holds no side-scan pings", "give a recording with port or starboard channels")
     return _dataset(path, header, pings)
 
 
 def _content(path: Path) -> NDArray[np.uint8]:
     """Map the file, once it looks like one."""
     if not path.is_file():
-        raise _refusal(path, "does not exist" if not path.exists() else "is no file", "give the path of a recording")
+        raise RECORDS.refusal(
+            path, "does not exist" if not path.exists() else "is no file", "give the path of a recording"
+        )
     if path.stat().st_size < BLOCK:
-        raise _refusal(path, f"has {path.stat().st_size} bytes, less than the header of an XTF file", "copy it again")
+        raise RECORDS.refusal(
+            path, f"has {path.stat().st_size} bytes, less than the header of an XTF file", "copy it again"
+        )
     content = np.memmap(path, dtype=np.uint8, mode="r")
     if content[0] != FORMAT:
-        raise _refusal(path, "is not an XTF file (its first byte is not 123)", "give a recording in XTF")
+        raise RECORDS.refusal(path, "is not an XTF file (its first byte is not 123)", "give a recording in XTF")
     return content
 
 
@@ -101,13 +108,13 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
             return  # padding
         packet = XTFPacketStart.from_buffer_copy(start) if start.size == smallest else None
         if packet is not None and (packet.MagicNumber != MAGIC or packet.NumBytesThisRecord < smallest):
-            raise _refusal(path, f"holds no XTF packet at byte {at}", "copy or export it again")
+            raise RECORDS.refusal(path, f"holds no XTF packet at byte {at}", "copy or export it again")
         if packet is None or at + packet.NumBytesThisRecord > content.size:
-            raise _refusal(path, f"ends within the packet at byte {at}", "copy or export it again")
+            raise RECORDS.refusal(path, f"ends within the packet at byte {at}", "copy or export it again")
         body = content[at : at + packet.NumBytesThisRecord]
         if packet.HeaderType == SONAR_PACKET:
             if body.size < ctypes.sizeof(XTFPingHeader):
-                raise _refusal(path, f"has a ping too short for its header at byte {at}", "export it again")
+                raise RECORDS.refusal(path, f"has a ping too short for its header at byte {at}", "export it again")
             ping = XTFPingHeader.from_buffer_copy(body[: ctypes.sizeof(XTFPingHeader)])
             sides = _sides(path, header, ping, body[ctypes.sizeof(XTFPingHeader) :])
             if sides:
@@ -130,7 +137,7 @@ def _sides(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> dict[
     sides: dict[int, _Channel] = {}
     for _ in range(ping.NumChansToFollow):
         if at + size > body.size:
-            raise _refusal(path, f"tells of more channels than ping {ping.PingNumber} has", "export it again")
+            raise RECORDS.refusal(path, f"tells of more channels than ping {ping.PingNumber} has", "export it again")
         channel = XTFPingChanHeader.from_buffer_copy(body[at : at + size])
         info = header.ChanInfo[channel.ChannelNumber % len(header.ChanInfo)]
         samples, length = _samples(path, info, channel, body[at + size :])
@@ -138,7 +145,7 @@ def _sides(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> dict[
         side = SIDES.get(info.TypeOfChannel)
         if side is not None and side not in sides and samples.size:
             if info.CorrectionFlags == GROUND_RANGE:
-                raise _refusal(path, "is corrected to ground range", "export it in slant range")
+                raise RECORDS.refusal(path, "is corrected to ground range", "export it in slant range")
             sides[side] = _channel(path, ping, channel, samples[::-1] if side == 0 else samples)
     return sides
 
@@ -147,7 +154,7 @@ def _samples(path: Path, info: Any, channel: Any, body: NDArray[np.uint8]) -> tu
     """Return the samples of a channel in the order stored, and their bytes."""
     kind = SAMPLES.get(info.SampleFormat) if info.SampleFormat else UNTOLD.get(info.BytesPerSample)
     if kind is None:
-        raise _refusal(
+        raise RECORDS.refusal(
             path,
             f"has samples of format {info.SampleFormat} and {info.BytesPerSample} bytes, which is not read here",
             "export it with integers or IEEE floats",
@@ -155,7 +162,7 @@ def _samples(path: Path, info: Any, channel: Any, body: NDArray[np.uint8]) -> tu
     count = int(channel.NumSamples or info.Reserved)  # the field that old files use
     length = count * np.dtype(kind).itemsize
     if length > body.size:
-        raise _refusal(path, f"has a ping with less than the {count} samples it announces", "export it again")
+        raise RECORDS.refusal(path, f"has a ping with less than the {count} samples it announces", "export it again")
     return body[:length].view(kind), length
 
 
@@ -164,7 +171,7 @@ def _channel(path: Path, ping: Any, channel: Any, samples: NDArray[Any]) -> _Cha
     # A weight N says that the samples were multiplied by 2^N to fill their integers.
     amplitude = np.ldexp(np.abs(samples.astype(np.float64)), -int(np.clip(channel.Weight, -40, 40))).astype(np.float32)
     if not (np.isfinite(amplitude).all() and amplitude.max() < 1e18):  # its square must fit a float32
-        raise _refusal(path, f"has samples in ping {ping.PingNumber} that are no echoes", "export it again")
+        raise RECORDS.refusal(path, f"has samples in ping {ping.PingNumber} that are no echoes", "export it again")
     reach, lasts = float(channel.SlantRange), float(channel.TimeDuration)
     given = float(ping.SoundVelocity)
     given = 2.0 * given if 650.0 <= given <= 850.0 else given  # one-way, as half the speed
@@ -172,18 +179,20 @@ def _channel(path: Path, ping: Any, channel: Any, samples: NDArray[Any]) -> _Cha
     speed = next((speed for speed in (known, given) if 1300.0 <= speed <= 1700.0), DEFAULT_SPEED)
     reach = reach if reach > 0.0 else speed * lasts / 2.0
     if not 0.0 < reach < 1e5:
-        raise _refusal(path, f"tells no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
+        raise RECORDS.refusal(path, f"tells no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
     return _Channel(amplitude, reach, speed)
 
 
 def _dataset(path: Path, header: Any, pings: list[_Ping]) -> xr.Dataset:
     """Lay the pings out on one grid of slant range, the most usual."""
+    import xarray as xr  # slow to import, and no other command needs it at its start
+
     channels = [side for ping in pings for side in ping.sides.values()]
     bin_length = sorted(side.slant_range / side.amplitude.size for side in channels)[len(channels) // 2]
     bins = max(round(side.slant_range / bin_length) for side in channels)
     most = max(side.amplitude.size for side in channels)
     if bins > WIDEST * most:
-        raise _refusal(
+        raise RECORDS.refusal(
             path, f"has slant ranges up to {bins * bin_length:.3g} m in bins of {bin_length:.3g} m", "export it again"
         )
     amplitude = np.zeros((2, len(pings), bins), dtype=np.float32)
@@ -218,5 +227,4 @@ def _frequency(header: Any) -> float:
     return 1e3 * frequency if 0.0 < frequency < 1e4 else frequency
 
 
-def _refusal(path: Path, wrong: str, remedy: str) -> SceneError:
-    return SceneError(f"{path}: {wrong}; {remedy}")
+XTF = FileFormat("eXtended Triton Format", (".xtf",), read_xtf)

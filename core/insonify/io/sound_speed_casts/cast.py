@@ -1,13 +1,14 @@
-"""What a cast holds."""
+"""A sound-speed cast: the water as an instrument found it on its way down."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.errors import SceneError
+from insonify.io.formats import FormatRegistry
 
 Values = NDArray[np.float64]
 # Columns of a file by name: depth (m) and any of time (s), sound_speed (m/s), temperature (°C), salinity (practical).
@@ -37,6 +38,23 @@ class Cast:
     salinity: Values | None
 
 
-def refusal(path: str, fault: str, remedy: str) -> SceneError:
-    """Make the one sentence that refuses a file."""
-    return SceneError(f"water.path: {path!r} {fault}; {remedy}")
+CASTS: FormatRegistry[Columns] = FormatRegistry(
+    "a measured cast",
+    "insonify.io.sound_speed_casts",
+    "insonify.sound_speed_cast_formats",
+    "water.path: {path!r} {fault}; {remedy}",
+)
+
+
+def read_text(path: str) -> str:
+    """Text of a cast's file, read as Latin-1, which accepts any byte.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be opened.
+    """
+    try:
+        return Path(path).read_text(encoding="latin-1")
+    except OSError as error:
+        raise CASTS.refusal(path, f"cannot be read ({error.strerror})", "give a file that can be opened") from None

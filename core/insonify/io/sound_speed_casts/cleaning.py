@@ -1,11 +1,11 @@
-"""From rows as an instrument wrote them to a cast: the way down, at increasing depths."""
+"""Clean a cast: from rows as the instrument wrote them to the way down, at increasing depths."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.sound_speed_casts.cast import Cast, Columns, Values, refusal
+from insonify.io.sound_speed_casts.cast import CASTS, Cast, Columns, Values
 
 BIN = 0.5  # m of depth that are averaged
 # Beyond these a sensor was in air, or is broken.
@@ -15,8 +15,8 @@ PAUSE = 10.0  # times as long as half a metre usually takes
 DESCENT = 0.5  # share of the depths that a way down has to cover to be one
 
 
-def cleaned(path: str, columns: Columns) -> Cast:
-    """Make a cast of a file's columns.
+def clean_cast(path: str, columns: Columns) -> Cast:
+    """Make a cast of the columns of a file.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def cleaned(path: str, columns: Columns) -> Cast:
     depth = columns["depth"][rows]
     means = {name: _binned(depth, columns[name][rows]) for name in used}
     if means["depth"].size < 2:
-        raise refusal(
+        raise CASTS.refusal(
             path, f"holds {means['depth'].size} usable depths of {columns['depth'].size} rows", "give two or more"
         )
     return Cast(means["depth"], *(means.get(name) for name in ("sound_speed", "temperature", "salinity")))
@@ -52,11 +52,11 @@ def _used(path: str, columns: Columns) -> tuple[str, ...]:
     """Columns that make up the water."""
     known = {name for name, column in columns.items() if np.isfinite(column).any()}
     if "depth" not in known:
-        raise refusal(path, "tells no depth", "name a column depth (m)")
+        raise CASTS.refusal(path, "tells no depth", "name a column depth (m)")
     whole = ("sound_speed", *(("temperature", "salinity") if {"temperature", "salinity"} <= known else ()))
     used = tuple(name for name in whole if name in known)
     if not used:
-        raise refusal(
+        raise CASTS.refusal(
             path, "tells neither the speed of sound nor temperature and salinity", "name a column sound_speed (m/s)"
         )
     return ("depth", *used)

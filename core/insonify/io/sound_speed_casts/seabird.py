@@ -6,7 +6,8 @@ import re
 
 import numpy as np
 
-from insonify.io.sound_speed_casts.cast import Columns, Values, refusal
+from insonify.io.formats import FileFormat
+from insonify.io.sound_speed_casts.cast import CASTS, Columns, Values, read_text
 
 WIDTH = 11  # characters of a column, should numbers run together
 BAD = -9.99e-29  # stands for no value
@@ -17,13 +18,12 @@ CONDUCTIVITY = {"S/m": 10.0, "mS/cm": 1.0, "uS/cm": 1e-3}  # in mS/cm
 IPTS68 = 1.00024  # times as many degrees as on ITS-90
 
 
-def read_seabird(path: str, text: str) -> Columns:
+def read_seabird(path: str) -> Columns:
     """Read the columns of a converted cast.
 
     Parameters
     ----------
-    path, text : str
-        Name and content of the file.
+    path : str
 
     Returns
     -------
@@ -35,9 +35,10 @@ def read_seabird(path: str, text: str) -> Columns:
     SceneError
         If it holds no table.
     """
+    text = read_text(path)
     names = [match.group(1) for match in re.finditer(r"^# name \d+ = ([^:\r\n]+)", text, flags=re.MULTILINE)]
     if not names:
-        raise refusal(path, "names no columns as Sea-Bird does", "give a converted cast")
+        raise CASTS.refusal(path, "names no columns as Sea-Bird does", "give a converted cast")
     table = _table(path, text, names)
     bad = re.search(r"^# bad_flag = (\S+)", text, flags=re.MULTILINE)
     # A float of an old file may have lost some of its digits.
@@ -60,9 +61,11 @@ def _table(path: str, text: str, names: list[str]) -> Values:
         try:
             rows.append([float(cell) for cell in cells])
         except ValueError:
-            raise refusal(path, f"has no numbers in line {number}", "convert the cast again") from None
+            raise CASTS.refusal(path, f"has no numbers in line {number}", "convert the cast again") from None
         if len(cells) != len(names):
-            raise refusal(path, f"has {len(cells)} columns in line {number}, not {len(names)}", "convert it again")
+            raise CASTS.refusal(
+                path, f"has {len(cells)} columns in line {number}, not {len(names)}", "convert it again"
+            )
     return np.array(rows, dtype=np.float64).reshape(-1, len(names))
 
 
@@ -100,3 +103,6 @@ def _add_of_pressure(known: Columns, found: Columns, pressure: Values) -> None:
 
 def _first(known: Columns, pattern: str) -> str | None:
     return next((name for name in reversed(list(known)) if re.fullmatch(pattern, name)), None)
+
+
+SEABIRD = FileFormat("Sea-Bird converted cast", (".cnv",), read_seabird)

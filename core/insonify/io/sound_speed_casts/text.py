@@ -7,7 +7,8 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.sound_speed_casts.cast import Columns, Values, refusal
+from insonify.io.formats import FileFormat
+from insonify.io.sound_speed_casts.cast import CASTS, Columns, Values, read_text
 
 BYTE_ORDER_MARK = "\u00ef\u00bb\u00bf"  # read as Latin-1
 SPEEDS = (1300.0, 1700.0)
@@ -21,13 +22,12 @@ NAMES = {
 }
 
 
-def read_profile(path: str, text: str) -> Columns:
+def read_profile(path: str) -> Columns:
     """Read depth and speed of sound from ``.asvp`` and ``.svp`` files; lines that are not all numbers are headings.
 
     Parameters
     ----------
-    path, text : str
-        Name and content of the file.
+    path : str
 
     Returns
     -------
@@ -38,23 +38,23 @@ def read_profile(path: str, text: str) -> Columns:
     SceneError
         If it holds no profile, or several.
     """
+    text = read_text(path)
     sections = len(re.findall(r"^\s*section\b", text, flags=re.MULTILINE | re.IGNORECASE))
     if sections > 1:
-        raise refusal(path, f"holds {sections} casts", "keep one of its sections")
+        raise CASTS.refusal(path, f"holds {sections} casts", "keep one of its sections")
     rows = [row for row in map(_numbers, text.splitlines()) if row.size >= 2 and np.isfinite(row).all()]
     if not rows:
-        raise refusal(path, "holds no rows of depth and sound speed", "give two numbers in every line")
+        raise CASTS.refusal(path, "holds no rows of depth and sound speed", "give two numbers in every line")
     depth, speed = np.array([row[:2] for row in rows]).T
     return {"depth": depth, "sound_speed": speed}
 
 
-def read_table(path: str, text: str) -> Columns:
+def read_table(path: str) -> Columns:
     """Read a table with one name per column, or one whose columns show by themselves what they are.
 
     Parameters
     ----------
-    path, text : str
-        Name and content of the file.
+    path : str
 
     Returns
     -------
@@ -65,14 +65,14 @@ def read_table(path: str, text: str) -> Columns:
     SceneError
         If it holds no table, or columns that cannot be told apart.
     """
-    whole = text.removeprefix(BYTE_ORDER_MARK).splitlines()
+    whole = read_text(path).removeprefix(BYTE_ORDER_MARK).splitlines()
     lines = [line for line in whole if line.strip(" ,;\t") and line[0] != "#"]
     rows = [_numbers(line) for line in lines]
     names = _header(lines[0]) if lines and np.isnan(rows[0]).all() else None
     rows = rows[names is not None :]
     width = max((row.size for row in rows), default=0)
     if width < 2:
-        raise refusal(path, "holds no table", "give columns depth and sound_speed with a line for each depth")
+        raise CASTS.refusal(path, "holds no table", "give columns depth and sound_speed with a line for each depth")
     table = np.array([np.pad(row, (0, width - row.size), constant_values=np.nan) for row in rows])
     if names is None:
         return _by_values(path, table)
@@ -116,7 +116,7 @@ def _by_values(path: str, table: Values) -> Columns:
     if len(speeds) != 1 or len(depths) != 1:
         what = "depth" if len(speeds) == 1 else "sound speed"
         count = len(depths) if len(speeds) == 1 else len(speeds)
-        raise refusal(path, f"has {count or 'no'} columns that look like {what}", remedy)
+        raise CASTS.refusal(path, f"has {count or 'no'} columns that look like {what}", remedy)
     return {"depth": table[:, depths[0]], "sound_speed": table[:, speeds[0]]}
 
 
@@ -128,3 +128,7 @@ def _is_depth(column: NDArray[np.float64]) -> bool:
     """Whether a column goes down most of the time, by as much as there is to go."""
     steps = np.diff(column)
     return bool(column.min() >= -1.0 and steps.sum() >= 0.9 * np.ptp(column) > 0.0 and (steps > 0.0).mean() > 0.5)
+
+
+PROFILE = FileFormat("sound-speed profile of an echo sounder", (".asvp", ".svp"), read_profile)
+TABLE = FileFormat("table", (".csv",), read_table)

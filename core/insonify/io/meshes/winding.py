@@ -1,4 +1,4 @@
-"""Which side of a triangle is the outside."""
+"""Wind the triangles of a mesh alike, and outwards where its surface is closed."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 
-def outward(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def wind_outwards(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     """Wind triangles alike across the edges they share, and closed surfaces counter-clockwise from outside.
 
     Parameters

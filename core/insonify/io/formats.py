@@ -1,0 +1,129 @@
+"""File formats by suffix: a format is one module of its package, or comes with an installed package."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from insonify.errors import SceneError
+from insonify.plugins import announced, modules_in
+
+Content = TypeVar("Content")
+
+
+@dataclass(frozen=True)
+class FileFormat(Generic[Content]):
+    """How files of some suffixes are read and written.
+
+    Attributes
+    ----------
+    description : str
+        Name of the format, such as "netCDF".
+    suffixes : tuple of str
+        In lower case, each with its dot.
+    read : callable, optional
+        Takes the path of a file that exists and returns its content; None if the format is only written.
+    write : callable, optional
+        Takes a path and an iterable of successive parts; None if the format is only read.
+    """
+
+    description: str
+    suffixes: tuple[str, ...]
+    read: Callable[[str], Content] | None = None
+    write: Callable[[Path, Iterable[Content]], None] | None = None
+
+
+class FormatRegistry(Generic[Content]):
+    """The formats of one kind of content.
+
+    Every `FileFormat` at the top level of a module of the package belongs to the registry. So do formats, and modules
+    that hold formats, which installed packages announce as entry points of the group. Modules are imported when the
+    formats are first asked for; they import what is slow to load within their readers and writers.
+
+    Parameters
+    ----------
+    contents : str
+        What a file holds, with its article, such as "a measured cast".
+    package, group : str
+        Where formats are found.
+    error : str
+        Sentence that refuses a file, with places for path, fault and remedy.
+    """
+
+    def __init__(self, contents: str, package: str, group: str, error: str = "{path}: {fault}; {remedy}") -> None:
+        self.contents, self.package, self.group, self.error = contents, package, group, error
+        self._formats: list[FileFormat[Content]] | None = None
+
+    def formats(self) -> list[FileFormat[Content]]:
+        """Return all formats; where two share a suffix the first counts."""
+        if self._formats is None:
+            holders: list[Any] = [*modules_in(self.package), *(entry.load() for entry in announced(self.group))]
+            found = [each for holder in holders for each in (holder, *vars(holder).values())]
+            self._formats = list(dict.fromkeys(each for each in found if type(each) is FileFormat))
+        return self._formats
+
+    @contextmanager
+    def adding(self, extra: FileFormat[Content]) -> Iterator[None]:
+        """Add a format for the length of a block."""
+        formats = self.formats()
+        formats.append(extra)
+        try:
+            yield
+        finally:
+            formats.remove(extra)
+
+    def readable(self) -> tuple[str, ...]:
+        """Suffixes of the formats that can be read."""
+        return tuple(suffix for each in self.formats() if each.read for suffix in each.suffixes)
+
+    def writable(self) -> tuple[str, ...]:
+        """Suffixes of the formats that can be written."""
+        return tuple(suffix for each in self.formats() if each.write for suffix in each.suffixes)
+
+    def describe(self, suffixes: Iterable[str]) -> str:
+        """List suffixes with the names of their formats, for help texts: ``.nc (netCDF), .npz (NumPy arrays)``."""
+        names = {suffix: each.description for each in self.formats() for suffix in each.suffixes}
+        return ", ".join(f"{suffix} ({names[suffix]})" for suffix in suffixes)
+
+    def reader(self, path: str, alternative: str = "") -> Callable[[str], Content]:
+        """Return what reads a file, by its suffix.
+
+        Parameters
+        ----------
+        path : str
+        alternative : str
+            What else may be given, for the remedy.
+
+        Raises
+        ------
+        SceneError
+            If the format is not known or there is no such file.
+        """
+        suffix = Path(path).suffix.lower()
+        read = next((each.read for each in self.formats() if each.read and suffix in each.suffixes), None)
+        if read is None:
+            known = f"give a file that ends in one of {', '.join(self.readable())}{alternative}"
+            raise self.refusal(path, "is not a format known here", known)
+        if not Path(path).is_file():
+            raise self.refusal(path, "does not exist", f"give the path of {self.contents}{alternative}")
+        return read
+
+    def writer(self, path: Path) -> Callable[[Path, Iterable[Content]], None]:
+        """Return what writes a file, by its suffix, which must be one of `writable`."""
+        return next(each.write for each in self.formats() if each.write and path.suffix.lower() in each.suffixes)
+
+    def refusal(self, path: str | Path, fault: str, remedy: str) -> SceneError:
+        """Say in one sentence what is wrong with a file and what to do."""
+        return SceneError(self.error.format(path=path, fault=fault, remedy=remedy))
+
+    def unreadable(self, path: str | Path, error: Exception, remedy: str) -> SceneError:
+        """Say in one sentence, with a library's reason, that a file cannot be read, and what to do."""
+        return self.refusal(path, f"cannot be read ({reason(error)})", remedy)
+
+
+def reason(error: Exception) -> str:
+    """Return the beginning of an error's message on one line, or the error's name where it has none."""
+    return " ".join(str(error).split())[:120] or type(error).__name__

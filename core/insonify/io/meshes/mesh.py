@@ -1,0 +1,63 @@
+"""Meshes: the triangles of a file, checked and wound outwards."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.files import bundled_meshes
+from insonify.io.file_cache import kept_until_changed
+from insonify.io.formats import FormatRegistry
+
+MESHES: FormatRegistry[NDArray[np.float64]] = FormatRegistry(
+    "a mesh", "insonify.io.meshes", "insonify.mesh_formats", "{path!r} {fault}; {remedy}"
+)
+MOST_TRIANGLES = 2_000_000  # a larger file was surely meant to be thinned
+FARTHEST = 1e15  # units of a file from its origin; squares of squares of it are still numbers
+FLAT = 1e-12  # height of a triangle over its longest side, below which its area is rounding error
+
+
+def read_mesh(path: str) -> NDArray[np.float64]:
+    """Read the triangles of a file.
+
+    Parameters
+    ----------
+    path : str
+        A file of one of the formats of `MESHES`, or the name of a bundled mesh.
+
+    Returns
+    -------
+    (n, 3, 3) float64
+        Corners in the file's units, z up, at least one triangle and none without area; shared with later calls, so
+        not to be written to. Neighbours wind alike, and closed surfaces counter-clockwise as seen from outside.
+
+    Raises
+    ------
+    SceneError
+        One sentence with what is wrong with the file and the remedy.
+    """
+    return _read_triangles(str(bundled_meshes().get(path, Path(path))))
+
+
+@kept_until_changed(maxsize=8)
+def _read_triangles(path: str) -> NDArray[np.float64]:
+    corners = MESHES.reader(path, f", or the name of a bundled mesh ({', '.join(bundled_meshes())})")(path)
+    if len(corners) > MOST_TRIANGLES:
+        raise MESHES.refusal(path, f"has {len(corners)} triangles", f"thin it to at most {MOST_TRIANGLES}")
+    if not (np.abs(corners) < FARTHEST).all():
+        raise MESHES.refusal(path, f"has corners that are not finite or lie beyond {FARTHEST:g}", "export it again")
+    corners = corners[_has_area(corners)]
+    if not len(corners):
+        raise MESHES.refusal(path, "holds no triangles", "check that it is whole and holds surfaces")
+    from insonify.io.meshes.winding import wind_outwards  # loads SciPy's sparse graphs, which only meshes need
+
+    return wind_outwards(corners)
+
+
+def _has_area(corners: NDArray[np.float64]) -> NDArray[np.bool_]:
+    edges = corners - np.roll(corners, 1, axis=1)
+    longest_squared = (edges**2).sum(axis=2).max(axis=1)
+    area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    return np.asarray(area > FLAT * longest_squared)

@@ -1,0 +1,86 @@
+"""Records in files of any format: chosen by suffix, checked when read."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from insonify.errors import SceneError
+from insonify.io.formats import FormatRegistry
+from insonify.io.record_schema import ACROSS, CHANNELS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+RECORDS: FormatRegistry[xr.Dataset] = FormatRegistry("a record", "insonify.io.records", "insonify.record_formats")
+# What a record is shown by, and over which dimensions.
+LAID_OUT = {"intensity": ACROSS, "slant_range": ACROSS[2:]} | {
+    f"platform_{name}": ACROSS[1:2] for name in ("x", "y", "altitude")
+}
+UNTOLD = ("platform_altitude",)  # may be NaN for some pings or all
+
+
+def read_record(path: str | Path) -> xr.Dataset:
+    """Read a record by the suffix of its file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A recording, or a record as written here.
+
+    Returns
+    -------
+    Dataset
+        Dimensions (channel, ping_time, range_sample), as `simulate` makes it.
+
+    Raises
+    ------
+    SceneError
+        One sentence with what is wrong with the file and the remedy.
+    """
+    read = RECORDS.reader(str(path))
+    try:
+        record = read(str(path))
+    except SceneError:
+        raise
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise RECORDS.unreadable(path, error, "give a record written by insonify") from None
+    fault = _fault(record)
+    if fault is not None:
+        raise RECORDS.refusal(path, f"is no record ({fault})", "give one made by insonify")
+    return record
+
+
+def write_record(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
+    """Write a record by the suffix of its file.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to make or replace; it appears only when whole.
+    blocks : iterable of Dataset
+        Successive pings, as from ``simulate_blocks``.
+    """
+    RECORDS.writer(Path(path))(Path(path), blocks)
+
+
+def _fault(record: xr.Dataset) -> str | None:
+    """Say what keeps a file from being a record of pings that can be shown."""
+    lacking = [name for name in LAID_OUT if name not in record.variables]
+    if lacking:
+        return f"it lacks {', '.join(lacking)}"
+    for name, dimensions in LAID_OUT.items():
+        if record[name].dims != dimensions or record[name].dtype.kind not in "fiu":
+            return f"{name} is not of numbers over {', '.join(dimensions)}"
+        if name not in UNTOLD and not np.isfinite(record[name].values).all():
+            return f"{name} holds what is no number"
+    sizes = tuple(record.sizes[name] for name in ACROSS)
+    if sizes[0] != len(CHANNELS) or 0 in sizes:
+        return "it has {} channels, {} pings and {} bins".format(*sizes)
+    if record["intensity"].values.min() < 0.0:
+        return "intensity is negative somewhere"
+    return None if (np.diff(record["slant_range"].values, prepend=0.0) > 0.0).all() else "slant_range does not increase"
