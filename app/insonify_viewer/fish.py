@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from insonify.kernels.common.types import SceneArrays, Solids
-from insonify.packing.primitives import Solid, ball, frustum
+from insonify.packing.targets import pack_solids
+from insonify.scene.targets.shape import Solid, ball, frustum
 from insonify_viewer.block import Block
 
 FISH = np.array([0.85, 0.47, 0.03])  # as shown
@@ -48,6 +46,5 @@ def with_fish(arrays: SceneArrays, block: Block, of_bed: int) -> SceneArrays:
 
 def _added(solids: Solids, bodies: list[Solid], row: int, of_bed: int) -> Solids:
     """Append bodies of one material to those there are."""
-    own: list[NDArray[Any]] = [np.array([getattr(body, name) for body in bodies]) for name in Solid._fields]
-    own += [np.full(len(bodies), row), np.full(len(bodies), row - of_bed)]
-    return Solids._make(np.concatenate([old, new]).astype(old.dtype) for old, new in zip(solids, own))
+    own = pack_solids(bodies, np.full(len(bodies), row), np.full(len(bodies), row - of_bed))
+    return Solids._make(np.concatenate(columns) for columns in zip(solids, own))

@@ -13,6 +13,7 @@ from pydantic.fields import FieldInfo
 from insonify.acoustics.absorption import NEPER_PER_DB, absorption_coefficient
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError
+from insonify.scene.base import Declaration
 from insonify.scene.fractal import Fractal
 from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.made import Made
@@ -21,7 +22,7 @@ from insonify.scene.receiver import K, NoSpeckle, PowerTvg
 from insonify.scene.reliefs import Dem
 from insonify.scene.roughness import PowerLaw
 from insonify.scene.sonar import LineArray
-from insonify.scene.targets import Pipe, Target
+from insonify.scene.targets import Target
 from insonify.scene.water import AnyWater, FrancoisGarrison
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
@@ -309,11 +310,7 @@ def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
     if isinstance(part, Fractal):
         isotropic = part.decay == "isotropic"
         return (name == "beta" and not isotropic) or (name in ("beta_x", "beta_y") and isotropic)
-    if isinstance(part, Target) and name == "gap":
-        return len(part.position) == 3
-    if isinstance(part, Pipe) and name == "pitch":
-        return isinstance(part.gap, tuple)
-    return False
+    return isinstance(part, Declaration) and name in part.idle_fields
 
 
 def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None:
@@ -323,8 +320,6 @@ def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | Non
         return number
     if isinstance(part, Fractal):
         return part.exponents[1 if name == "beta_y" else 0]
-    if isinstance(part, Pipe):
-        return 0.0  # a pitch
     if isinstance(part, PowerTvg):
         depth = scene.seabed.depth - scene.altitude
         return absorption_coefficient(scene.water.absorption, scene.sonar.frequency, depth) * 1e3 / NEPER_PER_DB
@@ -333,4 +328,4 @@ def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | Non
         "depth": scene.seabed.depth - scene.altitude,
         "reference_speed": known_speed(scene),
     }
-    return values.get(name)
+    return values.get(name, part.value_in_force(name) if isinstance(part, Declaration) else None)

@@ -7,10 +7,9 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from insonify.io.meshes import read_mesh
 from insonify.scene import Scene, SceneError
+from insonify.scene.targets import TARGETS, Target
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
 BEHIND = (0.15, 0.3, 0.45, 0.6)  # shares of what is on screen
 ABEAM = (-0.45, 0.45, -0.7, 0.7, -0.25, 0.25)  # of the farthest ground range, port positive
 APART = 0.15  # from other targets, in slant ranges
-PIPE_LENGTH = 0.4  # in slant ranges
 ASKEW = 30.0  # degrees from the track, so that a shape shows
 
 
@@ -50,13 +48,10 @@ def new_target(simulation: Simulation, scene: Scene, kind: str, top: int, path: 
     """
     x, y, heading = _free_place(simulation, scene, top)
     target: dict[str, Any] = {"kind": kind, "position": [round(x, 2), round(y, 2)]}
-    if kind != "sphere":
+    model = TARGETS.models(Target)[kind]
+    if "heading" in model.model_fields:
         target["heading"] = round((heading + ASKEW + 180.0) % 360.0 - 180.0, 1)
-    if kind == "pipe":
-        target["length"] = float(f"{PIPE_LENGTH * scene.sonar.range:.2g}")
-    if kind == "mesh":
-        target |= {"path": path, "scale": _scale(path, scene)}
-    return target
+    return target | model.suited_to(scene.sonar.range, path)
 
 
 def _free_place(simulation: Simulation, scene: Scene, top: int) -> tuple[float, float, float]:
@@ -87,10 +82,3 @@ def _pings_in_view(scene: Scene) -> int:
 
 def _clearance(scene: Scene, x: float, y: float) -> float:
     return min((math.dist((x, y), target.position[:2]) for target in scene.targets), default=math.inf)
-
-
-def _scale(path: str, scene: Scene) -> float:
-    """Metres per unit of a mesh: a power of ten by which it is no larger than the slant range."""
-    corners: NDArray[np.float64] = read_mesh(path)
-    extent = float(np.ptp(corners, axis=(0, 1)).max())
-    return 10.0 ** min(0, math.floor(math.log10(scene.sonar.range / extent)))

@@ -10,7 +10,7 @@ import numpy as np
 import pyvista as pv
 from numpy.typing import NDArray
 
-from insonify.packing.rotation import rotation_matrix
+from insonify.scene.rotation import rotation_matrix
 from insonify_viewer.shading import bed_image, sampled
 
 if TYPE_CHECKING:

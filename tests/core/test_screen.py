@@ -13,7 +13,7 @@ import pytest
 from beds import arrays_of, poses_of
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.bvh import build_mesh
-from insonify.packing.primitives import block
+from insonify.scene.targets.shape import block
 from insonify.tracers import rays, sweep
 
 HEIGHT = 10.0

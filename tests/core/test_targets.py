@@ -8,9 +8,9 @@ import pytest
 from beds import arrays_of
 from insonify.kernels.common.types import FRUSTUM, Mesh
 from insonify.kernels.geometry.bvh import build_mesh
-from insonify.packing.primitives import block
-from insonify.packing.rotation import rotation_matrix
 from insonify.scene import SceneError, scene_from_toml
+from insonify.scene.rotation import rotation_matrix
+from insonify.scene.targets.shape import block
 from insonify.simulation import prepare
 from naive import NOTHING, body_depth, cast
 

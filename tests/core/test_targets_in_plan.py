@@ -14,6 +14,7 @@ from insonify.planning.errors import Errors
 from insonify.planning.plane_count import target_demand
 from insonify.planning.scene_summary import look_at
 from insonify.scene import SceneError, edit, load_scene
+from insonify.scene.targets import mesh
 from insonify.simulation import prepare
 from insonify.tracers import sweep
 
@@ -89,7 +90,7 @@ def test_the_parts_of_a_target_return_what_its_surface_does(kind, substance, awa
     lobe = np.maximum(2.0 * cosine**2 - 1.0, 0.0) ** of.shininess
     right = (areas * cosine**2 * (of.diffuse + 0.5 * (of.shininess + 2.0) * of.specular * lobe)).sum()
     found = seen(scene)
-    assert sum(part.echo for part in found.parts) == pytest.approx(right, rel=0.1)
+    assert sum(side.echo for side in found.sides) == pytest.approx(right, rel=0.1)
     assert 0.99 <= found.length / np.ptp(places[:, 0]) < 1.4
 
 
@@ -98,10 +99,10 @@ def test_what_one_line_meets_of_a_box_and_what_the_next_ones_add_is_all_that_it_
     scene = at({"kind": "box", "size": [3.0, 1.0, 0.5], "heading": heading})
     places, normals, _ = skin(scene)
     ranges = np.hypot(places[:, 1], places[:, 2] - 10.0)
-    for part in seen(scene).parts:
-        assert part.depth + part.turn < 1.05 * np.ptp(ranges)
+    for side in seen(scene).sides:
+        assert side.depth + side.turn < 1.05 * np.ptp(ranges)
     top = np.isclose(normals[:, 2], 1.0)
-    assert max(part.depth + part.turn for part in seen(scene).parts if part.echo > 1e-9) == pytest.approx(
+    assert max(side.depth + side.turn for side in seen(scene).sides if side.echo > 1e-9) == pytest.approx(
         np.ptp(ranges[top]), rel=0.05
     )
 
@@ -111,7 +112,7 @@ def test_nothing_is_asked_for_what_lies_below_the_bed_or_too_near_to_count():
     assert seen(sunk) is None
     assert Errors(sunk, look_at(sunk)).demand.error == 0.0
     near = seen(at(FREE["sphere"], away=3.0))
-    assert near.parts == ()
+    assert near.sides == ()
     assert near.shadow == 0.0
 
 
@@ -163,7 +164,7 @@ def test_planes_meet_a_target_however_faint_it_is():
 def test_a_mesh_is_measured_once(monkeypatch):
     scene = at(FREE["mesh"])
     assert seen(scene) is not None
-    monkeypatch.setattr(target_errors, "read_mesh", lambda path: pytest.fail("read once more"))
+    monkeypatch.setattr(mesh, "read_mesh", lambda path: pytest.fail("read once more"))
     assert seen(scene) is not None
 
 

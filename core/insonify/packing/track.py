@@ -13,6 +13,7 @@ from insonify.io.file_cache import kept_until_changed
 from insonify.io.navigation import RecordedNavigation, read_navigation
 from insonify.scene import Scene, SceneError
 from insonify.scene.motion import Recorded, Turn
+from insonify.scene.rotation import exact_cos
 from insonify.scene.track import Track
 
 Column = NDArray[np.float64]
@@ -103,12 +104,6 @@ def _pieces(track: Track) -> _Pieces:
     columns = np.array(rows).T
     cosines = [[exact_cos(heading - turned) for heading in columns[3]] for turned in (0.0, 90.0)]
     return _Pieces(*columns, *np.array(cosines))
-
-
-def exact_cos(degrees: float) -> float:
-    """Cosine that is exactly 0 or ±1 on the axes, so that a track along the grid stays on it."""
-    quarter = degrees / 90.0
-    return (1.0, 0.0, -1.0, 0.0)[int(quarter) % 4] if quarter == int(quarter) else math.cos(math.radians(degrees))
 
 
 def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> dict[str, Column]:

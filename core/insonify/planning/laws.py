@@ -21,10 +21,11 @@ LEFT, LEFT_UP_TO, LEFT_ORDER = 0.03, 16, 3.0
 # fade in longer bins.
 EDGES, EDGES_SPREAD, EDGES_IN_BINS = 0.15, 0.5, 4.0
 
-# Error of a single plane across a target, as a share of what each of its parts returns and of what their shadow hides:
-# COMBED · width / along · (1 + bin / along) · (1 + (CURVED · along + turn) / bin)^TURNED, in metres; it falls as
-# planes^−TARGET_ORDER. Fitted to random scenes with up to six targets of 0.1 to 15 m.
-COMBED = {"pipe": 0.13, "sphere": 0.09, "box": 0.065, "cone": 0.12, "mesh": 0.27, "shadow": 0.125}
+# Error of a single plane across a target, as a share of what each of its sides returns and of what their shadow hides:
+# combed · width / along · (1 + bin / along) · (1 + (CURVED · along + turn) / bin)^TURNED, in metres; it falls as
+# planes^−TARGET_ORDER. Each kind of target declares its own `combed`; COMBED_SHADOW is of shadows. Fitted to random
+# scenes with up to six targets of 0.1 to 15 m.
+COMBED_SHADOW = 0.125
 COMBED_LIGHT = 0.54  # times that of light, whose targets are not as bright
 CURVED, TURNED, TARGET_ORDER = 0.35, 0.75, 1.23
 LIGHT_ECHO = 0.6  # of light, whose bins are filled by slant range, over the echo by area
@@ -33,8 +34,6 @@ LIGHT_ECHO = 0.6  # of light, whose bins are filled by slant range, over the ech
 UNHEARD = 0.13
 # What targets are moved by coarse cells beneath them: error by the heights that those lack, in bins.
 TARGETS_LOST = 0.8
-# Slant range that most of a rounded side's echo comes from, over half of all that it is deep.
-FRONT = 0.35
 
 # Of the shadows of a rough bed: how steep a slope casts one, in rms slopes over the tangent of the grazing angle, and
 # how long they are along the track, in cells.

@@ -31,7 +31,7 @@ class Demand(NamedTuple):
 def target_demand(scene: Scene, view: View, targets: tuple[int, ...], bed: float) -> Demand:
     """Foretell the error that a single plane would make of the pings that go out at a scene's targets.
 
-    Planes W / K apart at a target, over which its parts are so and so long, miss so much of what the parts return, and
+    Planes W / K apart at a target, over which its sides are so and so long, miss so much of what the sides return, and
     their shadows hide; in each ping what its own target adds and those beside it, over all that it hears.
 
     Parameters
@@ -80,18 +80,18 @@ def _returns(seen: Seen, view: View, strength: float) -> tuple[float, float]:
     """
     missed = energy = 0.0
     over = seen.grazing if view.light else seen.grazing**2 / math.sqrt(max(1.0 - seen.grazing**2, FLATTEST))
-    of_body = laws.COMBED[seen.kind] * (laws.COMBED_LIGHT if view.light else 1.0)
-    for part in seen.parts:
-        if view.light and part.depth == 0.0:
+    of_body = seen.combed * (laws.COMBED_LIGHT if view.light else 1.0)
+    for side in seen.sides:
+        if view.light and side.depth == 0.0:
             continue  # light is even over slant range, of which a glint has none
-        shown = min(part.along / seen.width, 1.0)
-        loudness = part.echo / (part.along * over) * (laws.LIGHT_ECHO if view.light else 1.0)
-        depth = math.hypot(part.depth, view.bin_length) + part.turn * min(seen.width / part.along, 1.0)
+        shown = min(side.along / seen.width, 1.0)
+        loudness = side.echo / (side.along * over) * (laws.LIGHT_ECHO if view.light else 1.0)
+        depth = math.hypot(side.depth, view.bin_length) + side.turn * min(seen.width / side.along, 1.0)
         square = (loudness * shown) ** 2 / (view.bin_length * depth)
         energy += square
-        missed += square * (of_body * _comb(seen.width, part.along, part.turn, view.bin_length)) ** 2
+        missed += square * (of_body * _comb(seen.width, side.along, side.turn, view.bin_length)) ** 2
     hidden = strength**2 * seen.shadow / view.bin_length * min(seen.length / seen.width, 1.0) ** 2
-    return missed + hidden * (laws.COMBED["shadow"] * _comb(seen.width, seen.length, 0.0, view.bin_length)) ** 2, energy
+    return missed + hidden * (laws.COMBED_SHADOW * _comb(seen.width, seen.length, 0.0, view.bin_length)) ** 2, energy
 
 
 def _strength(seabed: Seabed) -> float:

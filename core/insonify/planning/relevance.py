@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from insonify.acoustics.sea_surface import rms_height
-from insonify.planning.target_errors import place_of, solid_of
+from insonify.planning.target_errors import outline_of, place_of
 from insonify.scene import Scene
 from insonify.scene.motion import Heave, Pitch, Roll, Straight, Sway, Yaw
 from insonify.scene.reliefs import Dem
 from insonify.scene.surface import WAYS, RoughSurface
-from insonify.scene.targets import AnyTarget, Box, Cone, MeshFile, Pipe
+from insonify.scene.targets import Target
 
 FARTHER = 1.1  # bent sound may go farther in the time of a slant range
 HIGHEST = 5.0  # rms heights, of a bed and of waves
@@ -24,26 +24,14 @@ def targets_in_reach(scene: Scene) -> tuple[int, ...]:
         return tuple(range(len(scene.targets)))
     strayed = sum(motion.amplitude for motion in motions if isinstance(motion, Sway))
     reach = FARTHER * scene.sonar.range + strayed
-    return tuple(k for k, target in enumerate(scene.targets) if _distance(scene, target) <= reach + size_of(target, k))
+    distances = (_distance(scene, target) for target in scene.targets)
+    return tuple(k for k, distance in enumerate(distances) if distance <= reach + outline_of(scene, k).radius)
 
 
-def _distance(scene: Scene, target: AnyTarget) -> float:
+def _distance(scene: Scene, target: Target) -> float:
     """Level distance of a target's place from the line of the tow, that goes on for ever from its start."""
     along, athwart = place_of(scene, target)
     return math.hypot(min(along, 0.0), athwart)
-
-
-def size_of(target: AnyTarget, number: int) -> float:
-    """Radius of a ball that holds a target, in metres; its number tells which it is should its file be wrong."""
-    if isinstance(target, Pipe):
-        return math.hypot(target.length / 2.0, target.radius)
-    if isinstance(target, Box):
-        return math.hypot(*target.size) / 2.0
-    if isinstance(target, Cone):
-        return math.hypot(target.radius, target.height / 2.0)
-    if isinstance(target, MeshFile):
-        return target.scale * math.hypot(*solid_of(target, number).size) / 2.0
-    return target.radius
 
 
 def ways_in_reach(scene: Scene) -> dict[str, float]:
@@ -72,7 +60,7 @@ def height_of_echoes(scene: Scene, rms_bed: float) -> dict[str, float]:
     waves = HIGHEST * rms_height(surface.wind_speed) if isinstance(surface, RoughSurface) else 0.0
     # A measured bed may lie at any depth.
     bed = math.inf if isinstance(scene.seabed.relief, Dem) else HIGHEST * rms_bed
-    bed += max((2.0 * size_of(target, k) for k, target in enumerate(scene.targets)), default=0.0)
+    bed += max((2.0 * outline_of(scene, k).radius for k in range(len(scene.targets))), default=0.0)
     return {
         "surface_bottom": bed + waves,
         "surface_bottom_surface": bed + 2.0 * waves,

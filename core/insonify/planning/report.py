@@ -8,20 +8,19 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from insonify.acoustics.sea_surface import rms_height, slope_variance
-from insonify.io.meshes import read_mesh
 from insonify.planning import laws
 from insonify.planning.candidates import Draft, cost
 from insonify.planning.entries import Entry
 from insonify.planning.errors import Errors
 from insonify.planning.overrides import METHODS, NUMBERS, SWITCH, Forced
 from insonify.planning.scene_summary import View
+from insonify.planning.target_errors import outline_of
 from insonify.scene import Scene
 from insonify.scene.materials import Material
 from insonify.scene.receiver import Coherent
 from insonify.scene.reliefs import Flat
 from insonify.scene.sonar import Knife
 from insonify.scene.surface import RoughSurface
-from insonify.scene.targets import MeshFile
 from insonify.scene.water import SectionWater
 
 
@@ -178,10 +177,8 @@ def _targets(told: Told) -> Iterator[Entry]:
 
 
 def _triangles(scene: Scene, of: tuple[int, ...]) -> str:
-    meshes = [target for target in (scene.targets[k] for k in of) if isinstance(target, MeshFile)]
-    if not meshes:
-        return ""
-    return f", with {sum(len(read_mesh(mesh.path)) for mesh in meshes):,} triangles of meshes"
+    count = sum(outline_of(scene, k).triangles for k in of)
+    return f", with {count:,} triangles" if count else ""
 
 
 def _ways(told: Told) -> Iterator[Entry]:

@@ -29,17 +29,27 @@ class Declaration(BaseModel):
     family : Family or None
         Kinds that this declaration and those derived from it belong to, as far as they have a ``kind``.
     rank : int
-        Place of a kind in menus and messages; equal ranks stand in the order in which they were found.
+        Place of a kind in menus and messages; equal ranks stand in the order in which they were found, those without
+        one last.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
     family: ClassVar[Family | None] = None
-    rank: ClassVar[int] = 0
+    rank: ClassVar[int] = 100
 
     @classmethod
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
         """Join the family."""
         declare(cls, cls.family)
+
+    @property
+    def idle_fields(self) -> frozenset[str]:
+        """Fields that change nothing as the others are; no slider is shown for them."""
+        return frozenset()
+
+    def value_in_force(self, field: str) -> float | None:
+        """Return the number that applies where a field is left open, None if the rest of the scene decides it."""
+        return None
 
 
 class Choice(Declaration):

@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from insonify.plugins import announced, modules_in
 
+Model = TypeVar("Model", bound=BaseModel)
 _DECLARED: list[type[BaseModel]] = []
 
 
@@ -60,7 +61,7 @@ class Family:
             self._models.pop(kind, None)
             rebuild_declarations()
 
-    def models(self, base: type[BaseModel] = BaseModel) -> dict[str, type[BaseModel]]:
+    def models(self, base: type[Model]) -> dict[str, type[Model]]:
         """Return the kinds that derive from a class, by name, in the order of their ranks."""
         self._discover()
         found = sorted(self._models.items(), key=lambda item: getattr(item[1], "rank", 0))

@@ -19,7 +19,7 @@ from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.fractal import Fractal
 from insonify.scene.sonar import Fan
-from insonify.scene.targets import Sphere
+from insonify.scene.targets.sphere import Sphere
 from insonify.simulation import prepare, simulate
 
 Curve = NDArray[np.float64]

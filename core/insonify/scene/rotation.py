@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.packing.track import exact_cos
+
+def exact_cos(degrees: float) -> float:
+    """Cosine that is exactly 0 or ±1 on the axes, so that what lies along the grid stays on it."""
+    quarter = degrees / 90.0
+    return (1.0, 0.0, -1.0, 0.0)[int(quarter) % 4] if quarter == int(quarter) else math.cos(math.radians(degrees))
 
 
 def rotation_matrix(heading: float, pitch: float, roll: float) -> NDArray[np.float64]:

@@ -1,0 +1,64 @@
+"""Shapes from files of triangles."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any, Literal
+
+import numpy as np
+
+from insonify.errors import SceneError
+from insonify.files import file_version
+from insonify.io.meshes import read_mesh
+from insonify.scene.base import FilePath, parameter
+from insonify.scene.targets.base import Posed
+from insonify.scene.targets.shape import Outline, Shape, Vector, faces_of
+
+
+class MeshFile(Posed):
+    """A shape from a file of triangles; its centre is that of the shape's bounding box, unturned."""
+
+    rank = 5
+    kind: Literal["mesh"] = "mesh"
+    path: FilePath = parameter(
+        description="OBJ, STL, PLY, glTF or GLB file, x ahead and z up (glTF: y up), or the name of a bundled mesh",
+        min_length=1,
+    )
+    scale: float = parameter(
+        1.0, description="metres per unit of the file", ge=1e-6, le=1e6, slider=(0.01, 100.0), log=True
+    )
+
+    def shape(self) -> Shape:
+        """Return the file's triangles, in metres about their centre."""
+        corners = _read(self.path)
+        centre = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))
+        return Shape(triangles=self.scale * (corners - centre))
+
+    @property
+    def outline(self) -> Outline:
+        """Measures of the shape; the file is measured once for each version of it."""
+        size, faces, count = _measured(self.path, file_version(self.path))
+        half = (0.5 * self.scale * size).tolist()
+        return Outline(half=tuple(half), faces=tuple((self.scale**2 * faces).tolist()), triangles=count)
+
+    @classmethod
+    def suited_to(cls, reach: float, path: str) -> dict[str, Any]:
+        """Choose the file, and the metres per unit: a power of ten by which it is no larger than the slant range."""
+        extent = float(np.ptp(_read(path), axis=(0, 1)).max())
+        return {"path": path, "scale": 10.0 ** min(0, math.floor(math.log10(reach / extent)))}
+
+
+@lru_cache(maxsize=64)
+def _measured(path: str, version: tuple[int, int]) -> tuple[Vector, Vector, int]:
+    """Size of the bounding box, area that faces each axis, and number of triangles, in units of the file."""
+    del version  # part of the key alone: a file written anew is read anew
+    corners = _read(path)
+    return corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)), faces_of(corners), len(corners)
+
+
+def _read(path: str) -> Vector:
+    try:
+        return read_mesh(path)
+    except SceneError as error:
+        raise SceneError(f"path: {error}") from None

@@ -1,0 +1,141 @@
+"""Pipes: along the bed, over spans, or pitched."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import field_validator, model_validator
+
+from insonify.scene.base import parameter
+from insonify.scene.rotation import exact_cos
+from insonify.scene.targets.base import HIGHEST_GAP, LEAST, LOWEST_GAP, Bed, Target, angle
+from insonify.scene.targets.shape import Shape, Vector, ball, frustum
+from insonify.scene.targets.sides import FRONT, SLIGHT, Side, Sight, disc, dot
+
+Gap = float | tuple[tuple[float, float], ...]
+MOST_SAMPLES = 2048  # of the bed beneath a pipe
+LONG = 0.4  # slant ranges, of a new pipe
+
+
+class Pipe(Target):
+    """A straight pipe that may rest on the bed here and span above it there."""
+
+    rank = 1
+    combed = 0.13
+    kind: Literal["pipe"] = "pipe"
+    radius: float = parameter(
+        0.5, unit="m", description="outer radius", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True
+    )
+    length: float = parameter(
+        20.0, unit="m", description="length along the axis", ge=LEAST, le=1e5, slider=(1.0, 200.0), log=True
+    )
+    heading: float = angle("direction of the axis, counter-clockwise from +x")
+    pitch: float | None = parameter(
+        None,
+        unit="°",
+        description="rise of the axis towards its heading; when left out the pipe follows the slope of the bed",
+        ge=-360.0,
+        le=360.0,
+        slider=(-90.0, 90.0),
+    )
+    gap: Gap = parameter(
+        0.0,
+        unit="m",
+        description="underside above the bed, negative to sink it: a number, or [[along, gap], ...] from its centre",
+        slider=(-1.0, 5.0),
+    )
+
+    @field_validator("gap")
+    @classmethod
+    def _gap_in_order(cls, gap: Gap) -> Gap:
+        stations = [(0.0, gap)] if isinstance(gap, float) else list(gap)
+        if not stations:
+            raise ValueError("is empty; give a number or at least two [along, gap] pairs")
+        if any(height < LOWEST_GAP or height > HIGHEST_GAP for _, height in stations):
+            raise ValueError(f"must lie between {LOWEST_GAP:g} and {HIGHEST_GAP:g} m; check its unit")
+        if any(b[0] <= a[0] for a, b in pairwise(stations)):
+            raise ValueError("must run in order of increasing along; sort the pairs and drop doubles")
+        return gap
+
+    @model_validator(mode="after")
+    def _straight_if_pitched(self) -> Pipe:
+        if self.pitch is not None and not isinstance(self.gap, float):
+            raise ValueError("a pipe with a pitch is straight; give its gap as one number or leave pitch out")
+        return self
+
+    def shape(self) -> Shape:
+        """One cylinder along the x axis."""
+        ahead = np.array([self.length / 2.0, 0.0, 0.0])
+        return Shape((frustum(-ahead, ahead, self.radius, self.radius),))
+
+    @property
+    def attitude(self) -> tuple[float, float, float]:
+        """Heading, pitch and roll, in degrees; level where the bed decides the pitch."""
+        return self.heading, self.pitch or 0.0, 0.0
+
+    @property
+    def underside(self) -> float:
+        """Mean of the gap's stations, in metres."""
+        return sum(height for _, height in self._stations) / len(self._stations)
+
+    def placed(self, bed: Bed) -> Shape:
+        """Pipe along the bed: straight between joints, with a ball in every elbow to close the wedge there."""
+        if self.pitch is not None or len(self.position) == 3:
+            return super().placed(bed)
+        joints = self._joints(bed)
+        stretches = (frustum(first, last, self.radius, self.radius) for first, last in pairwise(joints))
+        return Shape((*stretches, *(ball(self.radius, joint) for joint in joints[1:-1])))
+
+    def _joints(self, bed: Bed) -> list[Vector]:
+        """Points on the axis between which the pipe is straight.
+
+        Laid on a rough bed, a stiff pipe follows the straight line that fits the heights under it; the gap counts from
+        that line.
+        """
+        (x, y), half = self.position[:2], self.length / 2.0
+        direction = np.array([exact_cos(self.heading), exact_cos(self.heading - 90.0)])
+        inner = [station[0] for station in self._stations if -half < station[0] < half]
+        along = np.array([-half, *inner, half])
+        gaps = np.interp(along, [s[0] for s in self._stations], [s[1] for s in self._stations])
+        samples = np.linspace(-half, half, int(np.clip(2.0 * self.length / bed.spacing, 2, MOST_SAMPLES)))
+        heights = self.heights_of(bed, x + samples * direction[0], y + samples * direction[1])
+        slope, level = np.polyfit(samples, heights, 1) if np.ptp(heights) > 0 else (0.0, heights[0])
+        z = level + slope * along + gaps + self.radius
+        return [np.array([x + a * direction[0], y + a * direction[1], height]) for a, height in zip(along, z)]
+
+    @property
+    def _stations(self) -> tuple[tuple[float, float], ...]:
+        return ((0.0, self.gap),) if isinstance(self.gap, float) else self.gap
+
+    def sides(self, sight: Sight) -> Iterator[Side]:
+        """Yield the diffuse mantle, its glint, and the end that faces the sonar."""
+        of, axis, n = self.material.reflectivity, sight.bow, self.material.reflectivity.shininess
+        sine, ahead = min(abs(dot(axis, sight.towards)), 1.0), abs(axis[0])
+        side = self.radius * self.length * (1.0 - sine * sine)
+        along = self.length * ahead + 2.0 * self.radius * math.sqrt(max(1.0 - ahead * ahead, 0.0))
+        # One line meets all of a pipe that lies athwart.
+        deep = sine * self.length
+        depth = min(self.radius * FRONT / max(ahead, SLIGHT), deep + self.radius * FRONT)
+        turn = max(deep - depth, 0.0)
+        yield Side(0.5 * math.pi * side * of.diffuse, along, depth, turn)
+        lobe = 0.5 * (n + 2.0) * of.specular * math.exp(-2.0 * n * math.asin(sine) ** 2)
+        yield Side(math.sqrt(0.5 * math.pi / n) * side * lobe, along, 0.0, turn)
+        yield disc(self.radius, of, axis, sine)
+
+    @classmethod
+    def suited_to(cls, reach: float, path: str) -> dict[str, Any]:
+        """Choose the length, a share of the slant range."""
+        return {"length": float(f"{LONG * reach:.2g}")}
+
+    @property
+    def idle_fields(self) -> frozenset[str]:
+        """The gap where z is given, and the pitch where the gap is a table."""
+        return super().idle_fields | ({"pitch"} if isinstance(self.gap, tuple) else frozenset())
+
+    def value_in_force(self, field: str) -> float | None:
+        """Return 0 for a pitch that is left open."""
+        return 0.0 if field == "pitch" else None

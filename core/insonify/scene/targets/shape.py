@@ -1,0 +1,149 @@
+"""Shapes of targets: balls, frustums and triangles, how they are turned, moved and measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Triple = tuple[float, float, float]
+# Corners of a block as ±1, and the two triangles of each side, counter-clockwise from outside.
+_CORNERS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])
+_SIDES = np.array(
+    [[0, 2, 3], [0, 3, 1], [4, 5, 7], [4, 7, 6], [0, 1, 5], [0, 5, 4], [2, 6, 7], [2, 7, 3], [0, 4, 6], [0, 6, 2],
+     [1, 3, 7], [1, 7, 5]]
+)  # fmt: skip
+
+
+class Solid(NamedTuple):
+    """A ball, or a frustum: a cylinder, a cone or a part of one."""
+
+    start: Vector  # (3,) centre of the ball, middle of the frustum's first end
+    axis: Vector  # (3,) unit vector towards the last end, 0 for a ball
+    length: float  # along the axis, 0 for a ball
+    radius: float  # of the ball, of the frustum's first end
+    taper: float = 0.0  # growth of the radius per metre along the axis
+
+    @property
+    def is_ball(self) -> bool:
+        """Whether it is a ball."""
+        return self.length == 0.0
+
+    def ends(self) -> Iterator[tuple[Vector, float]]:
+        """Middle and radius of each end."""
+        yield self.start, self.radius
+        if not self.is_ball:
+            yield self.start + self.length * self.axis, self.radius + self.taper * self.length
+
+    def across(self, direction: Vector) -> float:
+        """How far a rim reaches along a unit vector, over its radius: the sine of its angle from the axis."""
+        return math.sqrt(max(1.0 - float(self.axis @ direction) ** 2, 0.0))
+
+    @property
+    def lowest(self) -> float:
+        """Height of the lowest point."""
+        down = 1.0 if self.is_ball else math.hypot(self.axis[0], self.axis[1])
+        return min(float(middle[2]) - radius * down for middle, radius in self.ends())
+
+
+class Outline(NamedTuple):
+    """Measures of a shape: all that is needed of triangles where they need not be looked at one by one."""
+
+    solids: tuple[Solid, ...] = ()
+    half: Triple = (0.0, 0.0, 0.0)  # m, half the sides of a box about the origin that holds the triangles
+    faces: Triple = (0.0, 0.0, 0.0)  # m², area of all that faces each axis, from one side
+    triangles: int = 0  # their number
+
+    @property
+    def radius(self) -> float:
+        """Radius of a ball about the origin that holds the shape."""
+        ends = ((solid, middle, radius) for solid in self.solids for middle, radius in solid.ends())
+        return max(math.hypot(*self.half), *(_farthest(*end) for end in ends), 0.0)
+
+    def extent(self, direction: Sequence[float]) -> float:
+        """How far the shape reaches from the origin along a unit vector, to the farther side."""
+        way = np.asarray(direction)
+        reach = [sum(half * abs(part) for half, part in zip(self.half, direction))]
+        for solid in self.solids:
+            reach += [abs(float(middle @ way)) + radius * solid.across(way) for middle, radius in solid.ends()]
+        return max(reach)
+
+
+class Shape(NamedTuple):
+    """What a target is made of: balls and frustums, triangles, or both."""
+
+    solids: tuple[Solid, ...] = ()
+    triangles: NDArray[np.float64] = np.zeros((0, 3, 3))  # corners, counter-clockwise from outside
+
+    @property
+    def lowest(self) -> float:
+        """Height of the lowest point."""
+        lowest = [solid.lowest for solid in self.solids]
+        return min(lowest + ([float(self.triangles[..., 2].min())] if len(self.triangles) else []))
+
+    @property
+    def outline(self) -> Outline:
+        """Measures of the shape."""
+        faces = np.sum([_faces(solid) for solid in self.solids], axis=0) if self.solids else np.zeros(3)
+        if not len(self.triangles):
+            return Outline(self.solids, faces=_triple(faces))
+        half = np.abs(self.triangles).max(axis=(0, 1))
+        return Outline(self.solids, _triple(half), _triple(faces + faces_of(self.triangles)), len(self.triangles))
+
+    def turned(self, rotation: NDArray[np.float64]) -> Shape:
+        """Turn the shape about the origin, by a (3, 3) matrix."""
+        solids = (s._replace(start=rotation @ s.start, axis=rotation @ s.axis) for s in self.solids)
+        return Shape(tuple(solids), self.triangles @ rotation.T)
+
+    def moved(self, by: Vector) -> Shape:
+        """Move the shape."""
+        return Shape(tuple(s._replace(start=s.start + by) for s in self.solids), self.triangles + by)
+
+
+def ball(radius: float, centre: Vector | None = None) -> Solid:
+    """Return a sphere."""
+    return Solid(np.zeros(3) if centre is None else centre, np.zeros(3), 0.0, radius)
+
+
+def frustum(first: Vector, last: Vector, radius: float, last_radius: float) -> Solid:
+    """Return a cylinder, a cone or a part of one, between the middles of its ends."""
+    length = float(np.linalg.norm(last - first))
+    return Solid(first, (last - first) / length, length, radius, (last_radius - radius) / length)
+
+
+def block(size: Triple) -> NDArray[np.float64]:
+    """Return the (12, 3, 3) triangles of a block."""
+    return np.asarray((0.5 * np.asarray(size) * _CORNERS)[_SIDES])
+
+
+def faces_of(triangles: NDArray[np.float64]) -> Vector:
+    """Area of the triangles of a closed surface that face each axis, from one side: (3,) float64."""
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    # Half of a triangle's cross product is its area; half of those of a closed surface face one way.
+    return np.asarray(0.25 * np.abs(normals).sum(axis=0))
+
+
+def _faces(solid: Solid) -> Vector:
+    """Area of a ball or a frustum that faces each axis: its outline's, and that of the wider end."""
+    if solid.is_ball:
+        return np.full(3, math.pi * solid.radius**2)
+    radii = [radius for _, radius in solid.ends()]
+    across = np.array([solid.across(axis) for axis in np.eye(3)])
+    return solid.length * sum(radii) * across + math.pi * max(radii) ** 2 * np.abs(solid.axis)
+
+
+def _farthest(solid: Solid, middle: Vector, radius: float) -> float:
+    """Distance from the origin to the farthest point of an end's rim, or of a ball."""
+    if solid.is_ball:
+        return math.hypot(*middle) + radius
+    along = float(middle @ solid.axis)
+    return math.hypot(along, math.hypot(*(middle - along * solid.axis)) + radius)
+
+
+def _triple(values: Vector) -> Triple:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
