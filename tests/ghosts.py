@@ -9,7 +9,9 @@ import numpy as np
 from beds import solids_of
 from insonify.acoustics.sea_surface import make_ghosts
 from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
-from insonify.scene.surface import WAYS, FlatSurface, RoughSurface
+from insonify.scene.surfaces import WAYS
+from insonify.scene.surfaces.flat import FlatSurface
+from insonify.scene.surfaces.rough import RoughSurface
 from naive import gradients, heights
 
 REFLECTION = 0.4

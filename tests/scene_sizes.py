@@ -8,11 +8,12 @@ import os
 from insonify.io.meshes import read_mesh
 from insonify.planning import Plan
 from insonify.scene import Scene
-from insonify.scene.made import Made
 from insonify.scene.materials import Material
-from insonify.scene.receiver import Coherent
-from insonify.scene.sonar import Ideal, Tone
-from insonify.scene.water import UniformWater
+from insonify.scene.pulses.ideal import Ideal
+from insonify.scene.pulses.tone import Tone
+from insonify.scene.reliefs.random_relief import RandomRelief
+from insonify.scene.speckles.coherent import Coherent
+from insonify.scene.waters.uniform import UniformWater
 
 ALWAYS = 64e6  # bytes: tables of beams and of water, and what Python needs
 OF_ENDLESS_GROUND = 600e6  # the tiles that are kept
@@ -56,7 +57,7 @@ def _grid(scene: Scene) -> float:
     seabed = scene.seabed
     if seabed.endless:
         return (TILE + 2.2 * cells_along(scene) + 3.0) ** 2
-    if isinstance(seabed.relief, Made) or seabed.made:
+    if isinstance(seabed.relief, RandomRelief) or seabed.made:
         return max(part.period / seabed.spacing for part in seabed.made) ** 2
     if seabed.relief.kind == "mimic":
         return 4.0 * 2.0 * seabed.relief.reach / seabed.spacing

@@ -9,8 +9,9 @@ from typing import Any
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
 from insonify.scene.materials import MATERIALS, Material, PatternMap, Reflectivity
-from insonify.scene.motion import Straight, Sum
-from insonify.scene.reliefs import Mimic
+from insonify.scene.motions.straight import Straight
+from insonify.scene.motions.sum import SumOfMotions
+from insonify.scene.reliefs.mimic import Mimic
 from insonify_viewer.entailed_relief import endless, parts, spectrum, together
 
 Changes = dict[str, Any]
@@ -150,7 +151,7 @@ def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, st
 def _sum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Add every swing to the motion there is, for sliders can only turn what is there."""
     motion = scene.track.motion
-    if changes.get("track.motion.kind") != "sum" or isinstance(motion, Sum):
+    if changes.get("track.motion.kind") != "sum" or isinstance(motion, SumOfMotions):
         return {}, ""
     before = [] if isinstance(motion, Straight) else [motion.model_dump()]
     return {"track.motion.of": [*before, *({"kind": kind} for kind in SWINGS if kind != motion.kind)]}, ""

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from insonify.scene import Scene
-from insonify.scene.fractal import Fractal
-from insonify.scene.made import Made
-from insonify.scene.seabed import Sum
+from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.reliefs.random_relief import RandomRelief
+from insonify.scene.reliefs.sum import SumOfReliefs
 
 Changes = dict[str, Any]
 RELIEF = "seabed.relief"
@@ -60,9 +60,9 @@ def together(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
 def parts(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Let a sum begin with the relief there was, and ripples in patches over it."""
     relief = scene.seabed.relief
-    if changes.get(f"{RELIEF}.kind") != "sum" or isinstance(relief, Sum):
+    if changes.get(f"{RELIEF}.kind") != "sum" or isinstance(relief, SumOfReliefs):
         return {}, ""
-    first = relief if isinstance(relief, Made) else Fractal()
+    first = relief if isinstance(relief, RandomRelief) else Fractal()
     ripples: Changes = {"kind": "ripples", "period": first.period, "mask": {"kind": "patches"}}
     if first.endless:
         ripples["extent"] = "endless"
@@ -72,7 +72,7 @@ def parts(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
 def _parts(scene: Scene) -> list[tuple[str, Any]]:
     """Reliefs that add up to the bed, by their paths."""
     relief = scene.seabed.relief
-    if isinstance(relief, Sum):
+    if isinstance(relief, SumOfReliefs):
         return [(f"{RELIEF}.of.{number}", part) for number, part in enumerate(relief.of)]
     return [(RELIEF, relief)]
 

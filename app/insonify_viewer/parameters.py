@@ -13,17 +13,20 @@ from pydantic.fields import FieldInfo
 from insonify.acoustics.absorption import NEPER_PER_DB, absorption_coefficient
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError
+from insonify.scene.absorptions.francois_garrison import FrancoisGarrison
 from insonify.scene.base import Declaration
-from insonify.scene.fractal import Fractal
+from insonify.scene.beams.line_array import LineArray
+from insonify.scene.gains.power import PowerTvg
 from insonify.scene.kinds import kind_name, models_of
-from insonify.scene.made import Made
 from insonify.scene.materials import MATERIALS, Material, PatternMap
-from insonify.scene.receiver import K, NoSpeckle, PowerTvg
-from insonify.scene.reliefs import Dem
-from insonify.scene.roughness import PowerLaw
-from insonify.scene.sonar import LineArray
+from insonify.scene.reliefs.dem import Dem
+from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.reliefs.power_law import PowerLaw
+from insonify.scene.reliefs.random_relief import RandomRelief
+from insonify.scene.speckles.k import K
+from insonify.scene.speckles.none import NoSpeckle
 from insonify.scene.targets import Target
-from insonify.scene.water import AnyWater, FrancoisGarrison
+from insonify.scene.waters import WaterKind
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
 PAIR_NAMES = {
@@ -158,10 +161,10 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
 def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Parameter, ...]:
     """All parameters of one declaration."""
     names = [name for name in type(part).model_fields if name != "kind" and not _stands_aside(scene, part, name, path)]
-    last = POSED_LAST if isinstance(part, Target) else OF_ALL_RELIEF if isinstance(part, Made) else ()
+    last = POSED_LAST if isinstance(part, Target) else OF_ALL_RELIEF if isinstance(part, RandomRelief) else ()
     names.sort(key=lambda name: last.index(name) if name in last else -1)
-    if isinstance(part, AnyWater):
-        names.sort(key=lambda name: name in AnyWater.model_fields)  # its speed first
+    if isinstance(part, WaterKind):
+        names.sort(key=lambda name: name in WaterKind.model_fields)  # its speed first
     return tuple(parameter for name in names for parameter in _of_field(scene, part, name, path, indent))
 
 
@@ -296,7 +299,7 @@ def known_speed(scene: Scene) -> float:
 
 def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
     """Whether a field has no say with the others as they are, or is a column of a table that is shown as a curve."""
-    if isinstance(part, AnyWater) and name in part.table and isinstance(getattr(part, name), tuple):
+    if isinstance(part, WaterKind) and name in part.table and isinstance(getattr(part, name), tuple):
         return True
     if path.startswith("seabed.relief.of") and isinstance(part, PatternMap | Material):
         # Dunes lie along the track and pass for what scatters evenly.
@@ -305,7 +308,7 @@ def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
         return scene.sonar.bounces == 0
     if isinstance(part, Material) and name == "speckle_shape":
         return not isinstance(scene.receiver.speckle, K)
-    if isinstance(part, Made) and name == "period":
+    if isinstance(part, RandomRelief) and name == "period":
         return part.endless and not isinstance(part, Fractal | PowerLaw)  # which level off there
     if isinstance(part, Fractal):
         isotropic = part.decay == "isotropic"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.water import ProfileWater, UniformWater
+from insonify.scene.waters.profile import ProfileWater
+from insonify.scene.waters.uniform import UniformWater
 from insonify_viewer.session import Session
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from insonify.parallel import in_parallel
 from insonify.planning import Plan, plan
 from insonify.receiver import Reception, make_reception, receive
 from insonify.scene import Scene, SceneError, scene_to_toml
-from insonify.scene.receiver import K
+from insonify.scene.speckles.k import K
 from insonify.terrain import AnyGround, EndlessGround, build_ground
 from insonify.tracers import march, rays, sweep
 from insonify.tracers.labels import PATHS, RecordLabels, trace_labels

@@ -9,7 +9,7 @@ from beds import arrays_of, poses_of, rough
 from ghosts import bright_ball, under_sea
 from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene
-from insonify.scene.surface import WAYS
+from insonify.scene.surfaces import WAYS
 from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
 from insonify.tracers.labels import PATHS, trace_labels

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from insonify.scene import build
-from insonify.scene.fractal import Fractal
-from insonify.scene.roughness import VonKarman
+from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.reliefs.von_karman import VonKarman
 from insonify.terrain import relief
 from insonify.terrain.densities import von_karman
 from insonify.terrain.endless import TILE, Band, EndlessField

@@ -169,7 +169,7 @@ def moments(field, scales, orders):
 
 
 def test_flux_of_a_cascade_has_the_moments_of_its_codimension():
-    from insonify.scene.roughness import Cascade
+    from insonify.scene.reliefs.cascade import Cascade
     from insonify.terrain.spectra import frequencies, wave_coefficients
 
     cascade, found = Cascade(intermittency=0.15), []

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from insonify.scene import SceneError
-from insonify.scene.fractal import Fractal
+from insonify.scene.reliefs.fractal import Fractal
 from insonify.scene.seabed import Seabed
 from insonify.terrain import relief
 from insonify.terrain.exponent import amplitude_exponent

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 
-from insonify.scene.water import Absorption, ConstantAbsorption, FrancoisGarrison
+from insonify.scene.absorptions import AbsorptionKind
+from insonify.scene.absorptions.constant import ConstantAbsorption
+from insonify.scene.absorptions.francois_garrison import FrancoisGarrison
 
 NEPER_PER_DB = math.log(10.0) / 20.0
 
@@ -56,7 +58,7 @@ def francois_garrison(
     return boric + a2 * p2 * f2 * f**2 / (f**2 + f2**2) + a3 * p3 * f**2
 
 
-def absorption_coefficient(absorption: Absorption, frequency: float, depth: float) -> float:
+def absorption_coefficient(absorption: AbsorptionKind, frequency: float, depth: float) -> float:
     """Amplitude absorption of a declared water in Np/m at ``frequency`` (Hz) and ``depth`` (m)."""
     if isinstance(absorption, ConstantAbsorption):
         decibels = absorption.coefficient

@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TOP_HAT, BeamPattern, plain_pattern
 from insonify.scene import Scene
-from insonify.scene.sonar import Fan, Gaussian, Knife, LineArray, Sonar, VerticalFan, VerticalGaussian
+from insonify.scene.beams.fan import FanBeam
+from insonify.scene.beams.gaussian import GaussianBeam
+from insonify.scene.beams.knife import KnifeBeam
+from insonify.scene.beams.line_array import LineArray
+from insonify.scene.sonar import Sonar
+from insonify.scene.vertical_beams.fan import VerticalFan
+from insonify.scene.vertical_beams.gaussian import VerticalGaussian
 
 COLUMNS = 2049
 FAINT = 1e-6  # sensitivity at which a Gaussian beam ends
@@ -47,11 +53,11 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
     half_width = main_lobe(sonar, sound_speed)
     if not is_patterned(scene):
         return half_width, plain_pattern()
-    centre = 0.0 if isinstance(beam, Knife) else math.sin(math.radians(beam.squint))
+    centre = 0.0 if isinstance(beam, KnifeBeam) else math.sin(math.radians(beam.squint))  # type: ignore[attr-defined]
     if isinstance(beam, LineArray):
         first_range, extent, energy = array_table(beam, sound_speed / sonar.frequency, sonar.range)
     else:
-        first_range, extent, energy = 1.0, *_one_row(beam, half_width)
+        first_range, extent, energy = 1.0, *_one_row(beam, half_width)  # type: ignore[arg-type]
     vertical, tilt, s_vertical = _vertical(sonar)
     return half_width, BeamPattern(
         tabled=True,
@@ -64,17 +70,17 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
         vertical=vertical,
         tilt=tilt,
         s_vertical=s_vertical,
-        two_way=not isinstance(beam, (Gaussian, LineArray)) or beam.two_way,
+        two_way=not isinstance(beam, (GaussianBeam, LineArray)) or beam.two_way,
     )
 
 
 def is_patterned(scene: Scene) -> bool:
     """Tell a beam that must be tabled from a level top-hat or knife that hears every grazing angle alike."""
     beam = scene.sonar.beam
-    aimed = not isinstance(beam, Knife) and beam.squint != 0.0
-    tilts = not isinstance(beam, Knife) and bool(TILTING.intersection(scene.track.kinds))
+    aimed = not isinstance(beam, KnifeBeam) and beam.squint != 0.0  # type: ignore[attr-defined]
+    tilts = not isinstance(beam, KnifeBeam) and bool(TILTING.intersection(scene.track.kinds))
     is_vertical = isinstance(scene.sonar.vertical, (VerticalFan, VerticalGaussian))
-    return not isinstance(beam, (Knife, Fan)) or aimed or tilts or is_vertical
+    return not isinstance(beam, (KnifeBeam, FanBeam)) or aimed or tilts or is_vertical
 
 
 def main_lobe(sonar: Sonar, sound_speed: float) -> float:
@@ -83,9 +89,9 @@ def main_lobe(sonar: Sonar, sound_speed: float) -> float:
     A long array's beam is nearly as wide as the array is long within its near field, r < L²/λ.
     """
     beam = sonar.beam
-    if isinstance(beam, Fan):
+    if isinstance(beam, FanBeam):
         return math.radians(beam.width) / 2.0
-    if isinstance(beam, Gaussian):
+    if isinstance(beam, GaussianBeam):
         times = math.sqrt(math.log2(1.0 / EDGE) / _passes(beam.two_way))
         return math.asin(min(math.sin(math.radians(beam.width) / 2.0) * times, 1.0))
     if isinstance(beam, LineArray):
@@ -99,9 +105,9 @@ def _passes(two_way: bool) -> float:
     return 2.0 if two_way else 1.0
 
 
-def _one_row(beam: Knife | Fan | Gaussian, half_width: float) -> tuple[NDArray[np.float64], ...]:
+def _one_row(beam: KnifeBeam | FanBeam | GaussianBeam, half_width: float) -> tuple[NDArray[np.float64], ...]:
     """Extent and sensitivity of a beam that is the same at every range."""
-    if isinstance(beam, Gaussian):
+    if isinstance(beam, GaussianBeam):
         # b = 2^(−(2φ/w)²) falls to a half at half the width.
         s_three_decibels, passes = math.sin(math.radians(beam.width) / 2.0), _passes(beam.two_way)
         extent = min(s_three_decibels * math.sqrt(math.log2(1.0 / FAINT) / passes), 1.0)

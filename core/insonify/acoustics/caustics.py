@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from insonify.acoustics.paths import prepare_paths
 from insonify.acoustics.rays import ALONG_STATIONS
 from insonify.kernels.refraction.caustics import COLUMNS, trace_caustics
-from insonify.scene.water import Water
+from insonify.scene.waters import WaterKind
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,7 +19,7 @@ ROOM = 256
 
 
 def caustics(
-    water: Water, source_depth: float, angles: ArrayLike, *, max_range: float, bottom: float | None = None
+    water: WaterKind, source_depth: float, angles: ArrayLike, *, max_range: float, bottom: float | None = None
 ) -> xr.Dataset:
     """Find where rays touch caustics: where the tube has no width.
 

@@ -14,7 +14,11 @@ from insonify.acoustics.sound_speed import EQUATIONS
 from insonify.files import file_version
 from insonify.io.sound_speed_casts import Cast, read_cast
 from insonify.scene import SceneError
-from insonify.scene.water import CastWater, HydrographyWater, ProfileWater, UniformWater, Water
+from insonify.scene.waters import WaterKind
+from insonify.scene.waters.cast import CastWater
+from insonify.scene.waters.hydrography import HydrographyWater
+from insonify.scene.waters.profile import ProfileWater
+from insonify.scene.waters.uniform import UniformWater
 
 Values = NDArray[np.float64]
 # m/s by which straight pieces may miss a curve: two thirds of it, the mean miss of a chord, is 6e-8 s in 100 m.
@@ -80,7 +84,7 @@ def _within(places: Values, wanted: Values) -> tuple[NDArray[np.int64], Values]:
     return piece, np.clip((wanted - places[piece]) / (places[piece + 1] - places[piece]), 0.0, 1.0)
 
 
-def make_sound_speed_field(water: Water) -> SoundSpeedField:
+def make_sound_speed_field(water: WaterKind) -> SoundSpeedField:
     """Lay out the speed of sound of a declared water.
 
     Raises
@@ -92,7 +96,7 @@ def make_sound_speed_field(water: Water) -> SoundSpeedField:
 
 
 @lru_cache(maxsize=16)
-def _kept_layers(water: Water, version: tuple[int, int] | None) -> SoundSpeedField:
+def _kept_layers(water: WaterKind, version: tuple[int, int] | None) -> SoundSpeedField:
     del version  # part of the key alone: a file written anew is read anew
     if isinstance(water, UniformWater):
         return _level([0.0], [water.sound_speed])
@@ -105,7 +109,10 @@ def _kept_layers(water: Water, version: tuple[int, int] | None) -> SoundSpeedFie
     if isinstance(water, CastWater):
         return _level(*_of_cast(water))
     return SoundSpeedField(
-        np.array(water.depth), np.array(water.distance), np.array(water.sound_speed), math.radians(water.heading)
+        np.array(water.depth),  # type: ignore[attr-defined]
+        np.array(water.distance),  # type: ignore[attr-defined]
+        np.array(water.sound_speed),  # type: ignore[attr-defined]
+        math.radians(water.heading),  # type: ignore[attr-defined]
     )
 
 

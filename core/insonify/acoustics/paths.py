@@ -14,7 +14,7 @@ from insonify.kernels.common.types import Water as LaidWater
 from insonify.kernels.refraction.eigenray_search import ANGLE, BOTTOMS, COSINE, GRAZED, SINE, TIME, TOPS, TUBE, TURNS
 from insonify.kernels.refraction.ray_paths import ON_BED, RayLimits, RayPoints
 from insonify.scene import SceneError
-from insonify.scene.water import Water
+from insonify.scene.waters import WaterKind
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +25,7 @@ POINTS = 201  # along a path, when no ranges are asked for
 
 
 def ray_paths(
-    water: Water,
+    water: WaterKind,
     source_depth: float,
     angles: ArrayLike,
     *,
@@ -72,7 +72,7 @@ def ray_paths(
 
 
 def eigenrays(
-    water: Water,
+    water: WaterKind,
     source_depth: float,
     target_range: float,
     target_depth: float,
@@ -121,7 +121,7 @@ def eigenrays(
 
 
 def shadow_zones(
-    water: Water, source_depth: float, depth: float, *, max_range: float, bottom: float | None = None
+    water: WaterKind, source_depth: float, depth: float, *, max_range: float, bottom: float | None = None
 ) -> Values:
     """Find the ground ranges at which no direct ray comes to a depth.
 
@@ -156,7 +156,7 @@ def shadow_zones(
 
 
 def prepare_paths(
-    water: Water, source_depth: float, angles: ArrayLike, max_range: float, bottom: float | None
+    water: WaterKind, source_depth: float, angles: ArrayLike, max_range: float, bottom: float | None
 ) -> tuple[LaidWater, Values, RayLimits]:
     """Check what rays are asked for: the water laid out, the angles, and where rays end; parameters of `ray_paths`."""
     launch = np.atleast_1d(np.asarray(angles, dtype=np.float64))
@@ -218,7 +218,7 @@ def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
     return xr.Dataset({name: ("eigenray", values, _units(units, name)) for name, values in variables.items()})
 
 
-def _below_surface(water: Water) -> LaidWater:
+def _below_surface(water: WaterKind) -> LaidWater:
     """Lay water out with heights above the sea surface."""
     layers = make_sound_speed_field(water)
     return LaidWater(

@@ -9,7 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.sonar import Chirp, Ideal, Pulse, Tone
+from insonify.scene.pulses import PulseKind
+from insonify.scene.pulses.chirp import Chirp
+from insonify.scene.pulses.ideal import Ideal
+from insonify.scene.pulses.tone import Tone
 
 # A chirp's spectrum is a + b cos(2πf/B) over its band.
 WINDOWS = {"uniform": (1.0, 0.0), "hamming": (0.54, 0.46), "hann": (0.5, 0.5)}
@@ -62,7 +65,7 @@ def envelope(pulse: Tone | Chirp, offset: NDArray[np.float64], sound_speed: floa
 
 
 @lru_cache(maxsize=16)
-def pulse_taps(pulse: Pulse, sound_speed: float, bin_length: float) -> Taps:
+def pulse_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> Taps:
     """Spread a bin's energy over the bins that hear it.
 
     Parameters
@@ -82,10 +85,10 @@ def pulse_taps(pulse: Pulse, sound_speed: float, bin_length: float) -> Taps:
     """
     if isinstance(pulse, Ideal):
         return Taps(np.ones(1), 0)
-    length = 0.5 * sound_speed * pulse.duration / bin_length
+    length = 0.5 * sound_speed * pulse.duration / bin_length  # type: ignore[attr-defined]
     if isinstance(pulse, Tone):
         return Taps(tone_taps(length), 0)
-    return _chirp_taps(pulse, sound_speed, bin_length)
+    return _chirp_taps(pulse, sound_speed, bin_length)  # type: ignore[arg-type]
 
 
 def _chirp_taps(pulse: Chirp, sound_speed: float, bin_length: float) -> Taps:
@@ -127,7 +130,7 @@ def tone_taps(length: float) -> NDArray[np.float64]:
     return np.diff(ramps[0] - ramps[1] - ramps[2] + ramps[3])
 
 
-def coherence(pulse: Pulse, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
+def coherence(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
     """Correlation between the amplitudes that many small scatterers give to bins apart.
 
     Parameters
@@ -146,10 +149,10 @@ def coherence(pulse: Pulse, sound_speed: float, bin_length: float) -> NDArray[np
     """
     if isinstance(pulse, Ideal):
         return np.ones(1)
-    length = 0.5 * sound_speed * pulse.duration / bin_length
+    length = 0.5 * sound_speed * pulse.duration / bin_length  # type: ignore[attr-defined]
     if isinstance(pulse, Tone):
         return 1.0 - np.arange(max(math.ceil(length), 1)) / length
-    return _chirp_coherence(pulse, sound_speed, bin_length)
+    return _chirp_coherence(pulse, sound_speed, bin_length)  # type: ignore[arg-type]
 
 
 def _chirp_coherence(pulse: Chirp, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
@@ -168,7 +171,7 @@ def _chirp_coherence(pulse: Chirp, sound_speed: float, bin_length: float) -> NDA
 
 
 @lru_cache(maxsize=16)
-def coherent_taps(pulse: Pulse, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
+def coherent_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
     """Weights by which white noise gets a pulse's coherence.
 
     Parameters as in `coherence`.

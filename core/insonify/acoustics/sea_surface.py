@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from scipy import special
 
 from insonify.kernels.common.types import SurfaceMultipath, no_surface_multipath
-from insonify.scene.surface import NoSurface, RoughSurface, Surface
+from insonify.scene.surfaces import SurfaceKind
+from insonify.scene.surfaces.none import NoSurface
+from insonify.scene.surfaces.rough import RoughSurface
 
 GRAVITY = 9.81  # m/s²
 # Pierson and Moskowitz (1964): S(ω) = α g² ω⁻⁵ exp(−β (g / Uω)⁴).
@@ -41,7 +43,7 @@ def slope_variance(wind_speed: float) -> float:
     return float(0.5 * ALPHA / 4.0 * special.exp1(BETA * squared**2))
 
 
-def make_ghosts(surface: Surface) -> SurfaceMultipath:
+def make_ghosts(surface: SurfaceKind) -> SurfaceMultipath:
     """Turn a declared surface into what kernels see of it.
 
     Parameters
@@ -55,7 +57,7 @@ def make_ghosts(surface: Surface) -> SurfaceMultipath:
     """
     if isinstance(surface, NoSurface):
         return no_surface_multipath()
-    ways = surface.surface_bottom, surface.surface_bottom_surface, surface.second_bottom, surface.surface_echo
+    ways = surface.surface_bottom, surface.surface_bottom_surface, surface.second_bottom, surface.surface_echo  # type: ignore[attr-defined]
     wind = surface.wind_speed if isinstance(surface, RoughSurface) else 0.0
     if wind == 0.0:
         return SurfaceMultipath(any(ways), *ways, 0.0, 0.0, np.zeros((2, 1, 4)))

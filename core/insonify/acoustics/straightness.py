@@ -10,7 +10,7 @@ import numpy as np
 from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene
-from insonify.scene.reliefs import Dem
+from insonify.scene.reliefs.dem import Dem
 
 DEPTHS = 64  # at which the way to the bed is looked at
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from insonify.kernels.common.types import Poses
 from insonify.packing.track import TowLine, recorded_at, tow_line_at
 from insonify.scene import Scene
-from insonify.scene.motion import Heave, Oscillation, Pitch, Roll, Sway, Yaw
+from insonify.scene.motions.oscillations import Heave, Oscillation, Pitch, Roll, Sway, Yaw
 from insonify.terrain import AnyGround
 
 SAMPLES = 64  # of the bed to either side of the fish

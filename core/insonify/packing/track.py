@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from insonify.io.file_cache import kept_until_changed
 from insonify.io.navigation import RecordedNavigation, read_navigation
 from insonify.scene import Scene, SceneError
-from insonify.scene.motion import Recorded, Turn
+from insonify.scene.motions.recorded import Recorded
+from insonify.scene.motions.turn import Turn
 from insonify.scene.rotation import exact_cos
 from insonify.scene.track import Track
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.receiver import Coherent
-from insonify.scene.surface import NoSurface
-from insonify.scene.water import SectionWater
+from insonify.scene.speckles.coherent import Coherent
+from insonify.scene.surfaces.none import NoSurface
+from insonify.scene.waters.section import SectionWater
 
 
 def refuse(scene: Scene, method: str, bounces: int) -> None:

@@ -17,10 +17,10 @@ from insonify.planning.plane_count import rays_for
 from insonify.planning.report import Told, entries_of
 from insonify.planning.scene_summary import View, look_at
 from insonify.scene import Scene, SceneError
-from insonify.scene.reliefs import Flat
-from insonify.scene.sonar import Knife
-from insonify.scene.surface import WAYS
-from insonify.scene.water import SectionWater
+from insonify.scene.beams.knife import KnifeBeam
+from insonify.scene.reliefs.flat import Flat
+from insonify.scene.surfaces import WAYS
+from insonify.scene.waters.section import SectionWater
 
 FEWEST_CELLS = 8  # that a period of the bed keeps
 THINNED = (1, 2, 4, 8, 16, 32)
@@ -116,7 +116,7 @@ def _fine_enough(scene: Scene, view: View, errors: Errors, budget: Budget, draft
         return draft._replace(step=step, rays=int(forced.number("rays") or view.bins))
     if draft.method == "rays":
         return draft._replace(rays=rays)
-    if isinstance(scene.sonar.beam, Knife):
+    if isinstance(scene.sonar.beam, KnifeBeam):
         planes = 1
     else:
         rest = math.sqrt(max(budget.tolerance**2 - errors.wary(draft._replace(method="", every=1)) ** 2, 0.0))

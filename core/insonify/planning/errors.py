@@ -18,11 +18,11 @@ from insonify.planning.plane_count import Demand, Planes, among_counts, error_of
 from insonify.planning.relevance import height_of_echoes, targets_in_reach, ways_in_reach
 from insonify.planning.scene_summary import View
 from insonify.scene import Scene
+from insonify.scene.beams.knife import KnifeBeam
 from insonify.scene.materials import Material
-from insonify.scene.receiver import Coherent
-from insonify.scene.reliefs import Flat
-from insonify.scene.sonar import Knife
-from insonify.scene.surface import WAYS
+from insonify.scene.reliefs.flat import Flat
+from insonify.scene.speckles.coherent import Coherent
+from insonify.scene.surfaces import WAYS
 
 Field = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ class Errors:
     @cached_property
     def demand(self) -> Demand:
         """What the targets in reach ask of planes."""
-        if isinstance(self._scene.sonar.beam, Knife) or not self.targets:
+        if isinstance(self._scene.sonar.beam, KnifeBeam) or not self.targets:
             return Demand(0.0)
         return target_demand(self._scene, self._view, self.targets, self.echo.square)
 
@@ -84,7 +84,7 @@ class Errors:
         """Errors of planes, where so many ways are modelled."""
         if ways not in self._planes:
             bed = np.zeros(len(laws.COUNTS))
-            if not isinstance(self._scene.sonar.beam, Knife):
+            if not isinstance(self._scene.sonar.beam, KnifeBeam):
                 bed = self.echo.of_planes()
                 if self._louder(ways):
                     bed = np.hypot(self.ghosts.direct * bed, self.ghosts.of_planes())

@@ -18,7 +18,7 @@ from insonify.planning import laws
 from insonify.planning.scene_summary import BEYOND, View
 from insonify.scene import Scene
 from insonify.scene.materials import Material, Reflectivity
-from insonify.scene.surface import RoughSurface
+from insonify.scene.surfaces.rough import RoughSurface
 
 Field = NDArray[np.float64]
 CELLS = 256  # of slant range at most

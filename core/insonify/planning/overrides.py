@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from insonify.scene import SceneError
-from insonify.scene.surface import WAYS
+from insonify.scene.surfaces import WAYS
 
 METHODS = ("auto", "sweep", "march", "rays")
 SWITCH = ("on", "off")

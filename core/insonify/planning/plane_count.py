@@ -12,9 +12,9 @@ from insonify.planning import laws
 from insonify.planning.scene_summary import BEYOND, View
 from insonify.planning.target_errors import Seen, see
 from insonify.scene import Scene
+from insonify.scene.beams.knife import KnifeBeam
 from insonify.scene.materials import Material
 from insonify.scene.seabed import Seabed
-from insonify.scene.sonar import Knife
 
 FAINTEST = 1e-12  # error that is none, and sum of squares
 FLATTEST = 0.01  # square of a cosine
@@ -169,4 +169,4 @@ def error_of_rays(scene: Scene, rays: int) -> float:
 
 
 def _ray_law(scene: Scene) -> tuple[float, float]:
-    return laws.KNIFE_RAYS if isinstance(scene.sonar.beam, Knife) else laws.FAN_RAYS
+    return laws.KNIFE_RAYS if isinstance(scene.sonar.beam, KnifeBeam) else laws.FAN_RAYS

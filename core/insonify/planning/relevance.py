@@ -7,9 +7,11 @@ import math
 from insonify.acoustics.sea_surface import rms_height
 from insonify.planning.target_errors import outline_of, place_of
 from insonify.scene import Scene
-from insonify.scene.motion import Heave, Pitch, Roll, Straight, Sway, Yaw
-from insonify.scene.reliefs import Dem
-from insonify.scene.surface import WAYS, RoughSurface
+from insonify.scene.motions.oscillations import Heave, Pitch, Roll, Sway, Yaw
+from insonify.scene.motions.straight import Straight
+from insonify.scene.reliefs.dem import Dem
+from insonify.scene.surfaces import WAYS
+from insonify.scene.surfaces.rough import RoughSurface
 from insonify.scene.targets import Target
 
 FARTHER = 1.1  # bent sound may go farther in the time of a slant range

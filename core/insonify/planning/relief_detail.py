@@ -14,13 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.planning import laws
-from insonify.scene.fractal import Fractal
-from insonify.scene.made import Patchy
+from insonify.scene.masks.patches import Patchy
 from insonify.scene.materials import FractalMap, ImageMap, Material, Patches, PatternMap
-from insonify.scene.reliefs import Flat
-from insonify.scene.ripples import Ripples
-from insonify.scene.roughness import Autocorrelated, Cascade, PowerLaw, VonKarman
-from insonify.scene.seabed import AnyMade, Seabed
+from insonify.scene.reliefs.autocorrelated import Autocorrelated
+from insonify.scene.reliefs.cascade import Cascade
+from insonify.scene.reliefs.flat import Flat
+from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.reliefs.power_law import PowerLaw
+from insonify.scene.reliefs.random_relief import RandomRelief
+from insonify.scene.reliefs.ripples import Ripples
+from insonify.scene.reliefs.von_karman import VonKarman
+from insonify.scene.seabed import Seabed
 
 Field = NDArray[np.float64]
 FX, FY = 28, 44  # frequencies, on a logarithmic scale
@@ -96,7 +100,7 @@ def _bends(heading: float) -> Field:
     return 0.5 * (2.0 * math.pi) ** 2 * math.pi**2 / 3.0 * total
 
 
-def _parts(seabed: Seabed) -> tuple[AnyMade, ...]:
+def _parts(seabed: Seabed) -> tuple[RandomRelief, ...]:
     """Parts of the relief; a measured bed is taken for a fractal."""
     if isinstance(seabed.relief, Flat):
         return ()
@@ -106,7 +110,7 @@ def _parts(seabed: Seabed) -> tuple[AnyMade, ...]:
     return seabed.made or (other,)
 
 
-def _power(part: AnyMade, fx: Field, fy: Field, heading: float, spacing: float) -> Field:
+def _power(part: RandomRelief, fx: Field, fy: Field, heading: float, spacing: float) -> Field:
     """Density of the heights' variance, mean of both signs of fy."""
     share = part.mask.share if isinstance(part.mask, Patchy) else 1.0
     ahead, astern = (_density(part, *_east(fx, sign * fy, heading), spacing) for sign in (1.0, -1.0))
@@ -119,7 +123,7 @@ def _east(away: Field, along: Field, heading: float) -> tuple[Field, Field]:
     return along * c - away * s, along * s + away * c
 
 
-def _density(part: AnyMade, fx: Field, fy: Field, spacing: float) -> Field:
+def _density(part: RandomRelief, fx: Field, fy: Field, spacing: float) -> Field:
     # Imported here, for they come with the kernels that make a bed, which no command should wait for.
     from insonify.terrain.densities import autocorrelated, power_law, von_karman
 
@@ -141,7 +145,7 @@ def _density(part: AnyMade, fx: Field, fy: Field, spacing: float) -> Field:
         )
     if isinstance(part, Ripples):
         return _ripples(part, fx, fy)
-    return _fractal(part, fx, fy, spacing)
+    return _fractal(part, fx, fy, spacing)  # type: ignore[arg-type]
 
 
 def _ripples(part: Ripples, fx: Field, fy: Field) -> Field:

@@ -16,12 +16,12 @@ from insonify.planning.overrides import METHODS, NUMBERS, SWITCH, Forced
 from insonify.planning.scene_summary import View
 from insonify.planning.target_errors import outline_of
 from insonify.scene import Scene
+from insonify.scene.beams.knife import KnifeBeam
 from insonify.scene.materials import Material
-from insonify.scene.receiver import Coherent
-from insonify.scene.reliefs import Flat
-from insonify.scene.sonar import Knife
-from insonify.scene.surface import RoughSurface
-from insonify.scene.water import SectionWater
+from insonify.scene.reliefs.flat import Flat
+from insonify.scene.speckles.coherent import Coherent
+from insonify.scene.surfaces.rough import RoughSurface
+from insonify.scene.waters.section import SectionWater
 
 
 class Told(NamedTuple):
@@ -92,7 +92,7 @@ def _fineness(told: Told) -> Iterator[Entry]:
     elif draft.method == "rays":
         reason = f"{draft.rays} a side, error about {100 * error:.2g} %"
         yield told.entry("rays", f"{draft.rays} rays", reason, NUMBERS["rays"].offered, error=error)
-    elif isinstance(scene.sonar.beam, Knife):
+    elif isinstance(scene.sonar.beam, KnifeBeam):
         yield told.entry("planes", "1 plane", "a knife beam has no width")
     else:
         yield _planes(told)
@@ -242,7 +242,7 @@ def _remarks(told: Told) -> Iterator[Entry]:
         reason = "every cell of the bed has its own, so that its nodes are all kept"
         yield told.entry("materials", f"{len(scene.seabed.material.of)} materials", reason)
     apart = scene.track.speed / scene.sonar.ping_rate
-    if isinstance(scene.sonar.beam, Knife):
+    if isinstance(scene.sonar.beam, KnifeBeam):
         yield told.entry("pings", "pings", f"{apart:.3g} m apart; a knife-edge beam misses what is narrower")
         return
     # Nearer than this the beam is narrower than the way between two pings; nothing lies nearer than the bed.

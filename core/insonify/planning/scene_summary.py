@@ -8,7 +8,11 @@ from typing import NamedTuple
 from insonify.acoustics.beam_patterns import is_patterned, main_lobe
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene
-from insonify.scene.sonar import Fan, Gaussian, Knife, LineArray, Uniform
+from insonify.scene.beams.fan import FanBeam
+from insonify.scene.beams.gaussian import GaussianBeam
+from insonify.scene.beams.knife import KnifeBeam
+from insonify.scene.beams.line_array import LineArray
+from insonify.scene.vertical_beams.uniform import UniformVerticalBeam
 
 BEYOND = 1.4  # altitudes, from which an error counts
 # Width at half power of a line array's far field, in wavelengths over its length, one way and there and back.
@@ -72,7 +76,7 @@ def look_at(scene: Scene) -> View:
         If a cast cannot be read.
     """
     beam = scene.sonar.beam
-    squint = 0.0 if isinstance(beam, Knife) else math.sin(math.radians(beam.squint))
+    squint = 0.0 if isinstance(beam, KnifeBeam) else math.sin(math.radians(beam.squint))  # type: ignore[attr-defined]
     return View(
         altitude=abs(scene.altitude),  # over a measured bed it may be of either sign
         reach=scene.sonar.range,
@@ -84,8 +88,8 @@ def look_at(scene: Scene) -> View:
         half_power=_half_power(scene),
         aperture=beam.length if isinstance(beam, LineArray) else 0.0,
         squint=squint,
-        shaded=not isinstance(scene.sonar.vertical, Uniform),
-        pattern="squinting" if isinstance(beam, Fan) and is_patterned(scene) else beam.kind,
+        shaded=not isinstance(scene.sonar.vertical, UniformVerticalBeam),
+        pattern="squinting" if isinstance(beam, FanBeam) and is_patterned(scene) else beam.kind,
         aslant=abs(math.sin(math.radians(2.0 * scene.track.heading))),
     )
 
@@ -96,6 +100,6 @@ def _half_power(scene: Scene) -> float:
     if isinstance(beam, LineArray):
         width = HALF_POWER[beam.taper][beam.two_way]
         return 0.5 * width * speed_at_sonar(scene) / scene.sonar.frequency / beam.length
-    if isinstance(beam, Gaussian):
+    if isinstance(beam, GaussianBeam):
         return math.sin(math.radians(beam.width) / 2.0) / math.sqrt(2.0 if beam.two_way else 1.0)
     return 0.0

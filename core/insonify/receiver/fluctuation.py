@@ -12,7 +12,7 @@ from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.receiver.pulse import delay_pings
 from insonify.kernels.speckle.random_fields import fill_slow_normals
 from insonify.scene import Scene
-from insonify.scene.receiver import NoFluctuation
+from insonify.scene.fluctuations.none import NoFluctuation
 
 GAIN_STREAM, TIME_STREAM = 3000, 3001
 # Noise smoothed by a triangle of half width 1 has the cubic B-spline for its correlation: it is 1/e at this distance.
@@ -66,10 +66,10 @@ def make_fluctuation(scene: Scene, arrays: SceneArrays) -> Fluctuation | None:
     declared = scene.receiver.fluctuation
     if isinstance(declared, NoFluctuation):
         return None
-    pings = declared.correlation_time * scene.sonar.ping_rate
+    pings = declared.correlation_time * scene.sonar.ping_rate  # type: ignore[attr-defined]
     return Fluctuation(
         seed=scene.seed,
         half_width=max(pings / TRIANGLE_TIME, 0.5),
-        spread=declared.level * math.log(10.0) / 10.0,
-        delay=0.5 * arrays.water.reference * declared.travel_time / arrays.bin_length,
+        spread=declared.level * math.log(10.0) / 10.0,  # type: ignore[attr-defined]
+        delay=0.5 * arrays.water.reference * declared.travel_time / arrays.bin_length,  # type: ignore[attr-defined]
     )

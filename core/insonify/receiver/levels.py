@@ -9,14 +9,12 @@ from insonify.acoustics.absorption import NEPER_PER_DB, absorption_coefficient
 from insonify.acoustics.resolution_cell import bin_centres, surface_echo, volume_echo
 from insonify.kernels.common.types import SceneArrays
 from insonify.scene import Scene
-from insonify.scene.receiver import (
-    AmbientNoise,
-    NoTvg,
-    Reverberation,
-    SurfaceReverberation,
-    VolumeReverberation,
-    WholeReverberation,
-)
+from insonify.scene.gains.none import NoTvg
+from insonify.scene.noises.ambient import AmbientNoise
+from insonify.scene.reverberations import ReverberationKind
+from insonify.scene.reverberations.both import WholeReverberation
+from insonify.scene.reverberations.surface import SurfaceReverberation
+from insonify.scene.reverberations.volume import VolumeReverberation
 
 Curve = NDArray[np.float64]
 SMALLEST = float(np.finfo(np.float32).tiny)  # the floor of a record without noise
@@ -28,7 +26,7 @@ def power(level: float) -> float:
     return float(10.0 ** (level / 10.0))
 
 
-def reverberation(declared: Reverberation, arrays: SceneArrays, altitude: float, depth: float) -> Curve:
+def reverberation(declared: ReverberationKind, arrays: SceneArrays, altitude: float, depth: float) -> Curve:
     """Mean echo of the water and its surface for a pulse of one bin, (bins,); zero where nothing of it is declared."""
     echo = np.zeros(arrays.bins)
     if isinstance(declared, (VolumeReverberation, WholeReverberation)):
@@ -75,11 +73,11 @@ def time_varied_gain(scene: Scene, arrays: SceneArrays, echo: Curve, noise: floa
     if isinstance(declared, NoTvg):
         return np.ones(arrays.bins)
     r = bin_centres(arrays)
-    if declared.absorption is None:
+    if declared.absorption is None:  # type: ignore[attr-defined]
         loss = absorption_coefficient(scene.water.absorption, scene.sonar.frequency, abs(depth))
     else:
-        loss = declared.absorption * NEPER_PER_DB / 1e3
+        loss = declared.absorption * NEPER_PER_DB / 1e3  # type: ignore[attr-defined]
     heard = np.flatnonzero(echo > max(noise, SMALLEST))
     r = np.minimum(r, r[heard[-1]] if heard.size else r[0])
-    decibels = declared.spreading * np.log10(r) + 2.0 * loss / NEPER_PER_DB * r
+    decibels = declared.spreading * np.log10(r) + 2.0 * loss / NEPER_PER_DB * r  # type: ignore[attr-defined]
     return np.asarray(10.0 ** (np.minimum(decibels, MOST - scene.receiver.source_level) / 10.0))

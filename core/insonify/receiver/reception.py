@@ -16,7 +16,7 @@ from insonify.receiver.levels import crosstalk, noise_level, power, reverberatio
 from insonify.receiver.random_fields import Field, make_field
 from insonify.receiver.speckle import Speckle, make_speckle
 from insonify.scene import Scene
-from insonify.scene.receiver import Coherent
+from insonify.scene.speckles.coherent import Coherent
 
 NOISE_STREAM = 4000
 Record = NDArray[np.float32]

@@ -16,7 +16,9 @@ from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.speckle.random_fields import transform_distribution
 from insonify.receiver.random_fields import Field, make_field
 from insonify.scene import Scene
-from insonify.scene.receiver import Coherent, K, NoSpeckle
+from insonify.scene.speckles.coherent import Coherent
+from insonify.scene.speckles.k import K
+from insonify.scene.speckles.none import NoSpeckle
 
 SPECKLE_STREAM, TEXTURE_STREAM = 1000, 2000
 SMALLEST_SHAPE, LARGEST_SHAPE = 0.05, 1e4
@@ -106,7 +108,7 @@ def make_speckle(scene: Scene, arrays: SceneArrays) -> Speckle | None:
     if isinstance(declared, Coherent):
         return Speckle(field, 1, None)  # of the water; the bed's own scatterers interfere one by one
     if not isinstance(declared, K):
-        return Speckle(field, declared.looks, None)
+        return Speckle(field, declared.looks, None)  # type: ignore[attr-defined]
     width = along_track_angle(arrays) * bin_centres(arrays)
     length = float(pulse_taps(pulse, speed, arrays.bin_length).weights.sum()) * arrays.bin_length
     growth = np.ones(arrays.bins) if declared.cell is None else width * length / declared.cell

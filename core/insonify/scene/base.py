@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
@@ -62,6 +62,8 @@ class Choice(Declaration):
     """
 
     table: ClassVar[frozenset[str]] = frozenset()
+    if TYPE_CHECKING:
+        kind: str
 
     @model_validator(mode="before")
     @classmethod

@@ -49,7 +49,7 @@ class Family:
         if kind is None:
             return
         self._models[kind] = model
-        if self._in_use:
+        if self._in_use and self._discovered:
             rebuild_declarations()
 
     @contextmanager
@@ -75,11 +75,13 @@ class Family:
         """Import the package's modules and what installed packages bring; classes add themselves."""
         if self._discovered:
             return
-        self._discovered = True
+        # A kind that holds others of its family asks for them while its own module is being imported: what remains is
+        # then imported first, and the outer loop finds it done.
         if self.package is not None:
             modules_in(self.package)
         for entry in announced(f"insonify.{self.name}"):
             entry.load()
+        self._discovered = True
 
 
 class KindOf:

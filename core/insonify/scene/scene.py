@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import model_validator
 
 from insonify.errors import SceneError
 from insonify.scene.base import Declaration, Place, parameter
-from insonify.scene.receiver import Coherent, Receiver
-from insonify.scene.reliefs import Dem
+from insonify.scene.beams.knife import KnifeBeam
+from insonify.scene.kinds import KindOf
+from insonify.scene.receiver import Receiver
+from insonify.scene.reliefs.dem import Dem
 from insonify.scene.seabed import Seabed
-from insonify.scene.sonar import Knife, Sonar
+from insonify.scene.sonar import Sonar
+from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.targets import AnyTarget
 from insonify.scene.track import Track
-from insonify.scene.water import UniformWater, Water
+from insonify.scene.waters import WATERS, WaterKind
+from insonify.scene.waters.uniform import UniformWater
 
 DEFAULT_ALTITUDE = 10.0
 SCHEMA = 1
@@ -41,7 +45,7 @@ class Scene(Declaration):
     world: World = parameter(World(), description="place on Earth")
     seabed: Seabed = parameter(Seabed(), description="the bed")
     targets: tuple[AnyTarget, ...] = parameter((), description="things on the bed")
-    water: Water = parameter(UniformWater(), description="the water")
+    water: Annotated[WaterKind, KindOf(WATERS, default="uniform")] = parameter(UniformWater(), description="the water")
     sonar: Sonar = parameter(Sonar(), description="the sonar")
     track: Track = parameter(Track(), description="the tow")
     receiver: Receiver = parameter(Receiver(), description="the receiver")
@@ -107,7 +111,7 @@ class Scene(Declaration):
                 "receiver.speckle 'coherent' adds up waves, which the light of sonar.law 'light' is not made of; "
                 "take law 'sonar' or another speckle"
             )
-        if isinstance(self.sonar.beam, Knife):
+        if isinstance(self.sonar.beam, KnifeBeam):
             raise ValueError(
                 "receiver.speckle 'coherent' hears the scatterers within the beam, and sonar.beam 'knife' has no width "
                 "that any could lie in; take a fan or another speckle"

@@ -2,63 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
-from pydantic import Discriminator, Tag, model_validator
+from pydantic import model_validator
 
-from insonify.scene.base import Choice, Declaration, kind_of, parameter
-from insonify.scene.fractal import Fractal
-from insonify.scene.made import Made, MadeAnywhere
+from insonify.scene.base import Declaration, parameter
+from insonify.scene.kinds import KindOf
 from insonify.scene.materials import Material, MaterialMap
-from insonify.scene.reliefs import Dem, Flat, Mimic
-from insonify.scene.ripples import Ripples
-from insonify.scene.roughness import Autocorrelated, Cascade, PowerLaw, VonKarman
+from insonify.scene.reliefs import RELIEFS, ReliefKind
+from insonify.scene.reliefs.flat import Flat
+from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.reliefs.mimic import Mimic
+from insonify.scene.reliefs.random_relief import ExtendableRelief, RandomRelief
+from insonify.scene.reliefs.ripples import Ripples
+from insonify.scene.reliefs.sum import SumOfReliefs
 
 MOST_CELLS = 16384  # a side, of a made bed
 FEWEST_CELLS = 3  # of one ripple
 HIGHEST_PEAK = 0.9  # of the Nyquist frequency, on endless ground
-
-AnyMade = (
-    Annotated[Fractal, Tag("fractal")]
-    | Annotated[PowerLaw, Tag("power_law")]
-    | Annotated[VonKarman, Tag("von_karman")]
-    | Annotated[Ripples, Tag("ripples")]
-    | Annotated[Cascade, Tag("cascade")]
-    | Annotated[Autocorrelated, Tag("autocorrelation")]
-)
-Part = Annotated[AnyMade, Discriminator(lambda value: kind_of(value, "fractal"))]
-
-
-class Sum(Choice):
-    """Several reliefs on one bed, independent of one another."""
-
-    kind: Literal["sum"] = "sum"
-    of: tuple[Part, ...] = parameter(
-        description="the reliefs; all repeat after the same period, or none does", min_length=1, max_length=16
-    )
-
-    @model_validator(mode="after")
-    def _parts_repeat_together(self) -> Sum:
-        first = self.of[0]
-        for part in self.of[1:]:
-            if part.period != first.period:
-                raise ValueError(
-                    f"of repeats after {first.period:g} m in one part and after {part.period:g} m in another; "
-                    "give all the same period"
-                )
-            if part.endless != first.endless:
-                raise ValueError("of is endless in one part and repeats in another; give all the same extent")
-        return self
-
-
-Relief = Annotated[
-    Annotated[Flat, Tag("flat")]
-    | AnyMade
-    | Annotated[Sum, Tag("sum")]
-    | Annotated[Dem, Tag("dem")]
-    | Annotated[Mimic, Tag("mimic")],
-    Discriminator(lambda value: kind_of(value, "flat")),
-]
 
 
 class Seabed(Declaration):
@@ -70,7 +31,7 @@ class Seabed(Declaration):
     spacing: float = parameter(
         0.1, unit="m", description="spacing of the relief grid", gt=0.0, le=1e4, slider=(0.05, 1.0), log=True
     )
-    relief: Relief = parameter(Flat(), description="shape of the bed")
+    relief: Annotated[ReliefKind, KindOf(RELIEFS, default="flat")] = parameter(Flat(), description="shape of the bed")
     material: MaterialMap = parameter(Material(), description="what the bed is made of")
 
     @model_validator(mode="after")
@@ -78,7 +39,7 @@ class Seabed(Declaration):
         for part in self.made:
             cells = part.period / self.spacing
             if cells > MOST_CELLS and not part.endless:
-                endless = ', or take extent = "endless"' if isinstance(part, MadeAnywhere) else ""
+                endless = ', or take extent = "endless"' if isinstance(part, ExtendableRelief) else ""
                 raise ValueError(
                     f"relief.period {part.period:g} m at spacing {self.spacing:g} m makes {cells:g} cells a side; "
                     f"shorten the period or widen the spacing to stay within {MOST_CELLS}{endless}"
@@ -114,11 +75,11 @@ class Seabed(Declaration):
             )
 
     @property
-    def made(self) -> tuple[AnyMade, ...]:
+    def made(self) -> tuple[RandomRelief, ...]:
         """The random reliefs that add up to the bed; none of a bed that is not random."""
-        if isinstance(self.relief, Sum):
+        if isinstance(self.relief, SumOfReliefs):
             return self.relief.of
-        return (self.relief,) if isinstance(self.relief, Made) else ()
+        return (self.relief,) if isinstance(self.relief, RandomRelief) else ()
 
     @property
     def endless(self) -> bool:

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import model_validator
 
 from insonify.scene.base import Declaration, Place, parameter
-from insonify.scene.motion import AnyMotion, Heave, Motion, Straight, Sum
+from insonify.scene.kinds import KindOf
+from insonify.scene.motions import MOTIONS, MotionKind, SingleMotion
+from insonify.scene.motions.oscillations import Heave
+from insonify.scene.motions.straight import Straight
+from insonify.scene.motions.sum import SumOfMotions
 
 
 class Track(Declaration):
@@ -41,7 +47,9 @@ class Track(Declaration):
     terrain_following: bool = parameter(
         False, description="count the altitude from the bed beneath, smoothed over one altitude to either side"
     )
-    motion: Motion = parameter(Straight(), description="how the fish strays from its line")
+    motion: Annotated[MotionKind, KindOf(MOTIONS, default="straight")] = parameter(
+        Straight(), description="how the fish strays from its line"
+    )
 
     @model_validator(mode="after")
     def _one_height(self) -> Track:
@@ -56,9 +64,9 @@ class Track(Declaration):
         return self
 
     @property
-    def motions(self) -> tuple[AnyMotion, ...]:
+    def motions(self) -> tuple[SingleMotion, ...]:
         """The motions at work, one or several."""
-        return self.motion.of if isinstance(self.motion, Sum) else (self.motion,)
+        return self.motion.of if isinstance(self.motion, SumOfMotions) else (self.motion,)  # type: ignore[return-value]
 
     @property
     def kinds(self) -> tuple[str, ...]:

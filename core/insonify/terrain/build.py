@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from insonify.files import file_version
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import ImageMap, Material, MaterialMap, PatternMap
-from insonify.scene.reliefs import Dem, Mimic
-from insonify.scene.seabed import AnyMade, Seabed
+from insonify.scene.reliefs.dem import Dem
+from insonify.scene.reliefs.mimic import Mimic
+from insonify.scene.reliefs.random_relief import RandomRelief
+from insonify.scene.seabed import Seabed
 from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles, kept
 from insonify.terrain.endless_relief import endless_heights, endless_materials
 from insonify.terrain.ground import Ground
@@ -118,7 +120,7 @@ def _flat_shape(material: MaterialMap, spacing: float) -> tuple[int, int]:
 
 
 @lru_cache(maxsize=2)
-def _kept_made(parts: tuple[AnyMade, ...], spacing: float, seed: int) -> tuple[NDArray[np.float32], Lattice]:
+def _kept_made(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tuple[NDArray[np.float32], Lattice]:
     period = parts[0].period
     cells = made_cells(period, spacing)
     shape = (cells, cells)
@@ -149,7 +151,7 @@ def _kept_materials(layout: MaterialMap, version: tuple[int, int] | None, lattic
 
 
 @lru_cache(maxsize=2)
-def _kept_tiles(parts: tuple[AnyMade, ...], spacing: float, seed: int) -> Tiles:
+def _kept_tiles(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
     tiles = endless_heights(parts, spacing, seed)
     return kept(lambda row, column: tiles(row, column).astype(np.float32))
 

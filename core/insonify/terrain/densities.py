@@ -16,9 +16,15 @@ from numpy.typing import NDArray
 from insonify.io.file_cache import kept_until_changed
 from insonify.io.formats import reason
 from insonify.scene import SceneError
-from insonify.scene.made import Patchy
-from insonify.scene.ripples import Ripples
-from insonify.scene.roughness import Autocorrelated, Exponential, Gaussian, PowerLaw, Table, TableFile, VonKarman
+from insonify.scene.autocorrelations.exponential import ExponentialAutocorrelation
+from insonify.scene.autocorrelations.file import AutocorrelationFile
+from insonify.scene.autocorrelations.gaussian import GaussianAutocorrelation
+from insonify.scene.autocorrelations.table import TabledAutocorrelation
+from insonify.scene.masks.patches import Patchy
+from insonify.scene.reliefs.autocorrelated import Autocorrelated
+from insonify.scene.reliefs.power_law import PowerLaw
+from insonify.scene.reliefs.ripples import Ripples
+from insonify.scene.reliefs.von_karman import VonKarman
 
 Field = NDArray[np.float64]
 Density = Callable[[Field, Field], Field]
@@ -64,13 +70,13 @@ def autocorrelated(relief: Autocorrelated) -> Density:
         If no surface has that autocorrelation, or its file cannot be read.
     """
     of, variance = relief.function, relief.rms**2
-    if isinstance(of, Exponential):
+    if isinstance(of, ExponentialAutocorrelation):
         return lambda fx, fy: np.asarray(
             variance * 2.0 * math.pi * of.length**2 * (1.0 + _phase(fx, fy, of.length)) ** -1.5
         )
-    if isinstance(of, Gaussian):
+    if isinstance(of, GaussianAutocorrelation):
         return lambda fx, fy: np.asarray(variance * math.pi * of.length**2 * np.exp(-0.25 * _phase(fx, fy, of.length)))
-    wave, power = tabled(points_of(of))
+    wave, power = tabled(points_of(of))  # type: ignore[arg-type]
 
     def density(fx: Field, fy: Field) -> Field:
         # Beyond the table it goes on as k⁻³, as that of anything with corners does on the average.
@@ -133,9 +139,9 @@ def turned(fx: Field, fy: Field, heading: float) -> tuple[Field, Field]:
     return c * fx + s * fy, c * fy - s * fx
 
 
-def points_of(of: Table | TableFile) -> tuple[tuple[float, float], ...]:
+def points_of(of: TabledAutocorrelation | AutocorrelationFile) -> tuple[tuple[float, float], ...]:
     """Points of a tabled autocorrelation."""
-    if isinstance(of, Table):
+    if isinstance(of, TabledAutocorrelation):
         return of.points
     return read_autocorrelation(of.path)
 
@@ -191,7 +197,7 @@ def read_autocorrelation(path: str) -> tuple[tuple[float, float], ...]:
     if rows.shape[1] != 2 or not np.isfinite(rows).all():
         raise _refusal(path, "is not two columns of numbers")
     try:
-        return Table(points=tuple((float(lag), float(value)) for lag, value in rows)).points
+        return TabledAutocorrelation(points=tuple((float(lag), float(value)) for lag, value in rows)).points
     except ValidationError:
         raise _refusal(path, "does not begin at 0, 1 and go on to larger lags") from None
 

@@ -8,12 +8,17 @@ from statistics import NormalDist
 
 import numpy as np
 
-from insonify.scene.fractal import Fractal
-from insonify.scene.made import Patchy
+from insonify.scene.autocorrelations.exponential import ExponentialAutocorrelation
+from insonify.scene.autocorrelations.gaussian import GaussianAutocorrelation
+from insonify.scene.masks.patches import Patchy
 from insonify.scene.materials import FractalMap, MaterialMap
-from insonify.scene.ripples import Ripples
-from insonify.scene.roughness import Autocorrelated, Cascade, Exponential, Gaussian, PowerLaw, VonKarman
-from insonify.scene.seabed import AnyMade
+from insonify.scene.reliefs.autocorrelated import Autocorrelated
+from insonify.scene.reliefs.cascade import Cascade
+from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.reliefs.power_law import PowerLaw
+from insonify.scene.reliefs.random_relief import RandomRelief
+from insonify.scene.reliefs.ripples import Ripples
+from insonify.scene.reliefs.von_karman import VonKarman
 from insonify.terrain.densities import (
     Density,
     autocorrelated,
@@ -34,7 +39,7 @@ from insonify.terrain.spectra import MASK, MATERIAL_BANDS, PART, RELIEF, Field, 
 Tiles = Callable[[int, int], Field]
 
 
-def endless_heights(parts: tuple[AnyMade, ...], spacing: float, seed: int) -> Tiles:
+def endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
     """Tiles of the sum of several reliefs.
 
     Parameters
@@ -78,7 +83,7 @@ def _bands(material: FractalMap, period: float, spacing: float, seed: int) -> Ca
     return lambda row, column: np.searchsorted(cuts, field.tile(row, column)).astype(np.uint8)
 
 
-def _masked(relief: AnyMade, spacing: float, seed: int, stream: int) -> Tiles:
+def _masked(relief: RandomRelief, spacing: float, seed: int, stream: int) -> Tiles:
     heights = _unmasked(relief, spacing, seed, RELIEF + stream)
     if not isinstance(relief.mask, Patchy):
         return heights
@@ -88,13 +93,13 @@ def _masked(relief: AnyMade, spacing: float, seed: int, stream: int) -> Tiles:
     return lambda row, column: heights(row, column) * mask_share(mask, field.tile(row, column) / level, threshold)
 
 
-def _unmasked(relief: AnyMade, spacing: float, seed: int, stream: int) -> Tiles:
+def _unmasked(relief: RandomRelief, spacing: float, seed: int, stream: int) -> Tiles:
     field = EndlessField(_bands_of(relief), spacing, seed, stream)
     if isinstance(relief, Ripples):
         return _ripples(relief, field)
     if isinstance(relief, PowerLaw):
         return field.tile
-    factor = relief.rms / math.sqrt(field.variance) if relief.rms > 0.0 else 0.0
+    factor = relief.rms / math.sqrt(field.variance) if relief.rms > 0.0 else 0.0  # type: ignore[attr-defined]
     return lambda row, column: factor * field.tile(row, column)
 
 
@@ -108,7 +113,7 @@ def _ripples(ripples: Ripples, field: EndlessField) -> Tiles:
     return tile
 
 
-def _bands_of(relief: AnyMade) -> tuple[Band, ...]:
+def _bands_of(relief: RandomRelief) -> tuple[Band, ...]:
     """Spectrum of a relief, or of the waves that it is made of."""
     if isinstance(relief, Fractal):
         return _fractal(relief)
@@ -120,7 +125,7 @@ def _bands_of(relief: AnyMade) -> tuple[Band, ...]:
         narrow = min(relief.bandwidth, relief.bandwidth_along) / relief.wavelength
         return (Band(ripple_band(relief), narrow, ripple_wave(relief)),)
     assert not isinstance(relief, Cascade)  # which has no extent
-    return (Band(autocorrelated(relief), _feature(relief)),)
+    return (Band(autocorrelated(relief), _feature(relief)),)  # type: ignore[arg-type]
 
 
 def _fractal(fractal: Fractal) -> tuple[Band, ...]:
@@ -147,6 +152,6 @@ def _twofold(density: Density) -> Density:
 def _feature(relief: Autocorrelated) -> float:
     """Frequency over which a spectrum changes, from how far the autocorrelation reaches."""
     of = relief.function
-    if isinstance(of, Exponential | Gaussian):
+    if isinstance(of, ExponentialAutocorrelation | GaussianAutocorrelation):
         return 1.0 / (2.0 * math.pi * of.length)
-    return 0.5 / points_of(of)[-1][0]
+    return 0.5 / points_of(of)[-1][0]  # type: ignore[arg-type]

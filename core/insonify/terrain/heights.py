@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.reliefs import Dem, Mimic
+from insonify.scene.reliefs.dem import Dem
+from insonify.scene.reliefs.mimic import Mimic
 from insonify.scene.seabed import Seabed
 from insonify.terrain.build import FLAT_CELLS, build_ground, made_cells
 from insonify.terrain.endless import gathered

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from insonify.scene import SceneError
 from insonify.scene.materials import PatternMap
-from insonify.scene.reliefs import Mimic
+from insonify.scene.reliefs.mimic import Mimic
 from insonify.terrain.materials import material_table
 from insonify.terrain.patterns import pattern_rows
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from insonify.kernels.bed.nearest_seed import voronoi_materials
-from insonify.scene.fractal import Fractal
 from insonify.scene.materials import FractalMap, ImageMap, Material, MaterialMap, Patches, PatternMap, Reflectivity
+from insonify.scene.reliefs.fractal import Fractal
 from insonify.terrain.lattice import Lattice, Map
 from insonify.terrain.patterns import graded_rows, pattern_map
 from insonify.terrain.pictures import picture_map

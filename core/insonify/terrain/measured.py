@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.io.bathymetry import BATHYMETRY, Grid, read_grid
 from insonify.io.file_cache import kept_until_changed
-from insonify.scene.reliefs import Dem
+from insonify.scene.reliefs.dem import Dem
 
 HIGHEST = 2e4  # m, of any bed, up or down
 SQUARE = 1e-6  # relative difference of spacings that still counts as square

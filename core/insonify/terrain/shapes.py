@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene.made import Patchy
-from insonify.scene.ripples import Ripples
+from insonify.scene.masks.patches import Patchy
+from insonify.scene.reliefs.ripples import Ripples
 
 Field = NDArray[np.float64]
 

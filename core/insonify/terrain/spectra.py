@@ -16,7 +16,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from insonify.kernels.common.hashing import wave_noise
-from insonify.scene.fractal import Fractal
+from insonify.scene.reliefs.fractal import Fractal
 
 Shape = tuple[int, int]
 Field = NDArray[np.float64]

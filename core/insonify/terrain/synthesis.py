@@ -8,11 +8,14 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from insonify.scene.fractal import Fractal
-from insonify.scene.made import Patchy
-from insonify.scene.ripples import Ripples
-from insonify.scene.roughness import Autocorrelated, Cascade, PowerLaw, VonKarman
-from insonify.scene.seabed import AnyMade
+from insonify.scene.masks.patches import Patchy
+from insonify.scene.reliefs.autocorrelated import Autocorrelated
+from insonify.scene.reliefs.cascade import Cascade
+from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.reliefs.power_law import PowerLaw
+from insonify.scene.reliefs.random_relief import RandomRelief
+from insonify.scene.reliefs.ripples import Ripples
+from insonify.scene.reliefs.von_karman import VonKarman
 from insonify.terrain.densities import (
     Density,
     autocorrelated,
@@ -42,7 +45,7 @@ from insonify.terrain.spectra import (
 LONGEST_WAVES = 0.35  # cycles per period that a band spreads at least, so that some wave lies in it
 
 
-def made_heights(parts: tuple[AnyMade, ...], shape: Shape, reference: Shape, seed: int) -> Field:
+def made_heights(parts: tuple[RandomRelief, ...], shape: Shape, reference: Shape, seed: int) -> Field:
     """Heights of one period of the sum of several reliefs.
 
     Parameters
@@ -67,7 +70,7 @@ def made_heights(parts: tuple[AnyMade, ...], shape: Shape, reference: Shape, see
     return total
 
 
-def _heights(part: AnyMade, number: int, shape: Shape, reference: Shape, seed: int) -> Field:
+def _heights(part: RandomRelief, number: int, shape: Shape, reference: Shape, seed: int) -> Field:
     """Heights of one relief of a sum, where its mask lets it be."""
     heights = _unmasked(part, shape, reference, seed, RELIEF + PART * number)
     if isinstance(part.mask, Patchy):
@@ -75,7 +78,7 @@ def _heights(part: AnyMade, number: int, shape: Shape, reference: Shape, seed: i
     return heights
 
 
-def _unmasked(relief: AnyMade, shape: Shape, reference: Shape, seed: int, stream: int) -> Field:
+def _unmasked(relief: RandomRelief, shape: Shape, reference: Shape, seed: int, stream: int) -> Field:
     """Heights of one relief, everywhere."""
     if isinstance(relief, Fractal):
         return synthesise(relief, shape, reference, seed, stream)
@@ -83,10 +86,10 @@ def _unmasked(relief: AnyMade, shape: Shape, reference: Shape, seed: int, stream
         return _ripples(relief, shape, seed, stream)
     if isinstance(relief, PowerLaw):
         return field_of(_waves(power_law(relief), relief.period, shape, seed, stream), shape)
-    heights = _unscaled(relief, shape, seed, stream)
-    scaled = heights if shape == reference else _unscaled(relief, reference, seed, stream)
+    heights = _unscaled(relief, shape, seed, stream)  # type: ignore[arg-type]
+    scaled = heights if shape == reference else _unscaled(relief, reference, seed, stream)  # type: ignore[arg-type]
     power = float(np.mean(scaled**2))
-    return heights * (relief.rms / math.sqrt(power)) if power > 0.0 else heights
+    return heights * (relief.rms / math.sqrt(power)) if power > 0.0 else heights  # type: ignore[attr-defined]
 
 
 def _unscaled(relief: VonKarman | Autocorrelated | Cascade, shape: Shape, seed: int, stream: int) -> Field:

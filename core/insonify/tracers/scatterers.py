@@ -21,9 +21,10 @@ from insonify.packing.surface_patches import make_surface_patches
 from insonify.packing.targets import refuse_sonar_inside
 from insonify.parallel import in_parallel
 from insonify.scene import Scene, SceneError
-from insonify.scene.receiver import Coherent
-from insonify.scene.sonar import Ideal, Tone
-from insonify.scene.sonar import Pulse as DeclaredPulse
+from insonify.scene.pulses import PulseKind as DeclaredPulse
+from insonify.scene.pulses.ideal import Ideal
+from insonify.scene.pulses.tone import Tone
+from insonify.scene.speckles.coherent import Coherent
 from insonify.tracers.azimuth_fan import lay_planes
 from insonify.tracers.sweep import Record
 
@@ -154,7 +155,7 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, b
     """
     resolution = bin_length
     if not isinstance(pulse, Ideal):
-        resolution = 0.5 * sound_speed * (pulse.duration if isinstance(pulse, Tone) else 1.0 / pulse.bandwidth)
+        resolution = 0.5 * sound_speed * (pulse.duration if isinstance(pulse, Tone) else 1.0 / pulse.bandwidth)  # type: ignore[attr-defined]
     samples = math.ceil(min(bin_length / resolution, float(MOST_SAMPLES)) * (1.0 - 1e-9))
     # An even number: the sample lies in the middle.
     cells = 2 * math.ceil(0.5 * RESOLVED * bin_length / samples / resolution)
@@ -166,10 +167,10 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, b
         )
     if isinstance(pulse, Ideal):
         return PulseTaps(1, cells, np.full(cells, 1.0), cells // 2)
-    reach = math.ceil(0.5 * sound_speed * pulse.duration / step)
+    reach = math.ceil(0.5 * sound_speed * pulse.duration / step)  # type: ignore[attr-defined]
     # A tone is heard after it has come, a chirp on either hand of it.
     late = np.arange(reach if isinstance(pulse, Tone) else 2 * reach, dtype=np.float64)
-    amplitudes = envelope(pulse, (reach - 0.5 - late) * step, sound_speed)
+    amplitudes = envelope(pulse, (reach - 0.5 - late) * step, sound_speed)  # type: ignore[arg-type]
     energy = float(pulse_taps(pulse, sound_speed, bin_length).weights.sum()) * bin_length
     amplitudes *= math.sqrt(energy / (float((amplitudes**2).sum()) * step))
     return PulseTaps(samples, cells, amplitudes, reach)

@@ -17,8 +17,8 @@ from insonify.accuracy.stability.scenery import level_scene
 from insonify.acoustics.flat_bed import along_track_width
 from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
-from insonify.scene.fractal import Fractal
-from insonify.scene.sonar import Fan
+from insonify.scene.beams.fan import FanBeam
+from insonify.scene.reliefs.fractal import Fractal
 from insonify.scene.targets.sphere import Sphere
 from insonify.simulation import prepare, simulate
 
@@ -47,7 +47,7 @@ def _past_a_ball() -> Pass:
     scene = load_scene("breaks-comb")
     ball, beam, sonar = scene.targets[FARTHEST], scene.sonar.beam, scene.sonar
     assert isinstance(ball, Sphere)
-    assert isinstance(beam, Fan)
+    assert isinstance(beam, FanBeam)
     x, y = ball.position[:2]
     near = math.hypot(y, scene.altitude - ball.radius) - ball.radius
     echo = slice(*(int(r * sonar.bins / sonar.range) for r in (near - ball.radius, near + 2.0 * ball.radius)))

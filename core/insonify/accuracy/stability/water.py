@@ -19,7 +19,8 @@ from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.paths import ray_paths
 from insonify.acoustics.sound_speed import paper, teos10
 from insonify.scene import SceneError, edit, load_scene
-from insonify.scene.water import ProfileWater, Water
+from insonify.scene.waters import WaterKind
+from insonify.scene.waters.profile import ProfileWater
 
 Values = NDArray[np.float64]
 LAUNCH = 5.0  # degrees below the horizontal
@@ -191,7 +192,7 @@ def _told_beyond(speed: float) -> float:
     return abs(speed - SHALLOW.sound_speed[-1])
 
 
-def _own_beyond(water: Water, depth: float) -> float:
+def _own_beyond(water: WaterKind, depth: float) -> float:
     return float(make_sound_speed_field(water).speed_at(0.0, 0.0, depth))
 
 

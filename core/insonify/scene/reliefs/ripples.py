@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.made import MadeAnywhere, crest_heading
+from insonify.scene.reliefs.random_relief import ExtendableRelief, crest_heading
 
 
-class Ripples(MadeAnywhere):
+class Ripples(ExtendableRelief):
     """Crests of one height that wander, fork and end: the phase of a narrow band of waves, shaped."""
 
+    rank = 50
     kind: Literal["ripples"] = "ripples"
     wavelength: float = parameter(
         0.8,

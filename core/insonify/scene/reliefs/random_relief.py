@@ -1,46 +1,17 @@
-"""Relief made from random numbers: what all its kinds share, and where a mask lets it be."""
+"""What all reliefs made from random numbers share."""
 
 from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Tag
-
-from insonify.scene.base import Choice, kind_of, parameter
-
-
-class Everywhere(Choice):
-    """No mask: the relief covers the whole bed."""
-
-    kind: Literal["none"] = "none"
+from insonify.scene.base import parameter
+from insonify.scene.kinds import KindOf
+from insonify.scene.masks import MASKS, MaskKind
+from insonify.scene.masks.none import Everywhere
+from insonify.scene.reliefs import ReliefKind
 
 
-class Patchy(Choice):
-    """Smooth patches, strewn at random, outside which the relief fades out."""
-
-    kind: Literal["patches"] = "patches"
-    share: float = parameter(
-        0.5, description="share of the bed that the patches cover", gt=0.0, lt=1.0, slider=(0.05, 0.95)
-    )
-    size: float = parameter(
-        10.0, unit="m", description="typical width of a patch", ge=1e-3, le=1e5, slider=(1.0, 50.0), log=True
-    )
-    softness: float = parameter(
-        0.3,
-        description="width over which the relief fades at their borders, as a share of their size",
-        gt=0.0,
-        le=2.0,
-        slider=(0.05, 1.0),
-    )
-
-
-Mask = Annotated[
-    Annotated[Everywhere, Tag("none")] | Annotated[Patchy, Tag("patches")],
-    Discriminator(lambda value: kind_of(value, "patches")),
-]
-
-
-class Made(Choice):
+class RandomRelief(ReliefKind):
     """Relief that repeats after a period, and what may mask it."""
 
     period: float = parameter(
@@ -52,7 +23,9 @@ class Made(Choice):
         slider=(12.8, 409.6),
         log=True,
     )
-    mask: Mask = parameter(Everywhere(), description="where the relief is, of a bed that is level elsewhere")
+    mask: Annotated[MaskKind, KindOf(MASKS, default="patches")] = parameter(
+        Everywhere(), description="where the relief is, of a bed that is level elsewhere"
+    )
 
     @property
     def endless(self) -> bool:
@@ -60,7 +33,7 @@ class Made(Choice):
         return False
 
 
-class MadeAnywhere(Made):
+class ExtendableRelief(RandomRelief):
     """Relief that can also go on for ever without repeating."""
 
     extent: Literal["periodic", "endless"] = parameter(

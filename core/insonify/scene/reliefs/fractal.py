@@ -7,14 +7,15 @@ from typing import Any, Literal
 from pydantic import field_validator, model_validator
 
 from insonify.scene.base import parameter
-from insonify.scene.made import MadeAnywhere, rms_height
+from insonify.scene.reliefs.random_relief import ExtendableRelief, rms_height
 
 Peak = tuple[float, float]
 
 
-class Fractal(MadeAnywhere):
+class Fractal(ExtendableRelief):
     """Filtered noise with spectral peaks: Models 1 to 3 of the paper."""
 
+    rank = 20
     kind: Literal["fractal"] = "fractal"
     beta: float | None = parameter(
         None,

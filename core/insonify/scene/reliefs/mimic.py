@@ -1,4 +1,4 @@
-"""Beds that are not random: level, measured, or made to pass for another."""
+"""Dunes that pass for a pattern."""
 
 from __future__ import annotations
 
@@ -6,34 +6,19 @@ from typing import Literal
 
 from pydantic import model_validator
 
-from insonify.scene.base import Choice, FilePath, parameter
+from insonify.scene.base import parameter
 from insonify.scene.materials import Material, PatternMap
+from insonify.scene.reliefs import ReliefKind
 
 
-class Flat(Choice):
-    """A level bed without relief."""
-
-    kind: Literal["flat"] = "flat"
-
-
-class Dem(Choice):
-    """A measured bed: a grid of heights from a file."""
-
-    kind: Literal["dem"] = "dem"
-    path: FilePath = parameter(
-        description="GeoTIFF, BAG, .asc, .npy or .npz grid of heights (positive up)", min_length=1
-    )
-    datum: float = parameter(0.0, unit="m", description="added to every height of the file", ge=-2e4, le=2e4)
-    scale: float = parameter(1.0, description="multiplies every height, before the datum is added", gt=0.0, le=1e3)
-
-
-class Mimic(Choice):
+class Mimic(ReliefKind):
     """Dunes of one material that record as a level bed of stripes or waves does, from one line and one height.
 
     The line is the x axis, the dunes lie along it, and the material is the seabed's own: its diffuse share must be
     the mean of the pattern's for the records to be equal.
     """
 
+    rank = 100
     kind: Literal["mimic"] = "mimic"
     of: PatternMap = parameter(
         PatternMap(

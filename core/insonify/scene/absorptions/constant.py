@@ -1,0 +1,25 @@
+"""A given absorption."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import model_validator
+
+from insonify.scene.absorptions import AbsorptionKind
+from insonify.scene.base import parameter
+
+
+class ConstantAbsorption(AbsorptionKind):
+    """A given absorption; a bare number of dB/km stands for it."""
+
+    rank = 20
+    kind: Literal["constant"] = "constant"
+    coefficient: float = parameter(
+        30.0, unit="dB/km", description="absorption, one way", ge=0.0, le=1e5, slider=(0.0, 500.0)
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _name_alone(cls, value: Any) -> Any:
+        return {"coefficient": value} if isinstance(value, (int, float)) else value

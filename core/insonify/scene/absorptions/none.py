@@ -1,0 +1,14 @@
+"""No absorption."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.absorptions import AbsorptionKind
+
+
+class NoAbsorption(AbsorptionKind):
+    """Water that swallows nothing."""
+
+    rank = 10
+    kind: Literal["none"] = "none"

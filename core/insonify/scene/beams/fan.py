@@ -1,0 +1,23 @@
+"""A top-hat beam."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.base import parameter
+from insonify.scene.beams.aimed import AimedBeam
+
+
+class FanBeam(AimedBeam):
+    """A top-hat beam, one-way full width; the cell widens with range."""
+
+    rank = 20
+    kind: Literal["fan"] = "fan"
+    width: float = parameter(
+        1.0, unit="°", description="one-way full beamwidth", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
+    )
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return self._named(f"fan {self.width:g}°")

@@ -1,0 +1,19 @@
+"""A beam without width."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.beams import BeamKind
+
+
+class KnifeBeam(BeamKind):
+    """A beam without width: one upright line across the track, however the fish is pitched, 1 m wide by definition."""
+
+    rank = 10
+    kind: Literal["knife"] = "knife"
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return "knife-edge beam"

@@ -1,0 +1,14 @@
+"""No gain."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.gains import GainKind
+
+
+class NoTvg(GainKind):
+    """Echoes as loud as they arrive."""
+
+    rank = 10
+    kind: Literal["none"] = "none"

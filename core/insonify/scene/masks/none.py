@@ -1,0 +1,14 @@
+"""No mask."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.masks import MaskKind
+
+
+class Everywhere(MaskKind):
+    """No mask: the relief covers the whole bed."""
+
+    rank = 10
+    kind: Literal["none"] = "none"

@@ -1,0 +1,75 @@
+"""Motions to and fro, each about its own axis."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.base import parameter
+from insonify.scene.motions import SingleMotion
+
+
+class Oscillation(SingleMotion):
+    """A motion to and fro: amplitude · sin(2π t / period + phase), with t from the first ping on."""
+
+    amplitude: float
+    period: float = parameter(
+        8.0, unit="s", description="time to and fro", ge=0.1, le=1e5, slider=(1.0, 60.0), log=True
+    )
+    phase: float = parameter(
+        0.0,
+        unit="°",
+        description="how far the motion is at the first ping",
+        ge=-360.0,
+        le=360.0,
+        slider=(-180.0, 180.0),
+    )
+
+
+class Sway(Oscillation):
+    """To port and starboard of the line; the fish keeps its heading and crabs."""
+
+    rank = 20
+    kind: Literal["sway"] = "sway"
+    amplitude: float = parameter(
+        0.5, unit="m", description="greatest distance to port of the line", ge=0.0, le=100.0, slider=(0.0, 5.0)
+    )
+
+
+class Heave(Oscillation):
+    """Up and down."""
+
+    rank = 30
+    kind: Literal["heave"] = "heave"
+    amplitude: float = parameter(
+        0.5, unit="m", description="greatest rise above the track's own height", ge=0.0, le=1000.0, slider=(0.0, 3.0)
+    )
+
+
+class Yaw(Oscillation):
+    """The axis turns to port and starboard of the line; the course stays."""
+
+    rank = 40
+    kind: Literal["yaw"] = "yaw"
+    amplitude: float = parameter(
+        2.0, unit="°", description="greatest turn of the axis to port", ge=0.0, le=60.0, slider=(0.0, 15.0)
+    )
+
+
+class Pitch(Oscillation):
+    """The bow goes up and down."""
+
+    rank = 50
+    kind: Literal["pitch"] = "pitch"
+    amplitude: float = parameter(
+        2.0, unit="°", description="greatest angle of the bow upwards", ge=0.0, le=60.0, slider=(0.0, 15.0)
+    )
+
+
+class Roll(Oscillation):
+    """The port side goes up and down."""
+
+    rank = 60
+    kind: Literal["roll"] = "roll"
+    amplitude: float = parameter(
+        3.0, unit="°", description="greatest angle of the port side upwards", ge=0.0, le=60.0, slider=(0.0, 15.0)
+    )

@@ -1,0 +1,14 @@
+"""A straight tow."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.motions import SingleMotion
+
+
+class Straight(SingleMotion):
+    """Level, at constant speed, without motion."""
+
+    rank = 10
+    kind: Literal["straight"] = "straight"

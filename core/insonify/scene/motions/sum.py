@@ -1,0 +1,19 @@
+"""Several motions at once."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from insonify.scene.base import parameter
+from insonify.scene.kinds import KindOf
+from insonify.scene.motions import MOTIONS, MotionKind, SingleMotion
+
+
+class SumOfMotions(MotionKind):
+    """Several motions at once."""
+
+    rank = 90
+    kind: Literal["sum"] = "sum"
+    of: tuple[Annotated[SingleMotion, KindOf(MOTIONS, SingleMotion, default="straight")], ...] = parameter(
+        description="the motions, in any order", min_length=1, max_length=32
+    )

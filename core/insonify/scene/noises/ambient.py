@@ -1,0 +1,23 @@
+"""Ambient noise."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.base import parameter
+from insonify.scene.noises import NoiseKind
+
+
+class AmbientNoise(NoiseKind):
+    """Noise of the sea and the set, of exponential intensity."""
+
+    rank = 20
+    kind: Literal["ambient"] = "ambient"
+    level: float = parameter(
+        -110.0,
+        unit="dB",
+        description="mean level in the receiver's band, dB re the source at 1 m, or re 1 µPa with a source level",
+        ge=-300.0,
+        le=200.0,
+        slider=(-150.0, 120.0),
+    )

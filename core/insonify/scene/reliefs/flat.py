@@ -1,0 +1,14 @@
+"""A level bed."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.reliefs import ReliefKind
+
+
+class Flat(ReliefKind):
+    """A level bed without relief."""
+
+    rank = 10
+    kind: Literal["flat"] = "flat"

@@ -1,0 +1,18 @@
+"""Volume and surface reverberation."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.reverberations import ReverberationKind
+from insonify.scene.reverberations.surface import surface_strength
+from insonify.scene.reverberations.volume import volume_strength
+
+
+class WholeReverberation(ReverberationKind):
+    """Both the water and its surface echo."""
+
+    rank = 40
+    kind: Literal["both"] = "both"
+    volume_strength: float = volume_strength()
+    surface_strength: float = surface_strength()

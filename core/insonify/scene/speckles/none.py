@@ -1,0 +1,14 @@
+"""No speckle."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.speckles import SpeckleKind
+
+
+class NoSpeckle(SpeckleKind):
+    """The mean echo."""
+
+    rank = 10
+    kind: Literal["none"] = "none"

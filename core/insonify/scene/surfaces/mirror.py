@@ -1,0 +1,19 @@
+"""Surfaces that reflect all sound."""
+
+from __future__ import annotations
+
+from insonify.scene.base import parameter
+from insonify.scene.surfaces import SurfaceKind
+
+
+class MirrorSurface(SurfaceKind):
+    """The ways of the sound by a surface that reflects all of it; each is a switch of its own."""
+
+    surface_bottom: bool = parameter(
+        True, description="what comes by the surface and goes straight, or the other way round: out by one, back by one"
+    )
+    surface_bottom_surface: bool = parameter(True, description="what goes out and comes back by the surface")
+    second_bottom: bool = parameter(
+        True, description="what the bed beneath the sonar and then the surface send to the bed once more, either way"
+    )
+    surface_echo: bool = parameter(True, description="the echo of the surface straight above the sonar")

@@ -1,0 +1,19 @@
+"""A vertical top-hat."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.vertical_beams.tilted import TiltedBeam
+
+
+class VerticalFan(TiltedBeam):
+    """A vertical top-hat: all within its width, nothing beyond."""
+
+    rank = 20
+    kind: Literal["fan"] = "fan"
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return self._named("fan")

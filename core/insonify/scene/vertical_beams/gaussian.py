@@ -1,0 +1,19 @@
+"""A bell-shaped vertical beam."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from insonify.scene.vertical_beams.tilted import TiltedBeam
+
+
+class VerticalGaussian(TiltedBeam):
+    """A bell-shaped vertical beam."""
+
+    rank = 30
+    kind: Literal["gaussian"] = "gaussian"
+
+    @property
+    def words(self) -> str:
+        """Name of the beam for captions."""
+        return self._named("gaussian")
