@@ -132,7 +132,7 @@ def test_a_reference_is_given_up_after_any_ping(monkeypatch):
         raise Stop
 
     traced = []
-    monkeypatch.setattr(reference.sheets, "can_trace", lambda arrays: False)
+    monkeypatch.setattr(reference.ray_sheets, "can_trace", lambda arrays: False)
     monkeypatch.setattr(reference.rays, "trace", lambda arrays, pose, **how: traced.append(time.sleep(0.01)))
     poses = poses_of(np.arange(64.0), 0.0, 8.0)
     with pytest.raises(Stop):

@@ -109,12 +109,20 @@ FOLDER = cache_folder()
 DIGESTS = source_digests(SOURCES, FOLDER)
 
 
+def _digest_of(module: str, file: str) -> str:
+    """Digest a module; one outside this package may call any kernel, so that all of them count."""
+    if module.startswith(f"{PACKAGE}."):
+        return DIGESTS[module.removeprefix(f"{PACKAGE}.")]
+    own = Path(file).read_bytes() if Path(file).is_file() else module.encode()
+    return hashlib.sha256(own + json.dumps(DIGESTS, sort_keys=True).encode()).hexdigest()[:24]
+
+
 class _Locator:
     """Place of one kernel's machine code, as Numba asks for it."""
 
     def __init__(self, function: Callable[..., Any], file: str) -> None:
         self._py_file = file
-        self.digest = DIGESTS[function.__module__.removeprefix(f"{PACKAGE}.")]
+        self.digest = _digest_of(function.__module__, file)
         self.folder = FOLDER / self.digest
         with contextlib.suppress(OSError):
             os.utime(self.folder)  # in use: `remove_unused` leaves it
