@@ -10,9 +10,9 @@ import pytest
 from beds import arrays_of, gaussian_pattern, mesh_of, poses_of, rough
 from ghosts import bright_ball, image_heights, naive_ghost, under_sea
 from insonify.accuracy.metrics import compare
-from insonify.acoustics.sea_surface import rms_height, slope_variance
 from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
 from insonify.packing.navigation import take_poses
+from insonify.scene.surfaces.rough import rms_height, slope_variance
 from insonify.tracers import march, rays, sweep
 
 ALTITUDE, DEPTH = 20.0, 30.0

@@ -14,33 +14,8 @@ from scipy import special
 
 from insonify.kernels.common.types import SurfaceMultipath, no_surface_multipath
 from insonify.scene.surfaces import SurfaceKind
-from insonify.scene.surfaces.none import NoSurface
-from insonify.scene.surfaces.rough import RoughSurface
 
-GRAVITY = 9.81  # m/s²
-# Pierson and Moskowitz (1964): S(ω) = α g² ω⁻⁵ exp(−β (g / Uω)⁴).
-ALPHA, BETA = 8.1e-3, 0.74
-# Wave number at which ripples of surface tension take over (1.7 cm long), rad/m: facets no finer are counted.
-FINEST = 363.0
-CALM = 0.02  # m/s, of a wind whose waves are all finer: E₁(3000) is nothing
 STRATA = 8  # of tilts, each met by two of heights
-
-
-def rms_height(wind_speed: float) -> float:
-    """Rms height of the waves, in metres, for a wind in m/s: h² = ∫ S dω = α U⁴ / (4 β g²)."""
-    return math.sqrt(ALPHA / (4.0 * BETA)) * wind_speed**2 / GRAVITY
-
-
-def slope_variance(wind_speed: float) -> float:
-    """Variance of the slope of the waves in one direction, half of that in both, for a wind in m/s.
-
-    ∫ (ω²/g)² S dω up to the finest wave, ω² = g · 363 rad/m, is α/4 · E₁(β (g / Uω)⁴); with U = 5 m/s it is 0.027 in
-    both directions, where Cox and Munk (1954) measured 0.003 + 0.00512 U = 0.029.
-    """
-    if wind_speed < CALM:
-        return 0.0
-    squared = GRAVITY / (wind_speed**2 * FINEST)  # (g / Uω)²
-    return float(0.5 * ALPHA / 4.0 * special.exp1(BETA * squared**2))
 
 
 def make_ghosts(surface: SurfaceKind) -> SurfaceMultipath:
@@ -48,20 +23,19 @@ def make_ghosts(surface: SurfaceKind) -> SurfaceMultipath:
 
     Parameters
     ----------
-    surface : NoSurface, FlatSurface or RoughSurface
+    surface : SurfaceKind
 
     Returns
     -------
     Ghosts
         A flat surface has one facet; that of a sea is met by sixteen.
     """
-    if isinstance(surface, NoSurface):
+    paths = surface.paths
+    if not any(paths):
         return no_surface_multipath()
-    ways = surface.surface_bottom, surface.surface_bottom_surface, surface.second_bottom, surface.surface_echo  # type: ignore[attr-defined]
-    wind = surface.wind_speed if isinstance(surface, RoughSurface) else 0.0
-    if wind == 0.0:
-        return SurfaceMultipath(any(ways), *ways, 0.0, 0.0, np.zeros((2, 1, 4)))
-    return SurfaceMultipath(any(ways), *ways, rms_height(wind), slope_variance(wind), facets())
+    if surface.rms_height == 0.0:
+        return SurfaceMultipath(True, *paths, 0.0, 0.0, np.zeros((2, 1, 4)))
+    return SurfaceMultipath(True, *paths, surface.rms_height, surface.slope_variance, facets())
 
 
 def facets() -> NDArray[np.float64]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from insonify.scene import Scene, SceneError
 from insonify.scene.speckles.coherent import Coherent
-from insonify.scene.surfaces.none import NoSurface
 from insonify.scene.waters.section import SectionWater
 
 
@@ -32,7 +31,7 @@ def refuse(scene: Scene, method: str, bounces: int) -> None:
     if bounces > 0 or method in ("march", "rays"):
         other = f"bounces, of which sonar.bounces asks for {bounces}" if bounces > 0 else f"the method {method!r}"
         raise SceneError(f"receiver.speckle: 'coherent' is heard by the sweep, not by {other}; take another speckle")
-    if not isinstance(surface, NoSurface):
+    if surface.reflects:
         raise SceneError(
             f"water.surface: {surface.kind!r} makes ghosts, of which 'coherent' speckle knows nothing; take another "
             "receiver.speckle, or the surface 'none'"
@@ -57,7 +56,7 @@ def refuse_bent(scene: Scene, method: str) -> None:
         raise SceneError(
             "method: 'sweep' hears water that differs by depth alone, and this differs along a 'section'; take rays"
         )
-    if not isinstance(surface, NoSurface):
+    if surface.reflects:
         raise SceneError(
             f"water.surface: its ghosts ({surface.kind!r}) come along straight lines, and here sound bends; "
             "take the surface 'none', or water.kind 'uniform'"

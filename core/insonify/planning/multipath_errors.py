@@ -13,12 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.sea_surface import rms_height
 from insonify.planning import laws
 from insonify.planning.scene_summary import BEYOND, View
 from insonify.scene import Scene
 from insonify.scene.materials import Material, Reflectivity
-from insonify.scene.surfaces.rough import RoughSurface
 
 Field = NDArray[np.float64]
 CELLS = 256  # of slant range at most
@@ -77,7 +75,7 @@ class Ghosts:
         Nor of how wide the beam is against what the first bin holds.
         """
         view, surface = self._view, scene.water.surface
-        waves = rms_height(surface.wind_speed) if isinstance(surface, RoughSurface) else 0.0
+        waves = surface.rms_height
         smeared, total = max(view.bin_length, waves), 0.0
         for way, pair in self._pairs.items():
             beside = pair.low * math.sin(view.half_width)

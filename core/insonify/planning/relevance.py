@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 
-from insonify.acoustics.sea_surface import rms_height
 from insonify.planning.target_errors import outline_of, place_of
 from insonify.scene import Scene
 from insonify.scene.motions.oscillations import Heave, Pitch, Roll, Sway, Yaw
 from insonify.scene.motions.straight import Straight
 from insonify.scene.reliefs.dem import Dem
 from insonify.scene.surfaces import WAYS
-from insonify.scene.surfaces.rough import RoughSurface
 from insonify.scene.targets import Target
 
 FARTHER = 1.1  # bent sound may go farther in the time of a slant range
@@ -46,7 +44,7 @@ def ways_in_reach(scene: Scene) -> dict[str, float]:
         "second_bottom": 2.0 * altitude + depth,
         "surface_echo": depth,
     }
-    return {way: first[way] for way in WAYS if getattr(surface, way, False)}
+    return {way: first[way] for way, is_on in zip(WAYS, surface.paths) if is_on}
 
 
 def height_of_echoes(scene: Scene, rms_bed: float) -> dict[str, float]:
@@ -59,7 +57,7 @@ def height_of_echoes(scene: Scene, rms_bed: float) -> dict[str, float]:
         Rms height of the bed, in metres.
     """
     surface = scene.water.surface
-    waves = HIGHEST * rms_height(surface.wind_speed) if isinstance(surface, RoughSurface) else 0.0
+    waves = HIGHEST * surface.rms_height
     # A measured bed may lie at any depth.
     bed = math.inf if isinstance(scene.seabed.relief, Dem) else HIGHEST * rms_bed
     bed += max((2.0 * outline_of(scene, k).radius for k in range(len(scene.targets))), default=0.0)

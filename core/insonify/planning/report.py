@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
-from insonify.acoustics.sea_surface import rms_height, slope_variance
 from insonify.planning import laws
 from insonify.planning.candidates import Draft, cost
 from insonify.planning.entries import Entry
@@ -20,7 +19,6 @@ from insonify.scene.beams.knife import KnifeBeam
 from insonify.scene.materials import Material
 from insonify.scene.reliefs.flat import Flat
 from insonify.scene.speckles.coherent import Coherent
-from insonify.scene.surfaces.rough import RoughSurface
 from insonify.scene.waters.section import SectionWater
 
 
@@ -185,8 +183,8 @@ def _ways(told: Told) -> Iterator[Entry]:
     """Tell each way by the sea surface."""
     surface, view, draft = told.scene.water.surface, told.view, told.draft
     images = "from images of the sonar above it; what rises higher than the sonar leaves it in sight"
-    if isinstance(surface, RoughSurface):
-        height, slope = rms_height(surface.wind_speed), math.degrees(math.sqrt(slope_variance(surface.wind_speed)))
+    if surface.rms_height > 0.0:
+        height, slope = surface.rms_height, math.degrees(math.sqrt(surface.slope_variance))
         images = (
             "from images of the sonar above it, smeared in range by waves of "
             f"{height:.2g} m rms and slopes of {slope:.2g}° rms, along the beam alone"

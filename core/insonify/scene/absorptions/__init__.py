@@ -12,3 +12,8 @@ class AbsorptionKind(Choice):
     """Absorption of sound by the water."""
 
     family = ABSORPTIONS
+
+    def decibels_per_km(self, frequency: float, depth: float) -> float:
+        """Absorption one way, in dB/km, of sound of a frequency in Hz at a depth in metres."""
+        del frequency, depth
+        return 0.0

@@ -23,3 +23,8 @@ class ConstantAbsorption(AbsorptionKind):
     @classmethod
     def _name_alone(cls, value: Any) -> Any:
         return {"coefficient": value} if isinstance(value, (int, float)) else value
+
+    def decibels_per_km(self, frequency: float, depth: float) -> float:
+        """Absorption one way, in dB/km: the given one at every frequency and depth."""
+        del frequency, depth
+        return self.coefficient

@@ -13,3 +13,23 @@ class SurfaceKind(Choice):
     """The sea surface."""
 
     family = SURFACES
+
+    @property
+    def reflects(self) -> bool:
+        """Whether there is a surface at all."""
+        return False
+
+    @property
+    def paths(self) -> tuple[bool, bool, bool, bool]:
+        """Which paths by the surface sound takes, in the order of `WAYS`."""
+        return False, False, False, False
+
+    @property
+    def rms_height(self) -> float:
+        """Rms height of the waves, in metres."""
+        return 0.0
+
+    @property
+    def slope_variance(self) -> float:
+        """Variance of the slope of the waves along one direction."""
+        return 0.0

@@ -17,3 +17,13 @@ class MirrorSurface(SurfaceKind):
         True, description="what the bed beneath the sonar and then the surface send to the bed once more, either way"
     )
     surface_echo: bool = parameter(True, description="the echo of the surface straight above the sonar")
+
+    @property
+    def reflects(self) -> bool:
+        """Whether there is a surface at all."""
+        return True
+
+    @property
+    def paths(self) -> tuple[bool, bool, bool, bool]:
+        """Which paths by the surface are switched on, in the order of `WAYS`."""
+        return self.surface_bottom, self.surface_bottom_surface, self.second_bottom, self.surface_echo
