@@ -127,7 +127,7 @@ def gaussian_pattern(
     energy = 2.0 ** (-(2.0 if two_way else 1.0) * (offset / sines[:, None]) ** 2)
     steps = 0.5 * (energy[:, 1:] + energy[:, :-1]) * np.diff(offset, axis=1)
     return BeamPattern(
-        tabled=True,
+        tabulated=True,
         centre=float(np.sin(squint)),
         extent=extent,
         energy=energy,

@@ -22,7 +22,7 @@ def under_sea(arrays: SceneArrays, surface: float, *ways: str, wind_speed: float
     switches = {way: way in ways for way in WAYS}
     sea = FlatSurface(**switches) if wind_speed == 0.0 else RoughSurface(**switches, wind_speed=wind_speed)
     interface = np.tile([REFLECTION, 1.0], (len(arrays.reflectivity), 1))
-    return arrays._replace(water=still_water(surface=surface), ghosts=make_ghosts(sea), interface=interface)
+    return arrays._replace(water=still_water(surface=surface), multipath=make_ghosts(sea), interface=interface)
 
 
 def bright_ball(arrays: SceneArrays, centre: tuple[float, float, float], radius: float) -> SceneArrays:

@@ -112,8 +112,8 @@ def test_a_top_hat_from_a_table_is_the_top_hat(law):
     options = {"periodic": True, "law": law, "half_width": half_width, "bins": 120, "bin_length": 0.3}
     heights, ball = rough(64, 64, 0.15), ((3.0, 12.0, 0.6), 0.5)
     plain = arrays_of(heights, 0.5, solids=[ball], **options)
-    tabled = plain._replace(pattern=top_hat(half_width))
-    one, other = (rays.trace(arrays, poses_of(3.0, 1.0, 6.0, 0.1), rays=1 << 17) for arrays in (tabled, plain))
+    tabulated = plain._replace(pattern=top_hat(half_width))
+    one, other = (rays.trace(arrays, poses_of(3.0, 1.0, 6.0, 0.1), rays=1 << 17) for arrays in (tabulated, plain))
     assert np.linalg.norm(one - other) < 0.01 * np.linalg.norm(other)
 
 

@@ -60,7 +60,7 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
         first_range, extent, energy = 1.0, *_one_row(beam, half_width)  # type: ignore[arg-type]
     vertical, tilt, s_vertical = _vertical(sonar)
     return half_width, BeamPattern(
-        tabled=True,
+        tabulated=True,
         centre=centre,
         extent=extent,
         energy=energy,

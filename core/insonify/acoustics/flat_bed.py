@@ -56,7 +56,7 @@ def along_track_width(arrays: SceneArrays, x: NDArray[np.float64], r: NDArray[np
     """
     if arrays.half_width <= 0.0:
         return np.ones_like(x)
-    if arrays.pattern.tabled:
+    if arrays.pattern.tabulated:
         angles = np.empty_like(x)
         ring_responses(arrays.pattern, x, r, angles)
         return x * angles

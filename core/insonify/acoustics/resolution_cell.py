@@ -30,7 +30,7 @@ def along_track_angle(arrays: SceneArrays) -> Curve:
     """
     if arrays.half_width <= 0.0:
         return 1.0 / bin_centres(arrays)
-    if not arrays.pattern.tabled:
+    if not arrays.pattern.tabulated:
         return np.full(arrays.bins, 2.0 * np.sin(arrays.half_width))
     return _of_rows(arrays, arrays.pattern.integral[:, -1])
 
@@ -38,7 +38,7 @@ def along_track_angle(arrays: SceneArrays) -> Curve:
 def coherence_angle(arrays: SceneArrays) -> Curve:
     """Angle over which the echoes that interfere are spread: (∫ b ds)² / ∫ b² ds, (bins,) in radians."""
     angle = along_track_angle(arrays)
-    if arrays.half_width <= 0.0 or not arrays.pattern.tabled:
+    if arrays.half_width <= 0.0 or not arrays.pattern.tabulated:
         return angle
     pattern = arrays.pattern
     squares = 2.0 * pattern.extent * np.trapezoid(pattern.energy**2, axis=1) / (pattern.energy.shape[1] - 1)

@@ -35,9 +35,11 @@ def reduce_scene(
     -------
     SceneArrays
     """
-    ghosts = arrays.ghosts
-    heard: dict[str, Any] = {way: getattr(ghosts, way) and way in ways for way in WAYS}
-    arrays = arrays._replace(ghosts=ghosts._replace(heard=any(heard.values()), **heard), bounces=bounces, bed=bed)
+    multipath = arrays.multipath
+    heard: dict[str, Any] = {way: getattr(multipath, way) and way in ways for way in WAYS}
+    arrays = arrays._replace(
+        multipath=multipath._replace(enabled=any(heard.values()), **heard), bounces=bounces, bed=bed
+    )
     kept = np.asarray(sorted(targets), dtype=np.int64)
     return _without_others(arrays, np.isin(arrays.solids.target, kept), np.isin(arrays.mesh.target, kept))
 

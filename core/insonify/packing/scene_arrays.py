@@ -53,7 +53,7 @@ def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
         range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),
         bounces=sonar.bounces,
         water=water,
-        ghosts=make_ghosts(scene.water.surface),
+        multipath=make_ghosts(scene.water.surface),
     )
 
 

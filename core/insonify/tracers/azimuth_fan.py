@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.beam.azimuth_sector import FADING
+from insonify.kernels.beam.azimuth_sector import TRANSITION
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.packing.navigation import take_poses
@@ -53,7 +53,7 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
     """
     if planes == 1 and arrays.half_width > 0.0:
         return [(np.arange(poses.x.size), whole_beam(arrays))]
-    if not arrays.pattern.tabled or arrays.half_width <= 0.0:
+    if not arrays.pattern.tabulated or arrays.half_width <= 0.0:
         return [(np.arange(poses.x.size), beam_planes(arrays.half_width, planes))]
     step = PITCH_STEP * arrays.half_width
     kinds, which = np.unique(
@@ -70,7 +70,7 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
     laid = []
     for number, (height, pitch, spread) in enumerate(kinds):
         pitches = step * np.unique([pitch - spread, pitch + spread])
-        if arrays.ghosts.heard and not arrays.pattern.two_way:
+        if arrays.multipath.enabled and not arrays.pattern.two_way:
             # What comes by the surface is heard if either way is in the beam, and its image is pitched the other way.
             pitches = np.unique([*pitches, *-pitches])
         beam = pattern_planes(arrays, planes, 2.0 ** (height / HEIGHTS_PER_OCTAVE), pitches)
@@ -94,7 +94,7 @@ def lay_planes_of_images(
         Likewise. Without a surface both are those of the sonar.
     """
     laid = lay_planes(arrays, poses, planes)
-    if not arrays.ghosts.heard:
+    if not arrays.multipath.enabled:
         return [(places, beam, beam) for places, beam in laid]
     lifted = poses._replace(z=2.0 * arrays.water.surface - poses.z, pitch=-poses.pitch, roll=-poses.roll)
     return [
@@ -123,7 +123,7 @@ def whole_beam(arrays: SceneArrays) -> AzimuthFan:
     squint = math.asin(min(max(pattern.centre, -1.0), 1.0))
     everything = (squint, -1.0, 1.0, 2.0 / max(math.cos(squint), 0.05), 0.0, math.inf, math.inf)
     fan = (0.0, 0.0, math.sin(half), 2.0 * half, 2.0 * half, AT_NADIR, math.inf)
-    return AzimuthFan(*(np.array([value]) for value in (everything if pattern.tabled else fan)))
+    return AzimuthFan(*(np.array([value]) for value in (everything if pattern.tabulated else fan)))
 
 
 def beam_planes(half_width: float, planes: int) -> AzimuthFan:
@@ -162,7 +162,7 @@ def beam_planes(half_width: float, planes: int) -> AzimuthFan:
     # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer wedge by the height.
     beyond = np.maximum(low**2 - s_beam**2, 1e-30)
     # A little further, for the segment that crosses the border counts by its middle.
-    outer_reach = 1.02 * np.minimum(s_beam / np.sqrt(beyond), (1.0 + FADING) * near_field)
+    outer_reach = 1.02 * np.minimum(s_beam / np.sqrt(beyond), (1.0 + TRANSITION) * near_field)
     columns = (
         0.5 * (azimuths[:-1] + azimuths[1:]),
         low,

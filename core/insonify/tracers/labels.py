@@ -12,7 +12,7 @@ from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
 from insonify.kernels.labels.sweep_labels import BinLabels, empty_labels, label_swept_pings, labels_of_pings
-from insonify.kernels.multipath.image_sources import SURFACE_ECHO, WAYS
+from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_ECHO
 from insonify.kernels.refraction.apparent_positions import ApparentTables, empty_table
 from insonify.kernels.sweep.sweep import AzimuthFan
 from insonify.kernels.sweep.visibility import empty_segment_echoes
@@ -143,7 +143,7 @@ def _find(
 ) -> BinLabels:
     """Find what the bins of pings show that share their planes."""
     capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
-    contributors = _contributors(arrays) * (WAYS if arrays.ghosts.heard else 1)
+    contributors = _contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
     found = empty_labels(poses.x.size, arrays.bins)
 
     def block(first: int, last: int) -> int:

@@ -57,4 +57,4 @@ def trace(
 
 def can_trace(arrays: SceneArrays) -> bool:
     """Tell whether a problem has first echoes alone."""
-    return not (arrays.ghosts.heard or arrays.bounces)
+    return not (arrays.multipath.enabled or arrays.bounces)

@@ -169,7 +169,7 @@ def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, thread
     def block(first: int, last: int) -> int:
         part = take_poses(poses, slice(first, last))
         status = int(trace(arrays, part, int(rays), float(step), out[first:last]))
-        if arrays.ghosts.heard and status == 0:
+        if arrays.multipath.enabled and status == 0:
             trace_multipath(arrays, part, int(rays), out[first:last])
         return status
 

@@ -80,7 +80,7 @@ class ScattererTracer:
         SceneError
             If the sonar runs into a target.
         """
-        further = _narrowed(_extend_range(arrays, self.beyond), self.scatterers.skin, poses)
+        further = _narrowed(_extend_range(arrays, self.beyond), self.scatterers.patches, poses)
         capacity = profile_capacity(further.bins * further.bin_length, arrays.bed.spacing)
         out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
         for places, laid in lay_planes(further, poses, max(planes, 2)):
@@ -212,7 +212,7 @@ def _narrowed(arrays: SceneArrays, skin: SurfacePatches, poses: Poses) -> SceneA
     Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than others.
     """
     pattern = arrays.pattern
-    if not pattern.tabled or poses.z.size == 0:
+    if not pattern.tabulated or poses.z.size == 0:
         return arrays
     top = max(arrays.bed.high, float((skin.centre[:, 2] + skin.bound).max(initial=-math.inf)))
     nearest = max(float(poses.z.min()) - top, pattern.first_range)

@@ -96,7 +96,7 @@ def _trace_alike(
         screen = empty_zbuffer(arrays.solids, arrays.mesh)
         room = empty_profile(capacity, real), empty_segment_echoes(capacity, real), screen
         status = sweep_pings(arrays, part, beam, apparent, empty_table(apparent), *room, out[first:last])
-        if arrays.ghosts.heard and status == 0:
+        if arrays.multipath.enabled and status == 0:
             far = *room_for_ghosts(arrays, capacity), empty_contributor_table(0, 0)
             sweep_multipath(arrays, part, beam, lifted, room[0], *far, out[first:last])
         return int(status)

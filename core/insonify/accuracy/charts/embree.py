@@ -24,7 +24,7 @@ def why_not(arrays: SceneArrays, poses: Poses) -> str:
     """Tell in one line why a problem is not traced by Embree; nothing if it is."""
     if find_spec("embreex") is None:
         return "embree: left out, for embreex is not installed (pip install 'insonify[embree]')"
-    if arrays.water.bent or arrays.ghosts.heard or arrays.bounces or arrays.pattern.tabled:
+    if arrays.water.bent or arrays.multipath.enabled or arrays.bounces or arrays.pattern.tabulated:
         return "embree: left out, for it is asked for first echoes along straight rays of a level knife or fan alone"
     if arrays.solids.shape.size or arrays.mesh.skip.size:
         return "embree: left out with targets, for it is asked for a bed alone"

@@ -284,7 +284,7 @@ def ready(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
     straight = not prepare(scene).plan.bent  # and refuses what cannot be simulated
     ground = build_ground(scene)
     arrays = pack_scene(scene, ground)
-    if straight and (arrays.ghosts.heard or arrays.bounces):
+    if straight and (arrays.multipath.enabled or arrays.bounces):
         arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
     poses = make_poses(scene, ground, np.unique(np.linspace(0, scene.track.pings - 1, pings).astype(np.int64)))
     pieces = TerrainTiles(ground, arrays.bins * arrays.bin_length).over(arrays, poses)

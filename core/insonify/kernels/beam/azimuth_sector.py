@@ -9,8 +9,8 @@ from insonify.kernels.beam.pattern import azimuthal_response, integrated_respons
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 
-FADING = 0.3  # of the near field, by which the far field takes over
-BENT = 0.3  # sin φ up to which azimuths are proportional to it, to 1 %
+TRANSITION = 0.3  # of the near field, by which the far field takes over
+LINEAR_SINE = 0.3  # sin φ up to which azimuths are proportional to it, to 1 %
 
 
 class AzimuthSector(NamedTuple):
@@ -23,7 +23,7 @@ class AzimuthSector(NamedTuple):
     near_field: float  # ground range beyond which the far field takes over, m
     s_beam: float  # sin of half the beamwidth
     span: float  # azimuth of the whole beam in the far field, rad
-    tabled: bool  # whether a pattern takes the place of the top-hat
+    tabulated: bool  # whether a pattern takes the place of the top-hat
     bent: bool  # whether sound goes along arcs
     ahead_level: float  # the fish's axis: its level part
     ahead_up: float  # and its part upwards
@@ -34,64 +34,65 @@ class AzimuthSector(NamedTuple):
 
 
 @inlined_uncounted
-def raise_sector(wedge, near_field):
+def raise_sector(sector, near_field):
     """Return the wedge as an image of the sonar has it, from higher up: the far field begins farther out."""
     return AzimuthSector(
-        wedge.s_low, wedge.s_high, wedge.angle, wedge.far_angle, near_field, wedge.s_beam, wedge.span, wedge.tabled,
-        wedge.bent, wedge.ahead_level, wedge.ahead_up, wedge.side_x, wedge.side_z, wedge.up_x, wedge.up_z,
+        sector.s_low, sector.s_high, sector.angle, sector.far_angle, near_field, sector.s_beam, sector.span,
+        sector.tabulated, sector.bent, sector.ahead_level, sector.ahead_up, sector.side_x, sector.side_z, sector.up_x,
+        sector.up_z,
     )  # fmt: skip
 
 
 @inlined_uncounted
-def sector_weight(x, z, r, wedge, pattern, law):
+def sector_weight(x, z, r, sector, pattern, law):
     """Tell what a plane stands for at ground range x, height z, slant range r: the factor its beam puts on an echo.
 
     Law `sonar`: the along-track width in metres, less where the beam is less sensitive; 1 m for a knife. Law `light`:
     the share of the beam, for it averages.
     """
-    if wedge.tabled:
-        return _pattern_weight(x, z, r, wedge, pattern, law)
-    if wedge.angle == 0.0:
+    if sector.tabulated:
+        return _pattern_weight(x, z, r, sector, pattern, law)
+    if sector.angle == 0.0:
         return 1.0
-    return top_hat_share(x, r, wedge) if law == LIGHT else top_hat_width(x, r, wedge)
+    return top_hat_share(x, r, sector) if law == LIGHT else top_hat_width(x, r, sector)
 
 
 @inlined_uncounted
-def top_hat_width(x, r, wedge):
+def top_hat_width(x, r, sector):
     """Along-track width that a plane of a top-hat stands for.
 
     A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner wedges stretch with it, nearer
     by each counts by the share of its azimuths that the cone takes in. Both add up to the whole beam, and so does
     what lies between them: over a stretch of range one passes into the other.
     """
-    near = x * _azimuth_taken_in(x, r, wedge) if wedge.s_high > BENT else _width_taken_in(x, r, wedge)
-    return near + far_field_share(x, wedge) * (r * wedge.far_angle - near)
+    near = x * _azimuth_taken_in(x, r, sector) if sector.s_high > LINEAR_SINE else _width_taken_in(x, r, sector)
+    return near + far_field_share(x, sector) * (r * sector.far_angle - near)
 
 
 @inlined_uncounted
-def far_field_share(x, wedge):
+def far_field_share(x, sector):
     """How far the far field has taken over at a ground range."""
-    return min(max((x - wedge.near_field) * (1.0 / (FADING * wedge.near_field)), 0.0), 1.0)
+    return min(max((x - sector.near_field) * (1.0 / (TRANSITION * sector.near_field)), 0.0), 1.0)
 
 
 @inlined_uncounted
-def top_hat_share(x, r, wedge):
+def top_hat_share(x, r, sector):
     """Share of a top-hat's azimuths at that place which the plane stands for."""
-    near = _azimuth_taken_in(x, r, wedge) / (2.0 * arcsine(min(wedge.s_beam * r / x, 1.0)))
-    return near + far_field_share(x, wedge) * (wedge.far_angle / wedge.span - near)
+    near = _azimuth_taken_in(x, r, sector) / (2.0 * arcsine(min(sector.s_beam * r / x, 1.0)))
+    return near + far_field_share(x, sector) * (sector.far_angle / sector.span - near)
 
 
 @inlined_uncounted
-def _width_taken_in(x, r, wedge):
+def _width_taken_in(x, r, sector):
     """Width that the cone takes in of a wedge so narrow that azimuths are proportional to their sines."""
-    per_sine = wedge.angle / (wedge.s_high - wedge.s_low)
-    return min(max((wedge.s_beam * r - wedge.s_low * x) * per_sine, 0.0), x * wedge.angle)
+    per_sine = sector.angle / (sector.s_high - sector.s_low)
+    return min(max((sector.s_beam * r - sector.s_low * x) * per_sine, 0.0), x * sector.angle)
 
 
 @inlined_uncounted
-def _azimuth_taken_in(x, r, wedge):
+def _azimuth_taken_in(x, r, sector):
     """Azimuth that the cone takes in of any wedge: its part with |sin φ| <= sin(w/2) / cos θ."""
-    return min(max(arcsine(min(wedge.s_beam * r / x, 1.0)) - arcsine(wedge.s_low), 0.0), wedge.angle)
+    return min(max(arcsine(min(sector.s_beam * r / x, 1.0)) - arcsine(sector.s_low), 0.0), sector.angle)
 
 
 @inlined_uncounted
@@ -103,49 +104,49 @@ def arcsine(s):
 
 
 @inlined_uncounted
-def _pattern_weight(x, z, r, wedge, pattern, law):
+def _pattern_weight(x, z, r, sector, pattern, law):
     """Likewise for a beam with a pattern, of a fish that may pitch and roll."""
-    heard = in_plane_response(x / r, z / r, wedge, pattern)
-    if wedge.angle == 0.0 or heard == 0.0:
-        return heard
+    response = in_plane_response(x / r, z / r, sector, pattern)
+    if sector.angle == 0.0 or response == 0.0:
+        return response
     centre, extent, integral = pattern.centre, pattern.extent, pattern.integral
     first_range, per_octave = pattern.first_range, pattern.per_octave
-    width = pattern_width(x, z, r, wedge, centre, extent, integral, first_range, per_octave)
+    width = pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_octave)
     if law != LIGHT:
-        return heard * width
+        return response * width
     # Law `light` averages over all that the beam hears there.
-    level, tip = wedge.ahead_level * x / r, wedge.ahead_up * z / r
-    if widest_extent(pattern) < BENT * level:
+    level, tip = sector.ahead_level * x / r, sector.ahead_up * z / r
+    if widest_extent(pattern) < LINEAR_SINE * level:
         ends = tip - level, tip + level
         whole = integrated_response(centre, extent, integral, first_range, per_octave, ends[0], ends[1], r) / level
     else:
         whole = azimuthal_response(pattern, level, tip, r)
-    return heard * width / (x * whole) if whole > 0.0 else 0.0
+    return response * width / (x * whole) if whole > 0.0 else 0.0
 
 
 @inlined_uncounted
-def in_plane_response(c, s, wedge, pattern):
+def in_plane_response(c, s, sector, pattern):
     """Sensitivity of the vertical beam along a plane, in the direction (c, s)."""
     if pattern.vertical == EVERY_GRAZING:
         return 1.0
-    return vertical_response(pattern, wedge.side_x * c + wedge.side_z * s, wedge.up_x * c + wedge.up_z * s)
+    return vertical_response(pattern, sector.side_x * c + sector.side_z * s, sector.up_x * c + sector.up_z * s)
 
 
 @inlined_uncounted
-def pattern_width(x, z, r, wedge, centre, extent, integral, first_range, per_octave):
+def pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_octave):
     """Along-track width that a plane of a pattern stands for.
 
     Along the plane of azimuth φ, s = cos p cos θ sin φ + sin p sin θ is the part of the direction along the fish's
     axis; the mean of the pattern over the wedge is its integral over s between the wedge's borders.
     """
-    level, tip = wedge.ahead_level * x / r, wedge.ahead_up * z / r
-    span = level * (wedge.s_high - wedge.s_low)
+    level, tip = sector.ahead_level * x / r, sector.ahead_up * z / r
+    span = level * (sector.s_high - sector.s_low)
     if span <= 0.0:
         return 0.0
-    s_low, s_high = level * wedge.s_low + tip, level * wedge.s_high + tip
+    s_low, s_high = level * sector.s_low + tip, level * sector.s_high + tip
     return (
         x
-        * wedge.angle
+        * sector.angle
         * integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r)
         / span
     )

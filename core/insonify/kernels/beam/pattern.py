@@ -14,8 +14,8 @@ SLICES = 16  # of the azimuths over which a pattern is averaged
 def table_response(pattern, s, r):
     """Sensitivity in the directions of s at slant range r: bilinear in s and log r."""
     row, share = _row(pattern, r)
-    heard = _energy(pattern, row, s)
-    return heard + share * (_energy(pattern, row + 1, s) - heard) if share > 0.0 else heard
+    response = _energy(pattern, row, s)
+    return response + share * (_energy(pattern, row + 1, s) - response) if share > 0.0 else response
 
 
 @inlined_uncounted
@@ -25,10 +25,10 @@ def integrated_response(centre, extent, integral, first_range, per_octave, s_low
     It takes the pattern's parts, for taking one out costs more than a look into the table.
     """
     row, share = _place(extent, first_range, per_octave, r)
-    heard = _step(centre, extent[row], integral, row, s_low, s_high)
+    response = _step(centre, extent[row], integral, row, s_low, s_high)
     if share > 0.0:
-        heard += share * (_step(centre, extent[row + 1], integral, row + 1, s_low, s_high) - heard)
-    return heard
+        response += share * (_step(centre, extent[row + 1], integral, row + 1, s_low, s_high) - response)
+    return response
 
 
 @inlined_uncounted
@@ -167,8 +167,8 @@ def azimuthal_response(pattern, level, tip, r):
         after = math.sin(low + (k + 1) * step)
         if after > before:
             s_low, s_high = level * before + tip, level * after + tip
-            heard = integrated_response(centre, extents, integral, first_range, per_octave, s_low, s_high, r)
-            total += heard / (s_high - s_low) * step
+            response = integrated_response(centre, extents, integral, first_range, per_octave, s_low, s_high, r)
+            total += response / (s_high - s_low) * step
         before = after
     return total
 

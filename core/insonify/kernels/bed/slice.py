@@ -36,15 +36,15 @@ class Profile(NamedTuple):
     across: NDArray[np.float32]  # work space: gradient across the strip, at its knots
     low: NDArray[np.float32]  # work space: heights on the strip's lower border
     high: NDArray[np.float32]  # work space: heights on its upper border
-    level: NDArray[np.float32]  # in water that bends sound: x of the knots over what it is in truth
+    range_ratio: NDArray[np.float32]  # in water that bends sound: x of the knots over what it is in truth
     gain: NDArray[np.float32]  # and what their energy must be multiplied by
 
 
 def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
     """Make room for profiles of up to ``capacity`` knots, in single precision or, to tell what it costs, in double."""
     x, z = np.zeros(capacity), np.zeros(capacity)
-    slope, area, across, low, high, level, gain = (np.zeros(capacity, dtype) for _ in range(7))
-    return Profile(x, z, slope, area, np.zeros(capacity, np.int64), across, low, high, level, gain)
+    slope, area, across, low, high, range_ratio, gain = (np.zeros(capacity, dtype) for _ in range(7))
+    return Profile(x, z, slope, area, np.zeros(capacity, np.int64), across, low, high, range_ratio, gain)
 
 
 def profile_capacity(reach: float, spacing: float) -> int:

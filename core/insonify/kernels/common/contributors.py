@@ -17,7 +17,7 @@ POINT = 1e-6  # in bins; what is shorter lies in one
 class ContributorTable(NamedTuple):
     """Who put what into the bins of one side; a row is valid once its contributor was met."""
 
-    met: NDArray[np.bool_]  # (contributors,)
+    present: NDArray[np.bool_]  # (contributors,)
     energy: NDArray[np.float64]  # (contributors, bins) in fixed-point units
     strongest: NDArray[np.float64]  # energy of the contributor's strongest piece, below 0 for none
     x: NDArray[np.float32]  # ground range of that piece, m
@@ -25,20 +25,20 @@ class ContributorTable(NamedTuple):
     hidden: NDArray[np.bool_]  # (bins,) whether bed out of sight spans the bin
 
 
-def empty_contributor_table(contributors: int, bins: int) -> ContributorTable:
+def empty_contributor_table(count: int, bins: int) -> ContributorTable:
     """Make room for one side; memory of contributors never met is never touched."""
-    energy, strongest = np.empty((2, contributors, bins))
-    x, cosine = np.empty((2, contributors, bins), np.float32)
-    return ContributorTable(np.zeros(contributors, np.bool_), energy, strongest, x, cosine, np.zeros(bins, np.bool_))
+    energy, strongest = np.empty((2, count, bins))
+    x, cosine = np.empty((2, count, bins), np.float32)
+    return ContributorTable(np.zeros(count, np.bool_), energy, strongest, x, cosine, np.zeros(bins, np.bool_))
 
 
 @inlined
-def open_contributor(ledger, who):
+def open_contributor(contributions, who):
     """Open a contributor's row."""
-    if not ledger.met[who]:
-        ledger.met[who] = True
-        ledger.energy[who, :] = 0.0
-        ledger.strongest[who, :] = -1.0
+    if not contributions.present[who]:
+        contributions.present[who] = True
+        contributions.energy[who, :] = 0.0
+        contributions.strongest[who, :] = -1.0
 
 
 @inlined
@@ -50,21 +50,21 @@ def spanned_bins(near, far, per_bin, bins, margin):
 
 
 @inlined
-def add_contribution(ledger, who, k, energy, x, cosine):
+def add_contribution(contributions, who, k, energy, x, cosine):
     """Enter a piece, or the part of it within bin k."""
-    ledger.energy[who, k] += energy
-    if energy > ledger.strongest[who, k]:
-        ledger.strongest[who, k], ledger.x[who, k], ledger.cosine[who, k] = energy, x, cosine
+    contributions.energy[who, k] += energy
+    if energy > contributions.strongest[who, k]:
+        contributions.strongest[who, k], contributions.x[who, k], contributions.cosine[who, k] = energy, x, cosine
 
 
 @inlined
-def spread_contribution(ledger, who, near, far, energy, x, cosine, bin_length):
+def spread_contribution(contributions, who, near, far, energy, x, cosine, bin_length):
     """Enter energy spread evenly between two slant ranges; if they are one, all of it in its bin."""
     near, far = min(near, far) / bin_length, max(near, far) / bin_length
-    first, last = spanned_bins(near, far, 1.0, ledger.hidden.size, ROUNDING)
+    first, last = spanned_bins(near, far, 1.0, contributions.hidden.size, ROUNDING)
     if far - near > POINT:
         for k in range(first, last):
             share = max(min(far, k + 1.0) - max(near, float(k)), 0.0) / (far - near)
-            add_contribution(ledger, who, k, energy * share, x, cosine)
+            add_contribution(contributions, who, k, energy * share, x, cosine)
     elif first < last:
-        add_contribution(ledger, who, min(int(near), last - 1), energy, x, cosine)
+        add_contribution(contributions, who, min(int(near), last - 1), energy, x, cosine)

@@ -71,7 +71,7 @@ class BeamPattern(NamedTuple):
     of equal s are cones about its axis. Rows belong to slant ranges, for near a long array the beam is wider.
     """
 
-    tabled: bool  # whether it differs from a level fish's top-hat about athwart that hears every grazing angle alike
+    tabulated: bool  # whether it differs from a level fish's top-hat about athwart that hears every grazing angle alike
     centre: float  # s of the beam's axis: the sine of its squint
     extent: NDArray[np.float64]  # (rows,) a row spans centre - extent to centre + extent; beyond nothing is heard
     energy: NDArray[np.float64]  # (rows, columns) sensitivity at equal steps of s, 1 on the axis far away
@@ -111,7 +111,7 @@ def still_water(speed: float = 1500.0, surface: float = 0.0) -> Water:
 class SurfaceMultipath(NamedTuple):
     """Which ways by the sea surface are heard, and how its waves smear them in range."""
 
-    heard: bool  # whether any is
+    enabled: bool  # whether any is
     surface_bottom: bool
     surface_bottom_surface: bool
     second_bottom: bool
@@ -142,7 +142,7 @@ class SceneArrays(NamedTuple):
     range_factor: NDArray[np.float64]  # (bins,) spreading and absorption at the bin centres
     bounces: int = 0  # mirror-like bounces followed after the first echo
     water: Water = still_water()
-    ghosts: SurfaceMultipath = no_surface_multipath()
+    multipath: SurfaceMultipath = no_surface_multipath()
 
 
 class Poses(NamedTuple):

@@ -24,7 +24,7 @@ class HalfPlane(NamedTuple):
 
 
 @inlined_uncounted
-def section_solid(solids, k, view, rim):
+def section_solid(solids, k, plane, rim):
     """Interval of launch angles that body k fills ahead: status 1; 0 if none, -1 if the sonar is inside.
 
     ``rim`` (6) takes the launch angles at which an end of a frustum meets its side, at most four, and NEVER beyond.
@@ -32,21 +32,21 @@ def section_solid(solids, k, view, rim):
     for end in range(rim.size):
         rim[end] = NEVER
     radius, length, taper = solids.radius[k], solids.length[k], solids.taper[k]
-    cx, cy, cz = solids.start[k, 0] - view.x, solids.start[k, 1] - view.y, solids.start[k, 2] - view.z
+    cx, cy, cz = solids.start[k, 0] - plane.x, solids.start[k, 1] - plane.y, solids.start[k, 2] - plane.z
     if solids.shape[k] == SPHERE:
-        across = cx * view.ey - cy * view.ex
-        return _sphere_section(cx * view.ex + cy * view.ey, cz, radius * radius - across * across)
+        across = cx * plane.ey - cy * plane.ex
+        return _sphere_section(cx * plane.ex + cy * plane.ey, cz, radius * radius - across * across)
     ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
-    return _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, view.ex, view.ey, rim)
+    return _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, plane.ex, plane.ey, rim)
 
 
 @inlined_uncounted
-def may_cut_solid(solids, k, view, reach):
+def may_cut_solid(solids, k, plane, reach):
     """Whether a plane may cut body k within reach: asked of a ball around it."""
     half = 0.5 * solids.length[k]
-    mx = solids.start[k, 0] + half * solids.axis[k, 0] - view.x
-    my = solids.start[k, 1] + half * solids.axis[k, 1] - view.y
-    along, across = mx * view.ex + my * view.ey, mx * view.ey - my * view.ex
+    mx = solids.start[k, 0] + half * solids.axis[k, 0] - plane.x
+    my = solids.start[k, 1] + half * solids.axis[k, 1] - plane.y
+    along, across = mx * plane.ex + my * plane.ey, mx * plane.ey - my * plane.ex
     bound = half + solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
     return abs(across) < bound and along > -bound and along < reach + bound
 

@@ -21,7 +21,7 @@ from insonify.kernels.refracted_rays.probe_rays import CLOSE
 
 
 @kernel
-def label_refracted_pings(arrays, poses, rays, ledger, found):
+def label_refracted_pings(arrays, poses, rays, contributions, labels):
     """Tell what every bin of every ping shows, by ``rays`` a side; return 0, or -1 - k if the sonar is in body k."""
     launch, bundle, hits, arrivals = empty_launch(rays), empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
     weighed, intensity, silence = np.empty(rays), np.empty(arrays.bins), np.zeros(arrays.bins)
@@ -37,15 +37,15 @@ def label_refracted_pings(arrays, poses, rays, ledger, found):
             rotate_to_world(launch, beam, bundle)
             find_refracted_hits(arrays, bundle, waveguide.reach, 0.0, hits, arrivals)
             weight = launch.weight
-            if arrays.pattern.tabled:
+            if arrays.pattern.tabulated:
                 weight = weigh_by_pattern(arrays, beam, bundle, hits, launch.weight, weighed)
             intensity[:] = 0.0
             for k in range(rays):
                 b, value, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
-                _enter(arrays, hits, arrivals, k, b, value, cosine, ledger, intensity)
+                _enter(arrays, hits, arrivals, k, b, value, cosine, contributions, intensity)
                 # A tube that closes counts as wider than it is.
                 if b >= 0 and value > 0.0 and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
-                    found.caustic[ping, side, b] = True
+                    labels.caustic[ping, side, b] = True
             if landings.fold < np.inf:
                 pairs, bins, values = find_mixed_echoes(
                     arrays, beam, waveguide, z, landings, launch, bundle, hits, arrivals
@@ -53,14 +53,14 @@ def label_refracted_pings(arrays, poses, rays, ledger, found):
                 for m in range(pairs.size):
                     k = pairs[m]
                     _, _, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
-                    _enter(arrays, hits, arrivals, k, bins[m], values[m], cosine, ledger, intensity)
-            _mark_landings(landings, arrays.bin_length, ledger.hidden)
-            label_bins(ledger, intensity, silence, found, ping, side)
+                    _enter(arrays, hits, arrivals, k, bins[m], values[m], cosine, contributions, intensity)
+            _mark_landings(landings, arrays.bin_length, contributions.hidden)
+            label_bins(contributions, intensity, silence, labels, ping, side)
     return 0
 
 
 @kernel
-def _enter(arrays, hits, arrivals, k, b, value, cosine, ledger, intensity):
+def _enter(arrays, hits, arrivals, k, b, value, cosine, contributions, intensity):
     """Enter an echo of what ray k has met."""
     if b < 0 or value <= 0.0:
         return
@@ -69,8 +69,8 @@ def _enter(arrays, hits, arrivals, k, b, value, cosine, ledger, intensity):
     if body != BED:
         target = arrays.solids.target[body] if body < bodies else arrays.mesh.target[body - bodies]
         who = arrays.reflectivity.shape[0] + target
-    open_contributor(ledger, who)
-    add_contribution(ledger, who, b, value, arrivals.x[k], cosine)
+    open_contributor(contributions, who)
+    add_contribution(contributions, who, b, value, arrivals.x[k], cosine)
     intensity[b] += value
 
 

@@ -65,129 +65,154 @@ def empty_labels(pings: int, bins: int) -> BinLabels:
     return BinLabels(contributor, energy, shadow, ground_range, incidence, caustic)
 
 
-def labels_of_pings(found: BinLabels, first: int, last: int) -> BinLabels:
+def labels_of_pings(labels: BinLabels, first: int, last: int) -> BinLabels:
     """Return pings first to last - 1, as views."""
-    contributor, energy, shadow, ground_range, incidence, caustic = (column[first:last] for column in found)
+    contributor, energy, shadow, ground_range, incidence, caustic = (column[first:last] for column in labels)
     return BinLabels(contributor, energy, shadow, ground_range, incidence, caustic)  # type: ignore[arg-type]
 
 
 @kernel
 def label_swept_pings(
-    arrays, poses, planes, lifted, apparent, table, profile, heard, screen, outlooks, screens, echoes, ledger, found
+    arrays,
+    poses,
+    fan,
+    image_fan,
+    apparent,
+    table,
+    profile,
+    echoes,
+    zbuffer,
+    image_profiles,
+    zbuffers,
+    echo_list,
+    contributions,
+    labels,
 ):
     """Tell what every bin of every ping shows; return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(arrays.bins + 2, np.int64)
     straight, by_surface = np.zeros((2, arrays.bins), np.float32)
     for ping in range(poses.x.size):
-        sheet = prepare_table(apparent, poses.z[ping], table)
+        grid = prepare_table(apparent, poses.z[ping], table)
         for side in range(2):
-            for plane in range(planes.azimuth.size):
-                view, wedge, reach = aim_plane(arrays, poses, ping, side, planes, plane, sheet)
-                cells, count = sweep_plane(arrays, view, wedge, reach, sheet, table, profile, screen, heard, bins)
+            for k in range(fan.azimuth.size):
+                plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
+                cells, count = sweep_plane(arrays, plane, sector, reach, grid, table, profile, zbuffer, echoes, bins)
                 if cells < 0:
                     return cells
-                _note_bed(profile, count, arrays, wedge, screen, cells, heard, ledger)
-                _note_bodies(profile, count, heard.horizon, arrays, wedge, view, screen, cells, ledger)
+                _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributions)
+                _note_bodies(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, contributions)
             accumulate_bins(bins, arrays.range_factor, straight)
-            if arrays.ghosts.heard:
+            if arrays.multipath.enabled:
                 add_multipath(
-                    arrays, poses, ping, side, planes, lifted, profile, outlooks, screens, echoes, bins, ledger, True
+                    arrays,
+                    poses,
+                    ping,
+                    side,
+                    fan,
+                    image_fan,
+                    profile,
+                    image_profiles,
+                    zbuffers,
+                    echo_list,
+                    bins,
+                    contributions,
+                    True,
                 )
                 accumulate_bins(bins, arrays.range_factor, by_surface)
-            label_bins(ledger, straight, by_surface, found, ping, side)
+            label_bins(contributions, straight, by_surface, labels, ping, side)
     return 0
 
 
 @kernel
-def label_bins(ledger, straight, by_surface, found, ping, side):
+def label_bins(contributions, straight, by_surface, labels, ping, side):
     """Name the greatest contributor of each bin, and clear the ledger."""
-    contributor, energy, shadow = found.contributor[ping, side], found.energy[ping, side], found.shadow[ping, side]
-    ground_range, incidence = found.ground_range[ping, side], found.incidence[ping, side]
+    contributor, energy, shadow = labels.contributor[ping, side], labels.energy[ping, side], labels.shadow[ping, side]
+    ground_range, incidence = labels.ground_range[ping, side], labels.incidence[ping, side]
     contributor[:], energy[:], ground_range[:], incidence[:] = NO_PRIMITIVE, 0.0, np.nan, np.nan
-    for who in range(ledger.met.size):
-        if ledger.met[who]:
+    for who in range(contributions.present.size):
+        if contributions.present[who]:
             for k in range(straight.size):
                 best = contributor[k]
                 if (
                     straight[k] + by_surface[k] > 0.0
-                    and ledger.strongest[who, k] >= 0.0
-                    and (best == NO_PRIMITIVE or ledger.energy[who, k] > ledger.energy[best, k])
+                    and contributions.strongest[who, k] >= 0.0
+                    and (best == NO_PRIMITIVE or contributions.energy[who, k] > contributions.energy[best, k])
                 ):
                     contributor[k] = who
     for k in range(straight.size):
-        shadow[k] = ledger.hidden[k] and not straight[k] > 0.0
+        shadow[k] = contributions.hidden[k] and not straight[k] > 0.0
         if contributor[k] != NO_PRIMITIVE:
-            energy[k] = ledger.energy[contributor[k], k]
-            ground_range[k] = ledger.x[contributor[k], k]
-            incidence[k] = math.acos(min(ledger.cosine[contributor[k], k], 1.0))
-    ledger.met[:] = False
-    ledger.hidden[:] = False
+            energy[k] = contributions.energy[contributor[k], k]
+            ground_range[k] = contributions.x[contributor[k], k]
+            incidence[k] = math.acos(min(contributions.cosine[contributor[k], k], 1.0))
+    contributions.present[:] = False
+    contributions.hidden[:] = False
 
 
 @kernel
-def _note_bed(profile, count, arrays, wedge, screen, cells, heard, ledger):
+def _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributions):
     """Enter all that is heard of a profile, and mark where bed lies out of sight."""
-    cover = occlusion_of(screen, cells)
+    occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
-    weights, levels = heard.weight, profile.level
+    weights, levels = echoes.weight, profile.range_ratio
     for i in range(count - 1):
-        surface = load_segment(i, x, z, slope, area, material, weights, arrays.reflectivity, wedge)
-        who, level = material[i], 0.5 * (levels[i] + levels[i + 1]) if wedge.bent else 1.0
+        segment = load_segment(i, x, z, slope, area, material, weights, arrays.reflectivity, sector)
+        who, level = material[i], 0.5 * (levels[i] + levels[i + 1]) if sector.bent else 1.0
         x_from, x_to = profile.x[i], profile.x[i + 1]
-        if heard.cut[i]:
-            open_contributor(ledger, who)
-            start = visible_from(surface, x_from, x_to, heard.launch[i], heard.horizon[i])
-            _note_cut(ledger, who, surface, level, x_from, start, x_to, cover, arrays.law, arrays.bin_length)
-        elif heard.energy[i] != 0.0:
-            open_contributor(ledger, who)
-            near, far, density = heard.r[i], heard.r[i + 1], abs(heard.energy[i])
-            _note_even(ledger, who, surface, level, x_from, x_to, near, far, density, arrays.bin_length)
-        elif not heard.launch[i + 1] > heard.horizon[i]:
-            _mark_hidden(surface, x_from, x_to, arrays.bin_length, ledger.hidden)
+        if echoes.cut[i]:
+            open_contributor(contributions, who)
+            start = visible_from(segment, x_from, x_to, echoes.launch[i], echoes.horizon[i])
+            _note_cut(contributions, who, segment, level, x_from, start, x_to, occlusion, arrays.law, arrays.bin_length)
+        elif echoes.energy[i] != 0.0:
+            open_contributor(contributions, who)
+            near, far, density = echoes.r[i], echoes.r[i + 1], abs(echoes.energy[i])
+            _note_even(contributions, who, segment, level, x_from, x_to, near, far, density, arrays.bin_length)
+        elif not echoes.launch[i + 1] > echoes.horizon[i]:
+            _mark_hidden(segment, x_from, x_to, arrays.bin_length, contributions.hidden)
 
 
 @kernel
-def _note_cut(ledger, who, surface, level, x_from, start, x_to, cover, law, bin_length):
+def _note_cut(contributions, who, segment, level, x_from, start, x_to, occlusion, law, bin_length):
     """Enter the open parts of a segment that rises into sight at ``start``, and mark those between."""
     seen_to = x_from
-    low, high = launch_angle(surface, start), launch_angle(surface, x_to)
+    low, high = launch_angle(segment, start), launch_angle(segment, x_to)
     while low < high:
-        opened, closed = next_visible(cover, surface, low, high)
+        opened, closed = next_visible(occlusion, segment, low, high)
         if opened >= high:
             break
-        start = start if opened <= low else max(ground_range_at(surface, opened), start)
-        stop = x_to if closed >= high else min(ground_range_at(surface, closed), x_to)
-        _mark_hidden(surface, seen_to, start, bin_length, ledger.hidden)
+        start = start if opened <= low else max(ground_range_at(segment, opened), start)
+        stop = x_to if closed >= high else min(ground_range_at(segment, closed), x_to)
+        _mark_hidden(segment, seen_to, start, bin_length, contributions.hidden)
         # Slant range falls towards the foot of the perpendicular and grows beyond it.
-        foot = _foot(surface, start, stop)
-        _note_piece(ledger, who, surface, level, start, foot, law, bin_length)
-        _note_piece(ledger, who, surface, level, foot, stop, law, bin_length)
+        foot = _foot(segment, start, stop)
+        _note_piece(contributions, who, segment, level, start, foot, law, bin_length)
+        _note_piece(contributions, who, segment, level, foot, stop, law, bin_length)
         low, start, seen_to = closed, stop, stop
-    _mark_hidden(surface, seen_to, x_to, bin_length, ledger.hidden)
+    _mark_hidden(segment, seen_to, x_to, bin_length, contributions.hidden)
 
 
 @inlined
-def _foot(surface, x_from, x_to):
+def _foot(segment, x_from, x_to):
     """Ground range at which a segment comes nearest."""
-    return min(max(-surface.slope * surface.offset / (1.0 + surface.slope * surface.slope), x_from), x_to)
+    return min(max(-segment.slope * segment.offset / (1.0 + segment.slope * segment.slope), x_from), x_to)
 
 
 @kernel
-def _mark_hidden(surface, x_from, x_to, bin_length, hidden):
+def _mark_hidden(segment, x_from, x_to, bin_length, hidden):
     """Mark the bins spanned by a part of a segment that is out of sight, if the beam takes it in."""
-    start, stop = slant_range(surface, x_from), slant_range(surface, x_to)
-    if x_to > x_from and surface.weight + surface.weight_rate * 0.5 * (x_from + x_to) > 0.0:
-        nearest = slant_range(surface, _foot(surface, x_from, x_to))
+    start, stop = slant_range(segment, x_from), slant_range(segment, x_to)
+    if x_to > x_from and segment.weight + segment.weight_rate * 0.5 * (x_from + x_to) > 0.0:
+        nearest = slant_range(segment, _foot(segment, x_from, x_to))
         first, last = spanned_bins(nearest, max(start, stop), 1.0 / bin_length, hidden.size, -ROUNDING)
         hidden[first:last] = True
 
 
 @inlined
-def _note_even(ledger, who, surface, level, x_from, x_to, near, far, density, bin_length):
+def _note_even(contributions, who, segment, level, x_from, x_to, near, far, density, bin_length):
     """Enter a short segment whose energy is spread evenly over its slant range."""
-    energy, strongest, per_bin = ledger.energy[who], ledger.strongest[who], 1.0 / bin_length
+    energy, strongest, per_bin = contributions.energy[who], contributions.strongest[who], 1.0 / bin_length
     a, b = min(near, far), max(near, far)
-    first, last = spanned_bins(a, b, per_bin, ledger.hidden.size, ROUNDING)
+    first, last = spanned_bins(a, b, per_bin, contributions.hidden.size, ROUNDING)
     for k in range(first, last):
         start, stop = max(a, k * bin_length), min(b, (k + 1) * bin_length)
         part = density * max(stop - start, 0.0) * per_bin
@@ -195,68 +220,70 @@ def _note_even(ledger, who, surface, level, x_from, x_to, near, far, density, bi
         if part > strongest[k]:
             r = 0.5 * (start + stop)
             strongest[k] = part
-            ledger.x[who, k] = (x_from + (x_to - x_from) * (r - near) / (far - near)) / level
-            ledger.cosine[who, k] = -surface.offset / (r * math.sqrt(surface.area))
+            contributions.x[who, k] = (x_from + (x_to - x_from) * (r - near) / (far - near)) / level
+            contributions.cosine[who, k] = -segment.offset / (r * math.sqrt(segment.area))
 
 
 @kernel
-def _note_piece(ledger, who, surface, level, x_from, x_to, law, bin_length):
+def _note_piece(contributions, who, segment, level, x_from, x_to, law, bin_length):
     """Enter a piece along which slant range grows or falls, bin by bin."""
     if not x_to > x_from:
         return
-    near, far = slant_range(surface, x_from), slant_range(surface, x_to)
+    near, far = slant_range(segment, x_from), slant_range(segment, x_to)
     outward = far >= near
     near, far = min(near, far), max(near, far)
-    first, last = spanned_bins(near, far, 1.0 / bin_length, ledger.hidden.size, ROUNDING)
-    stretch = math.sqrt(surface.area)
+    first, last = spanned_bins(near, far, 1.0 / bin_length, contributions.hidden.size, ROUNDING)
+    stretch = math.sqrt(segment.area)
     for k in range(first, last):
         start, stop = max(near, k * bin_length), min(far, (k + 1) * bin_length)
-        a = min(max(_at_slant(surface, start, outward), x_from), x_to)
-        b = min(max(_at_slant(surface, stop, outward), x_from), x_to)
+        a = min(max(_at_slant(segment, start, outward), x_from), x_to)
+        b = min(max(_at_slant(segment, stop, outward), x_from), x_to)
         x = 0.5 * (a + b)
-        r = slant_range(surface, x)
-        cosine = -surface.offset / (r * stretch)
-        energy = FIXED_POINT * backscatter_strength(cosine, surface.diffuse, surface.specular, surface.shininess, law)
-        energy *= surface.weight + surface.weight_rate * x
+        r = slant_range(segment, x)
+        cosine = -segment.offset / (r * stretch)
+        energy = FIXED_POINT * backscatter_strength(cosine, segment.diffuse, segment.specular, segment.shininess, law)
+        energy *= segment.weight + segment.weight_rate * x
         energy *= max(stop - start, 0.0) / bin_length if law == LIGHT else stretch * abs(b - a)
-        add_contribution(ledger, who, k, energy, x / level, cosine)
+        add_contribution(contributions, who, k, energy, x / level, cosine)
 
 
 @inlined
-def _at_slant(surface, r, outward):
+def _at_slant(segment, r, outward):
     """Ground range at which a segment's line has a slant range, beyond the foot of its perpendicular or before it."""
-    tilt = 1.0 + surface.slope * surface.slope
-    foot = -surface.slope * surface.offset / tilt
-    nearest_squared = surface.offset * surface.offset / tilt
+    tilt = 1.0 + segment.slope * segment.slope
+    foot = -segment.slope * segment.offset / tilt
+    nearest_squared = segment.offset * segment.offset / tilt
     away = math.sqrt(max(r * r - nearest_squared, 0.0) / tilt)
     return foot + away if outward else foot - away
 
 
 @kernel
-def _note_bodies(profile, knots, horizon, arrays, wedge, view, screen, cells, ledger):
+def _note_bodies(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, contributions):
     """Enter what the nearest body in every cell sends back, facet by facet, as the sweep deposits it."""
     solids, mesh, table, pattern = arrays.solids, arrays.mesh, arrays.reflectivity, arrays.pattern
     law, bin_length, bodies = arrays.law, arrays.bin_length, solids.shape.size
     knot = -1
     for cell in range(cells):
-        p = screen.part[cell]
+        p = zbuffer.nearest[cell]
         if p == NO_PRIMITIVE:
             continue
-        body, row = screen.body[p], primitive_material(solids, mesh, screen, p)
+        body, row = zbuffer.body[p], primitive_material(solids, mesh, zbuffer, p)
         who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
-        c, s = bisect_directions(screen.cosine[cell], screen.sine[cell], screen.cosine[cell + 1], screen.sine[cell + 1])
-        low, high, distance = screen.edge[cell], screen.edge[cell + 1], screen.distance[cell]
-        facets = facet_count(Facet(low, high, c, s, screen.near[cell], distance, screen.far[cell], 1.0))
+        c, s = bisect_directions(
+            zbuffer.cosine[cell], zbuffer.sine[cell], zbuffer.cosine[cell + 1], zbuffer.sine[cell + 1]
+        )
+        low, high, distance = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.distance[cell]
+        facets = facet_count(Facet(low, high, c, s, zbuffer.near[cell], distance, zbuffer.far[cell], 1.0))
         knot = knot_before(profile.x, knots, distance * c, knot)
-        lens = load_apparent_source(wedge.bent, screen.lens[p])
-        part = load_primitive(solids, mesh, view, body, screen.line[p], lens)
+        source = load_apparent_source(sector.bent, zbuffer.source[p])
+        primitive = load_primitive(solids, mesh, plane, body, zbuffer.line[p], source)
         for k in range(facets):
-            facet = visible_facet(part, low, high, k, facets, profile.x, profile.z, knots, horizon, knot)
+            facet = visible_facet(primitive, low, high, k, facets, profile.x, profile.z, knots, horizon, knot)
             if is_facet_met(facet):
-                open_contributor(ledger, who)
+                open_contributor(contributions, who)
                 first, second = facet_energies(
-                    facet, lens.gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length
+                    facet, source.gain, table[row, 0], table[row, 1], table[row, 2], sector, pattern, law, bin_length
                 )
-                x = facet.centre * facet.cosine / lens.level
-                spread_contribution(ledger, who, facet.near, facet.centre, first, x, facet.incidence, bin_length)
-                spread_contribution(ledger, who, facet.centre, facet.far, second, x, facet.incidence, bin_length)
+                x = facet.centre * facet.cosine / source.level
+                spread_contribution(contributions, who, facet.near, facet.centre, first, x, facet.incidence, bin_length)
+                spread_contribution(contributions, who, facet.centre, facet.far, second, x, facet.incidence, bin_length)

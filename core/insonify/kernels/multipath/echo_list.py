@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from insonify.kernels.common.contributors import open_contributor, spread_contribution
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
-from insonify.kernels.multipath.image_sources import WAYS
+from insonify.kernels.multipath.image_sources import PATH_COUNT
 
 # Columns of a list.
 NEAR, FAR, ENERGY, RISE, TILT, GROUND_RANGE, COSINE, WHO, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7, 8
@@ -36,10 +36,10 @@ def list_echo(echoes, n, near, far, energy, rise, tilt, x, cosine, who):
 
 
 @kernel
-def deposit_echoes(echoes, n, facets, bin_length, way, bins, ledger, noting):
+def deposit_echoes(echoes, n, facets, bin_length, path, bins, contributions, labelling):
     """Spread the first ``n`` echoes over the bins, facet by facet; if asked to, tell the ledger who and which way."""
     last, per_bin, share = bins.size - 2, 1.0 / bin_length, FIXED_POINT / facets.shape[0]
-    first_row = way * (ledger.met.size // WAYS) if noting else 0
+    first_row = path * (contributions.present.size // PATH_COUNT) if labelling else 0
     for k in range(n):
         near, far = min(echoes[k, NEAR], echoes[k, FAR]), max(echoes[k, NEAR], echoes[k, FAR])
         energy, rise, tilt = echoes[k, ENERGY] * share, echoes[k, RISE], echoes[k, TILT]
@@ -47,9 +47,9 @@ def deposit_echoes(echoes, n, facets, bin_length, way, bins, ledger, noting):
             start = max(near + rise * facets[f, 0] + tilt * facets[f, 2], 0.0)
             stop = max(far + rise * facets[f, 1] + tilt * facets[f, 3], start)
             spread_energy(bins, start * per_bin, stop * per_bin, energy, last)
-            if noting:
+            if labelling:
                 row = first_row + int(echoes[k, WHO])
-                open_contributor(ledger, row)
+                open_contributor(contributions, row)
                 spread_contribution(
-                    ledger, row, start, stop, energy, echoes[k, GROUND_RANGE], echoes[k, COSINE], bin_length
+                    contributions, row, start, stop, energy, echoes[k, GROUND_RANGE], echoes[k, COSINE], bin_length
                 )

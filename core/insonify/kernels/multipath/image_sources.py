@@ -17,7 +17,7 @@ from insonify.kernels.rays.cell_walk import Ray, meet_bed
 DEEPEST = 1e6  # m, for a sonar without a bed beneath it
 
 # Ways of the sound, as truth names them; 0 is the direct one.
-SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SECOND_BOTTOM, SURFACE_ECHO, WAYS = 1, 2, 3, 4, 5
+SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SECOND_BOTTOM, SURFACE_ECHO, PATH_COUNT = 1, 2, 3, 4, 5
 
 
 class ImageSource(NamedTuple):
@@ -36,7 +36,7 @@ class ImagePair(NamedTuple):
     other: ImageSource
     orders: int  # 2 if they differ, for sound takes them either way round
     passes: int  # of the sea surface
-    way: int  # as truth names it
+    path: int  # as truth names it
 
 
 class EchoParameters(NamedTuple):
@@ -51,7 +51,7 @@ class EchoParameters(NamedTuple):
 @inlined
 def echo_parameters(arrays):
     """Take it out of a problem."""
-    return EchoParameters(arrays.law, arrays.bin_length, arrays.ghosts.rms_height, arrays.ghosts.slope_variance)
+    return EchoParameters(arrays.law, arrays.bin_length, arrays.multipath.rms_height, arrays.multipath.slope_variance)
 
 
 @inlined
@@ -78,25 +78,25 @@ def bottom_image(arrays, x, y, z):
 
 
 @kernel
-def image_pair(arrays, way, x, y, z):
+def image_pair(arrays, path, x, y, z):
     """Pair of images that makes a way of the sound, and whether it is heard at all."""
-    ghosts, sonar = arrays.ghosts, sonar_itself()
-    if way == SURFACE_BOTTOM:
-        return ImagePair(sonar, surface_image(arrays, z), 2, 1, way), ghosts.surface_bottom
-    if way == SURFACE_BOTTOM_SURFACE:
+    multipath, sonar = arrays.multipath, sonar_itself()
+    if path == SURFACE_BOTTOM:
+        return ImagePair(sonar, surface_image(arrays, z), 2, 1, path), multipath.surface_bottom
+    if path == SURFACE_BOTTOM_SURFACE:
         image = surface_image(arrays, z)
-        return ImagePair(image, image, 1, 2, way), ghosts.surface_bottom_surface
+        return ImagePair(image, image, 1, 2, path), multipath.surface_bottom_surface
     image = bottom_image(arrays, x, y, z)
-    return ImagePair(sonar, image, 2, 1, way), ghosts.second_bottom and image.share > 0.0
+    return ImagePair(sonar, image, 2, 1, path), multipath.second_bottom and image.share > 0.0
 
 
 @inlined
-def pair_response(one, other, tabled, two_way):
+def pair_response(one, other, tabulated, two_way):
     """Sensitivity of the beam out by one way and back by the other, from those there and back by each.
 
     A top-hat that takes in the lower of two images takes in the higher one too.
     """
-    if not tabled:
+    if not tabulated:
         return one
     return math.sqrt(one * other) if two_way else 0.5 * (one + other)
 

@@ -34,7 +34,7 @@ from insonify.kernels.rays.specular_paths import Intersection, advance_to, meet_
 @kernel
 def trace_multipath(arrays, poses, rays, out):
     """Trace the ghosts of all pings with ``rays`` a side and image and add them to ``out`` (pings, 2, bins)."""
-    ghosts, sums = arrays.ghosts, np.empty(arrays.bins)
+    multipath, sums = arrays.multipath, np.empty(arrays.bins)
     near = np.empty(arrays.solids.shape.size, np.int64)
     launch, bundle, hits = empty_launch(rays), empty_bundle(rays), empty_hits(rays)
     for ping in range(poses.x.size):
@@ -43,11 +43,11 @@ def trace_multipath(arrays, poses, rays, out):
         for side in range(2):
             beam = orient_beam(arrays, poses, ping, side)
             sums[:] = 0.0
-            if ghosts.surface_bottom or ghosts.surface_bottom_surface:
+            if multipath.surface_bottom or multipath.surface_bottom_surface:
                 _add_image(arrays, beam, surface, pitch, near, launch, bundle, hits, sums)
-            if ghosts.second_bottom and bottom.share > 0.0:
+            if multipath.second_bottom and bottom.share > 0.0:
                 _add_image(arrays, beam, bottom, pitch, near, launch, bundle, hits, sums)
-            if ghosts.surface_echo:
+            if multipath.surface_echo:
                 _add_surface_echo(arrays, beam, surface, sums)
             for k in range(arrays.bins):
                 out[ping, side, k] += sums[k] * arrays.range_factor[k]
@@ -56,13 +56,13 @@ def trace_multipath(arrays, poses, rays, out):
 @kernel
 def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
     """Sum the ghosts that one image of the sonar brings."""
-    fan, ghosts = arrays.half_width > 0.0, arrays.ghosts
+    fan, multipath = arrays.half_width > 0.0, arrays.multipath
     seen_from = _lifted(arrays, beam, image)
     if image.mirrored:
         pitch = -pitch
     count, top = list_solids_in_beam(arrays.solids, arrays.mesh, seen_from, near)
     top = max(top, highest_elevation(arrays.bed.high - seen_from.z, 0.0, seen_from.reach))
-    spreads = fan and arrays.pattern.tabled
+    spreads = fan and arrays.pattern.tabulated
     aim_rays(launch, seen_from.z, top, seen_from.reach, arrays.half_width, arrays.law, spreads)
     if spreads:
         spread_over_pattern(launch, arrays.pattern, seen_from.z, seen_from.reach, pitch)
@@ -73,20 +73,20 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
             continue
         meeting = Intersection(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
         path, out = advance_to(arrays, start_path(bundle, k), meeting), 1.0
-        if arrays.pattern.tabled:
+        if arrays.pattern.tabulated:
             out = two_way_response(arrays.pattern, seen_from, fan, arrays.law, path.dx, path.dy, path.dz, path.length)
         drop = seen_from.z - path.z
-        rise = height_delay(image, drop, path.length, ghosts.rms_height)
-        tilt = tilt_delay(image, drop, path.length, ghosts.slope_variance)
-        if ghosts.surface_bottom_surface and image.mirrored:
+        rise = height_delay(image, drop, path.length, multipath.rms_height)
+        tilt = tilt_delay(image, drop, path.length, multipath.slope_variance)
+        if multipath.surface_bottom_surface and image.mirrored:
             value = _straight_back(arrays, fan, out * launch.weight[k], path, meeting)
-            _smear(path.length, value, 2.0 * rise, 2.0 * tilt, ghosts.facets[1], arrays.bin_length, sums)
-        if ghosts.surface_bottom or not image.mirrored:
+            _smear(path.length, value, 2.0 * rise, 2.0 * tilt, multipath.facets[1], arrays.bin_length, sums)
+        if multipath.surface_bottom or not image.mirrored:
             weight = launch.weight[k] * image.share
-            if arrays.law == LIGHT and fan and not arrays.pattern.tabled:
+            if arrays.law == LIGHT and fan and not arrays.pattern.tabulated:
                 weight *= _of_lower_cone(arrays, beam, path)
             r, value = mixed_echo(arrays, beam, fan, out, weight, path, meeting)
-            _smear(r, value, rise, tilt, ghosts.facets[0], arrays.bin_length, sums)
+            _smear(r, value, rise, tilt, multipath.facets[0], arrays.bin_length, sums)
 
 
 @inlined
@@ -157,8 +157,10 @@ def _add_surface_echo(arrays, beam, image, sums):
     depth, fan = image.above, arrays.half_width > 0.0
     if not 0.0 < depth < arrays.bins * arrays.bin_length:
         return
-    value = two_way_response(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth) if arrays.pattern.tabled else 1.0
+    value = (
+        two_way_response(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth) if arrays.pattern.tabulated else 1.0
+    )
     value *= 1.0 if arrays.law == LIGHT else 0.25 * depth * depth
-    rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.rms_height)
-    tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.slope_variance)
-    _smear(depth, value, rise, tilt, arrays.ghosts.facets[0], arrays.bin_length, sums)
+    rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.rms_height)
+    tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.slope_variance)
+    _smear(depth, value, rise, tilt, arrays.multipath.facets[0], arrays.bin_length, sums)

@@ -87,7 +87,7 @@ def empty_image_profile(capacity: int) -> ImageProfile:
 
 
 @kernel
-def sweep_multipath(arrays, poses, planes, lifted, profile, outlooks, screens, echoes, ledger, out):
+def sweep_multipath(arrays, poses, fan, image_fan, profile, image_profiles, zbuffers, echoes, contributions, out):
     """Sweep the ghosts of every ping and add them to ``out`` (pings, 2, bins).
 
     ``lifted`` are the planes of the beam of the image in the surface.
@@ -96,7 +96,19 @@ def sweep_multipath(arrays, poses, planes, lifted, profile, outlooks, screens, e
     for ping in range(poses.x.size):
         for side in range(2):
             add_multipath(
-                arrays, poses, ping, side, planes, lifted, profile, outlooks, screens, echoes, bins, ledger, False
+                arrays,
+                poses,
+                ping,
+                side,
+                fan,
+                image_fan,
+                profile,
+                image_profiles,
+                zbuffers,
+                echoes,
+                bins,
+                contributions,
+                False,
             )
             accumulate_bins(bins, arrays.range_factor, line)
             for k in range(arrays.bins):
@@ -104,59 +116,84 @@ def sweep_multipath(arrays, poses, planes, lifted, profile, outlooks, screens, e
 
 
 @kernel
-def add_multipath(arrays, poses, ping, side, planes, lifted, profile, outlooks, screens, echoes, bins, ledger, noting):
+def add_multipath(
+    arrays, poses, ping, side, fan, image_fan, profile, image_profiles, zbuffers, echoes, bins, contributions, labelling
+):
     """Put the ghosts of one side of one ping into a difference array, and if asked to into the ledger."""
     x, y, z = poses.x[ping], poses.y[ping], poses.z[ping]
-    for way in range(SURFACE_BOTTOM, SECOND_BOTTOM + 1):
-        pair, wanted = image_pair(arrays, way, x, y, z)
+    for path in range(SURFACE_BOTTOM, SECOND_BOTTOM + 1):
+        pair, wanted = image_pair(arrays, path, x, y, z)
         if not wanted:
             continue
-        beam = lifted if pair.one.mirrored else planes
-        for plane in range(beam.azimuth.size):
-            room = profile, outlooks, screens, echoes
-            _add_plane(arrays, poses, ping, side, beam, plane, pair, *room, bins, ledger, noting)
-    if arrays.ghosts.surface_echo:
-        _add_surface_echo(arrays, poses, ping, side, echoes, bins, ledger, noting)
+        beam = image_fan if pair.one.mirrored else fan
+        for k in range(beam.azimuth.size):
+            room = profile, image_profiles, zbuffers, echoes
+            _add_plane(arrays, poses, ping, side, beam, k, pair, *room, bins, contributions, labelling)
+    if arrays.multipath.surface_echo:
+        _add_surface_echo(arrays, poses, ping, side, echoes, bins, contributions, labelling)
 
 
 @kernel
 def _add_plane(
-    arrays, poses, ping, side, planes, plane, pair, profile, outlooks, screens, echoes, bins, ledger, noting
+    arrays, poses, ping, side, fan, k, pair, profile, image_profiles, zbuffers, echoes, bins, contributions, labelling
 ):
     """Likewise for one pair of images in one plane."""
-    view, wedge, _ = aim_plane(arrays, poses, ping, side, planes, plane, straight_grid())
-    near_field, per_height = planes.near_field[plane], planes.reach[plane]
-    height = max(view.z - arrays.bed.low, LOWEST)
+    plane, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, straight_grid())
+    near_field, per_height = fan.near_field[k], fan.reach[k]
+    height = max(plane.z - arrays.bed.low, LOWEST)
     # A beam that sound passes but once hears what the higher image's takes in, which is farther out; others do not.
-    one_way = arrays.pattern.tabled and not arrays.pattern.two_way
+    one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
     highest = pair.other.height if one_way else pair.one.height
     reach = min(per_height * (height + highest), arrays.bins * arrays.bin_length)
-    count = slice_bed(arrays.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
-    wedge_one = raise_sector(wedge, near_field * (height + pair.one.height))
-    wedge_other = raise_sector(wedge, near_field * (height + pair.other.height))
-    cells_one = _look_out(arrays, profile, count, pair.one, view, wedge_one, reach, outlooks[0], screens[0])
-    cells_other = _look_out(arrays, profile, count, pair.other, view, wedge_other, reach, outlooks[1], screens[1])
-    n = _list_bed(arrays, profile, count, pair, outlooks, screens, cells_one, cells_other, echoes, bins, ledger, noting)
+    count = slice_bed(arrays.bed, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
+    sector_one = raise_sector(sector, near_field * (height + pair.one.height))
+    sector_other = raise_sector(sector, near_field * (height + pair.other.height))
+    cells_one = _look_out(arrays, profile, count, pair.one, plane, sector_one, reach, image_profiles[0], zbuffers[0])
+    cells_other = _look_out(
+        arrays, profile, count, pair.other, plane, sector_other, reach, image_profiles[1], zbuffers[1]
+    )
+    n = _list_bed(
+        arrays,
+        profile,
+        count,
+        pair,
+        image_profiles,
+        zbuffers,
+        cells_one,
+        cells_other,
+        echoes,
+        bins,
+        contributions,
+        labelling,
+    )
     if cells_one > 0:
-        wedges = wedge_one, wedge_other
+        sectors = sector_one, sector_other
         n = list_target_echoes(
-            arrays, profile, count, pair, view, wedges, outlooks, screens, cells_one, cells_other, echoes, n, bins,
-            ledger, noting,
+            arrays, profile, count, pair, plane, sectors, image_profiles, zbuffers, cells_one, cells_other, echoes, n,
+            bins, contributions, labelling,
         )  # fmt: skip
-    _enter(arrays, pair.passes, pair.way, echoes, n, bins, ledger, noting)
+    _enter(arrays, pair.passes, pair.path, echoes, n, bins, contributions, labelling)
 
 
 @inlined
-def _enter(arrays, passes, way, echoes, n, bins, ledger, noting):
+def _enter(arrays, passes, path, echoes, n, bins, contributions, labelling):
     """Enter echoes, smeared by as many passes of the surface."""
-    deposit_echoes(echoes, n, arrays.ghosts.facets[passes - 1], arrays.bin_length, way, bins, ledger, noting)
+    deposit_echoes(
+        echoes, n, arrays.multipath.facets[passes - 1], arrays.bin_length, path, bins, contributions, labelling
+    )
 
 
 @kernel
-def _look_out(arrays, profile, count, image, view, wedge, reach, outlook, screen):
+def _look_out(arrays, profile, count, image, plane, sector, reach, image_profile, zbuffer):
     """Tell what of a profile an image sees; return the cells of its screen."""
     x, profile_z = profile.x, profile.z
-    z, launch, horizon, r, rise = outlook.z, outlook.launch, outlook.horizon, outlook.r, outlook.rise
+    z, launch, horizon, r, rise = (
+        image_profile.z,
+        image_profile.launch,
+        image_profile.horizon,
+        image_profile.r,
+        image_profile.rise,
+    )
     highest = NADIR
     for i in range(count):
         z[i] = profile_z[i] - image.height
@@ -165,32 +202,50 @@ def _look_out(arrays, profile, count, image, view, wedge, reach, outlook, screen
         highest = launch[i] if launch[i] > highest else highest
         horizon[i], r[i] = highest, math.sqrt(x[i] * x[i] + z[i] * z[i])
         rise[i] = -z[i] if image.mirrored else z[i]
-    weigh_knots(x[:count], rise, r, wedge, arrays.pattern, arrays.law, outlook.weight)
-    if screen.body.size == 0:
+    weigh_knots(x[:count], rise, r, sector, arrays.pattern, arrays.law, image_profile.weight)
+    if zbuffer.body.size == 0:
         return 0
     seen_from, table = (
-        HalfPlane(view.x, view.y, view.z + image.height, view.ex, view.ey),
+        HalfPlane(plane.x, plane.y, plane.z + image.height, plane.ex, plane.ey),
         np.zeros((2, 2, COLUMNS), np.float32),
     )
-    return max(fill_zbuffer(arrays, seen_from, wedge, reach, straight_grid(), table, screen), 0)
+    return max(fill_zbuffer(arrays, seen_from, sector, reach, straight_grid(), table, zbuffer), 0)
 
 
 @kernel
-def _list_bed(arrays, profile, count, pair, outlooks, screens, cells_one, cells_other, echoes, bins, ledger, noting):
+def _list_bed(
+    arrays,
+    profile,
+    count,
+    pair,
+    image_profiles,
+    zbuffers,
+    cells_one,
+    cells_other,
+    echoes,
+    bins,
+    contributions,
+    labelling,
+):
     """List what of a profile both images see; return the number of echoes not entered yet."""
     x, slope, area, material = profile.x, profile.slope, profile.area, profile.material
-    z_one, launch_one, horizon_one = outlooks[0].z, outlooks[0].launch, outlooks[0].horizon
-    z_other, launch_other, horizon_other = outlooks[1].z, outlooks[1].launch, outlooks[1].horizon
-    r_one, r_other, weight_one, weight_other = outlooks[0].r, outlooks[1].r, outlooks[0].weight, outlooks[1].weight
-    table, tabled, two_way = arrays.reflectivity, arrays.pattern.tabled, arrays.pattern.two_way
-    cover_one, cover_other = occlusion_of(screens[0], cells_one), occlusion_of(screens[1], cells_other)
+    z_one, launch_one, horizon_one = image_profiles[0].z, image_profiles[0].launch, image_profiles[0].horizon
+    z_other, launch_other, horizon_other = image_profiles[1].z, image_profiles[1].launch, image_profiles[1].horizon
+    r_one, r_other, weight_one, weight_other = (
+        image_profiles[0].r,
+        image_profiles[1].r,
+        image_profiles[0].weight,
+        image_profiles[1].weight,
+    )
+    table, tabulated, two_way = arrays.reflectivity, arrays.pattern.tabulated, arrays.pattern.two_way
+    occlusion_one, occlusion_other = occlusion_of(zbuffers[0], cells_one), occlusion_of(zbuffers[1], cells_other)
     farthest, open_to_all, n = arrays.bins * arrays.bin_length, cells_one == 0 and cells_other == 0, 0
     sea = echo_parameters(arrays)
     for i in range(count - 1):
         if not (launch_one[i + 1] > horizon_one[i] and launch_other[i + 1] > horizon_other[i]):
             continue
-        near = pair_response(weight_one[i], weight_other[i], tabled, two_way)
-        far = pair_response(weight_one[i + 1], weight_other[i + 1], tabled, two_way)
+        near = pair_response(weight_one[i], weight_other[i], tabulated, two_way)
+        far = pair_response(weight_one[i + 1], weight_other[i + 1], tabulated, two_way)
         dx, rise = x[i + 1] - x[i], np.float64(slope[i])
         beyond = 0.5 * (r_one[i] + r_other[i]) - dx * math.sqrt(1.0 + rise * rise) > farthest
         if beyond or not near + far > 0.0 or not area[i] > 0.0:
@@ -198,89 +253,89 @@ def _list_bed(arrays, profile, count, pair, outlooks, screens, cells_one, cells_
         row, rate = material[i], (far - near) / dx
         one, other = SegmentLine(z_one[i] - rise * x[i], rise), SegmentLine(z_other[i] - rise * x[i], rise)
         at_nadir = near - rate * x[i]
-        part = PairedSegment(one, other, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
+        segment = PairedSegment(one, other, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
         start = visible_from(one, x[i], x[i + 1], launch_one[i], horizon_one[i])
         start = max(start, visible_from(other, x[i], x[i + 1], launch_other[i], horizon_other[i]))
         if open_to_all:
-            n = _list_piece(sea, part, pair, start, x[i + 1], row, echoes, n)
+            n = _list_piece(sea, segment, pair, start, x[i + 1], row, echoes, n)
         else:
-            n = _list_open(sea, part, pair, start, x[i + 1], row, cover_one, cover_other, echoes, n)
+            n = _list_open(sea, segment, pair, start, x[i + 1], row, occlusion_one, occlusion_other, echoes, n)
         if n > ENOUGH:
-            _enter(arrays, pair.passes, pair.way, echoes, n, bins, ledger, noting)
+            _enter(arrays, pair.passes, pair.path, echoes, n, bins, contributions, labelling)
             n = 0
     return n
 
 
 @kernel
-def _list_open(sea, part, pair, x_from, x_to, row, cover_one, cover_other, echoes, n):
+def _list_open(sea, segment, pair, x_from, x_to, row, occlusion_one, occlusion_other, echoes, n):
     """List what no target hides from either image of a segment, between two ground ranges."""
-    low, high = launch_angle(part.one, x_from), launch_angle(part.one, x_to)
+    low, high = launch_angle(segment.one, x_from), launch_angle(segment.one, x_to)
     while low < high:
-        opened, closed = next_visible(cover_one, part.one, low, high)
+        opened, closed = next_visible(occlusion_one, segment.one, low, high)
         if opened >= high:
             break
-        start = x_from if opened <= low else max(ground_range_at(part.one, opened), x_from)
-        stop = x_to if closed >= high else min(ground_range_at(part.one, closed), x_to)
-        n = _list_open_to_other(sea, part, pair, start, stop, row, cover_other, echoes, n)
+        start = x_from if opened <= low else max(ground_range_at(segment.one, opened), x_from)
+        stop = x_to if closed >= high else min(ground_range_at(segment.one, closed), x_to)
+        n = _list_open_to_other(sea, segment, pair, start, stop, row, occlusion_other, echoes, n)
         low, x_from = closed, stop
     return n
 
 
 @kernel
-def _list_open_to_other(sea, part, pair, x_from, x_to, row, cover, echoes, n):
+def _list_open_to_other(sea, segment, pair, x_from, x_to, row, occlusion, echoes, n):
     """Likewise what is not hidden from the higher image."""
-    low, high = launch_angle(part.other, x_from), launch_angle(part.other, x_to)
+    low, high = launch_angle(segment.other, x_from), launch_angle(segment.other, x_to)
     while low < high:
-        opened, closed = next_visible(cover, part.other, low, high)
+        opened, closed = next_visible(occlusion, segment.other, low, high)
         if opened >= high:
             break
-        start = x_from if opened <= low else max(ground_range_at(part.other, opened), x_from)
-        stop = x_to if closed >= high else min(ground_range_at(part.other, closed), x_to)
-        n = _list_piece(sea, part, pair, start, stop, row, echoes, n)
+        start = x_from if opened <= low else max(ground_range_at(segment.other, opened), x_from)
+        stop = x_to if closed >= high else min(ground_range_at(segment.other, closed), x_to)
+        n = _list_piece(sea, segment, pair, start, stop, row, echoes, n)
         low, x_from = closed, stop
     return n
 
 
 @inlined
-def _slant(part, x):
+def _slant(segment, x):
     """Slant range at which a place is heard."""
-    a, b = part.one.offset + part.one.slope * x, part.other.offset + part.other.slope * x
+    a, b = segment.one.offset + segment.one.slope * x, segment.other.offset + segment.other.slope * x
     return 0.5 * (math.sqrt(x * x + a * a) + math.sqrt(x * x + b * b))
 
 
 @inlined
-def _grows(part, x):
+def _grows(segment, x):
     """Twice the rate at which that grows with ground range."""
-    slope = part.one.slope
-    a, b = part.one.offset + slope * x, part.other.offset + slope * x
+    slope = segment.one.slope
+    a, b = segment.one.offset + slope * x, segment.other.offset + slope * x
     return (x + slope * a) / math.sqrt(x * x + a * a) + (x + slope * b) / math.sqrt(x * x + b * b)
 
 
 @kernel
-def _list_piece(sea, part, pair, x_from, x_to, row, echoes, n):
+def _list_piece(sea, segment, pair, x_from, x_to, row, echoes, n):
     """List a part of a segment that both images see."""
     if not x_to > x_from:
         return n
-    near, far, slope = _slant(part, x_from), _slant(part, x_to), part.one.slope
+    near, far, slope = _slant(segment, x_from), _slant(segment, x_to), segment.one.slope
     squared = (x_to - x_from) ** 2 * (1.0 + slope * slope)
     if squared <= min(abs(far - near), FINE * FINE * near) * near:
-        return _list_part(sea, part, pair, x_from, x_to, near, far, row, echoes, n)
-    foot = _foot(part, x_from, x_to)
-    n = _list_monotone(sea, part, pair, x_from, foot, row, echoes, n)
-    return _list_monotone(sea, part, pair, foot, x_to, row, echoes, n)
+        return _list_part(sea, segment, pair, x_from, x_to, near, far, row, echoes, n)
+    foot = _foot(segment, x_from, x_to)
+    n = _list_monotone(sea, segment, pair, x_from, foot, row, echoes, n)
+    return _list_monotone(sea, segment, pair, foot, x_to, row, echoes, n)
 
 
 @kernel
-def _foot(part, x_from, x_to):
+def _foot(segment, x_from, x_to):
     """Ground range at which a segment is heard nearest; slant range falls towards it and grows beyond."""
-    if _grows(part, x_from) >= 0.0:
+    if _grows(segment, x_from) >= 0.0:
         return x_from
-    if _grows(part, x_to) <= 0.0:
+    if _grows(segment, x_to) <= 0.0:
         return x_to
     low, high = x_from, x_to
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if _grows(part, middle) < 0.0:
+        if _grows(segment, middle) < 0.0:
             low = middle
         else:
             high = middle
@@ -288,34 +343,34 @@ def _foot(part, x_from, x_to):
 
 
 @kernel
-def _list_monotone(sea, part, pair, x_from, x_to, row, echoes, n):
+def _list_monotone(sea, segment, pair, x_from, x_to, row, echoes, n):
     """List a piece along which slant range grows or falls, in parts short against their range."""
     if not x_to > x_from:
         return n
-    near, slope = _slant(part, x_from), part.one.slope
-    nearest = max(min(near, _slant(part, x_to)), sea.bin_length)
+    near, slope = _slant(segment, x_from), segment.one.slope
+    nearest = max(min(near, _slant(segment, x_to)), sea.bin_length)
     parts = 1 + int(min((x_to - x_from) * math.sqrt(1.0 + slope * slope) / (FINE * nearest), MOST_PARTS - 1.0))
     dx = (x_to - x_from) / parts
     for k in range(parts):
         start = x_from + k * dx
-        far = _slant(part, start + dx)
-        n = _list_part(sea, part, pair, start, start + dx, near, far, row, echoes, n)
+        far = _slant(segment, start + dx)
+        n = _list_part(sea, segment, pair, start, start + dx, near, far, row, echoes, n)
         near = far
     return n
 
 
 @inlined
-def _list_part(sea, part, pair, x_from, x_to, near, far, row, echoes, n):
+def _list_part(sea, segment, pair, x_from, x_to, near, far, row, echoes, n):
     """List one part, whose energy is spread evenly over the slant ranges it spans, ``near`` to ``far``."""
-    x, stretch, law = 0.5 * (x_from + x_to), math.sqrt(part.area), sea.law
-    a, b = part.one.offset + part.one.slope * x, part.other.offset + part.other.slope * x
+    x, stretch, law = 0.5 * (x_from + x_to), math.sqrt(segment.area), sea.law
+    a, b = segment.one.offset + segment.one.slope * x, segment.other.offset + segment.other.slope * x
     if -b <= pair.other.above:
         return n  # land
     r_one, r_other = math.sqrt(x * x + a * a), math.sqrt(x * x + b * b)
-    cos_one, cos_other = -part.one.offset / (r_one * stretch), -part.other.offset / (r_other * stretch)
+    cos_one, cos_other = -segment.one.offset / (r_one * stretch), -segment.other.offset / (r_other * stretch)
     mirrored = 2.0 * cos_one * cos_other - (x * x + a * b) / (r_one * r_other)
-    value = pair_strength(cos_one, cos_other, mirrored, part.diffuse, part.specular, part.shininess, pair, law)
-    value *= (part.at_nadir + part.rate * x) * spreading_ratio(r_one, r_other, law)
+    value = pair_strength(cos_one, cos_other, mirrored, segment.diffuse, segment.specular, segment.shininess, pair, law)
+    value *= (segment.at_nadir + segment.rate * x) * spreading_ratio(r_one, r_other, law)
     energy = value * abs(far - near) / sea.bin_length if law == LIGHT else value * stretch * (x_to - x_from)
     rms, variance = sea.rms_height, sea.slope_variance
     rise = height_delay(pair.one, -a, r_one, rms) + height_delay(pair.other, -b, r_other, rms)
@@ -324,7 +379,7 @@ def _list_part(sea, part, pair, x_from, x_to, near, far, row, echoes, n):
 
 
 @kernel
-def _add_surface_echo(arrays, poses, ping, side, echoes, bins, ledger, noting):
+def _add_surface_echo(arrays, poses, ping, side, echoes, bins, contributions, labelling):
     """Add the echo of the surface straight above: that of an image of the source, twice as far away as the surface.
 
     It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; in law `light`, a lamp in a mirror.
@@ -334,11 +389,11 @@ def _add_surface_echo(arrays, poses, ping, side, echoes, bins, ledger, noting):
     if not 0.0 < depth < arrays.bins * arrays.bin_length:
         return
     value = 1.0
-    if arrays.pattern.tabled:
+    if arrays.pattern.tabulated:
         beam, fan = orient_beam(arrays, poses, ping, side), arrays.half_width > 0.0
         value = two_way_response(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth)
     energy = value if law == LIGHT else 0.25 * value * depth * depth
-    rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.rms_height)
-    tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.ghosts.slope_variance)
+    rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.rms_height)
+    tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.slope_variance)
     n = list_echo(echoes, 0, depth, depth, energy, rise, tilt, 0.0, 1.0, 0)
-    _enter(arrays, 1, SURFACE_ECHO, echoes, n, bins, ledger, noting)
+    _enter(arrays, 1, SURFACE_ECHO, echoes, n, bins, contributions, labelling)

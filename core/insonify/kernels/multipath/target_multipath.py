@@ -37,49 +37,65 @@ BEFORE = 1e-4  # share of a distance by which another part must come nearer to h
 
 @kernel
 def list_target_echoes(
-    arrays, profile, knots, pair, view, wedges, outlooks, screens, cells, cells_other, echoes, n, bins, ledger, noting
+    arrays,
+    profile,
+    knots,
+    pair,
+    plane,
+    sectors,
+    image_profiles,
+    zbuffers,
+    cells,
+    cells_other,
+    echoes,
+    n,
+    bins,
+    contributions,
+    labelling,
 ):
     """List what is nearest to the lower image in every cell and in sight of the other; return what is not entered."""
-    solids, mesh, table, screen = arrays.solids, arrays.mesh, arrays.reflectivity, screens[0]
-    x, z, horizon, knot = profile.x, outlooks[0].z, outlooks[0].horizon, -1
-    sea, pattern, lower, higher = echo_parameters(arrays), arrays.pattern, wedges[0], wedges[1]
+    solids, mesh, table, zbuffer = arrays.solids, arrays.mesh, arrays.reflectivity, zbuffers[0]
+    x, z, horizon, knot = profile.x, image_profiles[0].z, image_profiles[0].horizon, -1
+    sea, pattern, lower, higher = echo_parameters(arrays), arrays.pattern, sectors[0], sectors[1]
     heights, ridges, edge, level, rise = (
-        outlooks[1].z,
-        outlooks[1].horizon,
-        screens[1].edge,
-        screens[1].level,
-        screens[1].rise,
+        image_profiles[1].z,
+        image_profiles[1].horizon,
+        zbuffers[1].edge,
+        zbuffers[1].nearness_cosine,
+        zbuffers[1].nearness_sine,
     )
-    nearest, rows = screens[1].part, screens[1].body
+    nearest, rows = zbuffers[1].nearest, zbuffers[1].body
     bodies, raised = solids.shape.size, pair.other.height - pair.one.height
-    seen_from = HalfPlane(view.x, view.y, view.z + pair.one.height, view.ex, view.ey)
+    seen_from = HalfPlane(plane.x, plane.y, plane.z + pair.one.height, plane.ex, plane.ey)
     for cell in range(cells):
-        p = screen.part[cell]
+        p = zbuffer.nearest[cell]
         if p == NO_PRIMITIVE:
             continue
-        body, row = screen.body[p], primitive_material(solids, mesh, screen, p)
+        body, row = zbuffer.body[p], primitive_material(solids, mesh, zbuffer, p)
         who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
-        c, s = bisect_directions(screen.cosine[cell], screen.sine[cell], screen.cosine[cell + 1], screen.sine[cell + 1])
-        low, high, distance = screen.edge[cell], screen.edge[cell + 1], screen.distance[cell]
-        facets = facet_count(Facet(low, high, c, s, screen.near[cell], distance, screen.far[cell], 1.0))
+        c, s = bisect_directions(
+            zbuffer.cosine[cell], zbuffer.sine[cell], zbuffer.cosine[cell + 1], zbuffer.sine[cell + 1]
+        )
+        low, high, distance = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.distance[cell]
+        facets = facet_count(Facet(low, high, c, s, zbuffer.near[cell], distance, zbuffer.far[cell], 1.0))
         knot = knot_before(x, knots, distance * c, knot)
-        part = load_primitive(
-            solids, mesh, seen_from, body, screen.line[p], load_apparent_source(False, screen.lens[p])
+        primitive = load_primitive(
+            solids, mesh, seen_from, body, zbuffer.line[p], load_apparent_source(False, zbuffer.source[p])
         )
         for k in range(facets):
-            facet = visible_facet(part, low, high, k, facets, x, z, knots, horizon, knot)
+            facet = visible_facet(primitive, low, high, k, facets, x, z, knots, horizon, knot)
             if not is_facet_met(facet):
                 continue
             cos_other = facet.incidence
             if raised > 0.0:
                 ridge = _ridge(facet, raised, x, heights, ridges, knots, knot)
-                cos_other = _seen(facet, part, body, raised, ridge, edge, level, rise, nearest, rows, cells_other)
+                cos_other = _seen(facet, primitive, body, raised, ridge, edge, level, rise, nearest, rows, cells_other)
             if cos_other > 0.0:
                 numbers = table[row, 0], table[row, 1], table[row, 2]
                 n = _list_facet(sea, pattern, pair, facet, cos_other, numbers, lower, higher, who, echoes, n)
         if n > ENOUGH:
-            facets_of_sea = arrays.ghosts.facets[pair.passes - 1]
-            deposit_echoes(echoes, n, facets_of_sea, arrays.bin_length, pair.way, bins, ledger, noting)
+            waves = arrays.multipath.facets[pair.passes - 1]
+            deposit_echoes(echoes, n, waves, arrays.bin_length, pair.path, bins, contributions, labelling)
             n = 0
     return n
 
@@ -92,19 +108,19 @@ def _ridge(facet, raised, x, z, horizon, knots, knot):
 
 
 @inlined
-def _seen(facet, part, body, raised, ridge, edge, near_level, near_rise, nearest, rows, cells):
+def _seen(facet, primitive, body, raised, ridge, edge, near_level, near_rise, nearest, rows, cells):
     """Cosine of the incidence at the middle of a facet as the higher image sees it; 0 if it does not."""
     level, height = facet.centre * facet.cosine, facet.centre * facet.sine - raised
     r = math.sqrt(level * level + height * height)
     c, s = level / r, height / r
-    if part.kind == TRIANGLE:
+    if primitive.kind == TRIANGLE:
         # Both must be on the same side of a sheet.
-        front = facet.cosine * part.level_x + facet.sine * part.level_y
-        if front * (c * part.level_x + s * part.level_y) <= 0.0:
+        front = facet.cosine * primitive.level_x + facet.sine * primitive.level_y
+        if front * (c * primitive.level_x + s * primitive.level_y) <= 0.0:
             return 0.0
     lower = Primitive(
-        part.kind, part.x, part.y, part.z - raised, part.ax, part.ay, part.az, part.length, part.radius, part.taper,
-        part.level_x, part.level_y, part.lens,
+        primitive.kind, primitive.x, primitive.y, primitive.z - raised, primitive.ax, primitive.ay, primitive.az,
+        primitive.length, primitive.radius, primitive.taper, primitive.level_x, primitive.level_y, primitive.source,
     )  # fmt: skip
     distance, incidence = intersect_primitive(lower, c, s)
     if not distance > r * (1.0 - BEFORE):
@@ -129,7 +145,7 @@ def _list_facet(sea, pattern, pair, facet, cos_other, numbers, lower, higher, wh
     value = pair_strength(facet.incidence, cos_other, mirrored, numbers[0], numbers[1], numbers[2], pair, law)
     one = sector_weight(x, -a if pair.one.mirrored else a, facet.centre, lower, pattern, law)
     other = sector_weight(x, -b if pair.other.mirrored else b, r_other, higher, pattern, law)
-    value *= pair_response(one, other, pattern.tabled, pattern.two_way) * spreading_ratio(facet.centre, r_other, law)
+    value *= pair_response(one, other, pattern.tabulated, pattern.two_way) * spreading_ratio(facet.centre, r_other, law)
     c_low, s_low, c_high, s_high = math.cos(facet.low), math.sin(facet.low), math.cos(facet.high), math.sin(facet.high)
     near = 0.5 * (facet.near + _distance(facet.near, c_low, s_low, raised))
     middle = 0.5 * (facet.centre + r_other)

@@ -36,7 +36,7 @@ def trace_straight_pings(arrays, poses, rays, step, out):
     near = np.empty(arrays.solids.shape.size, np.int64)
     weighed, sums = np.empty(rays), np.empty(arrays.bins)
     reach, fan = arrays.bins * arrays.bin_length, arrays.half_width > 0.0
-    spreads = fan and arrays.pattern.tabled
+    spreads = fan and arrays.pattern.tabulated
     aimed_at = np.full((2, 3), math.nan)
     for ping in range(poses.x.size):
         z, pitch = poses.z[ping], poses.pitch[ping]
@@ -59,7 +59,7 @@ def trace_straight_pings(arrays, poses, rays, step, out):
             else:
                 find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, reach, hits)
             weight = launch.weight
-            if arrays.pattern.tabled:
+            if arrays.pattern.tabulated:
                 weight = weigh_by_pattern(arrays, beam, bundle, hits, launch.weight, weighed)
             deposit_hits(bundle, hits, weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
             if arrays.bounces > 0:

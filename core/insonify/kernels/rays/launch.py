@@ -63,7 +63,7 @@ def orient_beam(arrays, poses, ping, side):
     ahead_x, ahead_y = snap_to_grid(math.cos(poses.heading[ping])), snap_to_grid(math.sin(poses.heading[ping]))
     to_side = 1.0 if side == PORT else -1.0
     x, y, z, reach = poses.x[ping], poses.y[ping], poses.z[ping], arrays.bins * arrays.bin_length
-    if not arrays.pattern.tabled:
+    if not arrays.pattern.tabulated:
         s = math.sin(arrays.half_width)
         return SideBeam(
             x, y, z, ahead_x, ahead_y, -to_side * ahead_y, to_side * ahead_x, ahead_x, ahead_y, 0.0, -s, s,

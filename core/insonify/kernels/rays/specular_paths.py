@@ -109,7 +109,7 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
         if len(waiting) == 0:
             continue
         out = 1.0
-        if arrays.pattern.tabled:
+        if arrays.pattern.tabulated:
             out = two_way_response(arrays.pattern, beam, fan, arrays.law, path.dx, path.dy, path.dz, path.length)
         while len(waiting) > 0:
             path = waiting.pop()
@@ -398,11 +398,11 @@ def pair_sensitivity(arrays, beam, fan, out, sx, sy, sz, r):
     if sx * beam.side_x + sy * beam.side_y < 0.0:
         return 0.0
     along = sx * beam.axis_x + sy * beam.axis_y + sz * beam.axis_z
-    one_way = arrays.pattern.tabled and not arrays.pattern.two_way
+    one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
     wide = 0.0 if fan else KNIFE / r
     if not one_way and not beam.s_low - wide <= along <= beam.s_high + wide:
         return 0.0
-    if not arrays.pattern.tabled:
+    if not arrays.pattern.tabulated:
         return 1.0
     back = two_way_response(arrays.pattern, beam, fan, arrays.law, sx, sy, sz, r)
     return math.sqrt(out * back) if arrays.pattern.two_way else 0.5 * (out + back)

@@ -70,7 +70,7 @@ def trace_refracted_pings(arrays, poses, rays, march, out):
             rotate_to_world(launch, beam, bundle)
             find_refracted_hits(arrays, bundle, waveguide.reach, march, hits, arrivals)
             weight = launch.weight
-            if arrays.pattern.tabled:
+            if arrays.pattern.tabulated:
                 weight = weigh_by_pattern(arrays, beam, bundle, hits, launch.weight, weighed)
             _deposit_refracted(arrays, hits, arrivals, weight, sums)
             landings = to_port if side == PORT else to_starboard
@@ -100,7 +100,7 @@ def make_waveguide(arrays, beam):
 @kernel
 def aim_side(arrays, waveguide, z, pitch, launch):
     """Aim all rays of a side over elevations and, where a pattern spreads them, over azimuths."""
-    spreads = arrays.half_width > 0.0 and arrays.pattern.tabled
+    spreads = arrays.half_width > 0.0 and arrays.pattern.tabulated
     landings = aim_refracted_rays(launch, waveguide, z, arrays.half_width, arrays.law, spreads)
     if spreads:
         spread_over_pattern(launch, arrays.pattern, z, waveguide.reach, pitch)

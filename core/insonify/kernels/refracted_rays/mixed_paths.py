@@ -145,7 +145,7 @@ def _mixed_echo(arrays, beam, weight, bundle, hits, arrivals, k, others, met, ba
     if b >= arrays.bins or cosine <= 0.0 or other <= 0.0:
         return -1, 0.0
     out = 1.0
-    if arrays.pattern.tabled:
+    if arrays.pattern.tabulated:
         out = two_way_response(
             arrays.pattern, beam, fan, law, bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.distance[k]
         )

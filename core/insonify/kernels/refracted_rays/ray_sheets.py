@@ -158,7 +158,7 @@ def _trace_sheet(arrays, beam, pitch, near, bodies, angle, place):
     bundle, density = _send(arrays, beam, pitch, angle, place)
     hits, landed = empty_hits(n), SheetEchoes(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
     find_first_hits(arrays.bed, arrays.solids, near, bodies, arrays.mesh, bundle, beam.reach, hits)
-    if arrays.pattern.tabled:
+    if arrays.pattern.tabulated:
         density = weigh_by_pattern(arrays, beam, bundle, hits, density, np.empty(n))
     for k in range(n):
         landed.distance[k], landed.surface[k] = hits.distance[k], min(hits.body[k], arrays.solids.shape.size)
@@ -174,7 +174,7 @@ def _trace_refracted_sheet(arrays, beam, pitch, angle, place):
     bundle, density = _send(arrays, beam, pitch, angle, place)
     hits, arrivals = empty_hits(n), empty_arrivals(n)
     find_refracted_hits(arrays, bundle, beam.reach, 0.0, hits, arrivals)
-    if arrays.pattern.tabled:
+    if arrays.pattern.tabulated:
         density = weigh_by_pattern(arrays, beam, bundle, hits, density, np.empty(n))
     landed = SheetEchoes(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
     for k in range(n):
@@ -190,13 +190,13 @@ def _trace_refracted_sheet(arrays, beam, pitch, angle, place):
 @kernel
 def _send(arrays, beam, pitch, angle, place):
     """Point rays to one place, in [0, 1), within the beam; tell what each stands for per radian of elevation."""
-    n, fan, tabled = angle.size, arrays.half_width > 0.0, arrays.pattern.tabled
+    n, fan, tabulated = angle.size, arrays.half_width > 0.0, arrays.pattern.tabulated
     centre, extent = arrays.pattern.centre, widest_extent(arrays.pattern)
     launch, bundle = empty_launch(n), empty_bundle(n)
     for k in range(n):
         c, s = math.cos(angle[k]), math.sin(angle[k])
         azimuth, wide = 0.0, 1.0
-        if fan and tabled:
+        if fan and tabulated:
             level, tip = math.cos(pitch) * c, math.sin(pitch) * s
             azimuth, wide = _azimuth(centre - tip, extent, math.sin(arrays.half_width), level, place)
         elif fan:

@@ -91,12 +91,12 @@ def prepare_table(bending, z, table):
 
 
 @inlined
-def look_up_position(table, sheet, x, z):
+def look_up_position(table, grid, x, z):
     """Read LEVEL, RISE, TUBE and TURN of a place at ground range x and height z above the sonar.
 
     Bilinear; beyond the table as at its edge.
     """
-    i, j, fu, fv = _locate_cell(sheet, x, z)
+    i, j, fu, fv = _locate_cell(grid, x, z)
     gu, gv = np.float32(1.0) - fu, np.float32(1.0) - fv
     a, b, c, d = gu * gv, fu * gv, gu * fv, fu * fv
     level = a * table[j, i, LEVEL] + b * table[j, i + 1, LEVEL] + c * table[j + 1, i, LEVEL]
@@ -112,17 +112,17 @@ def look_up_position(table, sheet, x, z):
 
 
 @inlined
-def _locate_cell(sheet, x, z):
+def _locate_cell(grid, x, z):
     """Find the column and row of the cell of a place, and how far into it the place lies."""
-    u, v = x * sheet.per_column, (z - sheet.low) * sheet.per_row
+    u, v = x * grid.per_column, (z - grid.low) * grid.per_row
     v = v if v > 0.0 else 0.0  # NaN, a hole in the bed, compares false
-    u, v = min(u, sheet.columns - 1.0), min(v, sheet.rows - 1.0)
-    i, j = min(int(u), sheet.columns - 2), min(int(v), sheet.rows - 2)
+    u, v = min(u, grid.columns - 1.0), min(v, grid.rows - 1.0)
+    i, j = min(int(u), grid.columns - 2), min(int(v), grid.rows - 2)
     return i, j, np.float32(u - i), np.float32(v - j)
 
 
 @kernel
-def apply_apparent_positions(table, sheet, one_wide, x, z, slope, area, level, gain, count):
+def apply_apparent_positions(table, grid, one_wide, x, z, slope, area, level, gain, count):
     """Put the knots of a profile where they seem to be, in place.
 
     Parameters
@@ -142,7 +142,7 @@ def apply_apparent_positions(table, sheet, one_wide, x, z, slope, area, level, g
     count : int
         Knots.
     """
-    _apply_rise(table, sheet, x, z, level, gain, count)
+    _apply_rise(table, grid, x, z, level, gain, count)
     if _overhangs(x, level, count):
         _remove_overhangs(x, level, count)
     _correct_slopes(x, z, level, gain, slope, area, count)
@@ -150,10 +150,10 @@ def apply_apparent_positions(table, sheet, one_wide, x, z, slope, area, level, g
 
 
 @inlined
-def _apply_rise(table, sheet, x, z, level, tube, count):
+def _apply_rise(table, grid, x, z, level, tube, count):
     """Read LEVEL and TUBE at the knots of a profile and apply RISE."""
-    right, top, last_column, last_row = sheet.columns - 1.0, sheet.rows - 1.0, sheet.columns - 2, sheet.rows - 2
-    low, per_row, per_column = sheet.low, sheet.per_row, sheet.per_column
+    right, top, last_column, last_row = grid.columns - 1.0, grid.rows - 1.0, grid.columns - 2, grid.rows - 2
+    low, per_row, per_column = grid.low, grid.per_row, grid.per_column
     column, row = -1, -1
     wide, high, tall = _bilinear(table, 0, 0, LEVEL), _bilinear(table, 0, 0, RISE), _bilinear(table, 0, 0, TUBE)
     for k in range(count):

@@ -26,7 +26,7 @@ from insonify.kernels.rays.launch import beam_touches_ball, find_enclosing_solid
 from insonify.kernels.speckle.surface_patches import FACE, SurfacePatches, load_patch, sample_patch
 from insonify.kernels.sweep.visible_stretches import find_visible_bed, is_bed_visible
 
-BED_STREAM, SKIN_STREAM = 5000, 6000
+BED_STREAM, PATCH_STREAM = 5000, 6000
 LOT = 4.0  # scatterers that a lot has on average, at most
 STEEPEST = 0.999  # sine from athwart beyond which a beam is taken to hear all ahead
 GRAZED = 1e-6  # share of its distance by which a scatterer on a body's skin may lie below it
@@ -40,7 +40,7 @@ class Scatterers(NamedTuple):
     seed: int
     density: float  # per m², on average
     per_wave: float  # turns of the phase per metre of slant range, there and back
-    skin: SurfacePatches
+    patches: SurfacePatches
 
 
 class PulseTaps(NamedTuple):
@@ -98,7 +98,7 @@ def empty_signal(bins: int, pulse: PulseTaps) -> CoherentSignal:
 
 
 @kernel
-def trace_scatterers(arrays, poses, planes, scatterers, pulse, profile, sight, line, out):
+def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed, signal, out):
     """Trace all pings into ``out`` (pings, 2, bins); return -1 - k if the sonar is inside body k, else 0.
 
     The problem may have more bins than the record: what a pulse hears beyond its end.
@@ -110,12 +110,12 @@ def trace_scatterers(arrays, poses, planes, scatterers, pulse, profile, sight, l
             return -1 - body
         for side in range(2):
             beam = orient_beam(arrays, poses, ping, side)
-            find_visible_bed(arrays, poses, ping, side, planes, profile, sight)
+            find_visible_bed(arrays, poses, ping, side, fan, profile, visible_bed)
             count, _ = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
-            line.real[:], line.imaginary[:] = 0.0, 0.0
-            _hear_bed(arrays, beam, scatterers, sight, near[:count], pulse, line)
-            _hear_bodies(arrays, beam, scatterers, near[:count], pulse, line)
-            _sample(line.real, line.imaginary, pulse, out[ping, side])
+            signal.real[:], signal.imaginary[:] = 0.0, 0.0
+            _hear_bed(arrays, beam, scatterers, visible_bed, near[:count], pulse, signal)
+            _hear_bodies(arrays, beam, scatterers, near[:count], pulse, signal)
+            _sample(signal.real, signal.imaginary, pulse, out[ping, side])
     return 0
 
 
@@ -137,12 +137,17 @@ def _sample(real, imaginary, pulse, out):
 
 
 @kernel
-def _hear_bed(arrays, beam, scatterers, sight, near, pulse, line):
+def _hear_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
     """Add what the bed's scatterers send back: lots are the squares of a lattice fixed to the world."""
     # Taking an array out of the problem costs more than a scatterer: out of the loop with them.
     bed, table, factor, pattern = arrays.bed, arrays.reflectivity, arrays.range_factor, arrays.pattern
-    heights, materials, real, imaginary = bed.heights, bed.materials, line.real, line.imaginary
-    borders, reach, edges, marked = sight.borders, sight.reach, sight.edges, sight.marked
+    heights, materials, real, imaginary = bed.heights, bed.materials, signal.real, signal.imaginary
+    borders, reach, edges, edge_count = (
+        visible_bed.borders,
+        visible_bed.reach,
+        visible_bed.edges,
+        visible_bed.edge_count,
+    )
     grid, waves = NodeGrid(bed.x0, bed.y0, bed.spacing, bed.periodic), _waves(arrays, scatterers, pulse)
     bodies = near.size > 0 or arrays.mesh.skip.size > 0
     pitch = math.sqrt(LOT / scatterers.density)
@@ -157,7 +162,7 @@ def _hear_bed(arrays, beam, scatterers, sight, near, pulse, line):
                 x, y = (column + _upper(bits)) * pitch, (row + _lower(bits)) * pitch
                 height, nx, ny, nz, material = _bed_at(heights, materials, grid, x, y)
                 echo = _meet(beam, pattern, x, y, height, nx, ny, nz)
-                if echo.loudness > 0.0 and is_bed_visible(borders, reach, edges, marked, echo.sine, echo.level):
+                if echo.loudness > 0.0 and is_bed_visible(borders, reach, edges, edge_count, echo.sine, echo.level):
                     if bodies and _behind_bodies(arrays.solids, arrays.mesh, near, beam, echo):
                         continue
                     # The lattice is level: on a slope a square of it carries more bed.
@@ -172,21 +177,21 @@ def _waves(arrays, scatterers, pulse):
 
 
 @kernel
-def _hear_bodies(arrays, beam, scatterers, near, pulse, line):
+def _hear_bodies(arrays, beam, scatterers, near, pulse, signal):
     """Add what the scatterers on bodies send back: every patch of skin has lots of its own."""
-    skin, waves = scatterers.skin, _waves(arrays, scatterers, pulse)
-    for row in range(skin.kind.size):
-        cx, cy, cz = skin.centre[row, 0] - beam.x, skin.centre[row, 1] - beam.y, skin.centre[row, 2] - beam.z
-        if beam_touches_ball(beam, cx, cy, cz, math.sqrt(cx * cx + cy * cy + cz * cz), skin.bound[row]):
-            patch, material = load_patch(skin, row, arrays.solids, arrays.mesh)
-            mean, lots = skin.area[row] * scatterers.density, math.ceil(skin.area[row] * scatterers.density / LOT)
+    patches, waves = scatterers.patches, _waves(arrays, scatterers, pulse)
+    for row in range(patches.kind.size):
+        cx, cy, cz = patches.centre[row, 0] - beam.x, patches.centre[row, 1] - beam.y, patches.centre[row, 2] - beam.z
+        if beam_touches_ball(beam, cx, cy, cz, math.sqrt(cx * cx + cy * cy + cz * cz), patches.bound[row]):
+            patch, material = load_patch(patches, row, arrays.solids, arrays.mesh)
+            mean, lots = patches.area[row] * scatterers.density, math.ceil(patches.area[row] * scatterers.density / LOT)
             for lot in range(lots):
-                key = hash_integers(scatterers.seed, SKIN_STREAM, skin.target[row], skin.number[row], lot)
-                _hear_lot(patch, material, key, mean / lots, arrays, beam, near, waves, line)
+                key = hash_integers(scatterers.seed, PATCH_STREAM, patches.target[row], patches.number[row], lot)
+                _hear_lot(patch, material, key, mean / lots, arrays, beam, near, waves, signal)
 
 
 @kernel
-def _hear_lot(patch, material, key, mean, arrays, beam, near, waves, line):
+def _hear_lot(patch, material, key, mean, arrays, beam, near, waves, signal):
     """Add what one lot of a patch sends back."""
     for member in range(_poisson(key, mean, math.exp(-mean))):
         bits, more = _numbers(key, member)
@@ -199,7 +204,7 @@ def _hear_lot(patch, material, key, mean, arrays, beam, near, waves, line):
             bed, _, _, _, _ = meet_bed(arrays.bed, Ray(beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz), echo.r)
             if not bed < echo.r:
                 energy = _energy(arrays.reflectivity, material, echo)
-                _add(energy, echo.r, more, waves, arrays.range_factor, line.real, line.imaginary)
+                _add(energy, echo.r, more, waves, arrays.range_factor, signal.real, signal.imaginary)
 
 
 @inlined
@@ -214,7 +219,7 @@ def _meet(beam, pattern, x, y, z, nx, ny, nz):
     sine = dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z
     ahead = dx * beam.side_x + dy * beam.side_y >= 0.0
     if ahead and r < beam.reach and cosine > 0.0 and beam.s_low <= sine <= beam.s_high:
-        loudness = two_way_response(pattern, beam, True, SONAR, dx, dy, dz, r) if pattern.tabled else 1.0
+        loudness = two_way_response(pattern, beam, True, SONAR, dx, dy, dz, r) if pattern.tabulated else 1.0
     return ScattererEcho(loudness, cosine, r, dx, dy, dz, level, (x * beam.ahead_x + y * beam.ahead_y) / level)
 
 

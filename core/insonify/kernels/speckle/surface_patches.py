@@ -64,20 +64,20 @@ class SurfacePoint(NamedTuple):
 
 
 @kernel
-def load_patch(skin, row, solids, mesh):
+def load_patch(patches, row, solids, mesh):
     """Take out of the tables what a patch is like, and its row of the reflectivity table."""
-    kind, body = skin.kind[row], skin.body[row]
+    kind, body = patches.kind[row], patches.body[row]
     if kind == FACE:
-        x, y, z = skin.corners[row, 0]
-        bx, by, bz = skin.corners[row, 1] - skin.corners[row, 0]
-        cx, cy, cz = skin.corners[row, 2] - skin.corners[row, 0]
+        x, y, z = patches.corners[row, 0]
+        bx, by, bz = patches.corners[row, 1] - patches.corners[row, 0]
+        cx, cy, cz = patches.corners[row, 2] - patches.corners[row, 0]
         ax, ay, az = mesh.normal[body]
         patch = SurfacePatch(kind, 0.0, 0.0, x, y, z, ax, ay, az, 0.0, 0.0, 0.0, bx, by, bz, cx, cy, cz)
         return patch, mesh.material[body]
     x, y, z = solids.start[body]
     ax, ay, az = solids.axis[body]
     length, radius, taper = solids.length[body], solids.radius[body], solids.taper[body]
-    low, high = skin.low[row], skin.high[row]
+    low, high = patches.low[row], patches.high[row]
     patch = SurfacePatch(kind, low, high, x, y, z, ax, ay, az, length, radius, taper, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     return patch, solids.material[body]
 

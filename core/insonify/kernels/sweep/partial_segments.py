@@ -28,48 +28,48 @@ class BedSegment(NamedTuple):
 
 
 @kernel
-def deposit_partial_segment(surface, x_from, x_to, law, bin_length, bins):
+def deposit_partial_segment(segment, x_from, x_to, law, bin_length, bins):
     """Put the part of a segment between two ground ranges into the bins."""
-    near, far = slant_range(surface, x_from), slant_range(surface, x_to)
-    tilt = 1.0 + surface.slope * surface.slope
+    near, far = slant_range(segment, x_from), slant_range(segment, x_to)
+    tilt = 1.0 + segment.slope * segment.slope
     squared = (x_to - x_from) * (x_to - x_from) * tilt
     if squared <= min(abs(far - near), FINE * FINE * near) * near:
         # Short, and far from the foot of its perpendicular: one even density will do.
         if x_to > x_from:
-            _deposit_part(surface, x_from, x_to, near, far, law, bin_length, bins)
+            _deposit_part(segment, x_from, x_to, near, far, law, bin_length, bins)
         return
     # Slant range falls towards the foot of the perpendicular and grows beyond it.
-    foot = min(max(-surface.slope * surface.offset / tilt, x_from), x_to)
-    _monotone(surface, x_from, foot, law, bin_length, bins)
-    _monotone(surface, foot, x_to, law, bin_length, bins)
+    foot = min(max(-segment.slope * segment.offset / tilt, x_from), x_to)
+    _monotone(segment, x_from, foot, law, bin_length, bins)
+    _monotone(segment, foot, x_to, law, bin_length, bins)
 
 
 @kernel
-def _monotone(surface, x_from, x_to, law, bin_length, bins):
+def _monotone(segment, x_from, x_to, law, bin_length, bins):
     """Deposit a piece along which slant range grows or falls, in parts short against their range."""
     if x_to <= x_from:
         return
-    nearest = max(min(slant_range(surface, x_from), slant_range(surface, x_to)), bin_length)
-    length = (x_to - x_from) * math.sqrt(1.0 + surface.slope * surface.slope)
+    nearest = max(min(slant_range(segment, x_from), slant_range(segment, x_to)), bin_length)
+    length = (x_to - x_from) * math.sqrt(1.0 + segment.slope * segment.slope)
     parts = 1 + int(min(length / (FINE * nearest), MOST_PARTS - 1.0))
     dx = (x_to - x_from) / parts
-    near = slant_range(surface, x_from)
+    near = slant_range(segment, x_from)
     for k in range(parts):
         start = x_from + k * dx
-        far = slant_range(surface, start + dx)
-        _deposit_part(surface, start, start + dx, near, far, law, bin_length, bins)
+        far = slant_range(segment, start + dx)
+        _deposit_part(segment, start, start + dx, near, far, law, bin_length, bins)
         near = far
 
 
 @inlined
-def _deposit_part(surface, x_from, x_to, near, far, law, bin_length, bins):
+def _deposit_part(segment, x_from, x_to, near, far, law, bin_length, bins):
     """Spread the energy of one part evenly over the slant ranges it spans, ``near`` to ``far``."""
-    per_bin, stretch = 1.0 / bin_length, math.sqrt(surface.area)
+    per_bin, stretch = 1.0 / bin_length, math.sqrt(segment.area)
     x = 0.5 * (x_from + x_to)
-    middle = slant_range(surface, x)
-    cos_incidence = -surface.offset / (middle * stretch)
-    value = backscatter_strength(cos_incidence, surface.diffuse, surface.specular, surface.shininess, law)
-    value *= surface.weight + surface.weight_rate * x
+    middle = slant_range(segment, x)
+    cos_incidence = -segment.offset / (middle * stretch)
+    value = backscatter_strength(cos_incidence, segment.diffuse, segment.specular, segment.shininess, law)
+    value *= segment.weight + segment.weight_rate * x
     if law == LIGHT:
         energy = value * abs(far - near) * per_bin
     else:
@@ -78,7 +78,7 @@ def _deposit_part(surface, x_from, x_to, near, far, law, bin_length, bins):
 
 
 @inlined
-def slant_range(surface, x):
+def slant_range(segment, x):
     """Slant range of a segment at ground range x."""
-    z = surface.offset + surface.slope * x
+    z = segment.offset + segment.slope * x
     return math.sqrt(x * x + z * z)

@@ -44,7 +44,7 @@ class AzimuthFan(NamedTuple):
 
 
 @inlined_uncounted
-def deposit_segments(profile, count, arrays, wedge, screen, cells, heard, bins):
+def deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
     """Put the energy of all heard pieces of a profile into the difference array ``bins``.
 
     Neighbours heard whole share one event at their common knot.
@@ -52,12 +52,12 @@ def deposit_segments(profile, count, arrays, wedge, screen, cells, heard, bins):
     last, per_bin = bins.size - 2.0, 1.0 / arrays.bin_length
     # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
     knots = padded_count(count)
-    _steps(knots, heard.energy, heard.early)
-    _split(knots, heard.r, per_bin, last, heard.early, heard.late, heard.place)
-    _scatter(count, heard.place, heard.early, heard.late, bins)
+    _steps(knots, echoes.energy, echoes.early)
+    _split(knots, echoes.r, per_bin, last, echoes.early, echoes.late, echoes.place)
+    _scatter(count, echoes.place, echoes.early, echoes.late, bins)
     # Taking an array out of a tuple of them costs as much as a piece: out of the loops with them.
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
-    weights, launch, horizon, cut = heard.weight, heard.launch, heard.horizon, heard.cut
+    weights, launch, horizon, cut = echoes.weight, echoes.launch, echoes.horizon, echoes.cut
     table, law, bin_length = arrays.reflectivity, arrays.law, arrays.bin_length
     if cells == 0:
         # Few are marked: look at whole words of marks.
@@ -66,43 +66,43 @@ def deposit_segments(profile, count, arrays, wedge, screen, cells, heard, bins):
             if words[word] != 0:
                 for i in range(WORD * word, WORD * word + WORD):
                     if cut[i]:
-                        surface = load_segment(i, x, z, slope, area, material, weights, table, wedge)
-                        start = visible_from(surface, x[i], x[i + 1], launch[i], horizon[i])
-                        deposit_partial_segment(surface, start, x[i + 1], law, bin_length, bins)
+                        segment = load_segment(i, x, z, slope, area, material, weights, table, sector)
+                        start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
+                        deposit_partial_segment(segment, start, x[i + 1], law, bin_length, bins)
         return
-    _deposit_covered(profile, count, arrays, wedge, screen, cells, heard, bins)
+    _deposit_covered(profile, count, arrays, sector, zbuffer, cells, echoes, bins)
 
 
 @kernel
-def _deposit_covered(profile, count, arrays, wedge, screen, cells, heard, bins):
+def _deposit_covered(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
     """Deposit what bodies leave open of the segments that must be cut."""
-    cover = occlusion_of(screen, cells)
+    occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
-    weights, launch, horizon, cut = heard.weight, heard.launch, heard.horizon, heard.cut
+    weights, launch, horizon, cut = echoes.weight, echoes.launch, echoes.horizon, echoes.cut
     table, law, bin_length = arrays.reflectivity, arrays.law, arrays.bin_length
     for i in range(count - 1):
         if cut[i]:
-            surface = load_segment(i, x, z, slope, area, material, weights, table, wedge)
-            start = visible_from(surface, x[i], x[i + 1], launch[i], horizon[i])
-            deposit_visible_stretches(surface, start, x[i + 1], cover, law, bin_length, bins)
+            segment = load_segment(i, x, z, slope, area, material, weights, table, sector)
+            start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
+            deposit_visible_stretches(segment, start, x[i + 1], occlusion, law, bin_length, bins)
 
 
 @inlined_uncounted
-def load_segment(i, x, z, slope, area, material, weights, table, wedge):
+def load_segment(i, x, z, slope, area, material, weights, table, sector):
     """Segment i of a profile by itself."""
     row, rise = material[i], slope[i]
     at_nadir, rate = 1.0, 0.0
-    if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
+    if sector.angle > 0.0 or sector.tabulated or sector.bent:
         rate = (np.float64(weights[i + 1]) - weights[i]) / (x[i + 1] - x[i])
         at_nadir = weights[i] - rate * x[i]
     return BedSegment(z[i] - rise * x[i], rise, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
 
 
 @inlined_uncounted
-def visible_from(surface, x_from, x_to, launch, horizon):
+def visible_from(segment, x_from, x_to, launch, horizon):
     """Ground range from which a segment rises above the horizon: offset / x + slope = horizon."""
     if horizon > launch:
-        return min(max(surface.offset / (horizon - surface.slope), x_from), x_to)
+        return min(max(segment.offset / (horizon - segment.slope), x_from), x_to)
     return x_from
 
 
@@ -141,7 +141,7 @@ def _scatter(count, place, early, late, bins):
 
 
 @inlined_uncounted
-def sweep_plane(arrays, view, wedge, reach, sheet, table, profile, screen, heard, bins):
+def sweep_plane(arrays, plane, sector, reach, grid, table, profile, zbuffer, echoes, bins):
     """Slice one plane, hear it, deposit it; return the cells of its screen and its knots.
 
     The profile is left as it seems through the water.
@@ -149,47 +149,47 @@ def sweep_plane(arrays, view, wedge, reach, sheet, table, profile, screen, heard
     In place of the number of cells comes -1 - k if the sonar is inside body k.
     """
     # A scene without bodies does not even ask: that alone costs some 0.3 µs a plane.
-    cells = fill_zbuffer(arrays, view, wedge, reach, sheet, table, screen) if screen.body.size > 0 else 0
+    cells = fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer) if zbuffer.body.size > 0 else 0
     if cells < 0:
         return cells, 0
-    hidden_from, hidden_to = occluded_slopes(screen, cells)
-    count = slice_bed(arrays.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
+    hidden_from, hidden_to = occluded_slopes(zbuffer, cells)
+    count = slice_bed(arrays.bed, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
     if count > 1:
-        if wedge.bent:
+        if sector.bent:
             x, z, slope, area, level, gain = (
                 profile.x,
                 profile.z,
                 profile.slope,
                 profile.area,
-                profile.level,
+                profile.range_ratio,
                 profile.gain,
             )
-            apply_apparent_positions(table, sheet, wedge.angle == 0.0, x, z, slope, area, level, gain, count)
-        find_visible_echoes(profile, count, arrays, wedge, hidden_from, hidden_to, heard)
-        deposit_segments(profile, count, arrays, wedge, screen, cells, heard, bins)
+            apply_apparent_positions(table, grid, sector.angle == 0.0, x, z, slope, area, level, gain, count)
+        find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, echoes)
+        deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bins)
     if cells > 0:
-        deposit_targets(profile, count, heard.horizon, arrays, wedge, view, screen, cells, bins)
+        deposit_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, bins)
     return cells, count
 
 
 @kernel
-def sweep_pings(arrays, poses, planes, apparent, table, profile, heard, screen, out):
+def sweep_pings(arrays, poses, fan, apparent, table, profile, echoes, zbuffer, out):
     """Sweep every plane of every ping into ``out`` (pings, 2, bins); return 0, or -1 - k if the sonar meets body k."""
     bins = np.zeros(arrays.bins + 2, np.int64)
-    return _sweep_all(arrays, poses, planes, apparent, table, profile, heard, screen, bins, out)
+    return _sweep_all(arrays, poses, fan, apparent, table, profile, echoes, zbuffer, bins, out)
 
 
 @inlined_uncounted
-def _sweep_all(arrays, poses, planes, apparent, table, profile, heard, screen, bins, out):
+def _sweep_all(arrays, poses, fan, apparent, table, profile, echoes, zbuffer, bins, out):
     for ping in range(poses.x.size):
-        sheet = prepare_table(apparent, poses.z[ping], table)
+        grid = prepare_table(apparent, poses.z[ping], table)
         for side in range(2):
             prefetch_row(out[ping, side])
-            if planes.azimuth.size == 1:
+            if fan.azimuth.size == 1:
                 _ask_for_next(arrays, poses, ping, side)
-            for plane in range(planes.azimuth.size):
-                view, wedge, reach = aim_plane(arrays, poses, ping, side, planes, plane, sheet)
-                status, _ = sweep_plane(arrays, view, wedge, reach, sheet, table, profile, screen, heard, bins)
+            for k in range(fan.azimuth.size):
+                plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
+                status, _ = sweep_plane(arrays, plane, sector, reach, grid, table, profile, zbuffer, echoes, bins)
                 if status < 0:
                     return status
             accumulate_bins(bins, arrays.range_factor, out[ping, side])
@@ -208,27 +208,27 @@ def _ask_for_next(arrays, poses, ping, side):
 
 
 @inlined_uncounted
-def aim_plane(arrays, poses, ping, side, planes, plane, sheet):
+def aim_plane(arrays, poses, ping, side, fan, k, grid):
     """Where one plane of a ping's beam lies, what it stands for, and how far the ping hears anything of it."""
     height = max(poses.z[ping] - arrays.bed.low, LOWEST)
     ahead_x, ahead_y = snap_to_grid(math.cos(poses.heading[ping])), snap_to_grid(math.sin(poses.heading[ping]))
     abeam = 1.0 if side == PORT else -1.0
     # Abeam, turned towards the bow by the plane's azimuth.
-    c, s = math.cos(planes.azimuth[plane]), math.sin(planes.azimuth[plane])
+    c, s = math.cos(fan.azimuth[k]), math.sin(fan.azimuth[k])
     ex, ey = ahead_x * s - abeam * ahead_y * c, ahead_y * s + abeam * ahead_x * c
     # The fish's axis, and its own side and up, from heading, pitch (bow up) and roll (port up).
     cos_pitch, sin_pitch = math.cos(poses.pitch[ping]), math.sin(poses.pitch[ping])
     cos_roll, sin_roll = math.cos(poses.roll[ping]), abeam * math.sin(poses.roll[ping])
-    wedge = AzimuthSector(
-        planes.s_low[plane],
-        planes.s_high[plane],
-        planes.angle[plane],
-        planes.far_angle[plane],
-        planes.near_field[plane] * height,
+    sector = AzimuthSector(
+        fan.s_low[k],
+        fan.s_high[k],
+        fan.angle[k],
+        fan.far_angle[k],
+        fan.near_field[k] * height,
         math.sin(arrays.half_width),
         2.0 * arrays.half_width,
-        arrays.pattern.tabled,
-        sheet.bent,
+        arrays.pattern.tabulated,
+        grid.bent,
         cos_pitch,
         sin_pitch,
         cos_roll * c - sin_roll * sin_pitch * s,
@@ -236,5 +236,5 @@ def aim_plane(arrays, poses, ping, side, planes, plane, sheet):
         -cos_roll * sin_pitch * s - sin_roll * c,
         cos_roll * cos_pitch,
     )
-    view = HalfPlane(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
-    return view, wedge, sheet.stretch * min(planes.reach[plane] * height, arrays.bins * arrays.bin_length)
+    plane = HalfPlane(poses.x[ping], poses.y[ping], poses.z[ping], ex, ey)
+    return plane, sector, grid.stretch * min(fan.reach[k] * height, arrays.bins * arrays.bin_length)

@@ -22,29 +22,29 @@ HALVINGS = 10  # that find where a facet comes out of the bed
 
 
 @kernel_uncounted
-def deposit_visible_stretches(surface, x_from, x_to, cover, law, bin_length, bins):
+def deposit_visible_stretches(segment, x_from, x_to, occlusion, law, bin_length, bins):
     """Deposit what no body hides of a segment of the bed, between two ground ranges."""
-    low, high = launch_angle(surface, x_from), launch_angle(surface, x_to)
+    low, high = launch_angle(segment, x_from), launch_angle(segment, x_to)
     while low < high:
-        opened, closed = next_visible(cover, surface, low, high)
+        opened, closed = next_visible(occlusion, segment, low, high)
         if opened >= high:
             return
-        start = x_from if opened <= low else ground_range_at(surface, opened)
-        stop = x_to if closed >= high else ground_range_at(surface, closed)
-        deposit_partial_segment(surface, max(start, x_from), min(stop, x_to), law, bin_length, bins)
+        start = x_from if opened <= low else ground_range_at(segment, opened)
+        stop = x_to if closed >= high else ground_range_at(segment, closed)
+        deposit_partial_segment(segment, max(start, x_from), min(stop, x_to), law, bin_length, bins)
         low, x_from = closed, stop
 
 
 @inlined_uncounted
-def launch_angle(surface, x):
+def launch_angle(segment, x):
     """Launch angle to a segment at ground range x."""
-    return math.atan2(surface.offset + surface.slope * x, x)
+    return math.atan2(segment.offset + segment.slope * x, x)
 
 
 @inlined_uncounted
-def ground_range_at(surface, angle):
+def ground_range_at(segment, angle):
     """Ground range at which a launch angle meets a segment's line."""
-    return surface.offset / (math.tan(angle) - surface.slope)
+    return segment.offset / (math.tan(angle) - segment.slope)
 
 
 class Facet(NamedTuple):
@@ -61,20 +61,20 @@ class Facet(NamedTuple):
 
 
 @kernel_uncounted
-def deposit_targets(profile, knots, horizon, arrays, wedge, view, screen, cells, bins):
+def deposit_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, bins):
     """Deposit what the nearest body in every cell sends back, less what the bed hides."""
     # Taking an array out of the problem costs more than a facet: out of the loop with them.
     solids, mesh, table, pattern = arrays.solids, arrays.mesh, arrays.reflectivity, arrays.pattern
-    law, bin_length, part = arrays.law, arrays.bin_length, screen.part
-    edge, cosine, sine = screen.edge, screen.cosine, screen.sine
-    near, distance, far, incidence = screen.near, screen.distance, screen.far, screen.incidence
-    x, z, lenses, knot = profile.x, profile.z, screen.lens, -1
+    law, bin_length, nearest = arrays.law, arrays.bin_length, zbuffer.nearest
+    edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
+    near, distance, far, incidence = zbuffer.near, zbuffer.distance, zbuffer.far, zbuffer.incidence
+    x, z, sources, knot = profile.x, profile.z, zbuffer.source, -1
     for cell in range(cells):
-        if part[cell] == NO_PRIMITIVE:
+        if nearest[cell] == NO_PRIMITIVE:
             continue
-        row = primitive_material(solids, mesh, screen, part[cell])
-        lens = load_apparent_source(wedge.bent, lenses[part[cell]])
-        gain = lens.gain
+        row = primitive_material(solids, mesh, zbuffer, nearest[cell])
+        source = load_apparent_source(sector.bent, sources[nearest[cell]])
+        gain = source.gain
         c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
         facet = Facet(edge[cell], edge[cell + 1], c, s, near[cell], distance[cell], far[cell], incidence[cell])
         facets = facet_count(facet)
@@ -84,35 +84,37 @@ def deposit_targets(profile, knots, horizon, arrays, wedge, view, screen, cells,
         ridge = horizon_at(x, z, knots, horizon, knot, farthest)
         if facets == 1 and ridge * cosine[cell] <= sine[cell]:
             _deposit_facet(
-                facet, gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins
+                facet, gain, table[row, 0], table[row, 1], table[row, 2], sector, pattern, law, bin_length, bins
             )
             continue
-        whole = load_primitive(solids, mesh, view, screen.body[part[cell]], screen.line[part[cell]], lens)
+        primitive = load_primitive(
+            solids, mesh, plane, zbuffer.body[nearest[cell]], zbuffer.line[nearest[cell]], source
+        )
         for k in range(facets):
-            facet = visible_facet(whole, edge[cell], edge[cell + 1], k, facets, x, z, knots, horizon, knot)
+            facet = visible_facet(primitive, edge[cell], edge[cell + 1], k, facets, x, z, knots, horizon, knot)
             _deposit_facet(
-                facet, gain, table[row, 0], table[row, 1], table[row, 2], wedge, pattern, law, bin_length, bins
+                facet, gain, table[row, 0], table[row, 1], table[row, 2], sector, pattern, law, bin_length, bins
             )
 
 
 @inlined_uncounted
-def visible_facet(part, low, high, k, facets, x, z, knots, horizon, knot):
+def visible_facet(primitive, low, high, k, facets, x, z, knots, horizon, knot):
     """Facet k of so many in a cell, less what the bed hides of it; empty if it hides all."""
     step = (high - low) / facets
     start, stop = low + k * step, low + (k + 1) * step
-    facet = intersect_facet(part, start, stop)
+    facet = intersect_facet(primitive, start, stop)
     risen = _is_clear(facet.near, start, x, z, knots, horizon, knot)
     if risen == _is_clear(facet.far, stop, x, z, knots, horizon, knot):
-        return facet if risen else intersect_facet(part, stop, stop)
+        return facet if risen else intersect_facet(primitive, stop, stop)
     clear, hidden = (start, stop) if risen else (stop, start)
     for _ in range(HALVINGS):
         middle = 0.5 * (clear + hidden)
-        distance = intersect_primitive(part, math.cos(middle), math.sin(middle))[0]
+        distance = intersect_primitive(primitive, math.cos(middle), math.sin(middle))[0]
         if _is_clear(distance, middle, x, z, knots, horizon, knot):
             clear = middle
         else:
             hidden = middle
-    return intersect_facet(part, start, clear) if risen else intersect_facet(part, clear, stop)
+    return intersect_facet(primitive, start, clear) if risen else intersect_facet(primitive, clear, stop)
 
 
 @inlined_uncounted
@@ -136,12 +138,12 @@ def facet_count(facet):
 
 
 @inlined_uncounted
-def intersect_facet(part, low, high):
+def intersect_facet(primitive, low, high):
     """Meet a part along the beginning, the middle and the end of a facet."""
-    near, _ = intersect_primitive(part, math.cos(low), math.sin(low))
+    near, _ = intersect_primitive(primitive, math.cos(low), math.sin(low))
     c, s = math.cos(0.5 * (low + high)), math.sin(0.5 * (low + high))
-    centre, incidence = intersect_primitive(part, c, s)
-    far, _ = intersect_primitive(part, math.cos(high), math.sin(high))
+    centre, incidence = intersect_primitive(primitive, c, s)
+    far, _ = intersect_primitive(primitive, math.cos(high), math.sin(high))
     return Facet(low, high, c, s, near, centre, far, incidence)
 
 
@@ -152,29 +154,29 @@ def is_facet_met(facet):
 
 
 @inlined_uncounted
-def _deposit_facet(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length, bins):
+def _deposit_facet(facet, gain, diffuse, specular, shininess, sector, pattern, law, bin_length, bins):
     """Deposit one facet; its ends give the slant ranges, its middle the strength."""
     if not is_facet_met(facet):
         return
-    first, second = facet_energies(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length)
+    first, second = facet_energies(facet, gain, diffuse, specular, shininess, sector, pattern, law, bin_length)
     last, per_bin = bins.size - 2, 1.0 / bin_length
     spread_energy(bins, facet.near * per_bin, facet.centre * per_bin, first, last)
     spread_energy(bins, facet.centre * per_bin, facet.far * per_bin, second, last)
 
 
 @inlined_uncounted
-def primitive_material(solids, mesh, screen, p):
+def primitive_material(solids, mesh, zbuffer, p):
     """Row of the reflectivity table that a part is made of."""
-    body, bodies = screen.body[p], solids.shape.size
+    body, bodies = zbuffer.body[p], solids.shape.size
     return solids.material[body] if body < bodies else mesh.material[body - bodies]
 
 
 @inlined_uncounted
-def facet_energies(facet, gain, diffuse, specular, shininess, wedge, pattern, law, bin_length):
+def facet_energies(facet, gain, diffuse, specular, shininess, sector, pattern, law, bin_length):
     """Energies of a facet, in fixed-point units, on either hand of its middle."""
     value = backscatter_strength(facet.incidence, diffuse, specular, shininess, law)
     x, z = facet.centre * facet.cosine, facet.centre * facet.sine
-    value *= gain * sector_weight(x, z, facet.centre, wedge, pattern, law)
+    value *= gain * sector_weight(x, z, facet.centre, sector, pattern, law)
     if law == LIGHT:
         density = value / bin_length * FIXED_POINT
         return density * abs(facet.centre - facet.near), density * abs(facet.far - facet.centre)

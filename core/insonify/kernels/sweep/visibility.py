@@ -56,29 +56,31 @@ def empty_segment_echoes(capacity: int, dtype: DTypeLike = np.float32) -> Segmen
 
 
 @inlined_uncounted
-def find_visible_echoes(profile, count, arrays, wedge, hidden_from, hidden_to, heard):
+def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, echoes):
     """Tell which segments of a profile are heard whole, and how loud, and which must be cut first.
 
     Targets may hide the bed between the launch slopes ``hidden_from`` and ``hidden_to``; segments that meet them are
     cut.
     """
     x, z, slope, area, knots = profile.x, profile.z, profile.slope, profile.area, padded_count(count)
-    _slant_ranges(knots, x, z, heard.r)
-    _launch_slopes(knots, x, z, heard.launch)
-    _horizons(count, heard.launch, heard.horizon)
+    _slant_ranges(knots, x, z, echoes.r)
+    _launch_slopes(knots, x, z, echoes.launch)
+    _horizons(count, echoes.launch, echoes.horizon)
     _measure(
-        knots, x, z, heard.r, slope, area, arrays.law, arrays.bin_length, heard.cos_squared, heard.scale, heard.cut
+        knots, x, z, echoes.r, slope, area, arrays.law, arrays.bin_length, echoes.cos_squared, echoes.scale, echoes.cut
     )
-    if wedge.angle > 0.0 or wedge.tabled or wedge.bent:
+    if sector.angle > 0.0 or sector.tabulated or sector.bent:
         # A place in a pattern's table is not to be looked up by rubbish.
-        weigh_knots(x[: count if wedge.tabled else knots], z, heard.r, wedge, arrays.pattern, arrays.law, heard.weight)
-        if wedge.bent and arrays.law != LIGHT:
-            _amplify(knots, profile.gain, heard.weight)
-        _multiply(knots, heard.weight, heard.scale)
-    _echo(knots, profile.material, arrays.reflectivity, arrays.bed.mapped, arrays.law, heard)
-    _mark_cut(knots, heard.launch, heard.horizon, area, hidden_from, hidden_to, heard.cut, heard.energy)
-    heard.energy[count - 1] = 0.0
-    heard.cut[count - 1 : count - 1 + WORD] = False
+        weigh_knots(
+            x[: count if sector.tabulated else knots], z, echoes.r, sector, arrays.pattern, arrays.law, echoes.weight
+        )
+        if sector.bent and arrays.law != LIGHT:
+            _amplify(knots, profile.gain, echoes.weight)
+        _multiply(knots, echoes.weight, echoes.scale)
+    _echo(knots, profile.material, arrays.reflectivity, arrays.bed.mapped, arrays.law, echoes)
+    _mark_cut(knots, echoes.launch, echoes.horizon, area, hidden_from, hidden_to, echoes.cut, echoes.energy)
+    echoes.energy[count - 1] = 0.0
+    echoes.cut[count - 1 : count - 1 + WORD] = False
 
 
 @inlined_uncounted
@@ -149,35 +151,35 @@ def _measure(segments, x, z, r, slope, area, law, bin_length, cos_squared, scale
 
 
 @inlined_uncounted
-def weigh_knots(x, z, r, wedge, pattern, law, out):
+def weigh_knots(x, z, r, sector, pattern, law, out):
     """Tell what the plane stands for at each knot."""
-    if wedge.angle == 0.0 and not wedge.tabled:
+    if sector.angle == 0.0 and not sector.tabulated:
         for i in range(x.size):
             out[i] = 1.0  # a knife
         return
-    if not wedge.tabled and law == LIGHT:
+    if not sector.tabulated and law == LIGHT:
         for i in range(x.size):
-            out[i] = top_hat_share(x[i], r[i], wedge)
+            out[i] = top_hat_share(x[i], r[i], sector)
         return
-    if not wedge.tabled:
+    if not sector.tabulated:
         for i in range(x.size):
-            out[i] = top_hat_width(x[i], r[i], wedge)
+            out[i] = top_hat_width(x[i], r[i], sector)
         return
-    if law == LIGHT or wedge.angle == 0.0:
+    if law == LIGHT or sector.angle == 0.0:
         for i in range(x.size):
-            out[i] = sector_weight(x[i], z[i], r[i], wedge, pattern, law)
+            out[i] = sector_weight(x[i], z[i], r[i], sector, pattern, law)
         return
     parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
-    _weigh_pattern(x, z, r, wedge, *parts, out)
+    _weigh_pattern(x, z, r, sector, *parts, out)
     if pattern.vertical != EVERY_GRAZING:
         for i in range(x.size):
-            out[i] *= in_plane_response(x[i] / r[i], z[i] / r[i], wedge, pattern)
+            out[i] *= in_plane_response(x[i] / r[i], z[i] / r[i], sector, pattern)
 
 
 @inlined_uncounted
-def _weigh_pattern(x, z, r, wedge, centre, extent, integral, first_range, per_octave, out):
+def _weigh_pattern(x, z, r, sector, centre, extent, integral, first_range, per_octave, out):
     for i in range(x.size):
-        out[i] = pattern_width(x[i], z[i], r[i], wedge, centre, extent, integral, first_range, per_octave)
+        out[i] = pattern_width(x[i], z[i], r[i], sector, centre, extent, integral, first_range, per_octave)
 
 
 @inlined_uncounted
@@ -195,20 +197,22 @@ def _multiply(segments, weights, scale):
 
 
 @inlined_uncounted
-def _echo(segments, material, reflectivity, mapped, law, heard):
+def _echo(segments, material, reflectivity, mapped, law, echoes):
     """Energy per bin of each segment, as its material scatters."""
     specular, shininess = reflectivity[material[0], 1], reflectivity[material[0], 2]
     if mapped or (specular > 0.0 and (shininess != math.floor(shininess) or shininess >= HIGHEST_POWER)):
-        _scatter(segments, material, reflectivity, heard.cos_squared, heard.scale, law, heard.energy)
+        _scatter(segments, material, reflectivity, echoes.cos_squared, echoes.scale, law, echoes.energy)
         return
     diffuse = reflectivity[material[0], 0]
     if law != LIGHT:
         diffuse *= INVERSE_PI
         specular *= (shininess + 2.0) * (0.5 * INVERSE_PI)
     if specular > 0.0:
-        _scatter_evenly(segments, diffuse, specular, int(shininess), heard.cos_squared, heard.scale, law, heard.energy)
+        _scatter_evenly(
+            segments, diffuse, specular, int(shininess), echoes.cos_squared, echoes.scale, law, echoes.energy
+        )
     else:
-        _scatter_dully(segments, diffuse, heard.cos_squared, heard.scale, law, heard.energy)
+        _scatter_dully(segments, diffuse, echoes.cos_squared, echoes.scale, law, echoes.energy)
 
 
 @inlined_uncounted

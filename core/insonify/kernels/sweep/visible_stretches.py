@@ -20,7 +20,7 @@ class VisibleBed(NamedTuple):
     borders: NDArray[np.float64]  # (planes - 1,) sines of the azimuths between neighbours
     reach: NDArray[np.float64]  # (planes,) ground range to which the beam hears anything of each, m
     edges: NDArray[np.float64]  # (planes, n) ground ranges at which the bed comes into sight and goes out, by turns
-    marked: NDArray[np.int64]  # (planes,) how many edges there are
+    edge_count: NDArray[np.int64]  # (planes,) how many edges there are
 
 
 def empty_visible_bed(azimuth: NDArray[np.float64], capacity: int) -> VisibleBed:
@@ -31,13 +31,13 @@ def empty_visible_bed(azimuth: NDArray[np.float64], capacity: int) -> VisibleBed
 
 
 @kernel
-def find_visible_bed(arrays, poses, ping, side, planes, profile, sight):
+def find_visible_bed(arrays, poses, ping, side, planes, profile, visible_bed):
     """Let all planes of one side look out."""
-    for plane in range(planes.azimuth.size):
-        view, _, reach = aim_plane(arrays, poses, ping, side, planes, plane, straight_grid())
-        knots = slice_bed(arrays.bed, view.x, view.y, view.z, view.ex, view.ey, reach, profile)
-        sight.reach[plane] = reach
-        sight.marked[plane] = _mark(knots, profile.x, profile.z, profile.area, sight.edges[plane])
+    for k in range(planes.azimuth.size):
+        plane, _, reach = aim_plane(arrays, poses, ping, side, planes, k, straight_grid())
+        knots = slice_bed(arrays.bed, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
+        visible_bed.reach[k] = reach
+        visible_bed.edge_count[k] = _mark(knots, profile.x, profile.z, profile.area, visible_bed.edges[k])
 
 
 @inlined
@@ -61,10 +61,10 @@ def _mark(knots, x, z, area, edges):
 
 
 @inlined
-def is_bed_visible(borders, reach, edges, marked, sine, x):
+def is_bed_visible(borders, reach, edges, edge_count, sine, x):
     """Whether the bed at ground range x is in sight in the plane nearest to the azimuth of that sine."""
-    plane, longest = np.searchsorted(borders, sine), np.argmax(reach)
+    k, longest = np.searchsorted(borders, sine), np.argmax(reach)
     # Where the beam hears nothing of a plane any more, the next one inwards stands for what little is left.
-    while x > reach[plane] and plane != longest:
-        plane += 1 if plane < longest else -1
-    return np.searchsorted(edges[plane, : marked[plane]], x) % 2 == 1
+    while x > reach[k] and k != longest:
+        k += 1 if k < longest else -1
+    return np.searchsorted(edges[k, : edge_count[k]], x) % 2 == 1

@@ -39,124 +39,127 @@ class AngularZbuffer(NamedTuple):
     low: NDArray[np.float64]  # launch angle above the horizontal at which the part begins, rad
     high: NDArray[np.float64]  # and ends
     line: NDArray[np.float64]  # (parts, 4) of a triangle's part: ground range and height above the sonar of its ends
-    lens: NDArray[np.float64]  # (parts, 11) what the water makes of a part, if it bends sound
+    source: NDArray[np.float64]  # (parts, 11) what the water makes of a part, if it bends sound
     rim: NDArray[np.float64]  # (bodies, 6) of a body's part: launch angles at which one face ends and another begins
     first: NDArray[np.int64]  # cell in which a part begins
     edge: NDArray[np.float64]  # launch angles at which cells begin; the last one ends the last cell
     cosine: NDArray[np.float64]  # of the edges
     sine: NDArray[np.float64]
-    part: NDArray[np.int64]  # part nearest in each cell, or NOBODY
+    nearest: NDArray[np.int64]  # primitive nearest in each cell, or NO_PRIMITIVE
     distance: NDArray[np.float64]  # to it along the middle of the cell, infinite where there is none
     incidence: NDArray[np.float64]  # cosine of the incidence there
     near: NDArray[np.float64]  # distance to it along the edge where the cell begins
     far: NDArray[np.float64]  # and where it ends
-    level: NDArray[np.float64]  # one over the distance, nearly so if it is curved, is level · cos θ + rise · sin θ
-    rise: NDArray[np.float64]
+    nearness_cosine: NDArray[
+        np.float64
+    ]  # one over the distance, nearly so if it is curved, is level · cos θ + rise · sin θ
+    nearness_sine: NDArray[np.float64]
 
 
 def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
     """Make room for all that a plane may cut of a scene."""
     bodies, triangles = solids.shape.size, mesh.target.size
-    parts, cells = bodies + triangles, bodies * (FACETS + 3 + RIMS) + 5 * triangles + 1
-    low, high = np.zeros((2, parts))
-    edge, cosine, sine, distance, incidence, near, far, level, rise = np.zeros((9, cells))
-    body, first, part = np.zeros(parts, np.int64), np.zeros(parts, np.int64), np.zeros(cells, np.int64)
-    line, lens, rim = np.zeros((parts, 4)), np.zeros((parts, FIELDS)), np.zeros((bodies, RIMS))
+    primitives, cells = bodies + triangles, bodies * (FACETS + 3 + RIMS) + 5 * triangles + 1
+    low, high = np.zeros((2, primitives))
+    edge, cosine, sine, distance, incidence, near, far, nearness_cosine, nearness_sine = np.zeros((9, cells))
+    body, first, nearest = np.zeros(primitives, np.int64), np.zeros(primitives, np.int64), np.zeros(cells, np.int64)
+    line, source, rim = np.zeros((primitives, 4)), np.zeros((primitives, FIELDS)), np.zeros((bodies, RIMS))
     return AngularZbuffer(
-        body, low, high, line, lens, rim, first, edge, cosine, sine, part, distance, incidence, near, far, level, rise
-    )
+        body, low, high, line, source, rim, first, edge, cosine, sine, nearest, distance, incidence, near, far,
+        nearness_cosine, nearness_sine,
+    )  # fmt: skip
 
 
 @inlined_uncounted
-def fill_zbuffer(arrays, view, wedge, reach, sheet, table, screen):
+def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
     """Collect what a plane cuts; return the number of cells, -1 - k if the sonar is inside body k."""
-    parts = _cut_solids(arrays.solids, view, reach, screen)
-    if parts < 0:
-        return parts
-    solid_parts = parts
+    primitives = _cut_solids(arrays.solids, plane, reach, zbuffer)
+    if primitives < 0:
+        return primitives
+    solid_primitives = primitives
     if arrays.mesh.target.size > 0:
-        parts = cut_mesh(arrays.mesh, arrays.solids.shape.size, view, reach, screen, parts)
-    if wedge.bent and parts > 0:
-        solid_parts, parts = apply_apparent_sources(
-            arrays, view, wedge.angle == 0.0, table, sheet, screen, solid_parts, parts
+        primitives = cut_mesh(arrays.mesh, arrays.solids.shape.size, plane, reach, zbuffer, primitives)
+    if sector.bent and primitives > 0:
+        solid_primitives, primitives = apply_apparent_sources(
+            arrays, plane, sector.angle == 0.0, table, grid, zbuffer, solid_primitives, primitives
         )
-    if parts == 0:
+    if primitives == 0:
         return 0
-    return _fill_cells(arrays, view, wedge.bent, screen, solid_parts, parts)
+    return _fill_cells(arrays, plane, sector.bent, zbuffer, solid_primitives, primitives)
 
 
 @inlined_uncounted
-def _cut_solids(solids, view, reach, screen):
-    parts = 0
+def _cut_solids(solids, plane, reach, zbuffer):
+    primitives = 0
     for k in range(solids.shape.size):
-        if may_cut_solid(solids, k, view, reach):
-            status, low, high = section_solid(solids, k, view, screen.rim[parts])
+        if may_cut_solid(solids, k, plane, reach):
+            status, low, high = section_solid(solids, k, plane, zbuffer.rim[primitives])
             if status < 0:
                 return -1 - k
             if status > 0:
-                screen.body[parts], screen.low[parts], screen.high[parts] = k, low, high
-                parts += 1
-    return parts
+                zbuffer.body[primitives], zbuffer.low[primitives], zbuffer.high[primitives] = k, low, high
+                primitives += 1
+    return primitives
 
 
 @kernel_uncounted
-def cut_mesh(mesh, first_body, view, reach, screen, parts):
+def cut_mesh(mesh, first_body, plane, reach, zbuffer, primitives):
     """Add the lines in which a plane cuts the triangles ahead of the sonar; return the number of parts."""
     node = 0
     while node < mesh.skip.size:
-        if not _crossed(mesh.low[node], mesh.high[node], view, reach):
+        if not _crossed(mesh.low[node], mesh.high[node], plane, reach):
             node = mesh.skip[node]
             continue
         for k in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
-            parts = _cut_triangle(mesh.corners[k], first_body + k, view, screen, parts)
+            primitives = _cut_triangle(mesh.corners[k], first_body + k, plane, zbuffer, primitives)
         node += 1
-    return parts
+    return primitives
 
 
 @inlined_uncounted
-def _crossed(low, high, view, reach):
+def _crossed(low, high, plane, reach):
     """Whether a plane may cut a box ahead of the sonar, within reach."""
-    cx, cy = 0.5 * (low[0] + high[0]) - view.x, 0.5 * (low[1] + high[1]) - view.y
+    cx, cy = 0.5 * (low[0] + high[0]) - plane.x, 0.5 * (low[1] + high[1]) - plane.y
     hx, hy = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])
-    wide, long = hx * abs(view.ey) + hy * abs(view.ex), hx * abs(view.ex) + hy * abs(view.ey)
-    across, along = cx * view.ey - cy * view.ex, cx * view.ex + cy * view.ey
+    wide, long = hx * abs(plane.ey) + hy * abs(plane.ex), hx * abs(plane.ex) + hy * abs(plane.ey)
+    across, along = cx * plane.ey - cy * plane.ex, cx * plane.ex + cy * plane.ey
     return abs(across) <= wide and -long <= along <= reach + long
 
 
 @inlined_uncounted
-def _cut_triangle(corners, body, view, screen, parts):
+def _cut_triangle(corners, body, plane, zbuffer, primitives):
     """Add the line in which the plane cuts one triangle, if it does."""
     ends = 0
     for k in range(3):
         following = k + 1 if k < 2 else 0
-        here, there = _across(corners[k], view), _across(corners[following], view)
+        here, there = _across(corners[k], plane), _across(corners[following], plane)
         if (here < 0.0) == (there < 0.0):
             continue
         # From the negative side to the positive: both triangles at an edge find the same point to the last bit.
         a, b = (k, following) if here < 0.0 else (following, k)
         below, above = min(here, there), max(here, there)
         share = below / (below - above)
-        px = corners[a, 0] + (corners[b, 0] - corners[a, 0]) * share - view.x
-        py = corners[a, 1] + (corners[b, 1] - corners[a, 1]) * share - view.y
-        screen.line[parts, 2 * ends] = px * view.ex + py * view.ey
-        screen.line[parts, 2 * ends + 1] = corners[a, 2] + (corners[b, 2] - corners[a, 2]) * share - view.z
+        px = corners[a, 0] + (corners[b, 0] - corners[a, 0]) * share - plane.x
+        py = corners[a, 1] + (corners[b, 1] - corners[a, 1]) * share - plane.y
+        zbuffer.line[primitives, 2 * ends] = px * plane.ex + py * plane.ey
+        zbuffer.line[primitives, 2 * ends + 1] = corners[a, 2] + (corners[b, 2] - corners[a, 2]) * share - plane.z
         ends += 1
         if ends == 2:
             break
-    if ends < 2 or not _keep_ahead(screen.line[parts]):
-        return parts
-    line = screen.line[parts]
+    if ends < 2 or not _keep_ahead(zbuffer.line[primitives]):
+        return primitives
+    line = zbuffer.line[primitives]
     one, other = math.atan2(line[1], line[0]), math.atan2(line[3], line[2])
     if abs(one - other) <= SAME:
-        return parts  # seen edge-on
-    screen.body[parts], screen.low[parts], screen.high[parts] = body, min(one, other), max(one, other)
-    return parts + 1
+        return primitives  # seen edge-on
+    zbuffer.body[primitives], zbuffer.low[primitives], zbuffer.high[primitives] = body, min(one, other), max(one, other)
+    return primitives + 1
 
 
 @inlined_uncounted
-def _across(corner, view):
+def _across(corner, plane):
     """Signed distance of a corner from the plane."""
-    return (corner[0] - view.x) * view.ey - (corner[1] - view.y) * view.ex
+    return (corner[0] - plane.x) * plane.ey - (corner[1] - plane.y) * plane.ex
 
 
 @inlined_uncounted
@@ -174,58 +177,67 @@ def _keep_ahead(line):
 
 
 @kernel_uncounted
-def _fill_cells(arrays, view, bent, screen, solid_parts, parts):
+def _fill_cells(arrays, plane, bent, zbuffer, solid_primitives, primitives):
     """Divide the screen where parts end, turn or cross, find the nearest in every cell; return the number of cells."""
-    edges = _lay_edges(screen, solid_parts, parts)
+    edges = _lay_edges(zbuffer, solid_primitives, primitives)
     cells = 0
     for crossings_known in (False, True):
-        cells = _divide(screen, edges)
-        _look(arrays, view, bent, screen, parts, cells)
+        cells = _divide(zbuffer, edges)
+        _look(arrays, plane, bent, zbuffer, primitives, cells)
         edges = cells + 1
-        if not crossings_known and parts > 1:
-            edges = _add_crossings(arrays, view, bent, screen, solid_parts, parts, cells)
+        if not crossings_known and primitives > 1:
+            edges = _add_crossings(arrays, plane, bent, zbuffer, solid_primitives, primitives, cells)
         if edges == cells + 1:
             break
-    _tell_nearness(cells, screen.part, screen.cosine, screen.sine, screen.near, screen.far, screen.level, screen.rise)
+    _tell_nearness(
+        cells,
+        zbuffer.nearest,
+        zbuffer.cosine,
+        zbuffer.sine,
+        zbuffer.near,
+        zbuffer.far,
+        zbuffer.nearness_cosine,
+        zbuffer.nearness_sine,
+    )
     return cells
 
 
 @inlined_uncounted
-def _lay_edges(screen, solid_parts, parts):
+def _lay_edges(zbuffer, solid_primitives, primitives):
     """Lay the edges of all parts, in no order; return their number."""
     count = 0
-    for p in range(solid_parts):
-        middle, half = 0.5 * (screen.low[p] + screen.high[p]), 0.5 * (screen.high[p] - screen.low[p])
+    for p in range(solid_primitives):
+        middle, half = 0.5 * (zbuffer.low[p] + zbuffer.high[p]), 0.5 * (zbuffer.high[p] - zbuffer.low[p])
         half *= 1.0 - EDGE
         for facet in range(FACETS + 1):
-            screen.edge[count] = middle - half * SPREAD[facet]
+            zbuffer.edge[count] = middle - half * SPREAD[facet]
             count += 1
         # Incidence jumps at a rim.
-        for angle in screen.rim[p]:
+        for angle in zbuffer.rim[p]:
             if abs(angle - middle) < half:
-                screen.edge[count] = angle
+                zbuffer.edge[count] = angle
                 count += 1
-    for p in range(solid_parts, parts):
+    for p in range(solid_primitives, primitives):
         # Slant range falls towards the foot of the perpendicular and grows beyond it.
-        foot = min(max(perpendicular_angle(screen.line[p]), screen.low[p]), screen.high[p])
-        screen.edge[count], screen.edge[count + 1], screen.edge[count + 2] = screen.low[p], foot, screen.high[p]
+        foot = min(max(perpendicular_angle(zbuffer.line[p]), zbuffer.low[p]), zbuffer.high[p])
+        zbuffer.edge[count], zbuffer.edge[count + 1], zbuffer.edge[count + 2] = zbuffer.low[p], foot, zbuffer.high[p]
         count += 3
     return count
 
 
 @inlined_uncounted
-def _divide(screen, edges):
+def _divide(zbuffer, edges):
     """Put edges in order if they are not; return the number of cells between them, all empty."""
-    edge, count = screen.edge, edges
+    edge, count = zbuffer.edge, edges
     for k in range(1, edges):
         if edge[k] < edge[k - 1]:
             _sort(edge, edges)
             count = _merged(edge, edges)
             break
     for k in range(count):
-        screen.cosine[k], screen.sine[k] = math.cos(edge[k]), math.sin(edge[k])
+        zbuffer.cosine[k], zbuffer.sine[k] = math.cos(edge[k]), math.sin(edge[k])
     for k in range(count - 1):
-        screen.part[k], screen.distance[k] = NO_PRIMITIVE, math.inf
+        zbuffer.nearest[k], zbuffer.distance[k] = NO_PRIMITIVE, math.inf
     return count - 1
 
 
@@ -235,37 +247,41 @@ def _sort(edge, edges):
 
 
 @inlined_uncounted
-def _look(arrays, view, bent, screen, parts, cells):
+def _look(arrays, plane, bent, zbuffer, primitives, cells):
     """Find the part that is nearest in every cell and the distances to it."""
-    for p in range(parts):
-        lens = load_apparent_source(bent, screen.lens[p])
-        part = load_primitive(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
-        first = max(np.searchsorted(screen.edge[: cells + 1], screen.low[p], side="right") - 1, 0)
-        screen.first[p] = first
-        ends = screen.low[p], screen.high[p]
-        edge, cosine, sine = screen.edge, screen.cosine, screen.sine
-        _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, screen.part, screen.distance, screen.incidence)
-    for p in range(parts):
-        lens = load_apparent_source(bent, screen.lens[p])
-        part = load_primitive(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
-        first = screen.first[p]
-        last, edge, cosine, sine = screen.high[p], screen.edge, screen.cosine, screen.sine
-        _measure(p, part, first, cells, last, edge, cosine, sine, screen.part, screen.near, screen.far)
+    for p in range(primitives):
+        source = load_apparent_source(bent, zbuffer.source[p])
+        primitive = load_primitive(arrays.solids, arrays.mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
+        first = max(np.searchsorted(zbuffer.edge[: cells + 1], zbuffer.low[p], side="right") - 1, 0)
+        zbuffer.first[p] = first
+        ends = zbuffer.low[p], zbuffer.high[p]
+        edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
+        _keep_nearest(
+            p, primitive, first, cells, ends, edge, cosine, sine, zbuffer.nearest, zbuffer.distance, zbuffer.incidence
+        )
+    for p in range(primitives):
+        source = load_apparent_source(bent, zbuffer.source[p])
+        primitive = load_primitive(arrays.solids, arrays.mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
+        first = zbuffer.first[p]
+        last, edge, cosine, sine = zbuffer.high[p], zbuffer.edge, zbuffer.cosine, zbuffer.sine
+        _measure(p, primitive, first, cells, last, edge, cosine, sine, zbuffer.nearest, zbuffer.near, zbuffer.far)
 
 
 @inlined_uncounted
-def _add_crossings(arrays, view, bent, screen, solid_parts, parts, cells):
+def _add_crossings(arrays, plane, bent, zbuffer, solid_primitives, primitives, cells):
     """Add an edge wherever a part comes before the one that is nearest in a cell's middle; return their number."""
-    edges, edge, cosine, sine = cells + 1, screen.edge, screen.cosine, screen.sine
-    near, middle, far = screen.near, screen.distance, screen.far
-    for p in range(parts):
-        nearest = nearest_distance(screen.line[p]) if p >= solid_parts else 0.0
-        first, ends = screen.first[p], (screen.low[p], screen.high[p])
-        if _is_behind(p, nearest, first, cells, ends[1], edge, screen.part, near, far):
+    edges, edge, cosine, sine = cells + 1, zbuffer.edge, zbuffer.cosine, zbuffer.sine
+    near, middle, far = zbuffer.near, zbuffer.distance, zbuffer.far
+    for p in range(primitives):
+        nearest = nearest_distance(zbuffer.line[p]) if p >= solid_primitives else 0.0
+        first, ends = zbuffer.first[p], (zbuffer.low[p], zbuffer.high[p])
+        if _is_behind(p, nearest, first, cells, ends[1], edge, zbuffer.nearest, near, far):
             continue
-        lens = load_apparent_source(bent, screen.lens[p])
-        part = load_primitive(arrays.solids, arrays.mesh, view, screen.body[p], screen.line[p], lens)
-        edges = _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, screen.part, near, middle, far, edges)
+        source = load_apparent_source(bent, zbuffer.source[p])
+        primitive = load_primitive(arrays.solids, arrays.mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
+        edges = _cross(
+            p, primitive, nearest, first, cells, ends, edge, cosine, sine, zbuffer.nearest, near, middle, far, edges
+        )
     return edges
 
 
@@ -281,7 +297,7 @@ def _is_behind(p, nearest, first, cells, high, edge, before, near, far):
 
 
 @inlined_uncounted
-def _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, before, near, middle, far, edges):
+def _cross(p, primitive, nearest, first, cells, ends, edge, cosine, sine, before, near, middle, far, edges):
     """Likewise for one part."""
     low, high = ends
     cell = first
@@ -289,9 +305,9 @@ def _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, before, nea
         covers = low < 0.5 * (edge[cell] + edge[cell + 1]) < high
         if covers and before[cell] != p and nearest < max(near[cell], far[cell]):
             c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-            here, half = intersect_primitive(part, c, s)[0], 0.5 * (edge[cell + 1] - edge[cell])
+            here, half = intersect_primitive(primitive, c, s)[0], 0.5 * (edge[cell + 1] - edge[cell])
             for k in range(2):
-                there = intersect_primitive(part, cosine[cell + k], sine[cell + k])[0]
+                there = intersect_primitive(primitive, cosine[cell + k], sine[cell + k])[0]
                 other = near[cell] if k == 0 else far[cell]
                 if there < other * (1.0 - CROSSED) and edges < edge.size:
                     # One over the distance along a straight line is linear in the direction, and so is its lead.
@@ -304,32 +320,32 @@ def _cross(p, part, nearest, first, cells, ends, edge, cosine, sine, before, nea
 
 
 @inlined_uncounted
-def _tell_nearness(cells, part, cosine, sine, near, far, level, rise):
+def _tell_nearness(cells, nearest, cosine, sine, near, far, nearness_cosine, nearness_sine):
     """Tell one over the distance to what is nearest as a linear function of the direction; 0 where there is nothing."""
     for cell in range(cells):
         c_low, s_low, c_high, s_high = cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1]
-        share, held = 1.0 / (s_high * c_low - c_high * s_low), part[cell] != NO_PRIMITIVE
+        share, held = 1.0 / (s_high * c_low - c_high * s_low), nearest[cell] != NO_PRIMITIVE
         per_near, per_far = share / near[cell], share / far[cell]
-        level[cell] = s_high * per_near - s_low * per_far if held else 0.0
-        rise[cell] = c_low * per_far - c_high * per_near if held else 0.0
+        nearness_cosine[cell] = s_high * per_near - s_low * per_far if held else 0.0
+        nearness_sine[cell] = c_low * per_far - c_high * per_near if held else 0.0
 
 
 @inlined_uncounted
-def _keep_nearest(p, part, first, cells, ends, edge, cosine, sine, nearest, distance, incidence):
+def _keep_nearest(p, primitive, first, cells, ends, edge, cosine, sine, nearest, distance, incidence):
     """Enter a part in the cells where nothing nearer is; where two touch the first is heard."""
     low, high = ends
     cell = first
     while cell < cells and edge[cell] < high:
         if low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
             c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-            here, cos_incidence = intersect_primitive(part, c, s)
+            here, cos_incidence = intersect_primitive(primitive, c, s)
             if here < distance[cell]:
                 nearest[cell], distance[cell], incidence[cell] = p, here, cos_incidence
         cell += 1
 
 
 @inlined_uncounted
-def _measure(p, part, first, cells, high, edge, cosine, sine, nearest, near, far):
+def _measure(p, primitive, first, cells, high, edge, cosine, sine, nearest, near, far):
     """Measure the distances to a part along the edges of the cells in which it is the nearest."""
     cell = first
     while cell < cells and edge[cell] < high:
@@ -337,8 +353,8 @@ def _measure(p, part, first, cells, high, edge, cosine, sine, nearest, near, far
             if cell > first and nearest[cell - 1] == p:
                 near[cell] = far[cell - 1]
             else:
-                near[cell], _ = intersect_primitive(part, cosine[cell], sine[cell])
-            far[cell], _ = intersect_primitive(part, cosine[cell + 1], sine[cell + 1])
+                near[cell], _ = intersect_primitive(primitive, cosine[cell], sine[cell])
+            far[cell], _ = intersect_primitive(primitive, cosine[cell + 1], sine[cell + 1])
         cell += 1
 
 

@@ -49,72 +49,77 @@ def load_apparent_source(bent, row):
 
 
 @inlined_uncounted
-def store_apparent_source(lens, row):
+def store_apparent_source(source, row):
     """Put a lens into its row of the screen."""
-    row[0], row[1], row[2], row[3] = lens.launch_cosine, lens.launch_sine, lens.arrival_cosine, lens.arrival_sine
-    row[4], row[5], row[6], row[7] = lens.opening, lens.offset, lens.gauge, lens.gain
-    row[8], row[9], row[10] = lens.level, lens.source_x, lens.source_z
+    row[0], row[1], row[2], row[3] = (
+        source.launch_cosine,
+        source.launch_sine,
+        source.arrival_cosine,
+        source.arrival_sine,
+    )
+    row[4], row[5], row[6], row[7] = source.opening, source.offset, source.gauge, source.gain
+    row[8], row[9], row[10] = source.level, source.source_x, source.source_z
 
 
 @inlined_uncounted
-def arrival_direction(lens, c, s):
+def arrival_direction(source, c, s):
     """Direction in which the ray launched at (c, s) comes to the part: tan ψ = opening · tan θ, from the middle's."""
-    along = c * lens.launch_cosine + s * lens.launch_sine
-    across = lens.opening * (s * lens.launch_cosine - c * lens.launch_sine)
+    along = c * source.launch_cosine + s * source.launch_sine
+    across = source.opening * (s * source.launch_cosine - c * source.launch_sine)
     per_norm = 1.0 / math.sqrt(along * along + across * across)
     along, across = along * per_norm, across * per_norm
     return (
-        along * lens.arrival_cosine - across * lens.arrival_sine,
-        along * lens.arrival_sine + across * lens.arrival_cosine,
+        along * source.arrival_cosine - across * source.arrival_sine,
+        along * source.arrival_sine + across * source.arrival_cosine,
     )
 
 
 @inlined_uncounted
-def _launched(lens, angle):
+def _launched(source, angle):
     """Launch angle of the ray that comes to the part at an angle."""
-    turned = angle - math.atan2(lens.arrival_sine, lens.arrival_cosine)
-    launch = math.atan2(lens.launch_sine, lens.launch_cosine)
-    return launch + math.atan2(math.sin(turned), lens.opening * math.cos(turned))
+    turned = angle - math.atan2(source.arrival_sine, source.arrival_cosine)
+    launch = math.atan2(source.launch_sine, source.launch_cosine)
+    return launch + math.atan2(math.sin(turned), source.opening * math.cos(turned))
 
 
 @inlined_uncounted
-def plane_from_source(lens, view):
+def plane_from_source(source, plane):
     """Return the plane as seen from a body's apparent source."""
-    x, y = view.x + lens.source_x * view.ex, view.y + lens.source_x * view.ey
-    return HalfPlane(x, y, view.z + lens.source_z, view.ex, view.ey)
+    x, y = plane.x + source.source_x * plane.ex, plane.y + source.source_x * plane.ey
+    return HalfPlane(x, y, plane.z + source.source_z, plane.ex, plane.ey)
 
 
 @kernel_uncounted
-def apply_apparent_sources(arrays, view, one_wide, table, sheet, screen, bodies, parts):
+def apply_apparent_sources(arrays, plane, one_wide, table, grid, zbuffer, bodies, primitives):
     """Show the parts of a screen as they seem, the first ones those of bodies; return how many are left of both."""
     loud = arrays.law != LIGHT
     kept = 0
     for p in range(bodies):
-        k, rim = screen.body[p], screen.rim[kept]
-        lens = _lens_of_body(arrays.solids, k, view, one_wide, loud, table, sheet)
-        status, low, high = section_solid(arrays.solids, k, plane_from_source(lens, view), rim)
+        k, rim = zbuffer.body[p], zbuffer.rim[kept]
+        source = _apparent_source_of_solid(arrays.solids, k, plane, one_wide, loud, table, grid)
+        status, low, high = section_solid(arrays.solids, k, plane_from_source(source, plane), rim)
         if status > 0:
             for end in range(rim.size):
-                rim[end] = _launched(lens, rim[end]) if abs(rim[end]) <= math.pi else rim[end]
-            kept = _keep(screen, kept, k, lens, max(_launched(lens, low), DOWN), min(_launched(lens, high), UP))
+                rim[end] = _launched(source, rim[end]) if abs(rim[end]) <= math.pi else rim[end]
+            kept = _keep(zbuffer, kept, k, source, max(_launched(source, low), DOWN), min(_launched(source, high), UP))
     bodies_kept = kept
-    for p in range(bodies, parts):
-        lens = _bend_line(screen.line[p], one_wide, loud, table, sheet)
+    for p in range(bodies, primitives):
+        source = _bend_line(zbuffer.line[p], one_wide, loud, table, grid)
         for end in range(4):
-            screen.line[kept, end] = screen.line[p, end]
-        line = screen.line[kept]
+            zbuffer.line[kept, end] = zbuffer.line[p, end]
+        line = zbuffer.line[kept]
         one, other = math.atan2(line[1], line[0]), math.atan2(line[3], line[2])
-        kept = _keep(screen, kept, screen.body[p], lens, min(one, other), max(one, other))
+        kept = _keep(zbuffer, kept, zbuffer.body[p], source, min(one, other), max(one, other))
     return bodies_kept, kept
 
 
 @inlined_uncounted
-def _keep(screen, kept, body, lens, low, high):
+def _keep(zbuffer, kept, body, source, low, high):
     """Enter a part after so many others, if it is not seen edge-on; return their number."""
     if high - low <= SAME:
         return kept
-    screen.body[kept], screen.low[kept], screen.high[kept] = body, low, high
-    store_apparent_source(lens, screen.lens[kept])
+    zbuffer.body[kept], zbuffer.low[kept], zbuffer.high[kept] = body, low, high
+    store_apparent_source(source, zbuffer.source[kept])
     return kept + 1
 
 
@@ -127,12 +132,12 @@ def _gain(wide, tube, one_wide, loud):
 
 
 @inlined_uncounted
-def _bend_line(line, one_wide, loud, table, sheet):
+def _bend_line(line, one_wide, loud, table, grid):
     """Put the ends of a triangle's line where they seem to be; return its lens."""
     x, z = 0.5 * (line[0] + line[2]), 0.5 * (line[1] + line[3])
-    wide, _, tube, turn = look_up_position(table, sheet, x, z)
+    wide, _, tube, turn = look_up_position(table, grid, x, z)
     for end in range(0, 4, 2):
-        level, rise, _, _ = look_up_position(table, sheet, line[end], line[end + 1])
+        level, rise, _, _ = look_up_position(table, grid, line[end], line[end + 1])
         line[end] *= 1.0 + level
         line[end + 1] += rise
     gain = _gain(1.0 + wide, 1.0 + tube, one_wide, loud)
@@ -140,17 +145,17 @@ def _bend_line(line, one_wide, loud, table, sheet):
 
 
 @inlined_uncounted
-def _lens_of_body(solids, k, view, one_wide, loud, table, sheet):
+def _apparent_source_of_solid(solids, k, plane, one_wide, loud, table, grid):
     """Lens of a convex body, from the ray to the middle of what the plane cuts of it."""
-    x, z = _middle(solids, k, view)
-    wide, rise, tube, turn = look_up_position(table, sheet, x, z)
+    x, z = _middle(solids, k, plane)
+    wide, rise, tube, turn = look_up_position(table, grid, x, z)
     seen_x, seen_z = x * (1.0 + wide), z + rise
     r = max(math.sqrt(seen_x * seen_x + seen_z * seen_z), NEAREST)
     launch = math.atan2(seen_z, seen_x)
     c, s = math.cos(launch + turn), math.sin(launch + turn)
     ahead = min(SECANT, 0.5 * r)
-    near_r, near_q = _front(x - ahead * c, z - ahead * s, table, sheet)
-    far_r, far_q = _front(x + ahead * c, z + ahead * s, table, sheet)
+    near_r, near_q = _front(x - ahead * c, z - ahead * s, table, grid)
+    far_r, far_q = _front(x + ahead * c, z + ahead * s, table, grid)
     opening = min(max((far_q - near_q) / (2.0 * ahead), LEAST_OPENING), MOST_OPENING)
     gauge = (far_r - near_r) / (2.0 * ahead)
     away = (1.0 + tube) * r / opening  # radius of the wavefront
@@ -171,27 +176,27 @@ def _lens_of_body(solids, k, view, one_wide, loud, table, sheet):
 
 
 @inlined_uncounted
-def _front(x, z, table, sheet):
+def _front(x, z, table, grid):
     """Slant range of a place, and distance across the rays there per launch angle."""
-    wide, rise, tube, _ = look_up_position(table, sheet, x, z)
+    wide, rise, tube, _ = look_up_position(table, grid, x, z)
     seen_x, seen_z = x * (1.0 + wide), z + rise
     r = math.sqrt(seen_x * seen_x + seen_z * seen_z)
     return r, (1.0 + tube) * r
 
 
 @inlined_uncounted
-def _middle(solids, k, view):
+def _middle(solids, k, plane):
     """Ground range and height above the sonar of the middle of what a plane cuts of a body."""
-    x, y, z = solids.start[k, 0] - view.x, solids.start[k, 1] - view.y, solids.start[k, 2] - view.z
+    x, y, z = solids.start[k, 0] - plane.x, solids.start[k, 1] - plane.y, solids.start[k, 2] - plane.z
     if solids.shape[k] == SPHERE:
-        return x * view.ex + y * view.ey, z
+        return x * plane.ex + y * plane.ey, z
     # The part of the axis that is nearer to the plane than the body is thick.
     length, thick = solids.length[k], solids.radius[k] + max(solids.taper[k] * solids.length[k], 0.0)
     ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
-    across, rate = x * view.ey - y * view.ex, ax * view.ey - ay * view.ex
+    across, rate = x * plane.ey - y * plane.ex, ax * plane.ey - ay * plane.ex
     begin, end = 0.0, length
     if rate != 0.0:
         one, other = (-thick - across) / rate, (thick - across) / rate
         begin, end = max(begin, min(one, other)), min(end, max(one, other))
     along = min(max(0.5 * (begin + end), 0.0), length)
-    return (x + along * ax) * view.ex + (y + along * ay) * view.ey, z + along * az
+    return (x + along * ax) * plane.ex + (y + along * ay) * plane.ey, z + along * az

@@ -29,69 +29,82 @@ class Primitive(NamedTuple):
     taper: float
     level_x: float  # the plane's azimuth; of a triangle, its normal's level part and upward part in the plane
     level_y: float
-    lens: ApparentSource  # through which it is seen
+    source: ApparentSource  # through which it is seen
 
 
 @inlined_uncounted
-def load_primitive(solids, mesh, view, body, line, lens):
+def load_primitive(solids, mesh, plane, body, line, source):
     """Take out of the tables what a part is like, from where the sonar stands or seems to."""
     k = body - solids.shape.size
     if k >= 0:
-        level, up = mesh.normal[k, 0] * view.ex + mesh.normal[k, 1] * view.ey, mesh.normal[k, 2]
-        if lens.bent:
+        level, up = mesh.normal[k, 0] * plane.ex + mesh.normal[k, 1] * plane.ey, mesh.normal[k, 2]
+        if source.bent:
             # Back by as much as the ray has turned, so that its launch angle tells the incidence.
-            c, s = lens.arrival_cosine, lens.arrival_sine
+            c, s = source.arrival_cosine, source.arrival_sine
             level, up = level * c + up * s, up * c - level * s
         dx, dz = line[2] - line[0], line[3] - line[1]
-        return Primitive(TRIANGLE, line[0], 0.0, line[1], dx, 0.0, dz, 0.0, 0.0, 0.0, level, up, lens)
-    if lens.bent:
-        view = plane_from_source(lens, view)
+        return Primitive(TRIANGLE, line[0], 0.0, line[1], dx, 0.0, dz, 0.0, 0.0, 0.0, level, up, source)
+    if source.bent:
+        plane = plane_from_source(source, plane)
     return Primitive(
         solids.shape[body],
-        solids.start[body, 0] - view.x,
-        solids.start[body, 1] - view.y,
-        solids.start[body, 2] - view.z,
+        solids.start[body, 0] - plane.x,
+        solids.start[body, 1] - plane.y,
+        solids.start[body, 2] - plane.z,
         solids.axis[body, 0],
         solids.axis[body, 1],
         solids.axis[body, 2],
         solids.length[body],
         solids.radius[body],
         solids.taper[body],
-        view.ex,
-        view.ey,
-        lens,
+        plane.ex,
+        plane.ey,
+        source,
     )
 
 
 @inlined_uncounted
-def intersect_primitive(part, c, s):
+def intersect_primitive(primitive, c, s):
     """Slant range of a part in the direction (c, s), and the cosine of the incidence there; infinite if missed."""
-    through = part.lens.bent and part.kind != TRIANGLE
+    through = primitive.source.bent and primitive.kind != TRIANGLE
     if through:
-        c, s = arrival_direction(part.lens, c, s)
-    distance, incidence = _meet(part, c, s)
-    return (part.lens.offset + part.lens.gauge * distance if through else distance), incidence
+        c, s = arrival_direction(primitive.source, c, s)
+    distance, incidence = _meet(primitive, c, s)
+    return (primitive.source.offset + primitive.source.gauge * distance if through else distance), incidence
 
 
 @inlined_uncounted
-def _meet(part, c, s):
+def _meet(primitive, c, s):
     """Likewise, from where the sonar seems to be."""
-    if part.kind == TRIANGLE:
-        distance = (part.x * part.az - part.z * part.ax) / (c * part.az - s * part.ax)
+    if primitive.kind == TRIANGLE:
+        distance = (primitive.x * primitive.az - primitive.z * primitive.ax) / (c * primitive.az - s * primitive.ax)
         # Sheets are heard from both sides.
-        return (distance if distance > 0.0 else math.inf), abs(c * part.level_x + s * part.level_y)
-    dx, dy = c * part.level_x, c * part.level_y
-    if part.kind == SPHERE:
-        distance, _ = intersect_sphere(part.x, part.y, part.z, part.radius, dx, dy, s)
-        inwards = (part.x * dx + part.y * dy + part.z * s - distance) / part.radius
+        return (distance if distance > 0.0 else math.inf), abs(c * primitive.level_x + s * primitive.level_y)
+    dx, dy = c * primitive.level_x, c * primitive.level_y
+    if primitive.kind == SPHERE:
+        distance, _ = intersect_sphere(primitive.x, primitive.y, primitive.z, primitive.radius, dx, dy, s)
+        inwards = (primitive.x * dx + primitive.y * dy + primitive.z * s - distance) / primitive.radius
         return (distance if distance > 0.0 else math.inf), inwards
     distance, face, _, _ = intersect_frustum(
-        part.x, part.y, part.z, part.ax, part.ay, part.az, part.length, part.radius, part.taper, dx, dy, s
+        primitive.x,
+        primitive.y,
+        primitive.z,
+        primitive.ax,
+        primitive.ay,
+        primitive.az,
+        primitive.length,
+        primitive.radius,
+        primitive.taper,
+        dx,
+        dy,
+        s,
     )
     if not 0.0 < distance < math.inf:
         return math.inf, 0.0
-    px, py, pz = distance * dx - part.x, distance * dy - part.y, distance * s - part.z
-    nx, ny, nz = frustum_normal(px, py, pz, part.ax, part.ay, part.az, part.radius, part.taper, face)
+    px, py, pz = distance * dx - primitive.x, distance * dy - primitive.y, distance * s - primitive.z
+    nx, ny, nz = frustum_normal(
+        px, py, pz, primitive.ax, primitive.ay, primitive.az, primitive.radius, primitive.taper, face
+    )
     return distance, -(nx * dx + ny * dy + nz * s)
 
 
