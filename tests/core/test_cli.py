@@ -217,7 +217,7 @@ def test_the_installed_command_needs_no_window():
     """Rendering loads neither Qt nor a 3-D library, and the words reach the process's exit code."""
     code = (
         "import sys; from insonify.cli import main; code = main(['scenes']);"
-        "loaded = {'PySide6', 'pyvista', 'vtkmodules', 'numba', 'matplotlib'} & set(sys.modules);"
+        "loaded = {'PySide6', 'pyvista', 'vtkmodules', 'numba', 'matplotlib', 'scipy', 'xarray', 'netCDF4'} & set(sys.modules);"
         "sys.exit(code or (f'loaded {loaded}' if loaded else 0))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from insonify.io.records import RECORDS
-from insonify.planning import METHODS
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
 
 if TYPE_CHECKING:
@@ -43,7 +42,13 @@ def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
 
 def add_method(parser: argparse.ArgumentParser) -> None:
     """Add how the scene is simulated, and how well."""
-    parser.add_argument("--method", choices=METHODS, default="auto", help="how echoes are found (default: %(default)s)")
+    parser.add_argument(
+        "--method",
+        choices=_Methods(),
+        default="auto",
+        metavar="METHOD",
+        help="how echoes are computed: %(choices)s (default: %(default)s)",
+    )
     parser.add_argument(
         "--tolerance", type=_share, default=0.03, metavar="E", help="acceptable relative error (default: %(default)s)"
     )
@@ -54,6 +59,15 @@ def add_method(parser: argparse.ArgumentParser) -> None:
         metavar="SUBJECT=CHOICE",
         help="force a choice of the plan, e.g. planes=16 or bending=off; may be repeated",
     )
+
+
+class _Methods:
+    """Names of the methods, read when they are needed: the planner takes half of the time to load a command."""
+
+    def __iter__(self) -> Iterator[str]:
+        from insonify.planning import METHODS
+
+        return iter(METHODS)
 
 
 def chosen_model(arguments: argparse.Namespace) -> dict[str, str]:
