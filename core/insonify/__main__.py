@@ -1,4 +1,4 @@
-"""The process of ``insonify`` and ``python -m insonify``, about the command itself."""
+"""Entry point of ``insonify`` and ``python -m insonify``: output encoding, garbage collection, exit code."""
 
 import gc
 import io
@@ -9,8 +9,7 @@ from collections.abc import Callable
 
 def load() -> Callable[[], int]:
     """Load the command, and return what runs it."""
-    # Modules stay until the process ends: to look for garbage among them, now and at the end, took a third of the time
-    # to the end of a first ping.
+    # Modules stay until the process ends. Collecting garbage among them takes a third of the time to a first ping.
     gc.disable()
     from insonify.cli import main as command
 
@@ -34,7 +33,7 @@ def main() -> int:
 
 
 def _settle_output() -> None:
-    """Let every character be written, escaped where an encoding lacks it; what a closed output is told is lost."""
+    """Escape characters that the encoding of standard output lacks; discard output where it is closed."""
     if sys.stdout is None:
         sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115  # open as long as the process is
     elif isinstance(sys.stdout, io.TextIOWrapper):

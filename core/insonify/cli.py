@@ -47,16 +47,16 @@ def main(words: Sequence[str] | None = None) -> int:
     except SceneError as error:
         return _complain(str(error))
     except BrokenPipeError:
-        # Nobody reads on; the interpreter's own flush at exit must not complain either.
+        # The reader has closed the pipe. The flush of the interpreter at exit must not fail on it again.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except OSError as error:
         return _complain(
-            f"{error.filename or 'file'}: {error.strerror or error}; check the path, its rights and the disk"
+            f"{error.filename or 'file'}: {error.strerror or error}; check the path, its permissions and the disk"
         )
     except MemoryError:
         return _complain(
-            "the record does not fit in memory; write .nc, which streams, or lessen track.pings or sonar.bins"
+            "the record does not fit in memory; write .nc, which is streamed, or reduce track.pings or sonar.bins"
         )
     except KeyboardInterrupt:
         sys.stderr.write("insonify: interrupted; no file was touched\n")
@@ -80,7 +80,7 @@ def _run(words: list[str]) -> int:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line; the usage is a --help away."""
+    """Argument parser that reports a mistake in one line, without the usage."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(WRONG, f"{self.prog}: {message}; see '{self.prog} --help'\n")
@@ -124,7 +124,7 @@ def _not_loaded(entry: importlib.metadata.EntryPoint, error: ImportError) -> Imp
 
 
 def _add_missing_view(subparsers: Any, error: ImportError) -> None:
-    """Add a ``view`` that says why there is no viewer."""
+    """Add a ``view`` that explains why there is no viewer."""
 
     def run(arguments: argparse.Namespace) -> int:
         return _without_viewer(error, arguments)
@@ -135,7 +135,7 @@ def _add_missing_view(subparsers: Any, error: ImportError) -> None:
 
 
 def _with_command(words: list[str], commands: list[str]) -> list[str]:
-    """Put ``view`` before a scene that stands alone; refuse a mistyped command."""
+    """Put ``view`` before a scene given without a command; refuse a mistyped command."""
     first = words[0] if words else ""
     if first in commands or first in ("-h", "--help", "--version"):
         return words
@@ -147,12 +147,12 @@ def _with_command(words: list[str], commands: list[str]) -> list[str]:
 
 
 def _without_viewer(error: ImportError, arguments: argparse.Namespace) -> int:
-    """Say what the viewer lacks; where only the system's libraries are missing, render the record instead."""
+    """Report what the viewer lacks; where only system libraries are missing, render the record instead."""
     if ".so" not in str(error):
         return _complain(f"the viewer is not installed ({error}); run: pip install 'insonify[viewer]'")
     path = output(getattr(arguments, "snapshot", None) or FALLBACK, (".png",))
     render.write(chosen_scene(arguments), path, Look())
     sys.stderr.write(
-        f"insonify: the viewer lacks system libraries ({error}), so the record was written to {path}; run: {APT}\n"
+        f"insonify: the viewer lacks system libraries ({error}); the record was written to {path} instead; run: {APT}\n"
     )
     return 0

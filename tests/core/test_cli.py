@@ -37,13 +37,16 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     ("words", "expected"),
     [
         (["render", "atlantis", "-o", "x.png"], "no such file; give a TOML file or one of breaks-beats"),
-        (["render", "default", "-o", "x.jpg"], "'.jpg' is no format written here; end the name in .png or .nc or .npz"),
-        (["render", "default", "-o", "x"], "'' is no format written here"),
+        (
+            ["render", "default", "-o", "x.jpg"],
+            "'.jpg' is not written by this command; end the name in .png or .nc or .npz",
+        ),
+        (["render", "default", "-o", "x"], "'' is not written by this command"),
         (["render", "default", "-o", "nowhere/x.png"], "there is no folder 'nowhere'; create it"),
         (["render", "default", "-o", "."], "is a folder; give the name of a file in it"),
         (["render", "default", "-o", os.devnull], "is a device, not a file; give another name"),
-        (["render", "default", "-o", "x.nc", "--gain", "3"], "--gain is for pictures, not x.nc"),
-        (["render", "default", "-o", "x.npz", "--ground-range"], "--ground-range is for pictures"),
+        (["render", "default", "-o", "x.nc", "--gain", "3"], "--gain applies to pictures, not to x.nc"),
+        (["render", "default", "-o", "x.npz", "--ground-range"], "--ground-range applies to pictures"),
         (["render", "default", "-o", "x.png", "--palette", "jet"], "invalid choice: 'jet'"),
         (["render", "default", "-o", "x.png", "--gain", "nan"], "give decibels from -200 to 200"),
         (["render", "default", "-o", "x.png", "--gain", "loud"], "'loud' is not a number; give a plain number"),
@@ -59,7 +62,10 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
         (["plan", "default", "--model", "plane=4"], "'plane' is no choice of a plan; choose one of method, planes"),
         (["plan", "default", "--model", "planes=0"], "model planes: '0' will not do; give a whole number from 1"),
         (["plan", "default", "--model", "bending=no"], "model bending: 'no' is not known; choose one of on, off"),
-        (["chart", "-o", "x.pdf"], "'.pdf' is no format written here; end the name in .png or .svg or .csv or .json"),
+        (
+            ["chart", "-o", "x.pdf"],
+            "'.pdf' is not written by this command; end the name in .png or .svg or .csv or .json",
+        ),
         (["relief", "default", "-o", "x.nc"], "end the name in .png"),
         (["rendre", "default"], "did you mean 'insonify render'?"),
         (["view", "atlantis"], "no such file"),
@@ -217,7 +223,8 @@ def test_the_installed_command_needs_no_window():
     """Rendering loads neither Qt nor a 3-D library, and the words reach the process's exit code."""
     code = (
         "import sys; from insonify.cli import main; code = main(['scenes']);"
-        "loaded = {'PySide6', 'pyvista', 'vtkmodules', 'numba', 'matplotlib', 'scipy', 'xarray', 'netCDF4'} & set(sys.modules);"
+        "slow = {'PySide6', 'pyvista', 'vtkmodules', 'numba', 'matplotlib', 'scipy', 'xarray', 'netCDF4'};"
+        "loaded = slow & set(sys.modules);"
         "sys.exit(code or (f'loaded {loaded}' if loaded else 0))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

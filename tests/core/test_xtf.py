@@ -283,13 +283,13 @@ def test_render_takes_a_recording(tmp_path, capsys, suffix):
 def test_a_recording_takes_no_options_of_scenes(tmp_path, capsys, option, words):
     source = write_xtf(tmp_path / "a.xtf", [PING])
     assert main(["render", str(source), "-o", str(tmp_path / "a.png"), option, *words]) == 2
-    assert f"{option} is for scenes" in capsys.readouterr().err
+    assert f"{option} applies to scenes" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["plan", "view"])
 def test_a_recording_is_no_scene(capsys, command):
     assert main([command, "a.xtf"]) == 2
-    assert "a.xtf: is a record, not a scene; show it with 'insonify render a.xtf" in capsys.readouterr().err
+    assert "a.xtf: this is a record, not a scene; draw it with 'insonify render a.xtf" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")

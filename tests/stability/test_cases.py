@@ -111,5 +111,5 @@ def test_the_command_refuses_other_formats(capsys):
     assert main(["stability", "-o", "page.pdf"]) == 2
     assert (
         capsys.readouterr().err
-        == "insonify: -o page.pdf: '.pdf' is no format written here; end the name in .html or .htm\n"
+        == "insonify: -o page.pdf: '.pdf' is not written by this command; end the name in .html or .htm\n"
     )

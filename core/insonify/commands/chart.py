@@ -1,4 +1,4 @@
-"""``insonify chart``: speed against accuracy, measured here."""
+"""``insonify chart``: speed against accuracy, measured on this machine."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ def register(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "chart",
         help="measure speed against accuracy on this machine",
-        description="Measure every method on a scene, on this machine: time per ping against error; cost against the "
-        "number of pings, cells, bins, targets, planes and rays; or error against step or count.",
+        description="Run every method on a scene on this machine. Chart the time per ping against the error, the cost "
+        "against the number of pings, cells, bins, targets, planes and rays, or the error against step size or count.",
     )
     add_scene(parser, optional=True)
-    parser.add_argument("--of", choices=KINDS, default="accuracy", help="what to chart (default: %(default)s)")
+    parser.add_argument("--of", choices=KINDS, default="accuracy", help="kind of chart (default: %(default)s)")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png, .svg, .csv or .json")
     parser.set_defaults(run=run)
 
@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 @contextmanager
 def _bar() -> Iterator[Callable[[float], None]]:
-    """Show on a terminal how far a long measurement has come."""
+    """Show the progress of a long measurement on a terminal."""
     from tqdm import tqdm
 
     with tqdm(total=100, unit="%", disable=None, delay=1.0, leave=False, bar_format="{l_bar}{bar}|") as bar:

@@ -1,4 +1,4 @@
-"""``insonify compare``: two records side by side, real or simulated."""
+"""``insonify compare``: two records side by side, recorded or simulated."""
 
 from __future__ import annotations
 
@@ -17,10 +17,9 @@ def register(subparsers: Any) -> None:
     """Add ``compare``."""
     parser = subparsers.add_parser(
         "compare",
-        help="lay two records side by side, with their histograms and spectra",
-        description="Draw two records to one scale, each relative to its own median, and measure both alike: the "
-        "variation of amplitudes in even patches, their histogram, the spectra along and across the track, the depth "
-        "of shadows.",
+        help="draw two records side by side, with histograms and spectra",
+        description="Draw two records to one scale, each relative to its own median. Compare the variation of "
+        "amplitudes in even patches, the histograms, the spectra along and across the track, and the depth of shadows.",
     )
     parser.add_argument(
         "records",

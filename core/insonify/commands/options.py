@@ -1,4 +1,4 @@
-"""What the sub-commands share: scene and method from the command line, checks of outputs, words to people."""
+"""Options that the sub-commands share: scene, method, output; progress and printed lines."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
-    """Add the scene and what changes it.
+    """Add the options for a scene and its settings.
 
     Parameters
     ----------
@@ -35,13 +35,13 @@ def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> Non
         action="append",
         default=[],
         metavar="PATH=VALUE",
-        help="change a field of the scene, e.g. sonar.beam.width=2.5; may be repeated",
+        help="set a field of the scene, e.g. sonar.beam.width=2.5; repeatable",
     )
-    parser.add_argument("--seed", metavar="N", help="short for --set seed=N")
+    parser.add_argument("--seed", metavar="N", help="same as --set seed=N")
 
 
 def add_method(parser: argparse.ArgumentParser) -> None:
-    """Add how the scene is simulated, and how well."""
+    """Add the options for method, tolerance and model choices."""
     parser.add_argument(
         "--method",
         choices=_Methods(),
@@ -50,14 +50,14 @@ def add_method(parser: argparse.ArgumentParser) -> None:
         help="how echoes are computed: %(choices)s (default: %(default)s)",
     )
     parser.add_argument(
-        "--tolerance", type=_share, default=0.03, metavar="E", help="acceptable relative error (default: %(default)s)"
+        "--tolerance", type=_share, default=0.03, metavar="E", help="relative error to accept (default: %(default)s)"
     )
     parser.add_argument(
         "--model",
         action="append",
         default=[],
         metavar="SUBJECT=CHOICE",
-        help="force a choice of the plan, e.g. planes=16 or bending=off; may be repeated",
+        help="override a choice of the plan, e.g. planes=16 or bending=off; repeatable",
     )
 
 
@@ -71,29 +71,29 @@ class _Methods:
 
 
 def chosen_model(arguments: argparse.Namespace) -> dict[str, str]:
-    """Return the choices that are forced, by their subjects.
+    """Return the overrides of the plan, by their subjects.
 
     Raises
     ------
     SceneError
-        If one is no SUBJECT=CHOICE; whether it is known, the plan will tell.
+        If one is not written SUBJECT=CHOICE. The plan checks subjects and choices.
     """
     forced = {}
     for text in arguments.model:
         subject, equals, choice = text.partition("=")
         if not equals:
-            raise SceneError(f"--model {text}: has no '='; write SUBJECT=CHOICE, such as planes=16 or bending=off")
+            raise SceneError(f"--model {text}: there is no '='; write SUBJECT=CHOICE, such as planes=16 or bending=off")
         forced[subject.strip()] = choice.strip()
     return forced
 
 
 def is_record(name: str) -> bool:
-    """Tell a record to be read from a scene to be simulated, by the name's suffix."""
+    """Whether a name is, by its suffix, the file of a record rather than a scene."""
     return Path(name).suffix.lower() in RECORDS.readable()
 
 
 def chosen_scene(arguments: argparse.Namespace) -> Scene:
-    """Load the scene, apply all settings, validate the whole.
+    """Load the scene, apply all settings, then validate.
 
     Raises
     ------
@@ -101,9 +101,8 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
         One sentence with the field, the value and the remedy.
     """
     if is_record(arguments.scene):
-        raise SceneError(
-            f"{arguments.scene}: is a record, not a scene; show it with 'insonify render {arguments.scene} -o OUT.png'"
-        )
+        name = arguments.scene
+        raise SceneError(f"{name}: this is a record, not a scene; draw it with 'insonify render {name} -o OUT.png'")
     scene = load_scene(arguments.scene)
     changes = dict(read_setting(text) for text in arguments.set)
     seed = getattr(arguments, "seed", None)  # the viewer's own commands may lack it
@@ -113,16 +112,16 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
 
 
 def output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:
-    """Check that a file of one of these kinds can be written there.
+    """Return the path of an output after checking that it can be written.
 
     Parameters
     ----------
     name : str
-        As given.
+        Path as typed.
     suffixes : tuple of str
-        Of the kinds, each with its dot.
+        Accepted suffixes, each with its dot.
     option : str
-        By which it was given.
+        Option that the path was given with, for the error.
 
     Returns
     -------
@@ -139,18 +138,20 @@ def output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:
     if path.exists() and not path.is_file():
         raise SceneError(f"{where}: is a device, not a file; give another name")
     if path.suffix.lower() not in suffixes:
-        raise SceneError(f"{where}: {path.suffix!r} is no format written here; end the name in {' or '.join(suffixes)}")
+        raise SceneError(
+            f"{where}: {path.suffix!r} is not written by this command; end the name in {' or '.join(suffixes)}"
+        )
     if not path.parent.is_dir():
-        raise SceneError(f"{where}: there is no folder {str(path.parent)!r}; create it or choose another")
-    # Said before the work is done, not after; a file may be protected in a folder where it could be replaced.
+        raise SceneError(f"{where}: there is no folder {str(path.parent)!r}; create it or give another name")
+    # Refused before the work starts. A protected file is left alone even where its folder would let it be replaced.
     locked = next((place for place in (path, path.parent) if place.exists() and not os.access(place, os.W_OK)), None)
     if locked is not None:
-        raise SceneError(f"{where}: {str(locked)!r} is write-protected; allow writing or choose another")
+        raise SceneError(f"{where}: {str(locked)!r} is write-protected; allow writing or give another name")
     return path
 
 
 def tracked(blocks: Iterator[xr.Dataset], pings: int) -> Iterator[xr.Dataset]:
-    """Pass blocks on; on long work a terminal shows how far they have come."""
+    """Yield the blocks; a terminal shows their progress when the work takes longer than a second."""
     from tqdm import tqdm
 
     with tqdm(total=pings, unit="ping", disable=None, delay=1.0, leave=False) as bar:
@@ -160,7 +161,7 @@ def tracked(blocks: Iterator[xr.Dataset], pings: int) -> Iterator[xr.Dataset]:
 
 
 def decibels(text: str) -> float:
-    """Read a finite number of decibels."""
+    """Parse a number of decibels."""
     value = _number(text)
     if not abs(value) <= 200.0:
         raise argparse.ArgumentTypeError(f"{text} is out of bounds; give decibels from -200 to 200")

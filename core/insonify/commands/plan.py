@@ -1,4 +1,4 @@
-"""``insonify plan``: what would be done, why, and at what cost."""
+"""``insonify plan``: how a scene would be simulated, why, and at what cost."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ def register(subparsers: Any) -> None:
     """Add ``plan``."""
     parser = subparsers.add_parser(
         "plan",
-        help="say how a scene would be simulated and why",
-        description="Say what is modelled, what is left out, why, by what error of the record and at what cost.",
+        help="explain how a scene would be simulated",
+        description="List the effects that are modelled and those that are left out, with the reason, the error of the "
+        "record and the cost of each.",
     )
     add_scene(parser)
     add_method(parser)

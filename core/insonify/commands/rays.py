@@ -1,4 +1,4 @@
-"""``insonify rays``: what the water of a scene does to sound."""
+"""``insonify rays``: a ray diagram of the water of a scene."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def register(subparsers: Any) -> None:
     """Add ``rays``."""
     parser = subparsers.add_parser(
         "rays",
-        help="draw how the water bends sound: rays, shadow zones, caustics",
-        description="Draw the speed of sound over depth, and rays bent by it, with shadow zones and caustics.",
+        help="draw rays, shadow zones and caustics",
+        description="Draw the sound speed over depth and the rays it refracts, with shadow zones and caustics.",
     )
     add_scene(parser, optional=True)
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png or .csv")
@@ -24,7 +24,7 @@ def register(subparsers: Any) -> None:
         nargs=2,
         type=float,
         metavar=("RANGE", "DEPTH"),
-        help="find the rays from the sonar to this point, in metres",
+        help="find the eigenrays from the sonar to this point, in metres",
     )
     parser.set_defaults(run=run)
 
@@ -50,6 +50,6 @@ def run(arguments: argparse.Namespace) -> int:
     for ray in diagram.eigenrays:
         say(described(ray))
     if arguments.target is not None and not diagram.eigenrays:
-        say("no ray comes to that point: it lies in a shadow zone")
+        say("no ray reaches that point: it lies in a shadow zone")
     say(str(path))
     return 0

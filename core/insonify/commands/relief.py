@@ -1,4 +1,4 @@
-"""``insonify relief``: the bed of a scene as a grey picture."""
+"""``insonify relief``: the heights of the bed as a grey picture."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ def register(subparsers: Any) -> None:
     """Add ``relief``."""
     parser = subparsers.add_parser(
         "relief",
-        help="write the heights of a scene's bed as a grey picture",
-        description="Write the heights of a scene's bed as a PNG: lowest black, highest white, north up.",
+        help="write the heights of the bed as a grey picture",
+        description="Write the heights of the bed of a scene as a PNG: the lowest black, the highest white, north up.",
     )
     add_scene(parser)
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="picture to write: .png")

@@ -1,4 +1,4 @@
-"""``insonify render``: scene or recording in, record or picture out."""
+"""``insonify render``: a scene or a record in, a record or a picture out."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def register(subparsers: Any) -> None:
         "-o", "--output", required=True, metavar="OUT", help=f"file to write: {PICTURE} (picture), {written}"
     )
     picture = parser.add_argument_group("pictures")
-    picture.add_argument("--palette", choices=PALETTES, help="colours (default: copper)")
-    picture.add_argument("--side", choices=SIDES, help="channels shown (default: both)")
-    picture.add_argument("--ground-range", action="store_true", help="straighten slant range into ground range")
+    picture.add_argument("--palette", choices=PALETTES, help="colour map (default: copper)")
+    picture.add_argument("--side", choices=SIDES, help="channels to draw (default: both)")
+    picture.add_argument("--ground-range", action="store_true", help="convert slant range to ground range")
     picture.add_argument("--gain", type=decibels, metavar="DB", help="brighten by so many decibels (default: 0)")
     add_method(parser)
     parser.set_defaults(run=run)
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     given = {name: getattr(arguments, name) for name in Look._fields if getattr(arguments, name) not in (None, False)}
     if given and not _is_picture(path):
         option = f"--{next(iter(given)).replace('_', '-')}"
-        raise SceneError(f"{option} is for pictures, not {path.name}; leave it out or end the name in {PICTURE}")
+        raise SceneError(f"{option} applies to pictures, not to {path.name}; leave it out or end the name in {PICTURE}")
     if is_record(arguments.scene):
         pings, bins = _render_record(arguments, path, Look(**given))
     else:
@@ -77,7 +77,7 @@ def _render_record(arguments: argparse.Namespace, path: Path, look: Look) -> tup
     untouched: dict[str, object] = {"set": [], "seed": None, "method": "auto", "tolerance": 0.03, "model": []}
     changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
     if changed is not None:
-        raise SceneError(f"--{changed} is for scenes, and {arguments.scene} is a record already; leave it out")
+        raise SceneError(f"--{changed} applies to scenes, and {arguments.scene} is a record; leave it out")
     record = read_record(arguments.scene)
     if not _is_picture(path):
         write_record(path, [record])
@@ -99,7 +99,7 @@ def write(
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
 ) -> None:
-    """Simulate a scene and write it by suffix.
+    """Simulate a scene and write its record or picture.
 
     Parameters
     ----------

@@ -16,15 +16,15 @@ def register(subparsers: Any) -> None:
     """Add ``scenes``."""
     scenes = subparsers.add_parser(
         "scenes",
-        help="list the bundled scenes, or say what they show",
-        description="List the scenes that come with insonify; of those named, say what they show and what to move.",
+        help="list the bundled scenes, or describe some",
+        description="List the bundled scenes. With names, describe what those scenes show and which fields to change.",
     )
     scenes.add_argument("names", nargs="*", metavar="NAME", help="a bundled scene, or a TOML file")
     scenes.set_defaults(run=run)
 
 
 def about(scene: Scene) -> str:
-    """Say what a scene shows and what to move, in lines that fit a terminal."""
+    """Title and description of a scene, wrapped to a terminal."""
     paragraph = " ".join(scene.description.split())
     return "\n".join([scene.title, *textwrap.wrap(paragraph, LINE, initial_indent="  ", subsequent_indent="  ")])
 

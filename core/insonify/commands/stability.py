@@ -1,4 +1,4 @@
-"""``insonify stability``: where methods fail, measured here, as one page."""
+"""``insonify stability``: a page of the known numerical failures, measured on this machine."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ def register(subparsers: Any) -> None:
     """Add ``stability``."""
     parser = subparsers.add_parser(
         "stability",
-        help="show where methods fail, and what is done instead, as a page (.html)",
-        description="Set up every place where methods of this kind are known to fail, measure the plain way and the "
-        "program's own against the truth, and write a page with a table and pictures.",
+        help="measure known numerical failures and their cures, as a page (.html)",
+        description="Set up the cases in which methods of this kind are known to fail. Measure the plain method and "
+        "the program's own against the exact answer, and write a page with a table and figures.",
     )
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="page to write: .html")
     parser.set_defaults(run=run)
