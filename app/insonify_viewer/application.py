@@ -15,7 +15,7 @@ from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
 from insonify.scene import Scene, SceneError
-from insonify_viewer.collecting import collecting_here
+from insonify_viewer.gc_policy import collecting_here
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.files import save_picture
 from insonify_viewer.views.theme import dress

@@ -7,27 +7,18 @@ import os
 import sys
 from typing import Any
 
-from insonify.commands.options import add_scene, chosen_scene, output, say
-from insonify_viewer.display import why_no_window
+from insonify.commands.options import add_scene, chosen_scene, output
+from insonify_viewer.screen_check import why_no_window
 
 FALLBACK = "insonify.png"
 
 
 def register(subparsers: Any) -> None:
-    """Add ``view`` and ``light`` to the sub-commands of ``insonify``."""
+    """Add ``view`` to the sub-commands of ``insonify``."""
     parser = subparsers.add_parser("view", help="open the viewer", description="Open the viewer on a scene.")
     add_scene(parser, optional=True)
     parser.add_argument("--snapshot", metavar="PNG", help="draw the window into a picture instead of opening it")
     parser.set_defaults(run=run)
-    light = subparsers.add_parser(
-        "light",
-        help="draw a scene as light shows it, with the lamp at the sonar",
-        description="Draw the seabed and what lies on it, lit by a lamp at the sonar half way along the tow, with the "
-        "scene's own materials (Lambert and Phong) and hard shadows.",
-    )
-    add_scene(light)
-    light.add_argument("-o", "--output", required=True, metavar="OUT", help="picture to write: .png")
-    light.set_defaults(run=run_light)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -59,22 +50,4 @@ def run(arguments: argparse.Namespace) -> int:
     draw_window(scene, path)
     if arguments.snapshot is None:
         sys.stdout.write(f"No window can be opened ({reason}), so it was drawn into {path}.\n")
-    return 0
-
-
-def run_light(arguments: argparse.Namespace) -> int:
-    """Draw a scene as light shows it.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
-    path = output(arguments.output, (".png",))
-    scene = chosen_scene(arguments)
-    from insonify_viewer.light_page import write_light
-    from insonify_viewer.setting import make_setting
-
-    width, height = write_light(path, make_setting(scene))
-    say(f"{path}: {width} x {height} pixels")
     return 0

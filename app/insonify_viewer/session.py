@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from insonify.scene import Scene, SceneError, edit
-from insonify_viewer.entailed import completed
+from insonify_viewer.dependent_edits import completed
 from insonify_viewer.modelling import Modelling
 
 UNDO_DEPTH = 200

@@ -12,20 +12,20 @@ from PySide6.QtGui import QGuiApplication
 
 from insonify.display.picture import PALETTES, contrast, palette
 from insonify.scene import Scene, SceneError
-from insonify_viewer.charting import ChartPanel
-from insonify_viewer.parameters import sections_of
-from insonify_viewer.planning import PlanPanel
+from insonify_viewer.auto_pause import next_stop
+from insonify_viewer.panels.chart.controller import ChartPanel
+from insonify_viewer.panels.parameters.sections import sections_of
+from insonify_viewer.panels.plan.controller import PlanPanel
+from insonify_viewer.panels.water.controller import WaterPanel
 from insonify_viewer.readout import readout
 from insonify_viewer.record import Record
-from insonify_viewer.seabed import Seabed
+from insonify_viewer.seabed_controller import Seabed
 from insonify_viewer.session import Mark, Session
-from insonify_viewer.simulation import Answer, Request, Simulator
-from insonify_viewer.stops import next_stop
-from insonify_viewer.targets import Targets
-from insonify_viewer.tow import Tow
+from insonify_viewer.simulator import Answer, Request, Simulator
+from insonify_viewer.target_editor import Targets
+from insonify_viewer.tow_clock import Tow
 from insonify_viewer.views.files import Files
 from insonify_viewer.views.main_window import MainWindow
-from insonify_viewer.water import WaterPanel
 
 MAX_PINGS, MAX_CELLS = 2048, 2**26  # on screen
 TICK = 25  # ms

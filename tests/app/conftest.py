@@ -17,7 +17,7 @@ from stand_in import StandIn
 
 from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.application import has_opengl
-from insonify_viewer.collecting import collecting_here
+from insonify_viewer.gc_policy import collecting_here
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.theme import dress
 

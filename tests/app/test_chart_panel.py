@@ -17,7 +17,7 @@ from insonify.accuracy.charts.measure import Case, Chart, Row
 from insonify.accuracy.charts.reference import Reference
 from insonify.accuracy.metrics import compare, displacement
 from insonify.scene import Scene, SceneError
-from insonify_viewer.judging import Point, in_numbers, judge, nearest, picture
+from insonify_viewer.panels.chart.chart_details import Point, in_numbers, judge, nearest, picture
 
 
 def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None) -> Chart:

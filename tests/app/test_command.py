@@ -1,4 +1,4 @@
-"""The command as people run it, without a display."""
+"""The command as people run it, without a screen_check."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
-from insonify_viewer import display
+from insonify_viewer import screen_check
 
 SMALL = ("--set", "track.pings=64", "--set", "sonar.bins=200")
 
@@ -69,14 +69,16 @@ def test_mistakes_are_one_sentence(words: tuple[str, ...], part: str, capsys: py
 def test_why_no_window(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("QT_QPA_PLATFORM", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    assert display.why_no_window() == ""
-    monkeypatch.setattr(display, "WINDOW_LIBRARIES", (display.WINDOW_LIBRARIES[0], "libnowhere.so.1"))
-    assert display.why_no_window().startswith("the system lacks libnowhere.so.1; mend with: apt-get install libegl1")
-    monkeypatch.setattr(display, "WINDOW_LIBRARIES", display.WINDOW_LIBRARIES[:1])
+    assert screen_check.why_no_window() == ""
+    monkeypatch.setattr(screen_check, "WINDOW_LIBRARIES", (screen_check.WINDOW_LIBRARIES[0], "libnowhere.so.1"))
+    assert screen_check.why_no_window().startswith(
+        "the system lacks libnowhere.so.1; mend with: apt-get install libegl1"
+    )
+    monkeypatch.setattr(screen_check, "WINDOW_LIBRARIES", screen_check.WINDOW_LIBRARIES[:1])
     monkeypatch.setenv("DISPLAY", ":4711")
-    assert display.why_no_window() == "display :4711 does not answer"
+    assert screen_check.why_no_window() == "display :4711 does not answer"
     monkeypatch.delenv("DISPLAY")
-    assert display.why_no_window() == "there is no display"
+    assert screen_check.why_no_window() == "there is no display"
 
 
 def test_registering_imports_no_window() -> None:

@@ -11,9 +11,9 @@ from stand_in import StandIn
 
 from insonify.kernels.common.types import PORT, STARBOARD
 from insonify.scene import Scene, edit
-from insonify_viewer.pv_meshes import PATH_POINTS, path_pings, placed, scan_line
 from insonify_viewer.readout import place_of
 from insonify_viewer.session import Mark
+from insonify_viewer.views.pv_meshes import PATH_POINTS, path_pings, placed, scan_line
 
 TURN = {"kind": "turn", "rate": 10.0, "begin": 2.0, "duration": 9.0}
 TILTED = {"kind": "pitch", "amplitude": 10.0, "period": 1e5, "phase": 90.0}

@@ -12,8 +12,8 @@ from insonify.cli import main
 from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
 from insonify.tracers import sweep
-from insonify_viewer.changes import Heard, difference, in_words, subject_of
 from insonify_viewer.modelling import COARSE, Modelling
+from insonify_viewer.panels.plan.comparison import Heard, difference, in_words, subject_of
 from insonify_viewer.record import Record
 from insonify_viewer.session import Session
 

@@ -7,8 +7,9 @@ import pytest
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.seabed import Seabed
-from insonify_viewer.entailed import completed
-from insonify_viewer.parameters import Number, sections_of
+from insonify_viewer.dependent_edits import completed
+from insonify_viewer.fields import Number
+from insonify_viewer.panels.parameters.sections import sections_of
 
 KINDS = [kind_name(model) for model in models_of(Seabed, "relief") if kind_name(model) != "dem"]
 ENDLESS = ["fractal", "power_law", "von_karman", "ripples", "autocorrelation", "sum"]

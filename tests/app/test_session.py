@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
-from insonify_viewer.parameters import Choice, Number, sections_of
+from insonify_viewer.fields import Choice, Number
+from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.quantities import at_fraction, fraction, read, shown, span
 from insonify_viewer.record import Record
 from insonify_viewer.session import Mark, Session
-from insonify_viewer.tow import Tow
+from insonify_viewer.tow_clock import Tow
 from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
 
 

@@ -12,8 +12,8 @@ from insonify.display.picture import LevelBed, normalise
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify_viewer.modelling import Modelling
-from insonify_viewer.simulation import Request, Simulator
-from insonify_viewer.views.smearing import smeared
+from insonify_viewer.simulator import Request, Simulator
+from insonify_viewer.views.along_track_blur import smeared
 
 
 def box(energy: np.ndarray, ping: int, pings: float) -> float:

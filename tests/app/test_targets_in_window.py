@@ -10,12 +10,12 @@ import pytest
 from PySide6.QtWidgets import QFileDialog, QToolButton
 
 from insonify.scene import Scene, SceneError, edit, resources
-from insonify_viewer.parameters import sections_of
-from insonify_viewer.placing import new_target
-from insonify_viewer.pv_meshes import frustum_mesh, targets_mesh
-from insonify_viewer.shading import target_colours
+from insonify_viewer.bed_shading import target_colours
+from insonify_viewer.panels.parameters.sections import sections_of
+from insonify_viewer.target_placement import new_target
+from insonify_viewer.views.field_rows import FileRow
 from insonify_viewer.views.main_window import TARGETS
-from insonify_viewer.views.parameter_rows import FileRow
+from insonify_viewer.views.pv_meshes import frustum_mesh, targets_mesh
 
 
 def pick_file(monkeypatch: pytest.MonkeyPatch, path: str) -> None:

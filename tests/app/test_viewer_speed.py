@@ -14,7 +14,7 @@ from PySide6.QtCore import QTimer
 
 from insonify.scene import edit, load_scene
 from insonify_viewer.modelling import Modelling
-from insonify_viewer.simulation import Request, Simulator
+from insonify_viewer.simulator import Request, Simulator
 
 pytestmark = pytest.mark.bench
 MOVES = 12

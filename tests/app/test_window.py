@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QToolButton
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify.scene.materials import MATERIALS
 from insonify_viewer.session import Mark
-from insonify_viewer.views.parameter_rows import ChoiceRow, NumberRow
+from insonify_viewer.views.field_rows import ChoiceRow, NumberRow
 
 
 def number_row(viewer: Any, path: str) -> NumberRow:

@@ -16,8 +16,8 @@ from insonify.io.meshes import MESHES
 from insonify.io.navigation import NAVIGATION
 from insonify.io.sound_speed_casts import CASTS
 from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, load_scene
-from insonify_viewer.dem import scene_over_dem
-from insonify_viewer.simulation import Simulator
+from insonify_viewer.dem_scene import scene_over_dem
+from insonify_viewer.simulator import Simulator
 
 MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 

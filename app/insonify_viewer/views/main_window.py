@@ -19,11 +19,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify_viewer.tow import SPEEDS
-from insonify_viewer.views.parameter_panel import ParameterPanel
-from insonify_viewer.views.plan_view import PlanView
+from insonify_viewer.panels.parameters.view import ParameterPanel
+from insonify_viewer.panels.plan.view import PlanView
+from insonify_viewer.panels.water.view.water_view import WaterView
+from insonify_viewer.tow_clock import SPEEDS
 from insonify_viewer.views.scene_menu import SceneMenu
-from insonify_viewer.views.water_view import WaterView
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 GAIN_REACH = 30  # dB either way

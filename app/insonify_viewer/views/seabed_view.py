@@ -14,8 +14,8 @@ from PySide6.QtCore import QTimer
 from PySide6.QtGui import QImage, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
-from insonify_viewer import pv_meshes
-from insonify_viewer.pv_meshes import BedPatch, Fan
+from insonify_viewer.views import pv_meshes
+from insonify_viewer.views.pv_meshes import BedPatch, Fan
 from insonify_viewer.views.theme import MARK
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.session import Mark
+from insonify_viewer.views.along_track_blur import smeared
 from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
-from insonify_viewer.views.smearing import smeared
 from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
 
 LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 12

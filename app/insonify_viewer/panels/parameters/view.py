@@ -16,9 +16,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify_viewer.parameters import Choice, Number, Parameter, Section
-from insonify_viewer.views.folding import FoldingBox
-from insonify_viewer.views.parameter_rows import ChoiceRow, FileRow, NumberRow
+from insonify_viewer.fields import Choice, Number, Parameter
+from insonify_viewer.panels.parameters.sections import Section
+from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
+from insonify_viewer.views.folding_box import FoldingBox
 
 OPEN_AT_FIRST = ("sonar", "seabed", "track")
 Row = NumberRow | ChoiceRow | FileRow

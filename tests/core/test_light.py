@@ -11,12 +11,12 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
+from insonify.optics.cutaway import make_block, make_camera
+from insonify.optics.light import LAMP, Stage, light_picture
+from insonify.optics.material_colours import hues
+from insonify.optics.optical_hits import glances
+from insonify.optics.optical_scene import Setting, make_setting
 from insonify.scene import edit, load_scene
-from insonify_viewer.block import make_block, make_camera
-from insonify_viewer.glances import glances
-from insonify_viewer.light import LAMP, Stage, light_picture
-from insonify_viewer.setting import Setting, make_setting
-from insonify_viewer.shading import hues
 
 LEVEL = {"seabed.relief": "flat", "seabed.material": {"name": "rock", "diffuse": 0.5, "specular": 0.0}, "targets": []}
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Solids
+    from insonify.optics.optical_scene import Setting
     from insonify.terrain import Ground
-    from insonify_viewer.setting import Setting
 
 Vectors = NDArray[np.float64]
 MARGIN = 0.07  # of the block's longer side, beyond what must be on it

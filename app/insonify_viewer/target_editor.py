@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from insonify.scene import SceneError, plain
-from insonify_viewer.placing import new_target
 from insonify_viewer.session import Session
+from insonify_viewer.target_placement import new_target
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
-    from insonify_viewer.simulation import Simulator
+    from insonify_viewer.simulator import Simulator
     from insonify_viewer.views.files import Files
     from insonify_viewer.views.main_window import MainWindow
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import SceneError
-from insonify_viewer.simulation import Simulator
+from insonify_viewer.simulator import Simulator
 
 if TYPE_CHECKING:
     from PySide6.QtWidgets import QWidget
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Solids
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
-    from insonify_viewer.pv_meshes import BedPatch
+    from insonify_viewer.views.pv_meshes import BedPatch
 
     _Bed = tuple[AnyGround, tuple[float, float], float]
     _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
@@ -63,8 +63,8 @@ class Seabed:
         self._latest = (simulation, ping, tones)
         if self._view is None:
             return
-        from insonify_viewer.pv_meshes import path_pings, window_centre
-        from insonify_viewer.shading import target_colours
+        from insonify_viewer.bed_shading import target_colours
+        from insonify_viewer.views.pv_meshes import path_pings, window_centre
 
         sent = np.array([ping], dtype=np.int64)
         pose, line = simulation.poses(sent), simulation.line(sent)
@@ -116,7 +116,7 @@ class Seabed:
 
     def _bake(self, bed: _Bed, bodies: _Bodies) -> None:
         """Work bed and targets out on the worker."""
-        from insonify_viewer.pv_meshes import bed_patch, targets_mesh
+        from insonify_viewer.views.pv_meshes import bed_patch, targets_mesh
 
         self._baking += 1
         number = self._baking

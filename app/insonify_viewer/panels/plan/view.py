@@ -18,11 +18,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify_viewer.fields import Number
 from insonify_viewer.modelling import Modelling
-from insonify_viewer.parameters import Number
 from insonify_viewer.quantities import span
-from insonify_viewer.views.folding import FoldingBox
-from insonify_viewer.views.parameter_rows import Combo, NumberRow
+from insonify_viewer.views.field_rows import Combo, NumberRow
+from insonify_viewer.views.folding_box import FoldingBox
 
 if TYPE_CHECKING:
     from insonify.planning import Entry, Plan

@@ -5,13 +5,13 @@ from __future__ import annotations
 import statistics
 from typing import TYPE_CHECKING
 
-from insonify_viewer.changes import Heard, difference, in_words, subject_of
+from insonify_viewer.panels.plan.comparison import Heard, difference, in_words, subject_of
 from insonify_viewer.session import Session
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
     from insonify_viewer.record import Record
-    from insonify_viewer.simulation import Answer
+    from insonify_viewer.simulator import Answer
     from insonify_viewer.views.main_window import MainWindow
 
 MOVED = 64  # pings that a running tow goes on before the record is heard anew

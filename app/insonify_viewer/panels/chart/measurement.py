@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Signal
 
 from insonify.scene import Scene, SceneError
-from insonify_viewer.judging import picture
+from insonify_viewer.panels.chart.chart_details import picture
 
 if TYPE_CHECKING:
     from insonify.accuracy.charts import Chart

@@ -9,7 +9,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.picture import PALETTES, contrast, palette
-from insonify_viewer.judging import Judged
+from insonify_viewer.panels.chart.chart_details import Judged
 from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
 from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtWidgets import QFileDialog
 
 from insonify.scene import SceneError
-from insonify_viewer.judging import Judged, Pictured, judge
-from insonify_viewer.measuring import Measurement
+from insonify_viewer.panels.chart.chart_details import Judged, Pictured, judge
+from insonify_viewer.panels.chart.measurement import Measurement
+from insonify_viewer.panels.chart.view.chart_window import ChartWindow
 from insonify_viewer.session import Session
-from insonify_viewer.views.chart_window import ChartWindow
 
 if TYPE_CHECKING:
     from insonify.accuracy.charts import Chart, Row
-    from insonify_viewer.simulation import Simulator
+    from insonify_viewer.simulator import Simulator
     from insonify_viewer.views.main_window import MainWindow
 
 KINDS = "Picture (*.png);;Drawing (*.svg);;Table (*.csv);;Table (*.json)"

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import SceneArrays
+from insonify.optics.cutaway import Vectors
 from insonify.tracers.rays import PathHits, cast, follow
-from insonify_viewer.block import Vectors
 
 SHORT = 1e-5  # m before a hit, from where its surface is looked at
 LONG = 400.0  # m after which a ray through mirrors is given up

@@ -6,8 +6,8 @@ from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QSplitter, QVBoxLayout, QWidget
 
-from insonify_viewer.judging import Judged, Pictured, in_numbers, nearest
-from insonify_viewer.views.strips_view import StripsView
+from insonify_viewer.panels.chart.chart_details import Judged, Pictured, in_numbers, nearest
+from insonify_viewer.panels.chart.view.strips_view import StripsView
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET
 
 SIZE, SMALLEST = (1120, 860), (560, 460)

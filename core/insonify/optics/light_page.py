@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from insonify.io.atomic import replacing
-from insonify_viewer.block import Block, make_block
-from insonify_viewer.light import light_picture
+from insonify.optics.cutaway import Block, make_block
+from insonify.optics.light import light_picture
 
 if TYPE_CHECKING:
+    from insonify.optics.optical_scene import Setting
     from insonify.scene import Scene
-    from insonify_viewer.setting import Setting
 
 DPI = 100
 INSET = 26  # pixels from the left

@@ -11,7 +11,7 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from insonify.scene.rotation import rotation_matrix
-from insonify_viewer.shading import bed_image, sampled
+from insonify_viewer.bed_shading import bed_image, sampled
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids

@@ -12,7 +12,7 @@ from insonify.scene.materials import MATERIALS, Material, PatternMap, Reflectivi
 from insonify.scene.motions.straight import Straight
 from insonify.scene.motions.sum import SumOfMotions
 from insonify.scene.reliefs.mimic import Mimic
-from insonify_viewer.entailed_relief import endless, parts, spectrum, together
+from insonify_viewer.dependent_relief_edits import endless, parts, spectrum, together
 
 Changes = dict[str, Any]
 SLOWEST = 1e-3  # Hz, a rate of pings that any range allows

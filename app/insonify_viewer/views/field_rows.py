@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QPushButton, QSizePolicy, QSlider
 
-from insonify_viewer.parameters import Choice, File, Number
+from insonify_viewer.fields import Choice, File, Number
 from insonify_viewer.quantities import at_fraction, fraction, read, shown
 
 STEPS = 1000

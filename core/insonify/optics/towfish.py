@@ -7,7 +7,7 @@ import numpy as np
 from insonify.kernels.common.types import SceneArrays, Solids
 from insonify.packing.targets import pack_solids
 from insonify.scene.targets.shape import Solid, ball, frustum
-from insonify_viewer.block import Block
+from insonify.optics.cutaway import Block
 
 FISH = np.array([0.85, 0.47, 0.03])  # as shown
 SIZE = 0.045  # length over the block's longer side: larger than life, to be seen

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.optics.material_colours import COLOURS, shares_of
 from insonify.scene.materials import MATERIALS
 
 if TYPE_CHECKING:
@@ -14,19 +15,6 @@ if TYPE_CHECKING:
     from insonify.terrain.ground import Ground
 
 FOG = (0.345, 0.570, 0.655)
-COLOURS = {
-    "silt": (0.47, 0.45, 0.38),
-    "fine_sand": (0.83, 0.74, 0.55),
-    "medium_sand": (0.80, 0.68, 0.47),
-    "coarse_sand": (0.72, 0.58, 0.40),
-    "sandy_gravel": (0.60, 0.53, 0.45),
-    "cobble": (0.50, 0.48, 0.45),
-    "rock": (0.40, 0.39, 0.39),
-    "concrete": (0.66, 0.66, 0.64),
-    "steel": (0.50, 0.52, 0.55),
-    "mirror": (0.80, 0.84, 0.88),
-}
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue
 LAMP = np.array([-0.50, 0.55, 0.67]) / np.linalg.norm([-0.50, 0.55, 0.67])
 LIT = 1.3  # of targets, which stand out from the bed
 SLOPE_SHOWN = 0.42
@@ -40,12 +28,6 @@ def target_colours(scene: Scene) -> NDArray[np.uint8]:
     """Return the colours of a scene's targets by their materials' names, (targets, 3) uint8."""
     colours = np.array([COLOURS[target.material.name] for target in scene.targets]).reshape(-1, 3)
     return np.asarray(255.0 * np.minimum(colours * LIT, 1.0), dtype=np.uint8)
-
-
-def hues(rows: tuple[str, ...]) -> NDArray[np.float64]:
-    """Return the linear colours of rows of the material table, (n, 3), of luminance 1."""
-    linear = np.array([sum(share * np.array(COLOURS[name]) for name, share in _shares(row)) for row in rows]) ** 2.2
-    return np.asarray(linear / (linear @ LUMINANCE)[:, np.newaxis])
 
 
 def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: int) -> NDArray[np.uint8]:
@@ -85,18 +67,12 @@ def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: in
 
 def _colours(ground: Ground) -> NDArray[np.float32]:
     """Colour of each row of the material table, (n, 3): its name's, lighter or darker as its numbers have it."""
-    named = [_shares(name) for name in ground.names]
+    named = [shares_of(name) for name in ground.names]
     colours = np.array([sum(share * np.array(COLOURS[name]) for name, share in shares) for shares in named])
     usual = np.array([sum(share * MATERIALS[name].diffuse for name, share in shares) for shares in named])
     ratio = np.array([row.diffuse for row in ground.reflectivities]) / np.maximum(usual, DARK)
     tone = np.sqrt(np.clip(ratio / max(float(ratio.mean()), DARK), *TONES))
     return np.asarray(colours * tone[:, np.newaxis], dtype=np.float32)
-
-
-def _shares(row: str) -> list[tuple[str, float]]:
-    """Materials that a row's name tells, and their shares: ``25.1_silt+74.9_rock``, or one name alone."""
-    parts = [part.partition("_") for part in row.split("+")]
-    return [(name, float(percent) / 100.0) for percent, _, name in parts] if "+" in row else [(row, 1.0)]
 
 
 def sampled(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float32]:

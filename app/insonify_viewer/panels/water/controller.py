@@ -11,7 +11,7 @@ from insonify_viewer.session import Session
 
 if TYPE_CHECKING:
     from insonify.display.ray_diagram.diagram import Diagram
-    from insonify_viewer.simulation import Simulator
+    from insonify_viewer.simulator import Simulator
     from insonify_viewer.views.main_window import MainWindow
 
 APART = 0.1  # m that points of a profile keep from each other

@@ -8,8 +8,8 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
 from insonify.display.ray_diagram.diagram import Diagram, beside, described
+from insonify_viewer.panels.water.view.plot_scales import Frame, round_steps
 from insonify_viewer.views.theme import ACCENT, GROUND, MARK, QUIET, TEXT
-from insonify_viewer.views.water_frame import Frame, round_steps
 
 # From slow to fast, as the figure has it by day.
 NIGHT = np.array([(28, 70, 108), (38, 62, 84), (62, 59, 56), (106, 80, 46)], dtype=np.float64)

@@ -7,9 +7,9 @@ from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QPixmap, Q
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.ray_diagram.diagram import Diagram
+from insonify_viewer.panels.water.view.painting import paint_profile, paint_water, shadow_picture, water_picture
+from insonify_viewer.panels.water.view.plot_scales import Frame
 from insonify_viewer.views.theme import GROUND, QUIET
-from insonify_viewer.views.water_frame import Frame
-from insonify_viewer.views.water_painting import paint_profile, paint_water, shadow_picture, water_picture
 
 GRASP = 9.0  # px within which a point is taken hold of
 HINT = "Drag the points of the profile; click into the water for the rays that come to that point."

@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import BED
+from insonify.optics.cutaway import Block, Camera, Vectors, make_camera
+from insonify.optics.material_colours import LUMINANCE, hues
+from insonify.optics.optical_hits import Glances, glances, material_rows
+from insonify.optics.towfish import FISH, with_fish
 from insonify.parallel import in_parallel
 from insonify.tracers.rays import cast
-from insonify_viewer.block import Block, Camera, Vectors, make_camera
-from insonify_viewer.fish import FISH, with_fish
-from insonify_viewer.glances import Glances, glances, material_rows
-from insonify_viewer.shading import LUMINANCE, hues
 
 if TYPE_CHECKING:
-    from insonify_viewer.setting import Setting
+    from insonify.optics.optical_scene import Setting
 
 WIDTH = 1200
 SAMPLES = 2  # rays of a pixel, each way

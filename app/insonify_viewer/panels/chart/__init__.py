@@ -1,0 +1,1 @@
+"""Chart panel: speed against accuracy of every method on the current scene."""

@@ -1,0 +1,1 @@
+"""Parameters panel: every field of the scene with its slider."""

@@ -1,0 +1,1 @@
+"""Plan panel: what is modelled and what is left out."""

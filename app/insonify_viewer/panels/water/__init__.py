@@ -1,0 +1,1 @@
+"""Water panel: sound speed over depth and the rays that it bends."""

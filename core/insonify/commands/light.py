@@ -1,0 +1,39 @@
+"""``insonify light``: a scene as light shows it."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from insonify.commands.options import add_scene, chosen_scene, output, say
+
+
+def register(subparsers: Any) -> None:
+    """Add ``light``."""
+    parser = subparsers.add_parser(
+        "light",
+        help="draw a scene as light shows it, with the lamp at the sonar",
+        description="Draw the seabed and the targets, lit by a lamp at the sonar half way along the track. The scene's "
+        "own materials return the light (Lambert and Phong); shadows are hard.",
+    )
+    add_scene(parser)
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="picture to write: .png")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Draw and write.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    path = output(arguments.output, (".png",))
+    scene = chosen_scene(arguments)
+    from insonify.optics.light_page import write_light
+    from insonify.optics.optical_scene import make_setting
+
+    width, height = write_light(path, make_setting(scene))
+    say(f"{path}: {width} x {height} pixels")
+    return 0
