@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,23 +13,26 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
-from insonify.optics.cutaway import make_block, make_camera
-from insonify.optics.light import LAMP, Stage, light_picture
+from insonify.optics.camera import make_camera
+from insonify.optics.cutaway import make_cutaway
+from insonify.optics.light import LAMP, LightRenderer, light_picture
 from insonify.optics.material_colours import hues
-from insonify.optics.optical_hits import glances
-from insonify.optics.optical_scene import Setting, make_setting
+from insonify.optics.optical_hits import find_optical_hits
+from insonify.optics.optical_scene import OpticalScene, make_optical_scene
 from insonify.scene import edit, load_scene
 
 LEVEL = {"seabed.relief": "flat", "seabed.material": {"name": "rock", "diffuse": 0.5, "specular": 0.0}, "targets": []}
 
 
-def laid_out(name: str, **changes: Any) -> Setting:
-    return make_setting(edit(load_scene(name), {path.replace("__", "."): value for path, value in changes.items()}))
+def laid_out(name: str, **changes: Any) -> OpticalScene:
+    return make_optical_scene(
+        edit(load_scene(name), {path.replace("__", "."): value for path, value in changes.items()})
+    )
 
 
-def pixel(setting: Setting, image: Any, place: tuple[float, float, float]) -> Any:
-    block = make_block(setting)
-    x, y = make_camera(block, image.shape[1]).seen(np.array(place))
+def pixel(optical: OpticalScene, image: Any, place: tuple[float, float, float]) -> Any:
+    cutaway = make_cutaway(optical)
+    x, y = make_camera(cutaway, image.shape[1]).project(np.array(place))
     return image[int(y), int(x)].astype(float)
 
 
@@ -40,24 +45,24 @@ def shadow(gap: float) -> tuple[float, float]:
 
 @pytest.mark.parametrize("gap", [0.0, 1.0])
 def test_the_shadow_of_a_pipe_lies_where_geometry_puts_it(gap: float) -> None:
-    setting = laid_out("pipe-on-bed", targets__0__gap=gap)
-    image = light_picture(setting, make_block(setting), 1000)
+    optical = laid_out("pipe-on-bed", targets__0__gap=gap)
+    image = light_picture(optical, make_cutaway(optical), 1000)
     begins, ends = shadow(gap)
-    middle = setting.scene.track.pings // 2 * setting.scene.track.speed / setting.scene.sonar.ping_rate
+    middle = optical.scene.track.pings // 2 * optical.scene.track.speed / optical.scene.sonar.ping_rate
     lit, dark = (
-        [pixel(setting, image, (middle, -y, 0.0)).sum() for y in ranges]
+        [pixel(optical, image, (middle, -y, 0.0)).sum() for y in ranges]
         for ranges in ((ends + 0.3, ends + 1.0), (max(begins, 32.0) + 0.3, 0.5 * (begins + ends) + 0.5, ends - 0.3))
     )
     assert max(dark) < 0.7 * min(lit)
 
 
 def test_light_on_a_level_bed_falls_with_the_cosine() -> None:
-    setting = make_setting(edit(load_scene("pipe-on-bed"), LEVEL))
-    block = make_block(setting)
-    stage = Stage(setting, block)
+    optical = make_optical_scene(edit(load_scene("pipe-on-bed"), LEVEL))
+    cutaway = make_cutaway(optical)
+    renderer = LightRenderer(optical, cutaway)
     aside = (5.0, 10.0, 20.0)
     down = np.array([[0.0, 0.0, -1.0]])
-    near, middle, far = (stage.seen(np.add(block.lamp, (0.0, -y, 1.0)), down)[0, :3] for y in aside)
+    near, middle, far = (renderer.light_along(np.add(cutaway.lamp, (0.0, -y, 1.0)), down)[0, :3] for y in aside)
     cosines = [math.cos(math.atan2(y, 10.0)) for y in aside]
     # The light from around is the same everywhere and cancels.
     expected = (cosines[0] - cosines[1]) / (cosines[0] - cosines[2])
@@ -67,11 +72,11 @@ def test_light_on_a_level_bed_falls_with_the_cosine() -> None:
 
 
 def test_a_mirror_shows_what_stands_before_it() -> None:
-    setting = laid_out("figure-1", sonar__bounces=1)
+    optical = laid_out("figure-1", sonar__bounces=1)
     # From the ball's side of the mirror at y = 26.9, looking at the ball's image behind it.
     eye, image = np.array([16.0, 10.0, 4.0]), np.array([10.0, 2 * 26.9 - 20.0, 0.8])
     way = (image - eye) / np.linalg.norm(image - eye)
-    found = glances(setting.arrays, eye[None], way[None], np.array([100.0]), len(setting.ground.names))
+    found = find_optical_hits(optical.arrays, eye[None], way[None], np.array([100.0]), len(optical.ground.names))
     assert found.what.tolist() == [0, 1]
     assert np.linalg.norm(found.where[1] - [10.0, 20.0, 0.8]) == pytest.approx(0.8, abs=1e-6)
     assert found.share[1] == pytest.approx(1.0)
@@ -80,13 +85,13 @@ def test_a_mirror_shows_what_stands_before_it() -> None:
 
 def test_what_leaves_into_the_water_is_accounted_for() -> None:
     """With surfaces that keep nothing, every ray ends on the bed or in the water, and no share is lost or won."""
-    setting = laid_out("figure-1", sonar__bounces=8)
+    optical = laid_out("figure-1", sonar__bounces=8)
     rng = np.random.default_rng(1)
     centre = np.array([12.0, -18.0, 2.5])  # of the clear ball
     eyes = centre + np.column_stack([rng.uniform(-6.0, 6.0, (500, 2)), rng.uniform(3.0, 8.0, 500)])
     ways = centre + rng.uniform(-1.2, 1.2, (500, 3)) - eyes
     ways /= np.linalg.norm(ways, axis=1)[:, None]
-    found = glances(setting.arrays, eyes, ways, np.full(500, 100.0), len(setting.ground.names))
+    found = find_optical_hits(optical.arrays, eyes, ways, np.full(500, 100.0), len(optical.ground.names))
     ended = np.zeros(500)
     np.add.at(ended, found.ray, found.escaped)
     others = (found.what != 5) & (found.share > 0.0)
@@ -100,8 +105,8 @@ def test_what_leaves_into_the_water_is_accounted_for() -> None:
 
 @pytest.mark.parametrize("name", ["default", "double-image", "figure-5-relief", "sediments", "real-bed", "wreck"])
 def test_no_picture_has_black_or_blank_regions(name: str) -> None:
-    setting = make_setting(load_scene(name))
-    image = light_picture(setting, make_block(setting), 300).astype(int)
+    optical = make_optical_scene(load_scene(name))
+    image = light_picture(optical, make_cutaway(optical), 300).astype(int)
     assert image.sum(axis=2).min() > 45
     assert (image.min(axis=2) >= 254).mean() < 0.01
     middle = image[image.shape[0] // 3 : -image.shape[0] // 3, 75:-75]
@@ -118,6 +123,23 @@ def test_the_command_draws_the_scene_as_it_is_set(tmp_path: Path, capsys: pytest
     image = np.asarray(Image.open(path).convert("RGB")).astype(int)
     middle = image[image.shape[0] // 2, 450:550]
     assert np.ptp(middle, axis=1).mean() < 30, "cobble is grey"
+
+
+def test_the_command_needs_no_viewer(tmp_path: Path) -> None:
+    """No module of Qt, PyVista, VTK or the viewer can be imported."""
+    code = (
+        "import sys\n"
+        "for name in ('PySide6', 'pyvista', 'pyvistaqt', 'vtk', 'vtkmodules', 'insonify_viewer'):\n"
+        "    sys.modules[name] = None\n"
+        "from insonify.cli import main\n"
+        "sys.exit(main(['light', 'pipe-on-bed', '-o', 'light.png']))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    with Image.open(tmp_path / "light.png") as image:
+        assert image.width == 1200
 
 
 @pytest.mark.parametrize(

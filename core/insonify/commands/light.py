@@ -32,8 +32,8 @@ def run(arguments: argparse.Namespace) -> int:
     path = output(arguments.output, (".png",))
     scene = chosen_scene(arguments)
     from insonify.optics.light_page import write_light
-    from insonify.optics.optical_scene import make_setting
+    from insonify.optics.optical_scene import make_optical_scene
 
-    width, height = write_light(path, make_setting(scene))
+    width, height = write_light(path, make_optical_scene(scene))
     say(f"{path}: {width} x {height} pixels")
     return 0

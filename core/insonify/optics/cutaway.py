@@ -1,4 +1,4 @@
-"""The block of seabed that a light picture shows, and the camera that looks at it."""
+"""Box of seabed and water that a light picture shows."""
 
 from __future__ import annotations
 
@@ -12,25 +12,21 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Solids
-    from insonify.optics.optical_scene import Setting
+    from insonify.optics.optical_scene import OpticalScene
     from insonify.terrain import Ground
 
 Vectors = NDArray[np.float64]
-MARGIN = 0.07  # of the block's longer side, beyond what must be on it
+MARGIN = 0.07  # of the longer side, around what must be shown
 SLENDER = 0.62  # shorter side over the longer one, at least
-SHADOW = 1.4  # times as far away as its target, to which a shadow is shown
+SHADOW = 1.4  # times the distance of a target: as far as its shadow is shown
 THICK = 0.035  # of the longer side, below the lowest bed
 ROOM = 0.02  # of it, above the highest thing
 SWATH = 0.9  # of the ground range heard, shown of a bed without targets
-AZIMUTH, DEPRESSION = math.radians(38.0), math.radians(33.0)  # of the camera: astern and aside, and down
-AWAY = 2.6  # of the block's diagonal
-EDGE, HEADROOM = 0.02, 0.065  # of a picture's width, about the block and above it, for a title
-SHAPE = (0.42, 0.8)  # height of a picture over its width
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
-    """A box cut out of bed and water, along and across the heading of the sonar.
+class Cutaway:
+    """A box of bed and water, along and across the heading of the sonar.
 
     Attributes
     ----------
@@ -41,9 +37,9 @@ class Block:
     lamp : (3,) float64
         Where the sonar is: local x and y, height above the datum.
     seen : (n, 3) float64
-        Points that a picture must hold: the bed's corners, the sonar, what is highest of the targets.
+        Points that a picture must show: corners of the bed, the sonar, outermost points of the targets.
     aside : float
-        Side from which to look, 1 for port and -1 for starboard: away from most targets.
+        Side of the camera, 1 for port and -1 for starboard: the side with fewer targets.
     """
 
     axes: Vectors
@@ -53,15 +49,15 @@ class Block:
     seen: Vectors
     aside: float
 
-    def crossed(self, origin: Vectors, ways: Vectors) -> tuple[Vectors, Vectors, NDArray[np.int64]]:
-        """Tell where rays from one place enter and leave the box.
+    def intersect(self, origin: Vectors, ways: Vectors) -> tuple[Vectors, Vectors, NDArray[np.int64]]:
+        """Distances at which rays from one origin enter and leave the box.
 
         Returns
         -------
         enter, leave : (n,) float64
-            Metres; a ray that misses leaves before it enters.
+            Metres; a ray that misses the box leaves before it enters.
         face : (n,) int64
-            Axis of the face by which it enters.
+            Axis of the face through which each ray enters.
         """
         o, d = self.axes @ origin, ways @ self.axes.T
         d = np.where(d == 0.0, 1e-300, d)
@@ -70,20 +66,19 @@ class Block:
         return near.max(axis=1), np.maximum(one, other).min(axis=1), near.argmax(axis=1)
 
 
-def make_block(setting: Setting) -> Block:
-    """Cut out what is worth seeing.
-
-    That is the targets with their shadows and the sonar, or, where there are none, the swath as long as it is wide.
+def make_cutaway(optical: OpticalScene) -> Cutaway:
+    """Choose the box to show: the targets with their shadows and the sonar, or a square of the swath without targets.
 
     Parameters
     ----------
-    setting : Setting
+    optical : OpticalScene
+        Scene to draw.
     """
-    pose, arrays = setting.pose, setting.arrays
-    ahead, lamp = _ahead(setting.heading), np.array([pose.x[0], pose.y[0], pose.z[0]])
+    pose, arrays = optical.pose, optical.arrays
+    ahead, lamp = _ahead(optical.heading), np.array([pose.x[0], pose.y[0], pose.z[0]])
     axes = np.array([ahead, [-ahead[1], ahead[0], 0.0], [0.0, 0.0, 1.0]])
     reach = arrays.bins * arrays.bin_length
-    beneath = float(np.nan_to_num(setting.ground.height_at(lamp[:1], lamp[1:2])[0]))
+    beneath = float(np.nan_to_num(optical.ground.height_at(lamp[:1], lamp[1:2])[0]))
     points = _target_points(arrays.solids, arrays.mesh)
     if len(points):
         sides = np.vstack([lamp, points, _shadow_tips(points, lamp, beneath, reach)]) @ axes[:2].T
@@ -91,11 +86,11 @@ def make_block(setting: Setting) -> Block:
         swath = SWATH * math.sqrt(max(reach**2 - (lamp[2] - beneath) ** 2, 0.0))
         sides = lamp @ axes[:2].T + swath * np.array([[-1.0, -1.0], [1.0, 1.0]])
     low, high = _rectangle(sides)
-    heights = _heights(setting.ground, axes, low, high)
+    heights = _heights(optical.ground, axes, low, high)
     longer = float((high - low).max())
     bottom, bed, top = heights[0] - THICK * longer, heights[1], max(heights[1], lamp[2], *points[:, 2])
     corners = np.array(list(product(*zip([*low, bottom], [*high, bed])))) @ axes
-    return Block(
+    return Cutaway(
         axes,
         np.append(low, bottom),
         np.append(high, top + ROOM * longer),
@@ -106,7 +101,7 @@ def make_block(setting: Setting) -> Block:
 
 
 def _to_port(solids: Solids, mesh: Mesh, lamp: Vectors, port: Vectors) -> float:
-    """Tell how much more of the targets lies to port of the sonar than to starboard, in metres of their sizes."""
+    """Sum the sizes of the targets to port of the sonar, less those to starboard, in metres."""
     targets = np.concatenate([solids.target, np.repeat(mesh.target, 3)])
     places = np.concatenate([solids.start + 0.5 * solids.length[:, None] * solids.axis, mesh.corners.reshape(-1, 3)])
     sizes = np.concatenate([solids.length + 2.0 * solids.radius, np.zeros(3 * len(mesh.target))])
@@ -123,7 +118,7 @@ def _ahead(heading: float) -> Vectors:
 
 
 def _rectangle(sides: Vectors) -> tuple[Vectors, Vectors]:
-    """Bounds of places along and across the track, with a margin, and not too slender."""
+    """Bounds of points along and across the track, with a margin and a least width."""
     low, high = sides.min(axis=0), sides.max(axis=0)
     longer = float((high - low).max())
     half = np.maximum(0.5 * (high - low) + MARGIN * longer, 0.5 * SLENDER * longer)
@@ -140,84 +135,16 @@ def _target_points(solids: Solids, mesh: Mesh) -> Vectors:
 
 
 def _shadow_tips(points: Vectors, lamp: Vectors, beneath: float, reach: float) -> Vectors:
-    """Where the shadows of points fall on a level bed, as far as the sonar hears."""
+    """Shadows of points on a level bed, within the range of the sonar."""
     risen = np.clip((points[:, 2:] - beneath) / (lamp[2] - beneath), 0.0, 1.0 - 1.0 / SHADOW)
     tips = lamp + (points - lamp) / (1.0 - risen)
     return tips[np.hypot(*(tips - lamp)[:, :2].T) < reach]
 
 
 def _heights(ground: Ground, axes: Vectors, low: Vectors, high: Vectors) -> tuple[float, float]:
-    """Lowest and highest bed over the rectangle that the block covers."""
+    """Lowest and highest bed within the box."""
     along, aside = (np.linspace(*ends, 400) for ends in zip(low, high))
     places = along[:, None, None] * axes[0, :2] + aside[:, None] * axes[1, :2]
     heights = ground.height_at(places[..., 0].ravel(), places[..., 1].ravel())
     known = heights[np.isfinite(heights)]
     return (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Camera:
-    """A place to look from, and the window it looks through.
-
-    Attributes
-    ----------
-    place : (3,) float64
-        Local coordinates, in metres.
-    axes : (3, 3) float64
-        Rows: to the right, up, ahead.
-    low, high : (2,) float64
-        Corners of the window, as slopes to the right and up.
-    width, height : int
-        Of the picture, in pixels.
-    """
-
-    place: Vectors
-    axes: Vectors
-    low: Vectors
-    high: Vectors
-    width: int
-    height: int
-
-    def ways(self, rows: NDArray[np.int64], samples: int) -> Vectors:
-        """Return the directions through rows of pixels, (rows, samples, width, samples, 3), from the top down."""
-        step = (self.high - self.low) / (self.width, self.height)
-        part = (np.arange(samples) + 0.5) / samples
-        right = self.low[0] + step[0] * (np.arange(self.width)[:, None] + part)
-        up = self.high[1] - step[1] * (rows[:, None] + part)
-        slopes = np.empty((rows.size, samples, self.width, samples, 3))
-        slopes[..., 0], slopes[..., 1], slopes[..., 2] = right, up[:, :, None, None], 1.0
-        ways = slopes @ self.axes
-        return ways / np.linalg.norm(ways, axis=-1, keepdims=True)
-
-    def seen(self, place: Vectors) -> tuple[float, float]:
-        """Return where a place is seen: pixels from the left and from the top."""
-        right, up, ahead = self.axes @ (place - self.place)
-        x, y = (np.array([right, up]) / ahead - self.low) / (self.high - self.low)
-        return float(x * self.width), float((1.0 - y) * self.height)
-
-
-def make_camera(block: Block, width: int) -> Camera:
-    """Look at a block from astern, aside and above.
-
-    Parameters
-    ----------
-    block : Block
-    width : int
-        Of the picture, in pixels.
-    """
-    middle = 0.5 * (block.low + block.high)
-    level = math.cos(DEPRESSION)
-    back = level * np.array([-math.cos(AZIMUTH), block.aside * math.sin(AZIMUTH), math.tan(DEPRESSION)]) @ block.axes
-    place = middle @ block.axes + AWAY * float(np.linalg.norm(block.high - block.low)) * back
-    right = np.cross(-back, [0.0, 0.0, 1.0])
-    right /= np.linalg.norm(right)
-    axes = np.array([right, np.cross(right, -back), -back])
-    seen = (block.seen - place) @ axes.T
-    slopes = seen[:, :2] / seen[:, 2:]
-    low, high = slopes.min(axis=0), slopes.max(axis=0)
-    wide = high[0] - low[0]
-    low, high = low - EDGE * wide, high + wide * np.array([EDGE, HEADROOM])
-    shape = float(np.clip((high[1] - low[1]) / (high[0] - low[0]), *SHAPE))
-    half = np.maximum(0.5 * (high - low), 0.5 * np.array([(high[1] - low[1]) / shape, (high[0] - low[0]) * shape]))
-    middle_seen = 0.5 * (low + high)
-    return Camera(place, axes, middle_seen - half, middle_seen + half, width, round(width * half[1] / half[0]))

@@ -1,9 +1,9 @@
-"""The scene as light shows it, with the lamp at the sonar: rays traced as for sound, to the eye instead of to time.
+"""Ray-traced picture of a scene, lit by a lamp at the sonar.
 
-Every pixel's rays go to the first surface and, where the sonar counts bounces, on through mirrors and clear bodies; at
-each hit a ray to the lamp tells whether it lies in a shadow. A surface returns I = k_d cos θ_i + k_s max(0, R·V)ⁿ of
-the lamp's light (Lambert, Phong) with its own k_d, k_s and n, and some of the water's own light, so that no shadow is
-black.
+The rays of every pixel go to the first surface. Where the scene follows bounces (``sonar.bounces``), they go on
+through mirrors and clear bodies. At each hit a ray to the lamp decides whether the hit lies in a shadow. A surface
+returns I = k_d cos θ_i + k_s max(0, R·V)ⁿ of the lamp's light (Lambert, Phong) with its own k_d, k_s and n, and a share
+of ambient light, so that no shadow is black.
 """
 
 from __future__ import annotations
@@ -14,85 +14,86 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import BED
-from insonify.optics.cutaway import Block, Camera, Vectors, make_camera
+from insonify.optics.camera import Camera, make_camera
+from insonify.optics.cutaway import Cutaway, Vectors
 from insonify.optics.material_colours import LUMINANCE, hues
-from insonify.optics.optical_hits import Glances, glances, material_rows
-from insonify.optics.towfish import FISH, with_fish
+from insonify.optics.optical_hits import OpticalHits, find_optical_hits, material_rows
+from insonify.optics.towfish import FISH, with_towfish
 from insonify.parallel import in_parallel
 from insonify.tracers.rays import cast
 
 if TYPE_CHECKING:
-    from insonify.optics.optical_scene import Setting
+    from insonify.optics.optical_scene import OpticalScene
 
 WIDTH = 1200
 SAMPLES = 2  # rays of a pixel, each way
-DEEP, CLEAR = np.array([0.008, 0.030, 0.050]), np.array([0.070, 0.185, 0.245])  # the water below and above, as shown
-STEEP, SLIGHT = -0.64, -0.45  # ways down in which it has these colours
-VEIL = 0.07  # share of what is shown that the water between scatters
+DEEP, CLEAR = np.array([0.008, 0.030, 0.050]), np.array([0.070, 0.185, 0.245])  # of the water below and above, as shown
+STEEP, SLIGHT = -0.64, -0.45  # vertical components of directions that show these colours
+VEIL = 0.07  # share of a pixel that is light scattered by the water
 LAMP = np.array([1.0, 0.955, 0.86])
-AROUND = np.array([0.055, 0.085, 0.10])  # light of the water itself, over that of the lamp
-CUT = np.array([0.11, 0.075])  # what the block's sides return of it, ahead and aside
+AROUND = np.array([0.055, 0.085, 0.10])  # ambient light over that of the lamp
+CUT = np.array([0.11, 0.075])  # share of it that the sides of the cutaway return, ahead and aside
 MIDDLE, WHITE = 0.22, 99.9  # brightness of the middle tone, percentile that is white
 GAMMA = 2.2
-OFF = 1e-4  # m off a surface, from which its way to the lamp starts
+OFF = 1e-4  # m above a surface, where the ray to the lamp starts
 FAR = 1e4  # m
 
 
-def light_picture(setting: Setting, block: Block, width: int = WIDTH) -> NDArray[np.uint8]:
-    """Draw a scene lit by a lamp at the sonar, half way along the tow.
+def light_picture(optical: OpticalScene, cutaway: Cutaway, width: int = WIDTH) -> NDArray[np.uint8]:
+    """Draw a scene lit by a lamp at the sonar, half way along the track.
 
     Parameters
     ----------
-    setting : Setting
-        A scene laid out.
-    block : Block
-        What is shown of it.
+    optical : OpticalScene
+        Scene to draw.
+    cutaway : Cutaway
+        Box of the scene that the picture shows.
     width : int
-        Of the picture, in pixels.
+        Width of the picture in pixels.
 
     Returns
     -------
     (height, width, 3) uint8
     """
-    stage = Stage(setting, block)
-    camera = make_camera(block, width)
-    shares = in_parallel(lambda first, last: stage.rows(camera, first, last), camera.height)
-    return developed(np.concatenate(shares))
+    renderer = LightRenderer(optical, cutaway)
+    camera = make_camera(cutaway, width)
+    shares = in_parallel(lambda first, last: renderer.rows(camera, first, last), camera.height)
+    return tone_mapped(np.concatenate(shares))
 
 
-class Stage:
-    """A block of seabed, its materials and its lamp.
+class LightRenderer:
+    """Traces rays of sight through a cutaway and lights what they hit.
 
     Parameters
     ----------
-    setting : Setting
-        A scene laid out.
-    block : Block
-        What is shown of it.
+    optical : OpticalScene
+        Scene to draw.
+    cutaway : Cutaway
+        Box of the scene that the picture shows.
     """
 
-    def __init__(self, setting: Setting, block: Block) -> None:
-        self._block = block
-        self._arrays, self._ground = setting.arrays, setting.ground
+    def __init__(self, optical: OpticalScene, cutaway: Cutaway) -> None:
+        self._cutaway = cutaway
+        self._arrays, self._ground = optical.arrays, optical.ground
         self._of_bed = len(self._ground.names)
-        names = (*self._ground.names, *(target.material.name for target in setting.scene.targets))
-        self._shown = with_fish(self._arrays, self._block, self._of_bed)
+        names = (*self._ground.names, *(target.material.name for target in optical.scene.targets))
+        self._shown = with_towfish(self._arrays, self._cutaway, self._of_bed)
         self._hues = hues(names)
 
     def rows(self, camera: Camera, first: int, last: int) -> Vectors:
-        """Look through rows of pixels.
+        """Average the light of the rays through each pixel of some rows.
 
         Returns
         -------
         (rows, width, 6) float64
-            As of `seen`.
+            As from `light_along`.
         """
-        ways = camera.ways(np.arange(first, last), SAMPLES)
-        seen = self.seen(camera.place, ways.reshape(-1, 3))
+        ways = camera.directions(np.arange(first, last), SAMPLES)
+        seen = self.light_along(camera.place, ways.reshape(-1, 3))
         return np.asarray(seen.reshape(*ways.shape[:-1], 6).mean(axis=(1, 3)))
 
-    def seen(self, place: Vectors, ways: Vectors) -> Vectors:
-        """Look along rays.
+    def light_along(self, place: Vectors, ways: Vectors) -> Vectors:
+        """Trace rays from the eye and return the light that arrives along them.
 
         Parameters
         ----------
@@ -104,27 +105,27 @@ class Stage:
         Returns
         -------
         (n, 6) float64
-            Red, green and blue that the lamp lights, to be exposed, and of water and fish, as they are shown.
+            Red, green and blue of lit surfaces, still to be exposed; then of water and fish, as they are shown.
         """
         seen = np.concatenate([np.zeros(ways.shape), _water(ways)], axis=1)
-        enter, leave, face = self._block.crossed(place, ways)
+        enter, leave, face = self._cutaway.intersect(place, ways)
         inside = np.flatnonzero(leave > enter)
         starts = place + enter[inside, None] * ways[inside]
         cut = starts[:, 2] < self._ground.height_at(starts[:, 0], starts[:, 1])
         sides, through = inside[cut], inside[~cut]
         seen[sides] = self._cut(starts[cut], face[sides])
-        found = glances(self._shown, starts[~cut], ways[through], (leave - enter)[through], self._of_bed)
+        found = find_optical_hits(self._shown, starts[~cut], ways[through], (leave - enter)[through], self._of_bed)
         ray = through[found.ray]
         seen[ray] = 0.0
         np.add.at(seen, ray, found.share[:, None] * self._returned(found))
         np.add.at(seen[:, 3:], ray, found.escaped[:, None] * CLEAR)
         return seen
 
-    def _returned(self, found: Glances) -> Vectors:
-        """Light that surfaces send to the eye, (n, 6)."""
+    def _returned(self, found: OpticalHits) -> Vectors:
+        """Light that surfaces return to the eye, (n, 6)."""
         rows = material_rows(self._shown, found.where, found.what, self._of_bed)
         diffuse, specular, shininess = self._shown.reflectivity[rows].T
-        to_lamp = self._block.lamp - found.where
+        to_lamp = self._cutaway.lamp - found.where
         far = np.linalg.norm(to_lamp, axis=1)
         to_lamp /= far[:, None]
         cosine = np.einsum("ij,ij->i", found.normal, to_lamp)
@@ -135,31 +136,31 @@ class Stage:
         around = AROUND * (0.6 + 0.4 * found.normal[:, 2:])
         even = diffuse[:, None] * self._hues[np.minimum(rows, len(self._hues) - 1)] * (lamp * cosine[:, None] + around)
         lit = even + (specular * lobe)[:, None] * lamp
-        # The fish, with the lamp inside, is shown in its own colour.
+        # The lamp lies inside the fish, which is therefore shown in a fixed colour.
         facing = -np.einsum("ij,ij->i", found.normal, found.way)[:, None]
         is_fish = (rows == len(self._hues))[:, None]
         return np.concatenate([np.where(is_fish, 0.0, lit), np.where(is_fish, FISH * facing, 0.0)], axis=1)
 
     def _cut(self, where: Vectors, face: NDArray[np.int64]) -> Vectors:
-        """Light of the block's sides, (n, 6)."""
+        """Light of the sides of the cutaway, (n, 6)."""
         rows = material_rows(self._arrays, where, np.full(len(where), BED), self._of_bed)
         lit = (self._arrays.reflectivity[rows, 0] * CUT[face])[:, None] * self._hues[rows]
         return np.concatenate([lit, np.zeros(lit.shape)], axis=1)
 
 
 def _water(ways: Vectors) -> Vectors:
-    """Colour of the water where rays meet nothing, (n, 3)."""
+    """Colour of the water along rays that hit nothing, (n, 3)."""
     up = np.clip((ways[:, 2:] - STEEP) / (SLIGHT - STEEP), 0.0, 1.0)
     return np.asarray(DEEP + up * (CLEAR - DEEP))
 
 
-def developed(seen: Vectors) -> NDArray[np.uint8]:
-    """Expose what the lamp lights, bring it within what a screen can show, and add the rest.
+def tone_mapped(seen: Vectors) -> NDArray[np.uint8]:
+    """Tone-map the light of lit surfaces and add the water, giving 8-bit colours.
 
     Parameters
     ----------
     seen : (height, width, 6) float64
-        From `Stage.rows`.
+        Light from `LightRenderer.rows`.
 
     Returns
     -------
@@ -170,7 +171,7 @@ def developed(seen: Vectors) -> NDArray[np.uint8]:
     lit = brightness[brightness > 0.0]
     exposure = MIDDLE / np.exp(np.log(lit).mean()) if lit.size else 1.0
     white = max(exposure * float(np.percentile(lit, WHITE)), 1.0) if lit.size else 1.0
-    # Reinhard's curve: nearly linear in the dark, and what is many times as bright as the rest still has a form.
+    # Reinhard's tone curve: nearly linear in the dark; highlights keep their form.
     exposed = exposure * light
     tone = exposed * (1.0 + exposed / white**2) / (1.0 + exposed)
     veiled = np.where(brightness[..., None] > 0.0, VEIL * CLEAR + (1.0 - VEIL) * tone, 0.0)

@@ -21,12 +21,12 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear red, green, blue
 
 
 def hues(rows: tuple[str, ...]) -> NDArray[np.float64]:
-    """Return the linear colours of rows of the material table, (n, 3), of luminance 1."""
+    """Linear colours of rows of the material table, (n, 3), scaled to a luminance of 1."""
     linear = np.array([sum(share * np.array(COLOURS[name]) for name, share in shares_of(row)) for row in rows]) ** 2.2
     return np.asarray(linear / (linear @ LUMINANCE)[:, np.newaxis])
 
 
 def shares_of(row: str) -> list[tuple[str, float]]:
-    """Materials that a row's name tells, and their shares: ``25.1_silt+74.9_rock``, or one name alone."""
+    """Materials and their shares in a row's name: ``25.1_silt+74.9_rock``, or one name alone."""
     parts = [part.partition("_") for part in row.split("+")]
     return [(name, float(percent) / 100.0) for percent, _, name in parts] if "+" in row else [(row, 1.0)]

@@ -1,4 +1,4 @@
-"""What rays of sight meet: the first surface, and what is seen in mirrors and through clear bodies."""
+"""Surfaces hit by rays of sight: the first one, and those seen in mirrors and through clear bodies."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from insonify.kernels.common.types import SceneArrays
 from insonify.optics.cutaway import Vectors
 from insonify.tracers.rays import PathHits, cast, follow
 
-SHORT = 1e-5  # m before a hit, from where its surface is looked at
-LONG = 400.0  # m after which a ray through mirrors is given up
+SHORT = 1e-5  # m before a hit, where the ray starts that finds its normal
+LONG = 400.0  # m after which a ray through mirrors ends
 
 
-class Glances(NamedTuple):
-    """Surfaces seen by rays.
+class OpticalHits(NamedTuple):
+    """Hits of rays of sight, with the share of light that each returns.
 
     Attributes
     ----------
     ray : (n,) int64
         Number of the ray.
     where, way, normal : (n, 3) float64
-        Place, direction of the ray there, and the surface's unit normal on its side; zero if seen from within.
+        Place of the hit, direction of the ray, and unit normal on the ray's side; the normal is zero inside a body.
     what : (n,) int64
         Index of the target, or ``BED`` (-1).
     share : (n,) float64
         Share of the surface's light that reaches the eye.
     escaped : (n,) float64
-        Share of the ray that goes on from here and meets nothing but water.
+        Share of the ray that goes on from here and hits nothing.
     """
 
     ray: NDArray[np.int64]
@@ -41,23 +41,25 @@ class Glances(NamedTuple):
     escaped: NDArray[np.float64]
 
 
-def glances(arrays: SceneArrays, starts: Vectors, ways: Vectors, reach: NDArray[np.float64], of_bed: int) -> Glances:
-    """Find what rays meet, the first hit of each within its own reach.
+def find_optical_hits(
+    arrays: SceneArrays, starts: Vectors, ways: Vectors, reach: NDArray[np.float64], of_bed: int
+) -> OpticalHits:
+    """Trace rays to their first hit within reach, and on where bounces are followed.
 
     Parameters
     ----------
-    problem : Problem
-        The scene as kernels see it; its bounces are followed.
+    arrays : SceneArrays
+        Packed scene; its number of bounces is followed.
     starts, ways : (n, 3) float64
-        Where the rays start, in the water, and their unit directions.
+        Origins in the water, and unit directions.
     reach : (n,) float64
-        Metres.
+        Greatest distance of each ray in metres.
     of_bed : int
-        Rows of the reflectivity table that are the bed's.
+        Number of rows of the reflectivity table that belong to the bed.
 
     Returns
     -------
-    Glances
+    OpticalHits
     """
     distance, what, normal = cast(arrays, starts, ways, reach=float(reach.max(initial=0.0)))
     ray = np.flatnonzero(distance <= reach)
@@ -65,26 +67,26 @@ def glances(arrays: SceneArrays, starts: Vectors, ways: Vectors, reach: NDArray[
         return _followed(arrays, starts[ray], ways[ray], ray, of_bed)
     where = starts[ray] + distance[ray, None] * ways[ray]
     ones = np.ones(ray.size)
-    return Glances(ray, where, ways[ray], normal[ray], what[ray], ones, 0.0 * ones)
+    return OpticalHits(ray, where, ways[ray], normal[ray], what[ray], ones, 0.0 * ones)
 
 
-def _followed(arrays: SceneArrays, starts: Vectors, ways: Vectors, ray: NDArray[np.int64], of_bed: int) -> Glances:
-    """Follow rays that are known to meet something."""
+def _followed(arrays: SceneArrays, starts: Vectors, ways: Vectors, ray: NDArray[np.int64], of_bed: int) -> OpticalHits:
+    """Follow rays that are known to hit something through their bounces."""
     paths = follow(arrays, starts, ways, arrays.bounces, reach=LONG)
     before = _before(paths)
     whence = np.where(paths.bounce[:, None] == 0, starts[paths.ray], paths.position[before])
     way = paths.position - whence
     way /= np.linalg.norm(way, axis=1, keepdims=True)
-    # From just before it a hit has a normal if it is seen from the water.
+    # A ray from just before the hit finds a normal only if it runs in the water.
     near, _, normal = cast(arrays, paths.position - SHORT * way, way, reach=2.0 * SHORT)
     within = np.isinf(near)
     share = np.where(within, 0.0, paths.throughput)
     escaped = _escaped(arrays, paths, before, within, of_bed)
-    return Glances(ray[paths.ray], paths.position, way, normal, paths.what, share, escaped)
+    return OpticalHits(ray[paths.ray], paths.position, way, normal, paths.what, share, escaped)
 
 
 def _before(paths: PathHits) -> NDArray[np.int64]:
-    """Find the hit before each, which is the last one listed with a bounce less; its own number for a first hit."""
+    """Index of the hit before each: the last one listed with one bounce less; a first hit has its own index."""
     numbers = np.arange(paths.ray.size)
     before = numbers.copy()
     for bounce in range(1, int(paths.bounce.max(initial=0)) + 1):
@@ -97,12 +99,12 @@ def _before(paths: PathHits) -> NDArray[np.int64]:
 def _escaped(
     arrays: SceneArrays, paths: PathHits, before: NDArray[np.int64], within: NDArray[np.bool_], of_bed: int
 ) -> NDArray[np.float64]:
-    """Share of every hit's ray that goes on from there and meets nothing."""
+    """Share of the ray that goes on from every hit and hits nothing."""
     rows = material_rows(arrays, paths.position, paths.what, of_bed)
     share, mirrored = paths.throughput, arrays.interface[rows, 0] ** 2
     later = paths.bounce > 0
     parent, arrived = before[later], share[later]
-    # A refracted ray always meets the far side of its body; of those from the water only mirrored ones are lost.
+    # A refracted ray always hits the far side of its body; rays from the water leave only by reflection.
     is_mirrored = np.isclose(arrived, share[parent] * mirrored[parent], rtol=1e-6)
     counts = within[parent] | is_mirrored
     met = np.zeros(share.size)
@@ -111,7 +113,7 @@ def _escaped(
 
 
 def material_rows(arrays: SceneArrays, where: Vectors, what: NDArray[np.int64], of_bed: int) -> NDArray[np.int64]:
-    """Return the rows of the reflectivity table at places of the bed and of targets, whose rows follow the bed's."""
+    """Row of the reflectivity table at each hit; the rows of targets follow those of the bed."""
     bed = arrays.bed
     ny, nx = bed.materials.shape
     i = np.floor((where[:, 0] - bed.x0) / bed.spacing).astype(np.int64) % nx

@@ -1,4 +1,4 @@
-"""What a light picture is of: a scene laid out, and where its sonar is half way along the tow."""
+"""A scene packed for rays of light, with its sonar half way along the track."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from insonify.terrain import Ground, build_ground
 
 
 @dataclass(frozen=True, eq=False)
-class Setting:
-    """A scene as light finds it.
+class OpticalScene:
+    """A scene packed for rays of light.
 
     Attributes
     ----------
     scene : Scene
-        What was declared.
+        Its declaration.
     ground : Ground
-        The bed about the sonar.
-    problem : Problem
-        All of it as kernels see it, in water in which nothing bends, as light goes.
+        The bed around the sonar.
+    arrays : SceneArrays
+        Packed scene in water without refraction: rays of light are straight.
     pose : Poses
-        The sonar half way along the tow.
+        The sonar half way along the track.
     heading : float
-        That of its line, in radians.
+        Heading of the track there in radians.
     """
 
     scene: Scene
@@ -39,19 +39,19 @@ class Setting:
     heading: float
 
 
-def make_setting(scene: Scene) -> Setting:
-    """Lay a scene out.
+def make_optical_scene(scene: Scene) -> OpticalScene:
+    """Build and pack a scene for rays of light.
 
     Raises
     ------
     SceneError
-        One sentence with what is wrong and the remedy.
+        If the scene cannot be built.
     """
     everywhere = build_ground(scene)
     arrays = pack_scene(scene, everywhere)
     middle = np.array([scene.track.pings // 2], dtype=np.int64)
     pose = make_poses(scene, everywhere, middle)
     reach = arrays.bins * arrays.bin_length
-    ground = everywhere.around((float(pose.x[0]), float(pose.y[0])), 1.5 * reach)  # to the block's corners
+    ground = everywhere.around((float(pose.x[0]), float(pose.y[0])), 1.5 * reach)  # to the corners of the cutaway
     straight = arrays._replace(bed=make_bed(ground), water=still_water())
-    return Setting(scene, ground, straight, pose, float(tow_line_at(scene, middle).heading[0]))
+    return OpticalScene(scene, ground, straight, pose, float(tow_line_at(scene, middle).heading[0]))

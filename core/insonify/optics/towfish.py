@@ -1,4 +1,4 @@
-"""The tow fish as bodies that rays of sight may meet."""
+"""The towfish as solids in the scene of a light picture."""
 
 from __future__ import annotations
 
@@ -7,35 +7,35 @@ import numpy as np
 from insonify.kernels.common.types import SceneArrays, Solids
 from insonify.packing.targets import pack_solids
 from insonify.scene.targets.shape import Solid, ball, frustum
-from insonify.optics.cutaway import Block
+from insonify.optics.cutaway import Cutaway
 
 FISH = np.array([0.85, 0.47, 0.03])  # as shown
-SIZE = 0.045  # length over the block's longer side: larger than life, to be seen
+SIZE = 0.045  # length over the longer side of the cutaway: larger than life, so that it shows
 LINE = 0.0007  # of it: radius of the plumb line
 
 
-def with_fish(arrays: SceneArrays, block: Block, of_bed: int) -> SceneArrays:
-    """Add the fish, and a plumb line from it to the bed, to what is seen.
+def with_towfish(arrays: SceneArrays, cutaway: Cutaway, of_bed: int) -> SceneArrays:
+    """Add the towfish, and a plumb line from it to the bed, to a packed scene.
 
     Parameters
     ----------
-    problem : Problem
-        The scene as kernels see it.
-    block : Block
-        What is shown of it.
+    arrays : SceneArrays
+        Packed scene.
+    cutaway : Cutaway
+        Box of the scene that the picture shows; its lamp is where the fish is.
     of_bed : int
-        Rows of the table of materials that are the bed's; those of the targets follow, and then the fish's.
+        Number of rows of the reflectivity table that belong to the bed; the targets' rows follow, the fish's is last.
     """
-    longer = float((block.high - block.low)[:2].max())
-    length, ahead = SIZE * longer, block.axes[0]
-    nose, waist, tail = (block.lamp + share * length * ahead for share in (0.42, -0.3, -0.55))
-    foot = np.array([*block.lamp[:2], block.low[2]])
+    longer = float((cutaway.high - cutaway.low)[:2].max())
+    length, ahead = SIZE * longer, cutaway.axes[0]
+    nose, waist, tail = (cutaway.lamp + share * length * ahead for share in (0.42, -0.3, -0.55))
+    foot = np.array([*cutaway.lamp[:2], cutaway.low[2]])
     bodies = [
         frustum(waist, nose, 0.08 * length, 0.08 * length),
         ball(0.08 * length, nose),
         frustum(tail, waist, 0.02 * length, 0.08 * length),
         frustum(tail - 0.06 * length * ahead, tail + 0.1 * length * ahead, 0.12 * length, 0.02 * length),
-        frustum(foot, block.lamp, LINE * longer, LINE * longer),
+        frustum(foot, cutaway.lamp, LINE * longer, LINE * longer),
     ]
     return arrays._replace(
         solids=_added(arrays.solids, bodies, len(arrays.reflectivity), of_bed),
@@ -45,6 +45,6 @@ def with_fish(arrays: SceneArrays, block: Block, of_bed: int) -> SceneArrays:
 
 
 def _added(solids: Solids, bodies: list[Solid], row: int, of_bed: int) -> Solids:
-    """Append bodies of one material to those there are."""
+    """Append solids of one material."""
     own = pack_solids(bodies, np.full(len(bodies), row), np.full(len(bodies), row - of_bed))
     return Solids._make(np.concatenate(columns) for columns in zip(solids, own))
