@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from insonify.kernels.common.types import SceneArrays, Solids
+from insonify.optics.cutaway import Cutaway
 from insonify.packing.targets import pack_solids
 from insonify.scene.targets.shape import Solid, ball, frustum
-from insonify.optics.cutaway import Cutaway
 
 FISH = np.array([0.85, 0.47, 0.03])  # as shown
 SIZE = 0.045  # length over the longer side of the cutaway: larger than life, so that it shows
