@@ -1,7 +1,270 @@
 """Draw the figures of the theory and architecture pages."""
 
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+
+INK, ACCENT, LIT, DARK, PALE = "#2b3440", "#b3561d", "#1f7a8c", "#9aa5b1", "#e8ecf0"
+STYLE = {
+    "figure.dpi": 100,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "insonify",
+    "font.size": 10,
+    "text.color": INK,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": DARK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+}
 
 
 def draw(folder: Path) -> None:
     """Draw all figures."""
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    folder.mkdir(exist_ok=True)
+    with mpl.rc_context(STYLE):
+        for name, (size, paint) in FIGURES.items():
+            figure = plt.figure(figsize=size, layout="constrained")
+            paint(figure)
+            options = {"metadata": {"Date": None}} if name.endswith(".svg") else {"dpi": 130}
+            figure.savefig(folder / name, **options)
+            plt.close(figure)
+
+
+def sweep(figure: Any) -> None:
+    """Profile with the running horizon, above the bins that its visible parts fill."""
+    above, below = figure.subplots(2, 1, sharex=False, height_ratios=[3, 2])
+    x = np.array([0.0, 3.0, 6.0, 9.0, 11.0, 13.0, 16.0, 20.0, 24.0, 27.0, 29.0, 33.0, 40.0])
+    z = np.array([-10.0, -9.6, -9.8, -8.8, -6.6, -8.4, -9.7, -9.5, -9.2, -7.0, -8.6, -9.4, -9.2])
+    bins = np.zeros(90)
+    horizon = -math.inf
+    for i in range(x.size - 1):
+        rise = (z[i + 1] - z[i]) / (x[i + 1] - x[i])
+        offset = z[i] - rise * x[i]
+        seen = z[i + 1] / x[i + 1] > horizon
+        start = min(max(offset / (horizon - rise), x[i]), x[i + 1]) if seen and horizon > -math.inf else x[i]
+        above.plot(x[i : i + 2], z[i : i + 2], color=DARK, lw=2)
+        if seen:
+            xs = np.linspace(start, x[i + 1], 400)
+            zs = offset + rise * xs
+            above.plot(xs[[0, -1]], zs[[0, -1]], color=ACCENT, lw=3, solid_capstyle="butt")
+            r = np.hypot(xs, zs)
+            cosine = np.abs(offset) / (r * math.hypot(1.0, rise))
+            np.add.at(bins, np.minimum((2.0 * r).astype(int), bins.size - 1), cosine**2 * (xs[1] - xs[0]) * r)
+        horizon = max(horizon, z[i + 1] / x[i + 1])
+    for k in (4, 9):
+        above.plot([0, 40], [0, 40 * z[k] / x[k]], color=LIT, lw=0.8, ls="--")
+    above.plot(0, 0, "o", color=INK)
+    above.annotate("sonar", (0.5, 0.2))
+    above.annotate("horizon", (24.5, -14.0), color=LIT)
+    above.annotate("visible", (1.2, -11.4), color=ACCENT)
+    above.annotate("hidden", (11.6, -11.4), color="#6b7683")
+    above.set(ylabel="height (m)", xlabel="ground range (m)", ylim=(-17, 2), xlim=(-0.5, 40))
+    below.stairs(bins, 0.5 * np.arange(bins.size + 1), fill=True, color=ACCENT)
+    below.set(xlabel="slant range (m)", ylabel="energy per bin", yticks=[], xlim=(-0.5, 42))
+
+
+def beam(figure: Any) -> None:
+    """Along-track width of a fan by the cone and by a wedge of azimuths."""
+    axes = figure.subplots()
+    height, width = 10.0, math.radians(2.5)
+    x = np.linspace(0.01, 30.0, 600)
+    r = np.hypot(x, height)
+    cone = 2.0 * x * np.arcsin(np.minimum(np.sin(width / 2.0) * r / x, 1.0))
+    axes.plot(x, cone, color=ACCENT, lw=2, label="cone: 2x arcsin(r sin(w/2) / x)")
+    axes.plot(x, r * width, color=LIT, lw=1, ls="--", label="r w")
+    axes.plot(x, x * width, color=DARK, lw=1.5, label="wedge of azimuths: x w")
+    axes.set(xlabel="ground range (m), altitude 10 m", ylabel="width along the track (m)", ylim=(0, 1.5), xlim=(0, 30))
+    axes.legend()
+
+
+def scattering(figure: Any) -> None:
+    """Backscattering strength of the named sediments."""
+    import insonify
+    from insonify.scene import edit
+
+    axes = figure.subplots()
+    scene = insonify.load_scene("default")
+    grazing = np.radians(np.linspace(1.0, 90.0, 400))
+    names = ("silt", "fine_sand", "medium_sand", "coarse_sand", "sandy_gravel", "rock")
+    for k, name in enumerate(names):
+        m: Any = edit(scene, {"seabed.material": name}).seabed.material
+        m = m.reflectivity
+        cosine = np.sin(grazing)
+        lobe = m.specular * (m.shininess + 2.0) / (2.0 * np.pi) * np.maximum(2.0 * cosine**2 - 1.0, 0.0) ** m.shininess
+        strength = 10.0 * np.log10(cosine**2 * (m.diffuse / np.pi + lobe))
+        axes.plot(np.degrees(grazing), strength, color=mpl.colormaps["viridis"](0.9 - 0.17 * k), lw=2, label=name)
+    axes.set(xlabel="grazing angle (°)", ylabel="backscattering strength (dB)", xlim=(0, 90), ylim=(-60, 5))
+    axes.legend(fontsize=9)
+
+
+def error(figure: Any) -> None:
+    """One ping as it is and divided by a smooth curve that falls as a level bed's does."""
+    import insonify
+    from insonify.scene import edit
+
+    scene = edit(insonify.load_scene("default"), {"track.pings": 8, "sonar.range": 100.0, "sonar.ping_rate": 5.0})
+    record = insonify.simulate(scene, method="sweep")
+    r, ping = record.slant_range.values, record.intensity.values[1, 4].astype(float)
+    level = insonify.simulate(edit(scene, {"seabed.relief": "flat", "targets": ()}), method="sweep").intensity.values[
+        1, 4
+    ]
+    left, right = figure.subplots(1, 2)
+    heard = level > 0.0
+    left.semilogy(r[heard], np.maximum(ping[heard], 1e-14), color=DARK, lw=0.7, label="ping")
+    left.semilogy(r[heard], level[heard], color=ACCENT, lw=1.5, label="level bed")
+    left.set(xlabel="slant range (m)", ylabel="energy per bin", ylim=(1e-13, None))
+    left.legend()
+    right.plot(r[heard], ping[heard] / level[heard], color=DARK, lw=0.7)
+    right.axvline(14.0, color=LIT, lw=1, ls="--")
+    right.annotate("1.4 altitudes", (15.5, 3.6), color=LIT)
+    right.set(xlabel="slant range (m)", ylabel="ping / level bed", ylim=(0, 4))
+
+
+def apparent(figure: Any) -> None:
+    """Rays in a thermocline to a level bed, and where they make the bed seem to be."""
+    import insonify
+    from insonify.scene import edit
+
+    layers = {"kind": "profile", "depth": [0, 10, 20, 40], "sound_speed": [1530, 1529, 1497, 1496]}
+    water = edit(insonify.load_scene("default"), {"water": layers}).water
+    angles = np.array([10.5, 12.0, 14.0, 17.0, 22.0, 32.0, 60.0])
+    paths = insonify.ray_paths(water, 5.0, angles, max_range=400.0, bottom=30.0)
+    axes = figure.subplots()
+    for k, angle in enumerate(np.radians(angles)):
+        end = int(np.flatnonzero(paths.hit.values[k])[-1])
+        x, depth = paths.range.values[k, : end + 1], paths.depth.values[k, : end + 1]
+        straight = 1529.5 * paths.time.values[k, end]
+        there = straight * math.cos(angle), 5.0 + straight * math.sin(angle)
+        axes.plot(x, depth, color=ACCENT, lw=1.5)
+        axes.plot([0, there[0]], [5.0, there[1]], color=LIT, lw=0.8, ls="--")
+        axes.plot(*there, "o", color=LIT, ms=5)
+        axes.plot(x[-1], depth[-1], "o", color=ACCENT, ms=5)
+    axes.axhline(30.0, color=DARK, lw=1)
+    axes.plot([], [], color=ACCENT, marker="o", label="ray to the true place")
+    axes.plot([], [], color=LIT, ls="--", marker="o", label="straight line to the apparent place")
+    axes.plot(0, 5.0, "s", color=INK)
+    axes.set(xlabel="ground range (m)", ylabel="depth (m)", ylim=(34, 0), xlim=(-2, None))
+    axes.legend(loc="upper right")
+
+
+def multipath(figure: Any) -> None:
+    """Geometry of the images in the sea surface."""
+    axes = figure.subplots()
+    d, h, x = 12.0, 10.0, 34.0
+    axes.axhline(0.0, color=LIT, lw=2)
+    axes.axhline(-d - h, color=DARK, lw=2)
+    touch = x * d / (2.0 * d + h)
+    axes.plot([0, x], [-d, -d - h], color=ACCENT, lw=2)
+    axes.plot([0, touch, x], [-d, 0.0, -d - h], color=ACCENT, lw=2)
+    axes.plot([0, touch], [d, 0.0], color=ACCENT, lw=1, ls="--")
+    axes.plot([0, 0], [-d, d], "o", color=INK)
+    for text, place, color in (
+        ("sonar", (-4.6, -d - 0.5), INK),
+        ("image", (-4.8, d - 0.5), INK),
+        ("R", (16.0, -16.0), ACCENT),
+        ("R$_s$", (20.5, -6.8), ACCENT),
+        ("sea surface", (25.0, 0.7), LIT),
+        ("bed", (25.0, -d - h - 2.0), "#6b7683"),
+        ("d", (-1.5, -6.5), INK),
+        ("h", (-1.5, -17.5), INK),
+    ):
+        axes.annotate(text, place, color=color)
+    axes.plot([0, 0], [-d - h, 0], color=DARK, lw=0.8, ls=":")
+    axes.set(xlim=(-6, 36), ylim=(-25, 14), aspect="equal")
+    axes.set_axis_off()
+
+
+def speckle(figure: Any) -> None:
+    """Densities of Rayleigh and K intensity, and the histogram of simulated records."""
+    from scipy.special import gammaln, kv
+
+    import insonify
+    from insonify.scene import edit
+
+    axes = figure.subplots()
+    intensity = np.linspace(0.01, 8.0, 400)
+    axes.semilogy(intensity, np.exp(-intensity), color=ACCENT, lw=2, label="Rayleigh")
+    scene = edit(insonify.load_scene("default"), {"seabed.relief": "flat", "targets": (), "track.pings": 400})
+    mean = insonify.simulate(scene).intensity.values[:, :, 400:]
+    for shape, color in ((5.0, LIT), (1.0, INK)):
+        root = np.sqrt(shape * intensity)
+        log = math.log(2.0 * shape) - gammaln(shape) + (shape - 1.0) * np.log(root)
+        axes.semilogy(
+            intensity, np.exp(log) * kv(shape - 1.0, 2.0 * root), color=color, lw=2, label=f"K, shape {shape:g}"
+        )
+    edges = np.linspace(0.0, 8.0, 33)
+    for k, (kind, color) in enumerate(
+        (("rayleigh", ACCENT), ({"kind": "k", "shape": 5.0}, LIT), ({"kind": "k", "shape": 1.0}, INK))
+    ):
+        made = insonify.simulate(edit(scene, {"receiver.speckle": kind})).intensity.values[:, :, 400:] / mean
+        density = np.histogram(made, edges)[0] / made.size / np.diff(edges)
+        axes.plot(
+            0.5 * (edges[1:] + edges[:-1]), density, "o", color=color, ms=3, label="simulated" if k == 0 else None
+        )
+    axes.set(xlabel="intensity over its mean", ylabel="probability density", xlim=(0, 8), ylim=(1e-4, 3))
+    axes.legend()
+
+
+def fractal_beds(figure: Any) -> None:
+    """Six reliefs of one seed."""
+    import insonify
+    from insonify.scene import edit
+
+    seabed = insonify.load_scene("figure-6")
+    shared: dict[str, Any] = {"period": 51.2, "rms": 0.1}
+    peak = {"kind": "fractal", "beta_x": 1.2, "beta_y": 1.6, "peaks": [[8.0, 4.0]], **shared}
+    reliefs = {
+        "fractal, β = 1.8": {"kind": "fractal", "beta": 1.8, **shared},
+        "fractal, β = 1.4, peak (8, 4)": {"kind": "fractal", "beta": 1.4, "peaks": [[8.0, 4.0]], **shared},
+        "separable, 1.2 and 1.6": {**peak, "decay": "separable"},
+        "elliptic, 1.2 and 1.6": {**peak, "decay": "elliptic"},
+        "ripples": {"kind": "ripples", "wavelength": 4.0, "period": 51.2},
+        "cascade": {"kind": "cascade", **shared},
+    }
+    for axes, (title, relief) in zip(figure.subplots(2, 3).ravel(), reliefs.items()):
+        bed = edit(seabed, {"seabed": {"depth": 30.0, "spacing": 0.2, "relief": relief}}).seabed
+        heights = insonify.relief(bed, (256, 256))
+        low, high = np.percentile(heights, (1.0, 99.0))
+        axes.imshow(heights, cmap="cividis", origin="lower", vmin=low, vmax=high)
+        axes.set_title(title, fontsize=9)
+        axes.set_axis_off()
+
+
+def boxes(axes: Any, placed: dict[str, tuple[float, float, str]], arrows: list[tuple[str, str]]) -> None:
+    """Draw labelled boxes and arrows between them."""
+    for name, (x, y, text) in placed.items():
+        axes.text(
+            x, y, f"{name}\n" if not text else f"$\\bf{{{name.replace('_', chr(92) + '_')}}}$\n{text}", ha="center",
+            va="center", fontsize=8.5, linespacing=1.35,
+            bbox={"boxstyle": "round,pad=0.45", "fc": PALE, "ec": DARK},
+        )  # fmt: skip
+    for one, other in arrows:
+        (x0, y0, _), (x1, y1, _) = placed[one], placed[other]
+        arrow = {"arrowstyle": "-|>", "color": ACCENT, "lw": 1.3, "shrinkA": 28, "shrinkB": 28}
+        axes.annotate("", (x1, y1), (x0, y0), arrowprops=arrow)
+    axes.set_axis_off()
+
+
+Size = tuple[float, float]
+FIGURES: dict[str, tuple[Size, Callable[[Any], None]]] = {
+    "sweep.svg": ((7.5, 4.6), sweep),
+    "beam.svg": ((6.5, 3.4), beam),
+    "scattering.svg": ((6.5, 3.8), scattering),
+    "error.svg": ((7.5, 3.2), error),
+    "apparent.svg": ((7.0, 3.6), apparent),
+    "multipath.svg": ((5.5, 4.6), multipath),
+    "speckle.svg": ((6.5, 3.8), speckle),
+    "fractal-beds.jpg": ((7.2, 5.0), fractal_beds),
+}
