@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from typing import Any
 
 from insonify.scene import Scene
@@ -24,18 +25,34 @@ TABLE = "| field | default | unit | bounds | meaning |\n|---|---|---|---|---|\n"
 def page() -> str:
     """Return the page."""
     schema = Scene.model_json_schema()
-    made = _Made(schema["$defs"])
+    made = _Made(schema)
     made.struct("scene", "", {**schema, "description": "Everything a record depends on."})
     return HEAD + "".join(made.out).rstrip() + "\n"
 
 
 class _Made:
-    """Sections of the page in order; each declaration is printed once, where it is met first."""
+    """Sections of the page in order; each declaration is printed once, at the shortest path that leads to it."""
 
-    def __init__(self, declarations: dict[str, Any]):
-        self.declarations = declarations
+    def __init__(self, schema: dict[str, Any]):
+        self.declarations = schema["$defs"]
         self.out: list[str] = []
-        self.where: dict[str, str] = {}  # heading under which a declaration stands
+        self.printed: set[str] = set()
+        self.homes = self._find_homes(schema)  # declaration: path and heading under which it stands
+
+    def _find_homes(self, schema: dict[str, Any]) -> dict[str, tuple[str, str]]:
+        """Walk the declarations breadth first."""
+        homes: dict[str, tuple[str, str]] = {}
+        queue = [("", schema)]
+        for path, declaration in queue:
+            for name, field in declaration["properties"].items():
+                references = _references(field)
+                shown = _path(path, name) + ("[]" if field.get("type") == "array" else "")
+                for reference in references:
+                    if reference not in homes:
+                        kind = f": {_kind(self.declarations[reference])}" if len(references) > 1 else ""
+                        homes[reference] = shown, shown + kind
+                        queue.append((shown, self.declarations[reference]))
+        return homes
 
     def struct(self, heading: str, path: str, schema: dict[str, Any], level: int = 2) -> None:
         """Print one declaration as a table, then the declarations within it."""
@@ -50,31 +67,40 @@ class _Made:
         rows = [self._row(path, name, field, name in required) for name, field in fields.items()]
         self.out.append(TABLE + "".join(rows) + "\n")
         for name, field in fields.items():
-            self._within(f"{path}.{name}" if path else name, field, level)
+            shown = _path(path, name) + ("[]" if field.get("type") == "array" else "")
+            for reference in _references(field):
+                home, title = self.homes[reference]
+                if home == shown and reference not in self.printed:
+                    self.printed.add(reference)
+                    self.struct(title, shown, self.declarations[reference], min(level + 1, 5))
 
     def _row(self, path: str, name: str, field: dict[str, Any], required: bool) -> str:
         default = "required" if required else _default(field.get("default"))
-        kinds = [_kind(self.declarations[reference]) for reference in _references(field)]
-        meaning = _sentence(field.get("description", ""))
-        if len(kinds) > 1:
-            meaning += f" Kinds: {', '.join(f'`{kind}`' for kind in kinds)}."
-        full = f"{path}.{name}" if path else name
-        return f"| `{full}` | {default} | {field.get('unit', '')} | {_bounds(field)} | {_escaped(meaning)} |\n"
-
-    def _within(self, path: str, field: dict[str, Any], level: int) -> None:
+        full = _path(path, name)
+        shown = full + ("[]" if field.get("type") == "array" else "")
         references = _references(field)
-        several = len(references) > 1
-        is_list = field.get("type") == "array"
-        for reference in references:
-            schema = self.declarations[reference]
-            shown = f"{path}[]" if is_list else path
-            heading = f"{shown}: {_kind(schema)}" if several else shown
-            if reference in self.where:
-                if not several:
-                    self.out.append(f"`{path}` has the fields of [{self.where[reference]}].\n\n")
-                continue
-            self.where[reference] = heading
-            self.struct(heading, shown, schema, min(level + 1, 5))
+        kinds = [self._link(reference, shown) for reference in references]
+        meaning = _escaped(_sentence(field.get("description", "")))
+        if len(kinds) > 1:
+            meaning += f" Kinds: {', '.join(kinds)}."
+        elif kinds and self.homes[references[0]][0] != shown:
+            meaning += f" Fields as of [{self.homes[references[0]][1]}](#{_anchor(self.homes[references[0]][1])})."
+        return f"| `{full}` | {default} | {field.get('unit', '')} | {_bounds(field)} | {meaning} |\n"
+
+    def _link(self, reference: str, shown: str) -> str:
+        """Name a kind, linked where it stands under another path."""
+        home, heading = self.homes[reference]
+        name = f"`{_kind(self.declarations[reference])}`"
+        return name if home == shown else f"[{name}](#{_anchor(heading)})"
+
+
+def _path(path: str, name: str) -> str:
+    return f"{path}.{name}" if path else name
+
+
+def _anchor(heading: str) -> str:
+    """Name of a heading in links, as Markdown's tables of contents make it."""
+    return re.sub(r"[\s-]+", "-", re.sub(r"[^\w\s-]", "", heading).strip().lower())
 
 
 def _references(field: dict[str, Any]) -> list[str]:
