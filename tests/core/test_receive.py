@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beds import arrays_of
-from insonify.acoustics.pulses import tone_taps
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.receiver import make_reception, receive
 from insonify.scene import SceneError, edit, load_scene
+from insonify.scene.pulses.tone import tone_taps
 
 FLAT = np.zeros((4, 4))
 BINS = 1000

@@ -10,7 +10,6 @@ from insonify.scene.beams import BEAMS, BeamKind
 from insonify.scene.beams.fan import FanBeam
 from insonify.scene.kinds import KindOf
 from insonify.scene.pulses import PULSES, PulseKind
-from insonify.scene.pulses.ideal import Ideal
 from insonify.scene.pulses.tone import Tone
 from insonify.scene.vertical_beams import VERTICAL_BEAMS, VerticalBeamKind
 from insonify.scene.vertical_beams.uniform import UniformVerticalBeam
@@ -82,8 +81,8 @@ class Sonar(Declaration):
         """
         bin_length = self.range / self.bins
         longest = MOST_BINS * bin_length / (0.5 * sound_speed)
-        if not isinstance(self.pulse, Ideal) and self.pulse.duration > longest:  # type: ignore[attr-defined]
+        if self.pulse.length > longest:
             raise SceneError(
-                f"sonar.pulse.duration {self.pulse.duration:g} s lasts over {MOST_BINS} bins of {bin_length:.3g} m; "  # type: ignore[attr-defined]
+                f"sonar.pulse.duration {self.pulse.length:g} s lasts over {MOST_BINS} bins of {bin_length:.3g} m; "
                 f"shorten it to {longest:.3g} s, lengthen sonar.range or lower sonar.bins"
             )

@@ -22,8 +22,6 @@ from insonify.packing.targets import refuse_sonar_inside
 from insonify.parallel import in_parallel
 from insonify.scene import Scene, SceneError
 from insonify.scene.pulses import PulseKind as DeclaredPulse
-from insonify.scene.pulses.ideal import Ideal
-from insonify.scene.pulses.tone import Tone
 from insonify.scene.speckles.coherent import Coherent
 from insonify.tracers.azimuth_fan import lay_planes
 from insonify.tracers.sweep import Record
@@ -134,7 +132,7 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, b
 
     Parameters
     ----------
-    pulse : Ideal, Tone or Chirp
+    pulse : PulseKind
     sound_speed : float
         m/s.
     bin_length : float
@@ -153,9 +151,7 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, b
     SceneError
         If the line is too long to be held.
     """
-    resolution = bin_length
-    if not isinstance(pulse, Ideal):
-        resolution = 0.5 * sound_speed * (pulse.duration if isinstance(pulse, Tone) else 1.0 / pulse.bandwidth)  # type: ignore[attr-defined]
+    resolution = 0.5 * sound_speed * pulse.resolution or bin_length
     samples = math.ceil(min(bin_length / resolution, float(MOST_SAMPLES)) * (1.0 - 1e-9))
     # An even number: the sample lies in the middle.
     cells = 2 * math.ceil(0.5 * RESOLVED * bin_length / samples / resolution)
@@ -165,12 +161,12 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, b
             f"receiver.speckle: 'coherent' samples waves every {step:.2g} m, as sonar.pulse resolves them, and the "
             "range is too long for that; lengthen the pulse, lower its bandwidth or shorten sonar.range"
         )
-    if isinstance(pulse, Ideal):
+    if pulse.length == 0.0:
         return PulseTaps(1, cells, np.full(cells, 1.0), cells // 2)
-    reach = math.ceil(0.5 * sound_speed * pulse.duration / step)  # type: ignore[attr-defined]
+    reach = math.ceil(0.5 * sound_speed * pulse.length / step)
     # A tone is heard after it has come, a chirp on either hand of it.
-    late = np.arange(reach if isinstance(pulse, Tone) else 2 * reach, dtype=np.float64)
-    amplitudes = envelope(pulse, (reach - 0.5 - late) * step, sound_speed)  # type: ignore[arg-type]
+    late = np.arange(2 * reach if pulse.two_sided else reach, dtype=np.float64)
+    amplitudes = envelope(pulse, (reach - 0.5 - late) * step, sound_speed)
     energy = float(pulse_taps(pulse, sound_speed, bin_length).weights.sum()) * bin_length
     amplitudes *= math.sqrt(energy / (float((amplitudes**2).sum()) * step))
     return PulseTaps(samples, cells, amplitudes, reach)
