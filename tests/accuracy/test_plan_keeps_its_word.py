@@ -144,11 +144,9 @@ def _divides(scene: Scene) -> bool:
 
 def _seconds(simulation: Simulation, pings: np.ndarray) -> float:
     """Time of one thread, so that what else the machine does hardly counts."""
-    from insonify.simulation import TRACERS
-
-    poses, modelled = simulation.poses(pings), simulation.reduced.arrays
+    poses = simulation.poses(pings)
     began = time.thread_time()
-    TRACERS[simulation.plan.method](modelled, poses, threads=1, **simulation.plan.settings)
+    simulation.tracer.trace(simulation.reduced, poses, threads=1, **simulation.plan.settings)
     return time.thread_time() - began
 
 

@@ -25,13 +25,11 @@ SLOW = 2e-3  # s a ping; what takes longer is timed by few pings
 
 def seconds(simulation: Simulation, pings: np.ndarray) -> float:
     """Least time of one thread for a ping."""
-    from insonify.simulation import TRACERS
-
-    trace, poses = TRACERS[simulation.plan.method], simulation.poses(pings)
+    poses = simulation.poses(pings)
     taken = []
     for _ in range(ROUNDS):
         began = time.thread_time()
-        trace(simulation.reduced.arrays, poses, threads=1, **simulation.plan.settings)
+        simulation.tracer.trace(simulation.reduced, poses, threads=1, **simulation.plan.settings)
         taken.append(time.thread_time() - began)
     return min(taken) / pings.size
 

@@ -12,6 +12,7 @@ from insonify.parallel import in_parallel
 from insonify.receiver import receive
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
+from insonify.tracers.scatterers import ScattererTracer
 
 pytestmark = pytest.mark.bench
 PINGS = np.arange(512)
@@ -57,8 +58,8 @@ def test_what_coherent_speckle_costs(capsys):
     for density in (None, 100.0, 10.0):
         speckle = {"kind": "coherent", "density": density}
         simulation = prepare(edit(load_scene("default"), {"receiver.speckle": speckle}))
-        waves, arrays, poses = simulation.scatterers, simulation.arrays, simulation.poses(pings)
-        assert waves is not None
+        waves, arrays, poses = simulation.tracer, simulation.arrays, simulation.poses(pings)
+        assert isinstance(waves, ScattererTracer)
 
         def call(waves=waves, arrays=arrays, poses=poses, planes=simulation.plan.planes):
             waves.trace(arrays, poses, planes=planes, threads=1)

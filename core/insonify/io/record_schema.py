@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -80,3 +80,57 @@ def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
     return xr.concat(
         blocks, dim="ping_time", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )
+
+
+def echo_variable(intensity: NDArray[np.float32]) -> dict[str, Any]:
+    """Return the variable that holds the echoes.
+
+    Parameters
+    ----------
+    intensity : (pings, 2, bins) float32
+        Linear, port first.
+
+    Returns
+    -------
+    dict
+        By name, as a Dataset takes it.
+    """
+    told = labels("1", "echo intensity, linear, before display gain")
+    return {"intensity": (ACROSS, np.moveaxis(intensity, 1, 0), told)}
+
+
+def label_variables(
+    columns: Mapping[str, NDArray[Any]], targets: Sequence[str], materials: Sequence[str], paths: Sequence[str]
+) -> dict[str, Any]:
+    """Return the variables that tell what each bin shows, with the names behind their numbers.
+
+    Parameters
+    ----------
+    columns : mapping of str to (pings, 2, bins) array
+        By the name of the variable: ``target_id`` (-2 nothing, -1 the bed), ``material`` and ``path`` (-1 nothing),
+        ``shadow``, ``ground_range``, ``incidence`` and ``caustic``.
+    targets, materials, paths : sequence of str
+        Names of what is counted from 0.
+
+    Returns
+    -------
+    dict
+        By name, as a Dataset takes them.
+    """
+    types = {name: column.dtype for name, column in columns.items()}
+    attributes = {
+        "target_id": _flags("greatest contributor of the bin", ["nothing", "bed", *targets], types["target_id"], -2),
+        "material": _flags("material of that contributor", ["nothing", *materials], types["material"], -1),
+        "shadow": {"long_name": "whether bed lies there, hidden, and nothing is heard on the direct path"},
+        "ground_range": labels("m", "ground range of that contributor's strongest piece"),
+        "incidence": labels("degree", "incidence on that piece, from its normal"),
+        "path": _flags("how the sound went", ["none", *paths], types["path"], -1),
+        "caustic": {"long_name": "whether sound of a caustic is heard, its level held to what waves allow"},
+    }
+    return {name: (ACROSS, np.moveaxis(columns[name], 1, 0), told) for name, told in attributes.items()}
+
+
+def _flags(text: str, meanings: list[str], dtype: np.dtype[Any], first: int) -> dict[str, Any]:
+    """Name the values of a variable that counts up from ``first``, by the CF conventions."""
+    values = np.arange(first, first + len(meanings), dtype=dtype)
+    return {"long_name": text, "flag_values": values, "flag_meanings": " ".join(meanings)}

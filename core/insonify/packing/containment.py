@@ -1,4 +1,4 @@
-"""Whether the sonar runs into a closed shape of triangles."""
+"""Refusal of a sonar that is inside a target."""
 
 from __future__ import annotations
 
@@ -7,10 +7,29 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.common.types import Poses, SceneArrays, Solids
 from insonify.scene import SceneError
 
 CLOSED = 0.99  # of the whole sphere, from where a shape is all around; one that is open shows less from anywhere
+
+
+def refuse_sonar_in_solid(solids: Solids, statuses: list[int]) -> None:
+    """Raise if a kernel found the sonar inside a solid.
+
+    Parameters
+    ----------
+    solids : Solids
+        The analytic bodies of all targets.
+    statuses : list of int
+        What the kernel returned of each block of pings: -1 - k if the sonar is inside solid k, else 0.
+
+    Raises
+    ------
+    SceneError
+    """
+    for status in statuses:
+        if status < 0:
+            _refuse(int(solids.target[-1 - status]))
 
 
 def refuse_sonar_in_mesh(arrays: SceneArrays, poses: Poses) -> None:
@@ -31,18 +50,22 @@ def refuse_sonar_in_mesh(arrays: SceneArrays, poses: Poses) -> None:
     if mesh.target.size == 0:
         return
     places = np.column_stack([poses.x, poses.y, poses.z])
-    places = _within(places, mesh.low[0], mesh.high[0])  # the tree's root holds it all
+    places = _within(places, mesh.low[0], mesh.high[0])  # the box of the tree's root holds every triangle
     if len(places) == 0:
         return
     for target in np.unique(mesh.target):
         corners = mesh.corners[mesh.target == target]
         near = _within(places, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)))
         if any(abs(solid_angle(corners - place)) > CLOSED * 4.0 * math.pi for place in near):
-            raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
+            _refuse(int(target))
+
+
+def _refuse(target: int) -> None:
+    raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
 
 
 def _within(places: NDArray[np.float64], low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Leave out the places outside a box."""
+    """Places that lie inside a box."""
     return places[((places > low) & (places < high)).all(axis=1)]
 
 

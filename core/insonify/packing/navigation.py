@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Poses
 from insonify.packing.track import TowLine, recorded_at, tow_line_at
-from insonify.scene import Scene
+from insonify.scene import Scene, SceneError
 from insonify.scene.motions.oscillations import Heave, Oscillation, Pitch, Roll, Sway, Yaw
-from insonify.terrain import AnyGround
+from insonify.terrain import AnyGround, EndlessGround
 
 SAMPLES = 64  # of the bed to either side of the fish
 TOGETHER = 2048  # pings whose samples are held at once
@@ -88,6 +88,46 @@ def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> ND
     parts = np.array_split(numbers, math.ceil(max(numbers.size, 1) / TOGETHER))
     lines = (tow_line_at(scene, part[:, None] + reach * share) for part in parts)
     return np.concatenate([ground.height_near(line.x, line.y) @ weight for line in lines])
+
+
+def platform_columns(poses: Poses, ground: AnyGround) -> tuple[NDArray[np.float64], ...]:
+    """Position, depth, altitude and attitude of the sonar as a record holds them, (pings,) each.
+
+    Parameters
+    ----------
+    poses : Poses
+        Where the sonar is.
+    ground : AnyGround
+        The bed.
+
+    Returns
+    -------
+    tuple of (pings,) float64
+        In the order and the units of `insonify.io.record_schema.PLATFORM`.
+    """
+    altitude = poses.z - ground.height_at(poses.x, poses.y)
+    attitude = map(np.degrees, (poses.heading, poses.pitch, poses.roll))
+    return poses.x, poses.y, -(poses.z + ground.datum), altitude, *attitude
+
+
+def refuse_track_off_bed(scene: Scene, ground: AnyGround) -> None:
+    """Refuse a tow that never comes within range of a bed that ends somewhere, unless a target may be heard.
+
+    Raises
+    ------
+    SceneError
+    """
+    if isinstance(ground, EndlessGround) or ground.periodic or scene.targets:
+        return
+    line = tow_line_at(scene, np.unique(np.linspace(0, scene.track.pings - 1, 512).astype(np.int64)))
+    ny, nx = ground.heights.shape
+    x1, y1 = ground.x0 + (nx - 1) * ground.spacing, ground.y0 + (ny - 1) * ground.spacing
+    away = np.hypot(line.x - np.clip(line.x, ground.x0, x1), line.y - np.clip(line.y, ground.y0, y1))
+    if (away > scene.sonar.range).all():
+        raise SceneError(
+            f"track.start: from {list(scene.track.start)} the tow never comes within {scene.sonar.range:g} m "
+            f"of the bed (x from {ground.x0:g} to {x1:g} m, y from {ground.y0:g} to {y1:g} m); start it over the bed"
+        )
 
 
 def _height(scene: Scene, ground: AnyGround, line: TowLine, pings: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from insonify.errors import located
 from insonify.kernels.common.types import FRUSTUM, SPHERE, Mesh, Solids
 from insonify.kernels.geometry.bvh import build_mesh
-from insonify.scene import Scene, SceneError
+from insonify.scene import Scene
 from insonify.scene.materials import Reflectivity
 from insonify.scene.targets.shape import Shape, Solid
 from insonify.terrain import AnyGround
@@ -38,20 +38,6 @@ def _placed(scene: Scene, ground: AnyGround) -> Iterator[Shape]:
         with located(f"targets.{number}"):
             shape = target.placed(ground)
         yield shape
-
-
-def refuse_sonar_inside(solids: Solids, statuses: list[int]) -> None:
-    """Raise if a kernel met the sonar inside a body, which it tells by -1 - the body's row.
-
-    Raises
-    ------
-    SceneError
-        If a status is below 0.
-    """
-    for status in statuses:
-        if status < 0:
-            target = int(solids.target[-1 - status])
-            raise SceneError(f"targets.{target}.position: the sonar runs into it; move the target or raise the track")
 
 
 def pack_solids(rows: Sequence[Solid], material: NDArray[np.int64], target: NDArray[np.int64]) -> Solids:

@@ -1,8 +1,8 @@
-"""Pings by the window of ground that they are heard over."""
+"""Tiles of endless ground, each wide enough for the pings over its middle."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.types import Bed, Poses, SceneArrays
+from insonify.packing.navigation import take_poses
 from insonify.packing.scene_arrays import make_bed
 from insonify.terrain import AnyGround, EndlessGround
 
@@ -21,7 +22,7 @@ KEPT_BEDS = 2
 
 
 class TerrainTiles:
-    """Beds, one for each window of endless ground; any other ground is one window.
+    """Beds, one for each tile of endless ground; any other ground is one tile.
 
     Parameters
     ----------
@@ -35,22 +36,43 @@ class TerrainTiles:
         self._ground, self.reach = ground, reach
         self._bed = lru_cache(maxsize=KEPT_BEDS)(self._made_bed)
 
-    def over(self, arrays: SceneArrays, poses: Poses) -> Iterator[tuple[NDArray[np.int64] | slice, SceneArrays]]:
-        """Sort poses by their windows.
+    def map(
+        self, trace: Callable[[SceneArrays, Poses], tuple[Column, ...]], arrays: SceneArrays, poses: Poses
+    ) -> tuple[Column, ...]:
+        """Trace pings tile by tile.
 
         Parameters
         ----------
+        trace : callable
+            From the scene over one tile and the poses over it to arrays whose first axis is that of the pings.
         arrays : SceneArrays
-            A scene over this ground.
+            The scene, over any ground.
         poses : Poses
-            Where the sonar is, n pings.
+            Where the sonar is, n pings. The tile beneath each is a function of its pose alone.
+
+        Returns
+        -------
+        tuple of (n, …) arrays
+            In the order of the pings.
+        """
+        parts = ((some, trace(tile, take_poses(poses, some))) for some, tile in self.split(arrays, poses))
+        places, found = zip(*parts)
+        return tuple(_join(places, columns) for columns in zip(*found))
+
+    def split(self, arrays: SceneArrays, poses: Poses) -> Iterator[tuple[NDArray[np.int64] | slice, SceneArrays]]:
+        """Sort poses by the tiles beneath them.
+
+        Parameters
+        ----------
+        arrays, poses
+            As in `map`.
 
         Yields
         ------
         places : int64 array or slice
             Which of the poses.
         arrays : SceneArrays
-            With the bed about them: a function of each pose alone.
+            The scene over the tile beneath them.
         """
         if not isinstance(self._ground, EndlessGround) or poses.x.size == 0:
             yield slice(None), arrays
@@ -64,8 +86,8 @@ class TerrainTiles:
         return make_bed(self._ground.window(row, column, MARGIN * self.reach))
 
 
-def restore_order(places: Sequence[NDArray[np.int64] | slice], columns: Sequence[Column]) -> Column:
-    """Join what was found for pings window by window, in the order of the pings."""
+def _join(places: Sequence[NDArray[np.int64] | slice], columns: Sequence[Column]) -> Column:
+    """Join the columns of several tiles in the order of the pings."""
     if len(columns) == 1:
         return columns[0]
     joined = np.concatenate(columns)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +12,11 @@ from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.receiver.pulse import convolve_pulse
+from insonify.parallel import in_parallel
 from insonify.receiver.fluctuation import Fluctuation, make_fluctuation
 from insonify.receiver.levels import crosstalk, noise_level, power, reverberation, time_varied_gain
 from insonify.receiver.random_fields import Field, make_field
-from insonify.receiver.speckle import Speckle, make_speckle
+from insonify.receiver.speckle import Speckle, divide_by_shape, make_speckle
 from insonify.scene import Scene
 from insonify.scene.speckles.coherent import Coherent
 
@@ -35,6 +37,8 @@ class Reception:
         Mean intensity of what the water and its surface echo.
     fluctuation, speckle : Fluctuation, Speckle or None
         None where the scene has none.
+    divided_by_shape : (materials, 3) float64 or None
+        Reflectivities over the shape of each material's K speckle; None where the receiver's own shape holds for all.
     coherent : bool
         Whether what is traced has been through the pulse and is speckled already, scatterer by scatterer.
     crosstalk : float
@@ -53,6 +57,7 @@ class Reception:
     reverberation: Curve
     fluctuation: Fluctuation | None
     speckle: Speckle | None
+    divided_by_shape: Curve | None
     coherent: bool
     crosstalk: float
     source: float
@@ -65,7 +70,9 @@ class Reception:
         return (echo * self.taps.weights.sum() * self.source + self.noise) * self.gain
 
 
-def make_reception(scene: Scene, arrays: SceneArrays, *, altitude: float, depth: float) -> Reception:
+def make_reception(
+    scene: Scene, arrays: SceneArrays, *, altitude: float, depth: float, k_shapes: Sequence[float | None] = ()
+) -> Reception:
     """Make a scene's receiver ready.
 
     Parameters
@@ -76,6 +83,8 @@ def make_reception(scene: Scene, arrays: SceneArrays, *, altitude: float, depth:
         The scene as tracers take it.
     altitude, depth : float
         Height of the sonar above the mean bed, and its depth, in metres.
+    k_shapes : sequence of float or None
+        Shape of the K speckle of every material, by its row; None where the receiver's own holds.
 
     Returns
     -------
@@ -95,6 +104,7 @@ def make_reception(scene: Scene, arrays: SceneArrays, *, altitude: float, depth:
         reverberation=_through(taps, water[None, None])[0, 0].astype(np.float64),
         fluctuation=make_fluctuation(scene, arrays),
         speckle=make_speckle(scene, arrays),
+        divided_by_shape=divide_by_shape(scene, arrays, k_shapes),
         coherent=isinstance(scene.receiver.speckle, Coherent),
         crosstalk=crosstalk(scene),
         source=source,
@@ -104,7 +114,42 @@ def make_reception(scene: Scene, arrays: SceneArrays, *, altitude: float, depth:
     )
 
 
-def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], spiky: Record | None = None) -> Record:
+def record_echoes(
+    reception: Reception, trace: Callable[[SceneArrays], Record], arrays: SceneArrays, pings: NDArray[np.int64]
+) -> Record:
+    """Trace pings and turn their echoes into a record.
+
+    Parameters
+    ----------
+    reception : Reception
+        From `make_reception`.
+    trace : callable
+        From a scene to the intensity of its echoes, (n, 2, bins).
+    arrays : SceneArrays
+        The scene. Where materials have K speckle of their own it is traced a second time, with every reflectivity
+        divided by its material's shape: echoes are linear in the reflectivity, so that the ratio of both is the mean
+        of 1/ν over what a bin hears.
+    pings : (n,) int64
+        Their numbers.
+
+    Returns
+    -------
+    (n, 2, bins) float32
+        Intensity as received.
+    """
+    traced = trace(arrays)
+    divided: Record | None = None
+    if reception.divided_by_shape is not None:
+        divided = trace(arrays._replace(reflectivity=reception.divided_by_shape))
+
+    def block(first: int, last: int) -> Record:
+        part = slice(first, last)
+        return receive(reception, traced[part], pings[part], None if divided is None else divided[part])
+
+    return np.concatenate(in_parallel(block, pings.size)) if pings.size else traced
+
+
+def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], divided: Record | None = None) -> Record:
     """Turn traced intensities into a record.
 
     Parameters
@@ -115,16 +160,16 @@ def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], spik
         Intensity of an ideal pulse, or of scatterers that have interfered.
     pings : (n,) int64
         Their numbers.
-    spiky : (n, 2, bins) float32, optional
-        Likewise traced, each echo divided by the shape of its material's K speckle; the receiver's own shape holds
-        for all when left out.
+    divided : (n, 2, bins) float32, optional
+        Intensity of the same echoes, each divided by the shape of its material's K speckle; the receiver's own shape
+        holds for all when left out.
 
     Returns
     -------
     (n, 2, bins) float32
         Intensity as received; the traced array itself where nothing applies.
     """
-    record = _speckled(reception, traced, pings, spiky)
+    record = _speckled(reception, traced, pings, divided)
     if reception.crosstalk > 0.0:
         record = record + np.float32(reception.crosstalk) * record[:, ::-1]
     if reception.fluctuation is not None:
@@ -138,7 +183,7 @@ def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], spik
     return record
 
 
-def _speckled(reception: Reception, traced: Record, pings: NDArray[np.int64], spiky: Record | None) -> Record:
+def _speckled(reception: Reception, traced: Record, pings: NDArray[np.int64], divided: Record | None) -> Record:
     """Let the pulse lengthen every echo, and multiply what comes of it by speckle, unless waves have done both."""
     if reception.coherent:
         return _interfered(reception, traced, pings)
@@ -146,9 +191,9 @@ def _speckled(reception: Reception, traced: Record, pings: NDArray[np.int64], sp
     if reception.speckle is None:
         return record
     inverse_shape: Record | None = None
-    if spiky is not None:
+    if divided is not None:
         # The mean of 1/ν over what a bin hears.
-        weighted = _delayed(reception, spiky, pings, reception.speckle.inverse_shape)
+        weighted = _delayed(reception, divided, pings, reception.speckle.inverse_shape)
         inverse_shape = np.divide(weighted, record, out=np.zeros_like(record), where=record > 0.0)
     return record * reception.speckle.factors(pings, inverse_shape)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -114,6 +115,31 @@ def make_speckle(scene: Scene, arrays: SceneArrays) -> Speckle | None:
     growth = np.ones(arrays.bins) if declared.cell is None else width * length / declared.cell
     texture = Texture(make_field(scene.seed, TEXTURE_STREAM, taps, width / advance), declared.shape, growth)
     return Speckle(field, declared.looks, texture)
+
+
+def divide_by_shape(scene: Scene, arrays: SceneArrays, k_shapes: Sequence[float | None]) -> NDArray[np.float64] | None:
+    """Divide the reflectivity of every material by the shape of its K speckle.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its speckle applies.
+    arrays : SceneArrays
+        With the reflectivities of all materials.
+    k_shapes : sequence of float or None
+        By row of those; None where the receiver's own shape holds.
+
+    Returns
+    -------
+    (materials, 3) float64 or None
+        None where no material has a shape of its own. The exponent of the lobe stays as it is.
+    """
+    speckle = scene.receiver.speckle
+    if not isinstance(speckle, K) or all(shape is None for shape in k_shapes):
+        return None
+    shapes = np.array([shape or speckle.shape for shape in k_shapes])
+    divided: NDArray[np.float64] = arrays.reflectivity / np.stack([shapes, shapes, np.ones(shapes.size)], axis=1)
+    return divided
 
 
 @lru_cache(maxsize=1)

@@ -1,1 +1,1 @@
-"""One file a method, one signature: ``trace(problem, poses, ...) -> (pings, 2, bins)`` float32 intensity."""
+"""Ways of tracing a scene's pings, from poses to the intensity that each channel hears, bin by bin."""

@@ -19,10 +19,9 @@ from insonify.kernels.sweep.visibility import empty_segment_echoes
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, empty_zbuffer
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.navigation import take_poses
-from insonify.packing.targets import refuse_sonar_inside
-from insonify.parallel import in_parallel
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.sweep import room_for_ghosts
+from insonify.tracers.blocks import trace_blocks
+from insonify.tracers.sweep import empty_images
 
 NOTHING = -2  # target of a bin in which nothing is heard
 NO_MATERIAL = -1
@@ -126,15 +125,11 @@ def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | N
     """Find what the bins of pings show, by rays along arcs."""
     found = empty_labels(poses.x.size, arrays.bins)
 
-    def block(first: int, last: int) -> int:
-        ledger = empty_contributor_table(_contributors(arrays), arrays.bins)
-        return int(
-            label_refracted_pings(
-                arrays, take_poses(poses, slice(first, last)), rays, ledger, labels_of_pings(found, first, last)
-            )
-        )
+    def block(part: Poses, first: int, last: int) -> int:
+        table = empty_contributor_table(_contributors(arrays), arrays.bins)
+        return int(label_refracted_pings(arrays, part, rays, table, labels_of_pings(found, first, last)))
 
-    refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
+    trace_blocks(arrays, poses, block, threads)
     return found
 
 
@@ -146,23 +141,13 @@ def _find(
     contributors = _contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
     found = empty_labels(poses.x.size, arrays.bins)
 
-    def block(first: int, last: int) -> int:
-        part = take_poses(poses, slice(first, last))
+    def block(part: Poses, first: int, last: int) -> int:
         room = empty_profile(capacity), empty_segment_echoes(capacity), empty_zbuffer(arrays.solids, arrays.mesh)
-        far, ledger = room_for_ghosts(arrays, capacity), empty_contributor_table(contributors, arrays.bins)
-        return label_swept_pings(
-            arrays,
-            part,
-            *beams,
-            apparent,
-            empty_table(apparent),
-            *room,
-            *far,
-            ledger,
-            labels_of_pings(found, first, last),
-        )
+        images, table = empty_images(arrays, capacity), empty_contributor_table(contributors, arrays.bins)
+        apart = labels_of_pings(found, first, last)
+        return label_swept_pings(arrays, part, *beams, apparent, empty_table(apparent), *room, *images, table, apart)
 
-    refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
+    trace_blocks(arrays, poses, block, threads)
     return found
 
 

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import SceneError
+from insonify.tracers.blocks import Record
 from insonify.tracers.rays import trace_rays
 
 
 def trace(
     arrays: SceneArrays, poses: Poses, *, step: float = 0.1, rays: int = 1000, threads: int | None = None
-) -> NDArray[np.float32]:
+) -> Record:
     """Trace pings by marching along each ray until it is below the bed or inside a body.
 
     Parameters

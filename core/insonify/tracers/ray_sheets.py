@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.refracted_rays.ray_sheets import trace_ray_sheets
-from insonify.packing.navigation import take_poses
-from insonify.packing.targets import refuse_sonar_inside
-from insonify.parallel import in_parallel
 from insonify.scene import SceneError
+from insonify.tracers.blocks import Record, empty_record, trace_blocks
 
 
 def trace(
     arrays: SceneArrays, poses: Poses, *, sheets: int = 64, rays: int = 1024, threads: int | None = None
-) -> NDArray[np.float32]:
+) -> Record:
     """Trace pings by exact rays, sheet by sheet, each sheet integrated over elevation.
 
     Parameters
@@ -46,12 +41,12 @@ def trace(
         raise SceneError(f"rays: {rays} a sheet of {sheets} sheets is too few; give at least as many as sheets, from 1")
     if not can_trace(arrays):
         raise SceneError("sheets: hear first echoes alone; take rays for ghosts and bounces")
-    out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
+    out = empty_record(arrays, poses)
 
-    def block(first: int, last: int) -> int:
-        return int(trace_ray_sheets(arrays, take_poses(poses, slice(first, last)), sheets, int(rays), out[first:last]))
+    def block(part: Poses, first: int, last: int) -> int:
+        return int(trace_ray_sheets(arrays, part, sheets, int(rays), out[first:last]))
 
-    refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
+    trace_blocks(arrays, poses, block, threads)
     return out
 
 

@@ -15,15 +15,13 @@ from insonify.kernels.rays.first_echoes import cast_straight_rays, empty_hits, t
 from insonify.kernels.rays.specular_paths import follow_specular_paths
 from insonify.kernels.refracted_rays.echoes import trace_refracted_pings
 from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
-from insonify.packing.navigation import take_poses
-from insonify.packing.targets import refuse_sonar_inside
-from insonify.parallel import in_parallel
 from insonify.scene import SceneError
+from insonify.tracers.blocks import Record, empty_record, trace_blocks
 
 WALK = 0.0  # in place of a step
 
 
-def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> NDArray[np.float32]:
+def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Record:
     """Trace pings ray by ray: an exact walk over the cells of the bilinear bed, exact hits of the bodies.
 
     Parameters
@@ -158,22 +156,21 @@ def _targets(arrays: SceneArrays) -> NDArray[np.int64]:
     return np.concatenate([arrays.solids.target, arrays.mesh.target, [NOTHING, BED]])
 
 
-def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, threads: int | None) -> NDArray[np.float32]:
+def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, threads: int | None) -> Record:
     """Trace pings by the walk, or by a march if ``step`` is positive; pings are shared among threads."""
     if rays < 1:
         raise SceneError(f"rays: {rays} is too few; give at least 1 ray per side")
     _refuse_bends(arrays, arrays.bounces)
     trace = trace_refracted_pings if arrays.water.bent else trace_straight_pings
-    out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
+    out = empty_record(arrays, poses)
 
-    def block(first: int, last: int) -> int:
-        part = take_poses(poses, slice(first, last))
+    def block(part: Poses, first: int, last: int) -> int:
         status = int(trace(arrays, part, int(rays), float(step), out[first:last]))
         if arrays.multipath.enabled and status == 0:
             trace_multipath(arrays, part, int(rays), out[first:last])
         return status
 
-    refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
+    trace_blocks(arrays, poses, block, threads)
     return out
 
 

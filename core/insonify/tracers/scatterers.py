@@ -18,13 +18,11 @@ from insonify.kernels.sweep.sweep import AzimuthFan
 from insonify.kernels.sweep.visible_stretches import empty_visible_bed
 from insonify.packing.navigation import take_poses
 from insonify.packing.surface_patches import make_surface_patches
-from insonify.packing.targets import refuse_sonar_inside
-from insonify.parallel import in_parallel
 from insonify.scene import Scene, SceneError
 from insonify.scene.pulses import PulseKind as DeclaredPulse
 from insonify.scene.speckles.coherent import Coherent
 from insonify.tracers.azimuth_fan import lay_planes
-from insonify.tracers.sweep import Record
+from insonify.tracers.blocks import Record, empty_record, trace_blocks
 
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
@@ -50,7 +48,7 @@ class ScattererTracer:
     pulse: PulseTaps
 
     @property
-    def beyond(self) -> int:
+    def bins_beyond(self) -> int:
         """Bins beyond the last whose scatterers the pulse still hears within it."""
         return math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
 
@@ -78,28 +76,37 @@ class ScattererTracer:
         SceneError
             If the sonar runs into a target.
         """
-        further = _narrowed(_extend_range(arrays, self.beyond), self.scatterers.patches, poses)
+        further = _narrowed(_extend_range(arrays, self.bins_beyond), self.scatterers.patches, poses)
         capacity = profile_capacity(further.bins * further.bin_length, arrays.bed.spacing)
-        out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
+        out = empty_record(arrays, poses)
         for places, laid in lay_planes(further, poses, max(planes, 2)):
             some, beam = take_poses(poses, places), _sort_planes(laid)
             _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
-            traced = np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
+            traced = empty_record(arrays, some)
 
-            def block(
-                first: int, last: int, some: Poses = some, beam: AzimuthFan = beam, traced: Record = traced
-            ) -> int:
-                part, sight = take_poses(some, slice(first, last)), empty_visible_bed(beam.azimuth, capacity)
+            def block(part: Poses, first: int, last: int, beam: AzimuthFan = beam, traced: Record = traced) -> int:
+                sight = empty_visible_bed(beam.azimuth, capacity)
                 room = empty_profile(capacity), sight, empty_signal(further.bins, self.pulse)
                 return trace_scatterers(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
 
-            refuse_sonar_inside(arrays.solids, in_parallel(block, places.size, threads))
+            trace_blocks(arrays, some, block, threads)
             out[places] = traced
         return out
 
 
-def make_scatterer_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer | None:
-    """Strew the scatterers of a scene; None if its speckle is of another kind.
+def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
+    """Strew the scatterers of a scene of coherent speckle.
+
+    Parameters
+    ----------
+    scene : Scene
+        What was declared.
+    arrays : SceneArrays
+        The scene as kernels see it.
+
+    Returns
+    -------
+    ScattererTracer
 
     Raises
     ------
@@ -107,8 +114,7 @@ def make_scatterer_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer 
         If there are more of them than can be heard one by one.
     """
     declared = scene.receiver.speckle
-    if not isinstance(declared, Coherent):
-        return None
+    assert isinstance(declared, Coherent)
     speed, pulse = arrays.water.reference, scene.sonar.pulse
     width = along_track_angle(arrays) * bin_centres(arrays)
     length = float(pulse_taps(pulse, speed, arrays.bin_length).weights.sum()) * arrays.bin_length

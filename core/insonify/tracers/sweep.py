@@ -19,12 +19,9 @@ from insonify.kernels.sweep.visibility import empty_segment_echoes
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.navigation import take_poses
-from insonify.packing.targets import refuse_sonar_inside
-from insonify.parallel import in_parallel
 from insonify.tracers.azimuth_fan import lay_planes_of_images
+from insonify.tracers.blocks import Record, empty_record, trace_blocks
 from insonify.tracers.rays import trace as trace_rays
-
-Record = NDArray[np.float32]
 
 
 def trace(
@@ -35,7 +32,7 @@ def trace(
     rays: int = 4000,
     threads: int | None = None,
     double: bool = False,
-) -> NDArray[np.float32]:
+) -> Record:
     """Trace pings by the sweep.
 
     Parameters
@@ -64,14 +61,15 @@ def trace(
         If the sonar runs into a target.
     """
     apparent, folded = make_apparent_tables(arrays, poses)
-    out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
+    out = empty_record(arrays, poses)
     if folded.any():
         out[folded] = trace_rays(arrays, take_poses(poses, np.flatnonzero(folded)), rays=rays, threads=threads)
     clear = np.flatnonzero(~folded)
     for among, beam, lifted in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
         places = clear[among]
-        traced = out if places.size == poses.x.size else np.zeros((places.size, *out.shape[1:]), dtype=np.float32)
-        _trace_alike(arrays, take_poses(poses, places), (beam, lifted), apparent, double, threads, traced)
+        some = take_poses(poses, places)
+        traced = out if places.size == poses.x.size else empty_record(arrays, some)
+        _trace_alike(arrays, some, (beam, lifted), apparent, double, threads, traced)
         if traced is not out:
             out[places] = traced
     return out
@@ -91,22 +89,21 @@ def _trace_alike(
     real = np.float64 if double else np.float32
     beam, lifted = beams
 
-    def block(first: int, last: int) -> int:
-        part = take_poses(poses, slice(first, last))
-        screen = empty_zbuffer(arrays.solids, arrays.mesh)
-        room = empty_profile(capacity, real), empty_segment_echoes(capacity, real), screen
+    def block(part: Poses, first: int, last: int) -> int:
+        zbuffer = empty_zbuffer(arrays.solids, arrays.mesh)
+        room = empty_profile(capacity, real), empty_segment_echoes(capacity, real), zbuffer
         status = sweep_pings(arrays, part, beam, apparent, empty_table(apparent), *room, out[first:last])
         if arrays.multipath.enabled and status == 0:
-            far = *room_for_ghosts(arrays, capacity), empty_contributor_table(0, 0)
-            sweep_multipath(arrays, part, beam, lifted, room[0], *far, out[first:last])
+            images = *empty_images(arrays, capacity), empty_contributor_table(0, 0)
+            sweep_multipath(arrays, part, beam, lifted, room[0], *images, out[first:last])
         return int(status)
 
-    refuse_sonar_inside(arrays.solids, in_parallel(block, poses.x.size, threads))
+    trace_blocks(arrays, poses, block, threads)
 
 
-def room_for_ghosts(
+def empty_images(
     arrays: SceneArrays, capacity: int
 ) -> tuple[tuple[ImageProfile, ImageProfile], tuple[AngularZbuffer, AngularZbuffer], NDArray[np.float64]]:
-    """Make room for profiles of so many knots as two images of the sonar see them, and for their echoes."""
-    screens = empty_zbuffer(arrays.solids, arrays.mesh), empty_zbuffer(arrays.solids, arrays.mesh)
-    return (empty_image_profile(capacity), empty_image_profile(capacity)), screens, empty_echo_list()
+    """Room for the profiles of ``capacity`` knots that two images of the sonar see, their z-buffers and echoes."""
+    zbuffers = empty_zbuffer(arrays.solids, arrays.mesh), empty_zbuffer(arrays.solids, arrays.mesh)
+    return (empty_image_profile(capacity), empty_image_profile(capacity)), zbuffers, empty_echo_list()

@@ -287,7 +287,7 @@ def ready(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
     if straight and (arrays.multipath.enabled or arrays.bounces):
         arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
     poses = make_poses(scene, ground, np.unique(np.linspace(0, scene.track.pings - 1, pings).astype(np.int64)))
-    pieces = TerrainTiles(ground, arrays.bins * arrays.bin_length).over(arrays, poses)
+    pieces = TerrainTiles(ground, arrays.bins * arrays.bin_length).split(arrays, poses)
     places, arrays = max(pieces, key=lambda piece: poses.x[piece[0]].size)
     return arrays, take_poses(poses, places)
 

@@ -1,0 +1,50 @@
+"""Pings shared among threads in blocks, each traced by a kernel that says whether the sonar is inside a target."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.packing.containment import refuse_sonar_in_mesh, refuse_sonar_in_solid
+from insonify.packing.navigation import take_poses
+from insonify.parallel import in_parallel
+
+Record = NDArray[np.float32]
+
+
+def trace_blocks(
+    arrays: SceneArrays, poses: Poses, trace: Callable[[Poses, int, int], int], threads: int | None
+) -> None:
+    """Trace pings block by block, on several threads.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+        The scene as kernels see it.
+    poses : Poses
+        Where the sonar is, n pings.
+    trace : callable
+        Takes the poses of pings first to last - 1, ``first`` and ``last``; returns a kernel's status: -1 - k if the
+        sonar is inside solid k, else 0.
+    threads : int or None
+        Threads to use, all cores if None.
+
+    Raises
+    ------
+    SceneError
+        If the sonar runs into a target.
+    """
+
+    def block(first: int, last: int) -> int:
+        return int(trace(take_poses(poses, slice(first, last)), first, last))
+
+    refuse_sonar_in_mesh(arrays, poses)
+    refuse_sonar_in_solid(arrays.solids, in_parallel(block, poses.x.size, threads))
+
+
+def empty_record(arrays: SceneArrays, poses: Poses) -> Record:
+    """Record of zeros, (pings, 2, bins)."""
+    return np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
