@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.optics.material_colours import COLOURS, shares_of
+from insonify.optics.material_colours import mixed_colour, shares_of
 from insonify.scene.materials import MATERIALS
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ TONES = (0.3, 2.5)  # of diffuse shares over the usual, shown
 
 def target_colours(scene: Scene) -> NDArray[np.uint8]:
     """Return the colours of a scene's targets by their materials' names, (targets, 3) uint8."""
-    colours = np.array([COLOURS[target.material.name] for target in scene.targets]).reshape(-1, 3)
+    colours = np.array([MATERIALS[target.material.name].colour for target in scene.targets]).reshape(-1, 3)
     return np.asarray(255.0 * np.minimum(colours * LIT, 1.0), dtype=np.uint8)
 
 
@@ -68,7 +68,7 @@ def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: in
 def _colours(ground: Ground) -> NDArray[np.float32]:
     """Colour of each row of the material table, (n, 3): its name's, lighter or darker as its numbers have it."""
     named = [shares_of(name) for name in ground.names]
-    colours = np.array([sum(share * np.array(COLOURS[name]) for name, share in shares) for shares in named])
+    colours = np.array([mixed_colour(shares) for shares in named])
     usual = np.array([sum(share * MATERIALS[name].diffuse for name, share in shares) for shares in named])
     ratio = np.array([row.diffuse for row in ground.reflectivities]) / np.maximum(usual, DARK)
     tone = np.sqrt(np.clip(ratio / max(float(ratio.mean()), DARK), *TONES))

@@ -8,7 +8,8 @@ from typing import Any
 
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
-from insonify.scene.materials import MATERIALS, Material, PatternMap, Reflectivity
+from insonify.scene.materials import MATERIALS, Material, Reflectivity
+from insonify.scene.materials.pattern import PatternMap
 from insonify.scene.motions.straight import Straight
 from insonify.scene.motions.sum import SumOfMotions
 from insonify.scene.reliefs.mimic import Mimic
@@ -140,8 +141,7 @@ def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, st
     if kind is None or kind == material.kind:
         return {}, ""
     if kind == "uniform":
-        first: Material = material if isinstance(material, Material) else material.of[0]
-        return {"seabed.material.name": first.name}, ""
+        return {"seabed.material.name": material.materials[0].name}, ""
     if not isinstance(material, Material):
         return {}, ""
     other = "rock" if material.name != "rock" else next(iter(MATERIALS))

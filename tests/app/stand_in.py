@@ -55,7 +55,7 @@ def ground_of(scene: Scene) -> Ground:
     heights = 0.01 * np.sin(2 * np.pi * i / 8)[None, :] + np.zeros((n, 1))
     material = scene.seabed.material
     name = material.name if material.kind == "uniform" else material.of[0].name
-    numbers = material.reflectivity if material.kind == "uniform" else MATERIALS[name]
+    numbers = material.reflectivity if material.kind == "uniform" else MATERIALS[name].reflectivity
     return Ground(
         heights=heights.astype(np.float32),
         materials=np.zeros((n, n), np.uint8),

@@ -198,7 +198,7 @@ def test_material_name_turns_into_its_numbers(open_viewer: Any, small: Scene) ->
     assert number_row(viewer, "seabed.material.diffuse").field.text() == "0.33"
     pick(viewer, "seabed.material.name", "rock")
     shown = [number_row(viewer, f"seabed.material.{n}").field.text() for n in ("diffuse", "specular", "shininess")]
-    assert shown == [f"{value:.4g}" for value in MATERIALS["rock"][:3]]
+    assert shown == [f"{value:.4g}" for value in MATERIALS["rock"].reflectivity[:3]]
 
 
 def test_refused_edit_is_said_and_the_slider_returns(open_viewer: Any, small: Scene) -> None:

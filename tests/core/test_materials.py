@@ -34,13 +34,13 @@ def strength_at(cos_incidence, diffuse, specular, shininess):
 
 def decibels(name: str, grazing: float) -> float:
     """Backscattering strength of a named material."""
-    return 10.0 * math.log10(strength_at(math.sin(math.radians(grazing)), *MATERIALS[name][:3]))
+    return 10.0 * math.log10(strength_at(math.sin(math.radians(grazing)), *MATERIALS[name].reflectivity[:3]))
 
 
 @pytest.mark.parametrize("name", TABLE)
 def test_numbers_are_those_of_the_table(name):
     reflection, strengths, fit = TABLE[name]
-    numbers = MATERIALS[name]
+    numbers = MATERIALS[name].reflectivity
     assert numbers.reflection == pytest.approx(reflection, abs=6e-4)
     assert 10.0 * math.log10(numbers.diffuse / math.pi) == pytest.approx(fit, abs=0.06)
     # At 30° the lobe is gone: what remains is the fit.
@@ -60,13 +60,14 @@ def test_lambert_and_phong_stay_near_the_table(name):
 
 
 def test_no_material_returns_more_than_arrives():
-    for name, numbers in MATERIALS.items():
+    for name in MATERIALS:
+        numbers = MATERIALS[name].reflectivity
         assert numbers.diffuse + numbers.specular <= 1.0 + 1e-9, name
         assert 0.0 <= numbers.reflection <= 1.0, name
 
 
 def test_coarser_sediments_reflect_more_and_blur_the_lobe():
-    sediments = [MATERIALS[name] for name in TABLE]
+    sediments = [MATERIALS[name].reflectivity for name in TABLE]
     assert all(a.reflection < b.reflection for a, b in pairwise(sediments))
     assert all(a.shininess >= b.shininess for a, b in pairwise(sediments))
     muds_and_sands = [row.diffuse for row in sediments[:5]]
@@ -74,13 +75,13 @@ def test_coarser_sediments_reflect_more_and_blur_the_lobe():
 
 
 def test_a_mirror_returns_all_of_it_in_its_lobe():
-    mirror = MATERIALS["mirror"]
+    mirror = MATERIALS["mirror"].reflectivity
     assert (mirror.diffuse, mirror.specular, mirror.reflection) == (0.0, 1.0, 1.0)
 
 
 @pytest.mark.parametrize("name", ["medium_sand", "rock", "mirror"])
 def test_the_lobe_of_a_level_bed_is_the_echo_of_the_mirror_image(name):
-    _, specular, shininess = MATERIALS[name][:3]
+    _, specular, shininess = MATERIALS[name].reflectivity[:3]
     altitude = 10.0
     incidence = np.linspace(0.0, math.pi / 4, 20001)
     ring = 2.0 * math.pi * altitude**2 * np.tan(incidence) / np.cos(incidence) ** 2
@@ -103,7 +104,7 @@ def test_sediments_side_by_side_are_as_loud_as_their_numbers_say():
 
 def test_given_numbers_override_the_name():
     numbers = Material(name="rock", diffuse=0.1, reflection=0.2, speed_ratio=1.5, speckle_shape=4.0).reflectivity
-    rock = MATERIALS["rock"]
+    rock = MATERIALS["rock"].reflectivity
     assert numbers == Reflectivity(0.1, rock.specular, rock.shininess, 0.2, 1.5, 4.0)
     assert Material(name="rock").reflectivity.speckle_shape is None
 
@@ -119,7 +120,7 @@ def test_interfaces_follow_the_ground_and_then_the_targets():
         }
     )
     arrays = prepare(scene).arrays
-    silt, rock, steel = MATERIALS["silt"], MATERIALS["rock"], MATERIALS["steel"]
+    silt, rock, steel = MATERIALS["silt"].reflectivity, MATERIALS["rock"].reflectivity, MATERIALS["steel"].reflectivity
     np.testing.assert_array_equal(
         arrays.interface,
         [(silt.reflection, silt.speed_ratio), (0.5, rock.speed_ratio), (1.0, 1.0), (steel.reflection, 3.0)],
@@ -161,6 +162,6 @@ def test_a_traced_lobe_is_as_wide_as_its_exponent_says(shininess):
 
 @pytest.mark.parametrize("name", MATERIALS)
 def test_the_lobe_is_that_of_gaussian_facets(name):
-    numbers = MATERIALS[name]
+    numbers = MATERIALS[name].reflectivity
     half = numbers.facet_slope * math.sqrt(2.0 * math.log(2.0))  # tan α at which exp(−tan² α / 2s²) is one half
     assert math.degrees(math.atan(half)) == pytest.approx(numbers.lobe_half_width, rel=0.03)

@@ -7,12 +7,13 @@ import pytest
 from PIL import Image
 
 from insonify.scene import SceneError, build, load_scene, plain
-from insonify.scene.materials import MATERIALS, ImageMap, Material, PatternMap
+from insonify.scene.materials import MATERIALS, Material
+from insonify.scene.materials.image import ImageMap
+from insonify.scene.materials.pattern import GRADES, PatternMap
 from insonify.simulation import simulate
 from insonify.terrain import build_ground
 from insonify.terrain.lattice import Lattice
-from insonify.terrain.materials import material_indices, material_table
-from insonify.terrain.patterns import GRADES
+from insonify.terrain.materials import material_indices
 
 TWO = (Material(name="silt"), Material(name="rock"))
 THREE = (*TWO, Material(name="medium_sand"))
@@ -117,14 +118,14 @@ def test_a_pattern_longer_than_its_bed_is_stretched_to_it():
 
 def test_waves_blend_from_the_first_to_the_last_and_back():
     layout = PatternMap(of=THREE, shape="waves", period=6.0)
-    names, numbers = material_table(layout)
+    names, numbers = layout.rows()
     rows = material_indices(layout, Lattice((600, 1), 0.01), 1)[:, 0]
     assert len(names) == len(numbers) == len(set(names)) == GRADES
     assert (names[0], names[-1]) == ("silt", "medium_sand")
     assert names[51] == "60.0_silt+40.0_rock"
-    assert numbers[0] == MATERIALS["silt"]
-    assert numbers[-1] == MATERIALS["medium_sand"]
-    silt, rock = MATERIALS["silt"], MATERIALS["rock"]
+    assert numbers[0] == MATERIALS["silt"].reflectivity
+    assert numbers[-1] == MATERIALS["medium_sand"].reflectivity
+    silt, rock = MATERIALS["silt"].reflectivity, MATERIALS["rock"].reflectivity
     np.testing.assert_allclose(numbers[51][:5], 0.6 * np.array(silt[:5]) + 0.4 * np.array(rock[:5]))
     y = (np.arange(600) + 0.5) * 0.01
     np.testing.assert_allclose(rows / 255.0, 0.5 - 0.5 * np.cos(2.0 * np.pi * y / 6.0), atol=0.5 / 255.0)
@@ -132,9 +133,9 @@ def test_waves_blend_from_the_first_to_the_last_and_back():
 
 def test_graded_rows_mix_the_variance_of_speckle():
     one, other = (Material(name="silt", speckle_shape=shape) for shape in (2.0, 10.0))
-    rows = material_table(PatternMap(of=(one, other), shape="waves"))[1]
+    rows = PatternMap(of=(one, other), shape="waves").rows()[1]
     assert 1.0 / rows[51].speckle_shape == pytest.approx(0.8 / 2.0 + 0.2 / 10.0)
-    half_given = material_table(PatternMap(of=(one, TWO[0]), shape="waves"))[1]
+    half_given = PatternMap(of=(one, TWO[0]), shape="waves").rows()[1]
     assert half_given[0].speckle_shape == 2.0
     assert {row.speckle_shape for row in half_given[1:]} == {None}
 

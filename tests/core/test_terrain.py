@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from insonify.scene import SceneError, build, load_scene
-from insonify.scene.materials import MATERIALS, FractalMap, Material, Patches
+from insonify.scene.materials import MATERIALS, Material
+from insonify.scene.materials.fractal import FractalMap
+from insonify.scene.materials.patches import Patches
 from insonify.scene.seabed import Seabed
 from insonify.terrain import build_ground, relief, relief_picture
 from insonify.terrain.materials import Lattice, material_indices
@@ -47,7 +49,7 @@ def test_heights_are_kept_while_depth_and_material_change():
     assert second.heights is first.heights
     assert second.datum == -40.0
     assert second.names == ("rock",)
-    assert second.reflectivities == (MATERIALS["rock"],)
+    assert second.reflectivities == (MATERIALS["rock"].reflectivity,)
 
 
 def test_map_is_kept_while_the_numbers_of_its_materials_change():

@@ -19,7 +19,6 @@ from insonify.planning.relevance import height_of_echoes, targets_in_reach, ways
 from insonify.planning.scene_summary import View
 from insonify.scene import Scene
 from insonify.scene.beams.knife import KnifeBeam
-from insonify.scene.materials import Material
 from insonify.scene.reliefs.flat import Flat
 from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.surfaces import WAYS
@@ -127,7 +126,7 @@ class Errors:
         if isinstance(scene.seabed.relief, Flat) and not scene.targets:
             return 0.0
         material = scene.seabed.material
-        of = [*((material,) if isinstance(material, Material) else material.of), *(t.material for t in scene.targets)]
+        of = [*material.materials, *(target.material for target in scene.targets)]
         return min(laws.BOUNCED * max(one.reflectivity.reflection for one in of) ** 2, 1.0)
 
     def tracer(self, draft: Draft) -> float:

@@ -54,8 +54,8 @@ GHOSTS_SINGLE, GHOSTS_TABLED, GHOSTS_ORDER = 0.5, 0.03, 1.6
 CASCADE = 2.0
 # Relief of a bed that no spectrum describes (a measured one): exponent, rms and period in cells.
 OTHER_BETA, OTHER_RMS, OTHER_PERIOD = 1.8, 1.0, 256.0
-# Borders of materials: how long they run, in patches and stripes, and what coarse nodes make of them.
-PATCH, BORDERS = 0.4, 4.0
+# Borders of materials: what coarse nodes make of them.
+BORDERS = 4.0
 # A level bed of wide cells: error by cells over bins, and the most that it comes to; by the square of cells over
 # altitudes, what a vertical beam shades wrongly. More than a share of the record is never left, for what a level bed
 # looks like anybody knows; nor at nadir, which no tolerance means, more than some tolerances of the first echo's peak.

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from insonify.planning import laws
 from insonify.planning.scene_summary import BEYOND, View
 from insonify.scene import Scene
-from insonify.scene.materials import Material, Reflectivity
+from insonify.scene.materials import Reflectivity
 
 Field = NDArray[np.float64]
 CELLS = 256  # of slant range at most
@@ -54,7 +54,7 @@ class Ghosts:
     """
 
     def __init__(self, scene: Scene, view: View, ways: list[str], steepness: float) -> None:
-        self._view, self._steepness, self._even = view, steepness, isinstance(scene.seabed.material, Material)
+        self._view, self._steepness, self._even = view, steepness, len(scene.seabed.material.materials) == 1
         self._pairs = {way: _pair(way, scene, view) for way in ways}
         edges = np.linspace(min(BEYOND * view.altitude, 0.9 * view.reach), view.reach, min(view.bins, CELLS) + 1)
         sonar = Pair(view.altitude, view.altitude, 1, 1.0)
@@ -126,7 +126,7 @@ def _pair(way: str, scene: Scene, view: View) -> Pair:
 def _material(scene: Scene) -> Reflectivity:
     """Numbers of a bed's first material; they count by their ratios alone."""
     material = scene.seabed.material
-    return (material if isinstance(material, Material) else material.of[0]).reflectivity
+    return material.materials[0].reflectivity
 
 
 def _levels(pair: Pair, edges: Field, view: View, of: Reflectivity) -> Field:

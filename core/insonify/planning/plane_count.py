@@ -13,7 +13,6 @@ from insonify.planning.scene_summary import BEYOND, View
 from insonify.planning.target_errors import Seen, see
 from insonify.scene import Scene
 from insonify.scene.beams.knife import KnifeBeam
-from insonify.scene.materials import Material
 from insonify.scene.seabed import Seabed
 
 FAINTEST = 1e-12  # error that is none, and sum of squares
@@ -96,8 +95,7 @@ def _returns(seen: Seen, view: View, strength: float) -> tuple[float, float]:
 
 def _strength(seabed: Seabed) -> float:
     """Strength of a bed's echo over that of a perfect Lambert bed, beyond where its lobe is heard."""
-    material = seabed.material
-    of = (material,) if isinstance(material, Material) else material.of
+    of = seabed.material.materials
     return sum(one.reflectivity.diffuse for one in of) / len(of)
 
 

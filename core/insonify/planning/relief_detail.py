@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from insonify.planning import laws
 from insonify.scene.masks.patches import Patchy
-from insonify.scene.materials import FractalMap, ImageMap, Material, Patches, PatternMap
 from insonify.scene.reliefs.autocorrelated import Autocorrelated
 from insonify.scene.reliefs.cascade import Cascade
 from insonify.scene.reliefs.flat import Flat
@@ -193,15 +192,9 @@ def _fractal(part: Fractal, fx: Field, fy: Field, spacing: float) -> Field:
 def _materials(seabed: Seabed, fy: Field) -> Field:
     """Density of the variance of strengths about their mean along the track, of patches with sharp borders."""
     material = seabed.material
-    if isinstance(material, Material):
+    if len(material.materials) == 1:
         return np.zeros_like(fy)
-    strengths = np.array([of.reflectivity.diffuse for of in material.of])
+    strengths = np.array([of.reflectivity.diffuse for of in material.materials])
     variance = float(strengths.var() / max(strengths.mean(), 1e-9) ** 2)
-    length = _width_of(material)
+    length = material.patch_length
     return np.asarray(variance * 4.0 * length / (1.0 + (2.0 * math.pi * fy * length) ** 2))
-
-
-def _width_of(material: Patches | FractalMap | PatternMap | ImageMap) -> float:
-    if isinstance(material, Patches):
-        return laws.PATCH * material.size
-    return laws.PATCH * material.period / len(material.of) if isinstance(material, PatternMap) else 4.0

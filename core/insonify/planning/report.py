@@ -16,7 +16,6 @@ from insonify.planning.scene_summary import View
 from insonify.planning.target_errors import outline_of
 from insonify.scene import Scene
 from insonify.scene.beams.knife import KnifeBeam
-from insonify.scene.materials import Material
 from insonify.scene.reliefs.flat import Flat
 from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.waters.section import SectionWater
@@ -236,9 +235,9 @@ def _remarks(told: Told) -> Iterator[Entry]:
     if scene.track.kinds:
         reason = "each ping from its own place and heading; while one is out the fish stands still"
         yield told.entry("motion", ", ".join(scene.track.kinds), reason)
-    if not isinstance(scene.seabed.material, Material):
+    if len(scene.seabed.material.materials) > 1:
         reason = "every cell of the bed has its own, so that its nodes are all kept"
-        yield told.entry("materials", f"{len(scene.seabed.material.of)} materials", reason)
+        yield told.entry("materials", f"{len(scene.seabed.material.materials)} materials", reason)
     apart = scene.track.speed / scene.sonar.ping_rate
     if isinstance(scene.sonar.beam, KnifeBeam):
         yield told.entry("pings", "pings", f"{apart:.3g} m apart; a knife-edge beam misses what is narrower")

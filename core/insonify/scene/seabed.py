@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from insonify.scene.base import Declaration, parameter
 from insonify.scene.kinds import KindOf
-from insonify.scene.materials import Material, MaterialMap
+from insonify.scene.materials import AnyMaterialMap, Material
 from insonify.scene.reliefs import RELIEFS, ReliefKind
 from insonify.scene.reliefs.flat import Flat
 from insonify.scene.reliefs.fractal import Fractal
@@ -32,7 +32,7 @@ class Seabed(Declaration):
         0.1, unit="m", description="spacing of the relief grid", gt=0.0, le=1e4, slider=(0.05, 1.0), log=True
     )
     relief: Annotated[ReliefKind, KindOf(RELIEFS, default="flat")] = parameter(Flat(), description="shape of the bed")
-    material: MaterialMap = parameter(Material(), description="what the bed is made of")
+    material: AnyMaterialMap = parameter(Material(), description="what the bed is made of")
 
     @model_validator(mode="after")
     def _made_bed_fits_the_grid(self) -> Seabed:
@@ -97,6 +97,6 @@ class Seabed(Declaration):
                 f"relief.reach {relief.reach:g} m at spacing {self.spacing:g} m makes {cells:g} cells across; "
                 f"shorten the reach or widen the spacing to stay within {MOST_CELLS}"
             )
-        if not isinstance(self.material, Material):
+        if len(self.material.materials) > 1:
             raise ValueError('relief "mimic" passes for a map by its shape; give the seabed a single material')
         return self

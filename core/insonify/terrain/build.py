@@ -7,27 +7,25 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.errors import located
 from insonify.files import file_version
 from insonify.scene import Scene, SceneError
-from insonify.scene.materials import ImageMap, Material, MaterialMap, PatternMap
+from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs.dem import Dem
 from insonify.scene.reliefs.mimic import Mimic
 from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed import Seabed
 from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles, kept
-from insonify.terrain.endless_relief import endless_heights, endless_materials
+from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.ground import Ground
 from insonify.terrain.inverse import mimic_cells, mimicking_heights
 from insonify.terrain.lattice import Lattice, Map
-from insonify.terrain.materials import material_indices, material_table
+from insonify.terrain.materials import endless_materials, material_indices
 from insonify.terrain.measured import measured_bed
-from insonify.terrain.patterns import pattern_shape
-from insonify.terrain.pictures import picture_shape
 from insonify.terrain.synthesis import made_heights
 
 # A level bed has no period of its own: a few cells will do unless a map of materials needs room.
 FLAT_CELLS = 4
-FLAT_PERIOD = 102.4
 FLAT_CELLS_AT_MOST = 4096
 FEWEST_CELLS = 3  # that hold a wave short of the Nyquist frequency
 
@@ -47,14 +45,13 @@ def build_ground(scene: Scene) -> AnyGround:
         If a file cannot be read, a period cannot hold a wave, or no relief can pass for a pattern.
     """
     seabed = scene.seabed
-    names, reflectivities = material_table(seabed.material)
+    material = seabed.material
+    names, reflectivities = material.rows()
     if seabed.endless:
         period = seabed.made[0].period
         return EndlessGround(
             heights=_kept_tiles(seabed.made, seabed.spacing, scene.seed),
-            materials=_kept_map_tiles(
-                _layout(seabed.material), _version(seabed.material), period, seabed.spacing, scene.seed
-            ),
+            materials=_kept_map_tiles(material.layout, material.version, period, seabed.spacing, scene.seed),
             names=names,
             reflectivities=reflectivities,
             spacing=seabed.spacing,
@@ -63,7 +60,7 @@ def build_ground(scene: Scene) -> AnyGround:
     heights, lattice, datum = _heights(scene)
     return Ground(
         heights=heights,
-        materials=_kept_materials(_layout(seabed.material), _version(seabed.material), lattice, scene.seed),
+        materials=_kept_materials(material.layout, material.version, lattice, scene.seed),
         names=names,
         reflectivities=reflectivities,
         x0=lattice.x0,
@@ -104,19 +101,9 @@ def _heights(scene: Scene) -> Heights:
 
 
 def _flat(seabed: Seabed) -> tuple[NDArray[np.float32], Lattice]:
-    lattice = Lattice(_flat_shape(seabed.material, seabed.spacing), seabed.spacing)
-    return np.zeros(lattice.shape, dtype=np.float32), lattice
-
-
-def _flat_shape(material: MaterialMap, spacing: float) -> tuple[int, int]:
-    """Cells along y and x after which a level bed repeats, which its map rules."""
-    if isinstance(material, Material):
-        return FLAT_CELLS, FLAT_CELLS
-    if isinstance(material, PatternMap):
-        return pattern_shape(material, spacing, FLAT_CELLS, FLAT_CELLS_AT_MOST)
-    if isinstance(material, ImageMap):
-        return picture_shape(material, spacing, FLAT_CELLS)
-    return (int(np.clip(round(FLAT_PERIOD / spacing), FLAT_CELLS, FLAT_CELLS_AT_MOST)),) * 2
+    with located("seabed.material"):
+        shape = seabed.material.level_shape(seabed.spacing, FLAT_CELLS, FLAT_CELLS_AT_MOST)
+    return np.zeros(shape, dtype=np.float32), Lattice(shape, seabed.spacing)
 
 
 @lru_cache(maxsize=2)
@@ -162,16 +149,3 @@ def _kept_map_tiles(
 ) -> Tiles:
     del version  # part of the key alone, as above
     return kept(endless_materials(layout, period, spacing, seed))
-
-
-def _version(material: MaterialMap) -> tuple[int, int] | None:
-    return file_version(material.path) if isinstance(material, ImageMap) else None
-
-
-def _layout(material: MaterialMap) -> MaterialMap:
-    """Return a map without its materials' own numbers, which move no border."""
-    return (
-        Material()
-        if isinstance(material, Material)
-        else material.model_copy(update={"of": (Material(),) * len(material.of)})
-    )

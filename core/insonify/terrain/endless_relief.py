@@ -11,7 +11,6 @@ import numpy as np
 from insonify.scene.autocorrelations.exponential import ExponentialAutocorrelation
 from insonify.scene.autocorrelations.gaussian import GaussianAutocorrelation
 from insonify.scene.masks.patches import Patchy
-from insonify.scene.materials import FractalMap, MaterialMap
 from insonify.scene.reliefs.autocorrelated import Autocorrelated
 from insonify.scene.reliefs.cascade import Cascade
 from insonify.scene.reliefs.fractal import Fractal
@@ -30,11 +29,9 @@ from insonify.terrain.densities import (
     ripple_wave,
     von_karman,
 )
-from insonify.terrain.endless import TILE, Band, EndlessField
-from insonify.terrain.lattice import Lattice, Map
-from insonify.terrain.materials import material_indices
+from insonify.terrain.endless import Band, EndlessField
 from insonify.terrain.shapes import mask_share, shaped_ripples
-from insonify.terrain.spectra import MASK, MATERIAL_BANDS, PART, RELIEF, Field, decay_about, half_plane
+from insonify.terrain.spectra import MASK, PART, RELIEF, Field, decay_about, half_plane
 
 Tiles = Callable[[int, int], Field]
 
@@ -60,27 +57,6 @@ def endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) 
     made = [_masked(part, spacing, seed, PART * number) for number, part in enumerate(parts)]
 
     return lambda row, column: np.asarray(np.sum([part(row, column) for part in made], axis=0))
-
-
-def endless_materials(material: MaterialMap, period: float, spacing: float, seed: int) -> Callable[[int, int], Map]:
-    """Tiles of a map, (TILE, TILE) uint8; the bands of a fractal map are smooth beyond a period."""
-    if isinstance(material, FractalMap):
-        return _bands(material, period, spacing, seed)
-
-    def tile(row: int, column: int) -> Map:
-        corner = column * TILE * spacing, row * TILE * spacing
-        return material_indices(material, Lattice((TILE, TILE), spacing, *corner, periodic=False), seed)
-
-    return tile
-
-
-def _bands(material: FractalMap, period: float, spacing: float, seed: int) -> Callable[[int, int], Map]:
-    """Bands that every material covers an equal area of, as is to be expected."""
-    fractal = Fractal(beta=material.beta, period=period, clamp="soft", coefficients="gaussian", extent="endless")
-    field = EndlessField(_fractal(fractal), spacing, seed, MATERIAL_BANDS)
-    count = len(material.of)
-    cuts = [NormalDist().inv_cdf(k / count) * math.sqrt(field.variance) for k in range(1, count)]
-    return lambda row, column: np.searchsorted(cuts, field.tile(row, column)).astype(np.uint8)
 
 
 def _masked(relief: RandomRelief, spacing: float, seed: int, stream: int) -> Tiles:
@@ -116,7 +92,7 @@ def _ripples(ripples: Ripples, field: EndlessField) -> Tiles:
 def _bands_of(relief: RandomRelief) -> tuple[Band, ...]:
     """Spectrum of a relief, or of the waves that it is made of."""
     if isinstance(relief, Fractal):
-        return _fractal(relief)
+        return fractal_bands(relief)
     if isinstance(relief, PowerLaw):
         return (Band(power_law(relief, relief.period), 1.0 / relief.period),)
     if isinstance(relief, VonKarman):
@@ -128,7 +104,7 @@ def _bands_of(relief: RandomRelief) -> tuple[Band, ...]:
     return (Band(autocorrelated(relief), _feature(relief)),)  # type: ignore[arg-type]
 
 
-def _fractal(fractal: Fractal) -> tuple[Band, ...]:
+def fractal_bands(fractal: Fractal) -> tuple[Band, ...]:
     """One band a peak and its mirror image."""
     peaks = [place for peak in fractal.peaks for place in half_plane(peak, fractal.quadrants)]
     return tuple(_about(fractal, peak) for peak in peaks)

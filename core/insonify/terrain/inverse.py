@@ -23,10 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import SceneError
-from insonify.scene.materials import PatternMap
+from insonify.scene.materials.pattern import PatternMap
 from insonify.scene.reliefs.mimic import Mimic
-from insonify.terrain.materials import material_table
-from insonify.terrain.patterns import pattern_rows
 
 Curve = NDArray[np.float64]
 
@@ -147,5 +145,5 @@ def _ratio(mimic: Mimic, y: Curve) -> Curve:
 
 def _diffuse(pattern: PatternMap, across: Curve) -> Curve:
     """Diffuse share at places given in periods across the stripes."""
-    table = np.array([row.diffuse for row in material_table(pattern)[1]])
-    return np.asarray(table[pattern_rows(pattern, across, np.zeros_like(across))])
+    table = np.array([row.diffuse for row in pattern.rows()[1]])
+    return np.asarray(table[pattern.rows_at(across, np.zeros_like(across))])

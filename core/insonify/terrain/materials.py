@@ -1,62 +1,110 @@
-"""Maps of what the bed is made of: one index per cell."""
+"""Maps of what the bed is made of: one index per cell, and the random fields that maps are cut from."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from statistics import NormalDist
+
 import numpy as np
 
+from insonify.errors import located
 from insonify.kernels.bed.nearest_seed import voronoi_materials
-from insonify.scene.materials import FractalMap, ImageMap, Material, MaterialMap, Patches, PatternMap, Reflectivity
+from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs.fractal import Fractal
+from insonify.terrain.endless import TILE, EndlessField
+from insonify.terrain.endless_relief import fractal_bands
 from insonify.terrain.lattice import Lattice, Map
-from insonify.terrain.patterns import graded_rows, pattern_map
-from insonify.terrain.pictures import picture_map
 from insonify.terrain.spectra import MATERIAL_BANDS, MATERIAL_PATCHES, synthesise
 
+Cuts = tuple[float, ...]
 
-def material_table(material: MaterialMap) -> tuple[tuple[str, ...], tuple[Reflectivity, ...]]:
-    """Names and numbers of a map's materials, in the order of its indices."""
-    materials = (material,) if isinstance(material, Material) else material.of
-    if isinstance(material, PatternMap) and material.shape == "waves":
-        return graded_rows(materials)
-    return tuple(one.name for one in materials), tuple(one.reflectivity for one in materials)
+
+@dataclass(frozen=True)
+class BedCells(Lattice):
+    """Cells of a bed, and random fields over them.
+
+    What a place is made of depends on the seed and the place, not on the grid; only the borders of bands move by a
+    little, for a finer grid has finer waves.
+
+    Attributes
+    ----------
+    seed : int
+        What they derive from.
+    """
+
+    seed: int = 0
+
+    def patches(self, size: float, count: int) -> Map:
+        """Give every cell to the nearest of hashed points, one per square; squares divide the period of a bed."""
+        ny, nx = self.shape
+        repeat = 0
+        if self.periodic:
+            period = nx * self.spacing
+            repeat = max(1, round(period / size))
+            size = period / repeat
+        u = (self.x0 + (np.arange(nx) + 0.5) * self.spacing) / size
+        v = (self.y0 + (np.arange(ny) + 0.5) * self.spacing) / size
+        indices: Map = voronoi_materials(self.seed, MATERIAL_PATCHES, u, v, repeat, count)
+        return indices
+
+    def bands(self, beta: float, count: int) -> Map:
+        """Cut a fractal field so that every band covers an equal area."""
+        ny, nx = self.shape
+        # A square field, cropped, for its waves are to be as long in x as in y.
+        side = (max(ny, nx),) * 2
+        field = synthesise(Fractal(beta=beta, rms=1.0), side, side, self.seed, MATERIAL_BANDS)[:ny, :nx]
+        cuts = np.quantile(field, np.arange(1, count) / count)
+        return np.searchsorted(cuts, field).astype(np.uint8)
+
+
+@dataclass(frozen=True)
+class TileCells(BedCells):
+    """Cells of one tile of endless ground.
+
+    Attributes
+    ----------
+    tile : (int, int)
+        Its row and column.
+    period : float
+        Metres beyond which a fractal field is smooth.
+    """
+
+    tile: tuple[int, int] = (0, 0)
+    period: float = 0.0
+
+    def bands(self, beta: float, count: int) -> Map:
+        """Cut a fractal field so that every band covers an equal area, as is to be expected."""
+        field = _endless_field(beta, self.period, self.spacing, self.seed)
+        cuts = [NormalDist().inv_cdf(k / count) * math.sqrt(field.variance) for k in range(1, count)]
+        return np.searchsorted(cuts, field.tile(*self.tile)).astype(np.uint8)
 
 
 def material_indices(material: MaterialMap, lattice: Lattice, seed: int) -> Map:
-    """Index of each cell's material, (ny, nx) uint8, for the cell whose low corner is that node.
+    """Row of the table of materials for each cell, (ny, nx) uint8, for the cell whose low corner is that node.
 
-    A map repeats with its bed. What a place is made of depends on the seed and the place, not on the grid; only the
-    borders of a fractal map move by a little, for a finer grid has finer waves.
+    A map repeats with its bed.
     """
-    if isinstance(material, Patches):
-        return _patches(lattice, material.size, len(material.of), seed)
-    if isinstance(material, FractalMap):
-        return _bands(lattice, material.beta, len(material.of), seed)
-    if isinstance(material, PatternMap):
-        return pattern_map(material, lattice)
-    if isinstance(material, ImageMap):
-        return picture_map(material, lattice)
-    return np.zeros(lattice.shape, dtype=np.uint8)
+    cells = BedCells(lattice.shape, lattice.spacing, lattice.x0, lattice.y0, lattice.periodic, seed)
+    with located("seabed.material"):
+        return material.indices(cells)
 
 
-def _patches(lattice: Lattice, size: float, count: int, seed: int) -> Map:
-    """Give every cell to the nearest of hashed points, one per square; squares divide the period of a periodic bed."""
-    ny, nx = lattice.shape
-    repeat = 0
-    if lattice.periodic:
-        period = nx * lattice.spacing
-        repeat = max(1, round(period / size))
-        size = period / repeat
-    u = (lattice.x0 + (np.arange(nx) + 0.5) * lattice.spacing) / size
-    v = (lattice.y0 + (np.arange(ny) + 0.5) * lattice.spacing) / size
-    indices: Map = voronoi_materials(seed, MATERIAL_PATCHES, u, v, repeat, count)
-    return indices
+def endless_materials(material: MaterialMap, period: float, spacing: float, seed: int) -> Callable[[int, int], Map]:
+    """Tiles of a map, (TILE, TILE) uint8; what is cut from a fractal field is smooth beyond a period."""
+
+    def tile(row: int, column: int) -> Map:
+        x0, y0 = column * TILE * spacing, row * TILE * spacing
+        cells = TileCells((TILE, TILE), spacing, x0, y0, False, seed, (row, column), period)
+        with located("seabed.material"):
+            return material.indices(cells)
+
+    return tile
 
 
-def _bands(lattice: Lattice, beta: float, count: int, seed: int) -> Map:
-    """Cut a fractal field so that every material covers an equal area."""
-    ny, nx = lattice.shape
-    # A square field, cropped, for its waves are to be as long in x as in y.
-    side = (max(ny, nx),) * 2
-    field = synthesise(Fractal(beta=beta, rms=1.0), side, side, seed, MATERIAL_BANDS)[:ny, :nx]
-    cuts = np.quantile(field, np.arange(1, count) / count)
-    return np.searchsorted(cuts, field).astype(np.uint8)
+@lru_cache(maxsize=2)
+def _endless_field(beta: float, period: float, spacing: float, seed: int) -> EndlessField:
+    fractal = Fractal(beta=beta, period=period, clamp="soft", coefficients="gaussian", extent="endless")
+    return EndlessField(fractal_bands(fractal), spacing, seed, MATERIAL_BANDS)

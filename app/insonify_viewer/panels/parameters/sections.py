@@ -18,7 +18,8 @@ from insonify.scene.base import Declaration
 from insonify.scene.beams.line_array import LineArray
 from insonify.scene.gains.power import PowerTvg
 from insonify.scene.kinds import kind_name, models_of
-from insonify.scene.materials import MATERIALS, Material, PatternMap
+from insonify.scene.materials import MATERIALS, Material
+from insonify.scene.materials.pattern import PatternMap
 from insonify.scene.reliefs.dem import Dem
 from insonify.scene.reliefs.fractal import Fractal
 from insonify.scene.reliefs.power_law import PowerLaw
@@ -257,9 +258,6 @@ def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
 
 def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None:
     """Value of a field that the scene leaves open."""
-    if isinstance(part, Material):
-        number: float | None = getattr(part.reflectivity, name)
-        return number
     if isinstance(part, Fractal):
         return part.exponents[1 if name == "beta_y" else 0]
     if isinstance(part, PowerTvg):

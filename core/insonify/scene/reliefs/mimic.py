@@ -7,7 +7,8 @@ from typing import Literal
 from pydantic import model_validator
 
 from insonify.scene.base import parameter
-from insonify.scene.materials import Material, PatternMap
+from insonify.scene.materials import Material
+from insonify.scene.materials.pattern import PatternMap
 from insonify.scene.reliefs import ReliefKind
 
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
 
 from insonify.errors import SceneError
-from insonify.files import file_version
+from insonify.io.file_cache import kept_until_changed
 from insonify.io.meshes import read_mesh
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.targets.base import Posed
@@ -38,7 +37,7 @@ class MeshFile(Posed):
     @property
     def outline(self) -> Outline:
         """Measures of the shape; the file is measured once for each version of it."""
-        size, faces, count = _measured(self.path, file_version(self.path))
+        size, faces, count = _measured(self.path)
         half = (0.5 * self.scale * size).tolist()
         return Outline(half=tuple(half), faces=tuple((self.scale**2 * faces).tolist()), triangles=count)
 
@@ -49,10 +48,9 @@ class MeshFile(Posed):
         return {"path": path, "scale": 10.0 ** min(0, math.floor(math.log10(reach / extent)))}
 
 
-@lru_cache(maxsize=64)
-def _measured(path: str, version: tuple[int, int]) -> tuple[Vector, Vector, int]:
+@kept_until_changed(maxsize=64)
+def _measured(path: str) -> tuple[Vector, Vector, int]:
     """Size of the bounding box, area that faces each axis, and number of triangles, in units of the file."""
-    del version  # part of the key alone: a file written anew is read anew
     corners = _read(path)
     return corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)), faces_of(corners), len(corners)
 

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import warnings
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.errors import SceneError
+from insonify.files import file_version
 from insonify.io.file_cache import kept_until_changed
 from insonify.io.formats import reason
-from insonify.scene import SceneError
-from insonify.scene.materials import ImageMap
-from insonify.terrain.lattice import Lattice, Map
+from insonify.scene.base import FilePath, parameter
+from insonify.scene.materials.base import Cells, Map
+from insonify.scene.materials.mixture import Mixture
+from insonify.scene.materials.uniform import Material
 
 # Grey levels of Pillow's modes; colours are turned into the grey that an eye sees.
 LEVELS = {"1": 2, "L": 256, "I": 65536, "I;16": 65536, "I;16B": 65536, "I;16L": 65536}
@@ -19,37 +23,56 @@ COLOURED = ("LA", "RGB", "RGBA", "CMYK", "YCbCr", "HSV", "LAB")
 LARGEST_SIDE = 16384
 
 
-def picture_map(layout: ImageMap, lattice: Lattice) -> Map:
-    """Index of each cell's material, (ny, nx) uint8; on a bed that repeats, the width gives way to it."""
-    rows = picture_rows(layout.path, len(layout.of))
-    height = layout.width * rows.shape[0] / rows.shape[1]
-    x, y = lattice.centres()
-    i = _pixels(x, layout.width, rows.shape[1], lattice.size[0] if lattice.periodic else None)
-    j = _pixels(y, height, rows.shape[0], lattice.size[1] if lattice.periodic else None)
-    return np.ascontiguousarray(rows[np.ix_(j, i)])
+class ImageMap(Mixture):
+    """A picture laid on the bed, north up, repeated from its lower left corner at (0, 0)."""
 
+    rank = 5
+    kind: Literal["image"] = "image"
+    path: FilePath = parameter(description="PNG or TIFF, grey or with a palette", min_length=1)
+    of: tuple[Material, ...] = parameter(
+        description="materials from black to white, or of the palette's first colours", min_length=2, max_length=256
+    )
+    width: float = parameter(
+        102.4,
+        unit="m",
+        description="width of the picture on the bed; whole pictures are fitted into a period of the relief",
+        gt=0.0,
+        le=1e6,
+        slider=(10.0, 500.0),
+        log=True,
+    )
 
-def picture_shape(layout: ImageMap, spacing: float, fewest: int) -> tuple[int, int]:
-    """Cells along y and x that one picture covers.
+    def indices(self, cells: Cells) -> Map:
+        """Material of the pixel over each cell; on a bed that repeats, the width gives way to it."""
+        pixels = read_picture(self.path, len(self.of))
+        x, y = cells.centres()
+        i = _pixels(x, self.width, pixels.shape[1], cells.size[0] if cells.periodic else None)
+        j = _pixels(y, self._height(pixels), pixels.shape[0], cells.size[1] if cells.periodic else None)
+        return np.ascontiguousarray(pixels[np.ix_(j, i)])
 
-    Raises
-    ------
-    SceneError
-        If the picture cannot be read, or covers more cells than can be held.
-    """
-    rows = picture_rows(layout.path, len(layout.of))
-    height = layout.width * rows.shape[0] / rows.shape[1]
-    ny, nx = (max(fewest, round(length / spacing)) for length in (height, layout.width))
-    if max(ny, nx) > LARGEST_SIDE:
-        raise SceneError(
-            f"seabed.material.width: a picture {layout.width:g} m wide covers {nx} by {ny} cells of seabed.spacing "
-            f"{spacing:g} m; lessen it or widen the spacing to stay within {LARGEST_SIDE} a side"
-        )
-    return ny, nx
+    def level_shape(self, spacing: float, fewest: int, most: int) -> tuple[int, int]:
+        """Cells along y and x that one picture covers."""
+        height = self._height(read_picture(self.path, len(self.of)))
+        ny, nx = (max(fewest, round(length / spacing)) for length in (height, self.width))
+        if max(ny, nx) > LARGEST_SIDE:
+            raise SceneError(
+                f"width: a picture {self.width:g} m wide covers {nx} by {ny} cells of seabed.spacing {spacing:g} m; "
+                f"lessen it or widen the spacing to stay within {LARGEST_SIDE} a side"
+            )
+        return ny, nx
+
+    @property
+    def version(self) -> tuple[int, int]:
+        """Version of the picture."""
+        return file_version(self.path)
+
+    def _height(self, pixels: Map) -> float:
+        """Height of the picture on the bed, in metres."""
+        return self.width * pixels.shape[0] / pixels.shape[1]
 
 
 @kept_until_changed(maxsize=4)
-def picture_rows(path: str, count: int) -> Map:
+def read_picture(path: str, count: int) -> Map:
     """Read a picture as rows of a table of ``count`` materials, (rows, columns) uint8, southernmost first.
 
     Raises
@@ -101,4 +124,4 @@ def _pixels(place: NDArray[np.float64], size: float, count: int, period: float |
 
 
 def _refusal(path: str, fault: str, remedy: str) -> SceneError:
-    return SceneError(f"seabed.material.path: {path!r} {fault}; {remedy}")
+    return SceneError(f"path: {path!r} {fault}; {remedy}")

@@ -1,0 +1,19 @@
+"""What the bed and the targets are made of: named materials, numbers, and one file a kind of map of several."""
+
+from insonify.scene.materials.base import MATERIAL_MAPS, AnyMaterialMap, Cells, MaterialMap
+from insonify.scene.materials.catalogue import MATERIALS, NamedMaterial
+from insonify.scene.materials.mixture import Mixture
+from insonify.scene.materials.reflectivity import Reflectivity
+from insonify.scene.materials.uniform import Material
+
+__all__ = [
+    "MATERIALS",
+    "MATERIAL_MAPS",
+    "AnyMaterialMap",
+    "Cells",
+    "Material",
+    "MaterialMap",
+    "Mixture",
+    "NamedMaterial",
+    "Reflectivity",
+]

@@ -1,0 +1,25 @@
+"""What maps of several materials share."""
+
+from __future__ import annotations
+
+from insonify.scene.base import parameter
+from insonify.scene.materials.base import MaterialMap
+from insonify.scene.materials.uniform import Material
+
+ALIKE = 0.4  # of the width of a patch or a stripe: patch_length, fitted
+
+
+class Mixture(MaterialMap):
+    """A map of several materials; a kind declares its `indices`."""
+
+    of: tuple[Material, ...] = parameter(description="materials of the map", min_length=2, max_length=32)
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials in it."""
+        return self.of
+
+    @property
+    def layout(self) -> Mixture:
+        """The map without its materials' numbers, which move no border."""
+        return self.model_copy(update={"of": (Material(),) * len(self.of)})
