@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QGuiApplication
 
-from insonify.display.picture import PALETTES, contrast, palette
+from insonify.display.picture import PALETTES, choose_contrast, load_palette
 from insonify.scene import Scene, SceneError
 from insonify_viewer.auto_pause import next_stop
 from insonify_viewer.panels.chart.controller import ChartPanel
@@ -121,7 +121,7 @@ class Viewer(QObject):
 
     def show_palette(self, name: str) -> None:
         """Colour the record by a palette."""
-        self.window.waterfall.show_palette(palette(name))
+        self.window.waterfall.show_palette(load_palette(name))
 
     def show_gain(self, decibels: float) -> None:
         """Brighten or darken the record."""
@@ -320,7 +320,7 @@ class Viewer(QObject):
         """Choose the contrast anew if a scene was opened, until its screen is full."""
         if self._levels_due and self._answer is not None:
             held = self.record.amplitude[self.record.ping >= 0]
-            self._levels = contrast(held[::4])
+            self._levels = choose_contrast(held[::4])
             self.window.waterfall.show_levels(self._levels, self._gain)
             self._levels_due = bool(self._missing().size)
 

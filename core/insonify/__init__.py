@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from insonify.accuracy.charts import chart
+    from insonify.accuracy.charts.kinds.accuracy import chart
     from insonify.acoustics.caustics import caustics
     from insonify.acoustics.paths import eigenrays, ray_paths, shadow_zones
     from insonify.planning import plan
@@ -35,7 +35,7 @@ _MODULES = {
     "Scene": "scene",
     "SceneError": "scene",
     "caustics": "acoustics.caustics",
-    "chart": "accuracy.charts",
+    "chart": "accuracy.charts.kinds.accuracy",
     "eigenrays": "acoustics.paths",
     "load_scene": "scene",
     "plan": "planning",

@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 
 from insonify.commands import render
 from insonify.commands.options import add_scene, chosen_scene, output
-from insonify.display.options import Look
+from insonify.display.display_options import DisplayOptions
 from insonify.plugins import announced, modules_in
 from insonify.scene import SceneError, bundled_scenes
 
@@ -151,7 +151,7 @@ def _without_viewer(error: ImportError, arguments: argparse.Namespace) -> int:
     if ".so" not in str(error):
         return _complain(f"the viewer is not installed ({error}); run: pip install 'insonify[viewer]'")
     path = output(getattr(arguments, "snapshot", None) or FALLBACK, (".png",))
-    render.write(chosen_scene(arguments), path, Look())
+    render.write(chosen_scene(arguments), path, DisplayOptions())
     sys.stderr.write(
         f"insonify: the viewer lacks system libraries ({error}); the record was written to {path} instead; run: {APT}\n"
     )

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of, rough
-from insonify.accuracy.metrics import compare, flat_bed_curves, record_error, reference, time_calls
+from exact_rays import reference
+from insonify.accuracy.record_errors import compare_records, compute_errors, compute_flat_bed_curves
+from insonify.accuracy.timing import time_calls
 from insonify.tracers import rays
 
 
@@ -25,7 +27,7 @@ def test_error_by_hand():
     curve = np.array([0.0, 0.0, 4.0, 2.0, 1.0])
     b = np.array([[9.0, 0.0, 4.0, 2.0, 0.0]])
     a = np.array([[0.0, 7.0, 8.0, 2.0, 1.0]])
-    errors = record_error(a, b, curve, first_bin=2, beyond_bin=3)
+    errors = compute_errors(a, b, curve, first_bin=2, beyond_bin=3)
     # Divided by the curve: b = 1, 1, 0 and a = 2, 1, 1.
     assert errors.all_bins == pytest.approx(1.0)
     assert errors.beyond == pytest.approx(1.0)
@@ -35,16 +37,16 @@ def test_error_by_hand():
 
 def test_bins_without_a_curve_do_not_count():
     curve = np.array([0.0, 1.0, 1.0])
-    errors = record_error(np.array([5.0, 1.0, 1.0]), np.ones(3), curve, first_bin=0, beyond_bin=1)
-    assert errors == record_error(np.ones(3), np.ones(3), curve, first_bin=0, beyond_bin=1)
+    errors = compute_errors(np.array([5.0, 1.0, 1.0]), np.ones(3), curve, first_bin=0, beyond_bin=1)
+    assert errors == compute_errors(np.ones(3), np.ones(3), curve, first_bin=0, beyond_bin=1)
     assert errors.all_bins == errors.beyond == errors.energy_bias == errors.dark_leakage == 0.0
 
 
 def test_silent_reference():
     quiet, loud, curve = np.zeros(4), np.ones(4), np.ones(4)
-    assert record_error(quiet, quiet, curve, first_bin=0, beyond_bin=0).beyond == 0.0
-    assert record_error(loud, quiet, curve, first_bin=0, beyond_bin=0).beyond == math.inf
-    assert record_error(quiet, loud, curve, first_bin=0, beyond_bin=0).energy_bias == -1.0
+    assert compute_errors(quiet, quiet, curve, first_bin=0, beyond_bin=0).beyond == 0.0
+    assert compute_errors(loud, quiet, curve, first_bin=0, beyond_bin=0).beyond == math.inf
+    assert compute_errors(quiet, loud, curve, first_bin=0, beyond_bin=0).energy_bias == -1.0
 
 
 def test_near_bins_do_not_rule():
@@ -54,13 +56,13 @@ def test_near_bins_do_not_rule():
     for spreading in (False, True):
         arrays = arrays_of(np.zeros((8, 8)), 4.0, periodic=True, spreading=spreading)
         record = rays.trace(arrays, poses, rays=8400).astype(float)
-        errors.append(compare(arrays, poses, record * np.where(np.arange(1000) > 700, 1.1, 1.0), record))
+        errors.append(compare_records(arrays, poses, record * np.where(np.arange(1000) > 700, 1.1, 1.0), record))
     assert errors[0].all_bins == pytest.approx(errors[1].all_bins, rel=1e-3)
 
 
 def test_each_ping_has_the_curve_of_its_altitude():
     arrays = bed_arrays()
-    curves = flat_bed_curves(arrays, poses_of(0.0, 0.0, [8.0, 5.0, 8.0]))
+    curves = compute_flat_bed_curves(arrays, poses_of(0.0, 0.0, [8.0, 5.0, 8.0]))
     assert curves.shape == (3, 1, 500)
     np.testing.assert_array_equal(curves[0], curves[2])
     assert np.flatnonzero(curves[1, 0])[0] == int(5.0 / 0.06)
@@ -76,7 +78,7 @@ def test_rays_converge_in_their_order(half_width, expected):
     arrays, poses = bed_arrays(half_width), poses_of(np.arange(4) * 0.9, 1.3, 8.0)
     finest = rays.trace(arrays, poses, rays=1 << 18)
     counts = np.array([1 << k for k in range(10, 15)])
-    errors = [compare(arrays, poses, rays.trace(arrays, poses, rays=int(n)), finest).beyond for n in counts]
+    errors = [compare_records(arrays, poses, rays.trace(arrays, poses, rays=int(n)), finest).beyond for n in counts]
     assert order(counts, errors) == pytest.approx(expected, rel=0.1)
 
 
@@ -85,7 +87,7 @@ def test_reference_moves_less_than_asked():
     record, moved = reference(arrays, poses, tolerance=0.003)
     assert moved < 0.003
     finest = rays.trace(arrays, poses, rays=1 << 18)
-    assert compare(arrays, poses, record, finest).beyond < 0.003
+    assert compare_records(arrays, poses, record, finest).beyond < 0.003
     np.testing.assert_array_equal(record, reference(arrays, poses, tolerance=0.003)[0])
 
 

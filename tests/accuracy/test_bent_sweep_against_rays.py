@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.record_errors import compare_records
 from insonify.packing.navigation import take_poses
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
@@ -38,7 +38,7 @@ def errors(name, changes, pings):
     assert arrays.water.bent
     swept, right = sweep.trace(arrays, poses), rays.trace(arrays, poses, rays=RAYS)
     single = [slice(k, k + 1) for k in range(len(pings))]
-    return [compare(arrays, take_poses(poses, k), swept[k], right[k]) for k in single], swept, right
+    return [compare_records(arrays, take_poses(poses, k), swept[k], right[k]) for k in single], swept, right
 
 
 @pytest.mark.parametrize("water", WATERS)

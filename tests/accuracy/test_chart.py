@@ -11,16 +11,20 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of
-from insonify.accuracy.charts import Chart, Row, chart, measure, reference
-from insonify.accuracy.charts.measure import Case
+from insonify.accuracy.charts import reference
+from insonify.accuracy.charts.kinds import accuracy
+from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, measure_chart
+from insonify.accuracy.charts.measurement import AccuracyRow, TracedScene
 from insonify.accuracy.charts.reference import Reference
-from insonify.accuracy.metrics import Displacement, Errors, similarity
+from insonify.accuracy.displacement import Displacement
+from insonify.accuracy.record_errors import RecordErrors
+from insonify.accuracy.similarity import measure_similarity
 from insonify.scene import SceneError, edit, load_scene
 
 
 def row(method, setting, microseconds, error, targets=False):
-    errors = Errors(all_bins=error, beyond=error, energy_bias=0.0, dark_leakage=0.0)
-    return Row(method, setting, 1.0, targets, microseconds, 0.01, errors, Displacement(0.02, float("nan")))
+    errors = RecordErrors(all_bins=error, beyond=error, energy_bias=0.0, dark_leakage=0.0)
+    return AccuracyRow(method, setting, 1.0, targets, microseconds, 0.01, errors, Displacement(0.02, float("nan")))
 
 
 ROWS = (
@@ -34,8 +38,8 @@ ROWS = (
 def made(rows=ROWS):
     poses, arrays = poses_of([0.0, 1.0], 0.0, 8.0), arrays_of(np.zeros((8, 8)), 4.0, periodic=True)
     record = np.ones((2, 2, arrays.bins), dtype=np.float32)
-    case = Case(arrays, poses, Reference(record, 0.001, 65536))
-    return Chart("Pipe", rows, 2, "a machine, two cores", {False: case}, {each.name: record for each in rows})
+    case = TracedScene(arrays, poses, Reference(record, 0.001, 65536))
+    return AccuracyChart("Pipe", rows, 2, "a machine, two cores", {False: case}, {each.key: record for each in rows})
 
 
 SMALL = edit(
@@ -51,9 +55,9 @@ SMALL = edit(
 @pytest.fixture(scope="module")
 def measured():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(measure, "PROVING", 1.0)
-        patch.setattr(measure, "TIMING", 1.0)
-        return chart(SMALL, pings=2)
+        patch.setattr(accuracy, "PROVING", 1.0)
+        patch.setattr(accuracy, "TIMING", 1.0)
+        return measure_chart(SMALL, pings=2)
 
 
 def test_every_method_is_measured(measured):
@@ -62,7 +66,7 @@ def test_every_method_is_measured(measured):
     assert all(row.microseconds > 0.0 and row.spread >= 0.0 for row in measured.rows)
     assert measured.pings == 2
     assert measured.machine
-    assert set(measured.cases) == {False, True}
+    assert set(measured.scenes) == {False, True}
     of_both = [row.targets for row in measured.rows if not row.method.startswith("embree")]
     assert sum(of_both) == len(of_both) / 2
 
@@ -100,11 +104,11 @@ def test_double_precision_matters_little(measured):
 
 def test_record_of_a_point_and_its_reference(measured):
     for row in measured.rows:
-        record, right = measured.shown(row)
+        record, right = measured.normalise_row(row)
         assert record.shape == right.shape == (2, 2, 100)
-        assert -1.0 <= similarity(record, right) <= 1.0
+        assert -1.0 <= measure_similarity(record, right) <= 1.0
     best = min(measured.rows, key=lambda row: row.errors.beyond)
-    assert similarity(*measured.shown(best)) > 0.95
+    assert measure_similarity(*measured.normalise_row(best)) > 0.95
 
 
 def test_progress_is_told_and_may_stop():
@@ -119,7 +123,7 @@ def test_progress_is_told_and_may_stop():
             raise Stop
 
     with pytest.raises(Stop):
-        chart(SMALL, pings=2, progress=progress)
+        measure_chart(SMALL, pings=2, progress=progress)
     assert told == sorted(told)
     assert all(0.0 <= share <= 1.0 for share in told)
 
@@ -136,26 +140,26 @@ def test_a_reference_is_given_up_after_any_ping(monkeypatch):
     monkeypatch.setattr(reference.rays, "trace", lambda arrays, pose, **how: traced.append(time.sleep(0.01)))
     poses = poses_of(np.arange(64.0), 0.0, 8.0)
     with pytest.raises(Stop):
-        reference.trace(None, poses, 1 << 16, told)
+        reference.trace_exact_rays(None, poses, 1 << 16, told)
     assert len(traced) < 32
 
 
 def test_front_keeps_what_none_beats():
     slow = (row("rays", "16,000 rays", 1900.0, 0.005),)
-    assert [each.setting for each in made(ROWS + slow).front(targets=False)] == ["1 plane", "16,000 rays"]
+    assert [each.setting for each in made(ROWS + slow).find_front(targets=False)] == ["1 plane", "16,000 rays"]
 
 
 def test_time_to_come_within_an_error():
     whole = made()
     # Straight in the logarithms: halfway between two settings in error is halfway in time.
-    assert whole.time_to("rays", (0.31 * 0.08) ** 0.5, targets=False) == pytest.approx((120.0 * 470.0) ** 0.5)
-    assert whole.time_to("sweep", 0.02, targets=False) == 12.0
-    assert np.isnan(whole.time_to("rays", 0.02, targets=False))
-    assert np.isnan(whole.time_to("sweep", 0.5 * whole.cases[False].reference.floor, targets=False))
+    assert whole.time_to_error("rays", (0.31 * 0.08) ** 0.5, targets=False) == pytest.approx((120.0 * 470.0) ** 0.5)
+    assert whole.time_to_error("sweep", 0.02, targets=False) == 12.0
+    assert np.isnan(whole.time_to_error("rays", 0.02, targets=False))
+    assert np.isnan(whole.time_to_error("sweep", 0.5 * whole.scenes[False].reference.floor, targets=False))
 
 
 def test_how_much_sooner_the_sweep_is_near_the_truth_is_said(measured):
-    for note, which in zip(measured.told, ("without", "with")):
+    for note, which in zip(measured.summarise(), ("without", "with")):
         assert note.startswith(f"{which} targets: 2 % in ")
         assert float(note.split("× ")[1]) > 1.0
 
@@ -194,4 +198,4 @@ def test_other_endings_are_refused(tmp_path):
 
 def test_no_pings_is_refused():
     with pytest.raises(SceneError, match="pings"):
-        chart(load_scene("default"), pings=0)
+        measure_chart(load_scene("default"), pings=0)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of, rough
-from insonify.accuracy.charts.embree import TriangulatedBed, why_not
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.charts.embree import TriangulatedBed, explain_omission
+from insonify.accuracy.record_errors import compare_records
 from insonify.scene import SceneError
 from insonify.tracers import rays
 
@@ -32,17 +32,17 @@ def test_over_a_level_bed_every_ray_returns_the_same(half_width):
     # Triangles and bilinear cells are then one surface: only single precision is left.
     arrays = arrays_of(np.zeros((64, 64)), 1.0, periodic=True, half_width=half_width, bins=300, bin_length=0.1)
     record, right = TriangulatedBed(arrays, POSES).trace(POSES, rays=3000), rays.trace(arrays, POSES, rays=3000)
-    assert compare(arrays, POSES, record, right).beyond < 0.01
-    assert abs(compare(arrays, POSES, record, right).energy_bias) < 1e-5
+    assert compare_records(arrays, POSES, record, right).beyond < 0.01
+    assert abs(compare_records(arrays, POSES, record, right).energy_bias) < 1e-5
 
 
 def test_over_a_rough_bed_the_surface_differs_as_its_cells_are_cut():
     arrays = bed_arrays()
     bed = TriangulatedBed(arrays, POSES)
     own = bed.trace(POSES, rays=1 << 17)
-    surface = compare(arrays, POSES, own, rays.trace(arrays, POSES, rays=1 << 17)).beyond
-    sampling = compare(arrays, POSES, bed.trace(POSES, rays=4000), own).beyond
-    single = compare(
+    surface = compare_records(arrays, POSES, own, rays.trace(arrays, POSES, rays=1 << 17)).beyond
+    sampling = compare_records(arrays, POSES, bed.trace(POSES, rays=4000), own).beyond
+    single = compare_records(
         arrays, POSES, rays.trace(arrays, POSES, rays=4000), rays.trace(arrays, POSES, rays=1 << 17)
     ).beyond
     assert 0.005 < surface < 0.2
@@ -62,7 +62,7 @@ def test_a_bed_with_an_edge_and_a_hole_is_silent_there():
 
 
 def test_what_it_is_not_asked_for_is_said():
-    assert "straight" in why_not(bed_arrays()._replace(bounces=1), POSES)
-    assert "targets" in why_not(bed_arrays(solids=[((0.0, 9.0, 0.5), 0.5)]), POSES)
+    assert "straight" in explain_omission(bed_arrays()._replace(bounces=1), POSES)
+    assert "targets" in explain_omission(bed_arrays(solids=[((0.0, 9.0, 0.5), 0.5)]), POSES)
     with pytest.raises(SceneError, match="targets"):
         TriangulatedBed(bed_arrays(solids=[((0.0, 9.0, 0.5), 0.5)]), POSES)

@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 
-from insonify.accuracy.charts import ConvergenceChart, CostChart, convergence, convergence_chart, cost, cost_chart
-from insonify.accuracy.charts.convergence import Point
-from insonify.accuracy.charts.cost import Cost
-from insonify.accuracy.charts.fit import fit_power
+from insonify.accuracy.charts.kinds import convergence, cost
+from insonify.accuracy.charts.kinds.convergence import ConvergenceChart, ConvergencePoint
+from insonify.accuracy.charts.kinds.cost import CostChart, CostRow
+from insonify.accuracy.charts.power_law import fit_power_law
 from insonify.accuracy.charts.reference import Reference
 from insonify.scene import edit, load_scene
 
@@ -26,19 +26,19 @@ SMALL = edit(
 
 def test_a_power_law_is_found_with_its_spread():
     x = np.array([1.0, 2.0, 4.0, 8.0])
-    found = fit_power(x, 3.0 * x**-1.5)
+    found = fit_power_law(x, 3.0 * x**-1.5)
     assert found == pytest.approx((-1.5, 0.0, 3.0), abs=1e-12)
     # By hand: residuals +d, -d, -d, +d of the logarithms leave the slope and have the variance 4 d² / 2.
-    bent = fit_power(x, x**2 * np.exp([0.1, -0.1, -0.1, 0.1]))
+    bent = fit_power_law(x, x**2 * np.exp([0.1, -0.1, -0.1, 0.1]))
     assert bent.exponent == pytest.approx(2.0)
     assert bent.spread == pytest.approx(math.sqrt(0.04 / 2.0 / (5.0 * math.log(2.0) ** 2)))
 
 
 def test_too_few_points_make_no_law():
-    assert math.isnan(fit_power([1.0], [1.0]).exponent)
-    assert fit_power([1.0], [1.0]).words() == ""
-    assert fit_power([1.0, 2.0, 3.0], [0.0, 1.0, math.inf]).words() == ""
-    assert fit_power([1.0, 2.0], [1.0, 4.0]).words() == "2.00"
+    assert math.isnan(fit_power_law([1.0], [1.0]).exponent)
+    assert fit_power_law([1.0], [1.0]).format_exponent() == ""
+    assert fit_power_law([1.0, 2.0, 3.0], [0.0, 1.0, math.inf]).format_exponent() == ""
+    assert fit_power_law([1.0, 2.0], [1.0, 4.0]).format_exponent() == "2.00"
 
 
 def test_cost_is_measured_along_every_axis(monkeypatch, tmp_path):
@@ -46,7 +46,7 @@ def test_cost_is_measured_along_every_axis(monkeypatch, tmp_path):
     monkeypatch.setattr(cost, "TARGETS", (1, 4))
     monkeypatch.setattr(cost, "PINGS", (4, 8, 16, 32))
     told = []
-    measured = cost_chart(SMALL, progress=told.append)
+    measured = cost.measure_chart(SMALL, progress=told.append)
     axes = {"pings", "cells along a profile", "bins a side", "targets in the beam", "planes", "rays a side"}
     assert {row.axis for row in measured.rows} == axes
     assert all(row.microseconds > 0.0 for row in measured.rows)
@@ -61,7 +61,7 @@ def test_cost_is_measured_along_every_axis(monkeypatch, tmp_path):
 def test_convergence_has_the_orders_of_the_methods(monkeypatch, tmp_path):
     monkeypatch.setattr(convergence, "PINGS", 4)
     monkeypatch.setattr(convergence, "PROVING", 2.0)
-    measured = convergence_chart(SMALL)
+    measured = convergence.measure_chart(SMALL)
     fits = measured.fits()
     assert set(fits) == {"rays", "sweep, planes", "march, step in m", "sweep, spacing in m"}
     assert -1.1 < fits["rays"].exponent < -0.5
@@ -76,9 +76,9 @@ def test_convergence_has_the_orders_of_the_methods(monkeypatch, tmp_path):
 
 
 def test_pictures_of_laws_are_written(tmp_path):
-    rows = tuple(Cost("sweep", "planes", n, 10.0 * n + 5.0, 0.01) for n in (1.0, 2.0, 4.0))
+    rows = tuple(CostRow("sweep", "planes", n, 10.0 * n + 5.0, 0.01) for n in (1.0, 2.0, 4.0))
     CostChart("Pipe", rows, "a machine").save(tmp_path / "cost.png")
-    points = tuple(Point("rays", 10.0**k, 10.0**-k, k < 3) for k in range(1, 5))
+    points = tuple(ConvergencePoint("rays", 10.0**k, 10.0**-k, k < 3) for k in range(1, 5))
     right = Reference(np.zeros((1, 2, 4), dtype=np.float32), 1e-4, 1 << 16)
     chart = ConvergenceChart("Pipe", points, right, "a machine")
     chart.save(tmp_path / "convergence.png")

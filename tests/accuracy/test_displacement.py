@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of
-from insonify.accuracy.metrics import displacement, echo_shifts, edge_shifts, flat_bed_curves, similarity
+from insonify.accuracy.displacement import find_echo_shifts, find_edge_shifts, measure_displacement
+from insonify.accuracy.record_errors import compute_flat_bed_curves
+from insonify.accuracy.similarity import measure_similarity
 from insonify.tracers import ray_sheets, rays
 
 BINS = 400
@@ -23,29 +25,31 @@ def stepped(*edges):
 
 @pytest.mark.parametrize("moved", [-7.0, 1.0, 0.0, 30.0])
 def test_edges_moved_by_whole_bins(moved):
-    assert edge_shifts(stepped(100.0 + moved, 200.0 + moved), stepped(100.0, 200.0)) == pytest.approx([moved, moved])
+    assert find_edge_shifts(stepped(100.0 + moved, 200.0 + moved), stepped(100.0, 200.0)) == pytest.approx(
+        [moved, moved]
+    )
 
 
 @pytest.mark.parametrize("moved", np.linspace(-1.0, 1.0, 9))
 def test_edges_moved_by_parts_of_bins(moved):
     # Between two centres of bins a straight line stands for the step: 0.09 of a bin at most.
-    found = edge_shifts(stepped(100.0, 200.0 + moved), stepped(100.0, 200.0))
+    found = find_edge_shifts(stepped(100.0, 200.0 + moved), stepped(100.0, 200.0))
     assert found == pytest.approx([0.0, moved], abs=0.09)
 
 
 def test_a_lost_shadow_is_wrong_by_half_its_length():
-    assert np.abs(edge_shifts(np.ones(BINS), stepped(100.0, 200.0))) == pytest.approx([50.0, 50.0], abs=1.0)
+    assert np.abs(find_edge_shifts(np.ones(BINS), stepped(100.0, 200.0))) == pytest.approx([50.0, 50.0], abs=1.0)
 
 
 def test_the_level_does_not_matter_and_no_shadow_has_no_edges():
     b = stepped(100.0, 200.0)
-    assert edge_shifts(3e-9 * b, 3e-9 * b) == [0.0, 0.0]
-    assert edge_shifts(np.zeros(BINS), np.zeros(BINS)) == edge_shifts(b, np.ones(BINS)) == []
-    assert edge_shifts(b, stepped(100.0, 105.0)) == []  # too short to be one
+    assert find_edge_shifts(3e-9 * b, 3e-9 * b) == [0.0, 0.0]
+    assert find_edge_shifts(np.zeros(BINS), np.zeros(BINS)) == find_edge_shifts(b, np.ones(BINS)) == []
+    assert find_edge_shifts(b, stepped(100.0, 105.0)) == []  # too short to be one
 
 
 def test_a_shadow_to_the_end_of_the_range_has_its_near_edge_alone():
-    assert edge_shifts(stepped(303.0, 400.0), stepped(300.0, 400.0)) == pytest.approx([3.0])
+    assert find_edge_shifts(stepped(303.0, 400.0), stepped(300.0, 400.0)) == pytest.approx([3.0])
 
 
 def echoes(*places):
@@ -60,20 +64,20 @@ def echoes(*places):
 
 @pytest.mark.parametrize("moved", [-20.0, -1.0, -0.3, 0.0, 0.25, 0.5, 3.75, 60.0])
 def test_echoes_are_found_where_they_went(moved):
-    found = echo_shifts(echoes(150.0 + moved, 300.0 + moved), echoes(150.0, 300.0))
+    found = find_echo_shifts(echoes(150.0 + moved, 300.0 + moved), echoes(150.0, 300.0))
     assert found == pytest.approx([moved, moved], abs=1e-4)
 
 
 def test_a_lost_echo_is_told_as_such():
-    assert np.isnan(echo_shifts(np.zeros(BINS), echoes(150.0))).all()
+    assert np.isnan(find_echo_shifts(np.zeros(BINS), echoes(150.0))).all()
     bed = np.random.default_rng(1).exponential(0.3, BINS)
     # Specks of the bed stand out too, and are where they were.
-    found = np.array(echo_shifts(bed, bed + echoes(150.0)))
+    found = np.array(find_echo_shifts(bed, bed + echoes(150.0)))
     assert np.count_nonzero(np.isnan(found)) == 1
     np.testing.assert_allclose(found[~np.isnan(found)], 0.0, atol=1e-4)
-    one_lost = echo_shifts(echoes(150.0), echoes(150.0, 350.0))
+    one_lost = find_echo_shifts(echoes(150.0), echoes(150.0, 350.0))
     np.testing.assert_allclose(one_lost, [0.0, np.nan], atol=1e-9)
-    assert echo_shifts(echoes(150.0), np.full(BINS, 1.0)) == []
+    assert find_echo_shifts(echoes(150.0), np.full(BINS, 1.0)) == []
 
 
 def test_in_metres_of_a_record():
@@ -81,14 +85,14 @@ def test_in_metres_of_a_record():
         arrays_of(np.zeros((8, 8)), 4.0, periodic=True, bins=BINS, bin_length=0.25),
         poses_of(0.0, 0.0, 10.0),
     )
-    curve = flat_bed_curves(arrays, poses)
+    curve = compute_flat_bed_curves(arrays, poses)
     right = curve * np.stack([stepped(120.0, 200.0), np.ones(BINS)])
-    found = displacement(arrays, poses, curve * np.stack([stepped(118.0, 203.0), np.ones(BINS)]), right)
+    found = measure_displacement(arrays, poses, curve * np.stack([stepped(118.0, 203.0), np.ones(BINS)]), right)
     assert found.shadow_edge == pytest.approx(0.25 * 2.5, rel=1e-6)
     assert math.isnan(found.echo)
     assert found.lost == 0
     both = curve * np.stack([echoes(150.0, 300.0), np.ones(BINS)])
-    some = displacement(arrays, poses, curve * np.stack([echoes(152.0), np.ones(BINS)]), both)
+    some = measure_displacement(arrays, poses, curve * np.stack([echoes(152.0), np.ones(BINS)]), both)
     assert some.echo == pytest.approx(0.5, abs=1e-3)
     assert some.lost == 1
 
@@ -104,24 +108,28 @@ def test_the_shadow_of_a_span_from_a_sonar_at_another_height():
     pipe = [((-50.0, 30.0, 1.5), (50.0, 30.0, 1.5), 0.5)]
     arrays = arrays_of(np.zeros((8, 8)), 32.0, x0=-128.0, y0=-128.0, solids=pipe, bins=2000, bin_length=0.025)
     low, high = (ray_sheets.trace(arrays, poses_of(0.0, 0.0, z), rays=1 << 15)[:, :1] for z in (10.0, 10.4))
-    curve = flat_bed_curves(arrays, poses_of(0.0, 0.0, 10.0))
+    curve = compute_flat_bed_curves(arrays, poses_of(0.0, 0.0, 10.0))
     a, b = (np.divide(each, curve, out=np.zeros_like(curve), where=curve > 0.0)[0, 0, 500:] for each in (high, low))
     expected = [(one - other) / arrays.bin_length for one, other in zip(shadow(10.4), shadow(10.0))]
-    assert edge_shifts(a, b) == pytest.approx(expected, abs=0.35)  # of 25 mm
+    assert find_edge_shifts(a, b) == pytest.approx(expected, abs=0.35)  # of 25 mm
 
 
 def test_pictures_alike():
     rng = np.random.default_rng(1)
     picture = rng.rayleigh(1.0, (4, 300))
-    assert similarity(picture, picture) == pytest.approx(1.0)
-    near, far = (similarity(picture + size * rng.standard_normal(picture.shape), picture) for size in (0.05, 0.8))
+    assert measure_similarity(picture, picture) == pytest.approx(1.0)
+    near, far = (
+        measure_similarity(picture + size * rng.standard_normal(picture.shape), picture) for size in (0.05, 0.8)
+    )
     assert far < near < 1.0
-    assert similarity(picture[:, :3], picture[:, :3]) == 1.0
+    assert measure_similarity(picture[:, :3], picture[:, :3]) == 1.0
 
 
 def test_what_is_exact_is_not_displaced():
     arrays = arrays_of(np.zeros((8, 8)), 32.0, periodic=True, solids=[((0.0, 20.0, 1.0), 1.0)])
     poses = poses_of(0.0, 0.0, 8.0)
-    found = displacement(arrays, poses, rays.trace(arrays, poses, rays=60_000), rays.trace(arrays, poses, rays=90_000))
+    found = measure_displacement(
+        arrays, poses, rays.trace(arrays, poses, rays=60_000), rays.trace(arrays, poses, rays=90_000)
+    )
     assert found.shadow_edge < 0.01
     assert found.echo < 0.01

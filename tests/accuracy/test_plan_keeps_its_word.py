@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from insonify.accuracy.charts.reference import trace
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.charts.reference import trace_exact_rays
+from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene, edit
 from insonify.simulation import Simulation, prepare
@@ -100,7 +100,7 @@ def judge(seed: int, folder: Path, *, timed: bool = True) -> Word:
     right, moved = settled(whole.arrays, poses, SETTLED * tolerance)
 
     def error(simulation: Simulation) -> float:
-        return compare(whole.arrays, poses, simulation.intensity(pings), right).beyond
+        return compare_records(whole.arrays, poses, simulation.intensity(pings), right).beyond
 
     ratio = _cost_ratio(scene, said, tolerance, pings, error) if timed else math.nan
     return Word(scene, said, tolerance, error(said), moved, ratio)
@@ -109,11 +109,11 @@ def judge(seed: int, folder: Path, *, timed: bool = True) -> Word:
 def settled(arrays: SceneArrays, poses: Poses, wanted: float) -> tuple[np.ndarray, float]:
     """Record of exact rays, twice as many until that moves it by no more than is wanted; and how far it did."""
     count, moved = FIRST_RAYS, math.inf
-    record = trace(arrays, poses, count)
+    record = trace_exact_rays(arrays, poses, count)
     while moved > wanted and count < MOST_RAYS:
         count *= 4
-        finer = trace(arrays, poses, count)
-        moved, record = compare(arrays, poses, record, finer).beyond, finer
+        finer = trace_exact_rays(arrays, poses, count)
+        moved, record = compare_records(arrays, poses, record, finer).beyond, finer
     return record, moved
 
 

@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from insonify.accuracy.metrics import Errors, compare, flat_bed_curves, reference
+from exact_rays import reference
+from insonify.accuracy.record_errors import RecordErrors, compare_records, compute_flat_bed_curves
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import Scene
 from insonify.simulation import prepare
@@ -36,7 +37,7 @@ class Judged:
 
     scene: Scene
     triangles: int
-    errors: Errors
+    errors: RecordErrors
     moved: float
     edges: np.ndarray  # bins by which the sweep misses each edge of a shadow
     level: float  # dB, by which it is off in the worst of all stretches
@@ -61,7 +62,7 @@ def judge(seed: int, folder: Path, tolerance: float, *, bent: bool = False) -> J
     arrays, poses = simulation.arrays, simulation.poses(pings)
     right, moved = reference(arrays, poses, tolerance=tolerance)
     record = sweep.trace(arrays, poses, planes=PLANES)
-    errors = compare(arrays, poses, record, right)
+    errors = compare_records(arrays, poses, record, right)
     return Judged(
         scene,
         arrays.mesh.target.size,
@@ -102,7 +103,7 @@ def worst_level(record: np.ndarray, right: np.ndarray) -> float:
 
 def missed_edges(arrays: SceneArrays, poses: Poses, record: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Bins by which a record misses each edge of a shadow in its reference."""
-    curves = flat_bed_curves(arrays, poses)
+    curves = compute_flat_bed_curves(arrays, poses)
     missed = []
     for a, b, curve in zip(record, right, curves):
         heard = curve[0] > 0.0

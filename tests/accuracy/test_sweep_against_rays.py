@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of, rough
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
@@ -38,7 +38,9 @@ def test_finer_grids_of_the_same_bed_converge_in_second_order(law):
     right = rays.trace(arrays, POSES, rays=1 << 21)
     times = np.array([1, 2, 4])
     errors = [
-        compare(arrays, POSES, sweep.trace(arrays_of(finer(HEIGHTS, n), 0.5 / n, **options), POSES), right).beyond
+        compare_records(
+            arrays, POSES, sweep.trace(arrays_of(finer(HEIGHTS, n), 0.5 / n, **options), POSES), right
+        ).beyond
         for n in times
     ]
     assert order(times, errors) == pytest.approx(2.0, rel=0.1)
@@ -50,7 +52,7 @@ def test_planes_converge_in_second_order():
     poses = poses_of(np.arange(8) * 1.37 + 0.1, 0.23, 7.0, 0.3)
     right = sweep.trace(arrays, poses, planes=512)
     planes = np.array([8, 16, 32, 64, 128])
-    errors = [compare(arrays, poses, sweep.trace(arrays, poses, planes=int(n)), right).beyond for n in planes]
+    errors = [compare_records(arrays, poses, sweep.trace(arrays, poses, planes=int(n)), right).beyond for n in planes]
     assert order(planes, errors) == pytest.approx(2.0, rel=0.15)  # edges of shadows cost a little
 
 
@@ -73,7 +75,7 @@ def test_bundled_scenes_are_as_near_as_said(name, changes, beyond, all_bins):
     simulation = prepare(edit(load_scene(name), changes))
     poses = simulation.poses(np.arange(60, 340, 70))
     right = rays.trace(simulation.arrays, poses, rays=1 << 18)
-    errors = compare(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=64), right)
+    errors = compare_records(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=64), right)
     assert errors.beyond < beyond
     assert errors.all_bins < all_bins
     assert abs(errors.energy_bias) < 2e-3
@@ -96,7 +98,7 @@ def test_a_beam_that_squints_is_heard_to_the_range_over_ground_that_rises():
     simulation = prepare(scene)
     poses = simulation.poses(np.arange(60, 340, 70))
     right = rays.trace(simulation.arrays, poses, rays=1 << 18)
-    errors = compare(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=16), right)
+    errors = compare_records(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=16), right)
     assert errors.beyond < 0.015
     assert abs(errors.energy_bias) < 5e-3
 
@@ -106,7 +108,7 @@ def test_the_sweep_is_nearer_than_what_it_replaces():
     arrays, poses = simulation.arrays, simulation.poses(np.arange(60, 340, 40))
     right = rays.trace(arrays, poses, rays=1 << 18)
     ours, a_thousand_rays, marched = (
-        compare(arrays, poses, record, right).beyond
+        compare_records(arrays, poses, record, right).beyond
         for record in (
             sweep.trace(arrays, poses),
             rays.trace(arrays, poses, rays=1000),

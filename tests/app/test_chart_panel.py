@@ -12,31 +12,36 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 from stand_in import StandIn
 
-from insonify.accuracy.charts.contenders import Name
-from insonify.accuracy.charts.measure import Case, Chart, Row
+from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
+from insonify.accuracy.charts.measurement import AccuracyRow, TracedScene
+from insonify.accuracy.charts.method_settings import SettingKey
 from insonify.accuracy.charts.reference import Reference
-from insonify.accuracy.metrics import compare, displacement
+from insonify.accuracy.displacement import measure_displacement
+from insonify.accuracy.record_errors import compare_records
 from insonify.scene import Scene, SceneError
 from insonify_viewer.panels.chart.chart_details import Point, in_numbers, judge, nearest, picture
 
 
-def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None) -> Chart:
+def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None) -> AccuracyChart:
     """Two methods over the stand-in's record, of which one is right and the other a tenth too loud."""
     simulation = StandIn(scene, 0.03)
     pings = np.arange(4, dtype=np.int64)
     poses, right = simulation.poses(pings), simulation.intensity(pings)
-    records = {Name("sweep", "4 planes", True): right, Name("rays", "1,000 rays", True): np.float32(1.1) * right}
+    records = {
+        SettingKey("sweep", "4 planes", True): right,
+        SettingKey("rays", "1,000 rays", True): np.float32(1.1) * right,
+    }
     rows = tuple(
-        Row(
+        AccuracyRow(
             *(name.method, name.setting, size, True, size, 0.05),
-            compare(simulation.arrays, poses, records[name], right),
-            displacement(simulation.arrays, poses, records[name], right),
+            compare_records(simulation.arrays, poses, records[name], right),
+            measure_displacement(simulation.arrays, poses, records[name], right),
         )
         for name, size in zip(records, (4.0, 1000.0))
     )
     progress(0.5)
-    cases = {True: Case(simulation.arrays, poses, Reference(right, 1e-4, 65536))}
-    return Chart(scene.title, rows, 4, "this machine", cases, records)
+    cases = {True: TracedScene(simulation.arrays, poses, Reference(right, 1e-4, 65536))}
+    return AccuracyChart(scene.title, rows, 4, "this machine", cases, records)
 
 
 @pytest.fixture
@@ -70,7 +75,7 @@ def test_a_click_on_a_point_shows_its_record(window: Any, qtbot: Any) -> None:
 def test_the_window_lives_while_it_is_measured_and_stops(window: Any, qtbot: Any) -> None:
     going, seen = threading.Event(), []
 
-    def slow(scene: Scene, progress: Callable[[float], None]) -> Chart:
+    def slow(scene: Scene, progress: Callable[[float], None]) -> AccuracyChart:
         for step in range(2000):
             progress(step / 2000)
             seen.append(step)
@@ -93,7 +98,7 @@ def test_the_window_lives_while_it_is_measured_and_stops(window: Any, qtbot: Any
 
 
 def test_a_viewer_closed_meanwhile_leaves_no_thread(window: Any, qtbot: Any) -> None:
-    def endless(scene: Scene, progress: Callable[[float], None]) -> Chart:
+    def endless(scene: Scene, progress: Callable[[float], None]) -> AccuracyChart:
         while True:
             progress(0.1)
 
@@ -104,7 +109,7 @@ def test_a_viewer_closed_meanwhile_leaves_no_thread(window: Any, qtbot: Any) -> 
 
 
 def test_what_cannot_be_charted_is_said(window: Any, qtbot: Any) -> None:
-    def refuse(scene: Scene, progress: Callable[[float], None]) -> Chart:
+    def refuse(scene: Scene, progress: Callable[[float], None]) -> AccuracyChart:
         raise SceneError("track.pings: 0 is too few; give at least 1")
 
     window.chart.measure = refuse
@@ -150,6 +155,6 @@ def test_a_record_is_laid_out_as_it_is_read(small: Scene) -> None:
     assert judged.similarity == pytest.approx(1.0)
     assert judged.record.shape == (4, 200)
     np.testing.assert_array_equal(judged.record, judged.record[:, ::-1])
-    np.testing.assert_array_equal(judged.record[0, 100:], chart.shown(chart.rows[0])[0][3, 1])
+    np.testing.assert_array_equal(judged.record[0, 100:], chart.normalise_row(chart.rows[0])[0][3, 1])
     assert "rms 0 % beyond 1.4 altitudes" in in_numbers(judged)
     assert "± 5 %" in in_numbers(judged)

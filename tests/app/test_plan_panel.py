@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.record_errors import compare_records
 from insonify.cli import main
 from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
@@ -155,4 +155,4 @@ def test_what_a_drag_leaves_out_of_the_default_scene_is_a_fifth_at_most() -> Non
     )
     poses = fine.poses(pings)
     records = (sweep.trace(fine.arrays, poses, planes=one.plan.planes) for one in (coarse, fine))
-    assert 0.05 < compare(fine.arrays, poses, *records).beyond < COARSE
+    assert 0.05 < compare_records(fine.arrays, poses, *records).beyond < COARSE

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from insonify.accuracy.metrics import time_calls
+from insonify.accuracy.timing import time_calls
 from insonify.acoustics.rays import join_points
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.refraction.eigenrays import find_direct_ray

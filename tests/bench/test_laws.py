@@ -1,4 +1,4 @@
-"""The laws of cost measured anew, printed as `insonify.planning.laws` has them: run with `pytest -m bench -s`."""
+"""The laws of cost measured anew, printed as `planning.fitted_laws` has them: run with `pytest -m bench -s`."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from insonify.planning import laws
-from insonify.planning.candidates import Draft, amounts
-from insonify.planning.scene_summary import look_at
+from insonify.planning import fitted_laws
+from insonify.planning.candidates import Candidate, count_operations
+from insonify.planning.scene_summary import summarise_scene
 from insonify.scene import SceneError
 from insonify.simulation import Simulation, prepare
 from planned_scenes import planned_scene
@@ -34,9 +34,9 @@ def seconds(simulation: Simulation, pings: np.ndarray) -> float:
     return min(taken) / pings.size
 
 
-def draft_of(simulation: Simulation) -> Draft:
+def draft_of(simulation: Simulation) -> Candidate:
     plan = simulation.plan
-    return Draft(
+    return Candidate(
         plan.method,
         planes=plan.planes,
         rays=plan.settings.get("rays", 0),
@@ -52,7 +52,7 @@ def test_what_a_ping_costs(capsys, tmp_path):
     rows, costs = [], []
     for seed in SEEDS:
         scene, pings = planned_scene(seed, tmp_path)
-        view = look_at(scene)
+        view = summarise_scene(scene)
         settings = [{"planes": planes, "spacing": every} for planes in PLANES for every in EVERY]
         settings += [{"method": "rays", "rays": rays} for rays in RAYS]
         for forced in settings:
@@ -61,9 +61,9 @@ def test_what_a_ping_costs(capsys, tmp_path):
             except SceneError:
                 continue
             prepare_time = seconds(simulation, pings[:1])
-            rows.append(amounts(view, draft_of(simulation)))
+            rows.append(count_operations(view, draft_of(simulation)))
             costs.append(seconds(simulation, np.resize(pings, PINGS if prepare_time < SLOW else 2)))
-    names = list(laws.SECONDS)
+    names = list(fitted_laws.SECONDS)
     table, cost = np.array([[row.get(name, 0.0) for name in names] for row in rows]), np.array(costs)
     # Relative errors count: a cheap ping is to be foretold as well as a dear one.
     found, _ = nnls(table / cost[:, None], np.ones(cost.size))

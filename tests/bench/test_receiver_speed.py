@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from insonify.accuracy.metrics import time_calls
+from insonify.accuracy.timing import time_calls
 from insonify.parallel import in_parallel
 from insonify.receiver import receive
 from insonify.scene import edit, load_scene

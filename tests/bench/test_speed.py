@@ -8,7 +8,8 @@ from time import thread_time
 import numpy as np
 import pytest
 
-from insonify.accuracy.metrics import compare, time_calls
+from insonify.accuracy.record_errors import compare_records
+from insonify.accuracy.timing import time_calls
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.tracers import rays, sweep
@@ -29,14 +30,14 @@ def test_a_knife_on_one_thread(capsys):
     arrays, poses = simulation.arrays, simulation.poses(PINGS)
     timing = time_calls({"knife": lambda: sweep.trace(arrays, poses, threads=1)}, rounds=9, clock=thread_time)["knife"]
     few = simulation.poses(SOME)
-    errors = compare(arrays, few, sweep.trace(arrays, few), rays.trace(arrays, few, rays=1 << 18))
+    errors = compare_records(arrays, few, sweep.trace(arrays, few), rays.trace(arrays, few, rays=1 << 18))
     say(
         capsys,
         f"knife, 2 × 1000 bins over 1024²: {PINGS.size / timing.median:,.0f} pings/s a thread "
         f"({1e6 * timing.median / PINGS.size:.1f} µs a ping, ± {100 * timing.spread:.0f} %), "
         f"error {100 * errors.beyond:.2f} % beyond 1.4 altitudes, {100 * errors.all_bins:.2f} % in all",
     )
-    single = compare(arrays, few, sweep.trace(arrays, few), sweep.trace(arrays, few, double=True))
+    single = compare_records(arrays, few, sweep.trace(arrays, few), sweep.trace(arrays, few, double=True))
     say(capsys, f"knife: single precision errs by {single.beyond:.1e} of double")
 
 
@@ -57,7 +58,7 @@ def test_a_fan_as_planned(capsys):
     for name, simulation in fans.items():
         poses = simulation.poses(SOME)
         record, fine = (sweep.trace(simulation.arrays, poses, planes=n) for n in (simulation.plan.planes, 64))
-        errors = compare(simulation.arrays, poses, record, fine)
+        errors = compare_records(simulation.arrays, poses, record, fine)
         say(
             capsys,
             f"fan of {name}: {simulation.plan.planes} planes, {1e3 * timings[name].median:.0f} ms for "
@@ -76,7 +77,7 @@ def test_a_fan_by_planes(capsys):
     timings = time_calls({planes: tracing(planes) for planes in range(8, 14)}, rounds=7)
     fine = sweep.trace(bare.arrays, some, planes=64)
     for planes, timing in timings.items():
-        errors = compare(bare.arrays, some, sweep.trace(bare.arrays, some, planes=planes), fine)
+        errors = compare_records(bare.arrays, some, sweep.trace(bare.arrays, some, planes=planes), fine)
         say(
             capsys,
             f"fan of 2.5°, no targets, {planes} planes: {1e3 * timing.median:.0f} ms for {PINGS.size} pings on two "

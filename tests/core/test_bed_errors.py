@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.record_errors import compare_records
 from insonify.acoustics.straightness import RefractionEffect
-from insonify.planning import laws
-from insonify.planning.bed_errors import Echo
-from insonify.planning.relief_detail import detail_of
-from insonify.planning.scene_summary import look_at
+from insonify.planning import fitted_laws
+from insonify.planning.bed_errors import BedEcho
+from insonify.planning.relief_spectrum import compute_relief_spectrum
+from insonify.planning.scene_summary import summarise_scene
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.terrain import build_ground
@@ -31,7 +31,7 @@ PINGS = np.arange(0, 200, 20)
 
 
 def echo(scene):
-    return Echo(look_at(scene), detail_of(scene.seabed, scene.track.heading))
+    return BedEcho(summarise_scene(scene), compute_relief_spectrum(scene.seabed, scene.track.heading))
 
 
 def over(relief, **changes):
@@ -44,7 +44,7 @@ def test_the_steepness_is_that_of_the_bed_as_it_is_made(kind):
     heights = build_ground(scene).heights.astype(np.float64)
     made = np.diff(heights, axis=0).std() / scene.seabed.spacing
     # Slopes of waves against those between nodes, which are a little gentler.
-    assert detail_of(scene.seabed, 0.0).steepness == pytest.approx(made, rel=0.35)
+    assert compute_relief_spectrum(scene.seabed, 0.0).steepness == pytest.approx(made, rel=0.35)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -84,15 +84,15 @@ def test_thinned_beds_and_few_planes_miss_about_what_is_predicted(kind, beam):
     planes = 1 if beam == "knife" else 64
     right = sweep.trace(arrays, poses, planes=planes)
     thinned = prepare(scene, forced={"spacing": "4", "planes": str(planes)})
-    measured = compare(arrays, poses, thinned.intensity(PINGS), right).beyond
-    assert of.of_thinning(4)[laws.COUNTS.index(planes)] == pytest.approx(measured, rel=0.5)
+    measured = compare_records(arrays, poses, thinned.intensity(PINGS), right).beyond
+    assert of.of_thinning(4)[fitted_laws.COUNTS.index(planes)] == pytest.approx(measured, rel=0.5)
     if planes > 1:
-        few = compare(arrays, poses, sweep.trace(arrays, poses, planes=4), right).beyond
+        few = compare_records(arrays, poses, sweep.trace(arrays, poses, planes=4), right).beyond
         assert by_planes(of, 4)[0] == pytest.approx(few, rel=0.6)
-        single = compare(arrays, poses, sweep.trace(arrays, poses, planes=1), right).beyond
+        single = compare_records(arrays, poses, sweep.trace(arrays, poses, planes=1), right).beyond
         assert by_planes(of, 1)[0] == pytest.approx(single, rel=0.4)
 
 
 def by_planes(of, *counts):
     errors = of.of_planes()
-    return np.array([errors[laws.COUNTS.index(count)] for count in counts])
+    return np.array([errors[fitted_laws.COUNTS.index(count)] for count in counts])

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from insonify.accuracy.metrics import compare
-from insonify.planning import laws, plan
-from insonify.planning.errors import Errors
-from insonify.planning.multipath_errors import Ghosts
-from insonify.planning.scene_summary import look_at
+from insonify.accuracy.record_errors import compare_records
+from insonify.planning import fitted_laws, plan
+from insonify.planning.multipath_errors import MultipathErrors
+from insonify.planning.predicted_errors import PredictedErrors
+from insonify.planning.scene_summary import summarise_scene
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify.tracers import sweep
@@ -34,19 +34,19 @@ PINGS = np.arange(0, 100, 30)
 @pytest.mark.parametrize("changes", [{}, {"sonar.law": "light"}, {"sonar.beam": "knife"}, {"track.altitude": 5.0}])
 def test_a_way_is_as_loud_as_foretold(way, changes):
     scene = edit(FLAT, changes)
-    foretold = Ghosts(scene, look_at(scene), [way], 0.0)
+    foretold = MultipathErrors(scene, summarise_scene(scene), [way], 0.0)
     forced = {other: "off" for other in WAYS if other != way} | {"planes": "8", "spacing": "1"}
     with_it, without = prepare(scene, forced=forced), prepare(scene, forced=forced | {way: "off"})
     poses = with_it.poses(PINGS)
-    measured = compare(with_it.arrays, poses, with_it.intensity(PINGS), without.intensity(PINGS)).beyond
+    measured = compare_records(with_it.arrays, poses, with_it.intensity(PINGS), without.intensity(PINGS)).beyond
     assert foretold.shares[way] / foretold.direct == pytest.approx(measured, rel=0.5)
 
 
 def test_what_comes_too_late_is_not_heard_and_what_a_rough_bed_brings_nearer_is():
     late = edit(FLAT, {"sonar.range": 24.5})
-    assert not Errors(late, look_at(late)).heard
+    assert not PredictedErrors(late, summarise_scene(late)).heard
     rough = edit(late, {"seabed.relief": {"kind": "fractal", "beta": 1.5, "rms": 0.2, "period": 51.2}})
-    assert Errors(rough, look_at(rough)).heard == {"surface_bottom"}
+    assert PredictedErrors(rough, summarise_scene(rough)).heard == {"surface_bottom"}
 
 
 def test_a_squinting_beam_hears_no_place_both_ways():
@@ -58,8 +58,10 @@ def test_a_squinting_beam_hears_no_place_both_ways():
 
 def test_what_a_single_plane_misses_beneath_images_is_foretold():
     simulation = prepare(FLAT, tolerance=1e-4, forced={"spacing": "1"})
-    poses, foretold = simulation.poses(PINGS), Errors(FLAT, look_at(FLAT)).ghosts.of_planes()
+    poses, foretold = simulation.poses(PINGS), PredictedErrors(FLAT, summarise_scene(FLAT)).ghosts.of_planes()
     right = sweep.trace(simulation.arrays, poses, planes=32)
     for planes in (1, 2):
-        missed = compare(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=planes), right).beyond
-        assert missed < 1.5 * foretold[laws.COUNTS.index(planes)] + 1e-3
+        missed = compare_records(
+            simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=planes), right
+        ).beyond
+        assert missed < 1.5 * foretold[fitted_laws.COUNTS.index(planes)] + 1e-3

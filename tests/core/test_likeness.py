@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from PIL import Image
 
-from insonify.accuracy.record_statistics import likeness
+from insonify.accuracy.record_statistics import measure_statistics
 from insonify.cli import main
 from insonify.io.records import read_record
 from insonify.io.records.npz import write_npz
@@ -43,7 +43,7 @@ def speckle(seed: int) -> np.ndarray:
 
 
 def test_speckle_varies_as_a_rayleigh_envelope_with_a_white_spectrum():
-    found = likeness(record(lambert() * speckle(1)))
+    found = measure_statistics(record(lambert() * speckle(1)))
     assert np.median(found.variation) == pytest.approx(np.sqrt(4.0 / np.pi - 1.0), abs=0.01)
     assert np.isnan(found.shadow_depth)
     for spectrum, step in ((found.along, STEP), (found.across, BIN)):
@@ -54,18 +54,20 @@ def test_speckle_varies_as_a_rayleigh_envelope_with_a_white_spectrum():
 
 
 def test_an_even_bed_has_no_variation():
-    assert likeness(record(lambert())).variation.max() < 0.05
+    assert measure_statistics(record(lambert())).variation.max() < 0.05
 
 
 def test_gain_changes_nothing():
     bed = lambert() * speckle(2)
-    np.testing.assert_allclose(likeness(record(1e-6 * bed)).variation, likeness(record(bed)).variation, rtol=1e-4)
+    np.testing.assert_allclose(
+        measure_statistics(record(1e-6 * bed)).variation, measure_statistics(record(bed)).variation, rtol=1e-4
+    )
 
 
 @pytest.mark.parametrize(("along", "across"), [(0.5, 0.0), (0.0, 2.5)])
 def test_ripples_show_at_their_frequency(along, across):
     phase = along * STEP * np.arange(PINGS)[:, None] + across * BIN * np.arange(BINS)
-    found = likeness(record(lambert() * (1.0 + 0.3 * np.sin(2.0 * np.pi * phase)) ** 2))
+    found = measure_statistics(record(lambert() * (1.0 + 0.3 * np.sin(2.0 * np.pi * phase)) ** 2))
     spectrum, frequency = (found.along, along) if along else (found.across, across)
     assert spectrum.frequency[spectrum.power.argmax()] == pytest.approx(frequency, rel=0.1)
     # A sine of amplitude 0.3 holds a variance of 0.045; half its band is a Hann window's leakage.
@@ -77,30 +79,30 @@ def test_ripples_show_at_their_frequency(along, across):
 def test_a_shadow_is_as_deep_as_it_is(depth):
     bed = lambert().copy()
     bed[1, 96:112, 192:448] *= 10.0 ** (-depth / 10.0)
-    assert likeness(record(bed)).shadow_depth == pytest.approx(depth, abs=0.3)
+    assert measure_statistics(record(bed)).shadow_depth == pytest.approx(depth, abs=0.3)
 
 
 def test_a_shadow_may_be_silent():
     bed = lambert().copy()
     bed[1, 96:112, 192:448] = 0.0
-    assert "shadows without any echo" in likeness(record(bed)).lines()
+    assert "shadows without any echo" in measure_statistics(record(bed)).lines()
 
 
 def test_too_little_bed_is_one_sentence():
     with pytest.raises(SceneError, match="made up: has too little bed to measure; give at least 128 pings"):
-        likeness(record(lambert()[:, :100]))
+        measure_statistics(record(lambert()[:, :100]))
     for bins, pings in ((1, 200), (20, 200), (400, 1), (400, 3)):
         with pytest.raises(SceneError, match="too little bed"):
-            likeness(record(lambert()[:, :pings, :bins]))
+            measure_statistics(record(lambert()[:, :pings, :bins]))
     still = record(lambert())
     still["platform_x"][:] = 0.0
     with pytest.raises(SceneError, match="pings that move on"):
-        likeness(still)
+        measure_statistics(still)
 
 
 @pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
 def test_a_real_recording():
-    found = likeness(read_record(REAL))
+    found = measure_statistics(read_record(REAL))
     low, middle, high = np.percentile(found.variation, [10.0, 50.0, 90.0])
     assert 0.25 < low < middle < high < 0.55
     assert found.shadow_depth == pytest.approx(24.0, abs=2.0)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of, rough
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import BED, LIGHT, SONAR
 from insonify.kernels.rays.cell_walk import RayBundle
 from insonify.kernels.rays.first_echoes import empty_hits
@@ -64,7 +64,8 @@ def test_steps_leak_through_crests_in_first_order():
     right = rays.trace(arrays, poses, rays=1 << 14)
     steps = np.array([0.1, 0.05, 0.025, 0.0125])
     leaks = [
-        compare(arrays, poses, march.trace(arrays, poses, step=step, rays=1 << 14), right).energy_bias for step in steps
+        compare_records(arrays, poses, march.trace(arrays, poses, step=step, rays=1 << 14), right).energy_bias
+        for step in steps
     ]
     assert (np.array(leaks) < 0.0).all()
     assert order(steps, leaks) == pytest.approx(1.0, rel=0.1)

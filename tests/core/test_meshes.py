@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, icosphere, mesh_of, poses_of
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.packing.containment import solid_angle
 from insonify.scene import Scene, SceneError, edit
@@ -138,9 +138,9 @@ def test_a_record_of_a_fine_mesh_is_that_of_the_sphere(law, half_width):
     mesh = arrays_of(FLAT, 4.0, mesh=mesh_of(*icosphere(4, 1.0, ball[0])), **options)
     poses = poses_of(np.array([-0.4, 0.0, 0.3]), 0.0, 10.0)
     one, other = (rays.trace(arrays, poses, rays=1 << 14) for arrays in (mesh, sphere))
-    assert compare(sphere, poses, one, other).beyond < 0.02
+    assert compare_records(sphere, poses, one, other).beyond < 0.02
     marched = march.trace(mesh, poses, step=0.01, rays=1 << 14)
-    assert compare(sphere, poses, marched, one).beyond < 0.03
+    assert compare_records(sphere, poses, marched, one).beyond < 0.03
 
 
 def test_a_mesh_above_the_fish_is_seen():

@@ -7,22 +7,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from insonify.display.options import Look
-from insonify.display.page import decibel_ticks, scene_caption, write_page
+from insonify.display.display_options import DisplayOptions
+from insonify.display.page import caption_scene, place_decibel_ticks, write_page
 from insonify.display.picture import (
     PALETTES,
-    binned,
-    colours,
-    column_edges,
-    contrast,
-    held_curve,
-    mirrored,
+    average_columns,
+    choose_contrast,
+    colour_amplitudes,
+    compute_column_edges,
+    estimate_median_curve,
+    extend_to_water_column,
+    load_palette,
+    map_tones,
+    mirror_channels,
     normalise,
-    palette,
-    recorded_curve,
-    tones,
 )
-from insonify.display.sheet import gather, stretched
+from insonify.display.sheet import gather_sheet, resample_rows
 from insonify.scene import SceneError, edit, load_scene
 
 BINS = 200
@@ -54,20 +54,20 @@ def luminance(table: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("name", PALETTES)
 def test_palettes_run_one_way_in_lightness(name):
-    steps = np.diff(luminance(palette(name)))
-    assert palette(name).shape == (256, 3)
+    steps = np.diff(luminance(load_palette(name)))
+    assert load_palette(name).shape == (256, 3)
     assert (steps < 0.5).all() if name == "pen" else (steps > -0.5).all()
 
 
 def test_pen_marks_strong_echoes_dark():
-    ends = luminance(palette("pen"))[[0, -1]]
+    ends = luminance(load_palette("pen"))[[0, -1]]
     assert ends[0] > 220
     assert ends[1] < 40
 
 
 def test_unknown_palette_names_the_known():
     with pytest.raises(SceneError, match="'jet' is not known; choose one of copper, pen"):
-        palette("jet")
+        load_palette("jet")
 
 
 def test_a_flat_bed_is_even_at_the_square_root_of_its_albedo():
@@ -76,8 +76,8 @@ def test_a_flat_bed_is_even_at_the_square_root_of_its_albedo():
 
 
 def test_the_curve_is_held_before_the_first_return():
-    assert held_curve(np.array([0.0, 0.0, 1.0, 3.0, 2.0])).tolist() == [3.0, 3.0, 3.0, 3.0, 2.0]
-    assert held_curve(np.zeros(3)).tolist() == [1.0, 1.0, 1.0]
+    assert extend_to_water_column(np.array([0.0, 0.0, 1.0, 3.0, 2.0])).tolist() == [3.0, 3.0, 3.0, 3.0, 2.0]
+    assert extend_to_water_column(np.zeros(3)).tolist() == [1.0, 1.0, 1.0]
 
 
 def test_a_recorded_lambert_bed_is_even_at_every_altitude():
@@ -86,7 +86,7 @@ def test_a_recorded_lambert_bed_is_even_at_every_altitude():
     gain = 1e6 * np.exp(-r / 20.0)  # whatever the recorder does with range
     bed = gain * (altitude[:, None] / r) ** 2 * (r >= altitude[:, None])
     intensity = np.stack([bed, bed]).astype(np.float32)
-    curve = recorded_curve(intensity, altitude, REACH / BINS)
+    curve = estimate_median_curve(intensity, altitude, REACH / BINS)
     shown = normalise(np.moveaxis(intensity, 0, 1), curve)[:, :, 20:-10]
     np.testing.assert_allclose(shown[shown > 0.0], 1.0, atol=0.05)
     assert (shown > 0.0).mean() > 0.7
@@ -94,64 +94,66 @@ def test_a_recorded_lambert_bed_is_even_at_every_altitude():
 
 def test_a_recording_without_altitude_or_echoes_has_a_curve():
     level = np.full((2, 3, BINS), 4.0, dtype=np.float32)
-    np.testing.assert_allclose(recorded_curve(level, np.zeros(3), 0.25), 4.0)
-    np.testing.assert_array_equal(recorded_curve(0.0 * level, np.full(3, 5.0), 0.25), 1.0)
+    np.testing.assert_allclose(estimate_median_curve(level, np.zeros(3), 0.25), 4.0)
+    np.testing.assert_array_equal(estimate_median_curve(0.0 * level, np.full(3, 5.0), 0.25), 1.0)
 
 
 @pytest.mark.parametrize("shape", [(0,), (0, 5), (3, 4)])
 def test_a_picture_without_echoes_is_dark(shape):
     silent = np.zeros(shape, dtype=np.float32)
-    assert contrast(silent) == (0.0, 1.0)
-    assert (tones(silent, contrast(silent)) == 0).all()
+    assert choose_contrast(silent) == (0.0, 1.0)
+    assert (map_tones(silent, choose_contrast(silent)) == 0).all()
 
 
 def test_a_constant_bed_lies_in_the_middle_and_apart_from_its_shadow():
     bed = np.full((10, 10), 0.3, dtype=np.float32)
     bed[5, 5] = 0.0
-    shown = tones(bed, contrast(bed))
+    shown = map_tones(bed, choose_contrast(bed))
     assert shown[5, 5] == 0
     assert 80 < shown[0, 0] < 200
 
 
 def test_a_strong_material_keeps_its_texture_and_a_strong_target_darkens_nothing():
     silt, sand, rock = (np.full(400, level, dtype=np.float32) for level in (0.1, 0.3, 0.7))
-    shown = tones(np.concatenate([silt, silt, sand, rock]), contrast(np.concatenate([silt, silt, sand, rock])))
+    shown = map_tones(
+        np.concatenate([silt, silt, sand, rock]), choose_contrast(np.concatenate([silt, silt, sand, rock]))
+    )
     assert 0 < shown[0] < shown[900] < shown[-1] < 230
     target = np.full(20, 50.0, dtype=np.float32)
-    assert contrast(np.concatenate([silt, target]))[1] < 0.3
+    assert choose_contrast(np.concatenate([silt, target]))[1] < 0.3
 
 
 def test_gain_brightens_by_decibels():
     amplitude = np.array([0.25], dtype=np.float32)
-    assert tones(amplitude, (0.0, 1.0), gain=20 * np.log10(2)) == tones(2 * amplitude, (0.0, 1.0))
-    assert tones(amplitude, (0.0, 1.0), gain=60.0) == 255
+    assert map_tones(amplitude, (0.0, 1.0), gain=20 * np.log10(2)) == map_tones(2 * amplitude, (0.0, 1.0))
+    assert map_tones(amplitude, (0.0, 1.0), gain=60.0) == 255
 
 
 def test_not_a_number_is_silence():
-    assert tones(np.array([np.nan], dtype=np.float32), (0.0, 1.0)) == 0
+    assert map_tones(np.array([np.nan], dtype=np.float32), (0.0, 1.0)) == 0
 
 
 def test_port_lies_left_starboard_right_newest_on_top():
     sides = np.zeros((2, 2, 4), dtype=np.float32)
     sides[0, 0, 1] = 1.0  # oldest ping, port, second bin
     sides[1, 1, 3] = 2.0  # newest ping, starboard, last bin
-    edges = column_edges(np.full(2, ALTITUDE), 4, 0.1, 4)
-    assert mirrored(sides, edges).tolist() == [[0, 0, 0, 0, 0, 0, 0, 2], [0, 0, 1, 0, 0, 0, 0, 0]]
-    assert mirrored(sides, edges, "port").tolist() == [[0, 0, 0, 0], [0, 1, 0, 0]]
-    assert mirrored(sides, edges, "starboard").tolist() == [[0, 0, 0, 2], [0, 0, 0, 0]]
+    edges = compute_column_edges(np.full(2, ALTITUDE), 4, 0.1, 4)
+    assert mirror_channels(sides, edges).tolist() == [[0, 0, 0, 0, 0, 0, 0, 2], [0, 0, 1, 0, 0, 0, 0, 0]]
+    assert mirror_channels(sides, edges, "port").tolist() == [[0, 0, 0, 0], [0, 1, 0, 0]]
+    assert mirror_channels(sides, edges, "starboard").tolist() == [[0, 0, 0, 2], [0, 0, 0, 0]]
 
 
 def test_swapped_channels_mirror_the_picture():
     sides = np.random.default_rng(1).random((5, 2, BINS), dtype=np.float32)
-    edges = column_edges(np.full(5, ALTITUDE), BINS, REACH / BINS, 60)
-    np.testing.assert_array_equal(mirrored(sides[:, ::-1], edges), mirrored(sides, edges)[:, ::-1])
+    edges = compute_column_edges(np.full(5, ALTITUDE), BINS, REACH / BINS, 60)
+    np.testing.assert_array_equal(mirror_channels(sides[:, ::-1], edges), mirror_channels(sides, edges)[:, ::-1])
 
 
 @settings(max_examples=30, deadline=None)
 @given(st.integers(1, 40), st.integers(1, 90))
 def test_columns_keep_the_mean(bins, columns):
     rows = np.random.default_rng(bins).random((2, bins), dtype=np.float32)
-    shown = binned(rows, np.broadcast_to(np.linspace(0, bins, columns + 1), (2, columns + 1)))
+    shown = average_columns(rows, np.broadcast_to(np.linspace(0, bins, columns + 1), (2, columns + 1)))
     np.testing.assert_allclose(shown.mean(axis=1), rows.mean(axis=1), rtol=1e-5)
     assert shown.max() <= rows.max() * (1 + 1e-6)
 
@@ -159,7 +161,7 @@ def test_columns_keep_the_mean(bins, columns):
 def test_no_narrow_echo_is_dropped():
     rows = np.zeros((1, 1000), dtype=np.float32)
     rows[0, 517] = 10.0
-    assert binned(rows, np.linspace(0, 1000, 101)[None]).max() == pytest.approx(1.0)
+    assert average_columns(rows, np.linspace(0, 1000, 101)[None]).max() == pytest.approx(1.0)
 
 
 def test_ground_range_puts_an_echo_where_the_bed_is():
@@ -167,22 +169,22 @@ def test_ground_range_puts_an_echo_where_the_bed_is():
     altitudes = np.array([8.0, 10.0, 12.0])
     for ping, altitude in enumerate(altitudes):
         sides[ping, 1, int(np.hypot(30.05, altitude) / 0.01)] = 1.0
-    edges = column_edges(altitudes, 5000, 0.01, 480, ground_reach=48.0)
-    assert mirrored(sides, edges, "starboard").argmax(axis=1).tolist() == [300, 300, 300]
+    edges = compute_column_edges(altitudes, 5000, 0.01, 480, ground_reach=48.0)
+    assert mirror_channels(sides, edges, "starboard").argmax(axis=1).tolist() == [300, 300, 300]
 
 
 def test_rows_stretch_and_average():
     rows = np.array([[1.0], [3.0]], dtype=np.float32)
-    assert stretched(rows, 4).ravel().tolist() == [1, 1, 3, 3]
-    assert stretched(rows, 1).ravel().tolist() == [2]
+    assert resample_rows(rows, 4).ravel().tolist() == [1, 1, 3, 3]
+    assert resample_rows(rows, 1).ravel().tolist() == [2]
 
 
 def test_a_sheet_does_not_depend_on_the_blocks():
     whole = record(np.random.default_rng(2).random((2, 50, BINS)))
     curve = np.linspace(2.0, 1.0, BINS)
-    at_once = gather([whole], even(curve), 50, Look())
+    at_once = gather_sheet([whole], even(curve), 50, DisplayOptions())
     parts = [whole.isel(ping_time=slice(a, b)) for a, b in ((0, 7), (7, 8), (8, 50))]
-    in_parts = gather(parts, even(curve), 50, Look())
+    in_parts = gather_sheet(parts, even(curve), 50, DisplayOptions())
     np.testing.assert_array_equal(at_once.amplitude, in_parts.amplitude)
     assert at_once.along == pytest.approx(10.0)
     assert in_parts.along == pytest.approx(10.0)
@@ -191,7 +193,7 @@ def test_a_sheet_does_not_depend_on_the_blocks():
 
 def test_a_long_tow_keeps_a_bounded_sheet():
     block = record(np.ones((2, 1000, 8)))
-    sheet = gather((block for _ in range(9)), even(bins=8), 9000, Look(side="port"))
+    sheet = gather_sheet((block for _ in range(9)), even(bins=8), 9000, DisplayOptions(side="port"))
     assert sheet.pings == 9000
     assert sheet.amplitude.shape == (1800, 900)
     np.testing.assert_allclose(sheet.amplitude, 1.0, rtol=1e-5)
@@ -202,14 +204,14 @@ def test_ground_range_needs_a_bed_within_range():
         SceneError,
         match=r"--ground-range: the record ends at a slant range of 50 m, before the bed 60 m beneath; leave",
     ):
-        gather([record(np.ones((2, 4, BINS)), altitude=60.0)], even(), 4, Look(ground_range=True))
+        gather_sheet([record(np.ones((2, 4, BINS)), altitude=60.0)], even(), 4, DisplayOptions(ground_range=True))
 
 
 def test_ground_range_shows_no_water_column():
     bins = np.arange(BINS) * REACH / BINS
     record_ = record(np.broadcast_to((bins >= ALTITUDE).astype(float), (2, 4, BINS)))
-    slant = gather([record_], even(), 4, Look(side="port"))
-    ground = gather([record_], even(), 4, Look(side="port", ground_range=True))
+    slant = gather_sheet([record_], even(), 4, DisplayOptions(side="port"))
+    ground = gather_sheet([record_], even(), 4, DisplayOptions(side="port", ground_range=True))
     assert slant.amplitude[0, 0] == 0.0
     assert ground.amplitude.min() > 0.9
     assert ground.reach == pytest.approx(np.sqrt(REACH**2 - ALTITUDE**2))
@@ -217,15 +219,19 @@ def test_ground_range_shows_no_water_column():
 
 @pytest.mark.parametrize(
     "look",
-    [Look(), Look(side="starboard", palette="pen", gain=3.0), Look(ground_range=True, palette="viridis")],
+    [
+        DisplayOptions(),
+        DisplayOptions(side="starboard", palette="pen", gain=3.0),
+        DisplayOptions(ground_range=True, palette="viridis"),
+    ],
 )
 def test_a_page_shows_the_sheet_pixel_for_pixel(tmp_path, look):
-    sheet = gather([record(np.random.default_rng(3).random((2, 30, BINS)))], even(), 30, look)
-    write_page(tmp_path / "page.png", sheet, look, scene_caption(load_scene("default"), look))
+    sheet = gather_sheet([record(np.random.default_rng(3).random((2, 30, BINS)))], even(), 30, look)
+    write_page(tmp_path / "page.png", sheet, look, caption_scene(load_scene("default"), look))
     with Image.open(tmp_path / "page.png") as picture:
         pixels = np.asarray(picture.convert("RGB"))
     rows, columns = sheet.amplitude.shape
-    shown = colours(sheet.amplitude, look.palette, look.gain)
+    shown = colour_amplitudes(sheet.amplitude, look.palette, look.gain)
     at = (92 + 20, 86 + 20)
     np.testing.assert_array_equal(pixels[at[0] : at[0] + 40, at[1] : at[1] + 300], shown[20:60, 20:320])
     assert pixels.shape[0] > rows
@@ -235,24 +241,24 @@ def test_a_page_shows_the_sheet_pixel_for_pixel(tmp_path, look):
 @pytest.mark.parametrize("title", ["a $b_c and $ more", "深海 ∑", "x" * 200, ""])
 def test_any_title_can_be_drawn(tmp_path, title):
     scene = edit(load_scene("default"), {"title": title})
-    sheet = gather([record(np.zeros((2, 1, 3)))], even(bins=3), 1, Look())
-    write_page(tmp_path / "page.png", sheet, Look(), scene_caption(scene, Look()))
+    sheet = gather_sheet([record(np.zeros((2, 1, 3)))], even(bins=3), 1, DisplayOptions())
+    write_page(tmp_path / "page.png", sheet, DisplayOptions(), caption_scene(scene, DisplayOptions()))
     assert (tmp_path / "page.png").stat().st_size > 1000
 
 
 def test_the_summary_names_what_was_set():
     scene = edit(load_scene("default"), {"sonar.beam": "knife", "sonar.law": "light", "track.altitude": 12})
-    line = scene_caption(scene, Look(gain=6.0)).line
+    line = caption_scene(scene, DisplayOptions(gain=6.0)).line
     assert "altitude 12 m" in line
     assert "knife-edge beam" in line
     assert "law light" in line
     assert "gain +6 dB" in line
     assert "vertical" not in line
     tilted = edit(scene, {"sonar.vertical": {"kind": "gaussian", "width": 45.0, "tilt": 20.0}})
-    assert "vertical gaussian 45° tilted 20°" in scene_caption(tilted, Look()).line
+    assert "vertical gaussian 45° tilted 20°" in caption_scene(tilted, DisplayOptions()).line
 
 
 def test_decibel_ticks_lie_where_the_bar_has_that_amplitude():
-    for place, text in decibel_ticks((0.1, 2.0), gain=6.0):
+    for place, text in place_decibel_ticks((0.1, 2.0), gain=6.0):
         amplitude = 0.1 + place * 1.9
         assert 20 * np.log10(amplitude) - 6.0 == pytest.approx(float(text.replace("−", "-")))

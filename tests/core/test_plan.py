@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.record_errors import compare_records
 from insonify.acoustics.straightness import estimate_refraction
 from insonify.planning import MOST_PLANES, plan
 from insonify.scene import SceneError, edit, load_scene
@@ -67,7 +67,7 @@ def test_the_planes_keep_what_they_promise(changes, tolerance):
     poses = simulation.poses(np.arange(40, 480, 40))
     record, fine = (sweep.trace(simulation.arrays, poses, planes=n) for n in (simulation.plan.planes, 2 * MOST_PLANES))
     # The law is a fit over many beds; one bed may lie a little above it.
-    assert compare(simulation.arrays, poses, record, fine).beyond < 1.2 * tolerance
+    assert compare_records(simulation.arrays, poses, record, fine).beyond < 1.2 * tolerance
 
 
 def test_too_few_planes_comb_a_small_target_and_the_plan_raises_them():
@@ -166,7 +166,7 @@ def test_bending_that_matters_less_than_the_tolerance_is_left_out():
     pings = np.arange(3)
     one, other = prepare(scene).arrays, precise.arrays
     poses = precise.poses(pings)
-    left_out = compare(other, poses, sweep.trace(one, poses), sweep.trace(other, poses)).beyond
+    left_out = compare_records(other, poses, sweep.trace(one, poses), sweep.trace(other, poses)).beyond
     assert 0.0 < left_out < 0.03
 
 

@@ -9,8 +9,8 @@ import pytest
 from insonify.acoustics.rays import follow_paths
 from insonify.acoustics.water import make_water
 from insonify.cli import main
-from insonify.display.ray_diagram.fan import CELLS
-from insonify.display.ray_diagram.rays import ray_diagram
+from insonify.display.ray_diagram.ray_fan import CELLS
+from insonify.display.ray_diagram.tracing import trace_ray_diagram
 from insonify.kernels.refraction.ray_paths import RayLimits
 from insonify.scene import SceneError, edit, load_scene
 
@@ -25,7 +25,7 @@ def scene_in(water, **changes):
 
 @pytest.fixture(scope="module")
 def diagram():
-    return ray_diagram(scene_in(DUCT), target=(400.0, 25.0))
+    return trace_ray_diagram(scene_in(DUCT), target=(400.0, 25.0))
 
 
 def test_the_bed_is_dark_beyond_the_limiting_range(diagram):
@@ -71,7 +71,7 @@ def test_eigenrays_join_the_sonar_and_the_point(diagram):
 
 
 def test_uniform_water_has_straight_rays_and_no_shadow():
-    diagram = ray_diagram(scene_in({"kind": "uniform"}), target=(100.0, 40.0))
+    diagram = trace_ray_diagram(scene_in({"kind": "uniform"}), target=(100.0, 40.0))
     assert not diagram.shadow.any()
     assert diagram.dark.size == diagram.caustics.size == 0
     (ray,) = diagram.eigenrays
@@ -83,7 +83,7 @@ def test_uniform_water_has_straight_rays_and_no_shadow():
 def test_a_shadow_opens_where_rays_part_at_the_fastest_depth():
     # Sound from above the fastest depth never comes right behind it: rays part there, up and down.
     fastest = {"kind": "profile", "depth": [0.0, 15.0, 40.0], "sound_speed": [1490.0, 1510.0, 1490.0]}
-    diagram = ray_diagram(scene_in(fastest, **{"track.altitude": 30.0}))
+    diagram = trace_ray_diagram(scene_in(fastest, **{"track.altitude": 30.0}))
     x = np.linspace(0.0, 450.0, diagram.shadow.shape[1])
     cell = round(15.0 / 40.0 * CELLS)
     touches = math.sqrt(2.0 * 1510.0 * 5.0)  # about where the parting ray is level
@@ -101,12 +101,12 @@ def test_caustics_are_where_neighbouring_rays_cross(diagram):
         turns = np.flatnonzero(np.diff(np.sign(np.diff(depths))) != 0)
         assert np.nanmin(np.abs(depths[turns + 1] - depth)) < 0.05
     one_way = {**DUCT, "sound_speed": [1500.0, 1510.0, 1520.0]}
-    assert not ray_diagram(scene_in(one_way)).caustics.size
+    assert not trace_ray_diagram(scene_in(one_way)).caustics.size
 
 
 def test_a_section_of_equal_profiles_is_that_profile(diagram):
     section = {**DUCT, "kind": "section", "distance": [0.0, 450.0], "sound_speed": [DUCT["sound_speed"]] * 2}
-    other = ray_diagram(scene_in(section), target=(400.0, 25.0))
+    other = trace_ray_diagram(scene_in(section), target=(400.0, 25.0))
     np.testing.assert_allclose(other.dark, diagram.dark, atol=0.02)
     assert (other.shadow != diagram.shadow).mean() < 1e-3
     np.testing.assert_allclose(
@@ -119,7 +119,7 @@ def test_a_section_of_equal_profiles_is_that_profile(diagram):
 )
 def test_a_point_that_is_not_in_the_water_is_refused(target):
     with pytest.raises(SceneError, match=r"target: .* no point of the water; give .* from 0 to 40 m"):
-        ray_diagram(scene_in(DUCT), target=target)
+        trace_ray_diagram(scene_in(DUCT), target=target)
 
 
 def test_the_table_holds_every_point(diagram, tmp_path):

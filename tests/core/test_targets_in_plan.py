@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import SPHERE, Solids
-from insonify.planning import laws, target_errors
-from insonify.planning.errors import Errors
-from insonify.planning.plane_count import target_demand
-from insonify.planning.scene_summary import look_at
+from insonify.planning import fitted_laws, target_errors
+from insonify.planning.plane_count import predict_target_demand
+from insonify.planning.predicted_errors import PredictedErrors
+from insonify.planning.scene_summary import summarise_scene
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.targets import mesh
 from insonify.simulation import prepare
@@ -38,7 +38,7 @@ def at(target, away=25.0, up=-26.0, **changes):
 
 
 def seen(scene):
-    return target_errors.see(scene, look_at(scene), 0)
+    return target_errors.observe_target(scene, summarise_scene(scene), 0)
 
 
 def skin(scene, count=200):
@@ -110,17 +110,19 @@ def test_what_one_line_meets_of_a_box_and_what_the_next_ones_add_is_all_that_it_
 def test_nothing_is_asked_for_what_lies_below_the_bed_or_too_near_to_count():
     sunk = at(FREE["sphere"] | {"gap": -1.3}, up=None)
     assert seen(sunk) is None
-    assert Errors(sunk, look_at(sunk)).demand.error == 0.0
+    assert PredictedErrors(sunk, summarise_scene(sunk)).demand.error == 0.0
     near = seen(at(FREE["sphere"], away=3.0))
     assert near.sides == ()
     assert near.shadow == 0.0
 
 
 def test_a_target_is_judged_by_the_pings_that_go_out_at_it():
-    view, ball = look_at(BARE), FREE["sphere"]
+    view, ball = summarise_scene(BARE), FREE["sphere"]
     balls = [ball | {"position": [x, 25.0]} for x in (5.0, 60.0, 5.5)]
     demands = [
-        target_demand(edit(BARE, {"targets": [balls[k] for k in chosen]}), view, tuple(range(len(chosen))), 1.0).error
+        predict_target_demand(
+            edit(BARE, {"targets": [balls[k] for k in chosen]}), view, tuple(range(len(chosen))), 1.0
+        ).error
         for chosen in ((0,), (0, 1), (0, 2))
     ]
     assert demands[1] == pytest.approx(demands[0])
@@ -144,20 +146,22 @@ def test_planes_miss_of_a_target_what_is_foretold(name):
     found, simulation = seen(scene), prepare(scene)
     reach = 0.25 * (found.length + found.width)
     pings = np.unique(np.linspace(max(500.0 - 100.0 * reach, 0.0), 500.0 + 100.0 * reach, 12).astype(np.int64))
-    poses, demand = simulation.poses(pings), Errors(scene, look_at(scene)).demand.error
+    poses, demand = simulation.poses(pings), PredictedErrors(scene, summarise_scene(scene)).demand.error
     fine = sweep.trace(simulation.arrays, poses, planes=256)
     off = []
     for planes in (4, 8, 16):
-        made = compare(simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=planes), fine).beyond
-        off.append(math.log(demand / planes**laws.TARGET_ORDER / made))
+        made = compare_records(
+            simulation.arrays, poses, sweep.trace(simulation.arrays, poses, planes=planes), fine
+        ).beyond
+        off.append(math.log(demand / planes**fitted_laws.TARGET_ORDER / made))
     assert abs(np.mean(off)) < math.log(3.0), off
 
 
 def test_planes_meet_a_target_however_faint_it_is():
     speck = at({"kind": "sphere", "radius": 0.02, "material": "silt"}, up=None)
     chosen, found = prepare(speck).plan, seen(speck)
-    error = Errors(speck, look_at(speck)).demand.error / 4**laws.TARGET_ORDER
-    assert laws.MARGIN_OF_TARGETS * error < 0.03  # four planes would do for the record
+    error = PredictedErrors(speck, summarise_scene(speck)).demand.error / 4**fitted_laws.TARGET_ORDER
+    assert fitted_laws.MARGIN_OF_TARGETS * error < 0.03  # four planes would do for the record
     assert found.width / chosen.planes < 0.5 * found.length
 
 

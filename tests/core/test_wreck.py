@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from insonify.accuracy.record_statistics import likeness
+from insonify.accuracy.record_statistics import measure_statistics
 from insonify.io.meshes import read_mesh
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate
@@ -29,7 +29,7 @@ def test_the_mesh_is_a_ship_of_24_m_with_a_mast():
 
 
 def test_the_bed_is_as_alike_as_the_real_ones_even_patches(scene):
-    bed = likeness(simulate(edit(scene, {"targets": [], "track.pings": 192})))
+    bed = measure_statistics(simulate(edit(scene, {"targets": [], "track.pings": 192})))
     low, middle, high = np.percentile(bed.variation, [10.0, 50.0, 90.0])
     assert 0.25 < low < middle < high < 0.53
     # The real recording falls by -0.43 along the track and -0.21 across it.
@@ -39,7 +39,7 @@ def test_the_bed_is_as_alike_as_the_real_ones_even_patches(scene):
 
 def test_the_shadows_are_as_deep_as_the_real_ones(scene):
     # 24.7 dB in the real recording.
-    assert likeness(simulate(scene)).shadow_depth == pytest.approx(25.0, abs=4.0)
+    assert measure_statistics(simulate(scene)).shadow_depth == pytest.approx(25.0, abs=4.0)
 
 
 def test_the_mast_throws_its_shadow_to_the_last_bin(scene):

@@ -9,7 +9,7 @@ import pytest
 
 from beds import arrays_of, gaussian_pattern, mesh_of, poses_of, rough
 from ghosts import bright_ball, image_heights, naive_ghost, under_sea
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
 from insonify.packing.navigation import take_poses
 from insonify.scene.surfaces.rough import rms_height, slope_variance
@@ -156,7 +156,7 @@ def test_the_sweep_is_as_near_to_rays_as_it_is_said_to_be(beam, way):
     ours = ghost(lambda *args: sweep.trace(*args, planes=64), arrays, poses, 13.0, way)
     many = 1 << (20 if (beam, way) == ("fan", "second_bottom") else 18)
     right = ghost(lambda *args: rays.trace(*args, rays=many), arrays, poses, 13.0, way)
-    errors = compare(arrays, poses, ours.astype(np.float32), right.astype(np.float32))
+    errors = compare_records(arrays, poses, ours.astype(np.float32), right.astype(np.float32))
     assert errors.beyond < 0.015
     assert abs(errors.energy_bias) < 0.01
 

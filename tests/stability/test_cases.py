@@ -8,8 +8,8 @@ import re
 import pytest
 from matplotlib.figure import Figure
 
-from insonify.accuracy.stability import CASES, Case, Way, judge
-from insonify.accuracy.stability.case import amount
+from insonify.accuracy.stability import CASES, Approach, StabilityCase, measure_case
+from insonify.accuracy.stability.case import format_quantity
 from insonify.accuracy.stability.report import write_report
 from insonify.cli import main
 
@@ -18,7 +18,7 @@ EVERY = [case for members in CASES.values() for case in members]
 
 @pytest.mark.parametrize("case", EVERY, ids=lambda case: case.name)
 def test_the_plain_way_fails_and_the_own_one_holds(case):
-    outcome = judge(case)
+    outcome = measure_case(case)
     assert outcome.is_shown, f"{case.figure}: {outcome.failing} by the plain way"
     assert outcome.is_held, f"{case.figure}: {outcome.right} by the own way"
     assert outcome.verdict == "holds"
@@ -44,9 +44,9 @@ def drawn(figure: Figure) -> None:
     figure.add_subplot()
 
 
-def of(failing: float, right: float) -> Case:
-    ways = Way("Does.", lambda: failing, 1.0), Way("Acts.", lambda: right, 0.1)
-    return Case("A < B", "Is.", "this", "m", *ways, drawn, "breaks-steps")
+def of(failing: float, right: float) -> StabilityCase:
+    ways = Approach("Does.", lambda: failing, 1.0), Approach("Acts.", lambda: right, 0.1)
+    return StabilityCase("A < B", "Is.", "this", "m", *ways, drawn, "breaks-steps")
 
 
 @pytest.mark.parametrize(
@@ -61,7 +61,7 @@ def of(failing: float, right: float) -> Case:
     ],
 )
 def test_verdicts(failing, right, verdict):
-    assert judge(of(failing, right)).verdict == verdict
+    assert measure_case(of(failing, right)).verdict == verdict
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_verdicts(failing, right, verdict):
     ],
 )
 def test_figures_are_readable(value, text):
-    assert amount(value, "m") == text
+    assert format_quantity(value, "m") == text
 
 
 def test_the_page_stands_by_itself(tmp_path):
@@ -101,7 +101,7 @@ def test_a_failure_leaves_the_old_page(tmp_path):
 
     page = tmp_path / "page.html"
     page.write_text("old")
-    case = Case("A", "Is.", "this", "", Way("Does.", broken, 1.0), Way("Acts.", broken, 0.1), drawn)
+    case = StabilityCase("A", "Is.", "this", "", Approach("Does.", broken, 1.0), Approach("Acts.", broken, 0.1), drawn)
     with pytest.raises(MemoryError):
         write_report(page, {"One": (case,)})
     assert page.read_text() == "old"

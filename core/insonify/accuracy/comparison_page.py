@@ -11,11 +11,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.record_statistics import Likeness, Spectrum, likeness
-from insonify.display.options import Look
-from insonify.display.page import FAINT, INK, record_caption
-from insonify.display.picture import colours, contrast
-from insonify.display.sheet import Sheet, gather_record
+from insonify.accuracy.record_statistics import AmplitudeSpectrum, RecordStatistics, measure_statistics
+from insonify.display.display_options import DisplayOptions
+from insonify.display.page import FAINT, INK, caption_record
+from insonify.display.picture import choose_contrast, colour_amplitudes
+from insonify.display.sheet import RecordSheet, gather_record_sheet
 from insonify.io.atomic import replacing
 
 HUES = ("#2f6f9f", "#c2571a")
@@ -24,7 +24,9 @@ MARGIN, GAP, GRAPHS = 0.6, 0.75, 2.7  # inches; the last is the height of the gr
 TALLEST = 11.0  # inches, of the pictures
 
 
-def write_comparison(path: str | Path, records: tuple[xr.Dataset, xr.Dataset]) -> tuple[Likeness, Likeness]:
+def write_comparison(
+    path: str | Path, records: tuple[xr.Dataset, xr.Dataset]
+) -> tuple[RecordStatistics, RecordStatistics]:
     """Measure two records, draw them side by side and write that as PNG.
 
     Parameters
@@ -44,14 +46,16 @@ def write_comparison(path: str | Path, records: tuple[xr.Dataset, xr.Dataset]) -
     SceneError
         If one has too little bed to measure.
     """
-    measured = likeness(records[0]), likeness(records[1])
+    measured = measure_statistics(records[0]), measure_statistics(records[1])
     figure = draw_comparison(records, measured)
     with replacing(path) as beside:
         figure.savefig(beside, dpi=DPI)
     return measured
 
 
-def draw_comparison(records: tuple[xr.Dataset, xr.Dataset], measured: tuple[Likeness, Likeness]) -> Figure:
+def draw_comparison(
+    records: tuple[xr.Dataset, xr.Dataset], measured: tuple[RecordStatistics, RecordStatistics]
+) -> Figure:
     """Lay two records out on one page: pictures to one scale and one palette, graphs of what was measured below.
 
     Parameters
@@ -64,9 +68,9 @@ def draw_comparison(records: tuple[xr.Dataset, xr.Dataset], measured: tuple[Like
     matplotlib.figure.Figure
         With an Agg canvas.
     """
-    look = Look(palette="grey")
-    sheets = [gather_record(record, look) for record in records]
-    levels = contrast(np.concatenate([sheet.amplitude.ravel() for sheet in sheets]))
+    look = DisplayOptions(palette="grey")
+    sheets = [gather_record_sheet(record, look) for record in records]
+    levels = choose_contrast(np.concatenate([sheet.amplitude.ravel() for sheet in sheets]))
     column = (WIDTH - 2.0 * MARGIN - GAP) / 2.0
     tall = min(max(column * (sheet.along or 1.0) / (2.0 * sheet.reach) for sheet in sheets), TALLEST)
     height = tall + GRAPHS + 2.5
@@ -75,13 +79,13 @@ def draw_comparison(records: tuple[xr.Dataset, xr.Dataset], measured: tuple[Like
     for number, (record, sheet, found) in enumerate(zip(records, sheets, measured)):
         left, base = MARGIN + number * (column + GAP), GRAPHS + 1.55
         axes = figure.add_axes((left / WIDTH, base / height, column / WIDTH, tall / height))
-        _picture(axes, sheet, colours(sheet.amplitude, look.palette, 0.0, levels))
+        _picture(axes, sheet, colour_amplitudes(sheet.amplitude, look.palette, 0.0, levels))
         _headings(figure, (left / WIDTH, (base + tall) / height, 1.0 / height), record, sheet, found, HUES[number])
     _graphs(figure, height, measured)
     return figure
 
 
-def _picture(axes: Any, sheet: Sheet, pixels: NDArray[np.uint8]) -> None:
+def _picture(axes: Any, sheet: RecordSheet, pixels: NDArray[np.uint8]) -> None:
     axes.imshow(pixels, extent=(-sheet.reach, sheet.reach, 0.0, sheet.along or 1.0), aspect="equal")
     axes.set_anchor("N")
     axes.set_xlabel("slant range (m)", fontsize=9, color=INK)
@@ -91,11 +95,16 @@ def _picture(axes: Any, sheet: Sheet, pixels: NDArray[np.uint8]) -> None:
 
 
 def _headings(
-    figure: Figure, place: tuple[float, float, float], record: xr.Dataset, sheet: Sheet, found: Likeness, hue: str
+    figure: Figure,
+    place: tuple[float, float, float],
+    record: xr.Dataset,
+    sheet: RecordSheet,
+    found: RecordStatistics,
+    hue: str,
 ) -> None:
     """Title, how it was recorded, and what was measured, above a picture."""
     left, base, inch = place
-    caption = record_caption(record, sheet.along, Look())
+    caption = caption_record(record, sheet.along, DisplayOptions())
     title = caption.title if len(caption.title) <= 60 else f"{caption.title[:59]}…"
     middle, deep, slopes = found.lines()
     rows = (
@@ -108,7 +117,7 @@ def _headings(
         figure.text(left, base + up * inch, words, fontsize=size, fontweight=weight, color=colour, parse_math=False)
 
 
-def _graphs(figure: Figure, height: float, measured: tuple[Likeness, Likeness]) -> None:
+def _graphs(figure: Figure, height: float, measured: tuple[RecordStatistics, RecordStatistics]) -> None:
     """Histogram of amplitudes, spread of their variation, and the two spectra."""
     wide = (WIDTH - 2.0 * MARGIN - 3.0 * GAP) / 4.0
     amplitudes, variations, along, across = (
@@ -141,7 +150,7 @@ def _named(axes: Any, title: str, label: str) -> None:
     _quiet(axes)
 
 
-def _curve(axes: Any, spectrum: Spectrum, hue: str) -> None:
+def _curve(axes: Any, spectrum: AmplitudeSpectrum, hue: str) -> None:
     axes.loglog(*spectrum, color=hue, linewidth=1.4)
     axes.grid(True, which="both", color=FAINT, alpha=0.15, linewidth=0.6)
 

@@ -14,11 +14,11 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.signal import periodogram
 
+from insonify.acoustics.error_range import ERROR_ALTITUDES
 from insonify.display.picture import normalise
-from insonify.display.sheet import known_altitude, own_curve
+from insonify.display.sheet import compute_median_curve, fill_altitude
 from insonify.scene import SceneError
 
-BEYOND = 1.4  # altitudes
 PATCH = 16  # pings and bins of a patch
 EVENEST = 0.25  # share of the patches that count as even
 SEGMENT = 128  # samples of a segment whose spectrum is taken
@@ -29,7 +29,7 @@ FEWEST = 1e-3  # share of all blocks; fewer are chance, not shadows
 SILENCE = -60.0  # dB; nothing counts as darker
 
 
-class Spectrum(NamedTuple):
+class AmplitudeSpectrum(NamedTuple):
     """Power spectrum of the relative amplitude in one direction.
 
     Attributes
@@ -50,7 +50,7 @@ class Spectrum(NamedTuple):
             return float(np.polyfit(np.log(self.frequency[low]), np.log(self.power[low]), 1)[0])
 
 
-class Likeness(NamedTuple):
+class RecordStatistics(NamedTuple):
     """What is measured of a record.
 
     Attributes
@@ -67,8 +67,8 @@ class Likeness(NamedTuple):
 
     variation: NDArray[np.float64]
     amplitude: NDArray[np.float32]
-    along: Spectrum
-    across: Spectrum
+    along: AmplitudeSpectrum
+    across: AmplitudeSpectrum
     shadow_depth: float
 
     def lines(self) -> list[str]:
@@ -82,7 +82,7 @@ class Likeness(NamedTuple):
         ]
 
 
-def likeness(record: xr.Dataset) -> Likeness:
+def measure_statistics(record: xr.Dataset) -> RecordStatistics:
     """Measure a record.
 
     Parameters
@@ -100,9 +100,9 @@ def likeness(record: xr.Dataset) -> Likeness:
         If it has too little bed to measure.
     """
     intensity = record["intensity"].transpose("channel", "ping_time", "range_sample").values
-    amplitude = normalise(intensity, own_curve(record)[:, 0])
-    r, altitude = record["slant_range"].values, known_altitude(record)
-    bed = np.broadcast_to(r >= BEYOND * altitude[:, None], amplitude.shape)
+    amplitude = normalise(intensity, compute_median_curve(record)[:, 0])
+    r, altitude = record["slant_range"].values, fill_altitude(record)
+    bed = np.broadcast_to(r >= ERROR_ALTITUDES * altitude[:, None], amplitude.shape)
     patches = _even_patches(amplitude, bed)
     step = _ping_spacing(record)
     along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), step)
@@ -110,11 +110,11 @@ def likeness(record: xr.Dataset) -> Likeness:
     if patches.size == 0 or along is None or across is None:
         raise SceneError(
             f"{record.attrs.get('title', 'record')}: has too little bed to measure; "
-            f"give at least {SEGMENT} pings that move on and {SEGMENT} bins beyond {BEYOND} altitudes"
+            f"give at least {SEGMENT} pings that move on and {SEGMENT} bins beyond {ERROR_ALTITUDES} altitudes"
         )
     mean = patches.mean(axis=(1, 2))
     relative = (patches / mean[:, None, None]).reshape(len(patches), -1)
-    return Likeness(relative.std(axis=1), relative, along, across, _shadow_depth(amplitude, bed))
+    return RecordStatistics(relative.std(axis=1), relative, along, across, _shadow_depth(amplitude, bed))
 
 
 def _even_patches(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -127,7 +127,7 @@ def _even_patches(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> NDA
     return patches[np.argsort(unevenness, kind="stable")[: int(np.ceil(EVENEST * len(patches)))]]
 
 
-def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: float) -> Spectrum | None:
+def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: float) -> AmplitudeSpectrum | None:
     """Median of the periodograms, detrended and under a Hann window, of all segments of bed along the last axis."""
     if amplitude.shape[-1] < SEGMENT or not step > 0.0:
         return None
@@ -141,7 +141,7 @@ def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: floa
         return None
     frequency, power = periodogram(segments, 1.0 / step, window="hann", detrend="linear", axis=-1)
     # The median does not mind the wreck; that of an exponential variable is ln 2 of its mean.
-    return Spectrum(frequency[1:-1], np.median(power[:, 1:-1], axis=0) / np.log(2.0))
+    return AmplitudeSpectrum(frequency[1:-1], np.median(power[:, 1:-1], axis=0) / np.log(2.0))
 
 
 def _shadow_depth(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> float:

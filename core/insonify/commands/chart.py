@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from insonify.accuracy.charts.kinds import list_chart_kinds, load_chart_kind
 from insonify.commands.options import add_scene, chosen_scene, output, say
 
-KINDS = ("accuracy", "cost", "convergence")
 SUFFIXES = (".png", ".svg", ".csv", ".json")
 
 
@@ -22,7 +22,9 @@ def register(subparsers: Any) -> None:
         "against the number of pings, cells, bins, targets, planes and rays, or the error against step size or count.",
     )
     add_scene(parser, optional=True)
-    parser.add_argument("--of", choices=KINDS, default="accuracy", help="kind of chart (default: %(default)s)")
+    parser.add_argument(
+        "--of", choices=list_chart_kinds(), default="accuracy", help="kind of chart (default: %(default)s)"
+    )
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png, .svg, .csv or .json")
     parser.set_defaults(run=run)
 
@@ -37,17 +39,11 @@ def run(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, SUFFIXES)
     scene = chosen_scene(arguments)
-    from insonify.accuracy import charts
-
-    kinds: dict[str, Callable[..., Any]] = {
-        "accuracy": charts.chart,
-        "cost": charts.cost_chart,
-        "convergence": charts.convergence_chart,
-    }
+    measure = load_chart_kind(arguments.of)
     with _bar() as progress:
-        measured = kinds[arguments.of](scene, progress=progress)
+        measured = measure(scene, progress=progress)
     measured.save(path)
-    for note in getattr(measured, "told", ()):
+    for note in measured.summarise():
         say(note)
     say(str(path))
     return 0

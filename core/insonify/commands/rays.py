@@ -39,16 +39,16 @@ def run(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, SUFFIXES)
     scene = chosen_scene(arguments)
-    from insonify.display.ray_diagram.diagram import described
-    from insonify.display.ray_diagram.rays import ray_diagram
+    from insonify.display.ray_diagram.diagram import describe_eigenray
+    from insonify.display.ray_diagram.tracing import trace_ray_diagram
     from insonify.terrain import build_ground
 
-    diagram = ray_diagram(
+    diagram = trace_ray_diagram(
         scene, datum=build_ground(scene).datum, target=None if arguments.target is None else tuple(arguments.target)
     )
     diagram.save(path)
     for ray in diagram.eigenrays:
-        say(described(ray))
+        say(describe_eigenray(ray))
     if arguments.target is not None and not diagram.eigenrays:
         say("no ray reaches that point: it lies in a shadow zone")
     say(str(path))

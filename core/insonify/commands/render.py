@@ -18,7 +18,7 @@ from insonify.commands.options import (
     say,
     tracked,
 )
-from insonify.display.options import PALETTES, SIDES, Look
+from insonify.display.display_options import PALETTES, SIDES, DisplayOptions
 from insonify.io.records import RECORDS, read_record, write_record
 from insonify.scene import Scene, SceneError
 
@@ -57,22 +57,26 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     path = output(arguments.output, (PICTURE, *RECORDS.writable()))
-    given = {name: getattr(arguments, name) for name in Look._fields if getattr(arguments, name) not in (None, False)}
+    given = {
+        name: getattr(arguments, name)
+        for name in DisplayOptions._fields
+        if getattr(arguments, name) not in (None, False)
+    }
     if given and not _is_picture(path):
         option = f"--{next(iter(given)).replace('_', '-')}"
         raise SceneError(f"{option} applies to pictures, not to {path.name}; leave it out or end the name in {PICTURE}")
     if is_record(arguments.scene):
-        pings, bins = _render_record(arguments, path, Look(**given))
+        pings, bins = _render_record(arguments, path, DisplayOptions(**given))
     else:
         scene = chosen_scene(arguments)
         options = {"method": arguments.method, "tolerance": arguments.tolerance, "forced": chosen_model(arguments)}
-        write(scene, path, Look(**given), **options)
+        write(scene, path, DisplayOptions(**given), **options)
         pings, bins = scene.track.pings, scene.sonar.bins
     say(f"{path}: {pings} pings of 2 x {bins} bins")
     return 0
 
 
-def _render_record(arguments: argparse.Namespace, path: Path, look: Look) -> tuple[int, int]:
+def _render_record(arguments: argparse.Namespace, path: Path, look: DisplayOptions) -> tuple[int, int]:
     """Read a record and write it by suffix; return its pings and bins."""
     untouched: dict[str, object] = {"set": [], "seed": None, "method": "auto", "tolerance": 0.03, "model": []}
     changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
@@ -82,18 +86,18 @@ def _render_record(arguments: argparse.Namespace, path: Path, look: Look) -> tup
     if not _is_picture(path):
         write_record(path, [record])
     else:
-        from insonify.display.page import record_caption, write_page
-        from insonify.display.sheet import gather_record
+        from insonify.display.page import caption_record, write_page
+        from insonify.display.sheet import gather_record_sheet
 
-        sheet = gather_record(record, look)
-        write_page(path, sheet, look, record_caption(record, sheet.along, look))
+        sheet = gather_record_sheet(record, look)
+        write_page(path, sheet, look, caption_record(record, sheet.along, look))
     return record.sizes["ping_time"], record.sizes["range_sample"]
 
 
 def write(
     scene: Scene,
     path: Path,
-    look: Look,
+    look: DisplayOptions,
     *,
     method: str = "auto",
     tolerance: float = 0.03,
@@ -118,13 +122,13 @@ def write(
     if not _is_picture(path):
         write_record(path, blocks)
         return
-    from insonify.display.page import scene_caption, write_page
+    from insonify.display.page import caption_scene, write_page
     from insonify.display.picture import LevelBed
-    from insonify.display.sheet import gather
+    from insonify.display.sheet import gather_sheet
     from insonify.simulation import prepare
 
     level = LevelBed(prepare(scene, method=method, tolerance=tolerance, forced=forced))
-    write_page(path, gather(blocks, level.curves, pings, look), look, scene_caption(scene, look))
+    write_page(path, gather_sheet(blocks, level.curves, pings, look), look, caption_scene(scene, look))
 
 
 def _is_picture(path: Path) -> bool:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from insonify.commands.options import output, say
 
 if TYPE_CHECKING:
-    from insonify.accuracy.stability import Case
+    from insonify.accuracy.stability import StabilityCase
 
 SUFFIXES = (".html", ".htm")
 
@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     with tqdm(total=sum(map(len, CASES.values())), unit="case", disable=None, leave=False) as bar:
 
-        def advance(case: Case) -> None:
+        def advance(case: StabilityCase) -> None:
             bar.set_postfix_str(case.name)
             bar.update()
 

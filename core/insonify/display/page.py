@@ -13,9 +13,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from insonify.display.options import Look
-from insonify.display.picture import colours, contrast, palette
-from insonify.display.sheet import Sheet
+from insonify.display.display_options import DisplayOptions
+from insonify.display.picture import choose_contrast, colour_amplitudes, load_palette
+from insonify.display.sheet import RecordSheet
 from insonify.io.atomic import replacing
 from insonify.scene import Scene
 
@@ -24,7 +24,7 @@ LEFT, RIGHT, TOP, BOTTOM = 86, 196, 92, 62  # margins in pixels
 INK, FAINT = "#22262b", "#6b737c"
 
 
-class Caption(NamedTuple):
+class PageCaption(NamedTuple):
     """Words of a page.
 
     Attributes
@@ -41,7 +41,7 @@ class Caption(NamedTuple):
     level: str
 
 
-def write_page(path: str | Path, sheet: Sheet, look: Look, caption: Caption) -> None:
+def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> None:
     """Draw a sheet with its scales and write it as PNG.
 
     Parameters
@@ -55,13 +55,13 @@ def write_page(path: str | Path, sheet: Sheet, look: Look, caption: Caption) -> 
     caption : Caption
         From ``scene_caption`` or ``record_caption``.
     """
-    figure = draw(sheet, look, caption)
+    figure = draw_page(sheet, look, caption)
     with replacing(path) as beside, warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a title in any script
         figure.savefig(beside, dpi=DPI)
 
 
-def draw(sheet: Sheet, look: Look, caption: Caption) -> Figure:
+def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> Figure:
     """Lay a sheet out on a page, one pixel an amplitude.
 
     Parameters
@@ -79,11 +79,11 @@ def draw(sheet: Sheet, look: Look, caption: Caption) -> Figure:
     whole = (LEFT + width + RIGHT, TOP + height + BOTTOM)
     figure = Figure(figsize=(whole[0] / DPI, whole[1] / DPI), dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
-    levels = contrast(sheet.amplitude)
+    levels = choose_contrast(sheet.amplitude)
     axes = _axes(figure, whole, LEFT, BOTTOM, width, height)
     near = -sheet.reach if look.side == "both" else 0.0
     axes.imshow(
-        colours(sheet.amplitude, look.palette, look.gain, levels),
+        colour_amplitudes(sheet.amplitude, look.palette, look.gain, levels),
         extent=(near, sheet.reach, 0.0, sheet.along or 1.0),  # one ping has no length
         aspect="auto",
         interpolation="nearest",
@@ -103,7 +103,7 @@ def _axes(figure: Figure, whole: tuple[int, int], left: int, bottom: int, width:
     return axes
 
 
-def _scales(axes: Any, sheet: Sheet, look: Look) -> None:
+def _scales(axes: Any, sheet: RecordSheet, look: DisplayOptions) -> None:
     """Range from nadir outwards on both sides, metres along the track, ping numbers."""
     axes.xaxis.set_major_locator(MaxNLocator(10 if look.side == "both" else 8, steps=[1, 2, 2.5, 5, 10]))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{abs(x):g}"))
@@ -125,18 +125,18 @@ def _scales(axes: Any, sheet: Sheet, look: Look) -> None:
     numbers.set_ylabel("ping", fontsize=10, color=FAINT, labelpad=4)
 
 
-def _colour_bar(axes: Any, look: Look, levels: tuple[float, float], level: str) -> None:
+def _colour_bar(axes: Any, look: DisplayOptions, levels: tuple[float, float], level: str) -> None:
     """Palette from low to high with ticks in decibels above a level."""
-    axes.imshow(palette(look.palette)[:, None, :], extent=(0, 1, 0, 1), origin="lower", aspect="auto")
+    axes.imshow(load_palette(look.palette)[:, None, :], extent=(0, 1, 0, 1), origin="lower", aspect="auto")
     axes.set_xticks([])
     axes.yaxis.tick_right()
     axes.yaxis.set_label_position("right")
-    places = decibel_ticks(levels, look.gain)
+    places = place_decibel_ticks(levels, look.gain)
     axes.set_yticks([place for place, _ in places], [text for _, text in places])
     axes.set_ylabel(f"echo relative to {level} (dB)", fontsize=10, color=INK, labelpad=6)
 
 
-def decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[float, str]]:
+def place_decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[float, str]]:
     """Choose round decibels along a bar that is linear in amplitude.
 
     Parameters
@@ -163,7 +163,7 @@ def decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[float,
     return ticks
 
 
-def _headings(figure: Figure, whole: tuple[int, int], width: int, look: Look, caption: Caption) -> None:
+def _headings(figure: Figure, whole: tuple[int, int], width: int, look: DisplayOptions, caption: PageCaption) -> None:
     def text(x: float, y: float, words: str, **style: Any) -> None:
         figure.text(x / whole[0], 1.0 - y / whole[1], words, parse_math=False, **style)
 
@@ -178,7 +178,7 @@ def _headings(figure: Figure, whole: tuple[int, int], width: int, look: Look, ca
         text(LEFT + width if right else LEFT, TOP - 9, "STARBOARD", ha="right" if right else "left", **small)
 
 
-def scene_caption(scene: Scene, look: Look) -> Caption:
+def caption_scene(scene: Scene, look: DisplayOptions) -> PageCaption:
     """Say how a simulated record was made."""
     sonar = scene.sonar
     parts = [
@@ -191,7 +191,7 @@ def scene_caption(scene: Scene, look: Look) -> Caption:
     ]
     if sonar.law == "light":
         parts.append("law light")
-    return Caption(scene.title, _line(parts, look), "a perfect Lambert bed")
+    return PageCaption(scene.title, _line(parts, look), "a perfect Lambert bed")
 
 
 def _tow(scene: Scene) -> str:
@@ -201,7 +201,7 @@ def _tow(scene: Scene) -> str:
     return ", ".join([height, *(["terrain following"] if track.terrain_following else []), *track.kinds])
 
 
-def record_caption(record: xr.Dataset, along: float, look: Look) -> Caption:
+def caption_record(record: xr.Dataset, along: float, look: DisplayOptions) -> PageCaption:
     """Say of a record read from a file what it tells of itself.
 
     Parameters
@@ -222,8 +222,8 @@ def record_caption(record: xr.Dataset, along: float, look: Look) -> Caption:
         parts.insert(1, f"{frequency / 1e3:g} kHz")
     if along > 0.0:
         parts.append(f"ping every {100.0 * along / pings:.3g} cm")
-    return Caption(str(record.attrs.get("title", "")), _line(parts, look), "the median at its range")
+    return PageCaption(str(record.attrs.get("title", "")), _line(parts, look), "the median at its range")
 
 
-def _line(parts: list[str], look: Look) -> str:
+def _line(parts: list[str], look: DisplayOptions) -> str:
     return "  ·  ".join([*parts, f"gain {look.gain:+g} dB"] if look.gain else parts)

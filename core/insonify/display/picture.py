@@ -17,7 +17,7 @@ from scipy.ndimage import gaussian_filter1d, median_filter
 from skimage import exposure
 
 from insonify.acoustics.flat_bed import flat_bed_curve
-from insonify.display.options import PALETTES
+from insonify.display.display_options import PALETTES
 from insonify.scene import SceneError, resources
 
 if TYPE_CHECKING:
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
 __all__ = [
     "PALETTES",
     "LevelBed",
-    "binned",
-    "colours",
-    "column_edges",
-    "contrast",
-    "held_curve",
-    "mirrored",
+    "average_columns",
+    "choose_contrast",
+    "colour_amplitudes",
+    "compute_column_edges",
+    "estimate_median_curve",
+    "extend_to_water_column",
+    "load_palette",
+    "map_tones",
+    "mirror_channels",
     "normalise",
-    "palette",
-    "recorded_curve",
-    "tones",
 ]
 
 _rescale: Callable[..., Any] = exposure.rescale_intensity
@@ -46,7 +46,7 @@ _SMOOTH = 64  # a recording's curve is smooth over this part of its bins
 
 
 @cache
-def palette(name: str) -> NDArray[np.uint8]:
+def load_palette(name: str) -> NDArray[np.uint8]:
     """Return a colour table.
 
     Parameters
@@ -111,11 +111,11 @@ class LevelBed:
         return self._simulation.arrays.bin_length / 8.0
 
     def _curve(self, eighths: int) -> NDArray[np.float64]:
-        echo = held_curve(flat_bed_curve(self._simulation.arrays, eighths * self._step))
+        echo = extend_to_water_column(flat_bed_curve(self._simulation.arrays, eighths * self._step))
         return self._simulation.reception.expected(echo)
 
 
-def held_curve(curve: NDArray[np.float64]) -> NDArray[np.float64]:
+def extend_to_water_column(curve: NDArray[np.float64]) -> NDArray[np.float64]:
     """Fill the bins before the first return, where things above the bed may echo, with that return's value.
 
     The bed's first bin is filled only in part, so the value held is the larger of the first two.
@@ -139,7 +139,7 @@ def held_curve(curve: NDArray[np.float64]) -> NDArray[np.float64]:
     return filled
 
 
-def recorded_curve(
+def estimate_median_curve(
     intensity: NDArray[np.float32], altitude: NDArray[np.float64], bin_length: float
 ) -> NDArray[np.float64]:
     """Return what a picture of a recording, whose sonar and bed nobody declared, is divided by.
@@ -202,7 +202,7 @@ def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDA
     return np.sqrt(intensity * (1.0 / curve)).astype(np.float32)
 
 
-def contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
+def choose_contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
     """Choose the amplitudes that become the darkest and the brightest colour.
 
     Shadows (zeros) do not count. The span follows the texture of the bed, within limits: a bed without texture stays
@@ -228,7 +228,7 @@ def contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
     return max(low, 0.0), min(max(strong, 1.5 * middle, 1.3 * upper), max(2.4 * middle, 1.3 * upper))
 
 
-def tones(amplitude: NDArray[np.float32], levels: tuple[float, float], gain: float = 0.0) -> NDArray[np.uint8]:
+def map_tones(amplitude: NDArray[np.float32], levels: tuple[float, float], gain: float = 0.0) -> NDArray[np.uint8]:
     """Turn amplitudes into entries of a palette.
 
     Parameters
@@ -251,7 +251,7 @@ def tones(amplitude: NDArray[np.float32], levels: tuple[float, float], gain: flo
     return np.rint(scaled).astype(np.uint8)
 
 
-def mirrored(
+def mirror_channels(
     sides: NDArray[np.float32],
     edges: NDArray[np.float64],
     side: str = "both",
@@ -272,13 +272,13 @@ def mirrored(
     (pings, columns or 2 columns) float32
     """
     newest_first = slice(None, None, -1)
-    port, starboard = (binned(sides[newest_first, channel], edges[newest_first]) for channel in (0, 1))
+    port, starboard = (average_columns(sides[newest_first, channel], edges[newest_first]) for channel in (0, 1))
     if side == "both":
         return np.concatenate([port[:, ::-1], starboard], axis=1)
     return port if side == "port" else starboard
 
 
-def column_edges(
+def compute_column_edges(
     altitude: NDArray[np.float64],
     bins: int,
     bin_length: float,
@@ -311,7 +311,7 @@ def column_edges(
     return np.minimum(np.hypot(x[None, :], altitude[:, None]) / bin_length, bins)
 
 
-def binned(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> NDArray[np.float32]:
+def average_columns(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> NDArray[np.float32]:
     """Mean of every row between successive edges, parts of bins counted as such.
 
     Columns wider than a bin average, so that no narrow echo is dropped; columns narrower than a bin repeat it.
@@ -339,7 +339,7 @@ def binned(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> NDArray[np.
     return np.maximum(means, 0.0).astype(np.float32)
 
 
-def colours(
+def colour_amplitudes(
     amplitude: NDArray[np.float32],
     name: str = "copper",
     gain: float = 0.0,
@@ -362,4 +362,4 @@ def colours(
     -------
     (rows, columns, 3) uint8
     """
-    return palette(name)[tones(amplitude, contrast(amplitude) if levels is None else levels, gain)]
+    return load_palette(name)[map_tones(amplitude, choose_contrast(amplitude) if levels is None else levels, gain)]

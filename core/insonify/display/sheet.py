@@ -10,8 +10,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from insonify.display.options import Look
-from insonify.display.picture import binned, column_edges, mirrored, normalise, recorded_curve
+from insonify.display.display_options import DisplayOptions
+from insonify.display.picture import (
+    average_columns,
+    compute_column_edges,
+    estimate_median_curve,
+    mirror_channels,
+    normalise,
+)
 from insonify.scene import SceneError
 
 Curves = Callable[[NDArray[np.int64]], NDArray[np.float64]]
@@ -20,7 +26,7 @@ WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of the whole sh
 HEIGHTS = (420, 1800)  # rows of a sheet stay between
 
 
-class Sheet(NamedTuple):
+class RecordSheet(NamedTuple):
     """A record ready to be coloured.
 
     Attributes
@@ -41,7 +47,7 @@ class Sheet(NamedTuple):
     pings: int
 
 
-def gather(blocks: Iterable[xr.Dataset], curves: Curves, pings: int, look: Look) -> Sheet:
+def gather_sheet(blocks: Iterable[xr.Dataset], curves: Curves, pings: int, look: DisplayOptions) -> RecordSheet:
     """Collect a record into a sheet.
 
     Parameters
@@ -83,10 +89,10 @@ def gather(blocks: Iterable[xr.Dataset], curves: Curves, pings: int, look: Look)
     shown = reach if ground_reach is None else ground_reach
     across = 2.0 * shown if look.side == "both" else shown
     height = int(np.clip(columns * along / across if across > 0.0 else 0, *HEIGHTS))
-    return Sheet(stretched(rows, height), shown, along, done)
+    return RecordSheet(resample_rows(rows, height), shown, along, done)
 
 
-def gather_record(record: xr.Dataset, look: Look) -> Sheet:
+def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet:
     """Make a sheet of a whole record, relative to its own median at every range.
 
     Parameters
@@ -100,16 +106,16 @@ def gather_record(record: xr.Dataset, look: Look) -> Sheet:
     -------
     Sheet
     """
-    own = own_curve(record)
-    return gather([record], lambda pings: own[pings], record.sizes["ping_time"], look)
+    own = compute_median_curve(record)
+    return gather_sheet([record], lambda pings: own[pings], record.sizes["ping_time"], look)
 
 
-def own_curve(record: xr.Dataset) -> NDArray[np.float64]:
+def compute_median_curve(record: xr.Dataset) -> NDArray[np.float64]:
     """Return what a record is divided by, (pings, 1, bins) float64; see ``picture.recorded_curve``."""
-    return recorded_curve(record["intensity"].values, known_altitude(record), _bin_length(record))
+    return estimate_median_curve(record["intensity"].values, fill_altitude(record), _bin_length(record))
 
 
-def stretched(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]:
+def resample_rows(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]:
     """Resample rows to a height, by mean where they are too many.
 
     Parameters
@@ -122,7 +128,7 @@ def stretched(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]:
     (height, columns) float32
     """
     edges = np.broadcast_to(np.linspace(0.0, len(rows), height + 1), (rows.shape[1], height + 1))
-    return binned(np.ascontiguousarray(rows.T), edges).T
+    return average_columns(np.ascontiguousarray(rows.T), edges).T
 
 
 class _Length:
@@ -140,12 +146,12 @@ class _Length:
         self._last = float(x[-1]), float(y[-1])
 
 
-def _reaches(block: xr.Dataset, look: Look) -> tuple[float, float | None]:
+def _reaches(block: xr.Dataset, look: DisplayOptions) -> tuple[float, float | None]:
     """Slant range of the outer edge, and its ground range if that is what is shown."""
     reach = block.sizes["range_sample"] * _bin_length(block)
     if not look.ground_range:
         return reach, None
-    lowest = float(known_altitude(block).min())
+    lowest = float(fill_altitude(block).min())
     if lowest >= reach:
         raise SceneError(
             f"--ground-range: the record ends at a slant range of {reach:g} m, before the bed {lowest:g} m beneath; "
@@ -154,7 +160,7 @@ def _reaches(block: xr.Dataset, look: Look) -> tuple[float, float | None]:
     return reach, math.sqrt(reach**2 - lowest**2)
 
 
-def known_altitude(block: xr.Dataset) -> NDArray[np.float64]:
+def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
     """Height above the bed beneath, in metres; where there is no bed, that of the lowest other ping."""
     altitude = block["platform_altitude"].values.astype(np.float64)
     known = altitude[np.isfinite(altitude)]
@@ -170,7 +176,7 @@ def _columns(
     block: xr.Dataset, curves: NDArray[np.float64], columns: int, ground_reach: float | None, side: str
 ) -> NDArray[np.float32]:
     intensity = block["intensity"].transpose("ping_time", "channel", "range_sample").values
-    altitude = known_altitude(block)
+    altitude = fill_altitude(block)
     per_side = columns // 2 if side == "both" else columns
-    edges = column_edges(altitude, intensity.shape[-1], _bin_length(block), per_side, ground_reach)
-    return mirrored(normalise(intensity, curves), edges, side)
+    edges = compute_column_edges(altitude, intensity.shape[-1], _bin_length(block), per_side, ground_reach)
+    return mirror_channels(normalise(intensity, curves), edges, side)

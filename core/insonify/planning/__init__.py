@@ -1,8 +1,8 @@
 """Choose, for a scene and a tolerance, the cheapest model that is accurate enough, and say why."""
 
-from insonify.planning.choose import plan
-from insonify.planning.entries import Entry, Plan
-from insonify.planning.laws import MOST_PLANES
+from insonify.planning.fitted_laws import MOST_PLANES
 from insonify.planning.overrides import METHODS
+from insonify.planning.plan_entries import Plan, PlanEntry
+from insonify.planning.selection import plan
 
-__all__ = ["METHODS", "MOST_PLANES", "Entry", "Plan", "plan"]
+__all__ = ["METHODS", "MOST_PLANES", "Plan", "PlanEntry", "plan"]

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
+from insonify.acoustics.error_range import ERROR_ALTITUDES
 from insonify.acoustics.straightness import RefractionEffect
-from insonify.planning import laws
-from insonify.planning.plane_sampling import Comb
-from insonify.planning.relief_detail import ALONG, AWAY, Detail, detail_of
-from insonify.planning.scene_summary import BEYOND, View
+from insonify.planning import fitted_laws
+from insonify.planning.plane_sampling import PlaneSampling
+from insonify.planning.relief_spectrum import ALONG, AWAY, ReliefSpectrum, compute_relief_spectrum
+from insonify.planning.scene_summary import SceneSummary
 from insonify.scene.seabed import Seabed
 
 Field = NDArray[np.float64]
@@ -24,7 +25,7 @@ EVEN = math.sqrt(
 )  # width of a top-hat that averages as a Gaussian, over that at half power
 
 
-class Echo:
+class BedEcho:
     """Spectrum of a bed's echo, at some ranges beyond 1.4 altitudes; each echo's mean is 1.
 
     Parameters
@@ -35,8 +36,8 @@ class Echo:
         Waves of the bed.
     """
 
-    def __init__(self, view: View, detail: Detail) -> None:
-        near = min(BEYOND * view.altitude, view.reach)
+    def __init__(self, view: SceneSummary, detail: ReliefSpectrum) -> None:
+        near = min(ERROR_ALTITUDES * view.altitude, view.reach)
         r = near + (view.reach - near) * (np.arange(RANGES) + 0.5) / RANGES
         x = np.sqrt(np.maximum(r**2 - view.altitude**2, (0.1 * view.altitude) ** 2))
         self._view, self._r, self._x, self._share = view, r, x, r / view.reach
@@ -67,16 +68,16 @@ class Echo:
     def _of_shadows(self) -> Field:
         """Variance of what shadows with sharp edges cut out, by the share of slopes steeper than sound comes."""
         detail = self._detail
-        share = 0.5 * special.erfc(1.0 / np.maximum(self._cot * detail.steepness * laws.SHADOWING, 1e-9))
-        length = laws.SHADOW_CELLS * detail.spacing
+        share = 0.5 * special.erfc(1.0 / np.maximum(self._cot * detail.steepness * fitted_laws.SHADOWING, 1e-9))
+        length = fitted_laws.SHADOW_CELLS * detail.spacing
         density = 4.0 * length / (1.0 + (2.0 * np.pi * detail.fy * length) ** 2)
         return np.asarray(share * density * detail.steps * length / (length + self._bin))
 
     def _of_edges(self) -> Field:
         """Variance of the edges between cells, which run aslant to the track and are sharp where bins are short."""
         detail = self._detail
-        spread = np.exp(-0.5 * (np.log(detail.fy / detail.edges_along) / laws.EDGES_SPREAD) ** 2)
-        heard = 1.0 / (1.0 + (laws.EDGES_IN_BINS * detail.edges_away * self._bin) ** 2)
+        spread = np.exp(-0.5 * (np.log(detail.fy / detail.edges_along) / fitted_laws.EDGES_SPREAD) ** 2)
+        heard = 1.0 / (1.0 + (fitted_laws.EDGES_IN_BINS * detail.edges_away * self._bin) ** 2)
         return np.asarray(self._per_slope * detail.bends.sum() * heard * spread / spread.sum())
 
     def _of_materials(self) -> Field:
@@ -90,8 +91,8 @@ class Echo:
 
     def _missed(self, k: int) -> Field:
         """Variance that each count of planes misses at one range."""
-        worth = laws.ARRAY_WORTH if self._view.beam == "array" else 1.0
-        comb = Comb(self._detail.fy[0], float(self._lobe[k]), self._half_power[k], worth)
+        worth = fitted_laws.ARRAY_WORTH if self._view.beam == "array" else 1.0
+        comb = PlaneSampling(self._detail.fy[0], float(self._lobe[k]), self._half_power[k], worth)
         missed = comb.missed
         if self._view.squint != 0.0:
             # A single plane keeps to its azimuth, and a squinting beam is a cone.
@@ -102,18 +103,18 @@ class Echo:
     def _left(self) -> Field:
         """Error of planes over a bed without fine detail, by how steep it is: by that a beam is wider or narrower."""
         if self._view.beam != "fan":
-            return np.zeros(len(laws.COUNTS))
-        count = np.asarray(laws.COUNTS)
-        fading = np.minimum(laws.LEFT_UP_TO / count, 1.0) ** laws.LEFT_ORDER
-        return np.where(count > 1, laws.LEFT * self._detail.steepness * fading, 0.0)
+            return np.zeros(len(fitted_laws.COUNTS))
+        count = np.asarray(fitted_laws.COUNTS)
+        fading = np.minimum(fitted_laws.LEFT_UP_TO / count, 1.0) ** fitted_laws.LEFT_ORDER
+        return np.where(count > 1, fitted_laws.LEFT * self._detail.steepness * fading, 0.0)
 
     def of_thinning(self, every: int) -> Field:
         """Error of a bed of every so many nodes, as shares of the record, heard by each of ``laws.COUNTS`` planes."""
         detail = self._detail
         if every == 1:
-            return np.zeros(len(laws.COUNTS))
+            return np.zeros(len(fitted_laws.COUNTS))
         if not detail.slopes.any() and not detail.materials.any():
-            return np.full(len(laws.COUNTS), self._of_level_cells(every))
+            return np.full(len(fitted_laws.COUNTS), self._of_level_cells(every))
         limit = 0.5 / (every * detail.spacing)
         lost = ((self._waves * _lost(every)).sum(axis=1) * self._beam).sum(axis=1)
         # Long cells are flat where the bed bends, which bins as long as they are do not tell; planes average that by
@@ -123,9 +124,9 @@ class Echo:
         # What is too fine for the coarse nodes comes back as long waves that neither bin nor beam averages.
         folded = self._per_slope[:, 0] * (detail.heights * _folded(every)).sum() * (2.0 * np.pi * limit) ** 2 / 3.0
         # So do the borders of materials, which lie where the nodes are.
-        folded += laws.BORDERS * (detail.materials * (detail.fy > limit)).sum()
+        folded += fitted_laws.BORDERS * (detail.materials * (detail.fy > limit)).sum()
         folded /= 1.0 + 2.0 * limit * self._bin[:, 0]
-        single = 1.0 / np.asarray(laws.COUNTS)[:, None, None]
+        single = 1.0 / np.asarray(fitted_laws.COUNTS)[:, None, None]
         coarse = (np.maximum(self._beam, single) * bends).sum(axis=2)
         coarse += np.maximum(1.0 / (1.0 + 2.0 * limit * self._width[:, 0]), single[..., 0]) * folded
         return np.asarray(np.sqrt(((lost + coarse) / self._square).mean(axis=1)))
@@ -147,8 +148,10 @@ class Echo:
     def _of_level_cells(self, every: int) -> float:
         """Likewise of a level bed of one material."""
         length = every * self._detail.spacing
-        error = min(laws.LEVEL * (length / self._view.bin_length) ** laws.LEVEL_ORDER, laws.LEVEL_MOST)
-        return max(error, laws.LEVEL_SHADED * (length / self._view.altitude) ** 2 if self._view.shaded else 0.0)
+        error = min(
+            fitted_laws.LEVEL * (length / self._view.bin_length) ** fitted_laws.LEVEL_ORDER, fitted_laws.LEVEL_MOST
+        )
+        return max(error, fitted_laws.LEVEL_SHADED * (length / self._view.altitude) ** 2 if self._view.shaded else 0.0)
 
     def of_shift(self, bending: RefractionEffect) -> float:
         """Error of sound that is taken to go straight: echoes lie elsewhere and are louder or fainter."""
@@ -176,6 +179,6 @@ def _folded(every: int) -> NDArray[np.bool_]:
 
 
 @lru_cache(maxsize=64)
-def echo_of(view: View, seabed: Seabed, heading: float) -> Echo:
+def predict_bed_echo(view: SceneSummary, seabed: Seabed, heading: float) -> BedEcho:
     """Return the spectrum of the echo of a bed, kept from plan to plan."""
-    return Echo(view, detail_of(seabed, heading))
+    return BedEcho(view, compute_relief_spectrum(seabed, heading))

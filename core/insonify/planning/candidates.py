@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from insonify.planning import laws
-from insonify.planning.scene_summary import View
+from insonify.planning import fitted_laws
+from insonify.planning.scene_summary import SceneSummary
 
 
-class Draft(NamedTuple):
+class Candidate(NamedTuple):
     """One way to model a scene."""
 
     method: str
@@ -30,12 +30,12 @@ class Draft(NamedTuple):
         return {"planes": self.planes} | ({"rays": self.rays} if self.bent else {})
 
 
-def cost(view: View, draft: Draft) -> float:
+def predict_cost(view: SceneSummary, draft: Candidate) -> float:
     """Predict what a ping costs, both sides on one thread, in seconds of the machine of the laws."""
-    return sum(laws.SECONDS[name] * amount for name, amount in amounts(view, draft).items())
+    return sum(fitted_laws.SECONDS[name] * amount for name, amount in count_operations(view, draft).items())
 
 
-def amounts(view: View, draft: Draft) -> dict[str, float]:
+def count_operations(view: SceneSummary, draft: Candidate) -> dict[str, float]:
     """Count what a ping is made of, by the names of the laws of cost."""
     counts = {"ping": 1.0, "bin": 2.0 * view.bins}
     ways = len(draft.ways)
@@ -43,8 +43,8 @@ def amounts(view: View, draft: Draft) -> dict[str, float]:
         rays = 2.0 * draft.rays * (1.0 + ways) * (1.0 + draft.bounces)
         steps = rays * view.reach / draft.step if draft.method == "march" else 0.0
         return counts | {"bent ray" if draft.bent else "ray": rays, "step": steps}
-    planes, knots = _profiles(view, draft, laws.PROFILES)
-    of_ways = _profiles(view, draft, laws.PROFILES_OF_WAYS)
+    planes, knots = _profiles(view, draft, fitted_laws.PROFILES)
+    of_ways = _profiles(view, draft, fitted_laws.PROFILES_OF_WAYS)
     met = 2.0 * draft.planes * len(draft.targets)
     return counts | {
         "plane": planes,
@@ -59,9 +59,11 @@ def amounts(view: View, draft: Draft) -> dict[str, float]:
     }
 
 
-def _profiles(view: View, draft: Draft, as_many: dict[str, tuple[float, float, float]]) -> tuple[float, float]:
+def _profiles(
+    view: SceneSummary, draft: Candidate, as_many: dict[str, tuple[float, float, float]]
+) -> tuple[float, float]:
     """Profiles of a ping, and knots of all of them, with those of its near field and its sidelobes as whole ones."""
     each, few, near = as_many[view.pattern]
     whole = 1.0 if draft.planes == 1 else each * draft.planes + few + near * min(view.altitude / view.reach, 1.0)
-    looked_up = laws.LOOKED_UP if view.pattern in laws.TABLED else 1.0
+    looked_up = fitted_laws.LOOKED_UP if view.pattern in fitted_laws.TABLED else 1.0
     return 2.0 * whole, 2.0 * whole * looked_up * view.ground / (view.spacing * draft.every)

@@ -7,7 +7,7 @@ from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.waters.section import SectionWater
 
 
-def refuse(scene: Scene, method: str, bounces: int) -> None:
+def check_method(scene: Scene, method: str, bounces: int) -> None:
     """Refuse what a scene asks for and a method cannot do.
 
     Parameters
@@ -38,7 +38,7 @@ def refuse(scene: Scene, method: str, bounces: int) -> None:
         )
 
 
-def refuse_bent(scene: Scene, method: str) -> None:
+def check_refraction(scene: Scene, method: str) -> None:
     """Refuse what cannot be done where sound bends.
 
     Raises

@@ -13,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.planning import laws
-from insonify.planning.scene_summary import BEYOND, View
+from insonify.acoustics.error_range import ERROR_ALTITUDES
+from insonify.planning import fitted_laws
+from insonify.planning.scene_summary import SceneSummary
 from insonify.scene import Scene
 from insonify.scene.materials import Reflectivity
 
@@ -23,7 +24,7 @@ CELLS = 256  # of slant range at most
 FAINTEST = 1e-12  # echo over the loudest that counts
 
 
-class Pair(NamedTuple):
+class ImagePair(NamedTuple):
     """Two images of the sonar that make a way of the sound."""
 
     low: float  # height of the lower one above the bed, m
@@ -32,7 +33,7 @@ class Pair(NamedTuple):
     share: float  # of the energy that mirrors leave
 
 
-class Ghosts:
+class MultipathErrors:
     """Levels of some ways by the sea surface, and what planes miss of them.
 
     Parameters
@@ -53,11 +54,13 @@ class Ghosts:
         That of the direct record, likewise.
     """
 
-    def __init__(self, scene: Scene, view: View, ways: list[str], steepness: float) -> None:
+    def __init__(self, scene: Scene, view: SceneSummary, ways: list[str], steepness: float) -> None:
         self._view, self._steepness, self._even = view, steepness, len(scene.seabed.material.materials) == 1
         self._pairs = {way: _pair(way, scene, view) for way in ways}
-        edges = np.linspace(min(BEYOND * view.altitude, 0.9 * view.reach), view.reach, min(view.bins, CELLS) + 1)
-        sonar = Pair(view.altitude, view.altitude, 1, 1.0)
+        edges = np.linspace(
+            min(ERROR_ALTITUDES * view.altitude, 0.9 * view.reach), view.reach, min(view.bins, CELLS) + 1
+        )
+        sonar = ImagePair(view.altitude, view.altitude, 1, 1.0)
         of = _material(scene)
         direct = _levels(sonar, edges, view, of)
         by_way = {way: _levels(pair, edges, view, of) for way, pair in self._pairs.items()}
@@ -79,23 +82,25 @@ class Ghosts:
         smeared, total = max(view.bin_length, waves), 0.0
         for way, pair in self._pairs.items():
             beside = pair.low * math.sin(view.half_width)
-            of_rise = laws.GHOSTS_RISE * self._steepness * beside / smeared
-            of_width = laws.GHOSTS_WIDE * beside / math.sqrt(2.0 * pair.low * smeared)
+            of_rise = fitted_laws.GHOSTS_RISE * self._steepness * beside / smeared
+            of_width = fitted_laws.GHOSTS_WIDE * beside / math.sqrt(2.0 * pair.low * smeared)
             total += (self.shares[way] * min(math.hypot(of_rise, of_width), 1.0)) ** 2
         return 0.0 if view.light else math.sqrt(total)
 
     def of_planes(self) -> Field:
         """Error of each of ``laws.COUNTS`` planes, as shares of the record."""
-        count = np.asarray(laws.COUNTS, dtype=np.float64)
-        share, uneven = math.hypot(*self.shares.values()), 0.0 if self._even else laws.GHOSTS_UNEVEN
-        if self._view.pattern not in laws.TABLED:
-            few = min(laws.GHOSTS_FEW * self._rise, laws.GHOSTS_LEFT) * np.sqrt(2.0 / count)
+        count = np.asarray(fitted_laws.COUNTS, dtype=np.float64)
+        share, uneven = math.hypot(*self.shares.values()), 0.0 if self._even else fitted_laws.GHOSTS_UNEVEN
+        if self._view.pattern not in fitted_laws.TABLED:
+            few = min(fitted_laws.GHOSTS_FEW * self._rise, fitted_laws.GHOSTS_LEFT) * np.sqrt(2.0 / count)
             risen = np.where(count > 1, few, self._rise)
             return np.hypot(risen, share * uneven / np.sqrt(count))
         # The two images hear a place with different parts of the beam, of which few planes tell little.
-        few = laws.GHOSTS_TABLED * (2.0 if self._view.squint else 1.0) * (2.0 / count) ** laws.GHOSTS_ORDER
-        fewest = 1 if self._even else laws.GHOSTS_FEWEST
-        return share * np.hypot(np.where(count > fewest, few, laws.GHOSTS_SINGLE), uneven / np.sqrt(count))
+        few = (
+            fitted_laws.GHOSTS_TABLED * (2.0 if self._view.squint else 1.0) * (2.0 / count) ** fitted_laws.GHOSTS_ORDER
+        )
+        fewest = 1 if self._even else fitted_laws.GHOSTS_FEWEST
+        return share * np.hypot(np.where(count > fewest, few, fitted_laws.GHOSTS_SINGLE), uneven / np.sqrt(count))
 
     def of_cells(self, length: float, lost: float) -> float:
         """Error of cells so long that they miss heights of so much, rms, both in metres.
@@ -107,20 +112,20 @@ class Ghosts:
         share = math.hypot(*self.shares.values())
         if not self._even:
             return 1.0
-        of_length = laws.GHOSTS_CELL * length / first
+        of_length = fitted_laws.GHOSTS_CELL * length / first
         if self._steepness == 0.0:
-            of_length = laws.GHOSTS_LEVEL * (length / first) ** 2
-        return share * min(laws.GHOSTS_LOST * lost / self._view.bin_length + of_length, 1.0)
+            of_length = fitted_laws.GHOSTS_LEVEL * (length / first) ** 2
+        return share * min(fitted_laws.GHOSTS_LOST * lost / self._view.bin_length + of_length, 1.0)
 
 
-def _pair(way: str, scene: Scene, view: View) -> Pair:
+def _pair(way: str, scene: Scene, view: SceneSummary) -> ImagePair:
     """Images of a way."""
     altitude, lifted = view.altitude, 2.0 * scene.seabed.depth - view.altitude
     if way == "surface_bottom":
-        return Pair(altitude, lifted, 2, 1.0)
+        return ImagePair(altitude, lifted, 2, 1.0)
     if way == "surface_bottom_surface":
-        return Pair(lifted, lifted, 1, 1.0)
-    return Pair(altitude, 2.0 * scene.seabed.depth + altitude, 2, _material(scene).reflection ** 2)
+        return ImagePair(lifted, lifted, 1, 1.0)
+    return ImagePair(altitude, 2.0 * scene.seabed.depth + altitude, 2, _material(scene).reflection ** 2)
 
 
 def _material(scene: Scene) -> Reflectivity:
@@ -129,7 +134,7 @@ def _material(scene: Scene) -> Reflectivity:
     return material.materials[0].reflectivity
 
 
-def _levels(pair: Pair, edges: Field, view: View, of: Reflectivity) -> Field:
+def _levels(pair: ImagePair, edges: Field, view: SceneSummary, of: Reflectivity) -> Field:
     """Energy of a way in each cell of slant range, without the record's 1/r⁴, to some scale."""
     apart = 0.25 * (pair.high**2 - pair.low**2)
     to_edges = np.sqrt(np.maximum((edges - apart / edges) ** 2 - pair.low**2, 0.0))

@@ -32,7 +32,7 @@ SWITCHES = ("bending", "bounces", "targets", "far_targets", *WAYS)
 SUBJECTS = ("method", *NUMBERS, *SWITCHES)
 
 
-class Forced:
+class Overrides:
     """What was forced, checked.
 
     Parameters

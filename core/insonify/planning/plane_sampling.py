@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.planning import laws
+from insonify.planning import fitted_laws
 
 Field = NDArray[np.float64]
 SHORTEST, LONGEST = 1e-3, 1e4  # waves in a beam's width, of the table
@@ -21,7 +21,7 @@ FOLDS = 4  # by which waves are folded back, either way
 PER_OCTAVE = 8  # widths of Gaussians that are told apart
 
 
-class Comb:
+class PlaneSampling:
     """Table of what planes miss, over waves whose frequencies lie at equal ratios.
 
     Parameters
@@ -65,7 +65,7 @@ class Comb:
 def _table(half_power: float, worth: float, ratio: float) -> tuple[Field, Field]:
     """Mean square that each count of planes misses, (counts, waves), and the mean over the beam, (waves,)."""
     waves = SHORTEST * np.exp(ratio * np.arange(math.ceil(math.log(LONGEST / SHORTEST) / ratio)))
-    count = np.asarray(laws.COUNTS, dtype=np.float64)[:, None] ** worth
+    count = np.asarray(fitted_laws.COUNTS, dtype=np.float64)[:, None] ** worth
     if half_power == 0.0:
         mean = np.sinc(waves)
         turns, y = np.minimum(waves / count, 0.5), np.pi * waves

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from insonify.planning.target_errors import outline_of, place_of
+from insonify.planning.target_errors import locate_target, outline_of
 from insonify.scene import Scene
 from insonify.scene.motions.oscillations import Heave, Pitch, Roll, Sway, Yaw
 from insonify.scene.motions.straight import Straight
@@ -16,7 +16,7 @@ FARTHER = 1.1  # bent sound may go farther in the time of a slant range
 HIGHEST = 5.0  # rms heights, of a bed and of waves
 
 
-def targets_in_reach(scene: Scene) -> tuple[int, ...]:
+def find_targets_in_reach(scene: Scene) -> tuple[int, ...]:
     """Return the targets that some ping of a tow without end may hear; all of them where the tow is no line."""
     track = scene.track
     motions = getattr(track.motion, "of", (track.motion,))
@@ -30,11 +30,11 @@ def targets_in_reach(scene: Scene) -> tuple[int, ...]:
 
 def _distance(scene: Scene, target: Target) -> float:
     """Level distance of a target's place from the line of the tow, that goes on for ever from its start."""
-    along, athwart = place_of(scene, target)
+    along, athwart = locate_target(scene, target)
     return math.hypot(min(along, 0.0), athwart)
 
 
-def ways_in_reach(scene: Scene) -> dict[str, float]:
+def find_multipaths_in_reach(scene: Scene) -> dict[str, float]:
     """Return the ways by the sea surface that a scene declares, and the slant range of the first echo of each, m."""
     surface, altitude = scene.water.surface, scene.altitude
     depth = scene.seabed.depth - altitude
@@ -47,7 +47,7 @@ def ways_in_reach(scene: Scene) -> dict[str, float]:
     return {way: first[way] for way, is_on in zip(WAYS, surface.paths) if is_on}
 
 
-def height_of_echoes(scene: Scene, rms_bed: float) -> dict[str, float]:
+def bound_echo_advance(scene: Scene, rms_bed: float) -> dict[str, float]:
     """Return by how much of slant range the first echo of each way may come sooner than over a level bed, in metres.
 
     Parameters

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
-from insonify.planning import laws
-from insonify.planning.candidates import Draft, cost
-from insonify.planning.entries import Entry
-from insonify.planning.errors import Errors
-from insonify.planning.overrides import METHODS, NUMBERS, SWITCH, Forced
-from insonify.planning.scene_summary import View
+from insonify.planning import fitted_laws
+from insonify.planning.candidates import Candidate, predict_cost
+from insonify.planning.overrides import METHODS, NUMBERS, SWITCH, Overrides
+from insonify.planning.plan_entries import PlanEntry
+from insonify.planning.predicted_errors import PredictedErrors
+from insonify.planning.scene_summary import SceneSummary
 from insonify.planning.target_errors import outline_of
 from insonify.scene import Scene
 from insonify.scene.beams.knife import KnifeBeam
@@ -21,31 +21,33 @@ from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.waters.section import SectionWater
 
 
-class Told(NamedTuple):
+class ChosenModel(NamedTuple):
     """All that the words are made of."""
 
     scene: Scene
-    view: View
-    draft: Draft
-    errors: Errors
+    view: SceneSummary
+    draft: Candidate
+    errors: PredictedErrors
     asked: str
-    forced: Forced
+    forced: Overrides
 
     def entry(
         self, subject: str, choice: str, reason: str, options: tuple[str, ...] = (), *, error: float = 0.0
-    ) -> Entry:
+    ) -> PlanEntry:
         """Make an entry of something that is modelled and costs nothing by itself."""
-        return Entry(subject, choice, reason, error=error, options=options, forced=subject in self.forced)
+        return PlanEntry(subject, choice, reason, error=error, options=options, forced=subject in self.forced)
 
-    def switch(self, subject: str, choice: str, reason: str, with_it: Draft, without: Draft, error: float) -> Entry:
+    def switch(
+        self, subject: str, choice: str, reason: str, with_it: Candidate, without: Candidate, error: float
+    ) -> PlanEntry:
         """Make an entry of something that is there or not, at the cost of its being there."""
         modelled = self.draft == with_it
-        adds = cost(self.view, with_it) - cost(self.view, without)
+        adds = predict_cost(self.view, with_it) - predict_cost(self.view, without)
         missed = 0.0 if modelled else error
-        return Entry(subject, choice, reason, modelled, missed, adds, SWITCH, subject in self.forced)
+        return PlanEntry(subject, choice, reason, modelled, missed, adds, SWITCH, subject in self.forced)
 
 
-def entries_of(told: Told) -> tuple[tuple[Entry, ...], float]:
+def describe_model(told: ChosenModel) -> tuple[tuple[PlanEntry, ...], float]:
     """Put a chosen model into words; return its entries and their errors together, as of independent ones."""
     entries = (
         *_method(told),
@@ -61,7 +63,7 @@ def entries_of(told: Told) -> tuple[tuple[Entry, ...], float]:
     return entries, math.sqrt(sum(entry.error**2 for entry in entries))
 
 
-def _method(told: Told) -> Iterator[Entry]:
+def _method(told: ChosenModel) -> Iterator[PlanEntry]:
     """Tell the tracer, at the cost of its plainest use."""
     scene, draft = told.scene, told.draft
     if told.asked != "auto":
@@ -72,14 +74,14 @@ def _method(told: Told) -> Iterator[Entry]:
         reason = "in water that differs along the level each ray bends in its own way"
     else:
         reason = "a height field and first echoes: nothing needs single rays"
-    plain = Draft(draft.method, rays=draft.rays, step=draft.step, every=draft.every)
+    plain = Candidate(draft.method, rays=draft.rays, step=draft.step, every=draft.every)
     options = () if isinstance(scene.receiver.speckle, Coherent) else METHODS[1:]
     error = told.errors.tracer(draft) if draft.method == "sweep" else 0.0
     whole = told.entry("method", draft.method, reason, options, error=error)
-    yield replace(whole, cost=cost(told.view, plain))
+    yield replace(whole, cost=predict_cost(told.view, plain))
 
 
-def _fineness(told: Told) -> Iterator[Entry]:
+def _fineness(told: ChosenModel) -> Iterator[PlanEntry]:
     """Tell the planes, rays or steps."""
     scene, draft = told.scene, told.draft
     error = told.errors.tracer(draft)
@@ -95,13 +97,13 @@ def _fineness(told: Told) -> Iterator[Entry]:
         yield _planes(told)
 
 
-def _planes(told: Told) -> Entry:
+def _planes(told: ChosenModel) -> PlanEntry:
     """Tell the planes across a beam."""
     view, draft, errors = told.view, told.draft, told.errors
     error = errors.planes(draft.ways).error(draft.planes)
     reason = f"the main lobe of a {told.scene.sonar.beam.words} is {view.width:.3g} m wide at {view.reach:g} m"
     demand = errors.demand
-    of_targets = demand.error / draft.planes**laws.TARGET_ORDER if draft.targets else 0.0
+    of_targets = demand.error / draft.planes**fitted_laws.TARGET_ORDER if draft.targets else 0.0
     if isinstance(told.scene.seabed.relief, Flat) and of_targets == 0.0:
         reason += ", over a bed without relief"
     else:
@@ -113,12 +115,12 @@ def _planes(told: Told) -> Entry:
         planes = apart if draft.planes > 1 else "one plane stands for it all"
         reason += f"; {planes}, {what}: error about {100 * error:.2g} %"
     choice = f"{draft.planes} plane{'s' * (draft.planes > 1)}"
-    plain = Draft("sweep", every=draft.every)
-    adds = cost(view, plain._replace(planes=draft.planes)) - cost(view, plain)
+    plain = Candidate("sweep", every=draft.every)
+    adds = predict_cost(view, plain._replace(planes=draft.planes)) - predict_cost(view, plain)
     return replace(told.entry("planes", choice, reason, NUMBERS["planes"].offered, error=error), cost=adds)
 
 
-def _spacing(told: Told) -> Iterator[Entry]:
+def _spacing(told: ChosenModel) -> Iterator[PlanEntry]:
     """Tell which nodes of the relief are kept."""
     every, spacing, options = told.draft.every, told.view.spacing, NUMBERS["spacing"].offered
     if every == 1:
@@ -129,13 +131,13 @@ def _spacing(told: Told) -> Iterator[Entry]:
     level = isinstance(told.scene.seabed.relief, Flat)
     lost = "a level bed has no detail" if level else f"waves shorter than {finest:.3g} m are left out"
     reason = f"{every * spacing:.3g} m apart in place of {spacing:.3g} m; {lost}: error about {100 * error:.2g} %"
-    whole = Draft("sweep", told.draft.planes)
-    saved = cost(told.view, whole) - cost(told.view, whole._replace(every=every))
+    whole = Candidate("sweep", told.draft.planes)
+    saved = predict_cost(told.view, whole) - predict_cost(told.view, whole._replace(every=every))
     choice = f"detail between every {every} nodes of the relief"
-    yield Entry("spacing", choice, reason, False, error, saved, options, "spacing" in told.forced)
+    yield PlanEntry("spacing", choice, reason, False, error, saved, options, "spacing" in told.forced)
 
 
-def _sound(told: Told) -> Iterator[Entry]:
+def _sound(told: ChosenModel) -> Iterator[PlanEntry]:
     """Tell whether sound bends, and what it would matter; nothing of water that is the same everywhere."""
     bending, view, draft = told.errors.bending, told.view, told.draft
     if bending.most == 0.0:
@@ -156,7 +158,7 @@ def _sound(told: Told) -> Iterator[Entry]:
     yield told.switch("bending", choice, reason, *pair, told.errors.straight)
 
 
-def _targets(told: Told) -> Iterator[Entry]:
+def _targets(told: ChosenModel) -> Iterator[PlanEntry]:
     """Tell the targets in reach, and those that are not."""
     errors, draft = told.errors, told.draft
     for subject, of in (("targets", errors.targets), ("far_targets", errors.far_targets)):
@@ -178,7 +180,7 @@ def _triangles(scene: Scene, of: tuple[int, ...]) -> str:
     return f", with {count:,} triangles" if count else ""
 
 
-def _ways(told: Told) -> Iterator[Entry]:
+def _ways(told: ChosenModel) -> Iterator[PlanEntry]:
     """Tell each way by the sea surface."""
     surface, view, draft = told.scene.water.surface, told.view, told.draft
     images = "from images of the sonar above it; what rises higher than the sonar leaves it in sight"
@@ -203,7 +205,7 @@ def _ways(told: Told) -> Iterator[Entry]:
         yield told.switch(way, f"{surface.kind} sea, {way.replace('_', '-')}", reason, *pair, share)
 
 
-def _bounces(told: Told) -> Iterator[Entry]:
+def _bounces(told: ChosenModel) -> Iterator[PlanEntry]:
     """Tell the bounces that a scene asks for."""
     asked, draft = told.scene.sonar.bounces, told.draft
     if asked == 0:
@@ -217,16 +219,16 @@ def _bounces(told: Told) -> Iterator[Entry]:
     yield told.switch("bounces", f"{asked} bounces", reason, *pair, told.errors.bounced)
 
 
-def _precision(told: Told) -> Iterator[Entry]:
+def _precision(told: ChosenModel) -> Iterator[PlanEntry]:
     """Tell what numbers the tracer reckons in."""
     if told.draft.method == "sweep":
         reason = "heights and strengths in 32 bits, time and sums in 64: finer than anything else left out here"
-        yield told.entry("precision", "32 and 64 bits", reason, error=laws.SINGLE)
+        yield told.entry("precision", "32 and 64 bits", reason, error=fitted_laws.SINGLE)
     else:
         yield told.entry("precision", "64 bits", "rays are walked in 64 bits")
 
 
-def _remarks(told: Told) -> Iterator[Entry]:
+def _remarks(told: ChosenModel) -> Iterator[PlanEntry]:
     """Tell what leaves no choice but should be known."""
     scene, view = told.scene, told.view
     if isinstance(scene.receiver.speckle, Coherent):

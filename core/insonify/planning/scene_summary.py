@@ -14,7 +14,6 @@ from insonify.scene.beams.knife import KnifeBeam
 from insonify.scene.beams.line_array import LineArray
 from insonify.scene.vertical_beams.uniform import UniformVerticalBeam
 
-BEYOND = 1.4  # altitudes, from which an error counts
 # Width at half power of a line array's far field, in wavelengths over its length, one way and there and back.
 HALF_POWER = {
     "uniform": (0.886, 0.638),
@@ -25,7 +24,7 @@ HALF_POWER = {
 NEAR_GAUSSIAN = math.sqrt(math.log(2.0) / 6.0)  # half power of that, over the length of what is heard
 
 
-class View(NamedTuple):
+class SceneSummary(NamedTuple):
     """Lengths in metres."""
 
     altitude: float  # above the mean bed
@@ -67,7 +66,7 @@ class View(NamedTuple):
         return math.hypot(self.half_power, NEAR_GAUSSIAN * self.aperture / r) / math.sin(self.half_width)
 
 
-def look_at(scene: Scene) -> View:
+def summarise_scene(scene: Scene) -> SceneSummary:
     """Take the lengths of a scene.
 
     Raises
@@ -77,7 +76,7 @@ def look_at(scene: Scene) -> View:
     """
     beam = scene.sonar.beam
     squint = 0.0 if isinstance(beam, KnifeBeam) else math.sin(math.radians(beam.squint))  # type: ignore[attr-defined]
-    return View(
+    return SceneSummary(
         altitude=abs(scene.altitude),  # over a measured bed it may be of either sign
         reach=scene.sonar.range,
         bins=scene.sonar.bins,

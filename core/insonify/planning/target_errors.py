@@ -9,15 +9,16 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from insonify.acoustics.error_range import ERROR_ALTITUDES
 from insonify.errors import located
-from insonify.planning.scene_summary import BEYOND, View
+from insonify.planning.scene_summary import SceneSummary
 from insonify.scene import Scene
 from insonify.scene.targets import Target
 from insonify.scene.targets.shape import Outline, Triple
 from insonify.scene.targets.sides import SLIGHT, Side, Sight
 
 
-class Seen(NamedTuple):
+class ObservedTarget(NamedTuple):
     """A target from where its ping goes out."""
 
     number: int  # among all targets of the scene
@@ -28,7 +29,7 @@ class Seen(NamedTuple):
     length: float  # m along the track
     width: float  # m of the beam there
     sides: tuple[Side, ...]
-    shadow: float  # m of slant range, its length beyond BEYOND altitudes
+    shadow: float  # m of slant range, its length beyond ERROR_ALTITUDES altitudes
     grazing: float  # sine of the grazing angle of a level bed at that distance
 
 
@@ -44,7 +45,7 @@ def outline_of(scene: Scene, number: int) -> Outline:
         return scene.targets[number].outline
 
 
-def see(scene: Scene, view: View, number: int) -> Seen | None:
+def observe_target(scene: Scene, view: SceneSummary, number: int) -> ObservedTarget | None:
     """Look at a target athwart the track; nothing is seen of one below the bed.
 
     Parameters
@@ -65,7 +66,7 @@ def see(scene: Scene, view: View, number: int) -> Seen | None:
         If its file cannot be read.
     """
     target, altitude = scene.targets[number], max(view.altitude, SLIGHT)
-    place, away = place_of(scene, target)
+    place, away = locate_target(scene, target)
     axes = _axes(target, scene.track.heading, math.copysign(1.0, away))
     outline = outline_of(scene, number)
     along, across, up = (outline.extent([axis[k] for axis in axes]) for k in range(3))
@@ -81,9 +82,9 @@ def see(scene: Scene, view: View, number: int) -> Seen | None:
     # The level bed that it hides ends where a line over its top meets that.
     end = min(math.hypot(x * altitude / (altitude - top), altitude) if top < altitude else math.inf, view.reach)
     # What is sunk into the bed or lies nearer does not count.
-    share = height / (2.0 * up) * _share(distance - half_depth, distance + half_depth, BEYOND * altitude)
+    share = height / (2.0 * up) * _share(distance - half_depth, distance + half_depth, ERROR_ALTITUDES * altitude)
     sides = (side._replace(echo=share * side.echo) for side in target.sides(sight))
-    return Seen(
+    return ObservedTarget(
         number=number,
         kind=target.kind,
         combed=target.combed,
@@ -92,12 +93,12 @@ def see(scene: Scene, view: View, number: int) -> Seen | None:
         length=2.0 * along,
         width=2.0 * distance * math.sin(view.half_width),
         sides=tuple(side for side in sides if side.echo > 0.0),
-        shadow=max(end - max(distance, BEYOND * altitude), 0.0),
+        shadow=max(end - max(distance, ERROR_ALTITUDES * altitude), 0.0),
         grazing=min(altitude / distance, 1.0),
     )
 
 
-def place_of(scene: Scene, target: Target) -> tuple[float, float]:
+def locate_target(scene: Scene, target: Target) -> tuple[float, float]:
     """Place of a target along the line of the tow, and to port of it."""
     x, y = (target.position[k] - scene.track.start[k] for k in (0, 1))
     c, s = math.cos(math.radians(scene.track.heading)), math.sin(math.radians(scene.track.heading))

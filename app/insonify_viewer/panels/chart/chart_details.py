@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from insonify_viewer.quantities import span
 
 if TYPE_CHECKING:
-    from insonify.accuracy.charts import Chart, Row
+    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
+    from insonify.accuracy.charts.measurement import AccuracyRow
 
 DPI = 150.0
 
@@ -22,7 +23,7 @@ class Point(NamedTuple):
 
     x: float
     y: float
-    row: Row
+    row: AccuracyRow
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +32,7 @@ class Pictured:
 
     Attributes
     ----------
-    chart : Chart
+    chart : AccuracyChart
         What was drawn.
     pixels : (height, width, 4) uint8
         Red, green, blue, opacity.
@@ -39,16 +40,16 @@ class Pictured:
         What can be picked.
     """
 
-    chart: Chart
+    chart: AccuracyChart
     pixels: NDArray[np.uint8]
     points: tuple[Point, ...]
 
 
-def picture(chart: Chart) -> Pictured:
+def picture(chart: AccuracyChart) -> Pictured:
     """Draw a chart as it is saved."""
-    from insonify.accuracy.charts.figure import draw
+    from insonify.accuracy.charts.accuracy_figure import draw_accuracy
 
-    figure, marks = draw(chart)
+    figure, marks = draw_accuracy(chart)
     figure.set_dpi(DPI)
     figure.canvas.draw()
     pixels = np.array(figure.canvas.buffer_rgba())  # type: ignore[attr-defined]
@@ -61,7 +62,7 @@ def picture(chart: Chart) -> Pictured:
     return Pictured(chart, pixels, tuple(points))
 
 
-def nearest(points: tuple[Point, ...], x: float, y: float, shape: float, within: float) -> Row | None:
+def nearest(points: tuple[Point, ...], x: float, y: float, shape: float, within: float) -> AccuracyRow | None:
     """Pick the row nearest to a place.
 
     Parameters
@@ -98,7 +99,7 @@ class Judged:
         Slant range of the last bin, in metres.
     """
 
-    row: Row
+    row: AccuracyRow
     record: NDArray[np.float32]
     reference: NDArray[np.float32]
     rays: int
@@ -106,15 +107,20 @@ class Judged:
     reach: float
 
 
-def judge(chart: Chart, row: Row) -> Judged:
+def judge(chart: AccuracyChart, row: AccuracyRow) -> Judged:
     """Lay a row's record beside its reference."""
-    from insonify.accuracy.metrics import similarity
+    from insonify.accuracy.similarity import measure_similarity
 
-    record, reference = chart.shown(row)
-    case = chart.cases[row.targets]
-    reach = case.arrays.bins * case.arrays.bin_length
+    record, reference = chart.normalise_row(row)
+    scene = chart.scenes[row.targets]
+    reach = scene.arrays.bins * scene.arrays.bin_length
     return Judged(
-        row, _laid(record), _laid(reference), case.judge(row.method).rays, similarity(record, reference), reach
+        row,
+        _laid(record),
+        _laid(reference),
+        scene.reference_of(row.method).rays,
+        measure_similarity(record, reference),
+        reach,
     )
 
 

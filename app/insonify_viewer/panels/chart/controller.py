@@ -14,7 +14,8 @@ from insonify_viewer.panels.chart.view.chart_window import ChartWindow
 from insonify_viewer.session import Session
 
 if TYPE_CHECKING:
-    from insonify.accuracy.charts import Chart, Row
+    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
+    from insonify.accuracy.charts.measurement import AccuracyRow
     from insonify_viewer.simulator import Simulator
     from insonify_viewer.views.main_window import MainWindow
 
@@ -77,7 +78,7 @@ class ChartPanel:
         if self._measurement is not None:
             self._measurement.stop()
 
-    def pick(self, row: Row) -> None:
+    def pick(self, row: AccuracyRow) -> None:
         """Show the record behind a point of the chart."""
         if self._pictured is not None:
             chart = self._pictured.chart
@@ -136,6 +137,6 @@ class ChartPanel:
             self.view.say(str(written) if isinstance(written, SceneError) else f"written to {written}")
 
 
-def _written(chart: Chart, path: str) -> str:
+def _written(chart: AccuracyChart, path: str) -> str:
     chart.save(path)
     return path

@@ -12,7 +12,7 @@ from insonify.scene import Scene, SceneError
 from insonify_viewer.panels.chart.chart_details import picture
 
 if TYPE_CHECKING:
-    from insonify.accuracy.charts import Chart
+    from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
 
 Progress = Callable[[float], None]
 
@@ -39,7 +39,10 @@ class Measurement(QObject):
     failed = Signal(str)  # one sentence, empty if it was stopped
 
     def __init__(
-        self, scene: Scene, measure: Callable[[Scene, Progress], Chart] | None = None, parent: QObject | None = None
+        self,
+        scene: Scene,
+        measure: Callable[[Scene, Progress], AccuracyChart] | None = None,
+        parent: QObject | None = None,
     ) -> None:
         super().__init__(parent)
         self._scene, self._measure = scene, measure or _measured
@@ -75,8 +78,8 @@ class Measurement(QObject):
         self.progressed.emit(share)
 
 
-def _measured(scene: Scene, progress: Progress) -> Chart:
+def _measured(scene: Scene, progress: Progress) -> AccuracyChart:
     # Imported here: the window is there before Numba and matplotlib are.
-    from insonify.accuracy.charts import chart
+    from insonify.accuracy.charts.kinds.accuracy import measure_chart
 
-    return chart(scene, progress=progress)
+    return measure_chart(scene, progress=progress)

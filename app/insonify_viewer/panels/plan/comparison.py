@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.acoustics.error_range import ERROR_ALTITUDES
 from insonify_viewer.modelling import Modelling
 
 if TYPE_CHECKING:
     from insonify.scene import Scene
     from insonify_viewer.record import Record
 
-FAR = 1.4  # altitudes, beyond which a difference counts
 FEWEST = 16  # pings that two records must share
 
 
@@ -67,7 +67,7 @@ def difference(before: Heard, after: Heard) -> float | None:
     bins = before.intensity.shape[1] // 2
     scene = before.scene
     r = (np.arange(bins) + 0.5) * scene.sonar.range / bins
-    far = r > FAR * abs(scene.altitude)
+    far = r > ERROR_ALTITUDES * abs(scene.altitude)
     columns = np.flatnonzero(np.concatenate([far[::-1], far]) if far.any() else np.ones(2 * bins, dtype=bool))
     one = before.intensity[np.ix_(ours, columns)]
     power = float(np.vdot(one, one))

@@ -25,7 +25,7 @@ from insonify_viewer.views.field_rows import Combo, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
 
 if TYPE_CHECKING:
-    from insonify.planning import Entry, Plan
+    from insonify.planning import Plan, PlanEntry
 
 Force = Callable[[str, str | None], None]
 AUTOMATIC = "automatic"
@@ -118,7 +118,7 @@ class Group(FoldingBox):
         super().__init__(title, self._rows, unfolded=True)
         self.hide()
 
-    def show_entries(self, entries: list[Entry], forced: dict[str, str], force: Force) -> None:
+    def show_entries(self, entries: list[PlanEntry], forced: dict[str, str], force: Force) -> None:
         """Show these entries; lines of the same subjects in the same order stay what they are."""
         names = _names(entries)
         if names != list(self.lines):
@@ -162,7 +162,7 @@ class Line(QWidget):
         for row, words in enumerate((self._reason, self._numbers, self._change), 1):
             grid.addWidget(words, row, 0, 1, 2)
 
-    def show_entry(self, entry: Entry, forced: str | None) -> None:
+    def show_entry(self, entry: PlanEntry, forced: str | None) -> None:
         """Show a choice, its reason and its numbers."""
         self._subject = entry.subject
         self._choice.setText(entry.choice)
@@ -220,7 +220,7 @@ def _number(percent: float) -> Number:
     return Number("tolerance", "may miss", tooltip, "%", 0, percent, TOLERANCES, log=True, integer=False)
 
 
-def _names(entries: list[Entry]) -> list[str]:
+def _names(entries: list[PlanEntry]) -> list[str]:
     """Subjects, each told apart from the same one before it."""
     names: list[str] = []
     for entry in entries:

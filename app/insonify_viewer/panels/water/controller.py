@@ -10,7 +10,7 @@ from insonify.scene.waters.uniform import UniformWater
 from insonify_viewer.session import Session
 
 if TYPE_CHECKING:
-    from insonify.display.ray_diagram.diagram import Diagram
+    from insonify.display.ray_diagram.diagram import RayDiagram
     from insonify_viewer.simulator import Simulator
     from insonify_viewer.views.main_window import MainWindow
 
@@ -93,7 +93,7 @@ class WaterPanel:
         self._busy, self._shown = True, wanted
         self._simulator.send(lambda: _diagram(*wanted), self._show)
 
-    def _show(self, diagram: Diagram | SceneError) -> None:
+    def _show(self, diagram: RayDiagram | SceneError) -> None:
         self._busy = False
         if isinstance(diagram, SceneError):
             self._window.say(str(diagram))
@@ -103,13 +103,13 @@ class WaterPanel:
         self._trace()
 
 
-def _diagram(scene: Scene, target: Target, fine: bool) -> Diagram:
-    from insonify.display.ray_diagram.rays import ACROSS, ray_diagram
+def _diagram(scene: Scene, target: Target, fine: bool) -> RayDiagram:
+    from insonify.display.ray_diagram.tracing import ACROSS, trace_ray_diagram
     from insonify.terrain import build_ground
 
     datum = build_ground(scene).datum
     inside = target is not None and target[0] <= scene.sonar.range and target[1] <= -datum
-    return ray_diagram(scene, datum=datum, target=target if inside else None, columns=ACROSS if fine else COARSE)
+    return trace_ray_diagram(scene, datum=datum, target=target if inside else None, columns=ACROSS if fine else COARSE)
 
 
 def _points(scene: Scene) -> tuple[tuple[float, float], ...]:

@@ -20,7 +20,7 @@ MOST_TRIANGLES = 8_000_000
 Record = NDArray[np.float32]
 
 
-def why_not(arrays: SceneArrays, poses: Poses) -> str:
+def explain_omission(arrays: SceneArrays, poses: Poses) -> str:
     """Tell in one line why a problem is not traced by Embree; nothing if it is."""
     if find_spec("embreex") is None:
         return "embree: left out, for embreex is not installed (pip install 'insonify[embree]')"
@@ -39,7 +39,7 @@ class TriangulatedBed:
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         Without targets and ghosts, in still water.
     poses : Poses
         Of all pings that will be traced.
@@ -51,7 +51,7 @@ class TriangulatedBed:
     """
 
     def __init__(self, arrays: SceneArrays, poses: Poses) -> None:
-        if reason := why_not(arrays, poses):
+        if reason := explain_omission(arrays, poses):
             raise SceneError(reason)
         from embreex.mesh_construction import TriangleMesh
         from embreex.rtcore_scene import EmbreeScene

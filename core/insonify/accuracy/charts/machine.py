@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 
-def machine() -> str:
+def describe_machine() -> str:
     """Return the processor, its cores and the versions that a measurement depends on."""
     parts = (
         _processor(),

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.accuracy.metrics import compare
+from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.navigation import take_poses
 from insonify.tracers import ray_sheets, rays
@@ -53,7 +53,7 @@ class Reference(NamedTuple):
         return RESOLVED * self.moved
 
 
-def prove(
+def refine_reference(
     arrays: SceneArrays,
     poses: Poses,
     shown: Sequence[Record],
@@ -65,7 +65,7 @@ def prove(
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         The scene as kernels see it.
     poses : Poses
         Where the sonar is, n pings.
@@ -87,24 +87,24 @@ def prove(
     def told() -> None:
         progress(min((process_time() - began) / seconds, 1.0))
 
-    record = trace(arrays, poses, count, told)
+    record = trace_exact_rays(arrays, poses, count, told)
     while True:
         start = process_time()
-        finer = trace(arrays, poses, 2 * count, told)
+        finer = trace_exact_rays(arrays, poses, 2 * count, told)
         per_ray = (process_time() - start) / (2 * count)
-        by = compare(arrays, poses, record, finer)
+        by = compare_records(arrays, poses, record, finer)
         moved = by.beyond
-        smallest = min(compare(arrays, poses, other, finer).beyond for other in shown)
+        smallest = min(compare_records(arrays, poses, other, finer).beyond for other in shown)
         left = seconds - (process_time() - began)
         doublings = _doublings(RESOLVED * moved / smallest if smallest > 0.0 else math.inf, order)
         doublings = min(doublings, _affordable(left / per_ray, count), int(math.log2(most / (2 * count))))
         if moved * RESOLVED <= smallest or doublings < 1:
             return Reference(finer, moved, 2 * count, by.all_bins)
         count <<= doublings
-        record = finer if doublings == 1 else trace(arrays, poses, count, told)
+        record = finer if doublings == 1 else trace_exact_rays(arrays, poses, count, told)
 
 
-def trace(arrays: SceneArrays, poses: Poses, count: int, told: Callable[[], None] = lambda: None) -> Record:
+def trace_exact_rays(arrays: SceneArrays, poses: Poses, count: int, told: Callable[[], None] = lambda: None) -> Record:
     """Trace with so many exact rays a side, in sheets where these do, each ping on whatever core is free.
 
     After every ping ``told`` is called, which may raise to stop.

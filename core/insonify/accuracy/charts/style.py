@@ -1,4 +1,4 @@
-"""How charts look: colours, scales, and labels that keep clear of one another."""
+"""Style of charts: colours and marks of methods, logarithmic axes, and labels that keep clear of one another."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from matplotlib.text import Annotation
 from matplotlib.ticker import FuncFormatter
 from matplotlib.transforms import Bbox
 
-INK, FAINT = "#22262b", "#6b737c"
-COLOURS = {"march": "#b5651d", "rays": "#2f6f9f", "sweep": "#1f8a5b", "embree": "#8a3f8f"}
+from insonify.display.style import BLUE, BROWN, FAINT, GREEN, INK, VIOLET, style_axes
+
+COLOURS = {"march": BROWN, "rays": BLUE, "sweep": GREEN, "embree": VIOLET}
 MARKS = {"march": "s", "rays": "o", "sweep": "D", "embree": "^"}
 SHADES = {
     "sweep, every 2nd node": "#7fa83a",
@@ -24,7 +25,7 @@ SHADES = {
     "sweep, float64": "#0f4f35",
     "embree, against its own triangles": "#c58bc9",
 }
-# Places of a label about its point, in points, best first.
+# Offsets of a label from its point, in points, best first.
 PLACES = (
     (0, 9),
     (0, -10),
@@ -42,13 +43,13 @@ PLACES = (
 OUTLINE = [withStroke(linewidth=2.2, foreground="white")]
 
 
-def colour_of(method: str) -> str:
-    """Return the colour of a method, or of the family that its name begins with."""
+def get_colour(method: str) -> str:
+    """Colour of a method, or of the family that its name begins with."""
     return SHADES.get(method) or COLOURS.get(_family(method), INK)
 
 
-def mark_of(method: str) -> str:
-    """Return the mark of the family that a method's name begins with."""
+def get_mark(method: str) -> str:
+    """Mark of the family that a method's name begins with."""
     return MARKS.get(_family(method), "o")
 
 
@@ -57,20 +58,18 @@ def _family(method: str) -> str:
 
 
 def scale_axes(axes: Axes, *, x: Any, y: Any) -> None:
-    """Make both axes logarithmic, their numbers told by two functions, over a faint grid."""
+    """Make both axes logarithmic over a faint grid, with functions that format their numbers."""
     axes.set(xscale="log", yscale="log")
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: x(value)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: y(value)))
     axes.grid(True, which="major", color=FAINT, alpha=0.25, linewidth=0.8)
     axes.grid(True, which="minor", color=FAINT, alpha=0.10, linewidth=0.6)
-    axes.tick_params(which="both", color=FAINT, labelcolor=INK, labelsize=9.5)
     axes.set_axisbelow(True)
-    for side, spine in axes.spines.items():
-        spine.set(color=FAINT, linewidth=0.8, visible=side in ("left", "bottom"))
+    style_axes(axes, 9.5)
 
 
 def write_headings(figure: Figure, title: str, line: str, foot: str) -> None:
-    """Write what a chart shows above it, what it was measured on below."""
+    """Write title and subtitle above a chart and the machine of the measurement below it."""
     width, height = figure.get_size_inches()
     left = 0.85 / width
     figure.text(left, 1.0 - 0.38 / height, title, fontsize=16, fontweight="bold", color=INK, va="center")
@@ -79,14 +78,14 @@ def write_headings(figure: Figure, title: str, line: str, foot: str) -> None:
 
 
 def place_labels(axes: Axes, labels: Sequence[tuple[str, float, float, str]]) -> None:
-    """Write labels beside their points, clear of one another and of all points while there is room.
+    """Write labels beside their points, clear of one another and of all points as far as there is room.
 
     Parameters
     ----------
     axes : Axes
-        With its final limits.
+        Axes with their final limits.
     labels : sequence of (text, x, y, colour)
-        In data coordinates.
+        Points in data coordinates.
     """
     figure = axes.figure.get_figure(root=True)
     assert figure is not None
@@ -128,14 +127,14 @@ def _area(box: Bbox) -> float:
     return float(box.width * box.height)
 
 
-def as_time(microseconds: float) -> str:
-    """Write a time in the unit that suits it."""
+def format_time(microseconds: float) -> str:
+    """Format a time in s, ms or µs."""
     for unit, size in (("s", 1e6), ("ms", 1e3)):
         if microseconds >= 0.999 * size:
             return f"{microseconds / size:.3g} {unit}"
     return f"{microseconds:.3g} µs"
 
 
-def as_percent(share: float) -> str:
-    """Write a share in percent, to two digits."""
+def format_percent(share: float) -> str:
+    """Format a share in percent with two digits."""
     return f"{np.format_float_positional(100.0 * share, 2, fractional=False, trim='-')} %"

@@ -14,7 +14,7 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True)
-class Way:
+class Approach:
     """One way to do a thing.
 
     Attributes
@@ -33,7 +33,7 @@ class Way:
 
 
 @dataclass(frozen=True)
-class Case:
+class StabilityCase:
     """A failure beside its remedy.
 
     Attributes
@@ -58,8 +58,8 @@ class Case:
     trigger: str
     figure: str
     unit: str
-    failing: Way
-    right: Way
+    failing: Approach
+    right: Approach
     picture: Callable[[Figure], None]
     scene: str = ""
 
@@ -75,7 +75,7 @@ class Outcome:
         Errors of its two ways.
     """
 
-    case: Case
+    case: StabilityCase
     failing: float
     right: float
 
@@ -97,7 +97,7 @@ class Outcome:
         return "holds" if self.is_shown else "holds, failure not shown"
 
 
-def judge(case: Case) -> Outcome:
+def measure_case(case: StabilityCase) -> Outcome:
     """Measure both ways of a case.
 
     Parameters
@@ -111,7 +111,7 @@ def judge(case: Case) -> Outcome:
     return Outcome(case, float(case.failing.error()), float(case.right.error()))
 
 
-def amount(value: float, unit: str) -> str:
+def format_quantity(value: float, unit: str) -> str:
     """Write a figure as people read it.
 
     Parameters

@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
-from insonify.accuracy.stability import beams, bed, bins, knots, numbers, rays, receiver, spectra, targets, water
-from insonify.accuracy.stability.case import Case
+from insonify.accuracy.stability.case import StabilityCase
+from insonify.accuracy.stability.themes import (
+    arithmetic,
+    beams,
+    bed,
+    bins,
+    knots,
+    rays,
+    receiver,
+    spectra,
+    targets,
+    water,
+)
 
-CASES: dict[str, tuple[Case, ...]] = {
+CASES: dict[str, tuple[StabilityCase, ...]] = {
     "Layered water": water.CASES,
     "Knots of a profile": knots.CASES,
     "Bent rays": rays.CASES,
@@ -15,5 +26,5 @@ CASES: dict[str, tuple[Case, ...]] = {
     "Beams": beams.CASES,
     "Made reliefs": spectra.CASES,
     "The receiver": receiver.CASES,
-    "Arithmetic": numbers.CASES,
+    "Arithmetic": arithmetic.CASES,
 }

@@ -11,7 +11,7 @@ INK, FAINT = "#22262b", "#6b737c"
 WRONG, RIGHT = "#b5651d", "#1f8a5b"
 
 
-def panel(figure: Figure, place: int = 111, *, x: str, y: str, title: str = "") -> Any:
+def add_panel(figure: Figure, place: int = 111, *, x: str, y: str, title: str = "") -> Any:
     """Put labelled axes on a figure.
 
     Parameters
@@ -40,12 +40,12 @@ def panel(figure: Figure, place: int = 111, *, x: str, y: str, title: str = "") 
     return axes
 
 
-def named(axes: Any, place: str = "best") -> None:
+def add_legend(axes: Any, place: str = "best") -> None:
     """Name the lines of some axes."""
     axes.legend(loc=place, frameon=False, fontsize=8.5, labelcolor=INK)
 
 
-def told(figure: Figure, heads: tuple[str, str, str], rows: list[tuple[str, str, str]]) -> None:
+def write_table(figure: Figure, heads: tuple[str, str, str], rows: list[tuple[str, str, str]]) -> None:
     """Set what is asked, what the plain way makes of it and what the own way says side by side.
 
     Parameters

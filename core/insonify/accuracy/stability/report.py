@@ -11,7 +11,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from insonify.accuracy.stability.case import Case, Outcome, Way, amount, judge
+from insonify.accuracy.stability.case import Approach, Outcome, StabilityCase, format_quantity, measure_case
 from insonify.io.atomic import replacing
 
 WIDTH, HEIGHT, DPI = 7.2, 2.9, 130
@@ -64,7 +64,10 @@ img { display: block; width: 100%; max-width: 46rem; height: auto; margin: .6rem
 
 
 def write_report(
-    path: str | Path, cases: Mapping[str, tuple[Case, ...]], *, done: Callable[[Case], None] = lambda case: None
+    path: str | Path,
+    cases: Mapping[str, tuple[StabilityCase, ...]],
+    *,
+    done: Callable[[StabilityCase], None] = lambda case: None,
 ) -> list[Outcome]:
     """Measure cases and write the page.
 
@@ -86,7 +89,7 @@ def write_report(
     for theme, members in cases.items():
         outcomes[theme] = []
         for case in members:
-            outcomes[theme].append(judge(case))
+            outcomes[theme].append(measure_case(case))
             done(case)
     text = page(outcomes)
     with replacing(path) as beside:
@@ -133,8 +136,8 @@ def _row(outcome: Outcome, number: int) -> str:
     return (
         f'<tr><td><a href="#case-{number}">{escape(case.name)}</a></td>'
         f'<td class="trigger faint">{escape(case.trigger)}</td>'
-        f'<td class="figure wrong">{escape(amount(outcome.failing, case.unit))}</td>'
-        f'<td class="figure right">{escape(amount(outcome.right, case.unit))}</td>'
+        f'<td class="figure wrong">{escape(format_quantity(outcome.failing, case.unit))}</td>'
+        f'<td class="figure right">{escape(format_quantity(outcome.right, case.unit))}</td>'
         f'<td class="{_class(outcome)}">{outcome.verdict}</td></tr>\n'
     )
 
@@ -152,15 +155,15 @@ def _section(outcome: Outcome, number: int) -> str:
     )
 
 
-def _scene(case: Case) -> str:
+def _scene(case: StabilityCase) -> str:
     """Name the scene of a case."""
     return f", on the scene <code>{escape(case.scene)}</code>" if case.scene else ""
 
 
-def _way(kind: str, name: str, value: float, way: Way, unit: str) -> str:
-    bound = f"({'bound' if kind == 'right' else 'fails above'} {amount(way.bound, unit)})"
+def _way(kind: str, name: str, value: float, way: Approach, unit: str) -> str:
+    bound = f"({'bound' if kind == 'right' else 'fails above'} {format_quantity(way.bound, unit)})"
     return (
-        f'<dt class="{kind}">{name}</dt><dd class="figure {kind}">{escape(amount(value, unit))}</dd>'
+        f'<dt class="{kind}">{name}</dt><dd class="figure {kind}">{escape(format_quantity(value, unit))}</dd>'
         f'<dd class="does">{escape(way.does)} <span class="faint">{escape(bound)}</span></dd>'
     )
 
@@ -169,7 +172,7 @@ def _class(outcome: Outcome) -> str:
     return "right" if outcome.is_held and outcome.is_shown else "bad"
 
 
-def _picture(case: Case) -> str:
+def _picture(case: StabilityCase) -> str:
     """Draw a case's picture into the page."""
     figure = Figure(figsize=(WIDTH, HEIGHT), facecolor="white", layout="constrained")
     case.picture(figure)

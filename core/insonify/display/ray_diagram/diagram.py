@@ -22,7 +22,7 @@ WATER = ((186, 214, 236), (228, 239, 246), (252, 246, 235), (249, 226, 190))
 
 
 @dataclass(frozen=True, eq=False)
-class Path:
+class DiagramRay:
     """One ray.
 
     Attributes
@@ -40,7 +40,7 @@ class Path:
 
 
 @dataclass(frozen=True, eq=False)
-class Eigenray(Path):
+class DiagramEigenray(DiagramRay):
     """A ray that joins the sonar and a point.
 
     Attributes
@@ -59,7 +59,7 @@ class Eigenray(Path):
 
 
 @dataclass(frozen=True, eq=False)
-class Diagram:
+class RayDiagram:
     """Rays of a scene's water in one vertical plane, up to the surface and down to the mean bed.
 
     Attributes
@@ -89,12 +89,12 @@ class Diagram:
     source_depth: float
     bottom: float
     reach: float
-    rays: tuple[Path, ...]
+    rays: tuple[DiagramRay, ...]
     shadow: NDArray[np.bool_]
     dark: Values
     caustics: Values
     target: tuple[float, float] | None
-    eigenrays: tuple[Eigenray, ...]
+    eigenrays: tuple[DiagramEigenray, ...]
 
     def save(self, path: str | FilePath) -> None:
         """Write the diagram as a picture (.png) or the points of its rays as a table (.csv).
@@ -111,9 +111,9 @@ class Diagram:
             if suffix == ".csv":
                 self._write_table(beside)
             else:
-                from insonify.display.ray_diagram.figure import draw  # and Matplotlib with it
+                from insonify.display.ray_diagram.figure import draw_ray_diagram  # and Matplotlib with it
 
-                draw(self).savefig(beside, format="png", dpi=150)
+                draw_ray_diagram(self).savefig(beside, format="png", dpi=150)
 
     def _write_table(self, path: FilePath) -> None:
         with path.open("w", newline="", encoding="utf-8") as file:
@@ -125,7 +125,7 @@ class Diagram:
                         table.writerow([kind, number, f"{ray.angle:.9g}", *(f"{value:.9g}" for value in point)])
 
 
-def speed_ends(diagram: Diagram) -> tuple[float, float]:
+def compute_speed_limits(diagram: RayDiagram) -> tuple[float, float]:
     """Least and greatest speed in the water that is shown, in m/s, with room on either hand."""
     layers = diagram.layers
     depth = np.append(layers.depth[(layers.depth > 0.0) & (layers.depth < diagram.bottom)], [0.0, diagram.bottom])
@@ -134,13 +134,13 @@ def speed_ends(diagram: Diagram) -> tuple[float, float]:
     return float(speed.min()) - room, float(speed.max()) + room
 
 
-def beside(layers: SoundSpeedField, distance: Values) -> tuple[Values, Values]:
+def place_along_axis(layers: SoundSpeedField, distance: Values) -> tuple[Values, Values]:
     """Places of the scene at distances along the line of a water's stations, in metres."""
     cos, sin = layers.axis
     return cos * distance, sin * distance
 
 
-def described(ray: Eigenray) -> str:
+def describe_eigenray(ray: DiagramEigenray) -> str:
     """Say what an eigenray is in one line."""
     angle = f"{ray.angle:+.2f}°".replace("-", "−")
     level = f"{ray.level:.1f} dB".replace("-", "−") if math.isfinite(ray.level) else "on a caustic"

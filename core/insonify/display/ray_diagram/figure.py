@@ -14,10 +14,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
-from insonify.display.ray_diagram.diagram import WATER, beside, described, speed_ends
+from insonify.display.ray_diagram.diagram import WATER, compute_speed_limits, describe_eigenray, place_along_axis
 
 if TYPE_CHECKING:
-    from insonify.display.ray_diagram.diagram import Diagram
+    from insonify.display.ray_diagram.diagram import RayDiagram
 
 INK, FAINT, RAY, BED, SHADE = "#22262b", "#6b737c", "#2b5c8a", "#cbb693", "#141c2b"
 EIGENRAYS = ("#d1495b", "#e08e1b", "#7a3fa0", "#1f8a5b")
@@ -30,7 +30,7 @@ FAINTEST = 1e-3  # share of the water in shadow that is worth a word
 LABELS = 0.036  # of the axes' width and height that a label of a ray needs for itself
 
 
-def draw(diagram: Diagram) -> Figure:
+def draw_ray_diagram(diagram: RayDiagram) -> Figure:
     """Draw the profile and the rays over one scale of depth.
 
     Parameters
@@ -66,10 +66,10 @@ def draw(diagram: Diagram) -> Figure:
     return figure
 
 
-def _profile(axes: Any, diagram: Diagram) -> None:
+def _profile(axes: Any, diagram: RayDiagram) -> None:
     """Speed against depth; of a section a line for each of its places."""
     layers = diagram.layers
-    low, high = speed_ends(diagram)
+    low, high = compute_speed_limits(diagram)
     axes.imshow(
         np.linspace(0.0, 1.0, 256)[None], extent=(low, high, diagram.bottom, 0.0), aspect="auto", cmap=WATER_MAP,
         zorder=0,
@@ -91,11 +91,11 @@ def _profile(axes: Any, diagram: Diagram) -> None:
     axes.locator_params(axis="x", nbins=4)
 
 
-def _water(axes: Any, diagram: Diagram) -> None:
+def _water(axes: Any, diagram: RayDiagram) -> None:
     """Draw the water by its speed, the bed, the surface, and what no sound reaches."""
-    low, high = speed_ends(diagram)
+    low, high = compute_speed_limits(diagram)
     x, depth = np.linspace(0.0, diagram.reach, 200), np.linspace(0.0, diagram.bottom, 300)
-    speed = diagram.layers.speed_at(*beside(diagram.layers, x[None, :]), depth[:, None])
+    speed = diagram.layers.speed_at(*place_along_axis(diagram.layers, x[None, :]), depth[:, None])
     extent = (0.0, diagram.reach, diagram.bottom, 0.0)
     axes.imshow(
         np.broadcast_to(speed, (300, 200)), extent=extent, aspect="auto", cmap=WATER_MAP, norm=Normalize(low, high),
@@ -113,7 +113,7 @@ def _water(axes: Any, diagram: Diagram) -> None:
         axes.plot([begin, end], 2 * [diagram.bottom], color=SHADE, linewidth=4.0, solid_capstyle="butt", zorder=4)
 
 
-def _labels(axes: Any, diagram: Diagram) -> None:
+def _labels(axes: Any, diagram: RayDiagram) -> None:
     """Launch angles where rays end: under the bed, over the surface, at the edge; the roundest first."""
     taken: list[tuple[float, float]] = []
     for path in sorted(diagram.rays, key=lambda path: (_roundness(path.angle), abs(path.angle))):
@@ -140,7 +140,7 @@ def _degrees(angle: float) -> str:
     return f"{angle:g}°".replace("-", "−")
 
 
-def _eigenrays(axes: Any, diagram: Diagram) -> None:
+def _eigenrays(axes: Any, diagram: RayDiagram) -> None:
     for number, path in enumerate(diagram.eigenrays):
         axes.plot(
             path.range, path.depth, color=EIGENRAYS[number % len(EIGENRAYS)], linewidth=2.6, zorder=5,
@@ -150,7 +150,7 @@ def _eigenrays(axes: Any, diagram: Diagram) -> None:
         axes.plot(*diagram.target, "D", color="white", markeredgecolor=INK, markeredgewidth=1.8, markersize=8, zorder=7)
 
 
-def _scales(left: Any, right: Any, diagram: Diagram) -> None:
+def _scales(left: Any, right: Any, diagram: RayDiagram) -> None:
     margin = MARGIN * diagram.bottom
     right.set_xlim(0.0, diagram.reach)
     right.set_xlabel("range (m)", fontsize=10.5, color=INK, labelpad=6)
@@ -162,7 +162,7 @@ def _scales(left: Any, right: Any, diagram: Diagram) -> None:
             spine.set(color=FAINT, linewidth=0.8, visible=side in ("left", "bottom"))
 
 
-def _entries(diagram: Diagram) -> list[tuple[Any, str]]:
+def _entries(diagram: RayDiagram) -> list[tuple[Any, str]]:
     """Name what there is beside the rays, each with its mark."""
     entries: list[tuple[Any, str]] = []
     if diagram.shadow.mean() > FAINTEST:
@@ -172,11 +172,13 @@ def _entries(diagram: Diagram) -> list[tuple[Any, str]]:
     if diagram.caustics.size:
         entries.append((Line2D([], [], marker="o", color=CAUSTIC, linestyle="none", markersize=4), "caustic"))
     for number, path in enumerate(diagram.eigenrays):
-        entries.append((Line2D([], [], color=EIGENRAYS[number % len(EIGENRAYS)], linewidth=2.6), described(path)))
+        entries.append(
+            (Line2D([], [], color=EIGENRAYS[number % len(EIGENRAYS)], linewidth=2.6), describe_eigenray(path))
+        )
     return entries
 
 
-def _words(figure: Figure, diagram: Diagram) -> None:
+def _words(figure: Figure, diagram: RayDiagram) -> None:
     figure.text(LEFT[0], 0.945, diagram.title or "Untitled", fontsize=17, fontweight="bold", color=INK)
     figure.text(LEFT[0], 0.908, _sentence(diagram), fontsize=10.5, color=FAINT)
     figure.text(
@@ -185,7 +187,7 @@ def _words(figure: Figure, diagram: Diagram) -> None:
     )  # fmt: skip
 
 
-def _sentence(diagram: Diagram) -> str:
+def _sentence(diagram: RayDiagram) -> str:
     """Say where the sonar is, and what it cannot hear."""
     said = [f"sonar at {diagram.source_depth:.4g} m, mean bed at {diagram.bottom:.4g} m"]
     said += [f"no sound on the bed {stretch}" for stretch in _stretches(diagram)]
@@ -196,6 +198,6 @@ def _sentence(diagram: Diagram) -> str:
     return " · ".join(said)
 
 
-def _stretches(diagram: Diagram) -> Iterable[str]:
+def _stretches(diagram: RayDiagram) -> Iterable[str]:
     for begin, end in diagram.dark:
         yield f"beyond {begin:.1f} m" if end >= diagram.reach else f"from {begin:.1f} to {end:.1f} m"

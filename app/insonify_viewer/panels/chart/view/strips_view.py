@@ -8,7 +8,7 @@ from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify.display.picture import PALETTES, contrast, palette
+from insonify.display.picture import PALETTES, choose_contrast, load_palette
 from insonify_viewer.panels.chart.chart_details import Judged
 from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
 from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
@@ -36,8 +36,8 @@ class StripsView(QWidget):
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(GROUND))
         if (judged := self._judged) is not None:
-            low, high = contrast(judged.reference)
-            shades = colour_table(palette(PALETTES[0]))
+            low, high = choose_contrast(judged.reference)
+            shades = colour_table(load_palette(PALETTES[0]))
             largest = LARGE * (high - low)
             for number, (title, strip, ends, table) in enumerate(
                 (

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
-from insonify.display.ray_diagram.diagram import Diagram, beside, described
+from insonify.display.ray_diagram.diagram import RayDiagram, describe_eigenray, place_along_axis
 from insonify_viewer.panels.water.view.plot_scales import Frame, round_steps
 from insonify_viewer.views.theme import ACCENT, GROUND, MARK, QUIET, TEXT
 
@@ -20,16 +20,16 @@ LABEL = 34.0  # px that the angle of a ray needs for itself
 HANDLE = 4.5  # px, radius of a point that can be dragged
 
 
-def water_picture(diagram: Diagram, slowest: float, fastest: float) -> QImage:
+def water_picture(diagram: RayDiagram, slowest: float, fastest: float) -> QImage:
     """Colour the water by its speed."""
     x, depth = np.linspace(0.0, diagram.reach, COLUMNS), np.linspace(0.0, diagram.bottom, ROWS)
-    speed = diagram.layers.speed_at(*beside(diagram.layers, x[None, :]), depth[:, None])
+    speed = diagram.layers.speed_at(*place_along_axis(diagram.layers, x[None, :]), depth[:, None])
     share = (np.broadcast_to(speed, (ROWS, COLUMNS)) - slowest) / (fastest - slowest)
     places = np.linspace(0.0, 1.0, len(NIGHT))
     return _image(np.stack([np.interp(share, places, tone) for tone in NIGHT.T], axis=-1).astype(np.uint8), "RGB888")
 
 
-def shadow_picture(diagram: Diagram) -> QImage:
+def shadow_picture(diagram: RayDiagram) -> QImage:
     """Darken what no direct ray comes to."""
     shade = np.zeros((*diagram.shadow.shape, 4), dtype=np.uint8)
     shade[diagram.shadow] = SHADE
@@ -42,7 +42,7 @@ def _image(pixels: NDArray[np.uint8], name: str) -> QImage:
     return QImage(pixels.data, columns, rows, columns * depth, getattr(QImage.Format, f"Format_{name}")).copy()
 
 
-def paint_water(painter: QPainter, diagram: Diagram, frame: Frame, water: QImage, shadow: QImage) -> None:
+def paint_water(painter: QPainter, diagram: RayDiagram, frame: Frame, water: QImage, shadow: QImage) -> None:
     """Paint all but the profile."""
     painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
     painter.drawImage(frame.water, water)
@@ -74,7 +74,9 @@ def paint_water(painter: QPainter, diagram: Diagram, frame: Frame, water: QImage
     _say(painter, diagram, frame)
 
 
-def paint_profile(painter: QPainter, diagram: Diagram, frame: Frame, points: list[QPointF], held: int | None) -> None:
+def paint_profile(
+    painter: QPainter, diagram: RayDiagram, frame: Frame, points: list[QPointF], held: int | None
+) -> None:
     """Paint the speed over depth, and the points of it that can be dragged."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     area = frame.profile
@@ -104,7 +106,7 @@ def _paint_bed(painter: QPainter, frame: Frame, area: QRectF) -> None:
     painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
 
 
-def _label_rays(painter: QPainter, diagram: Diagram, frame: Frame) -> None:
+def _label_rays(painter: QPainter, diagram: RayDiagram, frame: Frame) -> None:
     """Launch angles where rays end, the roundest first, where there is room."""
     painter.setPen(QColor(RAY))
     taken: list[QPointF] = []
@@ -141,9 +143,9 @@ def _label_scales(painter: QPainter, frame: Frame) -> None:
     painter.drawText(QRectF(0.0, y, frame.profile.left() - 4.0, 16.0), right, "m/s")
 
 
-def _say(painter: QPainter, diagram: Diagram, frame: Frame) -> None:
+def _say(painter: QPainter, diagram: RayDiagram, frame: Frame) -> None:
     """Describe the eigenrays over the water, or say that there is none."""
-    lines = [(EIGENRAYS[k % len(EIGENRAYS)], described(path)) for k, path in enumerate(diagram.eigenrays)]
+    lines = [(EIGENRAYS[k % len(EIGENRAYS)], describe_eigenray(path)) for k, path in enumerate(diagram.eigenrays)]
     if diagram.target is not None and not lines:
         lines = [(TEXT, "no direct ray comes to this point: it lies in a shadow zone")]
     for begin, end in diagram.dark:

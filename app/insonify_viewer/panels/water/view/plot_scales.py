@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QPointF, QRectF
 
-from insonify.display.ray_diagram.diagram import Diagram, speed_ends
+from insonify.display.ray_diagram.diagram import RayDiagram, compute_speed_limits
 
 LEFT, GAP, RIGHT, TOP, BOTTOM = 46.0, 14.0, 34.0, 24.0, 30.0  # px around and between the two plots
 SHARE, NARROWEST, WIDEST = 0.18, 110.0, 220.0  # of the profile: share of the width, px
@@ -36,7 +36,7 @@ class Frame:
     reach: float
 
     @classmethod
-    def of(cls, diagram: Diagram, width: float, height: float) -> Frame:
+    def of(cls, diagram: RayDiagram, width: float, height: float) -> Frame:
         """Fit a diagram into a widget of that many pixels."""
         narrow = min(max(SHARE * width, NARROWEST), WIDEST)
         tall = max(height - TOP - BOTTOM, 1.0)
@@ -44,7 +44,7 @@ class Frame:
         return cls(
             QRectF(LEFT, TOP, narrow, tall),
             QRectF(begin, TOP, max(width - begin - RIGHT, 1.0), tall),
-            *speed_ends(diagram),
+            *compute_speed_limits(diagram),
             diagram.bottom,
             diagram.reach,
         )

@@ -6,7 +6,7 @@ from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify.display.ray_diagram.diagram import Diagram
+from insonify.display.ray_diagram.diagram import RayDiagram
 from insonify_viewer.panels.water.view.painting import paint_profile, paint_water, shadow_picture, water_picture
 from insonify_viewer.panels.water.view.plot_scales import Frame
 from insonify_viewer.views.theme import GROUND, QUIET
@@ -27,14 +27,14 @@ class WaterView(QWidget):
         self.setMinimumHeight(150)
         self.setMouseTracking(True)
         self.setToolTip(HINT)
-        self._diagram: Diagram | None = None
+        self._diagram: RayDiagram | None = None
         self._points: tuple[tuple[float, float], ...] = ()
         self._pictures: tuple[QImage, QImage] | None = None
         self._rays: QPixmap | None = None
         self._held: int | None = None
         self._scale: Frame | None = None  # kept while a point is dragged, for the scale not to slip away
 
-    def show_diagram(self, diagram: Diagram, points: tuple[tuple[float, float], ...]) -> None:
+    def show_diagram(self, diagram: RayDiagram, points: tuple[tuple[float, float], ...]) -> None:
         """Show a diagram; ``points`` are those of the profile that can be dragged, depth and speed each."""
         self._diagram = diagram
         self._rays = self._pictures = None
@@ -116,7 +116,7 @@ class WaterView(QWidget):
         assert self._diagram is not None
         return self._scale or Frame.of(self._diagram, self.width(), self.height())
 
-    def _painted(self, diagram: Diagram, frame: Frame) -> QPixmap:
+    def _painted(self, diagram: RayDiagram, frame: Frame) -> QPixmap:
         if self._pictures is None:
             self._pictures = water_picture(diagram, frame.slowest, frame.fastest), shadow_picture(diagram)
         ratio = self.devicePixelRatioF()

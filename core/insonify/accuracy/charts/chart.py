@@ -1,0 +1,113 @@
+"""Charts measured on this machine, and how one becomes a file: a picture, or a table with what it was measured on."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from insonify.io.atomic import replacing
+from insonify.scene import SceneError
+
+SUFFIXES = (".png", ".svg", ".csv", ".json")
+DPI = 150
+
+
+class ChartTable(NamedTuple):
+    """Rows of a chart, with the facts that hold for all of them.
+
+    Attributes
+    ----------
+    facts : mapping
+        Facts about all rows: the scene, the machine, the reference.
+    columns : sequence of str
+        Names of the columns.
+    rows : sequence of sequences
+        Text, numbers, or None where a value is missing.
+    """
+
+    facts: Mapping[str, Any]
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+
+
+class Chart(ABC):
+    """Measurements of one scene that can be drawn, tabulated and saved."""
+
+    @abstractmethod
+    def tabulate(self) -> ChartTable:
+        """Lay the measurements out as rows."""
+
+    @abstractmethod
+    def draw(self) -> Figure:
+        """Draw the measurements on a figure with an Agg canvas."""
+
+    def summarise(self) -> tuple[str, ...]:
+        """State the main results in sentences; none by default."""
+        return ()
+
+    def save(self, path: str | Path) -> None:
+        """Write the chart as a picture (.png, .svg) or as a table (.csv, .json), whole or not at all.
+
+        Parameters
+        ----------
+        path : str or Path
+            File to make or replace.
+
+        Raises
+        ------
+        SceneError
+            If the file's name has another suffix.
+        """
+        suffix = Path(path).suffix.lower()
+        if suffix not in SUFFIXES:
+            known = f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"
+            raise SceneError(f"output: {Path(path).name!r} names no format that is known; end it in {known}")
+        table = self.tabulate()
+        with replacing(path) as partial:
+            if suffix == ".csv":
+                _write_csv(partial, table)
+            elif suffix == ".json":
+                _write_json(partial, table)
+            else:
+                _write_picture(partial, suffix, table, self.draw())
+
+
+def _write_csv(path: Path, table: ChartTable) -> None:
+    """Write the rows; each fact has a column of its own, so that any reader of CSV keeps it."""
+    facts = [_text(value) for value in table.facts.values()]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        lines = csv.writer(file)
+        lines.writerow([*table.columns, *table.facts])
+        lines.writerows([*map(_text, row), *facts] for row in table.rows)
+
+
+def _write_json(path: Path, table: ChartTable) -> None:
+    rows = [dict(zip(table.columns, map(_finite, row))) for row in table.rows]
+    path.write_text(json.dumps({**table.facts, "rows": rows}, indent=1, ensure_ascii=False), encoding="utf-8")
+
+
+def _write_picture(path: Path, suffix: str, table: ChartTable, figure: Figure) -> None:
+    description = "\n".join(f"{name}: {_text(value)}" for name, value in table.facts.items())
+    with rc_context({"svg.fonttype": "none"}):  # text stays text
+        figure.savefig(path, format=suffix[1:], dpi=DPI, metadata={"Description": description})
+
+
+def _finite(value: Any) -> Any:
+    """Replace NaN and infinities, which JSON does not have."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, float):
+        return f"{value:.6g}" if math.isfinite(value) else ""
+    if isinstance(value, Mapping):
+        return "; ".join(f"{key}: {_text(each)}" for key, each in value.items())
+    return "" if value is None else str(value)

@@ -1,0 +1,214 @@
+"""Convergence of every method: error against its step, or its number of rays, planes or nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from insonify.accuracy.charts.chart import Chart, ChartTable
+from insonify.accuracy.charts.machine import describe_machine
+from insonify.accuracy.charts.method_settings import (
+    MethodSetting,
+    Record,
+    coarsen_bed,
+    march_settings,
+    ray_settings,
+    sweep_settings,
+)
+from insonify.accuracy.charts.power_law import PowerLawFit, fit_power_law
+from insonify.accuracy.charts.reference import Reference, refine_reference
+from insonify.accuracy.charts.scene_setup import pack_for_chart
+from insonify.accuracy.charts.series_figure import draw_series, finish_panel, format_count, lay_out_panels
+from insonify.accuracy.charts.style import format_percent, get_colour, get_mark, scale_axes, write_headings
+from insonify.accuracy.record_errors import compare_records
+from insonify.display.style import FAINT, label_axes
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.scene import Scene
+from insonify.tracers import rays, sweep
+
+STEPS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125)  # step of a march, in cells of the bed
+RAYS = tuple(1 << k for k in range(8, 15))
+PLANES = (2, 4, 8, 16, 32, 64)
+NODES = (8, 4, 2)
+FINEST_PLANES = 64
+PINGS = 8
+PROVING = 150.0  # s of processor time, over all cores
+COLUMNS = ("series", "size", "error_beyond", "resolved", "exponent", "exponent_spread")
+LIMITS = {  # of series that do not converge to the reference
+    "march, step in m": "error against as many exact rays",
+    "sweep, spacing in m": "error against all nodes of the bed",
+}
+SYMBOLS = {"march, step in m": "step", "sweep, spacing in m": "spacing"}
+
+
+class ConvergencePoint(NamedTuple):
+    """Error of one series at one size.
+
+    Attributes
+    ----------
+    series : str
+        Method and what is refined.
+    size : float
+        Step or spacing in metres, or count.
+    error : float
+        Share of the record beyond 1.4 times the altitude.
+    resolved : bool
+        Whether the reference is fine enough to tell.
+    """
+
+    series: str
+    size: float
+    error: float
+    resolved: bool
+
+
+@dataclass(frozen=True)
+class ConvergenceChart(Chart):
+    """Error against step or count.
+
+    Attributes
+    ----------
+    title : str
+        Title of the scene.
+    points : tuple of ConvergencePoint
+        Series by series, from coarse to fine.
+    reference : Reference
+        Reference of rays and planes.
+    machine : str
+        Processor and versions of the measurement.
+    """
+
+    title: str
+    points: tuple[ConvergencePoint, ...]
+    reference: Reference
+    machine: str
+
+    def group(self) -> dict[str, list[ConvergencePoint]]:
+        """Points by series."""
+        groups: dict[str, list[ConvergencePoint]] = {}
+        for point in self.points:
+            groups.setdefault(point.series, []).append(point)
+        return groups
+
+    def fits(self) -> dict[str, PowerLawFit]:
+        """Order of convergence of every series, fitted to the points that are resolved."""
+        resolved = {series: [point for point in points if point.resolved] for series, points in self.group().items()}
+        return {
+            series: fit_power_law([point.size for point in points], [point.error for point in points])
+            for series, points in resolved.items()
+        }
+
+    def tabulate(self) -> ChartTable:
+        """Lay the points out as rows, each with the order of its series."""
+        fits = self.fits()
+        rows = [
+            (point.series, point.size, point.error, "yes" if point.resolved else "no", *fits[point.series][:2])
+            for point in self.points
+        ]
+        facts = {"title": self.title, "machine": self.machine, "reference_moved": self.reference.moved}
+        return ChartTable(facts, COLUMNS, rows)
+
+    def draw(self) -> Figure:
+        """Draw error against step or count, a panel for each series, with the fitted orders."""
+        groups = self.group()
+        figure, panels = lay_out_panels(len(groups), 2)
+        remark = f"{self.title or 'untitled scene'} · hollow: not resolved by the reference, not fitted"
+        write_headings(figure, "Convergence", remark, self.machine)
+        fits = self.fits()
+        for axes, (series, points) in zip(panels, groups.items()):
+            self._draw_panel(axes, series, [point for point in points if point.error > 0.0], fits[series])
+        return figure
+
+    def _draw_panel(self, axes: Axes, series: str, points: list[ConvergencePoint], fit: PowerLawFit) -> None:
+        scale_axes(axes, x=format_count, y=format_percent)
+        method, _, what = series.partition(", ")
+        label_axes(axes, what or "rays per side")
+        axes.set_title(LIMITS.get(series, "error against the reference"), fontsize=9.5, color=FAINT, loc="left")
+        filled, hollow = ([point for point in points if point.resolved is resolved] for resolved in (True, False))
+        x, y = [point.size for point in filled], [point.error for point in filled]
+        draw_series(axes, method, x, y, fit, SYMBOLS.get(series, "count"))
+        axes.plot(
+            [point.size for point in hollow], [point.error for point in hollow], linestyle="none",
+            marker=get_mark(method), markersize=6.5, markerfacecolor="white", markeredgecolor=get_colour(method),
+        )  # fmt: skip
+        if series in SYMBOLS:
+            axes.invert_xaxis()
+        else:
+            axes.axhspan(1e-9, self.reference.floor, color=FAINT, alpha=0.10, linewidth=0, zorder=0)
+        axes.set_ylim(0.5 * min(point.error for point in points), 2.5 * max(point.error for point in points))
+        finish_panel(axes)
+
+
+def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = None) -> ConvergenceChart:
+    """Measure error against the step of a march, the number of rays or planes, and the spacing of nodes.
+
+    Each series is compared with its limit: rays and planes with the reference, the steps of a march with as many exact
+    rays, fewer nodes with all nodes.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene to trace.
+    progress : callable, optional
+        Called now and then with the share done, from 0 to 1; may raise to stop.
+
+    Returns
+    -------
+    ConvergenceChart
+
+    Raises
+    ------
+    SceneError
+        If the scene cannot be simulated.
+    """
+    report = progress or (lambda _: None)
+    arrays, poses = pack_for_chart(scene, PINGS)
+    exact = ray_settings("rays", arrays, RAYS)
+    if arrays.half_width > 0.0 and _can_sweep(arrays):
+        exact += sweep_settings("sweep, planes", arrays, PLANES)
+    records = [one.trace(poses) for one in exact]
+    report(0.2)
+    right = refine_reference(arrays, poses, records, seconds=PROVING, progress=lambda share: report(0.2 + 0.6 * share))
+    points = [
+        ConvergencePoint(one.method, one.size, error, error >= right.floor)
+        for one, record in zip(exact, records)
+        for error in [compare_records(arrays, poses, record, right.record).beyond]
+    ]
+    if not arrays.bounces:
+        against = rays.trace(arrays, poses, rays=arrays.bins)
+        points += _points("march, step in m", march_settings(arrays, STEPS), arrays, poses, against)
+    if _can_sweep(arrays):
+        planes = FINEST_PLANES if arrays.half_width > 0.0 else 1
+        against = sweep.trace(arrays, poses, planes=planes)
+        points += _points("sweep, spacing in m", _coarser(arrays, planes), arrays, poses, against)
+    report(1.0)
+    return ConvergenceChart(scene.title, tuple(points), right, describe_machine())
+
+
+def _can_sweep(arrays: SceneArrays) -> bool:
+    """Whether the sweep traces the scene: water that varies with depth alone, first echoes."""
+    return arrays.water.station.size == 1 and not arrays.bounces
+
+
+def _coarser(arrays: SceneArrays, planes: int) -> list[MethodSetting]:
+    """Sweeps over the bed with fewer nodes, coarsest first."""
+    out = []
+    for every in NODES:
+        if (bed := coarsen_bed(arrays.bed, every)) is not None:
+            (one,) = sweep_settings("sweep", arrays._replace(bed=bed), (planes,))
+            out.append(one._replace(size=bed.spacing))
+    return out
+
+
+def _points(
+    series: str, some: Sequence[MethodSetting], arrays: SceneArrays, poses: Poses, against: Record
+) -> list[ConvergencePoint]:
+    """Errors of some settings against their exact limit."""
+    return [
+        ConvergencePoint(series, one.size, compare_records(arrays, poses, one.trace(poses), against).beyond, True)
+        for one in some
+    ]

@@ -1,0 +1,235 @@
+"""Time of a record against the size of the scene and of the model, measured on this machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from time import thread_time
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from insonify.accuracy.charts.chart import Chart, ChartTable
+from insonify.accuracy.charts.machine import describe_machine
+from insonify.accuracy.charts.method_settings import coarsen_bed
+from insonify.accuracy.charts.power_law import PowerLawFit, fit_power_law
+from insonify.accuracy.charts.scene_setup import pack_for_chart
+from insonify.accuracy.charts.series_figure import draw_series, finish_panel, format_count, lay_out_panels
+from insonify.accuracy.charts.style import format_time, scale_axes, write_headings
+from insonify.accuracy.timing import time_calls
+from insonify.display.style import FAINT, label_axes
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.planning import plan
+from insonify.scene import Scene, edit
+from insonify.tracers import rays, sweep
+
+PINGS = (16, 32, 64, 128, 256, 512)
+NODES = (8, 4, 2, 1)  # one node of so many of the bed is kept
+BINS = (0.25, 0.5, 1.0, 2.0, 4.0)  # times the bins of the scene
+TARGETS = (1, 2, 4, 8, 16, 32)
+PLANES = (1, 2, 4, 8, 16, 32, 64)
+RAYS = (500, 1000, 2000, 4000, 8000)
+SWEPT, CAST = 32, 4  # pings of a call of the sweep, and of rays
+CAST_RAYS = 2000  # rays per side where another size grows
+SECONDS = 15.0
+RADIUS = 0.5  # m, of the targets
+COLUMNS = ("method", "axis", "size", "microseconds", "spread", "exponent", "exponent_spread")
+
+
+class CostRow(NamedTuple):
+    """Time of one method at one size.
+
+    Attributes
+    ----------
+    method : str
+        Sweep or rays.
+    axis : str
+        Quantity that grows.
+    size : float
+        Value of that quantity.
+    microseconds : float
+        Median time: of all pings where their number grows, else of one.
+    spread : float
+        Half the distance between the quartiles, as a share of the median.
+    """
+
+    method: str
+    axis: str
+    size: float
+    microseconds: float
+    spread: float
+
+
+@dataclass(frozen=True)
+class CostChart(Chart):
+    """Time against size.
+
+    Attributes
+    ----------
+    title : str
+        Title of the scene.
+    rows : tuple of CostRow
+        Axis by axis, method by method, from small to large.
+    machine : str
+        Processor and versions of the measurement.
+    """
+
+    title: str
+    rows: tuple[CostRow, ...]
+    machine: str
+
+    def group(self) -> dict[tuple[str, str], list[CostRow]]:
+        """Rows by axis and method."""
+        groups: dict[tuple[str, str], list[CostRow]] = {}
+        for row in self.rows:
+            groups.setdefault((row.axis, row.method), []).append(row)
+        return groups
+
+    def fits(self) -> dict[tuple[str, str], PowerLawFit]:
+        """Power law of the time for every axis and method."""
+        return {
+            key: fit_power_law([row.size for row in rows], [row.microseconds for row in rows])
+            for key, rows in self.group().items()
+        }
+
+    def tabulate(self) -> ChartTable:
+        """Lay the rows out, each with the power law of its axis and method."""
+        fits = self.fits()
+        rows = [
+            (row.method, row.axis, row.size, row.microseconds, row.spread, *fits[row.axis, row.method][:2])
+            for row in self.rows
+        ]
+        return ChartTable({"title": self.title, "machine": self.machine}, COLUMNS, rows)
+
+    def draw(self) -> Figure:
+        """Draw time against size, a panel for each axis, with the fitted power laws."""
+        fits, groups = self.fits(), self.group()
+        names = list(dict.fromkeys(axis for axis, _ in groups))
+        figure, panels = lay_out_panels(len(names), 3)
+        write_headings(figure, "Cost against size", self.title or "untitled scene", self.machine)
+        for axes, axis in zip(panels, names):
+            scale_axes(axes, x=format_count, y=format_time)
+            label_axes(axes, axis)
+            what = "time of all pings" if axis == "pings" else "time per ping"
+            axes.set_title(what, fontsize=9.5, color=FAINT, loc="left")
+            for (of, method), rows in groups.items():
+                if of == axis:
+                    x, y = [row.size for row in rows], [row.microseconds for row in rows]
+                    bars = [row.spread * row.microseconds for row in rows]
+                    draw_series(axes, method, x, y, fits[axis, method], "size", bars)
+            finish_panel(axes)
+        return figure
+
+
+Calls = dict[tuple[str, str, float], tuple[Callable[[], Any], int]]
+
+
+def measure_chart(scene: Scene, *, progress: Callable[[float], None] | None = None) -> CostChart:
+    """Measure time against the number of pings, cells along a profile, bins, targets, planes and rays.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene in which one of these varies at a time.
+    progress : callable, optional
+        Called now and then with the share done, from 0 to 1; may raise to stop.
+
+    Returns
+    -------
+    CostChart
+
+    Raises
+    ------
+    SceneError
+        If the scene cannot be simulated.
+    """
+    planes = plan(scene).planes
+    arrays, poses = pack_for_chart(scene, SWEPT)
+    calls = _of_pings(arrays, poses, planes) | _of_cells(arrays, poses, planes) | _of_bins(scene, planes)
+    calls |= _of_targets(scene, planes)
+    for count in PLANES if arrays.half_width > 0.0 else ():
+        calls["sweep", "planes", count] = _sweep(arrays, poses, count)
+    for count in RAYS:
+        calls["rays", "rays a side", count] = _rays(arrays, poses, count)
+    timings = time_calls(
+        {key: call for key, (call, _) in calls.items()},
+        seconds=SECONDS,
+        clock=thread_time,
+        progress=progress or (lambda _: None),
+    )
+    rows = [
+        CostRow(*key, 1e6 * timing.median / (1 if key[1] == "pings" else calls[key][1]), timing.spread)
+        for key, timing in timings.items()
+    ]
+    return CostChart(scene.title, tuple(rows), describe_machine())
+
+
+def _sweep(arrays: SceneArrays, poses: Poses, planes: int) -> tuple[Callable[[], Any], int]:
+    return partial(sweep.trace, arrays, poses, planes=planes, threads=1), poses.x.size
+
+
+def _rays(arrays: SceneArrays, poses: Poses, count: int = CAST_RAYS) -> tuple[Callable[[], Any], int]:
+    some = _some(poses, CAST)
+    return partial(rays.trace, arrays, some, rays=count, threads=1), some.x.size
+
+
+def _some(poses: Poses, count: int) -> Poses:
+    """Pick a number of poses evenly, or repeat them if there are fewer."""
+    places = (
+        np.resize(np.arange(poses.x.size), count) if count > poses.x.size else np.linspace(0, poses.x.size - 1, count)
+    )
+    return Poses(*(np.ascontiguousarray(column[places.astype(np.int64)]) for column in poses))
+
+
+def _both(axis: str, size: float, arrays: SceneArrays, poses: Poses, planes: int) -> Calls:
+    return {("sweep", axis, size): _sweep(arrays, poses, planes), ("rays", axis, size): _rays(arrays, poses)}
+
+
+def _of_pings(arrays: SceneArrays, poses: Poses, planes: int) -> Calls:
+    calls: Calls = {("sweep", "pings", n): _sweep(arrays, _some(poses, n), planes) for n in PINGS}
+    for n in PINGS[:3]:
+        some = _some(poses, n)
+        calls["rays", "pings", n] = partial(rays.trace, arrays, some, rays=CAST_RAYS, threads=1), n
+    return calls
+
+
+def _of_cells(arrays: SceneArrays, poses: Poses, planes: int) -> Calls:
+    """Trace the same bed with fewer nodes, by cells along a profile."""
+    calls: Calls = {}
+    for every in NODES:
+        if (bed := coarsen_bed(arrays.bed, every)) is not None:
+            cells = round(arrays.bins * arrays.bin_length / bed.spacing)
+            calls |= _both("cells along a profile", cells, arrays._replace(bed=bed), poses, planes)
+    return calls
+
+
+def _of_bins(scene: Scene, planes: int) -> Calls:
+    calls: Calls = {}
+    for times in BINS:
+        arrays, poses = pack_for_chart(edit(scene, {"sonar.bins": max(round(times * scene.sonar.bins), 1)}), SWEPT)
+        calls |= _both("bins a side", arrays.bins, arrays, poses, planes)
+    return calls
+
+
+def _of_targets(scene: Scene, planes: int) -> Calls:
+    """Trace scenes with spheres on both sides of the timed pings, which all lie within a few metres."""
+    calls: Calls = {}
+    near = {"track.speed": min(scene.track.speed, scene.sonar.ping_rate * RADIUS / SWEPT), "track.pings": SWEPT}
+    for count in TARGETS:
+        arrays, poses = pack_for_chart(edit(scene, {**near, "targets": _spheres(scene, count)}), SWEPT)
+        calls |= _both("targets in the beam", count, arrays, poses, planes)
+    return calls
+
+
+def _spheres(scene: Scene, count: int) -> list[Mapping[str, Any]]:
+    """Spheres athwart the track's start, port and starboard in turn, from 1.2 altitudes to most of the range."""
+    heading = np.radians(scene.track.heading)
+    out: list[Mapping[str, Any]] = []
+    for k, away in enumerate(np.geomspace(1.2 * abs(scene.altitude), 0.9 * scene.sonar.range, count)):
+        across = float(away) * (1.0 if k % 2 == 0 else -1.0)
+        x, y = scene.track.start[0] - across * np.sin(heading), scene.track.start[1] + across * np.cos(heading)
+        height = -scene.seabed.depth + RADIUS
+        out.append({"kind": "sphere", "radius": RADIUS, "position": [float(x), float(y), height]})
+    return out

@@ -1,0 +1,181 @@
+"""Time and error of every method on one scene, as measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from insonify.accuracy.charts.method_settings import EMBREE_OWN, Record, SettingKey
+from insonify.accuracy.charts.reference import Reference
+from insonify.accuracy.charts.style import format_percent, format_time
+from insonify.accuracy.displacement import Displacement
+from insonify.accuracy.record_errors import RecordErrors, compute_flat_bed_curves
+from insonify.display.picture import extend_to_water_column, normalise
+from insonify.kernels.common.types import Poses, SceneArrays
+
+COMPARED_ERROR = 0.02  # error at which the times of methods are compared
+TINY = 1e-9  # errors below it count as this
+
+
+@dataclass(frozen=True)
+class AccuracyRow:
+    """Time and error of one method with one setting.
+
+    Attributes
+    ----------
+    method : str
+        Name of the method.
+    setting : str
+        Setting as text.
+    size : float
+        The setting as a number: step in metres, rays per side, or planes.
+    targets : bool
+        Whether the scene holds its targets.
+    microseconds : float
+        Median time per ping, both sides, on one thread.
+    spread : float
+        Half the distance between the quartiles of the times, as a share of the median.
+    errors : RecordErrors
+        Errors against the reference, as shares of the record.
+    displacement : Displacement
+        Displacement of shadows and echoes, in metres.
+    """
+
+    method: str
+    setting: str
+    size: float
+    targets: bool
+    microseconds: float
+    spread: float
+    errors: RecordErrors
+    displacement: Displacement
+
+    @property
+    def key(self) -> SettingKey:
+        """Method, setting and targets, which together identify the row."""
+        return SettingKey(self.method, self.setting, self.targets)
+
+    @property
+    def label(self) -> str:
+        """Setting without the unit that its method implies."""
+        return self.setting.removesuffix("s").removesuffix(" plane").removesuffix(" ray")
+
+
+class TracedScene(NamedTuple):
+    """Arrays, poses and references of a scene with its targets or without them.
+
+    Attributes
+    ----------
+    arrays : SceneArrays
+        Scene as kernels read it.
+    poses : Poses
+        Poses of the n pings that are compared.
+    reference : Reference
+        Record by exact rays.
+    triangles : Reference, optional
+        Record by exact rays over a triangulated bed.
+    """
+
+    arrays: SceneArrays
+    poses: Poses
+    reference: Reference
+    triangles: Reference | None = None
+
+    def reference_of(self, method: str) -> Reference:
+        """Return the reference against which a method's errors are computed."""
+        return self.triangles if method == EMBREE_OWN and self.triangles is not None else self.reference
+
+
+@dataclass(frozen=True)
+class AccuracyMeasurement:
+    """Time and error of every method on one scene.
+
+    Attributes
+    ----------
+    title : str
+        Title of the scene.
+    rows : tuple of AccuracyRow
+        All methods and settings.
+    pings : int
+        Number of pings that were compared.
+    machine : str
+        Processor and versions of the measurement.
+    scenes : mapping of bool to TracedScene
+        Scene with its targets (``True``) and without; a scene that has none has only ``False``.
+    records : mapping of SettingKey to (pings, 2, bins) float32
+        Record of every row.
+    notes : tuple of str
+        Methods that were left out, and why.
+    """
+
+    title: str
+    rows: tuple[AccuracyRow, ...]
+    pings: int
+    machine: str
+    scenes: Mapping[bool, TracedScene] = field(repr=False)
+    records: Mapping[SettingKey, Record] = field(repr=False)
+    notes: tuple[str, ...] = ()
+
+    def rows_of(self, targets: bool) -> list[AccuracyRow]:
+        """Rows of the scene with its targets, or without."""
+        return [row for row in self.rows if row.targets == targets]
+
+    def find_front(self, targets: bool) -> list[AccuracyRow]:
+        """Pareto front, fastest first: rows that no other row beats in both time and error."""
+        front: list[AccuracyRow] = []
+        rows = (row for row in self.rows_of(targets) if row.method != EMBREE_OWN)
+        for row in sorted(rows, key=lambda row: (row.microseconds, row.errors.beyond)):
+            if not front or row.errors.beyond < front[-1].errors.beyond:
+                front.append(row)
+        return front
+
+    def time_to_error(self, method: str, error: float, targets: bool) -> float:
+        """Microseconds per ping after which a method's error falls to a bound.
+
+        Between two settings the error is a power of the time. NaN where no setting reaches the bound, or where the
+        reference does not resolve it.
+        """
+        if error < self.scenes[targets].reference.floor:
+            return math.nan
+        before: AccuracyRow | None = None
+        rows = [row for row in self.rows_of(targets) if row.method == method]
+        for row in sorted(rows, key=lambda row: row.microseconds):
+            if row.errors.beyond <= error:
+                if before is None:
+                    return row.microseconds
+                fall = math.log(before.errors.beyond / max(row.errors.beyond, TINY))
+                share = math.log(before.errors.beyond / error) / fall
+                return before.microseconds * (row.microseconds / before.microseconds) ** share
+            before = row
+        return math.nan
+
+    def describe_speedup(self, targets: bool) -> str:
+        """State how much faster the sweep reaches an error than exact rays; empty where either does not reach it."""
+        sweeps, exact = (self.time_to_error(method, COMPARED_ERROR, targets) for method in ("sweep", "rays"))
+        if not exact / sweeps > 0.0:
+            return ""
+        times = f"{exact / sweeps:,.0f}" if exact > 10.0 * sweeps else f"{exact / sweeps:.2g}"
+        bound = format_percent(COMPARED_ERROR)
+        return f"{bound} in {format_time(sweeps)} by the sweep, in {format_time(exact)} by exact rays: × {times}"
+
+    def summarise(self) -> tuple[str, ...]:
+        """State how much faster the sweep is, and which methods were left out."""
+        which = {False: "without targets: ", True: "with targets: "} if len(self.scenes) > 1 else {}
+        speedups = {targets: self.describe_speedup(targets) for targets in sorted(self.scenes)}
+        return (*(which.get(targets, "") + line for targets, line in speedups.items() if line), *self.notes)
+
+    def normalise_row(self, row: AccuracyRow) -> tuple[Record, Record]:
+        """Amplitudes of a row's record and of its reference, relative to a level Lambert bed.
+
+        Returns
+        -------
+        record, reference : (pings, 2, bins) float32
+        """
+        scene = self.scenes[row.targets]
+        curves = compute_flat_bed_curves(scene.arrays, scene.poses)[:, 0]
+        curve = np.array([extend_to_water_column(one) for one in curves])[:, None, :]
+        return normalise(self.records[row.key], curve), normalise(scene.reference_of(row.method).record, curve)

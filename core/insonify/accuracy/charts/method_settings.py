@@ -1,0 +1,151 @@
+"""Every method with its settings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.accuracy.charts.embree import TriangulatedBed, explain_omission
+from insonify.kernels.common.types import Bed, Poses, SceneArrays, still_water
+from insonify.tracers import march, rays, sweep
+
+STEPS = (16.0, 4.0, 1.0, 0.5)  # of a march, in cells of the bed
+RAYS = (250, 1000, 4000, 16000)
+MANY_RAYS = (64000, 256000)  # beside those, where rays are straight: along arcs they take too long
+PLANES = (1, 2, 4, 8, 16, 32, 64)
+STILL_RAYS, STILL_PLANES = (16000,), (4, 16, 64)
+COARSER = {2: "2nd", 4: "4th"}  # nodes of the bed
+COARSE_PLANES = (4, 16)
+DOUBLE_PLANES = (4, 16, 64)
+EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
+
+Record = NDArray[np.float32]
+
+
+class SettingKey(NamedTuple):
+    """What tells one contender from another.
+
+    Attributes
+    ----------
+    method : str
+        How echoes are found.
+    setting : str
+        As a person reads it.
+    targets : bool
+        Whether the scene's targets are there.
+    """
+
+    method: str
+    setting: str
+    targets: bool
+
+
+class MethodSetting(NamedTuple):
+    """One method with one setting.
+
+    Attributes
+    ----------
+    method : str
+        How echoes are found.
+    setting : str
+        As a person reads it.
+    size : float
+        The setting as a number: metres a step, rays a side, planes.
+    trace : callable
+        Traces poses on one thread.
+    """
+
+    method: str
+    setting: str
+    size: float
+    trace: Callable[[Poses], Record]
+
+
+def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
+    """List every method with its settings, all on one thread.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+        The scene as kernels see it.
+    poses : Poses
+        Of the pings that will be traced.
+
+    Returns
+    -------
+    list of Contender
+        Methods one after the other, each from its coarsest setting to its finest.
+    """
+    if arrays.bounces:
+        return ray_settings("rays", arrays, RAYS)
+    counts = RAYS if arrays.water.bent else RAYS + MANY_RAYS
+    out = march_settings(arrays, STEPS) + ray_settings("rays", arrays, counts)
+    if not explain_omission(arrays, poses):
+        bed = TriangulatedBed(arrays, poses)
+        out += [MethodSetting(EMBREE, f"{count:,} rays", count, partial(bed.trace, rays=count)) for count in RAYS]
+    if arrays.water.station.size == 1:  # the sweep hears no water that differs along the level
+        out += sweep_settings("sweep", arrays, PLANES) + sweep_settings(
+            "sweep, float64", arrays, DOUBLE_PLANES, double=True
+        )
+        for every, ordinal in COARSER.items():
+            if (coarse := coarsen_bed(arrays.bed, every)) is not None:
+                out += sweep_settings(f"sweep, every {ordinal} node", arrays._replace(bed=coarse), COARSE_PLANES)
+    if arrays.water.bent:
+        still = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
+        out += ray_settings("rays, straight", still, STILL_RAYS) + sweep_settings(
+            "sweep, straight", still, STILL_PLANES
+        )
+    return out
+
+
+def coarsen_bed(bed: Bed, every: int) -> Bed | None:
+    """Keep every so many nodes of a bed; None where it would no longer repeat as it does, or be no bed."""
+    heights = np.ascontiguousarray(bed.heights[::every, ::every])
+    finite = heights[np.isfinite(heights)]
+    if min(heights.shape) < 2 or finite.size == 0 or (bed.periodic and any(n % every for n in bed.heights.shape)):
+        return None
+    return bed._replace(
+        heights=heights,
+        transposed=np.ascontiguousarray(heights.T),
+        materials=np.ascontiguousarray(bed.materials[::every, ::every]),
+        spacing=bed.spacing * every,
+        low=float(finite.min()),
+        high=float(finite.max()),
+    )
+
+
+def march_settings(arrays: SceneArrays, cells: Sequence[float]) -> list[MethodSetting]:
+    """March by steps of so many cells, with as many rays a side as there are bins, as in the paper's day."""
+    steps = [one * arrays.bed.spacing for one in cells]
+    return [
+        MethodSetting("march", f"{step:.3g} m", step, _bound(march.trace, arrays, step=step, rays=arrays.bins))
+        for step in steps
+    ]
+
+
+def ray_settings(method: str, arrays: SceneArrays, counts: Sequence[int]) -> list[MethodSetting]:
+    """Walk exact rays, so many a side."""
+    return [MethodSetting(method, f"{count:,} rays", count, _bound(rays.trace, arrays, rays=count)) for count in counts]
+
+
+def sweep_settings(
+    method: str, arrays: SceneArrays, counts: Sequence[int], *, double: bool = False
+) -> list[MethodSetting]:
+    """Fans of planes, in single or double precision; a knife has one."""
+    return [
+        MethodSetting(
+            method,
+            f"{planes} plane{'s' * (planes > 1)}",
+            planes,
+            _bound(sweep.trace, arrays, planes=planes, double=double),
+        )
+        for planes in (counts if arrays.half_width > 0.0 else (1,))
+    ]
+
+
+def _bound(trace: Callable[..., Record], arrays: SceneArrays, **settings: float) -> Callable[[Poses], Record]:
+    return partial(trace, arrays, threads=1, **settings)

@@ -1,0 +1,43 @@
+"""A scene packed for charts: traced in full, with nothing left out by a plan."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from insonify.kernels.common.types import Poses, SceneArrays, still_water
+from insonify.packing.navigation import make_poses, take_poses
+from insonify.packing.scene_arrays import pack_scene
+from insonify.packing.terrain_tiles import TerrainTiles
+from insonify.scene import Scene
+from insonify.simulation import prepare
+from insonify.terrain import build_ground
+
+
+def pack_for_chart(scene: Scene, pings: int) -> tuple[SceneArrays, Poses]:
+    """Arrays and poses of some pings of a scene, with refraction wherever the water has a gradient.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene to trace.
+    pings : int
+        Number of pings, spread evenly over the track; on endless ground those over the tile beneath most of them.
+
+    Returns
+    -------
+    SceneArrays, Poses
+
+    Raises
+    ------
+    SceneError
+        If the scene cannot be simulated.
+    """
+    straight = not prepare(scene).plan.bent
+    ground = build_ground(scene)
+    arrays = pack_scene(scene, ground)
+    if straight and (arrays.multipath.enabled or arrays.bounces):
+        arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
+    poses = make_poses(scene, ground, np.unique(np.linspace(0, scene.track.pings - 1, pings).astype(np.int64)))
+    tiles = TerrainTiles(ground, arrays.bins * arrays.bin_length).split(arrays, poses)
+    places, arrays = max(tiles, key=lambda tile: poses.x[tile[0]].size)
+    return arrays, take_poses(poses, places)

@@ -1,0 +1,122 @@
+"""Errors of a record against its reference, as every tolerance and every chart means them.
+
+Both records are divided by the flat-bed curve of the same scene, so that the strong echoes of near bins do not rule.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.error_range import ERROR_ALTITUDES
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.kernels.common.types import Poses, SceneArrays
+
+
+@dataclass(frozen=True)
+class RecordErrors:
+    """Errors of a record against its reference, both divided by the flat-bed curve; shares, not percent.
+
+    Attributes
+    ----------
+    all_bins : float
+        ‖a − b‖ / ‖b‖ over all bins from the first return.
+    beyond : float
+        The same over bins beyond 1.4 times the altitude: the error that a tolerance means.
+    energy_bias : float
+        Energy of a over that of b, less 1.
+    dark_leakage : float
+        Share of the energy of a in bins where b has none.
+    """
+
+    all_bins: float
+    beyond: float
+    energy_bias: float
+    dark_leakage: float
+
+
+def compute_errors(
+    a: NDArray[np.floating],
+    b: NDArray[np.floating],
+    curve: NDArray[np.floating],
+    *,
+    first_bin: int,
+    beyond_bin: int,
+) -> RecordErrors:
+    """Compute the errors of a record against its reference, given the flat-bed curve.
+
+    Parameters
+    ----------
+    a, b : (..., bins) float
+        Record and reference.
+    curve : (bins,) or (..., bins) float
+        Flat-bed curve; bins where it is zero do not count.
+    first_bin, beyond_bin : int
+        First bin of the first return, first bin beyond 1.4 times the altitude.
+
+    Returns
+    -------
+    RecordErrors
+        Zero if both records are silent, infinite if only the reference is.
+    """
+    level = np.broadcast_to(np.asarray(curve, dtype=np.float64), np.shape(b))[..., first_bin:]
+    scale = np.divide(1.0, level, out=np.zeros_like(level), where=level > 0.0)
+    one = np.asarray(a, dtype=np.float64)[..., first_bin:] * scale
+    other = np.asarray(b, dtype=np.float64)[..., first_bin:] * scale
+    start = max(beyond_bin - first_bin, 0)
+    return RecordErrors(
+        all_bins=_ratio(float(np.linalg.norm(one - other)), float(np.linalg.norm(other))),
+        beyond=_ratio(
+            float(np.linalg.norm(one[..., start:] - other[..., start:])), float(np.linalg.norm(other[..., start:]))
+        ),
+        energy_bias=_ratio(float(one.sum() - other.sum()), float(other.sum())),
+        dark_leakage=_ratio(float(one[other == 0.0].sum()), float(one.sum())),
+    )
+
+
+def compare_records(
+    arrays: SceneArrays, poses: Poses, a: NDArray[np.floating], b: NDArray[np.floating]
+) -> RecordErrors:
+    """Compute the errors of a record of some poses against its reference, by the flat-bed curve of each ping.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+        Scene of both records.
+    poses : Poses
+        Poses of their n pings.
+    a, b : (n, 2, bins) float
+        Record and reference.
+
+    Returns
+    -------
+    RecordErrors
+    """
+    return compute_errors(
+        a,
+        b,
+        compute_flat_bed_curves(arrays, poses),
+        first_bin=find_first_bin(1.0, arrays, poses),
+        beyond_bin=find_first_bin(ERROR_ALTITUDES, arrays, poses),
+    )
+
+
+def find_first_bin(altitudes: float, arrays: SceneArrays, poses: Poses) -> int:
+    """First bin that lies beyond a number of altitudes under every pose, at most the number of bins."""
+    return min(math.ceil(altitudes * float(poses.z.max(initial=0.0)) / arrays.bin_length), arrays.bins)
+
+
+def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:
+    """Record of a level Lambert bed under every pose, (n, 1, bins) float64."""
+    altitudes, which = np.unique(poses.z, return_inverse=True)
+    curves = np.array([flat_bed_curve(arrays, float(altitude)) for altitude in altitudes])
+    return curves.reshape(-1, arrays.bins)[which][:, None, :]
+
+
+def _ratio(part: float, whole: float) -> float:
+    if whole > 0.0:
+        return part / whole
+    return 0.0 if part == 0.0 else math.copysign(math.inf, part)

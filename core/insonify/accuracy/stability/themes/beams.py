@@ -1,0 +1,227 @@
+"""Failures of beams: too few planes, too few pings, a cone taken for a plane."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from textwrap import wrap
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from insonify.accuracy.stability.case import Approach, StabilityCase
+from insonify.accuracy.stability.drawing import FAINT, INK, RIGHT, WRONG, add_legend, add_panel
+from insonify.accuracy.stability.level_scenes import make_level_scene
+from insonify.acoustics.flat_bed import along_track_width
+from insonify.planning import plan
+from insonify.scene import Scene, edit, load_scene
+from insonify.scene.beams.fan import FanBeam
+from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.targets.sphere import Sphere
+from insonify.simulation import prepare, simulate
+
+Curve = NDArray[np.float64]
+WIDE = {"sonar.beam": {"kind": "fan", "width": 2.5}}
+FARTHEST = 3  # which of the balls of the scene that combs
+AS_WIDE = 3.0  # °, of a fan that at far ranges is wider than the way between two pings
+SLOWLY = 0.1  # of the speed
+FAR_BINS = 200
+SHOWN = 18.0  # m along the track
+LAX = 1.0  # a tolerance that lets planes lie farther apart than a ball is wide
+
+
+class Pass(NamedTuple):
+    """A ball that passes through the beam."""
+
+    along: Curve  # place along the track from abreast of it, m
+    few: Curve  # its echo over the bed's, by few planes
+    planned: Curve  # and by those planned
+    counts: tuple[int, int]  # of both planes
+    width: float  # of the beam there, m
+
+
+@lru_cache(maxsize=1)
+def _past_a_ball() -> Pass:
+    scene = load_scene("breaks-comb")
+    ball, beam, sonar = scene.targets[FARTHEST], scene.sonar.beam, scene.sonar
+    assert isinstance(ball, Sphere)
+    assert isinstance(beam, FanBeam)
+    x, y = ball.position[:2]
+    near = math.hypot(y, scene.altitude - ball.radius) - ball.radius
+    echo = slice(*(int(r * sonar.bins / sonar.range) for r in (near - ball.radius, near + 2.0 * ball.radius)))
+    pings, alone = np.arange(scene.track.pings), edit(scene, {"targets": [ball]})
+    bed = prepare(edit(scene, {"targets": []})).intensity(pings[:1])[0, 0, echo].sum()
+    some = [prepare(alone, tolerance=LAX), prepare(alone)]
+    few, planned = (one.intensity(pings)[:, 0, echo].sum(axis=1) / bed - 1.0 for one in some)
+    counts = some[0].plan.planes, some[1].plan.planes
+    return Pass(some[0].poses(pings).x - x, few, planned, counts, near * math.radians(beam.width))
+
+
+def _comb(echo: Curve) -> float:
+    """Greatest swing of the echo within the beam, over its mean there."""
+    passed = _past_a_ball()
+    inside = np.abs(passed.along) < 0.35 * passed.width
+    return float(100.0 * np.ptp(echo[inside]) / passed.planned[inside].mean())
+
+
+def _draw_comb(figure: Figure) -> None:
+    passed = _past_a_ball()
+    axes = add_panel(
+        figure, x="place along the track, from abreast of the ball (m)", y="the ball's echo over the bed's"
+    )
+    for echo, colour, words in (
+        (passed.few, WRONG, f"{passed.counts[0]} planes"),
+        (passed.planned, RIGHT, f"the plan's {passed.counts[1]} planes"),
+    ):
+        axes.plot(passed.along, echo, ".-", color=colour, linewidth=1.0, markersize=3, label=words)
+    axes.set_xlim(-passed.width, passed.width)
+    add_legend(axes)
+
+
+@lru_cache(maxsize=1)
+def _towed_over_ripples() -> tuple[Curve, Curve, Curve]:
+    """Far bins of a record of ripples over their mean, pings by bins: by a knife, by a fan, by a knife towed slowly."""
+    scene = load_scene("breaks-beats")
+    fan, slow = {"kind": "fan", "width": AS_WIDE}, SLOWLY * scene.track.speed
+    changes: tuple[dict[str, Any], ...] = ({}, {"sonar.beam": fan}, {"track.speed": slow})
+    return tuple(_over_mean(edit(scene, one)) for one in changes)  # type: ignore[return-value]
+
+
+def _over_mean(scene: Scene) -> Curve:
+    record = simulate(scene).intensity.values[0, :, -FAR_BINS:].astype(np.float64)
+    return np.asarray(record / record.mean(axis=0) - 1.0)
+
+
+def _beats(record: Curve) -> float:
+    """Contrast, along a quick tow, of all that is longer than four ripples."""
+    scene = load_scene("breaks-beats")
+    apart, waves = scene.track.speed / scene.sonar.ping_rate, np.fft.rfft(record, axis=0)
+    long = np.abs(np.fft.rfftfreq(record.shape[0], apart)) < 0.25 / _ripple(scene)
+    return float(100.0 * np.fft.irfft(waves * long[:, None], record.shape[0], axis=0).std())
+
+
+def _ripple(scene: Scene) -> float:
+    """Metres from crest to crest along the track."""
+    relief = scene.seabed.relief
+    assert isinstance(relief, Fractal)
+    return float(relief.period / relief.peaks[0][0])
+
+
+def _draw_beats(figure: Figure) -> None:
+    scene = load_scene("breaks-beats")
+    apart, first = scene.track.speed / scene.sonar.ping_rate, 1.0 - FAR_BINS / scene.sonar.bins
+    words = f"knife, pings {apart:g} m apart", f"fan of {AS_WIDE:g}°", f"knife, {SLOWLY * apart:g} m apart"
+    for place, record, title, colour, step in zip(
+        (131, 132, 133), _towed_over_ripples(), words, (WRONG, RIGHT, RIGHT), (apart, apart, SLOWLY * apart)
+    ):
+        axes = add_panel(figure, place, x="along the track (m)", y="slant range (m)" if place == 131 else " ")
+        shown = record[: round(SHOWN / step)].T
+        frame = (0.0, shown.shape[1] * step, first * scene.sonar.range, scene.sonar.range)
+        axes.imshow(shown, cmap="gray", vmin=-1.0, vmax=1.0, extent=frame, origin="lower", aspect="auto")
+        axes.set_title(title, fontsize=9.5, color=colour, loc="left")
+        axes.grid(False)
+
+
+def _sparse() -> Scene:
+    balls = [{"kind": "sphere", "position": [1.0 + 2.0 * k, 15.0], "radius": 0.1} for k in range(5)]
+    beam = {"kind": "fan", "width": 0.5}
+    return make_level_scene({"targets": balls, "sonar.beam": beam, "sonar.ping_rate": 1.0, "track.pings": 6})
+
+
+@lru_cache(maxsize=1)
+def _missed() -> float:
+    """Count the balls without which the record is the same."""
+    whole = simulate(_sparse()).intensity.values
+    balls = _sparse().targets
+    without = (edit(_sparse(), {"targets": [plain for plain in balls if plain != ball]}) for ball in balls)
+    return float(sum(np.array_equal(whole, simulate(scene).intensity.values) for scene in without))
+
+
+def _missed_unsaid() -> float:
+    said = any("can be missed" in entry.reason for entry in plan(_sparse()).entries)
+    return 0.0 if said else _missed()
+
+
+@lru_cache(maxsize=1)
+def _widths() -> tuple[Curve, Curve, Curve, Curve]:
+    """Slant range, and the arc of a level bed within a beam of 2.5°: as a plane's wedge, as a cone, and by count."""
+    arrays = prepare(make_level_scene(WIDE)).arrays
+    r = np.array([10.2, 10.5, 11.0, 12.0, 14.0, 18.0, 25.0, 40.0])
+    x = np.sqrt(r**2 - 100.0)
+    azimuth = (np.arange(2_000_000) + 0.5) / 2_000_000 * 0.5 * math.pi
+    inside = [np.mean(xk / rk * np.sin(azimuth) <= math.sin(arrays.half_width)) for xk, rk in zip(x, r)]
+    return r, x * 2.0 * arrays.half_width, along_track_width(arrays, x, r), math.pi * x * np.array(inside)
+
+
+def _width_off(widths: Curve) -> float:
+    return float(100.0 * np.abs(widths / _widths()[3] - 1.0).max())
+
+
+def _draw_widths(figure: Figure) -> None:
+    r, wedge, cone, counted = _widths()
+    axes = add_panel(figure, x="slant range, 10 m above the bed (m)", y="bed within the beam (m)")
+    axes.plot(r, wedge, color=WRONG, label="wedge between two planes, x θ")
+    axes.plot(r, cone, color=RIGHT, label="cone about the track, near r θ")
+    axes.plot(r, counted, "o", color=INK, markersize=3, label="counted azimuth by azimuth")
+    add_legend(axes)
+
+
+def _draw_sparse(figure: Figure) -> None:
+    scene = _sparse()
+    half, apart = math.radians(0.25), scene.track.speed / scene.sonar.ping_rate
+    axes = add_panel(figure, x="along the track (m)", y="across (m)")
+    for ping in range(scene.track.pings):
+        x = ping * apart
+        axes.fill([x, x - 25.0 * half, x + 25.0 * half], [0.0, 25.0, 25.0], color=FAINT, alpha=0.35, linewidth=0)
+    places = np.array([target.position[:2] for target in scene.targets])
+    axes.plot(places[:, 0], places[:, 1], "o", color=WRONG, markersize=5, label="targets, which no beam meets")
+    axes.fill([], [], color=FAINT, alpha=0.35, label="beams of the pings")
+    reason = next(entry.reason for entry in plan(scene).entries if "can be missed" in entry.reason)
+    axes.set_title("\n".join(wrap(f"own plan: {reason}", 110)), fontsize=8.5, color=RIGHT, loc="left")
+    axes.set_ylim(-9.0, 26.0)
+    add_legend(axes, "lower right")
+
+
+CASES = (
+    StabilityCase(
+        "Too few planes across a fan",
+        "A target narrower than the distance between two planes is heard when one meets it and not in between.",
+        "swing of a small ball's echo within the beam", "%",
+        Approach("Cuts the beam into as few planes as a tolerance of 1 allows.",
+                 lambda: _comb(_past_a_ball().few), 100.0),
+        Approach("Lets the plan choose by the ball and how wide the beam is there.",
+            lambda: _comb(_past_a_ball().planned), 30.0),
+        _draw_comb,
+        "breaks-comb",
+    ),
+    StabilityCase(
+        "Pings that beat with ripples",
+        "A knife looks at a line of the bed each time, and ripples about as long as the way between two lines come "
+        "back as bands many times as long.",
+        "contrast along the track of bands longer than four ripples", "%",
+        Approach("Looks at lines as far apart as the ripples are long.",
+                 lambda: _beats(_towed_over_ripples()[0]), 50.0),
+        Approach("Hears a fan that is wider than the way between two pings.",
+            lambda: _beats(_towed_over_ripples()[1]), 20.0),
+        _draw_beats,
+        "breaks-beats",
+    ),
+    StabilityCase(
+        "Pings too far apart",
+        "Between two pings the fish moves on by more than its beam is wide.",
+        "targets missed without a word", "of 5",
+        Approach("Simulates what is asked for.", _missed, 3.0),
+        Approach("Says in the plan up to which range what is narrow can be missed.", _missed_unsaid, 0.0),
+        _draw_sparse,
+    ),
+    StabilityCase(
+        "A cone taken for a wedge",
+        "A beam keeps its angle to the track, not to a plane: at slant range r it takes in r θ of bed, not x θ.",
+        "error of the width it takes in", "%",
+        Approach("Takes ground range times the beam's angle.", lambda: _width_off(_widths()[1]), 30.0),
+        Approach("Takes all azimuths with cos θ · |sin φ| within the beam.", lambda: _width_off(_widths()[2]), 0.01),
+        _draw_widths,
+    ),
+)  # fmt: skip
