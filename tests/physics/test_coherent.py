@@ -12,8 +12,9 @@ from scipy import stats
 from beds import arrays_of, gaussian_pattern, icosphere, mesh_of, poses_of, rough
 from insonify.acoustics.pulses import envelope, pulse_taps
 from insonify.kernels.common.hashing import hash_integers, splitmix64
+from insonify.kernels.common.streams import BED_SCATTERERS
 from insonify.kernels.receiver.pulse import convolve_pulse
-from insonify.kernels.speckle.scatterers import BED_STREAM, LOT, Scatterers
+from insonify.kernels.speckle.scatterers import LOT, Scatterers
 from insonify.packing.navigation import take_poses
 from insonify.packing.surface_patches import make_surface_patches
 from insonify.scene import SceneError, edit, load_scene
@@ -345,7 +346,7 @@ def test_it_is_what_a_slow_obvious_sum_of_waves_gives():
     middle, around = np.floor(np.array([x, y]) / pitch).astype(int), math.ceil(8.0 / pitch)
     for row, column in itertools.product(range(-around, around + 1), repeat=2):
         i, j = column + int(middle[0]), row + int(middle[1])
-        key = int(hash_integers(seed, BED_STREAM, i, j, 0))
+        key = int(hash_integers(seed, BED_SCATTERERS, i, j, 0))
         for member in range(int(stats.poisson.ppf((key >> 32) / 2**32, LOT))):
             place = int(splitmix64(np.uint64(key ^ (member + 1))))
             wave = int(splitmix64(np.uint64(place)))

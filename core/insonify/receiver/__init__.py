@@ -1,4 +1,4 @@
-"""The receiver: from what a tracer hears to what the record shows."""
+"""The receiver: from the traced intensities of an ideal pulse to the intensities of the record."""
 
 from insonify.receiver.reception import Reception, make_reception, receive, record_echoes
 

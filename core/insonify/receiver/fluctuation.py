@@ -1,4 +1,4 @@
-"""Pings differ: the water between is never quite the same."""
+"""Fluctuation of gain and travel time from ping to ping, as turbulent water causes it."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.common.streams import PING_DELAY, PING_GAIN
 from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.receiver.pulse import delay_pings
 from insonify.kernels.speckle.random_fields import fill_slow_normals
 from insonify.scene import Scene
 from insonify.scene.fluctuations.none import NoFluctuation
 
-GAIN_STREAM, TIME_STREAM = 3000, 3001
-# Noise smoothed by a triangle of half width 1 has the cubic B-spline for its correlation: it is 1/e at this distance.
-TRIANGLE_TIME = 0.85972
+# White noise smoothed by a triangle of half width 1 is correlated by the cubic B-spline, which is 1/e at this lag.
+CORRELATION_LAG = 0.85972
 
 
 @dataclass(frozen=True)
 class Fluctuation:
-    """Gain and delay of every ping.
+    """Gain and delay of the pings, two slow random processes.
 
     Attributes
     ----------
     seed : int
-        What they derive from.
+        Seed of both processes.
     half_width : float
-        Of the triangle that smooths them, in pings.
+        Half width of the triangle that smooths white noise into them, in pings.
     spread : float
         Standard deviation of the logarithm of the gain.
     delay : float
@@ -42,19 +42,19 @@ class Fluctuation:
 
     def gains(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Lognormal factors of mean 1, (n, 1, 1)."""
-        level = self.spread * self._wander(pings, GAIN_STREAM)
+        level = self.spread * self._slow_normals(pings, PING_GAIN)
         return np.exp(level - 0.5 * self.spread**2).astype(np.float32)[:, None, None]
 
     def shifted(self, record: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
-        """Delay the echoes of every ping; ``record`` itself where nothing is delayed."""
+        """Record with the echoes of every ping delayed; ``record`` itself where the delay is 0."""
         if self.delay == 0.0:
             return record
         out = np.empty_like(record)
-        delay_pings(record, self.delay * self._wander(pings, TIME_STREAM), out)
+        delay_pings(record, self.delay * self._slow_normals(pings, PING_DELAY), out)
         return out
 
-    def _wander(self, pings: NDArray[np.int64], stream: int) -> NDArray[np.float64]:
-        """Stationary standard normal numbers."""
+    def _slow_normals(self, pings: NDArray[np.int64], stream: int) -> NDArray[np.float64]:
+        """One number for each ping of a stationary normal process of mean 0 and variance 1."""
         out = np.empty(pings.size)
         spacing = 2 ** max(0, math.floor(math.log2(0.5 * self.half_width)))
         fill_slow_normals(self.seed, stream, pings, self.half_width, spacing, out)
@@ -62,14 +62,14 @@ class Fluctuation:
 
 
 def make_fluctuation(scene: Scene, arrays: SceneArrays) -> Fluctuation | None:
-    """Derive a scene's fluctuation, None where it has none."""
+    """Fluctuation that a scene declares, None where it declares none."""
     declared = scene.receiver.fluctuation
     if isinstance(declared, NoFluctuation):
         return None
     pings = declared.correlation_time * scene.sonar.ping_rate  # type: ignore[attr-defined]
     return Fluctuation(
         seed=scene.seed,
-        half_width=max(pings / TRIANGLE_TIME, 0.5),
+        half_width=max(pings / CORRELATION_LAG, 0.5),
         spread=declared.level * math.log(10.0) / 10.0,  # type: ignore[attr-defined]
         delay=0.5 * arrays.water.reference * declared.travel_time / arrays.bin_length,  # type: ignore[attr-defined]
     )

@@ -1,4 +1,4 @@
-"""Levels: reverberation, ambient noise and time-varied gain, as mean intensities and factors of every bin."""
+"""Mean intensities of reverberation and ambient noise, and the time-varied gain of every bin."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from insonify.scene.reverberations.surface import SurfaceReverberation
 from insonify.scene.reverberations.volume import VolumeReverberation
 
 Curve = NDArray[np.float64]
-SMALLEST = float(np.finfo(np.float32).tiny)  # the floor of a record without noise
-MOST = 330.0  # dB by which source and gain together may lift an echo: float32 ends at 385
+SMALLEST = float(np.finfo(np.float32).tiny)  # intensity that stands for the noise floor where there is no noise
+GREATEST_GAIN = 330.0  # dB, of source level and gain together: float32 ends at 385 dB
 
 
 def power(level: float) -> float:
-    """Turn decibels into a ratio of powers."""
+    """Ratio of powers of a level in decibels."""
     return float(10.0 ** (level / 10.0))
 
 
 def reverberation(declared: ReverberationKind, arrays: SceneArrays, altitude: float, depth: float) -> Curve:
-    """Mean echo of the water and its surface for a pulse of one bin, (bins,); zero where nothing of it is declared."""
+    """Mean intensity of volume and surface reverberation for a pulse of one bin, (bins,); 0 where none is declared."""
     echo = np.zeros(arrays.bins)
     if isinstance(declared, (VolumeReverberation, WholeReverberation)):
         echo += power(declared.volume_strength) * volume_echo(arrays, altitude, depth)
@@ -37,26 +37,26 @@ def reverberation(declared: ReverberationKind, arrays: SceneArrays, altitude: fl
 
 
 def noise_level(scene: Scene) -> float:
-    """Mean intensity of the noise, before the time-varied gain."""
+    """Mean intensity of the ambient noise before the time-varied gain."""
     declared = scene.receiver.noise
     return power(declared.level) if isinstance(declared, AmbientNoise) else 0.0
 
 
 def crosstalk(scene: Scene) -> float:
-    """Share of its energy with which each side's echo is heard on the other."""
+    """Share of the energy of each channel that leaks into the other."""
     level = scene.receiver.crosstalk
     return 0.0 if level is None else power(level)
 
 
 def time_varied_gain(scene: Scene, arrays: SceneArrays, echo: Curve, noise: float, depth: float) -> Curve:
-    """Gain of every bin.
+    """Factor of intensity by which the time-varied gain lifts every bin.
 
     Parameters
     ----------
     scene : Scene
-    problem : Problem
+    arrays : SceneArrays
     echo : (bins,) float64
-        Of a level bed that scatters all that arrives, as it reaches the receiver.
+        Intensity at the receiver of the echo of a level Lambert bed of albedo 1.
     noise : float
         Mean intensity of the noise.
     depth : float
@@ -65,9 +65,8 @@ def time_varied_gain(scene: Scene, arrays: SceneArrays, echo: Curve, noise: floa
     Returns
     -------
     (bins,) float64
-        10^((spreading · log₁₀ r + 2αr)/10), r in metres and α in dB/m, as far as that echo stands above the noise;
-        farther out the gain stays as it is there, for it would lift nothing but noise. With the source it lifts by no
-        more than `MOST`.
+        10^((spreading · log₁₀ r + 2αr)/10), r in metres and α in dB/m, out to the range where that echo falls below
+        the noise, and constant beyond. Source level and gain together are limited to `GREATEST_GAIN`.
     """
     declared = scene.receiver.tvg
     if isinstance(declared, NoTvg):
@@ -77,7 +76,7 @@ def time_varied_gain(scene: Scene, arrays: SceneArrays, echo: Curve, noise: floa
         loss = absorption_coefficient(scene.water.absorption, scene.sonar.frequency, abs(depth))
     else:
         loss = declared.absorption * NEPER_PER_DB / 1e3  # type: ignore[attr-defined]
-    heard = np.flatnonzero(echo > max(noise, SMALLEST))
-    r = np.minimum(r, r[heard[-1]] if heard.size else r[0])
+    audible = np.flatnonzero(echo > max(noise, SMALLEST))
+    r = np.minimum(r, r[audible[-1]] if audible.size else r[0])
     decibels = declared.spreading * np.log10(r) + 2.0 * loss / NEPER_PER_DB * r  # type: ignore[attr-defined]
-    return np.asarray(10.0 ** (np.minimum(decibels, MOST - scene.receiver.source_level) / 10.0))
+    return np.asarray(10.0 ** (np.minimum(decibels, GREATEST_GAIN - scene.receiver.source_level) / 10.0))

@@ -1,4 +1,4 @@
-"""Correlated random fields over pings and bins."""
+"""Random fields of exponential numbers, correlated over pings and bins."""
 
 from __future__ import annotations
 
@@ -10,23 +10,24 @@ from numpy.typing import NDArray
 
 from insonify.kernels.speckle.random_fields import add_filtered_energy, fill_white_noise, smooth_noise
 
-# ∫|ρ|² of noise smoothed by a triangle of half width 1: ρ is the cubic B-spline.
+# ∫|ρ|² of white noise smoothed by a triangle of half width 1: its correlation ρ is the cubic B-spline.
 TRIANGLE_INTERVAL = 151.0 / 140.0
-NARROWEST = 0.5  # pings; a triangle no wider than one ping's distance meets one ping alone
+NARROWEST_TRIANGLE = 0.5  # pings; a triangle no wider than the distance of pings holds a single ping
 
 
 @dataclass(frozen=True, eq=False)
-class Field:
+class ExponentialField:
     """Exponential numbers of mean 1, a function of ping, side and bin alone.
 
     Attributes
     ----------
     seed, stream : int
-        What they derive from; looks take the following streams.
+        Seed and stream of the hash; further looks take the following streams.
     taps : (m,) float32
-        Weights by which a bin hears noise of its own and of those before it; their squares sum to 1.
+        Weights of the noise of a bin and of the bins before it; their squares sum to 1.
     half_width : (m - 1 + bins,) float64
-        Of the triangle that smooths the noise along the track, in pings; of every bin, begun m - 1 bins early.
+        Half width of the triangle that smooths the noise along the track, in pings, of every bin, starting m - 1 bins
+        before the first.
     """
 
     seed: int
@@ -35,7 +36,7 @@ class Field:
     half_width: NDArray[np.float64]
 
     def energies(self, pings: NDArray[np.int64], looks: int = 1) -> NDArray[np.float32]:
-        """Mean of so many independent exponential fields, (n, 2, bins)."""
+        """Mean of ``looks`` independent exponential fields, (n, 2, bins)."""
         bins = self.half_width.size - self.taps.size + 1
         out = np.zeros((pings.size, 2, bins), np.float32)
         for look in range(looks):
@@ -62,29 +63,29 @@ class Field:
         return real, imaginary
 
     def _bands(self) -> list[tuple[int, slice]]:
-        """Find runs of bins that share a spacing of nodes, in pings."""
+        """Spacings of nodes in pings, with the runs of bins that share them."""
         spacings = 2 ** np.floor(np.log2(np.maximum(0.5 * self.half_width, 1.0))).astype(np.int64)
         edges = [0, *(np.flatnonzero(np.diff(spacings)) + 1).tolist(), spacings.size]
         return [(int(spacings[low]), slice(low, high)) for low, high in pairwise(edges) if high > low]
 
 
-def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDArray[np.float64]) -> Field:
-    """Make a field of a given correlation.
+def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDArray[np.float64]) -> ExponentialField:
+    """Random field with a given correlation along range and along the track.
 
     Parameters
     ----------
     seed, stream : int
-        What it derives from.
+        Seed and stream of the hash.
     taps : (m,) float64
         From `insonify.acoustics.pulses.coherent_taps`.
     interval : (bins,) float64
-        ∫|ρ|² along the track, in pings, where |ρ|² is the correlation of the energies; 1 and less is independent.
-        Of a few pings it is kept to some 5 %, for the triangle is sampled there.
+        ∫|ρ|² along the track, in pings, where |ρ|² is the correlation of the energies; up to 1, pings are independent.
+        Intervals of a few pings are met to 5 %, because the triangle is sampled at whole pings.
 
     Returns
     -------
-    Field
+    ExponentialField
     """
-    wide = np.maximum(interval / TRIANGLE_INTERVAL, NARROWEST)
+    wide = np.maximum(interval / TRIANGLE_INTERVAL, NARROWEST_TRIANGLE)
     early = np.full(taps.size - 1, wide[0])
-    return Field(seed, stream, taps.astype(np.float32), np.concatenate([early, wide]))
+    return ExponentialField(seed, stream, taps.astype(np.float32), np.concatenate([early, wide]))

@@ -1,4 +1,4 @@
-"""The way of an echo through the receiver, in order."""
+"""Receiver chain: pulse, reverberation, speckle, crosstalk, fluctuation, source level, noise and gain, in order."""
 
 from __future__ import annotations
 
@@ -10,45 +10,45 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps
+from insonify.kernels.common.streams import AMBIENT_NOISE
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.receiver.pulse import convolve_pulse
 from insonify.parallel import in_parallel
 from insonify.receiver.fluctuation import Fluctuation, make_fluctuation
 from insonify.receiver.levels import crosstalk, noise_level, power, reverberation, time_varied_gain
-from insonify.receiver.random_fields import Field, make_field
+from insonify.receiver.random_fields import ExponentialField, make_field
 from insonify.receiver.speckle import Speckle, divide_by_shape, make_speckle
 from insonify.scene import Scene
 from insonify.scene.speckles.coherent import Coherent
 
-NOISE_STREAM = 4000
 Record = NDArray[np.float32]
 Curve = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Reception:
-    """A scene's receiver, made ready for any of its pings.
+    """The receiver of a scene, prepared for any of its pings.
 
     Attributes
     ----------
     taps : Taps
-        Of the pulse.
+        Energy that the pulse spreads over neighbouring bins.
     reverberation : (bins,) float64
-        Mean intensity of what the water and its surface echo.
+        Mean intensity of volume and surface reverberation.
     fluctuation, speckle : Fluctuation, Speckle or None
         None where the scene has none.
     divided_by_shape : (materials, 3) float64 or None
         Reflectivities over the shape of each material's K speckle; None where the receiver's own shape holds for all.
     coherent : bool
-        Whether what is traced has been through the pulse and is speckled already, scatterer by scatterer.
+        Whether traced intensities already hold pulse and speckle, because single scatterers interfered.
     crosstalk : float
-        Share of its energy with which each side's echo is heard on the other.
+        Share of the energy of each channel that leaks into the other.
     source : float
-        Intensity of the source at 1 m.
+        Source level as a factor of intensity.
     noise : float
         Mean intensity of the noise.
-    noise_field : Field
-        How it is distributed.
+    noise_field : ExponentialField
+        Distribution of the noise about that mean.
     gain : (bins,) float64
         Time-varied gain.
     """
@@ -62,25 +62,25 @@ class Reception:
     crosstalk: float
     source: float
     noise: float
-    noise_field: Field
+    noise_field: ExponentialField
     gain: Curve
 
     def expected(self, echo: Curve) -> Curve:
-        """Mean record of an even bed whose every bin echoes so, (bins,): all but what the water does."""
+        """Mean record of an even bed with the given echo of an ideal pulse, without reverberation, (bins,)."""
         return (echo * self.taps.weights.sum() * self.source + self.noise) * self.gain
 
 
 def make_reception(
     scene: Scene, arrays: SceneArrays, *, altitude: float, depth: float, k_shapes: Sequence[float | None] = ()
 ) -> Reception:
-    """Make a scene's receiver ready.
+    """Prepare the receiver of a scene.
 
     Parameters
     ----------
     scene : Scene
-        Its pulse, receiver and seed apply.
-    problem : Problem
-        The scene as tracers take it.
+        Gives pulse, receiver and seed.
+    arrays : SceneArrays
+        The packed scene.
     altitude, depth : float
         Height of the sonar above the mean bed, and its depth, in metres.
     k_shapes : sequence of float or None
@@ -93,7 +93,7 @@ def make_reception(
     speed, pulse = arrays.water.reference, scene.sonar.pulse
     taps = pulse_taps(pulse, speed, arrays.bin_length)
     if arrays.law == LIGHT:
-        # The paper's radiance stays what it is, however long the pulse.
+        # Law light: the radiance of the paper does not depend on the length of the pulse.
         taps = Taps(taps.weights / taps.weights.sum(), taps.before)
     coherent = coherent_taps(pulse, speed, arrays.bin_length)
     source, noise = power(scene.receiver.source_level), noise_level(scene)
@@ -101,7 +101,7 @@ def make_reception(
     water = reverberation(scene.receiver.reverberation, arrays, altitude, depth).astype(np.float32)
     return Reception(
         taps=taps,
-        reverberation=_through(taps, water[None, None])[0, 0].astype(np.float64),
+        reverberation=_convolved(taps, water[None, None])[0, 0].astype(np.float64),
         fluctuation=make_fluctuation(scene, arrays),
         speckle=make_speckle(scene, arrays),
         divided_by_shape=divide_by_shape(scene, arrays, k_shapes),
@@ -109,7 +109,7 @@ def make_reception(
         crosstalk=crosstalk(scene),
         source=source,
         noise=noise,
-        noise_field=make_field(scene.seed, NOISE_STREAM, coherent, np.zeros(arrays.bins)),
+        noise_field=make_field(scene.seed, AMBIENT_NOISE, coherent, np.zeros(arrays.bins)),
         gain=time_varied_gain(scene, arrays, echo, noise, depth),
     )
 
@@ -130,7 +130,7 @@ def record_echoes(
         divided by its material's shape: echoes are linear in the reflectivity, so that the ratio of both is the mean
         of 1/ν over what a bin hears.
     pings : (n,) int64
-        Their numbers.
+        Ping numbers.
 
     Returns
     -------
@@ -157,9 +157,9 @@ def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], divi
     reception : Reception
         From `make_reception`.
     traced : (n, 2, bins) float32
-        Intensity of an ideal pulse, or of scatterers that have interfered.
+        Intensity for an ideal pulse, or of interfering scatterers.
     pings : (n,) int64
-        Their numbers.
+        Ping numbers.
     divided : (n, 2, bins) float32, optional
         Intensity of the same echoes, each divided by the shape of its material's K speckle; the receiver's own shape
         holds for all when left out.
@@ -184,7 +184,7 @@ def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], divi
 
 
 def _speckled(reception: Reception, traced: Record, pings: NDArray[np.int64], divided: Record | None) -> Record:
-    """Let the pulse lengthen every echo, and multiply what comes of it by speckle, unless waves have done both."""
+    """Record after pulse, reverberation and speckle, unless coherent scatterers hold pulse and speckle already."""
     if reception.coherent:
         return _interfered(reception, traced, pings)
     record = _delayed(reception, traced, pings)
@@ -192,22 +192,22 @@ def _speckled(reception: Reception, traced: Record, pings: NDArray[np.int64], di
         return record
     inverse_shape: Record | None = None
     if divided is not None:
-        # The mean of 1/ν over what a bin hears.
+        # Mean of 1/ν over the echoes of a bin, weighted by their energy.
         weighted = _delayed(reception, divided, pings, reception.speckle.inverse_shape)
         inverse_shape = np.divide(weighted, record, out=np.zeros_like(record), where=record > 0.0)
     return record * reception.speckle.factors(pings, inverse_shape)
 
 
 def _interfered(reception: Reception, traced: Record, pings: NDArray[np.int64]) -> Record:
-    """Add the energy of the water's own speckled echo, and let the water delay it all."""
+    """Add speckled reverberation to coherent echoes, then delay the pings."""
     record = traced
     if reception.speckle is not None and reception.reverberation.any():
         record = record + reception.reverberation.astype(np.float32) * reception.speckle.factors(pings)
     return record if reception.fluctuation is None else reception.fluctuation.shifted(record, pings)
 
 
-def _through(taps: Taps, traced: Record) -> Record:
-    """Let every echo last as long as the pulse; ``traced`` itself for an ideal one."""
+def _convolved(taps: Taps, traced: Record) -> Record:
+    """Echoes spread by the pulse over range bins; ``traced`` itself for an ideal pulse."""
     if taps.weights.size == 1:
         return traced
     record = np.zeros_like(traced)
@@ -216,8 +216,8 @@ def _through(taps: Taps, traced: Record) -> Record:
 
 
 def _delayed(reception: Reception, traced: Record, pings: NDArray[np.int64], share: float = 1.0) -> Record:
-    """Add to the pulse's echoes that share of the reverberation, and let the water delay it all."""
-    record = _through(reception.taps, traced)
+    """Convolve echoes with the pulse, add a share of the reverberation, delay the pings."""
+    record = _convolved(reception.taps, traced)
     if reception.reverberation.any():
         record = record + (share * reception.reverberation).astype(np.float32)
     return record if reception.fluctuation is None else reception.fluctuation.shifted(record, pings)

@@ -1,4 +1,4 @@
-"""Speckle: many scatterers in a cell interfere, and where there are few their number shows too."""
+"""Speckle as factors of intensity: Rayleigh for many scatterers in a cell, K where their density varies."""
 
 from __future__ import annotations
 
@@ -13,43 +13,43 @@ from scipy import special
 
 from insonify.acoustics.pulses import coherent_taps, pulse_taps
 from insonify.acoustics.resolution_cell import along_track_angle, bin_centres, coherence_angle
+from insonify.kernels.common.streams import SPECKLE, TEXTURE
 from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.speckle.random_fields import transform_distribution
-from insonify.receiver.random_fields import Field, make_field
+from insonify.receiver.random_fields import ExponentialField, make_field
 from insonify.scene import Scene
 from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.speckles.k import K
 from insonify.scene.speckles.none import NoSpeckle
 
-SPECKLE_STREAM, TEXTURE_STREAM = 1000, 2000
 SMALLEST_SHAPE, LARGEST_SHAPE = 0.05, 1e4
-ROWS = 8  # of the table, per doubling of the shape
+ROWS = 8  # of the table of quantiles, per doubling of the shape
 COLUMNS = 16  # per doubling of the exponential number
-FIRST_COLUMN, LAST_COLUMN = -12.0, 5.5  # log₂ of that number; beyond 2^5.5 lies 1 in 10¹⁹
+FIRST_COLUMN, LAST_COLUMN = -12.0, 5.5  # log₂ of that number; beyond 2^5.5 lies 1 number in 10¹⁹
 
 
 @dataclass(frozen=True, eq=False)
-class Texture:
-    """Strength of the bed about its mean, gamma-distributed.
+class BedTexture:
+    """Gamma-distributed strength of the bed about its mean, the texture of K speckle.
 
     Attributes
     ----------
-    field : Field
-        Exponential numbers that keep together as cells overlap.
+    field : ExponentialField
+        Exponential numbers, correlated as far as resolution cells overlap.
     shape : float
-        ν of the gamma distribution, in a cell of the size that it refers to.
+        ν of the gamma distribution in a cell of the reference size.
     growth : (bins,) float64
-        Size of the cells there over that one.
+        Size of the resolution cells over the reference size.
     """
 
-    field: Field
+    field: ExponentialField
     shape: float
     growth: NDArray[np.float64]
 
     def strengths(
         self, pings: NDArray[np.int64], inverse_shape: NDArray[np.float32] | None = None
     ) -> NDArray[np.float32]:
-        """Gamma numbers of mean 1 and variance 1/ν, (n, 2, bins); ν as each bin's ground has it, or the receiver's."""
+        """Gamma numbers of mean 1 and variance 1/ν, (n, 2, bins), for the 1/ν of each bin or the receiver's own ν."""
         strengths = self.field.energies(pings)
         shape = self.shape if inverse_shape is None else 1.0 / np.maximum(inverse_shape, 1.0 / LARGEST_SHAPE)
         octaves = np.log2(np.clip(shape * self.growth, SMALLEST_SHAPE, LARGEST_SHAPE) / SMALLEST_SHAPE)
@@ -60,21 +60,21 @@ class Texture:
 
 @dataclass(frozen=True, eq=False)
 class Speckle:
-    """What the receiver multiplies every bin by.
+    """Random factors of mean 1 by which the receiver multiplies the bins.
 
     Attributes
     ----------
-    field : Field
-        Interference of scatterers.
+    field : ExponentialField
+        Energy of interfering scatterers.
     looks : int
         Independent records averaged.
-    texture : Texture or None
-        For K speckle.
+    texture : BedTexture or None
+        Present for K speckle.
     """
 
-    field: Field
+    field: ExponentialField
     looks: int
-    texture: Texture | None
+    texture: BedTexture | None
 
     @property
     def inverse_shape(self) -> float:
@@ -84,19 +84,19 @@ class Speckle:
     def factors(
         self, pings: NDArray[np.int64], inverse_shape: NDArray[np.float32] | None = None
     ) -> NDArray[np.float32]:
-        """Numbers of mean 1, (n, 2, bins); for K speckle by 1/ν of each bin's ground, or the receiver's own."""
+        """Factors of mean 1, (n, 2, bins); K speckle takes the 1/ν of each bin or the receiver's own ν."""
         factors = self.field.energies(pings, self.looks)
         return factors if self.texture is None else factors * self.texture.strengths(pings, inverse_shape)
 
 
 def make_speckle(scene: Scene, arrays: SceneArrays) -> Speckle | None:
-    """Derive a scene's speckle, None where it has none.
+    """Speckle that a scene declares, None where it declares none.
 
-    Along range, scatterers interfere as far as the pulse reaches. Along the track two pings d apart hear the same
-    scatterers at an angle φ with phases 2kdφ apart, so that their amplitudes correlate as the transform of the beam's
-    two-way energy, sin(kdθ)/(kdθ) for a fan (the theorem of van Cittert and Zernike; Goodman, Speckle Phenomena in
-    Optics): ∫|ρ|² = λ/2θ, half an array's length at any range. The strength of the bed itself has no phase: it stays
-    the same as long as cells overlap, rθ along the track.
+    Along range, scatterers interfere over the length of the pulse. Along the track, two pings a distance d apart
+    receive a scatterer at angle φ with phases 2kdφ apart. Their amplitudes correlate as the transform of the two-way
+    beam pattern, sin(kdθ)/(kdθ) for a fan (van Cittert-Zernike theorem; Goodman, Speckle Phenomena in Optics), so that
+    ∫|ρ|² = λ/2θ, half the length of an array, at any range. The texture of the bed has no phase and correlates as far
+    as resolution cells overlap, rθ along the track.
     """
     declared = scene.receiver.speckle
     if isinstance(declared, NoSpeckle):
@@ -105,15 +105,17 @@ def make_speckle(scene: Scene, arrays: SceneArrays) -> Speckle | None:
     taps = coherent_taps(pulse, speed, arrays.bin_length)
     advance = scene.track.speed / scene.sonar.ping_rate
     wavelength = speed / scene.sonar.frequency
-    field = make_field(scene.seed, SPECKLE_STREAM, taps, 0.5 * wavelength / coherence_angle(arrays) / advance)
+    field = make_field(scene.seed, SPECKLE, taps, 0.5 * wavelength / coherence_angle(arrays) / advance)
     if isinstance(declared, Coherent):
-        return Speckle(field, 1, None)  # of the water; the bed's own scatterers interfere one by one
+        return Speckle(
+            field, 1, None
+        )  # of the reverberation; the scatterers of the bed interfere one by one in the tracer
     if not isinstance(declared, K):
         return Speckle(field, declared.looks, None)  # type: ignore[attr-defined]
     width = along_track_angle(arrays) * bin_centres(arrays)
     length = float(pulse_taps(pulse, speed, arrays.bin_length).weights.sum()) * arrays.bin_length
     growth = np.ones(arrays.bins) if declared.cell is None else width * length / declared.cell
-    texture = Texture(make_field(scene.seed, TEXTURE_STREAM, taps, width / advance), declared.shape, growth)
+    texture = BedTexture(make_field(scene.seed, TEXTURE, taps, width / advance), declared.shape, growth)
     return Speckle(field, declared.looks, texture)
 
 
@@ -144,18 +146,18 @@ def divide_by_shape(scene: Scene, arrays: SceneArrays, k_shapes: Sequence[float 
 
 @lru_cache(maxsize=1)
 def shape_table() -> NDArray[np.float32]:
-    """Turn exponential numbers E into gamma numbers T of the same rank and mean 1.
+    """Table from exponential numbers E to gamma numbers T of the same quantile, both of mean 1.
 
     Returns
     -------
     (rows, columns) float32
-        log₂ T; rows at steps of 1/8 of log₂ ν, columns at steps of 1/16 of log₂ E. T = E for ν = 1, and T grows as
-        E^(1/ν) below the table. Read between its rows and columns it keeps mean and variance to 0.1 %.
+        log₂ T; rows at steps of 1/8 in log₂ ν, columns at steps of 1/16 in log₂ E. T = E for ν = 1, and T grows as
+        E^(1/ν) below the table. Bilinear interpolation keeps mean and variance to 0.1 %.
     """
     octaves = math.ceil(math.log2(LARGEST_SHAPE / SMALLEST_SHAPE) * ROWS)
     shape = SMALLEST_SHAPE * 2.0 ** (np.arange(octaves + 1)[:, None] / ROWS)
     energy = 2.0 ** np.arange(FIRST_COLUMN, LAST_COLUMN + 0.5 / COLUMNS, 1.0 / COLUMNS)
     few, many = energy[energy < 1.0], energy[energy >= 1.0]
-    # Each half by the tail that is small.
+    # Each half is inverted by its smaller tail, which keeps its digits.
     low, high = special.gammaincinv(shape, -np.expm1(-few)), special.gammainccinv(shape, np.exp(-many))
     return np.log2(np.concatenate([low, high], axis=1) / shape).astype(np.float32)

@@ -22,6 +22,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from insonify.kernels.common.streams import RELIEF_BAND
 from insonify.terrain.densities import Density
 from insonify.terrain.noise import lattice_noise
 
@@ -36,7 +37,6 @@ FAINT = 1e-9  # share of the variance that may be left out
 HALF_BAND = 12  # pairs of taps between two samples
 KAISER = 9.0  # shape of their window: images 90 dB down
 KEPT_TILES = 40  # of one pyramid, 2 MB each
-STREAMS = 1 << 14  # between those of one field
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,9 @@ class EndlessField:
         self._spacing, self._bands = spacing, bands
         self._top = _Lattice(self._above, spacing, TAPS << (self._first - 1), seed, stream)
         self._moved = [
-            tuple(_Pyramid(band, spacing, self._first, seed, stream + STREAMS * (2 * k + 1 + part)) for part in parts)
+            tuple(
+                _Pyramid(band, spacing, self._first, seed, stream + RELIEF_BAND * (2 * k + 1 + part)) for part in parts
+            )
             for k, band in enumerate(bands)
             for parts in [(0,) if band.wave is None else (0, 1)]
         ]

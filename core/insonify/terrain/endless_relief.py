@@ -8,6 +8,7 @@ from statistics import NormalDist
 
 import numpy as np
 
+from insonify.kernels.common.streams import RELIEF, RELIEF_MASK, RELIEF_PART
 from insonify.scene.autocorrelations.exponential import ExponentialAutocorrelation
 from insonify.scene.autocorrelations.gaussian import GaussianAutocorrelation
 from insonify.scene.masks.patches import Patchy
@@ -31,7 +32,7 @@ from insonify.terrain.densities import (
 )
 from insonify.terrain.endless import Band, EndlessField
 from insonify.terrain.shapes import mask_share, shaped_ripples
-from insonify.terrain.spectra import MASK, PART, RELIEF, Field, decay_about, half_plane
+from insonify.terrain.spectra import Field, decay_about, half_plane
 
 Tiles = Callable[[int, int], Field]
 
@@ -54,7 +55,7 @@ def endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) 
         Of a tile's row and column, whose nodes are (row · TILE + j, column · TILE + i): (TILE, TILE) float64, metres
         above the mean bed.
     """
-    made = [_masked(part, spacing, seed, PART * number) for number, part in enumerate(parts)]
+    made = [_masked(part, spacing, seed, RELIEF_PART * number) for number, part in enumerate(parts)]
 
     return lambda row, column: np.asarray(np.sum([part(row, column) for part in made], axis=0))
 
@@ -64,7 +65,7 @@ def _masked(relief: RandomRelief, spacing: float, seed: int, stream: int) -> Til
     if not isinstance(relief.mask, Patchy):
         return heights
     mask = relief.mask
-    field = EndlessField((Band(mask_density(mask), mask_spread(mask)),), spacing, seed, MASK + stream)
+    field = EndlessField((Band(mask_density(mask), mask_spread(mask)),), spacing, seed, RELIEF_MASK + stream)
     level, threshold = math.sqrt(field.variance), NormalDist().inv_cdf(1.0 - mask.share)
     return lambda row, column: heights(row, column) * mask_share(mask, field.tile(row, column) / level, threshold)
 

@@ -12,12 +12,13 @@ import numpy as np
 
 from insonify.errors import located
 from insonify.kernels.bed.nearest_seed import voronoi_materials
+from insonify.kernels.common.streams import MATERIAL_BANDS, MATERIAL_PATCHES
 from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs.fractal import Fractal
 from insonify.terrain.endless import TILE, EndlessField
 from insonify.terrain.endless_relief import fractal_bands
 from insonify.terrain.lattice import Lattice, Map
-from insonify.terrain.spectra import MATERIAL_BANDS, MATERIAL_PATCHES, synthesise
+from insonify.terrain.spectra import synthesise
 
 Cuts = tuple[float, ...]
 

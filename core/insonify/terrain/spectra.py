@@ -16,15 +16,12 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from insonify.kernels.common.hashing import wave_noise
+from insonify.kernels.common.streams import RELIEF
 from insonify.scene.reliefs.fractal import Fractal
 
 Shape = tuple[int, int]
 Field = NDArray[np.float64]
 Waves = NDArray[np.complex128]
-
-# Two purposes never share random numbers, nor do two parts of a sum.
-RELIEF, MATERIAL_BANDS, MATERIAL_PATCHES, MASK = 1, 2, 3, 4
-PART = 1 << 20
 
 # Noise larger than this is made anew rather than kept: 2048 squared takes 34 MB.
 KEPT_CELLS = 2048**2

@@ -8,6 +8,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from insonify.kernels.common.streams import RELIEF, RELIEF_MASK, RELIEF_PART
 from insonify.scene.masks.patches import Patchy
 from insonify.scene.reliefs.autocorrelated import Autocorrelated
 from insonify.scene.reliefs.cascade import Cascade
@@ -28,9 +29,6 @@ from insonify.terrain.densities import (
 )
 from insonify.terrain.shapes import mask_share, shaped_ripples
 from insonify.terrain.spectra import (
-    MASK,
-    PART,
-    RELIEF,
     WORKERS,
     Field,
     Shape,
@@ -72,9 +70,9 @@ def made_heights(parts: tuple[RandomRelief, ...], shape: Shape, reference: Shape
 
 def _heights(part: RandomRelief, number: int, shape: Shape, reference: Shape, seed: int) -> Field:
     """Heights of one relief of a sum, where its mask lets it be."""
-    heights = _unmasked(part, shape, reference, seed, RELIEF + PART * number)
+    heights = _unmasked(part, shape, reference, seed, RELIEF + RELIEF_PART * number)
     if isinstance(part.mask, Patchy):
-        heights *= _mask(part.mask, part.period, shape, seed, MASK + PART * number)
+        heights *= _mask(part.mask, part.period, shape, seed, RELIEF_MASK + RELIEF_PART * number)
     return heights
 
 

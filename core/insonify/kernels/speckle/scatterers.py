@@ -18,6 +18,7 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.hashing import hash_integers, splitmix64
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter
+from insonify.kernels.common.streams import BED_SCATTERERS, TARGET_SCATTERERS
 from insonify.kernels.common.types import SONAR
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import intersect_mesh
@@ -26,7 +27,6 @@ from insonify.kernels.rays.launch import beam_touches_ball, find_enclosing_solid
 from insonify.kernels.speckle.surface_patches import FACE, SurfacePatches, load_patch, sample_patch
 from insonify.kernels.sweep.visible_stretches import find_visible_bed, is_bed_visible
 
-BED_STREAM, PATCH_STREAM = 5000, 6000
 LOT = 4.0  # scatterers that a lot has on average, at most
 STEEPEST = 0.999  # sine from athwart beyond which a beam is taken to hear all ahead
 GRAZED = 1e-6  # share of its distance by which a scatterer on a body's skin may lie below it
@@ -156,7 +156,7 @@ def _hear_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
     for row in range(first, last):
         begin, end = _columns(beam, corners, pitch, row)
         for column in range(begin, end):
-            key = hash_integers(scatterers.seed, BED_STREAM, column, row, 0)
+            key = hash_integers(scatterers.seed, BED_SCATTERERS, column, row, 0)
             for member in range(_poisson(key, LOT, none)):
                 bits, more = _numbers(key, member)
                 x, y = (column + _upper(bits)) * pitch, (row + _lower(bits)) * pitch
@@ -186,7 +186,7 @@ def _hear_bodies(arrays, beam, scatterers, near, pulse, signal):
             patch, material = load_patch(patches, row, arrays.solids, arrays.mesh)
             mean, lots = patches.area[row] * scatterers.density, math.ceil(patches.area[row] * scatterers.density / LOT)
             for lot in range(lots):
-                key = hash_integers(scatterers.seed, PATCH_STREAM, patches.target[row], patches.number[row], lot)
+                key = hash_integers(scatterers.seed, TARGET_SCATTERERS, patches.target[row], patches.number[row], lot)
                 _hear_lot(patch, material, key, mean / lots, arrays, beam, near, waves, signal)
 
 
