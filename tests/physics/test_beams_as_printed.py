@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of
-from insonify.acoustics.beam_patterns import _taper, array_table, make_pattern
+from insonify.acoustics.beam_patterns import make_pattern
 from insonify.scene import edit, load_scene
-from insonify.scene.beams.line_array import LineArray
+from insonify.scene.beams.line_array import LineArray, taper_weights
 from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
 from insonify.tracers.azimuth_fan import pattern_planes
@@ -63,7 +63,7 @@ def sidelobe(energy):
 def test_far_patterns_are_as_printed(taper, one_way, both_ways, decibels):
     for two_way, width in ((False, one_way), (True, both_ways)):
         beam = LineArray(length=LENGTH, taper=taper, two_way=two_way)
-        _, extent, energy = array_table(beam, WAVELENGTH, 1e5)
+        _, extent, energy = beam.near_field(WAVELENGTH, 1e5)
         s = sines(extent[-1], energy.shape[1])
         assert width_at_half(s, energy[-1]) * LENGTH / WAVELENGTH == pytest.approx(width, abs=0.004)
         # Taylor's design of so few equal sidelobes comes out at -30.3 dB.
@@ -75,10 +75,10 @@ def test_far_patterns_are_as_printed(taper, one_way, both_ways, decibels):
 @pytest.mark.parametrize("taper", ["uniform", "taylor"])
 def test_the_near_field_is_the_integral_over_the_array(taper, row):
     beam = LineArray(length=LENGTH, taper=taper, two_way=False)
-    first_range, extent, energy = array_table(beam, WAVELENGTH, 400.0)
+    first_range, extent, energy = beam.near_field(WAVELENGTH, 400.0)
     r = first_range * 2.0 ** (row / 4.0)
     u = (np.arange(8192) + 0.5) / 8192 - 0.5
-    weights = np.interp(u, (np.arange(1024) + 0.5) / 1024 - 0.5, _taper(taper))
+    weights = np.interp(u, (np.arange(1024) + 0.5) / 1024 - 0.5, taper_weights(taper))
     place, s = u * LENGTH, sines(extent[row], energy.shape[1])[::16]
     phase = 2.0 * math.pi / WAVELENGTH * (place**2 / (2.0 * r) - s[:, None] * place)
     direct = np.abs((weights * np.exp(1j * phase)).sum(axis=1) / weights.sum()) ** 2
@@ -88,7 +88,7 @@ def test_the_near_field_is_the_integral_over_the_array(taper, row):
 
 def test_the_cell_along_the_track_is_the_array_near_by_and_the_beam_far_away():
     beam = LineArray(length=LENGTH, two_way=False)
-    first_range, extent, energy = array_table(beam, WAVELENGTH, 4.0 * LENGTH**2 / WAVELENGTH)
+    first_range, extent, energy = beam.near_field(WAVELENGTH, 4.0 * LENGTH**2 / WAVELENGTH)
     ranges = first_range * 2.0 ** (np.arange(extent.size) / 4.0)
     cells = [r * width_at_half(sines(e, b.size), b) for r, e, b in zip(ranges, extent, energy, strict=True)]
     far = ranges * 0.886 * WAVELENGTH / LENGTH
@@ -103,9 +103,9 @@ def test_the_cell_along_the_track_is_the_array_near_by_and_the_beam_far_away():
 @pytest.mark.parametrize("taper", ["uniform", "cosine", "hamming", "taylor"])
 def test_curvature_moves_energy_and_makes_none(taper):
     # Parseval: ∫ b ds = λ ∫ w² du / (∫ w du)² whatever the curvature; what lies beyond the table is under 1 %.
-    _, extent, energy = array_table(LineArray(length=LENGTH, taper=taper, two_way=False), WAVELENGTH, 200.0)
+    _, extent, energy = LineArray(length=LENGTH, taper=taper, two_way=False).near_field(WAVELENGTH, 200.0)
     whole = np.trapezoid(energy, axis=1) * 2.0 * extent / (energy.shape[1] - 1)
-    weights = _taper(taper)
+    weights = taper_weights(taper)
     expected = WAVELENGTH / LENGTH * (weights**2).mean() / weights.mean() ** 2
     np.testing.assert_allclose(whole, expected, rtol=0.01)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from insonify.kernels.common.types import Poses
 from insonify.packing.track import TowLine, recorded_at, tow_line_at
 from insonify.scene import Scene, SceneError
-from insonify.scene.motions.oscillations import Heave, Oscillation, Pitch, Roll, Sway, Yaw
+from insonify.scene.motions import Axis
 from insonify.terrain import AnyGround, EndlessGround
 
 SAMPLES = 64  # of the bed to either side of the fish
@@ -46,14 +47,14 @@ def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Pos
     """
     line, known = tow_line_at(scene, pings), recorded_at(scene, pings)
     zero = np.zeros(line.x.shape)
-    sway = _swing(scene, Sway, pings)
+    moved = _displacement(scene, pings)
     return Poses(
-        x=line.x - sway * np.sin(line.heading),
-        y=line.y + sway * np.cos(line.heading),
-        z=_height(scene, ground, line, pings) + _swing(scene, Heave, pings),
-        heading=line.heading + np.radians(_swing(scene, Yaw, pings)),
-        pitch=known.get("pitch", zero) + np.radians(_swing(scene, Pitch, pings)),
-        roll=known.get("roll", zero) + np.radians(_swing(scene, Roll, pings)),
+        x=line.x - moved["sway"] * np.sin(line.heading),
+        y=line.y + moved["sway"] * np.cos(line.heading),
+        z=_height(scene, ground, line, pings) + moved["heave"],
+        heading=line.heading + np.radians(moved["yaw"]),
+        pitch=known.get("pitch", zero) + np.radians(moved["pitch"]),
+        roll=known.get("roll", zero) + np.radians(moved["roll"]),
     )
 
 
@@ -141,13 +142,11 @@ def _height(scene: Scene, ground: AnyGround, line: TowLine, pings: NDArray[np.in
     return height + bed_beneath(scene, ground, pings) if scene.track.terrain_following else height
 
 
-def _swing(scene: Scene, kind: type[Oscillation], pings: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Sum of the motions of one kind, in their own unit."""
+def _displacement(scene: Scene, pings: NDArray[np.int64]) -> dict[Axis, NDArray[np.float64]]:
+    """Sum of all motions by the axis that they act on: metres to port and up, degrees of the angles."""
     time = np.asarray(pings, dtype=np.float64) / scene.sonar.ping_rate
-    swing = np.zeros(time.shape)
+    total: dict[Axis, NDArray[np.float64]] = {axis: np.zeros(time.shape) for axis in get_args(Axis)}
     for motion in scene.track.motions:
-        if isinstance(motion, kind):
-            # Whole periods go first, so that the sine is as exact far along the tow.
-            turns = np.remainder(time / motion.period, 1.0) + motion.phase / 360.0
-            swing += motion.amplitude * np.sin(2.0 * math.pi * turns)
-    return swing
+        for axis, values in motion.displacement(time).items():
+            total[axis] += values
+    return total

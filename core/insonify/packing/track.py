@@ -9,11 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.file_cache import kept_until_changed
-from insonify.io.navigation import RecordedNavigation, read_navigation
+from insonify.io.navigation import RecordedNavigation
 from insonify.scene import Scene, SceneError
-from insonify.scene.motions.recorded import Recorded
-from insonify.scene.motions.turn import Turn
 from insonify.scene.rotation import exact_cos
 from insonify.scene.track import Track
 
@@ -88,9 +85,9 @@ def _follow_turns(track: Track, along: Column) -> TowLine:
 @lru_cache(maxsize=16)
 def _pieces(track: Track) -> _Pieces:
     """Cut a line where a turn begins or ends; turns that overlap add up."""
-    turns = [motion for motion in track.motions if isinstance(motion, Turn) and motion.rate]
-    changes = [(turn.begin, turn.rate) for turn in turns]
-    changes += [(turn.begin + turn.duration, -turn.rate) for turn in turns]
+    turnings = [motion.turning for motion in track.motions if motion.turning is not None]
+    changes = [(begin, rate) for begin, _, rate in turnings if rate]
+    changes += [(begin + duration, -rate) for begin, duration, rate in turnings if rate]
     times = sorted({0.0, *(time for time, _ in changes)})
     rates = [math.fsum(rate for time, rate in changes if time <= began) for began in times]
     rows = [(0.0, *track.start, track.heading, math.radians(rates[0]) / track.speed)]
@@ -129,13 +126,12 @@ def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -
         If a file cannot be read, or two parts of the scene have a say in one thing.
     """
     track = scene.track
-    paths = [motion.path for motion in track.motions if isinstance(motion, Recorded)]
-    if not paths:
+    recordings = [recording for motion in track.motions if (recording := motion.recording()) is not None]
+    if not recordings:
         return {}
     time = np.asarray(pings, dtype=np.float64) / scene.sonar.ping_rate
     known: dict[str, Column] = {}
-    for path in paths:
-        tow = _read_with_course(path)
+    for path, tow in recordings:
         both = sorted(known.keys() & tow.columns.keys())
         if both:
             raise SceneError(f"track.motion.of: {path!r} gives {both[0]} a second time; leave it out of one file")
@@ -156,25 +152,8 @@ def _at(tow: RecordedNavigation, time: Column, speed: float) -> dict[str, Column
     return known
 
 
-@kept_until_changed(maxsize=4)
-def _read_with_course(path: str) -> RecordedNavigation:
-    tow = read_navigation(path)
-    if "x" not in tow.columns or "heading" in tow.columns:
-        return tow
-    return RecordedNavigation(tow.time, {**tow.columns, "heading": _course(tow)})
-
-
-def _course(tow: RecordedNavigation) -> Column:
-    """Direction from place to place in degrees, for files that do not say where the fish heads."""
-    east, north = (np.gradient(tow.columns[name], tow.time) for name in ("x", "y"))
-    moving = (east != 0.0) | (north != 0.0)
-    # At rest it heads where it last went, or will go first.
-    last = np.maximum.accumulate(np.where(moving, np.arange(moving.size), int(moving.argmax())))
-    return np.degrees(np.arctan2(north, east))[last]
-
-
 def _refuse_a_second_say(track: Track, known: dict[str, Column]) -> None:
-    if "x" in known and any(isinstance(motion, Turn) for motion in track.motions):
+    if "x" in known and any(motion.turning is not None for motion in track.motions):
         raise SceneError(
             "track.motion.of: a turn has no say where a recorded file gives x and y; leave one of them out"
         )

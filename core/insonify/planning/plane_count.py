@@ -13,7 +13,6 @@ from insonify.planning import fitted_laws
 from insonify.planning.scene_summary import SceneSummary
 from insonify.planning.target_errors import ObservedTarget, observe_target
 from insonify.scene import Scene
-from insonify.scene.beams.knife import KnifeBeam
 from insonify.scene.seabed import Seabed
 
 FAINTEST = 1e-12  # error that is none, and sum of squares
@@ -170,4 +169,4 @@ def predict_ray_error(scene: Scene, rays: int) -> float:
 
 
 def _ray_law(scene: Scene) -> tuple[float, float]:
-    return fitted_laws.KNIFE_RAYS if isinstance(scene.sonar.beam, KnifeBeam) else fitted_laws.FAN_RAYS
+    return fitted_laws.FAN_RAYS if scene.sonar.beam.has_width else fitted_laws.KNIFE_RAYS

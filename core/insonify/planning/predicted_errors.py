@@ -24,7 +24,6 @@ from insonify.planning.plane_count import (
 from insonify.planning.relevance import bound_echo_advance, find_multipaths_in_reach, find_targets_in_reach
 from insonify.planning.scene_summary import SceneSummary
 from insonify.scene import Scene
-from insonify.scene.beams.knife import KnifeBeam
 from insonify.scene.reliefs.flat import Flat
 from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.surfaces import WAYS
@@ -81,7 +80,7 @@ class PredictedErrors:
     @cached_property
     def demand(self) -> TargetDemand:
         """What the targets in reach ask of planes."""
-        if isinstance(self._scene.sonar.beam, KnifeBeam) or not self.targets:
+        if not self._scene.sonar.beam.has_width or not self.targets:
             return TargetDemand(0.0)
         return predict_target_demand(self._scene, self._view, self.targets, self.echo.square)
 
@@ -89,7 +88,7 @@ class PredictedErrors:
         """Errors of planes, where so many ways are modelled."""
         if ways not in self._planes:
             bed = np.zeros(len(fitted_laws.COUNTS))
-            if not isinstance(self._scene.sonar.beam, KnifeBeam):
+            if self._scene.sonar.beam.has_width:
                 bed = self.echo.of_planes()
                 if self._louder(ways):
                     bed = np.hypot(self.ghosts.direct * bed, self.ghosts.of_planes())

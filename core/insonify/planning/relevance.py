@@ -6,8 +6,6 @@ import math
 
 from insonify.planning.target_errors import locate_target, outline_of
 from insonify.scene import Scene
-from insonify.scene.motions.oscillations import Heave, Pitch, Roll, Sway, Yaw
-from insonify.scene.motions.straight import Straight
 from insonify.scene.reliefs.dem import Dem
 from insonify.scene.surfaces import WAYS
 from insonify.scene.targets import Target
@@ -19,10 +17,9 @@ HIGHEST = 5.0  # rms heights, of a bed and of waves
 def find_targets_in_reach(scene: Scene) -> tuple[int, ...]:
     """Return the targets that some ping of a tow without end may hear; all of them where the tow is no line."""
     track = scene.track
-    motions = getattr(track.motion, "of", (track.motion,))
-    if not all(isinstance(motion, (Straight, Heave, Pitch, Roll, Yaw, Sway)) for motion in motions):
+    if not all(motion.keeps_line for motion in track.motions):
         return tuple(range(len(scene.targets)))
-    strayed = sum(motion.amplitude for motion in motions if isinstance(motion, Sway))
+    strayed = sum(motion.greatest_sway for motion in track.motions)
     reach = FARTHER * scene.sonar.range + strayed
     distances = (_distance(scene, target) for target in scene.targets)
     return tuple(k for k, distance in enumerate(distances) if distance <= reach + outline_of(scene, k).radius)

@@ -15,7 +15,6 @@ from insonify.planning.predicted_errors import PredictedErrors
 from insonify.planning.scene_summary import SceneSummary
 from insonify.planning.target_errors import outline_of
 from insonify.scene import Scene
-from insonify.scene.beams.knife import KnifeBeam
 from insonify.scene.reliefs.flat import Flat
 from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.waters.section import SectionWater
@@ -91,7 +90,7 @@ def _fineness(told: ChosenModel) -> Iterator[PlanEntry]:
     elif draft.method == "rays":
         reason = f"{draft.rays} a side, error about {100 * error:.2g} %"
         yield told.entry("rays", f"{draft.rays} rays", reason, NUMBERS["rays"].offered, error=error)
-    elif isinstance(scene.sonar.beam, KnifeBeam):
+    elif not scene.sonar.beam.has_width:
         yield told.entry("planes", "1 plane", "a knife beam has no width")
     else:
         yield _planes(told)
@@ -241,7 +240,7 @@ def _remarks(told: ChosenModel) -> Iterator[PlanEntry]:
         reason = "every cell of the bed has its own, so that its nodes are all kept"
         yield told.entry("materials", f"{len(scene.seabed.material.materials)} materials", reason)
     apart = scene.track.speed / scene.sonar.ping_rate
-    if isinstance(scene.sonar.beam, KnifeBeam):
+    if not scene.sonar.beam.has_width:
         yield told.entry("pings", "pings", f"{apart:.3g} m apart; a knife-edge beam misses what is narrower")
         return
     # Nearer than this the beam is narrower than the way between two pings; nothing lies nearer than the bed.

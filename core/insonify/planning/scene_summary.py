@@ -5,22 +5,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.acoustics.beam_patterns import is_patterned, main_lobe
+from insonify.acoustics.beam_patterns import is_patterned
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene
-from insonify.scene.beams.fan import FanBeam
-from insonify.scene.beams.gaussian import GaussianBeam
-from insonify.scene.beams.knife import KnifeBeam
-from insonify.scene.beams.line_array import LineArray
-from insonify.scene.vertical_beams.uniform import UniformVerticalBeam
+from insonify.scene.beams import Sounding
 
-# Width at half power of a line array's far field, in wavelengths over its length, one way and there and back.
-HALF_POWER = {
-    "uniform": (0.886, 0.638),
-    "cosine": (1.189, 0.851),
-    "hamming": (1.304, 0.929),
-    "taylor": (1.125, 0.804),
-}
 NEAR_GAUSSIAN = math.sqrt(math.log(2.0) / 6.0)  # half power of that, over the length of what is heard
 
 
@@ -75,30 +64,20 @@ def summarise_scene(scene: Scene) -> SceneSummary:
         If a cast cannot be read.
     """
     beam = scene.sonar.beam
-    squint = 0.0 if isinstance(beam, KnifeBeam) else math.sin(math.radians(beam.squint))  # type: ignore[attr-defined]
+    sounding = Sounding(speed_at_sonar(scene), scene.sonar.frequency, scene.sonar.range)
+    patterned = beam.has_width and beam.top_hat and is_patterned(scene)
     return SceneSummary(
         altitude=abs(scene.altitude),  # over a measured bed it may be of either sign
         reach=scene.sonar.range,
         bins=scene.sonar.bins,
         spacing=scene.seabed.spacing,
-        half_width=main_lobe(scene.sonar, speed_at_sonar(scene)),
+        half_width=beam.half_width(sounding),
         light=scene.sonar.law == "light",
-        beam=scene.sonar.beam.kind,
-        half_power=_half_power(scene),
-        aperture=beam.length if isinstance(beam, LineArray) else 0.0,
-        squint=squint,
-        shaded=not isinstance(scene.sonar.vertical, UniformVerticalBeam),
-        pattern="squinting" if isinstance(beam, FanBeam) and is_patterned(scene) else beam.kind,
+        beam=beam.error_law,
+        half_power=beam.half_power(sounding),
+        aperture=beam.aperture,
+        squint=math.sin(math.radians(beam.axis)),
+        shaded=scene.sonar.vertical.shades,
+        pattern="squinting" if patterned else beam.error_law,
         aslant=abs(math.sin(math.radians(2.0 * scene.track.heading))),
     )
-
-
-def _half_power(scene: Scene) -> float:
-    """Sine at which a beam that is no top-hat hears half as much as on its axis, there and back, far off."""
-    beam = scene.sonar.beam
-    if isinstance(beam, LineArray):
-        width = HALF_POWER[beam.taper][beam.two_way]
-        return 0.5 * width * speed_at_sonar(scene) / scene.sonar.frequency / beam.length
-    if isinstance(beam, GaussianBeam):
-        return math.sin(math.radians(beam.width) / 2.0) / math.sqrt(2.0 if beam.two_way else 1.0)
-    return 0.0

@@ -17,7 +17,6 @@ from insonify.planning.predicted_errors import PredictedErrors
 from insonify.planning.report import ChosenModel, describe_model
 from insonify.planning.scene_summary import SceneSummary, summarise_scene
 from insonify.scene import Scene, SceneError
-from insonify.scene.beams.knife import KnifeBeam
 from insonify.scene.reliefs.flat import Flat
 from insonify.scene.surfaces import WAYS
 from insonify.scene.waters.section import SectionWater
@@ -118,7 +117,7 @@ def _fine_enough(
         return draft._replace(step=step, rays=int(forced.number("rays") or view.bins))
     if draft.method == "rays":
         return draft._replace(rays=rays)
-    if isinstance(scene.sonar.beam, KnifeBeam):
+    if not scene.sonar.beam.has_width:
         planes = 1
     else:
         rest = math.sqrt(max(budget.tolerance**2 - errors.wary(draft._replace(method="", every=1)) ** 2, 0.0))

@@ -8,7 +8,6 @@ from pydantic import model_validator
 
 from insonify.errors import SceneError
 from insonify.scene.base import Declaration, Place, parameter
-from insonify.scene.beams.knife import KnifeBeam
 from insonify.scene.kinds import KindOf
 from insonify.scene.receiver import Receiver
 from insonify.scene.reliefs.dem import Dem
@@ -111,7 +110,7 @@ class Scene(Declaration):
                 "receiver.speckle 'coherent' adds up waves, which the light of sonar.law 'light' is not made of; "
                 "take law 'sonar' or another speckle"
             )
-        if isinstance(self.sonar.beam, KnifeBeam):
+        if not self.sonar.beam.has_width:
             raise ValueError(
                 "receiver.speckle 'coherent' hears the scatterers within the beam, and sonar.beam 'knife' has no width "
                 "that any could lie in; take a fan or another speckle"

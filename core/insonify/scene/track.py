@@ -9,9 +9,7 @@ from pydantic import model_validator
 from insonify.scene.base import Declaration, Place, parameter
 from insonify.scene.kinds import KindOf
 from insonify.scene.motions import MOTIONS, MotionKind, SingleMotion
-from insonify.scene.motions.oscillations import Heave
 from insonify.scene.motions.straight import Straight
-from insonify.scene.motions.sum import SumOfMotions
 
 
 class Track(Declaration):
@@ -66,14 +64,14 @@ class Track(Declaration):
     @property
     def motions(self) -> tuple[SingleMotion, ...]:
         """The motions at work, one or several."""
-        return self.motion.of if isinstance(self.motion, SumOfMotions) else (self.motion,)  # type: ignore[return-value]
+        return self.motion.parts
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """Kinds of motion at work, each once; none for a straight tow."""
-        return tuple(dict.fromkeys(motion.kind for motion in self.motions if not isinstance(motion, Straight)))
+        return tuple(dict.fromkeys(motion.kind for motion in self.motions if motion.moves))
 
     @property
     def heave(self) -> float:
         """How far the fish may rise above and sink below its own height, in metres."""
-        return sum(motion.amplitude for motion in self.motions if isinstance(motion, Heave))
+        return sum(motion.greatest_heave for motion in self.motions)

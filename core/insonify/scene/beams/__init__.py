@@ -1,19 +1,117 @@
-"""Horizontal beams, one file a kind."""
+"""Horizontal beams, one file a kind.
+
+Directions are told by s, the sine of their angle from the plane athwart the fish; sensitivities are energies of both
+ways, 1 on the axis far away.
+"""
 
 from __future__ import annotations
+
+import math
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from insonify.scene.base import Choice
 from insonify.scene.kinds import Family
 
 BEAMS = Family("beams", "insonify.scene.beams")
+COLUMNS = 2049  # of a table of sensitivities
+ROWS_PER_OCTAVE = 4.0  # of slant range
+Values = NDArray[np.float64]
+
+
+class Sounding(NamedTuple):
+    """What a beam depends on beside its own fields: speed of sound (m/s), frequency (Hz) and slant range (m)."""
+
+    sound_speed: float
+    frequency: float
+    range: float
+
+    @property
+    def wavelength(self) -> float:
+        """Metres."""
+        return self.sound_speed / self.frequency
+
+
+class BeamTable(NamedTuple):
+    """Sensitivity of a beam by slant range and direction.
+
+    Attributes
+    ----------
+    first_range : float
+        Slant range of the first row, in metres; a quarter of an octave lies between rows.
+    extent : (rows,) float64
+        Half of what each row spans, as sine.
+    energy : (rows, COLUMNS) float64
+    """
+
+    first_range: float
+    extent: Values
+    energy: Values
 
 
 class BeamKind(Choice):
-    """Sensitivity of the sonar along the track."""
+    """Sensitivity of the sonar along the track.
+
+    A kind says half the width of its main lobe, how far it is heard, and its response. One that changes with range
+    overrides `tabulate`.
+
+    Attributes
+    ----------
+    top_hat : bool
+        Whether it hears all directions within its half width alike and nothing beyond.
+    has_width : bool
+        Whether it hears anything beside the plane athwart the fish.
+    error_law : str
+        Kind of the beam whose measured errors and costs the plan takes: knife, fan, gaussian or array.
+    """
 
     family = BEAMS
+    top_hat: ClassVar[bool] = False
+    has_width: ClassVar[bool] = True
+    error_law: ClassVar[str] = "gaussian"
 
     @property
     def words(self) -> str:
         """Name of the beam for captions."""
         return self.kind
+
+    @property
+    def axis(self) -> float:
+        """Angle of the beam's axis towards the bow, in degrees."""
+        return 0.0
+
+    @property
+    def passes(self) -> int:
+        """How often sound passes the beam: going and coming, or once."""
+        return 2
+
+    @property
+    def aperture(self) -> float:
+        """Length of what makes the beam, which is as wide in its near field, in metres."""
+        return 0.0
+
+    def half_width(self, sounding: Sounding) -> float:
+        """Half of what the main lobe spans, in radians."""
+        raise NotImplementedError
+
+    def half_power(self, sounding: Sounding) -> float:
+        """Sine at which the beam hears half as much as on its axis, far off; 0 for a top-hat."""
+        del sounding
+        return 0.0
+
+    def extent(self, sounding: Sounding) -> float:
+        """Sine beyond which nothing is heard."""
+        return max(math.sin(self.half_width(sounding)), 1e-9)  # a knife has none, but a row spans something
+
+    def response(self, s: Values, sounding: Sounding) -> Values:
+        """Sensitivity by direction about the axis."""
+        del sounding
+        return np.ones(s.shape)
+
+    def tabulate(self, sounding: Sounding) -> BeamTable:
+        """Tabulate the sensitivity: one row, where it is the same at every range."""
+        extent = self.extent(sounding)
+        s = np.linspace(-extent, extent, COLUMNS)
+        return BeamTable(1.0, np.array([extent]), self.response(s, sounding)[None, :])

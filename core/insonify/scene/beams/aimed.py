@@ -18,5 +18,10 @@ class AimedBeam(BeamKind):
         slider=(-10.0, 10.0),
     )
 
+    @property
+    def axis(self) -> float:
+        """Angle of the beam's axis towards the bow, in degrees."""
+        return self.squint
+
     def _named(self, name: str) -> str:
         return f"{name}, squint {self.squint:g}°" if self.squint else name

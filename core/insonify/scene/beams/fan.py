@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 from insonify.scene.base import parameter
+from insonify.scene.beams import Sounding
 from insonify.scene.beams.aimed import AimedBeam
 
 
@@ -12,6 +14,8 @@ class FanBeam(AimedBeam):
     """A top-hat beam, one-way full width; the cell widens with range."""
 
     rank = 20
+    top_hat = True
+    error_law = "fan"
     kind: Literal["fan"] = "fan"
     width: float = parameter(
         1.0, unit="°", description="one-way full beamwidth", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
@@ -21,3 +25,8 @@ class FanBeam(AimedBeam):
     def words(self) -> str:
         """Name of the beam for captions."""
         return self._named(f"fan {self.width:g}°")
+
+    def half_width(self, sounding: Sounding) -> float:
+        """Half of the one-way full width, in radians."""
+        del sounding
+        return math.radians(self.width) / 2.0

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 from typing import Literal
 
-from insonify.scene.beams import BeamKind
+from insonify.scene.beams import BeamKind, Sounding
 
 
 class KnifeBeam(BeamKind):
     """A beam without width: one upright line across the track, however the fish is pitched, 1 m wide by definition."""
 
     rank = 10
+    top_hat = True
+    has_width = False
+    error_law = "knife"
     kind: Literal["knife"] = "knife"
 
     @property
     def words(self) -> str:
         """Name of the beam for captions."""
         return "knife-edge beam"
+
+    def half_width(self, sounding: Sounding) -> float:
+        """Nothing but the plane athwart the fish."""
+        del sounding
+        return 0.0

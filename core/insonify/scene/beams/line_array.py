@@ -2,16 +2,36 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
+import numpy as np
+
 from insonify.scene.base import parameter
+from insonify.scene.beams import COLUMNS, ROWS_PER_OCTAVE, BeamTable, Sounding, Values
 from insonify.scene.beams.aimed import AimedBeam
+
+ELEMENTS = 1024  # as its pattern is computed
+# Lobes heard on either hand of the main lobe, in steps of wavelength over length; beyond lies less than 0.5 %.
+LOBES = {True: 6.0, False: 32.0}
+# Half the main lobe of each taper to its first null, in the same steps.
+FIRST_NULL = {"uniform": 1.0, "cosine": 1.5, "hamming": 2.0, "taylor": 1.36}
+TAYLOR_SIDELOBES, TAYLOR_NEARLY_EQUAL = 30, 4  # dB, and how many of them are nearly equal
+FAR = 0.4  # share of the range at which the main lobe is taken to be as wide as there
+# Width at half power of a line array's far field, in wavelengths over its length, one way and there and back.
+HALF_POWER = {
+    "uniform": (0.886, 0.638),
+    "cosine": (1.189, 0.851),
+    "hamming": (1.304, 0.929),
+    "taylor": (1.125, 0.804),
+}
 
 
 class LineArray(AimedBeam):
     """The beam of a line of transducers, with its sidelobes, wider than far away within its near field."""
 
     rank = 40
+    error_law = "array"
     kind: Literal["array"] = "array"
     length: float = parameter(
         0.5, unit="m", description="length of the array along the fish", gt=0.0, le=20.0, slider=(0.1, 2.0), log=True
@@ -25,3 +45,76 @@ class LineArray(AimedBeam):
     def words(self) -> str:
         """Name of the beam for captions."""
         return self._named(f"{self.taper} array of {self.length:g} m {'two' if self.two_way else 'one'}-way")
+
+    @property
+    def passes(self) -> int:
+        """How often sound passes the beam."""
+        return 2 if self.two_way else 1
+
+    @property
+    def aperture(self) -> float:
+        """Length of the array, in metres."""
+        return self.length
+
+    def half_width(self, sounding: Sounding) -> float:
+        """Angle of the first null, in radians.
+
+        The beam of a long array is nearly as wide as the array is long within its near field, r < L²/λ.
+        """
+        far = FIRST_NULL[self.taper] * sounding.sound_speed / sounding.frequency / self.length
+        near = 0.5 * self.length / (FAR * sounding.range)
+        return math.asin(min(max(far, near + 0.5 * far), 1.0))
+
+    def half_power(self, sounding: Sounding) -> float:
+        """Sine at which the beam hears half as much as on its axis, far off."""
+        width = HALF_POWER[self.taper][self.two_way]
+        return 0.5 * width * sounding.sound_speed / sounding.frequency / self.length
+
+    def tabulate(self, sounding: Sounding) -> BeamTable:
+        """Tabulate the near and the far field."""
+        return self.near_field(sounding.wavelength, sounding.range)
+
+    def near_field(self, wavelength: float, farthest_range: float) -> BeamTable:
+        """Tabulate |∫ w(u) exp(−ik(us − u²/2r)) du|², Fresnel's approximation about the middle, for each pass.
+
+        Parameters
+        ----------
+        wavelength : float
+            Metres.
+        farthest_range : float
+            Greatest slant range, in metres.
+        """
+        from scipy.signal import czt  # takes longer to import than a preview takes to trace
+
+        length, first_range = self.length, self.length
+        # Beyond some ten times L²/λ the waves are flat.
+        farthest = max(min(farthest_range, 16.0 * length * length / wavelength), 2.0 * first_range)
+        rows = 1 + math.ceil(ROWS_PER_OCTAVE * math.log2(farthest / first_range))
+        ranges = first_range * 2.0 ** (np.arange(rows) / ROWS_PER_OCTAVE)
+        extent = np.minimum(0.5 * length / ranges + LOBES[self.two_way] * wavelength / length, 1.0)
+        weights = taper_weights(self.taper)
+        weights = weights / weights.sum()
+        place = ((np.arange(ELEMENTS) + 0.5) / ELEMENTS - 0.5) * length
+        wave_number = 2.0 * math.pi / wavelength
+        energy = np.empty((rows, COLUMNS))
+        for row in range(rows):
+            curved = weights * np.exp(0.5j * wave_number * place**2 / ranges[row])
+            step = wave_number * (place[1] - place[0]) * 2.0 * extent[row] / (COLUMNS - 1)
+            start = wave_number * (place[1] - place[0]) * extent[row]
+            field = czt(curved, COLUMNS, np.exp(-1j * step), np.exp(-1j * start))
+            energy[row] = np.abs(field) ** (2.0 * self.passes)
+        return BeamTable(first_range, extent, energy)
+
+
+def taper_weights(name: str) -> Values:
+    """Weights of the elements of an array."""
+    u = (np.arange(ELEMENTS) + 0.5) / ELEMENTS - 0.5
+    if name == "cosine":
+        return np.cos(np.pi * u)
+    if name == "hamming":
+        return 0.54 + 0.46 * np.cos(2.0 * np.pi * u)
+    if name == "taylor":
+        from scipy.signal.windows import taylor
+
+        return np.asarray(taylor(ELEMENTS, TAYLOR_NEARLY_EQUAL, TAYLOR_SIDELOBES, norm=False))
+    return np.ones(ELEMENTS)

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
 from insonify.scene.base import Choice
 from insonify.scene.kinds import Family
 
+if TYPE_CHECKING:
+    from insonify.io.navigation import RecordedNavigation
+
 MOTIONS = Family("motions", "insonify.scene.motions")
+Axis = Literal["sway", "heave", "yaw", "pitch", "roll"]
+Turning = tuple[float, float, float]
 
 
 class MotionKind(Choice):
@@ -13,6 +23,54 @@ class MotionKind(Choice):
 
     family = MOTIONS
 
+    @property
+    def parts(self) -> tuple[SingleMotion, ...]:
+        """The motions at work, one or several."""
+        raise NotImplementedError
+
 
 class SingleMotion(MotionKind):
-    """One motion, which may be at work together with others."""
+    """One motion, which may be at work together with others.
+
+    Attributes
+    ----------
+    moves : bool
+        Whether the fish does anything but go straight.
+    keeps_line : bool
+        Whether it stays within `greatest_sway` of the track's line.
+    tilts : bool
+        Whether it may not stay level.
+    """
+
+    moves: ClassVar[bool] = True
+    keeps_line: ClassVar[bool] = False
+    tilts: ClassVar[bool] = False
+
+    @property
+    def parts(self) -> tuple[SingleMotion, ...]:
+        """The motion alone."""
+        return (self,)
+
+    @property
+    def greatest_sway(self) -> float:
+        """Greatest distance from the line, in metres, of a motion that keeps to it."""
+        return 0.0
+
+    @property
+    def greatest_heave(self) -> float:
+        """Greatest rise above and fall below the track's own height, in metres."""
+        return 0.0
+
+    def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
+        """How far the fish is moved at times (s) after the first ping: metres to port and up, degrees of its angles."""
+        del time
+        return {}
+
+    @property
+    def turning(self) -> Turning | None:
+        """Begin and duration (s) of a bend of the line, and its rate (°/s, to port)."""
+        return None
+
+    def recording(self) -> tuple[str, RecordedNavigation] | None:
+        """Read what a file says of the fish, and return it with the file's path."""
+        return None

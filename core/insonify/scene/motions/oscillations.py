@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Literal
+import math
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from insonify.scene.base import parameter
-from insonify.scene.motions import SingleMotion
+from insonify.scene.motions import Axis, SingleMotion
 
 
 class Oscillation(SingleMotion):
     """A motion to and fro: amplitude · sin(2π t / period + phase), with t from the first ping on."""
 
+    keeps_line = True
+    axis: ClassVar[Axis]
     amplitude: float
     period: float = parameter(
         8.0, unit="s", description="time to and fro", ge=0.1, le=1e5, slider=(1.0, 60.0), log=True
@@ -24,31 +30,50 @@ class Oscillation(SingleMotion):
         slider=(-180.0, 180.0),
     )
 
+    def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
+        """How far the fish is moved along or about its axis at times after the first ping."""
+        # Whole periods go first, so that the sine is as exact far along the tow.
+        turns = np.remainder(time / self.period, 1.0) + self.phase / 360.0
+        return {self.axis: self.amplitude * np.sin(2.0 * math.pi * turns)}
+
 
 class Sway(Oscillation):
     """To port and starboard of the line; the fish keeps its heading and crabs."""
 
     rank = 20
+    axis = "sway"
     kind: Literal["sway"] = "sway"
     amplitude: float = parameter(
         0.5, unit="m", description="greatest distance to port of the line", ge=0.0, le=100.0, slider=(0.0, 5.0)
     )
+
+    @property
+    def greatest_sway(self) -> float:
+        """Amplitude, in metres."""
+        return self.amplitude
 
 
 class Heave(Oscillation):
     """Up and down."""
 
     rank = 30
+    axis = "heave"
     kind: Literal["heave"] = "heave"
     amplitude: float = parameter(
         0.5, unit="m", description="greatest rise above the track's own height", ge=0.0, le=1000.0, slider=(0.0, 3.0)
     )
+
+    @property
+    def greatest_heave(self) -> float:
+        """Amplitude, in metres."""
+        return self.amplitude
 
 
 class Yaw(Oscillation):
     """The axis turns to port and starboard of the line; the course stays."""
 
     rank = 40
+    axis = "yaw"
     kind: Literal["yaw"] = "yaw"
     amplitude: float = parameter(
         2.0, unit="°", description="greatest turn of the axis to port", ge=0.0, le=60.0, slider=(0.0, 15.0)
@@ -59,6 +84,8 @@ class Pitch(Oscillation):
     """The bow goes up and down."""
 
     rank = 50
+    axis = "pitch"
+    tilts = True
     kind: Literal["pitch"] = "pitch"
     amplitude: float = parameter(
         2.0, unit="°", description="greatest angle of the bow upwards", ge=0.0, le=60.0, slider=(0.0, 15.0)
@@ -69,6 +96,8 @@ class Roll(Oscillation):
     """The port side goes up and down."""
 
     rank = 60
+    axis = "roll"
+    tilts = True
     kind: Literal["roll"] = "roll"
     amplitude: float = parameter(
         3.0, unit="°", description="greatest angle of the port side upwards", ge=0.0, le=60.0, slider=(0.0, 15.0)

@@ -11,4 +11,6 @@ class Straight(SingleMotion):
     """Level, at constant speed, without motion."""
 
     rank = 10
+    moves = False
+    keeps_line = True
     kind: Literal["straight"] = "straight"

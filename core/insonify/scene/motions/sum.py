@@ -17,3 +17,8 @@ class SumOfMotions(MotionKind):
     of: tuple[Annotated[SingleMotion, KindOf(MOTIONS, SingleMotion, default="straight")], ...] = parameter(
         description="the motions, in any order", min_length=1, max_length=32
     )
+
+    @property
+    def parts(self) -> tuple[SingleMotion, ...]:
+        """The motions, in the order in which they are declared."""
+        return self.of

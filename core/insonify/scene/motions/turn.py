@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.motions import SingleMotion
+from insonify.scene.motions import SingleMotion, Turning
 
 
 class Turn(SingleMotion):
@@ -25,3 +25,8 @@ class Turn(SingleMotion):
         slider=(0.0, 60.0),
     )
     duration: float = parameter(30.0, unit="s", description="how long it turns", ge=0.0, le=1e8, slider=(0.0, 120.0))
+
+    @property
+    def turning(self) -> Turning:
+        """Begin and duration (s) of the bend, and its rate (°/s, to port)."""
+        return self.begin, self.duration, self.rate

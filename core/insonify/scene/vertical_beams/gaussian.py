@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from insonify.scene.vertical_beams import VerticalResponse
 from insonify.scene.vertical_beams.tilted import TiltedBeam
 
 
@@ -17,3 +18,8 @@ class VerticalGaussian(TiltedBeam):
     def words(self) -> str:
         """Name of the beam for captions."""
         return self._named("gaussian")
+
+    @property
+    def response(self) -> VerticalResponse:
+        """Sensitivity by grazing angle."""
+        return VerticalResponse("gaussian", self.tilt, self.width)
