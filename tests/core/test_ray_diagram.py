@@ -9,6 +9,7 @@ import pytest
 from insonify.acoustics.rays import follow_paths
 from insonify.acoustics.water import make_water
 from insonify.cli import main
+from insonify.display.ray_diagram.files import write_ray_diagram
 from insonify.display.ray_diagram.ray_fan import CELLS
 from insonify.display.ray_diagram.tracing import trace_ray_diagram
 from insonify.kernels.refraction.ray_paths import RayLimits
@@ -123,7 +124,7 @@ def test_a_point_that_is_not_in_the_water_is_refused(target):
 
 
 def test_the_table_holds_every_point(diagram, tmp_path):
-    diagram.save(tmp_path / "rays.csv")
+    write_ray_diagram(tmp_path / "rays.csv", diagram)
     with (tmp_path / "rays.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == sum(path.range.size for path in (*diagram.rays, *diagram.eigenrays))
@@ -135,13 +136,13 @@ def test_the_table_holds_every_point(diagram, tmp_path):
 
 def test_other_files_are_refused(diagram, tmp_path):
     with pytest.raises(SceneError, match=r"end it in \.png or \.csv"):
-        diagram.save(tmp_path / "rays.pdf")
+        write_ray_diagram(tmp_path / "rays.pdf", diagram)
 
 
 def test_the_picture_shows_shadow_bed_and_eigenrays(diagram, tmp_path):
     from PIL import Image
 
-    diagram.save(tmp_path / "rays.png")
+    write_ray_diagram(tmp_path / "rays.png", diagram)
     picture = np.asarray(Image.open(tmp_path / "rays.png").convert("RGB")).astype(int)
     assert picture.shape[0] > 1000
 

@@ -39,14 +39,16 @@ def run(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, SUFFIXES)
     scene = chosen_scene(arguments)
+    # lazy: Matplotlib and the kernels
     from insonify.display.ray_diagram.diagram import describe_eigenray
+    from insonify.display.ray_diagram.files import write_ray_diagram
     from insonify.display.ray_diagram.tracing import trace_ray_diagram
     from insonify.terrain import build_ground
 
     diagram = trace_ray_diagram(
         scene, datum=build_ground(scene).datum, target=None if arguments.target is None else tuple(arguments.target)
     )
-    diagram.save(path)
+    write_ray_diagram(path, diagram)
     for ray in diagram.eigenrays:
         say(describe_eigenray(ray))
     if arguments.target is not None and not diagram.eigenrays:

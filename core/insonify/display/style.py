@@ -8,8 +8,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 INK, FAINT = "#22262b", "#6b737c"  # text and data; frames, ticks, grids and remarks
-BROWN, BLUE, GREEN, VIOLET = "#b5651d", "#2f6f9f", "#1f8a5b", "#8a3f8f"
-ORANGE, RED, AMBER, PINK = "#c2571a", "#d1495b", "#e08e1b", "#c2185b"
+BROWN, BLUE, GREEN, VIOLET = "#b5651d", "#2f6f9f", "#1f8a5b", "#8a3f8f"  # series of data
+ORANGE, RED, AMBER, PINK, PURPLE = "#c2571a", "#d1495b", "#e08e1b", "#c2185b", "#7a3fa0"
 LINE_WIDTH = 0.8  # points, of frames and ticks
 
 

@@ -1,37 +1,40 @@
-"""A ray diagram as a picture: the profile on the left, rays bent by it on the right."""
+"""Picture of a ray diagram: the sound speed profile on the left, the refracted rays on the right."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
-from insonify.display.ray_diagram.diagram import WATER, compute_speed_limits, describe_eigenray, place_along_axis
+from insonify.display.ray_diagram.diagram import (
+    WATER,
+    RayDiagram,
+    compute_speed_limits,
+    describe_eigenray,
+    place_along_axis,
+)
+from insonify.display.style import AMBER, FAINT, GREEN, INK, PINK, PURPLE, RED, label_axes, make_figure, style_axes
 
-if TYPE_CHECKING:
-    from insonify.display.ray_diagram.diagram import RayDiagram
-
-INK, FAINT, RAY, BED, SHADE = "#22262b", "#6b737c", "#2b5c8a", "#cbb693", "#141c2b"
-EIGENRAYS = ("#d1495b", "#e08e1b", "#7a3fa0", "#1f8a5b")
-CAUSTIC = "#c2185b"
+RAY, BED, BED_LINE, SHADE = "#2b5c8a", "#cbb693", "#8a7450", "#141c2b"
+EIGENRAYS = (RED, AMBER, PURPLE, GREEN)
+CAUSTIC = PINK
 WATER_MAP = LinearSegmentedColormap.from_list("water", [f"#{r:02x}{g:02x}{b:02x}" for r, g, b in WATER])
-LEFT, RIGHT, BOTTOM, TOP = (0.065, 0.155), (0.262, 0.683), 0.165, 0.855  # of the figure
-ROW = 0.034  # of the figure, for a row of the legend
-MARGIN = 0.075  # of the depth, above the surface and below the bed
-FAINTEST = 1e-3  # share of the water in shadow that is worth a word
-LABELS = 0.036  # of the axes' width and height that a label of a ray needs for itself
+LEFT, RIGHT, BOTTOM, TOP = (0.065, 0.155), (0.262, 0.683), 0.165, 0.855  # shares of the figure
+ROW = 0.034  # share of the figure that a row of the legend takes
+MARGIN = 0.075  # share of the depth, above the surface and below the bed
+FAINTEST = 1e-3  # share of the water in shadow from which the legend names it
+LABELS = 0.036  # share of the axes' width and height that a label of a ray needs
 
 
 def draw_ray_diagram(diagram: RayDiagram) -> Figure:
-    """Draw the profile and the rays over one scale of depth.
+    """Draw the sound speed profile and the rays over one scale of depth.
 
     Parameters
     ----------
@@ -40,10 +43,9 @@ def draw_ray_diagram(diagram: RayDiagram) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        With an Agg canvas.
+        Figure with an Agg canvas.
     """
-    figure = Figure(figsize=(13.0, 7.3), facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = make_figure(13.0, 7.3)
     entries = _entries(diagram)
     height = TOP - ROW * math.ceil(len(entries) / 2.0) - BOTTOM
     left, right = (figure.add_axes((begin, BOTTOM, width, height)) for begin, width in (LEFT, RIGHT))
@@ -62,12 +64,12 @@ def draw_ray_diagram(diagram: RayDiagram) -> Figure:
             *zip(*entries), loc="upper left", bbox_to_anchor=(LEFT[0], TOP + 0.03), ncols=2, frameon=False, fontsize=10,
             labelcolor=INK, borderaxespad=0.0, borderpad=0.0, handlelength=1.6, columnspacing=3.0,
         )  # fmt: skip
-    _words(figure, diagram)
+    _write_headings(figure, diagram)
     return figure
 
 
 def _profile(axes: Any, diagram: RayDiagram) -> None:
-    """Speed against depth; of a section a line for each of its places."""
+    """Draw speed against depth; of a section one line for each station."""
     layers = diagram.layers
     low, high = compute_speed_limits(diagram)
     axes.imshow(
@@ -86,13 +88,12 @@ def _profile(axes: Any, diagram: RayDiagram) -> None:
     axes.axhline(diagram.source_depth, color=FAINT, linewidth=0.8, linestyle=(0, (4, 3)), zorder=2)
     axes.axhspan(diagram.bottom, 2.0 * diagram.bottom, color=BED, linewidth=0, zorder=1)
     axes.set_xlim(low, high)
-    axes.set_xlabel("speed of sound (m/s)", fontsize=10.5, color=INK, labelpad=6)
-    axes.set_ylabel("depth (m)", fontsize=10.5, color=INK, labelpad=6)
+    label_axes(axes, "speed of sound (m/s)", "depth (m)", size=10.5, pad=6)
     axes.locator_params(axis="x", nbins=4)
 
 
 def _water(axes: Any, diagram: RayDiagram) -> None:
-    """Draw the water by its speed, the bed, the surface, and what no sound reaches."""
+    """Draw the water by its speed, the surface, the bed and the shadow zones."""
     low, high = compute_speed_limits(diagram)
     x, depth = np.linspace(0.0, diagram.reach, 200), np.linspace(0.0, diagram.bottom, 300)
     speed = diagram.layers.speed_at(*place_along_axis(diagram.layers, x[None, :]), depth[:, None])
@@ -107,14 +108,14 @@ def _water(axes: Any, diagram: RayDiagram) -> None:
     shade[..., 3] = 0.52 * diagram.shadow
     axes.imshow(shade, extent=extent, aspect="auto", interpolation="bilinear", zorder=1)
     axes.axhspan(diagram.bottom, 2.0 * diagram.bottom, color=BED, linewidth=0, zorder=2)
-    axes.axhline(diagram.bottom, color="#8a7450", linewidth=1.4, zorder=2)
+    axes.axhline(diagram.bottom, color=BED_LINE, linewidth=1.4, zorder=2)
     axes.axhline(0.0, color=RAY, linewidth=1.2, zorder=2)
     for begin, end in diagram.dark:
         axes.plot([begin, end], 2 * [diagram.bottom], color=SHADE, linewidth=4.0, solid_capstyle="butt", zorder=4)
 
 
 def _labels(axes: Any, diagram: RayDiagram) -> None:
-    """Launch angles where rays end: under the bed, over the surface, at the edge; the roundest first."""
+    """Write launch angles where rays end: below the bed, above the surface, at the edge; the roundest first."""
     taken: list[tuple[float, float]] = []
     for path in sorted(diagram.rays, key=lambda path: (_roundness(path.angle), abs(path.angle))):
         x, z = path.range[-1] / diagram.reach, path.depth[-1] / diagram.bottom
@@ -132,7 +133,7 @@ def _labels(axes: Any, diagram: RayDiagram) -> None:
 
 
 def _roundness(angle: float) -> int:
-    """0 for multiples of ten, more for less round ones."""
+    """Rank of an angle by its roundness, 0 for multiples of ten."""
     return next((k for k, unit in enumerate((10.0, 5.0, 2.0, 1.0, 0.5)) if abs(angle / unit % 1.0) < 1e-9), 5)
 
 
@@ -153,22 +154,20 @@ def _eigenrays(axes: Any, diagram: RayDiagram) -> None:
 def _scales(left: Any, right: Any, diagram: RayDiagram) -> None:
     margin = MARGIN * diagram.bottom
     right.set_xlim(0.0, diagram.reach)
-    right.set_xlabel("range (m)", fontsize=10.5, color=INK, labelpad=6)
+    label_axes(right, "range (m)", size=10.5, pad=6)
     right.tick_params(labelleft=False)
     for axes in (left, right):
         axes.set_ylim(diagram.bottom + margin, -margin)
-        axes.tick_params(color=FAINT, labelcolor=INK, labelsize=9.5)
-        for side, spine in axes.spines.items():
-            spine.set(color=FAINT, linewidth=0.8, visible=side in ("left", "bottom"))
+        style_axes(axes, 9.5)
 
 
 def _entries(diagram: RayDiagram) -> list[tuple[Any, str]]:
-    """Name what there is beside the rays, each with its mark."""
+    """List the marks and names of the legend: all that is drawn besides the rays."""
     entries: list[tuple[Any, str]] = []
     if diagram.shadow.mean() > FAINTEST:
         entries.append((Patch(color=SHADE, alpha=0.52, linewidth=0), "shadow zone: no direct ray"))
     if diagram.dark.size:
-        entries.append((Line2D([], [], color=SHADE, linewidth=4.0), "bed that no sound comes to"))
+        entries.append((Line2D([], [], color=SHADE, linewidth=4.0), "bed out of reach of sound"))
     if diagram.caustics.size:
         entries.append((Line2D([], [], marker="o", color=CAUSTIC, linestyle="none", markersize=4), "caustic"))
     for number, path in enumerate(diagram.eigenrays):
@@ -178,17 +177,17 @@ def _entries(diagram: RayDiagram) -> list[tuple[Any, str]]:
     return entries
 
 
-def _words(figure: Figure, diagram: RayDiagram) -> None:
+def _write_headings(figure: Figure, diagram: RayDiagram) -> None:
     figure.text(LEFT[0], 0.945, diagram.title or "Untitled", fontsize=17, fontweight="bold", color=INK)
-    figure.text(LEFT[0], 0.908, _sentence(diagram), fontsize=10.5, color=FAINT)
+    figure.text(LEFT[0], 0.908, _describe(diagram), fontsize=10.5, color=FAINT)
     figure.text(
-        LEFT[0], 0.03, "Rays at equal steps of launch angle, in degrees below the horizontal; each ends at the bed, at "
-        "the surface or at the greatest range. Depth and range are not to one scale.", fontsize=9, color=FAINT,
+        LEFT[0], 0.03, "Rays at equal steps of launch angle, in degrees below the horizontal. Each ends at the bed, at "
+        "the surface or at the greatest range. Depth and range have different scales.", fontsize=9, color=FAINT,
     )  # fmt: skip
 
 
-def _sentence(diagram: RayDiagram) -> str:
-    """Say where the sonar is, and what it cannot hear."""
+def _describe(diagram: RayDiagram) -> str:
+    """State where the sonar is, and which bed it does not hear."""
     said = [f"sonar at {diagram.source_depth:.4g} m, mean bed at {diagram.bottom:.4g} m"]
     said += [f"no sound on the bed {stretch}" for stretch in _stretches(diagram)]
     if diagram.target is not None:
