@@ -37,6 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     scene = chosen_scene(arguments)
     reason = why_no_window()
     if arguments.snapshot is None and not reason:
+        # lazy: Qt, only when a window or a picture of it is asked for
         from insonify_viewer.application import open_window
 
         return open_window(scene)
@@ -45,6 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     if reason and sys.platform.startswith("linux"):
         # Else VTK would look for the display first, and complain.
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+    # lazy: Qt, only when a window or a picture of it is asked for
     from insonify_viewer.application import draw_window
 
     draw_window(scene, path)

@@ -36,6 +36,7 @@ def scene_over_dem(scene: Scene, path: str) -> Scene:
     SceneError
         If the file cannot be read as a grid of heights.
     """
+    # lazy: the window is there before Numba is
     from insonify.acoustics.water import speed_at_sonar
     from insonify.terrain import EndlessGround, build_ground
 

@@ -161,6 +161,7 @@ def _dunes(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Let dunes pass for the pattern there was, or for one of their own, before this sonar."""
     if changes.get("seabed.relief.kind") != "mimic" or isinstance(scene.seabed.relief, Mimic):
         return {}, ""
+    # lazy: the kernels of relief, which few edits need
     from insonify.terrain.inverse import mean_diffuse
 
     dunes = Mimic(altitude=scene.altitude, reach=scene.sonar.range, law=scene.sonar.law)

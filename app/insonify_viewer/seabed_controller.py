@@ -63,6 +63,7 @@ class Seabed:
         self._latest = (simulation, ping, tones)
         if self._view is None:
             return
+        # lazy: the window is there before PyVista is
         from insonify_viewer.bed_shading import target_colours
         from insonify_viewer.views.pv_meshes import path_pings, window_centre
 
@@ -102,11 +103,13 @@ class Seabed:
 
     def _import(self) -> None:
         # A second or two of imports, off the main thread.
+        # lazy: the window is there before PyVista is
         from insonify_viewer.views.seabed_view import load_libraries
 
         load_libraries(accelerated=self._accelerated)
 
     def _build(self, put: Callable[[QWidget], None]) -> None:
+        # lazy: the window is there before PyVista is
         from insonify_viewer.views.seabed_view import SeabedView
 
         self._view = SeabedView(accelerated=self._accelerated)
@@ -116,6 +119,7 @@ class Seabed:
 
     def _bake(self, bed: _Bed, bodies: _Bodies) -> None:
         """Work bed and targets out on the worker."""
+        # lazy: the window is there before PyVista is
         from insonify_viewer.views.pv_meshes import bed_patch, targets_mesh
 
         self._baking += 1

@@ -184,6 +184,7 @@ class Simulator(QObject):
             self._called_back.emit(refuse, f"this scene cannot be simulated ({type(error).__name__}: {error})")
 
     def _trace(self, request: Request) -> Iterator[Answer]:
+        # lazy: on the worker; the window is there before Numba is
         from insonify.display.picture import normalise
 
         modelling = request.modelling if request.fine else request.modelling.coarse
@@ -212,6 +213,7 @@ class Simulator(QObject):
 
     def _prepared(self, scene: Scene, modelling: Modelling, *, fine: bool) -> tuple[Simulation, LevelBed]:
         """Prepare a scene, or take the last one if it is the same."""
+        # lazy: on the worker; the window is there before Numba is
         from insonify.display.picture import LevelBed
 
         last = self._last.get(fine)
@@ -229,7 +231,7 @@ _Errand = tuple[Callable[[], Any], Callable[[Any], None]]
 
 
 def _prepare(scene: Scene, **how: Any) -> Simulation:
-    # Imported here, on the worker: the window is there before Numba is.
+    # lazy: on the worker; the window is there before Numba is
     from insonify.simulation import prepare
 
     return prepare(scene, **how)
@@ -237,6 +239,7 @@ def _prepare(scene: Scene, **how: Any) -> Simulation:
 
 def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
     """Tell over how many pings a beam spreads what one plane hears; None where random numbers would spread too."""
+    # lazy: on the worker; the window is there before Numba is
     from insonify.acoustics.resolution_cell import bin_centres, coherence_angle
 
     scene, arrays = simulation.scene, simulation.arrays

@@ -11,6 +11,7 @@ def load() -> Callable[[], int]:
     """Load the command, and return what runs it."""
     # Modules stay until the process ends. Collecting garbage among them takes a third of the time to a first ping.
     gc.disable()
+    # lazy: garbage is not collected meanwhile
     from insonify.cli import main as command
 
     gc.freeze()

@@ -41,6 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, (".png",))
     first, second = (_record(name) for name in arguments.records)
+    # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.accuracy.comparison_page import write_comparison
 
     for name, found in zip(arguments.records, write_comparison(path, (first, second))):
@@ -53,6 +54,7 @@ def _record(name: str) -> xr.Dataset:
     """Read a record, or simulate a scene."""
     if is_record(name):
         return read_record(name)
+    # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.simulation import simulate
 
     return simulate(load_scene(name))

@@ -31,6 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     path = output(arguments.output, (".png",))
     scene = chosen_scene(arguments)
+    # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.optics.light_page import write_light
     from insonify.optics.optical_scene import make_optical_scene
 

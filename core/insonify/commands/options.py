@@ -65,6 +65,7 @@ class _Methods:
     """Names of the methods, read when they are needed: the planner takes half of the time to load a command."""
 
     def __iter__(self) -> Iterator[str]:
+        # lazy: not every command plans
         from insonify.planning import METHODS
 
         return iter(METHODS)

@@ -29,6 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
     int
         Exit code.
     """
+    # lazy: not every command plans
     from insonify.planning import plan
 
     scene, forced = chosen_scene(arguments), chosen_model(arguments)

@@ -32,6 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     scene = chosen_scene(arguments)
     from PIL import Image
 
+    # lazy: the other commands need no kernels of relief
     from insonify.io.atomic import replacing
     from insonify.terrain import relief_picture
 

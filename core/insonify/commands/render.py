@@ -86,6 +86,7 @@ def _render_record(arguments: argparse.Namespace, path: Path, look: DisplayOptio
     if not _is_picture(path):
         write_record(path, [record])
     else:
+        # lazy: the other commands need neither Matplotlib nor the kernels
         from insonify.display.page import caption_record, write_page
         from insonify.display.sheet import gather_record_sheet
 
@@ -115,6 +116,7 @@ def write(
     method, tolerance, forced
         As in `insonify.simulate`.
     """
+    # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.simulation import simulate_blocks
 
     pings = scene.track.pings
@@ -122,6 +124,7 @@ def write(
     if not _is_picture(path):
         write_record(path, blocks)
         return
+    # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.display.page import caption_scene, write_page
     from insonify.display.picture import LevelBed
     from insonify.display.sheet import gather_sheet

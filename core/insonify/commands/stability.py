@@ -36,6 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     path = output(arguments.output, SUFFIXES)
     from tqdm import tqdm
 
+    # lazy: every method and every drawing
     from insonify.accuracy.stability import CASES
     from insonify.accuracy.stability.report import write_report
 

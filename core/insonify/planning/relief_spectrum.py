@@ -125,7 +125,7 @@ def _east(away: Field, along: Field, heading: float) -> tuple[Field, Field]:
 
 
 def _density(part: RandomRelief, fx: Field, fy: Field, spacing: float) -> Field:
-    # Imported here, for they come with the kernels that make a bed, which no command should wait for.
+    # lazy: with the kernels that make a bed, which not every plan needs
     from insonify.terrain.densities import autocorrelated, power_law, von_karman
 
     if isinstance(part, PowerLaw):
@@ -154,6 +154,7 @@ def _ripples(part: Ripples, fx: Field, fy: Field) -> Field:
 
     Sharp ripples are parabolas, of the amplitudes 8 / (πn)²; near forks and ends they die down.
     """
+    # lazy: with the kernels that make a bed, which not every plan needs
     from insonify.terrain.densities import ripple_wave
 
     total: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
@@ -169,6 +170,7 @@ def _ripples(part: Ripples, fx: Field, fy: Field) -> Field:
 
 def _fractal(part: Fractal, fx: Field, fy: Field, spacing: float) -> Field:
     """Power about every peak, falling with the mean exponent; what lies near a peak, widened likewise."""
+    # lazy: with the kernels that make a bed, which not every plan needs
     from insonify.terrain.spectra import half_plane
 
     beta, unit = 0.5 * sum(part.exponents), 1.0 / part.period

@@ -47,6 +47,7 @@ class Pictured:
 
 def picture(chart: AccuracyChart) -> Pictured:
     """Draw a chart as it is saved."""
+    # lazy: the window is there before Matplotlib is
     from insonify.accuracy.charts.accuracy_figure import draw_accuracy
 
     figure, marks = draw_accuracy(chart)
@@ -109,6 +110,7 @@ class Judged:
 
 def judge(chart: AccuracyChart, row: AccuracyRow) -> Judged:
     """Lay a row's record beside its reference."""
+    # lazy: the window is there before Matplotlib is
     from insonify.accuracy.similarity import measure_similarity
 
     record, reference = chart.normalise_row(row)

@@ -79,7 +79,7 @@ class Measurement(QObject):
 
 
 def _measured(scene: Scene, progress: Progress) -> AccuracyChart:
-    # Imported here: the window is there before Numba and matplotlib are.
+    # lazy: the window is there before Numba and Matplotlib are
     from insonify.accuracy.charts.kinds.accuracy import measure_chart
 
     return measure_chart(scene, progress=progress)

@@ -104,6 +104,7 @@ class WaterPanel:
 
 
 def _diagram(scene: Scene, target: Target, fine: bool) -> RayDiagram:
+    # lazy: on the worker; the window is there before Numba is
     from insonify.display.ray_diagram.tracing import ACROSS, trace_ray_diagram
     from insonify.terrain import build_ground
 

@@ -51,7 +51,8 @@ def _read_triangles(path: str) -> NDArray[np.float64]:
     corners = corners[_has_area(corners)]
     if not len(corners):
         raise MESHES.refusal(path, "holds no triangles", "check that it is whole and holds surfaces")
-    from insonify.io.meshes.winding import wind_outwards  # loads SciPy's sparse graphs, which only meshes need
+    # lazy: SciPy's sparse graphs, which only meshes need
+    from insonify.io.meshes.winding import wind_outwards
 
     return wind_outwards(corners)
 

@@ -1,0 +1,104 @@
+"""Imports between modules run without circles, and stand at the top of a module unless a comment says why not."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+LAZY = "# lazy:"  # begins the comment above a function's imports, or behind one
+
+
+def project_modules():
+    modules = {}
+    for root in ("core", "app"):
+        for path in sorted((ROOT / root).rglob("*.py")):
+            parts = path.relative_to(ROOT / root).with_suffix("").parts
+            modules[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return modules
+
+
+MODULES = project_modules()
+TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
+
+
+def imported(node):
+    """Project modules that one import statement names."""
+    if isinstance(node, ast.Import):
+        names = [alias.name for alias in node.names]
+    else:
+        names = [f"{node.module}.{alias.name}" for alias in node.names]
+        names = [name if name in MODULES else node.module for name in names]
+    return {name for name in names if name in MODULES}
+
+
+def executed_imports(tree):
+    """Import statements of a module and of its functions, but for those that only type checkers read."""
+    pending = [tree]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, (ast.Import, ast.ImportFrom)):
+            yield node
+        elif not (isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING"):
+            pending.extend(ast.iter_child_nodes(node))
+
+
+def circles(graph):
+    """Sets of modules each of which imports all others of its set, by Tarjan's algorithm."""
+    number, low, stack, found = {}, {}, [], []
+
+    def visit(name):
+        number[name] = low[name] = len(number)
+        stack.append(name)
+        for other in graph[name]:
+            if other not in number:
+                visit(other)
+                low[name] = min(low[name], low[other])
+            elif other in stack:
+                low[name] = min(low[name], number[other])
+        if low[name] == number[name]:
+            members = stack[stack.index(name) :]
+            del stack[stack.index(name) :]
+            if len(members) > 1:
+                found.append(sorted(members))
+
+    for name in graph:
+        if name not in number:
+            visit(name)
+    return found
+
+
+def test_circles_are_found():
+    assert circles({"a": ["b"], "b": ["c"], "c": ["a", "d"], "d": []}) == [["a", "b", "c"]]
+
+
+def test_no_module_imports_itself_through_others():
+    graph = {
+        name: sorted({other for node in executed_imports(tree) for other in imported(node)} - {name})
+        for name, tree in TREES.items()
+    }
+    assert sum(map(len, graph.values())) > 500
+    assert circles(graph) == []
+
+
+def hidden_imports(tree, lines):
+    """Lines of imports of project modules in functions without a comment that begins with ``LAZY``."""
+    functions = [node for node in ast.walk(tree) if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    for block in (child for function in functions for child in ast.walk(function)):
+        for body in (getattr(block, field, None) for field in ("body", "orelse", "finalbody")):
+            said = False
+            for node in body if isinstance(body, list) else ():
+                if not isinstance(node, (ast.Import, ast.ImportFrom)):
+                    said = False
+                    continue
+                said = said or lines[node.lineno - 2].strip().startswith(LAZY)
+                if imported(node) and not said and LAZY not in lines[node.lineno - 1]:
+                    yield node.lineno
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_an_import_in_a_function_says_why(name):
+    lines = MODULES[name].read_text(encoding="utf-8").splitlines()
+    assert sorted(set(hidden_imports(TREES[name], lines))) == []
