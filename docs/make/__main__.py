@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import fields
 import figures
 import gallery
+import packages
 import pages
 import reference
 
@@ -25,6 +26,7 @@ GENERATED = {
     "reference/cli.md": reference.command_page,
     "reference/python.md": reference.python_page,
     "howto/index.md": reference.howto_page,
+    "architecture/rooms.md": packages.page,
 }
 DRAWN = {"figures": lambda: figures.draw(DOCS / "pictures"), "gallery": lambda: gallery.draw(DOCS)}
 

@@ -1,1 +1,1 @@
-"""io."""
+"""Files read and written: records, bathymetry, casts, navigation, meshes; formats by suffix."""

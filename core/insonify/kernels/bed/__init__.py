@@ -1,1 +1,1 @@
-"""bed."""
+"""The bed as kernels see it: profiles along a vertical plane, and maps of materials."""

@@ -1,1 +1,1 @@
-"""labels."""
+"""What each range bin shows: target, material, path, incidence."""

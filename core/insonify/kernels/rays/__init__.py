@@ -1,1 +1,1 @@
-"""rays."""
+"""Single rays along straight lines: cell walk, fixed-step march, specular paths, ray differentials."""

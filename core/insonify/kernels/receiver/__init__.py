@@ -1,1 +1,1 @@
-"""receiver."""
+"""The receiver along a ping: the pulse spreads echoes over bins."""

@@ -1,1 +1,1 @@
-"""refracted_rays."""
+"""Single rays along arcs: hits on bed and targets, echoes, mixed paths, ray sheets."""

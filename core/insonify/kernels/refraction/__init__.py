@@ -1,1 +1,1 @@
-"""refraction."""
+"""Rays in layered and range-dependent water: arcs, eigenrays, caustics, apparent positions."""

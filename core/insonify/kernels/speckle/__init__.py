@@ -1,1 +1,1 @@
-"""speckle."""
+"""Correlated random fields, and scatterers whose waves interfere."""

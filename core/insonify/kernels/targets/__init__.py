@@ -1,1 +1,1 @@
-"""targets."""
+"""Targets in one plane: primitives, angular z-buffer, occlusion, apparent targets in bent sound."""

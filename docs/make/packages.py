@@ -1,0 +1,151 @@
+"""The page of packages: what each holds and imports, and the families of kinds, read from the sources."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+CORE, VIEWER = ROOT / "core" / "insonify", ROOT / "app" / "insonify_viewer"
+HEAD = """# Rooms and imports
+
+<!-- Made by `python docs/make` from the sources and their import contracts. Edit `docs/make/packages.py`. -->
+
+The code is two packages: `insonify`, the headless core, and `insonify_viewer`, the window. The core never imports the
+viewer, Qt or VTK. Imports run one way between packages, and between the rooms of the kernels; `uv run lint-imports`
+checks it. Contracts name packages, not modules, so a new module is guarded without an entry.
+
+## The core
+
+A package imports packages below it in this table, never above it. Packages of one level do not import each other.
+
+| level | package | what it holds | imports |
+|---|---|---|---|
+"""
+ROOMS = """
+## Rooms of the kernels
+
+`insonify.kernels` holds all Numba code. It sees NumPy and Numba only: arrays and NamedTuples go in, arrays come out,
+never a scene. Its rooms import one way, too, from the top of this table to the bottom.
+
+| level | room | what it holds | imports |
+|---|---|---|---|
+"""
+APP = """
+## The viewer
+
+PySide6 stands in `views`, in the views of panels, and in the few modules that run the event loop; PyVista and VTK in
+`views` alone. Everything else of the viewer is plain Python, tested without a window.
+
+| package | what it holds |
+|---|---|
+"""
+FAMILIES = """
+## Families of kinds
+
+Every choice of a scene is a family: one class a kind, found by being declared in a module of the family's package, or
+announced by an installed package as an entry point of the group. [Add something new](extend.md) says how.
+
+| family | package | entry points | kinds |
+|---|---|---|---|
+"""
+FORMATS = """
+## File formats
+
+A format is a `FileFormat` at the top level of a module of its package, or announced as an entry point of the group.
+
+| contents | package | entry points | suffixes read | suffixes written |
+|---|---|---|---|---|
+"""
+
+
+def page() -> str:
+    """Return the page."""
+    layers, rooms = _contract("imports run one way"), _contract("rooms of kernels import one way")
+    core = [[name.removeprefix("insonify.") for name in level.split(" | ")] for level in layers]
+    kernels = [level.split(" | ") for level in rooms]
+    parts = [HEAD, *_levels(CORE, core), ROOMS, *_levels(CORE / "kernels", kernels), APP]
+    parts += [f"| `{path.name}` | {_first_line(path)} |\n" for path in _members(VIEWER)]
+    parts += [FAMILIES, *_families(), FORMATS, *_formats()]
+    return "".join(parts)
+
+
+def _contract(name: str) -> list[str]:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]
+    layers: list[str] = next(each["layers"] for each in settings["contracts"] if each["name"] == name)
+    return layers
+
+
+def _levels(folder: Path, levels: list[list[str]]) -> list[str]:
+    """Rows of a table of packages, from the highest to the lowest."""
+    names = [name for level in levels for name in level]
+    prefix = ".".join(folder.relative_to(ROOT / "core").parts)
+    rows = []
+    for number, level in zip(range(len(levels), 0, -1), levels):
+        for name in level:
+            path = folder / name if (folder / name).is_dir() else folder / f"{name}.py"
+            used = [f"`{other}`" for other in names if other != name and other in _imports(path, prefix)]
+            rows.append(f"| {number} | `{name}` | {_first_line(path)} | {', '.join(used)} |\n")
+    return rows
+
+
+def _imports(path: Path, prefix: str) -> set[str]:
+    """Name the packages below a prefix that a module or the modules of a package import."""
+    found = set()
+    for source in path.rglob("*.py") if path.is_dir() else [path]:
+        text = source.read_text(encoding="utf-8")
+        found |= set(re.findall(rf"(?:from|import) {re.escape(prefix)}\.(\w+)", text))
+        for names in re.findall(rf"from {re.escape(prefix)} import ([\w, ]+)", text):
+            found |= set(names.replace(" ", "").split(","))
+    return found
+
+
+def _members(folder: Path) -> list[Path]:
+    """List the packages of a folder, then its modules."""
+    packages = sorted(path for path in folder.iterdir() if (path / "__init__.py").exists())
+    return packages + sorted(path for path in folder.glob("*.py") if not path.name.startswith("__"))
+
+
+def _first_line(path: Path) -> str:
+    source = path / "__init__.py" if path.is_dir() else path
+    docstring = ast.get_docstring(ast.parse(source.read_text(encoding="utf-8"))) or ""
+    return docstring.partition("\n")[0].replace("|", "\\|")
+
+
+def _families() -> list[str]:
+    """List every family that a field of a scene asks for."""
+    from pydantic import BaseModel
+
+    from insonify.scene import Scene  # imports the declarations
+    from insonify.scene.kinds import Family
+
+    Scene.model_json_schema()
+    rows = {}
+    for model in _descendants(BaseModel):
+        family = getattr(model, "family", None)
+        if isinstance(family, Family):
+            kinds = ", ".join(f"`{kind}`" for kind in family.models(BaseModel))
+            rows[family.name] = f"| {family.name} | `{family.package}` | `insonify.{family.name}` | {kinds} |\n"
+    return [rows[name] for name in sorted(rows)]
+
+
+def _descendants(base: Any) -> list[Any]:
+    below = [each for child in base.__subclasses__() for each in _descendants(child)]
+    return [base, *below] if base.__module__.startswith("insonify.") else below
+
+
+def _formats() -> list[str]:
+    from insonify.io.bathymetry.grid import BATHYMETRY
+    from insonify.io.meshes.mesh import MESHES
+    from insonify.io.navigation.recorded import NAVIGATION
+    from insonify.io.records.files import RECORDS
+    from insonify.io.sound_speed_casts.cast import CASTS
+
+    rows = []
+    for each in (RECORDS, BATHYMETRY, CASTS, NAVIGATION, MESHES):
+        read, written = (" ".join(f"`{suffix}`" for suffix in some) for some in (each.readable(), each.writable()))
+        rows.append(f"| {each.contents} | `{each.package}` | `{each.group}` | {read} | {written} |\n")
+    return rows
