@@ -8,7 +8,7 @@ from typing import Any
 
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError, edit
-from insonify.scene.materials import MATERIALS, Material, Reflectivity
+from insonify.scene.materials import MATERIAL_MAPS, MATERIALS, Material, MaterialMap, Reflectivity
 from insonify.scene.materials.pattern import PatternMap
 from insonify.scene.motions.straight import Straight
 from insonify.scene.motions.sum import SumOfMotions
@@ -142,10 +142,12 @@ def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, st
         return {}, ""
     if kind == "uniform":
         return {"seabed.material.name": material.materials[0].name}, ""
-    if not isinstance(material, Material):
+    model = MATERIAL_MAPS.models(MaterialMap).get(kind)
+    if len(material.materials) > 1 or model is None or "of" not in model.model_fields:
         return {}, ""
-    other = "rock" if material.name != "rock" else next(iter(MATERIALS))
-    return {"seabed.material.of": [material.name, other]}, ""
+    name = material.materials[0].name
+    other = "rock" if name != "rock" else next(iter(MATERIALS))
+    return {"seabed.material.of": [name, other]}, ""
 
 
 def _sum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:

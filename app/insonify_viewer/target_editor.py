@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from insonify.scene import SceneError, plain
 from insonify_viewer.session import Session
-from insonify_viewer.target_placement import new_target
+from insonify_viewer.target_placement import needs_file, new_target
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
@@ -43,10 +43,10 @@ class Targets:
         window.panel.removed.connect(self.remove)
 
     def add(self, kind: str) -> None:
-        """Put a target where it will be seen; a mesh needs a file first."""
-        path = self._files.ask_for_mesh() if kind == "mesh" else ""
+        """Put a target where it will be seen; a file is asked for first where the kind is read from one."""
+        path = self._files.ask_for_mesh() if needs_file(kind) else ""
         simulation, top = self.simulation, self._window.waterfall.top
-        if simulation is not None and (path or kind != "mesh"):
+        if simulation is not None and (path or not needs_file(kind)):
             if path:
                 self._window.say(f"reading {Path(path).name} …")
             self._simulator.send(lambda: new_target(simulation, self._session.scene, kind, top, path), self._put)

@@ -20,6 +20,16 @@ APART = 0.15  # from other targets, in slant ranges
 ASKEW = 30.0  # degrees from the track, so that a shape shows
 
 
+def target_menu() -> dict[str, str]:
+    """Names of the kinds of targets, by kind; one that asks for a file first ends in an ellipsis."""
+    return {kind: kind.replace("_", " ").capitalize() + "…" * needs_file(kind) for kind in TARGETS.models(Target)}
+
+
+def needs_file(kind: str) -> bool:
+    """Whether a target of a kind is read from a file."""
+    return "path" in TARGETS.models(Target)[kind].model_fields
+
+
 def new_target(simulation: Simulation, scene: Scene, kind: str, top: int, path: str = "") -> dict[str, Any]:
     """Describe a target that is not there yet.
 
@@ -34,7 +44,7 @@ def new_target(simulation: Simulation, scene: Scene, kind: str, top: int, path: 
     top : int
         Newest ping on screen.
     path : str
-        File of a mesh.
+        File of a kind that is read from one.
 
     Returns
     -------

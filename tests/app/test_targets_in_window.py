@@ -12,9 +12,8 @@ from PySide6.QtWidgets import QFileDialog, QToolButton
 from insonify.scene import Scene, SceneError, edit, resources
 from insonify_viewer.bed_shading import target_colours
 from insonify_viewer.panels.parameters.sections import sections_of
-from insonify_viewer.target_placement import new_target
+from insonify_viewer.target_placement import new_target, target_menu
 from insonify_viewer.views.field_rows import FileRow
-from insonify_viewer.views.main_window import TARGETS
 from insonify_viewer.views.pv_meshes import frustum_mesh, targets_mesh
 
 
@@ -35,7 +34,7 @@ def removers(viewer: Any) -> list[QToolButton]:
     return [b for b in viewer.window.panel.findChildren(QToolButton, "remove") if b.isVisible()]
 
 
-@pytest.mark.parametrize("kind", list(TARGETS))
+@pytest.mark.parametrize("kind", list(target_menu()))
 def test_a_target_of_any_kind_is_added_and_taken_back(
     open_viewer: Any, small: Scene, qtbot: Any, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

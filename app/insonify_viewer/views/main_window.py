@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
 from insonify_viewer.panels.parameters.view import ParameterPanel
 from insonify_viewer.panels.plan.view import PlanView
 from insonify_viewer.panels.water.view.water_view import WaterView
+from insonify_viewer.target_placement import target_menu
 from insonify_viewer.tow_clock import SPEEDS
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.waterfall_view import WaterfallView
@@ -29,7 +30,6 @@ from insonify_viewer.views.waterfall_view import WaterfallView
 GAIN_REACH = 30  # dB either way
 SIDE = 300  # px, width of the panels at the side
 WATER_HEIGHT = 260  # px, of the panel of the water when it is first opened
-TARGETS = {"pipe": "Pipe", "sphere": "Sphere", "box": "Box", "cone": "Cone", "mesh": "Mesh…"}
 
 
 class MainWindow(QMainWindow):
@@ -193,7 +193,7 @@ class MainWindow(QMainWindow):
         self.targets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.targets.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         menu = QMenu(self.targets)
-        for kind, name in TARGETS.items():
+        for kind, name in target_menu().items():
             action = QAction(name, menu)
             action.setData(kind)
             menu.addAction(action)

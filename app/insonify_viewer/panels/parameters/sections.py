@@ -88,7 +88,7 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
         if name == "targets":
             for index, target in enumerate(part):
                 path = f"targets.{index}"
-                title = f"{target.kind.capitalize()} {index + 1}"
+                title = f"{target.kind.replace('_', ' ').capitalize()} {index + 1}"
                 found.append(Section(path, title, _inside(scene, target, path, 0), removable=True))
         else:
             parameters = _inside(scene, part, name, 0)

@@ -31,7 +31,7 @@ def angle(description: str) -> Any:
     return parameter(0.0, unit="°", description=description, ge=-360.0, le=360.0, slider=(-180.0, 180.0))
 
 
-class Bed(Protocol):
+class BedSurface(Protocol):
     """What a target is placed on."""
 
     @property
@@ -54,14 +54,11 @@ class Target(Declaration):
 
     Attributes
     ----------
-    title : str
-        Name in menus; the kind when empty.
     combed : float
         Error of a single plane across the target, as a share of what its sides return: see ``insonify.planning.laws``.
     """
 
     family = TARGETS
-    title: ClassVar[str] = ""
     combed: ClassVar[float] = 0.27
     kind: str = parameter(description="shape of the target")
     position: Position = parameter(
@@ -95,7 +92,7 @@ class Target(Declaration):
         """Mean height of the lowest point above the bed, in metres."""
         return 0.0
 
-    def placed(self, bed: Bed) -> Shape:
+    def placed(self, bed: BedSurface) -> Shape:
         """Shape where it lies.
 
         Raises
@@ -110,7 +107,7 @@ class Target(Declaration):
         height = float(self.heights_of(bed, np.array([x]), np.array([y]))[0])
         return shape.moved(np.array([x, y, height + self.underside - shape.lowest]))
 
-    def heights_of(self, bed: Bed, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def heights_of(self, bed: BedSurface, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
         """Heights of the bed that carries the target.
 
         Raises

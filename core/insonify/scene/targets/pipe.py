@@ -12,7 +12,7 @@ from pydantic import field_validator, model_validator
 
 from insonify.scene.base import parameter
 from insonify.scene.rotation import exact_cos
-from insonify.scene.targets.base import HIGHEST_GAP, LEAST, LOWEST_GAP, Bed, Target, angle
+from insonify.scene.targets.base import HIGHEST_GAP, LEAST, LOWEST_GAP, BedSurface, Target, angle
 from insonify.scene.targets.shape import Shape, Vector, ball, frustum
 from insonify.scene.targets.sides import FRONT, SLIGHT, Side, Sight, disc, dot
 
@@ -82,7 +82,7 @@ class Pipe(Target):
         """Mean of the gap's stations, in metres."""
         return sum(height for _, height in self._stations) / len(self._stations)
 
-    def placed(self, bed: Bed) -> Shape:
+    def placed(self, bed: BedSurface) -> Shape:
         """Pipe along the bed: straight between joints, with a ball in every elbow to close the wedge there."""
         if self.pitch is not None or len(self.position) == 3:
             return super().placed(bed)
@@ -90,7 +90,7 @@ class Pipe(Target):
         stretches = (frustum(first, last, self.radius, self.radius) for first, last in pairwise(joints))
         return Shape((*stretches, *(ball(self.radius, joint) for joint in joints[1:-1])))
 
-    def _joints(self, bed: Bed) -> list[Vector]:
+    def _joints(self, bed: BedSurface) -> list[Vector]:
         """Points on the axis between which the pipe is straight.
 
         Laid on a rough bed, a stiff pipe follows the straight line that fits the heights under it; the gap counts from
