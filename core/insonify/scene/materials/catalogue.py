@@ -8,13 +8,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
 from insonify.errors import SceneError
 from insonify.files import resources
 from insonify.plugins import announced
 from insonify.scene.base import Declaration, parameter
-from insonify.scene.materials.reflectivity import Reflectivity
+from insonify.scene.materials.reflectivity import Reflectivity, refuse_excess
 
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Density = Annotated[float, Field(gt=0.0, allow_inf_nan=True)]
@@ -31,6 +31,11 @@ class NamedMaterial(Declaration):
     colour: tuple[Share, Share, Share] = parameter(description="red, green and blue in the viewer, as sRGB")
     source: str = parameter(description="where the numbers come from", min_length=1)
 
+    @model_validator(mode="after")
+    def _no_more_than_arrives(self) -> NamedMaterial:
+        refuse_excess(self.diffuse, self.specular)
+        return self
+
     @property
     def reflectivity(self) -> Reflectivity:
         """Numbers of a surface of it."""
@@ -40,7 +45,7 @@ class NamedMaterial(Declaration):
 
 
 class Catalogue(Mapping[str, NamedMaterial]):
-    """Named materials by their names, in the order of the files and of the tables in them."""
+    """Named materials by their names: the bundled ones, then those of installed packages, which replace none."""
 
     def __init__(self) -> None:
         self._kept: dict[str, NamedMaterial] = {}
@@ -68,7 +73,8 @@ class Catalogue(Mapping[str, NamedMaterial]):
         if not self._kept:
             self._kept = read_materials(resources() / "materials")
             for entry in announced("insonify.materials"):
-                self._kept |= read_materials(Path(entry.load()))
+                others = read_materials(Path(entry.load()))
+                self._kept |= {name: others[name] for name in others if name not in self._kept}
         return self._kept
 
 
@@ -89,14 +95,15 @@ def read_materials(folder: Path) -> dict[str, NamedMaterial]:
     for file in sorted(folder.glob("*.toml")):
         try:
             tables = tomllib.loads(file.read_text(encoding="utf-8"))
-            found |= {name: NamedMaterial.model_validate(table) for name, table in tables.items()}
+            found |= _TABLES.validate_python(tables)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"{file}: is not valid TOML ({error}); mend that line") from None
         except ValidationError as error:
             fault = error.errors()[0]
             field = ".".join(map(str, fault["loc"]))
-            raise SceneError(f"{file}: {field}: {fault['msg']}, not {fault['input']!r}; mend it") from None
+            raise SceneError(f"{file}: {field}: {fault['input']!r} is not right ({fault['msg']}); mend it") from None
     return found
 
 
+_TABLES = TypeAdapter(dict[str, NamedMaterial])
 MATERIALS = Catalogue()

@@ -48,3 +48,16 @@ class Reflectivity(NamedTuple):
         cosⁿ(2α) ≈ exp(−2nα²), so that s = 1/(2√n).
         """
         return 0.5 / math.sqrt(self.shininess)
+
+
+def refuse_excess(diffuse: float, specular: float) -> None:
+    """Refuse shares of energy that sum to more than 1.
+
+    Raises
+    ------
+    ValueError
+    """
+    if diffuse + specular > 1.0 + 1e-9:
+        raise ValueError(
+            f"diffuse {diffuse:g} + specular {specular:g} reflect more than arrives; lower one until they sum to 1"
+        )

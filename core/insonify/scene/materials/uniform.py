@@ -10,7 +10,7 @@ from pydantic import field_validator, model_validator
 from insonify.scene.base import parameter
 from insonify.scene.materials.base import Cells, Map, MaterialMap
 from insonify.scene.materials.catalogue import MATERIALS
-from insonify.scene.materials.reflectivity import Reflectivity
+from insonify.scene.materials.reflectivity import Reflectivity, refuse_excess
 
 
 class Material(MaterialMap):
@@ -66,11 +66,7 @@ class Material(MaterialMap):
 
     @model_validator(mode="after")
     def _no_more_than_arrives(self) -> Material:
-        diffuse, specular = self.reflectivity[:2]
-        if diffuse + specular > 1.0 + 1e-9:
-            raise ValueError(
-                f"diffuse {diffuse:g} + specular {specular:g} reflect more than arrives; lower one until they sum to 1"
-            )
+        refuse_excess(*self.reflectivity[:2])
         return self
 
     @property

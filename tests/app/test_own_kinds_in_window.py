@@ -1,0 +1,66 @@
+"""A shape and a material of somebody else's in the window: menu, three dimensions, sliders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from insonify.scene import Scene, edit
+from insonify.simulation import prepare
+from insonify_viewer.bed_shading import target_colours
+from insonify_viewer.dependent_edits import completed
+from insonify_viewer.panels.parameters.sections import Choice, Number, sections_of
+from insonify_viewer.target_placement import target_menu
+from insonify_viewer.views.pv_meshes import targets_mesh
+from own_kinds import own_kinds, ring_scene
+
+
+@pytest.fixture(autouse=True)
+def _known() -> Iterator[None]:
+    with own_kinds():
+        yield
+
+
+def test_the_menu_puts_a_torus_on_the_bed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    assert list(target_menu())[-1] == "torus"
+    viewer = open_viewer(edit(small, {"targets": []}))
+    action = next(action for action in viewer.window.targets.menu().actions() if action.text() == "Torus")
+    action.trigger()
+    qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == 1, timeout=60000)
+    assert viewer.session.scene.targets[0].kind == "torus"
+    row = viewer.window.panel.row("targets.0.tube")
+    qtbot.waitUntil(row.label.isVisible)
+    viewer.session.settle({"targets.0.tube": 0.75})
+    assert viewer.session.scene.targets[0].tube == 0.75
+
+
+def test_it_is_shown_in_its_own_colour() -> None:
+    arrays, colours = prepare(ring_scene()).arrays, target_colours(ring_scene())
+    shown = targets_mesh(arrays.solids, arrays.mesh, colours)
+    np.testing.assert_allclose(np.reshape(shown.bounds, (3, 2)), [[2.5, 7.5], [15.5, 20.5], [0.0, 1.0]], atol=1e-6)
+    np.testing.assert_array_equal(np.unique(shown.cell_data["colour"], axis=0), colours)
+    assert colours[0, 0] > colours[0, 2]
+
+
+def test_the_panel_has_its_sliders_and_the_material_in_its_list() -> None:
+    ring = next(section for section in sections_of(ring_scene()) if section.key == "targets.0")
+    assert ring.title == "Torus 1"
+    rows = {row.path.removeprefix("targets.0."): row for row in ring.parameters}
+    tube = rows["tube"]
+    assert isinstance(tube, Number)
+    assert (tube.slider, tube.unit, tube.log) == ((0.05, 2.0), "m", True)
+    assert {"radius", "heading", "pitch", "roll", "gap"} <= rows.keys()
+    material = rows["material.name"]
+    assert isinstance(material, Choice)
+    assert "coral" in material.options
+
+
+def test_a_map_of_somebody_elses_is_switched_to() -> None:
+    changes, _ = completed(ring_scene(), {"seabed.material.kind": "halves"})
+    scene = edit(ring_scene(), changes)
+    assert [one.name for one in scene.seabed.material.materials] == ["medium_sand", "rock"]
+    paths = [row.path for section in sections_of(scene) for row in section.parameters]
+    assert "seabed.material.border" in paths
