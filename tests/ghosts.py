@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from beds import solids_of
-from insonify.acoustics.sea_surface import make_ghosts
+from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
 from insonify.scene.surfaces import WAYS
 from insonify.scene.surfaces.flat import FlatSurface
@@ -22,7 +22,9 @@ def under_sea(arrays: SceneArrays, surface: float, *ways: str, wind_speed: float
     switches = {way: way in ways for way in WAYS}
     sea = FlatSurface(**switches) if wind_speed == 0.0 else RoughSurface(**switches, wind_speed=wind_speed)
     interface = np.tile([REFLECTION, 1.0], (len(arrays.reflectivity), 1))
-    return arrays._replace(water=still_water(surface=surface), multipath=make_ghosts(sea), interface=interface)
+    return arrays._replace(
+        water=still_water(surface=surface), multipath=make_surface_multipath(sea), interface=interface
+    )
 
 
 def bright_ball(arrays: SceneArrays, centre: tuple[float, float, float], radius: float) -> SceneArrays:

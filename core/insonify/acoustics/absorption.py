@@ -10,5 +10,5 @@ NEPER_PER_DB = math.log(10.0) / 20.0
 
 
 def absorption_coefficient(absorption: AbsorptionKind, frequency: float, depth: float) -> float:
-    """Amplitude absorption of a declared water in Np/m at ``frequency`` (Hz) and ``depth`` (m)."""
+    """Amplitude absorption coefficient in Np/m at ``frequency`` (Hz) and ``depth`` (m)."""
     return absorption.decibels_per_km(frequency, depth) * NEPER_PER_DB / 1e3

@@ -1,4 +1,4 @@
-"""Beams as tables: how sensitive the sonar is by direction, there and back."""
+"""Beam patterns: tables of the two-way sensitivity of the sonar by range and direction."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSI
 
 
 def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
-    """Pack a scene's beam for the tracers.
+    """Half width and pattern of the beam of a scene, packed for the tracers.
 
     Parameters
     ----------
     scene : Scene
-        Its sonar and motion apply.
+        Gives sonar and motion.
     sound_speed : float
-        At the sonar, in m/s.
+        Sound speed at the sonar, in m/s.
 
     Returns
     -------
     half_width : float
-        Of a top-hat, or half of what the main lobe spans, in radians; 0 for a knife.
-    Pattern
-        Not tabled where a level top-hat or knife that hears every grazing angle is all there is.
+        Half width of a top-hat, or half the span of the main lobe, in radians; 0 for a knife.
+    BeamPattern
+        Not tabulated for a level top-hat or knife with a uniform vertical beam.
     """
     beam, vertical = scene.sonar.beam, scene.sonar.vertical.response
     sounding = Sounding(sound_speed, scene.sonar.frequency, scene.sonar.range)
@@ -53,14 +53,14 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
 
 
 def is_patterned(scene: Scene) -> bool:
-    """Tell a beam that must be tabled from a level top-hat or knife that hears every grazing angle alike."""
+    """Whether the beam needs a table: it is no level top-hat or knife with a uniform vertical beam."""
     beam = scene.sonar.beam
     tilts = beam.has_width and any(motion.tilts for motion in scene.track.motions)
     return not beam.top_hat or beam.axis != 0.0 or tilts or scene.sonar.vertical.shades
 
 
 def _integral(extent: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Integrate every row over s from its beginning, by trapezia."""
+    """Integral of every row over the sine s from its start, by the trapezoidal rule."""
     step = 2.0 * extent[:, None] / (energy.shape[1] - 1)
     sums = np.cumsum(0.5 * (energy[:, 1:] + energy[:, :-1]) * step, axis=1)
     return np.concatenate([np.zeros((extent.size, 1)), sums], axis=1)

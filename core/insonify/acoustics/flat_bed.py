@@ -1,4 +1,4 @@
-"""The record of a level bed, in closed form: what every error is measured against and every picture divided by."""
+"""Record of a level bed in closed form, the curve by which errors and pictures are normalised."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LAMBERT = Reflectivity(1.0, 0.0, 1.0)
 def flat_bed_curve(
     arrays: SceneArrays, altitude: float, reflectivity: Reflectivity | None = None
 ) -> NDArray[np.float64]:
-    """Record of a level bed, heard by a level fish at every grazing angle alike.
+    """Record of a level bed under a level sonar with a uniform vertical beam.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ def flat_bed_curve(
     altitude : float
         Height of the sonar above the bed, in metres.
     reflectivity : Reflectivity, optional
-        Of the bed; a perfect Lambert bed when left out.
+        Reflectivity of the bed; a Lambert bed of albedo 1 when left out.
 
     Returns
     -------
@@ -34,25 +34,26 @@ def flat_bed_curve(
     diffuse, specular, shininess = (reflectivity or LAMBERT)[:3]
     edges = np.arange(arrays.bins + 1) * arrays.bin_length
     near, far = np.maximum(edges[:-1], altitude), np.maximum(edges[1:], altitude)
-    # As a product: the difference of two squares may come out below zero.
+    # As a product, because rounding may make the difference of two squares negative.
     x_near, x_far = (np.sqrt((r - altitude) * (r + altitude)) for r in (near, far))
-    heard = far > near
-    r = np.where(heard, 0.5 * (near + far), 1.0)
+    reached = far > near
+    r = np.where(reached, 0.5 * (near + far), 1.0)
     cos_incidence = altitude / r
     mirrored = np.maximum(2.0 * cos_incidence**2 - 1.0, 0.0) ** shininess
     if arrays.law == LIGHT:
         shade = diffuse * cos_incidence + specular * mirrored
-        return np.where(heard, shade * (far - near) / arrays.bin_length, 0.0) * arrays.range_factor
+        return np.where(reached, shade * (far - near) / arrays.bin_length, 0.0) * arrays.range_factor
     sigma = cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored)
     x = 0.5 * (x_near + x_far)
-    return np.where(heard, sigma * (x_far - x_near) * along_track_width(arrays, x, r), 0.0) * arrays.range_factor
+    return np.where(reached, sigma * (x_far - x_near) * along_track_width(arrays, x, r), 0.0) * arrays.range_factor
 
 
 def along_track_width(arrays: SceneArrays, x: NDArray[np.float64], r: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Arc of a level bed that the beam takes in at ground range ``x`` and slant range ``r``, in metres.
+    """Length of the arc of a level bed inside the beam at ground range ``x`` and slant range ``r``, in metres.
 
-    A beam is a cone about the track: of a top-hat |sin φ_b| = cos θ |sin φ| stays within sin(half width), so that near
-    nadir it takes in all azimuths; a pattern weighs them. A knife is 1 m wide by definition.
+    The beam angle φ_b of azimuth φ and grazing angle θ obeys sin φ_b = cos θ sin φ. A top-hat holds all azimuths with
+    |sin φ_b| below the sine of its half width, so all of them near nadir; a pattern weighs them. A knife is 1 m wide by
+    definition.
     """
     if arrays.half_width <= 0.0:
         return np.ones_like(x)

@@ -1,4 +1,4 @@
-"""Pulses as the receiver hears them: the echo of a point, and what a bin holds of its neighbours."""
+"""Pulses after the receiver's filter: the echo of a point, and the energy and coherence it gives neighbouring bins."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from numpy.typing import NDArray
 from insonify.scene.pulses import PulseKind
 
 SAMPLES = 64  # of a response, per bin and per resolution cell
-AT_ONCE = 1 << 18  # of them
-# Sidelobes of a response further off than this many resolution cells are left out of coherence: they are below 1/50.
+AT_ONCE = 1 << 18  # samples that are integrated together
+# Resolution cells beyond which sidelobes of a response, then below 1/50, do not count for coherence.
 COHERENT_CELLS = 16
 
 
 class Taps(NamedTuple):
-    """Share of a bin's energy that a pulse puts into the bins about it.
+    """Shares of the energy of a bin that a pulse spreads over the bins around it.
 
     Attributes
     ----------
     weights : (n,) float64
-        From the nearest bin reached to the farthest.
+        One for each bin reached, near to far.
     before : int
-        How many of them lie nearer than the echo's own bin.
+        Number of bins reached that are nearer than the bin itself.
     """
 
     weights: NDArray[np.float64]
@@ -33,14 +33,14 @@ class Taps(NamedTuple):
 
 
 def envelope(pulse: PulseKind, offset: NDArray[np.float64], sound_speed: float) -> NDArray[np.float64]:
-    """Amplitude of a point's echo after the receiver's filter, 1 at its peak.
+    """Amplitude of the echo of a point after the receiver's filter, 1 at its peak.
 
     Parameters
     ----------
     pulse : PulseKind
         Of some length.
     offset : float64 array
-        Slant range beyond the point's own, in metres.
+        Slant range beyond that of the point, in metres.
     sound_speed : float
         m/s.
 
@@ -54,7 +54,7 @@ def envelope(pulse: PulseKind, offset: NDArray[np.float64], sound_speed: float) 
 
 @lru_cache(maxsize=16)
 def pulse_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> Taps:
-    """Spread a bin's energy over the bins that hear it.
+    """Weights by which a pulse spreads the energy of a bin over range bins.
 
     Parameters
     ----------
@@ -67,16 +67,17 @@ def pulse_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> Taps:
     Returns
     -------
     Taps
-        They sum to the pulse's equivalent length ∫|envelope|² dr in bins: cτ/2 for a tone; c/2B times 1, 1.36 or 1.5
-        for a chirp of uniform, Hamming or Hann spectrum; 1 for an ideal pulse. A bin thus holds the mean intensity
-        of the echoes of all the bed the pulse covers, as if the energy of each bin came evenly from its slant ranges.
+        Their sum is the equivalent length of the pulse ∫|envelope|² dr in bins: cτ/2 for a tone; c/2B times 1, 1.36 or
+        1.5 for a chirp of uniform, Hamming or Hann spectrum; 1 for an ideal pulse. A bin then holds the mean intensity
+        of the echoes from all the bed under the pulse, on the assumption that the energy of each bin is spread evenly
+        over its slant ranges.
     """
     exact = pulse.taps(0.5 * sound_speed * pulse.length / bin_length)
     return _integrated_taps(pulse, sound_speed, bin_length) if exact is None else Taps(exact, 0)
 
 
 def _integrated_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> Taps:
-    """Integrate the squared envelope over the bins that hear it."""
+    """Integrals of the squared envelope over the bins that it reaches."""
     length = 0.5 * sound_speed * pulse.length
     reach = math.ceil(length / bin_length)
     before = reach if pulse.two_sided else 0
@@ -97,7 +98,7 @@ def _integrated_taps(pulse: PulseKind, sound_speed: float, bin_length: float) ->
 
 
 def coherence(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
-    """Correlation between the amplitudes that many small scatterers give to bins apart.
+    """Correlation of the amplitudes of range bins, for many small scatterers.
 
     Parameters
     ----------
@@ -135,14 +136,14 @@ def _integrated_coherence(pulse: PulseKind, sound_speed: float, bin_length: floa
 
 @lru_cache(maxsize=16)
 def coherent_taps(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArray[np.float64]:
-    """Weights by which white noise gets a pulse's coherence.
+    """Weights of a filter that gives white noise the coherence of a pulse.
 
     Parameters as in `coherence`.
 
     Returns
     -------
     (n,) float64
-        Weights of the bin itself and those before it; their squares sum to 1.
+        Weights of the bin itself and of the bins before it; their squares sum to 1.
 
     References
     ----------

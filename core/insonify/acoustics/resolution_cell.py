@@ -1,4 +1,4 @@
-"""The cell a bin hears: how wide it is along the track, and what of the water and the sea surface lies in it."""
+"""The resolution cell of a bin: its width along the track, and the volume of water and area of sea surface in it."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ ELEVATIONS = 1440  # over half a turn
 
 
 def bin_centres(arrays: SceneArrays) -> Curve:
-    """Return the true slant range of the bins' centres, (bins,) in metres."""
+    """Return the true slant ranges of the centres of the bins, (bins,) in metres."""
     return (np.arange(arrays.bins, dtype=np.float64) + 0.5) * np.float64(arrays.bin_length)
 
 
 def along_track_angle(arrays: SceneArrays) -> Curve:
-    """Angle along the track that the beam takes in, by its two-way sensitivity b: ∫ b ds.
+    """Equivalent width of the two-way beam pattern b along the track, ∫ b ds, of every bin.
 
     Returns
     -------
@@ -32,21 +32,21 @@ def along_track_angle(arrays: SceneArrays) -> Curve:
         return 1.0 / bin_centres(arrays)
     if not arrays.pattern.tabulated:
         return np.full(arrays.bins, 2.0 * np.sin(arrays.half_width))
-    return _of_rows(arrays, arrays.pattern.integral[:, -1])
+    return _at_bins(arrays, arrays.pattern.integral[:, -1])
 
 
 def coherence_angle(arrays: SceneArrays) -> Curve:
-    """Angle over which the echoes that interfere are spread: (∫ b ds)² / ∫ b² ds, (bins,) in radians."""
+    """Equivalent width of the directions that interfere, (∫ b ds)² / ∫ b² ds, (bins,) in radians."""
     angle = along_track_angle(arrays)
     if arrays.half_width <= 0.0 or not arrays.pattern.tabulated:
         return angle
     pattern = arrays.pattern
     squares = 2.0 * pattern.extent * np.trapezoid(pattern.energy**2, axis=1) / (pattern.energy.shape[1] - 1)
-    return angle**2 / _of_rows(arrays, squares)
+    return angle**2 / _at_bins(arrays, squares)
 
 
 def volume_echo(arrays: SceneArrays, altitude: float, depth: float) -> Curve:
-    """Echo of water that scatters 1 m⁻¹, in every bin of one side.
+    """Volume reverberation of one side for a scattering strength of 1 m⁻¹, of every bin.
 
     Parameters
     ----------
@@ -58,35 +58,35 @@ def volume_echo(arrays: SceneArrays, altitude: float, depth: float) -> Curve:
     Returns
     -------
     (bins,) float64
-        Ψ r² Δr times what range takes: with the pulse's taps, S_v + 10 log(Ψ r² cτ/2) (Urick, Principles of
-        Underwater Sound, on reverberation). Ψ is the two-way equivalent solid angle of one side, less what lies above
-        a flat sea surface or beneath a level bed: about the track as axis a solid angle is the sine along it times the
-        angle about it, here from −asin(altitude/r) to asin(depth/r).
+        Ψ r² Δr times the range factor; with the taps of the pulse, S_v + 10 log(Ψ r² cτ/2) (Urick, Principles of
+        Underwater Sound, chapter 8). Ψ is the two-way equivalent solid angle of one side, without the part above a flat
+        sea surface or beneath a level bed. With the track as axis, a solid angle is the sine along it times the angle
+        about it, which runs from −asin(altitude/r) to asin(depth/r).
     """
     r = bin_centres(arrays)
     elevation = np.linspace(-0.5 * math.pi, 0.5 * math.pi, ELEVATIONS + 1)
-    heard = _vertical(arrays, 0.5 * (elevation[1:] + elevation[:-1]))
-    below = np.concatenate([[0.0], np.cumsum(heard)]) * math.pi / ELEVATIONS
+    response = _vertical(arrays, 0.5 * (elevation[1:] + elevation[:-1]))
+    below = np.concatenate([[0.0], np.cumsum(response)]) * math.pi / ELEVATIONS
     top, bottom = np.arcsin(np.minimum(max(depth, 0.0) / r, 1.0)), -np.arcsin(np.minimum(altitude / r, 1.0))
     about = np.interp(top, elevation, below) - np.interp(bottom, elevation, below)
     return along_track_angle(arrays) * about * r**2 * arrays.bin_length * arrays.range_factor
 
 
 def surface_echo(arrays: SceneArrays, depth: float) -> Curve:
-    """Echo of a flat sea surface that scatters 1 m² per m², in every bin of one side.
+    """Surface reverberation of one side for a scattering strength of 1 m² per m², of every bin.
 
     Parameters
     ----------
     arrays : SceneArrays
         Beam, bins and range factors.
     depth : float
-        Of the sonar, in metres.
+        Depth of the sonar, in metres.
 
     Returns
     -------
     (bins,) float64
-        Area of the part of the ring that the beam takes in, by its sensitivity, times what range takes; 0 nearer than
-        the surface.
+        Area of the ring of a flat sea surface inside the beam, weighted by the pattern, times the range factor; 0 at
+        ranges shorter than the depth.
     """
     height = max(depth, 0.0)
     edges = np.maximum(np.arange(arrays.bins + 1) * arrays.bin_length, height)
@@ -96,17 +96,17 @@ def surface_echo(arrays: SceneArrays, depth: float) -> Curve:
     return width * _vertical(arrays, np.arcsin(np.minimum(height / r, 1.0))) * np.diff(x) * arrays.range_factor
 
 
-def _of_rows(arrays: SceneArrays, values: NDArray[np.float64]) -> Curve:
-    """Interpolate a value of each of the pattern's rows at the bins' slant ranges."""
+def _at_bins(arrays: SceneArrays, values: NDArray[np.float64]) -> Curve:
+    """Values of the rows of the pattern, interpolated at the slant ranges of the bins."""
     pattern = arrays.pattern
     place = np.log2(np.maximum(bin_centres(arrays) / pattern.first_range, 1.0)) * pattern.per_octave
     return np.interp(np.minimum(place, values.size - 1.0), np.arange(values.size), values)
 
 
 def _vertical(arrays: SceneArrays, elevation: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Two-way sensitivity of the vertical beam at elevations above the horizontal."""
+    """Two-way response of the vertical beam at elevations above the horizontal."""
     if arrays.pattern.vertical == EVERY_GRAZING:
         return np.ones_like(elevation)
-    heard = np.empty_like(elevation)
-    vertical_responses(arrays.pattern, elevation, heard)
-    return heard
+    responses = np.empty_like(elevation)
+    vertical_responses(arrays.pattern, elevation, responses)
+    return responses

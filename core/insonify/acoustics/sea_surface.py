@@ -1,7 +1,7 @@
-"""The sea surface as a mirror of many facets: how high and how steep the wind's waves are, and what that does to sound.
+"""The sea surface as a mirror of facets, with the heights and tilts of wind waves.
 
-At sonar frequencies a rough surface keeps next to nothing of the coherent mirror image, exp(−4k²h² sin²θ) of its energy
-for an rms height h; facets of all heights and tilts take the image's place, and what they mirror is the same energy.
+At sonar frequencies a rough surface of rms height h keeps exp(−4k²h² sin²θ) of the energy of the coherent mirror image
+(Eckart 1953), which is next to nothing. Facets of all heights and tilts reflect the rest.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from scipy import special
 from insonify.kernels.common.types import SurfaceMultipath, no_surface_multipath
 from insonify.scene.surfaces import SurfaceKind
 
-STRATA = 8  # of tilts, each met by two of heights
+STRATA = 8  # of tilts, each combined with two of heights
 
 
-def make_ghosts(surface: SurfaceKind) -> SurfaceMultipath:
-    """Turn a declared surface into what kernels see of it.
+def make_surface_multipath(surface: SurfaceKind) -> SurfaceMultipath:
+    """Paths by the sea surface and its facets, packed for the kernels.
 
     Parameters
     ----------
@@ -27,8 +27,8 @@ def make_ghosts(surface: SurfaceKind) -> SurfaceMultipath:
 
     Returns
     -------
-    Ghosts
-        A flat surface has one facet; that of a sea is met by sixteen.
+    SurfaceMultipath
+        A flat surface has one facet, a rough one sixteen.
     """
     paths = surface.paths
     if not any(paths):
@@ -39,15 +39,15 @@ def make_ghosts(surface: SurfaceKind) -> SurfaceMultipath:
 
 
 def facets() -> NDArray[np.float64]:
-    """Facets that stand for a sea, all of the same share of it.
+    """Equally likely facets that represent a rough sea surface.
 
     Returns
     -------
     (2, 16, 4) float64
-        For sound that passes the surface once and twice: from and to which height, in rms heights, and from and to
-        which squared tilt, in variances of the slope, a facet reaches. Heights are Gaussian, of mean 0 and variance 1.
-        The square of one Gaussian tilt, or the mean of two squares, has mean 1. To every stratum of tilts belong a
-        high facet and one as low, so that the two are uncorrelated.
+        For sound that is reflected once and twice: the interval of heights, in rms heights, and the interval of squared
+        tilts, in variances of the slope, that each facet covers. Heights are Gaussian, of mean 0 and variance 1. The
+        square of one Gaussian tilt, or the mean of two squares, has mean 1. Every stratum of tilts has a high facet and
+        an equally low one, so that height and tilt are uncorrelated.
     """
     heights = _heights(2 * STRATA)
     ranks = 7 * (np.arange(STRATA) + 1) % (STRATA + 1) - 1
@@ -60,7 +60,7 @@ def facets() -> NDArray[np.float64]:
 
 
 def _heights(strata: int) -> NDArray[np.float64]:
-    """Find the ends of equally likely strata of a Gaussian, (strata, 2), of mean 0 and variance 1 if spread evenly."""
+    """Return the ends of equally likely strata of a Gaussian, (strata, 2); uniform within them, its variance is 1."""
     inner = special.ndtri(np.arange(1, strata) / strata)
     outer = 2.0 * strata * math.exp(-0.5 * inner[-1] ** 2) / math.sqrt(2.0 * math.pi) - inner[-1]
     ends = np.column_stack([np.concatenate([[-outer], inner]), np.concatenate([inner, [outer]])])
@@ -68,7 +68,7 @@ def _heights(strata: int) -> NDArray[np.float64]:
 
 
 def _squared_tilts(shape: float) -> NDArray[np.float64]:
-    """Find the ends of strata of a gamma distribution, likewise, (strata, 2), of mean 1 if spread evenly."""
+    """Return the ends of equally likely strata of a gamma distribution, (strata, 2); uniform within, its mean is 1."""
     inner = special.gammaincinv(shape, np.arange(1, STRATA) / STRATA) / shape
     beyond = special.gammaincc(shape + 1.0, shape * inner[-1]) * STRATA  # mean of the last stratum
     ends = np.column_stack([np.concatenate([[0.0], inner]), np.concatenate([inner, [2.0 * beyond - inner[-1]]])])

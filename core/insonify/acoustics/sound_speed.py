@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Values = NDArray[np.float64]
-# Where on Earth a scene lies is not known: pressure as in the middle latitudes, salts as in the open ocean.
+# A scene has no place on Earth: pressure is taken at middle latitudes, the composition of salt from the open ocean.
 LATITUDE = 45.0
 
 
 def paper(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
-    """Speed of sound after the paper, section 2, where 0.55 t² is misprinted for 0.055 t².
+    """Sound speed by the formula of the paper, section 2, which misprints 0.055 t² as 0.55 t².
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def paper(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Valu
 
 
 def mackenzie(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
-    """Speed of sound after Mackenzie, J. Acoust. Soc. Am. 70 (1981); the same arguments as `paper`."""
+    """Sound speed by Mackenzie, J. Acoust. Soc. Am. 70 (1981), 807; arguments as in `paper`."""
     t, s, d = _floats(temperature, salinity, depth)
     of_temperature = 1448.96 + 4.591 * t - 5.304e-2 * t**2 + 2.374e-4 * t**3
     of_depth = 1.630e-2 * d + 1.675e-7 * d**2 - 7.139e-13 * t * d**3
@@ -38,7 +38,7 @@ def mackenzie(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> 
 
 
 def teos10(temperature: ArrayLike, salinity: ArrayLike, depth: ArrayLike) -> Values:
-    """Speed of sound by TEOS-10, the equation of state of sea water, exact form; the same arguments as `paper`."""
+    """Sound speed by TEOS-10, the equation of state of sea water, exact form; arguments as in `paper`."""
     import gsw  # a fifth of a second, which scenes without hydrography need not wait for
 
     t, s, d = _floats(temperature, salinity, depth)

@@ -1,4 +1,4 @@
-"""The water of a scene as kernels see it."""
+"""Sound speed at the sonar, and the water of a scene packed for the kernels."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from insonify.scene import Scene
 
 
 def speed_at_sonar(scene: Scene, datum: float | None = None) -> float:
-    """Speed of sound where the first ping is sent, at the height that the track declares.
+    """Sound speed at the place and depth of the first ping.
 
     Parameters
     ----------
     scene : Scene
     datum : float, optional
-        Height of the mean bed above the sea surface, in metres (negative). When left out it is that of
-        ``seabed.depth``, which a DEM has no need to keep to.
+        Height of the mean bed above the sea surface, in metres (negative); that of ``seabed.depth`` when left out,
+        which differs from the mean of a DEM.
 
     Returns
     -------
     float
-        m/s; slant range is one-way travel time times this.
+        m/s; slant range is one-way travel time times this speed.
 
     Raises
     ------
@@ -37,26 +37,26 @@ def speed_at_sonar(scene: Scene, datum: float | None = None) -> float:
 
 
 def recording_speed(scene: Scene, datum: float | None = None) -> float:
-    """Speed by which the receiver turns time into slant range, in m/s; parameters as in `speed_at_sonar`."""
+    """Sound speed that converts travel time to slant range, in m/s; parameters as in `speed_at_sonar`."""
     return scene.water.reference_speed or speed_at_sonar(scene, datum)
 
 
 def make_water(scene: Scene, datum: float, low: float = -math.inf) -> Water:
-    """Lay out the speed of sound over height.
+    """Sound speed over height above the mean bed, packed for the kernels.
 
     Parameters
     ----------
     scene : Scene
-        Whose water it is.
+        Gives the water.
     datum : float
         Height of the mean bed above the sea surface, in metres (negative).
     low : float
-        Height above the datum below which no sound gets, in metres; nothing that lies deeper is laid out.
+        Height above the datum of the lowest bed, in metres; water below it is left out.
 
     Returns
     -------
     Water
-        Not bent if the speed is the same all over.
+        Not refracting where the speed is the same everywhere.
 
     Raises
     ------
@@ -80,12 +80,12 @@ def make_water(scene: Scene, datum: float, low: float = -math.inf) -> Water:
 
 
 def _cut(layers: SoundSpeedField, top: float, bottom: float) -> SoundSpeedField:
-    """Leave out what lies above and below two depths, and put points there instead."""
+    """Sound speed field cut at two depths, with points there."""
     within = layers.depth[(layers.depth > top) & (layers.depth < bottom)]
     ends = [depth for depth in (top, bottom) if layers.depth[0] <= depth <= layers.depth[-1]]
     depth = np.sort(np.concatenate([within, ends]))
     if depth.size == 0:
-        # All of it lies outside: the nearer end holds.
+        # All points lie outside: the nearer end holds.
         depth = layers.depth[:1] if bottom < layers.depth[0] else layers.depth[-1:]
     speed = np.stack([np.interp(depth, layers.depth, profile) for profile in layers.speed])
     return SoundSpeedField(depth, layers.distance, speed, layers.heading)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.beam_patterns import make_pattern
-from insonify.acoustics.sea_surface import make_ghosts
+from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.acoustics.water import make_water, recording_speed
 from insonify.kernels.common.types import LIGHT, SONAR, Bed, SceneArrays
 from insonify.packing.navigation import sonar_height
@@ -53,7 +53,7 @@ def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
         range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),
         bounces=sonar.bounces,
         water=water,
-        multipath=make_ghosts(scene.water.surface),
+        multipath=make_surface_multipath(scene.water.surface),
     )
 
 
