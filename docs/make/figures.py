@@ -242,19 +242,49 @@ def fractal_beds(figure: Any) -> None:
         axes.set_axis_off()
 
 
-def boxes(axes: Any, placed: dict[str, tuple[float, float, str]], arrows: list[tuple[str, str]]) -> None:
-    """Draw labelled boxes and arrows between them."""
+def data_flow(figure: Any) -> None:
+    """Way of data from a scene file to a record on the screen."""
+    axes = figure.subplots()
+    placed = {
+        "scene": (0.0, 2.0, "TOML, --set, sliders\nfrozen declarations"),
+        "planning": (2.6, 3.0, "which model is\naccurate enough?"),
+        "terrain": (2.6, 2.0, "heights and\nmaterials of the bed"),
+        "acoustics": (2.6, 1.0, "beam, water, sea\nsurface, in formulas"),
+        "packing": (5.2, 2.0, "SceneArrays, Poses:\nplain arrays"),
+        "tracers": (7.8, 2.0, "sweep, march, rays,\nscatterers"),
+        "kernels": (7.8, 0.6, "slice, sweep, rays …\nNumba, in parallel"),
+        "receiver": (10.4, 2.0, "pulse, speckle,\nnoise, gain"),
+        "Dataset": (13.0, 2.0, "intensity per channel,\nping and bin; labels"),
+        "io": (13.0, 3.2, "netCDF, NumPy, XTF"),
+        "display": (13.0, 0.8, "picture, page"),
+        "viewer": (10.4, 0.6, "worker thread,\nwaterfall, panels"),
+    }
+    arrows = [
+        ("scene", "planning"), ("scene", "terrain"), ("scene", "acoustics"), ("planning", "packing"),
+        ("terrain", "packing"), ("acoustics", "packing"), ("packing", "tracers"), ("tracers", "kernels"),
+        ("kernels", "tracers"), ("tracers", "receiver"), ("receiver", "Dataset"), ("Dataset", "io"),
+        ("Dataset", "display"), ("receiver", "viewer"),
+    ]  # fmt: skip
     for name, (x, y, text) in placed.items():
-        axes.text(
-            x, y, f"{name}\n" if not text else f"$\\bf{{{name.replace('_', chr(92) + '_')}}}$\n{text}", ha="center",
-            va="center", fontsize=8.5, linespacing=1.35,
-            bbox={"boxstyle": "round,pad=0.45", "fc": PALE, "ec": DARK},
-        )  # fmt: skip
+        outline = {"boxstyle": "round,pad=0.08", "fc": PALE, "ec": DARK}
+        axes.add_patch(mpl.patches.FancyBboxPatch((x - 0.95, y - 0.36), 1.9, 0.72, **outline))
+        axes.text(x, y + 0.22, name, ha="center", va="center", fontsize=9.5, weight="bold")
+        axes.text(x, y - 0.12, text, ha="center", va="center", fontsize=7.5, linespacing=1.25)
     for one, other in arrows:
-        (x0, y0, _), (x1, y1, _) = placed[one], placed[other]
-        arrow = {"arrowstyle": "-|>", "color": ACCENT, "lw": 1.3, "shrinkA": 28, "shrinkB": 28}
-        axes.annotate("", (x1, y1), (x0, y0), arrowprops=arrow)
+        axes.annotate("", _rim(placed[other], placed[one]), _rim(placed[one], placed[other]), arrowprops=ARROW)
+    axes.set(xlim=(-1.2, 14.2), ylim=(0.0, 3.8), aspect="equal")
     axes.set_axis_off()
+
+
+ARROW = {"arrowstyle": "-|>", "color": ACCENT, "lw": 1.2, "shrinkA": 1, "shrinkB": 1}
+
+
+def _rim(box: tuple[float, float, str], towards: tuple[float, float, str]) -> tuple[float, float]:
+    """Where a box's rim faces another box."""
+    dx, dy = towards[0] - box[0], towards[1] - box[1]
+    if abs(dx) > 0.5:
+        return box[0] + math.copysign(1.03, dx), box[1] + min(max(0.2 * dy, -0.3), 0.3)
+    return box[0], box[1] + math.copysign(0.44, dy)
 
 
 Size = tuple[float, float]
@@ -266,5 +296,6 @@ FIGURES: dict[str, tuple[Size, Callable[[Any], None]]] = {
     "apparent.svg": ((7.0, 3.6), apparent),
     "multipath.svg": ((5.5, 4.6), multipath),
     "speckle.svg": ((6.5, 3.8), speckle),
+    "data-flow.svg": ((11.0, 3.2), data_flow),
     "fractal-beds.jpg": ((7.2, 5.0), fractal_beds),
 }
