@@ -11,7 +11,7 @@ import numpy as np
 
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import parameter
-from insonify.scene.materials import MATERIAL_MAPS, MATERIALS, Cells, Mixture
+from insonify.scene.materials import MATERIAL_MAPS, MATERIALS, Cells, CompositeMap
 from insonify.scene.targets import TARGETS, Posed
 from insonify.scene.targets.shape import Shape
 
@@ -50,7 +50,7 @@ def declare_torus() -> None:
 def declare_halves() -> None:
     """Declare a map by its fields and indices alone."""
 
-    class Halves(Mixture):
+    class Halves(CompositeMap):
         """One material to port of a line along x, another to starboard."""
 
         kind: Literal["halves"] = "halves"

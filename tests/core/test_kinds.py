@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Literal
 
 import pytest
 
-from insonify.scene import Scene, SceneError, edit, load_scene, scene_to_toml
-from insonify.scene.base import parameter
-from insonify.scene.kinds import models_of
-from insonify.scene.targets import TARGETS, Posed
+from insonify.scene import Scene, SceneError, edit, kinds, load_scene, scene_to_toml
+from insonify.scene.base import Declaration, parameter
+from insonify.scene.kinds import Family, models_of
+from insonify.scene.materials import MATERIAL_MAPS, MaterialMap
+from insonify.scene.targets import TARGETS, Posed, Target
 
 
 def test_a_kind_that_is_declared_late_is_a_kind_like_others_and_can_be_forgotten() -> None:
@@ -32,3 +34,24 @@ def test_a_kind_that_is_declared_late_is_a_kind_like_others_and_can_be_forgotten
     assert models_of(Scene, "targets") == before
     with pytest.raises(SceneError, match="'egg' is not a kind known here"):
         edit(scene, {"targets.0.kind": "egg"})
+
+
+def test_kinds_of_installed_packages_are_found_by_their_entry_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    family = Family("eggs")
+
+    def load() -> None:
+        class Quail(Declaration):
+            """An egg of another package."""
+
+            kind: Literal["quail"] = "quail"
+
+        family.add(Quail)
+
+    entries = {"insonify.eggs": [SimpleNamespace(load=load)]}
+    monkeypatch.setattr(kinds, "announced", lambda group: entries[group])
+    assert list(family.models(Declaration)) == ["quail"]
+
+
+def test_kinds_stand_in_the_order_of_their_ranks_and_new_ones_last() -> None:
+    assert list(TARGETS.models(Target)) == ["pipe", "sphere", "box", "cone", "mesh"]
+    assert list(MATERIAL_MAPS.models(MaterialMap)) == ["uniform", "patches", "fractal", "pattern", "image"]

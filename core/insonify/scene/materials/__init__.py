@@ -2,7 +2,7 @@
 
 from insonify.scene.materials.base import MATERIAL_MAPS, AnyMaterialMap, Cells, MaterialMap
 from insonify.scene.materials.catalogue import MATERIALS, NamedMaterial
-from insonify.scene.materials.mixture import Mixture
+from insonify.scene.materials.composite import CompositeMap
 from insonify.scene.materials.reflectivity import Reflectivity
 from insonify.scene.materials.uniform import Material
 
@@ -11,9 +11,9 @@ __all__ = [
     "MATERIAL_MAPS",
     "AnyMaterialMap",
     "Cells",
+    "CompositeMap",
     "Material",
     "MaterialMap",
-    "Mixture",
     "NamedMaterial",
     "Reflectivity",
 ]

@@ -6,11 +6,11 @@ from typing import Literal
 
 from insonify.scene.base import parameter
 from insonify.scene.materials.base import Cells, Map
-from insonify.scene.materials.mixture import Mixture
+from insonify.scene.materials.composite import CompositeMap
 from insonify.scene.materials.uniform import Material
 
 
-class FractalMap(Mixture):
+class FractalMap(CompositeMap):
     """Winding borders: a fractal field cut into bands of equal area, one band a material."""
 
     rank = 3

@@ -14,7 +14,7 @@ from insonify.io.file_cache import kept_until_changed
 from insonify.io.formats import reason
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.materials.base import Cells, Map
-from insonify.scene.materials.mixture import Mixture
+from insonify.scene.materials.composite import CompositeMap
 from insonify.scene.materials.uniform import Material
 
 # Grey levels of Pillow's modes; colours are turned into the grey that an eye sees.
@@ -23,7 +23,7 @@ COLOURED = ("LA", "RGB", "RGBA", "CMYK", "YCbCr", "HSV", "LAB")
 LARGEST_SIDE = 16384
 
 
-class ImageMap(Mixture):
+class ImageMap(CompositeMap):
     """A picture laid on the bed, north up, repeated from its lower left corner at (0, 0)."""
 
     rank = 5

@@ -6,11 +6,11 @@ from typing import Literal
 
 from insonify.scene.base import parameter
 from insonify.scene.materials.base import Cells, Map
-from insonify.scene.materials.mixture import ALIKE, Mixture
+from insonify.scene.materials.composite import ALIKE, CompositeMap
 from insonify.scene.materials.uniform import Material
 
 
-class Patches(Mixture):
+class Patches(CompositeMap):
     """Patches with sharp borders: every patch takes one of the materials."""
 
     rank = 2

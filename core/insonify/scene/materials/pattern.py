@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from insonify.errors import SceneError
 from insonify.scene.base import parameter
 from insonify.scene.materials.base import Cells, Map
-from insonify.scene.materials.mixture import ALIKE, Mixture
+from insonify.scene.materials.composite import ALIKE, CompositeMap
 from insonify.scene.materials.reflectivity import Reflectivity
 from insonify.scene.materials.uniform import Material
 
@@ -24,7 +24,7 @@ NEAR = 1e-3  # of a wave number that an oblique pattern gives way, so that its b
 Vector = tuple[float, float]
 
 
-class PatternMap(Mixture):
+class PatternMap(CompositeMap):
     """A regular pattern with known borders, for checks and figures."""
 
     rank = 4

@@ -9,7 +9,7 @@ from insonify.scene.materials.uniform import Material
 ALIKE = 0.4  # of the width of a patch or a stripe: patch_length, fitted
 
 
-class Mixture(MaterialMap):
+class CompositeMap(MaterialMap):
     """A map of several materials; a kind declares its `indices`."""
 
     of: tuple[Material, ...] = parameter(description="materials of the map", min_length=2, max_length=32)
@@ -20,6 +20,6 @@ class Mixture(MaterialMap):
         return self.of
 
     @property
-    def layout(self) -> Mixture:
+    def layout(self) -> CompositeMap:
         """The map without its materials' numbers, which move no border."""
         return self.model_copy(update={"of": (Material(),) * len(self.of)})
