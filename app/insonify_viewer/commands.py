@@ -7,7 +7,7 @@ import os
 import sys
 from typing import Any
 
-from insonify.commands.options import add_scene, chosen_scene, output
+from insonify.commands.options import add_scene, check_output, chosen_scene
 from insonify_viewer.screen_check import why_no_window
 
 FALLBACK = "insonify.png"
@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
         from insonify_viewer.application import open_window
 
         return open_window(scene)
-    path = output(arguments.snapshot or FALLBACK, (".png",), "--snapshot")
+    path = check_output(arguments.snapshot or FALLBACK, (".png",), "--snapshot")
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
     if reason and sys.platform.startswith("linux"):
         # Else VTK would look for the display first, and complain.

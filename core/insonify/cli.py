@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from insonify.commands import render
-from insonify.commands.options import add_scene, chosen_scene, output
+from insonify.commands.options import add_scene, check_output, chosen_scene
 from insonify.display.display_options import DisplayOptions
 from insonify.plugins import announced, modules_in
 from insonify.scene import SceneError, bundled_scenes
@@ -150,7 +150,7 @@ def _without_viewer(error: ImportError, arguments: argparse.Namespace) -> int:
     """Report what the viewer lacks; where only system libraries are missing, render the record instead."""
     if ".so" not in str(error):
         return _complain(f"the viewer is not installed ({error}); run: pip install 'insonify[viewer]'")
-    path = output(getattr(arguments, "snapshot", None) or FALLBACK, (".png",))
+    path = check_output(getattr(arguments, "snapshot", None) or FALLBACK, (".png",))
     render.write(chosen_scene(arguments), path, DisplayOptions())
     sys.stderr.write(
         f"insonify: the viewer lacks system libraries ({error}); the record was written to {path} instead; run: {APT}\n"

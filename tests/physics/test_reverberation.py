@@ -206,7 +206,7 @@ def test_an_even_bed_still_looks_even(receiver):
     assert mean.reshape(-1, 79).mean(axis=1) == pytest.approx(1.0, abs=0.04)
 
 
-def tabled(width, columns=4001, **vertical):
+def tabulated(width, columns=4001, **vertical):
     """A problem whose pattern is a table of the top-hat, twice as broad as it."""
     s, half = np.linspace(-1.0, 1.0, columns) * 2.0 * math.sin(0.5 * width), math.sin(0.5 * width)
     energy = np.clip((half - np.abs(s)) / (s[1] - s[0]) + 0.5, 0.0, 1.0)[None]
@@ -214,13 +214,13 @@ def tabled(width, columns=4001, **vertical):
     plain = arrays(width)
     return plain._replace(
         pattern=plain.pattern._replace(
-            tabled=True, extent=np.array([s[-1]]), energy=energy, integral=integral, **vertical
+            tabulated=True, extent=np.array([s[-1]]), energy=energy, integral=integral, **vertical
         )
     )
 
 
 def test_a_tabled_beam_hears_what_its_top_hat_hears():
-    table, plain = tabled(0.05), arrays(0.05)
+    table, plain = tabulated(0.05), arrays(0.05)
     np.testing.assert_allclose(coherence_angle(table), coherence_angle(plain), rtol=1e-3)
     np.testing.assert_allclose(volume_echo(table, 10.0, 20.0), volume_echo(plain, 10.0, 20.0), rtol=1e-3)
     one, other = surface_echo(table, 12.0)[245:], surface_echo(plain, 12.0)[245:]
@@ -231,7 +231,7 @@ def test_a_tabled_beam_hears_what_its_top_hat_hears():
 def test_a_vertical_beam_hears_its_share_of_the_water():
     # 40° about 30° below the horizontal: neither the surface nor 40/180 of the shell more.
     options = {"vertical": TOP_HAT, "tilt": math.radians(30.0), "s_vertical": math.sin(math.radians(20.0))}
-    fan, plain = tabled(0.05, **options), tabled(0.05)
+    fan, plain = tabulated(0.05, **options), tabulated(0.05)
     assert not surface_echo(fan, 12.0).any()
     open_water = 100.0
     ratio = volume_echo(fan, open_water, open_water) / volume_echo(plain, open_water, open_water)

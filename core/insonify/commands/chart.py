@@ -8,9 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from insonify.accuracy.charts.kinds import list_chart_kinds, load_chart_kind
-from insonify.commands.options import add_scene, chosen_scene, output, say
-
-SUFFIXES = (".png", ".svg", ".csv", ".json")
+from insonify.commands.options import add_output, add_scene, chosen_output, chosen_scene, say
 
 
 def register(subparsers: Any) -> None:
@@ -25,7 +23,7 @@ def register(subparsers: Any) -> None:
     parser.add_argument(
         "--of", choices=list_chart_kinds(), default="accuracy", help="kind of chart (default: %(default)s)"
     )
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png, .svg, .csv or .json")
+    add_output(parser, (".png", ".svg", ".csv", ".json"))
     parser.set_defaults(run=run)
 
 
@@ -37,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    path = output(arguments.output, SUFFIXES)
+    path = chosen_output(arguments)
     scene = chosen_scene(arguments)
     measure = load_chart_kind(arguments.of)
     with _bar() as progress:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from insonify.commands.options import is_record, output, say
+from insonify.commands.options import add_output, chosen_output, is_record, say
 from insonify.io.records import RECORDS, read_record
 from insonify.scene import load_scene
 
@@ -27,7 +27,7 @@ def register(subparsers: Any) -> None:
         metavar="RECORD",
         help=f"a record: {RECORDS.describe(RECORDS.readable())}; or a scene, which is simulated: a name or a TOML file",
     )
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="picture to write: .png")
+    add_output(parser, (".png",))
     parser.set_defaults(run=run)
 
 
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    path = output(arguments.output, (".png",))
+    path = chosen_output(arguments)
     first, second = (_record(name) for name in arguments.records)
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.accuracy.comparison_page import write_comparison

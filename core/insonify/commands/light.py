@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from insonify.commands.options import add_scene, chosen_scene, output, say
+from insonify.commands.options import add_output, add_scene, chosen_output, chosen_scene, say
 
 
 def register(subparsers: Any) -> None:
@@ -17,7 +17,7 @@ def register(subparsers: Any) -> None:
         "own materials return the light (Lambert and Phong); shadows are hard.",
     )
     add_scene(parser)
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="picture to write: .png")
+    add_output(parser, (".png",))
     parser.set_defaults(run=run)
 
 
@@ -29,7 +29,7 @@ def run(arguments: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    path = output(arguments.output, (".png",))
+    path = chosen_output(arguments)
     scene = chosen_scene(arguments)
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.optics.light_page import write_light

@@ -112,7 +112,28 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
     return edit(scene, changes) if changes else scene
 
 
-def output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:
+def add_output(parser: argparse.ArgumentParser, suffixes: tuple[str, ...], explained: str | None = None) -> None:
+    """Add the option for the file to write.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+    suffixes : tuple of str
+        Accepted suffixes, each with its dot.
+    explained : str, optional
+        What they stand for; the suffixes alone when left out.
+    """
+    help_text = f"file to write: {explained or ', '.join(suffixes)}"
+    parser.add_argument("-o", "--output", required=True, metavar="OUT", help=help_text)
+    parser.set_defaults(suffixes=suffixes)
+
+
+def chosen_output(arguments: argparse.Namespace) -> Path:
+    """Return the path of the file to write, checked as in `check_output`."""
+    return check_output(arguments.output, arguments.suffixes)
+
+
+def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Path:
     """Return the path of an output after checking that it can be written.
 
     Parameters

@@ -5,9 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from insonify.commands.options import add_scene, chosen_scene, output, say
-
-SUFFIXES = (".png", ".csv")
+from insonify.commands.options import add_output, add_scene, chosen_output, chosen_scene, say
 
 
 def register(subparsers: Any) -> None:
@@ -18,7 +16,7 @@ def register(subparsers: Any) -> None:
         description="Draw the sound speed over depth and the rays it refracts, with shadow zones and caustics.",
     )
     add_scene(parser, optional=True)
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file to write: .png or .csv")
+    add_output(parser, (".png", ".csv"))
     parser.add_argument(
         "--target",
         nargs=2,
@@ -37,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    path = output(arguments.output, SUFFIXES)
+    path = chosen_output(arguments)
     scene = chosen_scene(arguments)
     # lazy: Matplotlib and the kernels
     from insonify.display.ray_diagram.diagram import describe_eigenray

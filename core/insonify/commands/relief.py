@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from insonify.commands.options import add_scene, chosen_scene, output, say
+from insonify.commands.options import add_output, add_scene, chosen_output, chosen_scene, say
 
 
 def register(subparsers: Any) -> None:
@@ -16,7 +16,7 @@ def register(subparsers: Any) -> None:
         description="Write the heights of the bed of a scene as a PNG: the lowest black, the highest white, north up.",
     )
     add_scene(parser)
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="picture to write: .png")
+    add_output(parser, (".png",))
     parser.set_defaults(run=run)
 
 
@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    path = output(arguments.output, (".png",))
+    path = chosen_output(arguments)
     scene = chosen_scene(arguments)
     from PIL import Image
 

@@ -9,12 +9,13 @@ from typing import Any
 
 from insonify.commands.options import (
     add_method,
+    add_output,
     add_scene,
     chosen_model,
+    chosen_output,
     chosen_scene,
     decibels,
     is_record,
-    output,
     say,
     tracked,
 )
@@ -36,9 +37,7 @@ def register(subparsers: Any) -> None:
         f"{RECORDS.describe(RECORDS.readable())}. It is drawn, or written in another format, as it is.",
     )
     add_scene(parser)
-    parser.add_argument(
-        "-o", "--output", required=True, metavar="OUT", help=f"file to write: {PICTURE} (picture), {written}"
-    )
+    add_output(parser, (PICTURE, *RECORDS.writable()), f"{PICTURE} (picture), {written}")
     picture = parser.add_argument_group("pictures")
     picture.add_argument("--palette", choices=PALETTES, help="colour map (default: copper)")
     picture.add_argument("--side", choices=SIDES, help="channels to draw (default: both)")
@@ -56,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    path = output(arguments.output, (PICTURE, *RECORDS.writable()))
+    path = chosen_output(arguments)
     given = {
         name: getattr(arguments, name)
         for name in DisplayOptions._fields

@@ -5,12 +5,10 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from insonify.commands.options import output, say
+from insonify.commands.options import add_output, chosen_output, say
 
 if TYPE_CHECKING:
     from insonify.accuracy.stability import StabilityCase
-
-SUFFIXES = (".html", ".htm")
 
 
 def register(subparsers: Any) -> None:
@@ -21,7 +19,7 @@ def register(subparsers: Any) -> None:
         description="Set up the cases in which methods of this kind are known to fail. Measure the plain method and "
         "the program's own against the exact answer, and write a page with a table and figures.",
     )
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="page to write: .html")
+    add_output(parser, (".html", ".htm"))
     parser.set_defaults(run=run)
 
 
@@ -33,7 +31,7 @@ def run(arguments: argparse.Namespace) -> int:
     int
         Exit code.
     """
-    path = output(arguments.output, SUFFIXES)
+    path = chosen_output(arguments)
     from tqdm import tqdm
 
     # lazy: every method and every drawing
