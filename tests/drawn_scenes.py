@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import typing
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Literal
 
 from hypothesis import strategies as st
@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from insonify.files import bundled_meshes
 from insonify.scene import Scene
-from insonify.scene.kinds import kind_name
+from insonify.scene.kinds import KindOf, kind_name
 from insonify.scene.materials import MATERIALS
 
 Draw = Callable[[st.SearchStrategy[Any]], Any]
@@ -167,12 +167,22 @@ def of_field(model: type[BaseModel], name: str, field: FieldInfo) -> st.SearchSt
         return st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
     if name == "schema_version":
         return st.just(1)
+    if any(isinstance(entry, KindOf) for entry in field.metadata):
+        return of_kinds(field.metadata)
     return of_type(field.annotation, _bounds(field.metadata), field.json_schema_extra or {})
+
+
+def of_kinds(metadata: Iterable[Any]) -> st.SearchStrategy[Any]:
+    """Values of every kind that a field accepts, but those read from files."""
+    models = [model for entry in metadata if isinstance(entry, KindOf) for model in entry.models]
+    return st.one_of([declared(model) for model in models if kind_name(model) not in FILES])
 
 
 def of_type(annotation: Any, bounds: dict[str, Any], extra: Any) -> st.SearchStrategy[Any]:
     """Values of a type within bounds."""
     origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
+    if origin is typing.Annotated and any(isinstance(entry, KindOf) for entry in arguments[1:]):
+        return of_kinds(arguments[1:])
     if origin is typing.Annotated:
         infos = [info for info in arguments[1:] if isinstance(info, FieldInfo)]
         nested = _bounds([entry for info in infos for entry in info.metadata])
@@ -182,7 +192,7 @@ def of_type(annotation: Any, bounds: dict[str, Any], extra: Any) -> st.SearchStr
     if origin is tuple:
         return _of_tuple(arguments, bounds, extra)
     if arguments:
-        return st.one_of([of_type(one, bounds, extra) for one in arguments if not _reads_files(one)])
+        return st.one_of([of_type(one, bounds, extra) for one in arguments])
     if annotation is type(None):
         return st.none()
     if annotation is bool:
@@ -222,12 +232,6 @@ def _is_choice(annotation: Any) -> bool:
     if isinstance(annotation, type):
         return issubclass(annotation, BaseModel)
     return any(_is_choice(one) for one in typing.get_args(annotation))
-
-
-def _reads_files(annotation: Any) -> bool:
-    """Whether a choice is a kind that is read from a file."""
-    model = typing.get_args(annotation)[0] if typing.get_origin(annotation) is typing.Annotated else annotation
-    return isinstance(model, type) and issubclass(model, BaseModel) and kind_name(model) in FILES
 
 
 def log_floats(low: float, high: float) -> st.SearchStrategy[float]:

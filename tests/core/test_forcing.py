@@ -68,14 +68,14 @@ def test_ways_by_the_surface_forced_off_are_not_heard():
 
 def test_a_thinned_bed_has_the_same_nodes():
     whole, thinned = prepare(SMALL), prepare(SMALL, forced={"spacing": "4"})
-    np.testing.assert_array_equal(thinned.modelled.arrays.bed.heights, whole.arrays.bed.heights[::4, ::4])
-    assert thinned.modelled.arrays.bed.spacing == 4.0 * whole.arrays.bed.spacing
+    np.testing.assert_array_equal(thinned.reduced.bed.heights, whole.arrays.bed.heights[::4, ::4])
+    assert thinned.reduced.bed.spacing == 4.0 * whole.arrays.bed.spacing
     # The bed of the scene, on which the platform and the targets stand, stays what it is.
     poses, same = whole.poses(PINGS), thinned.poses(PINGS)
     np.testing.assert_array_equal(whole.altitude(PINGS), thinned.altitude(PINGS))
     np.testing.assert_array_equal(poses.z, same.z)
     assert thinned.arrays.bed.spacing == whole.arrays.bed.spacing
-    assert sweep.trace(thinned.modelled.arrays, poses).any()
+    assert sweep.trace(thinned.reduced, poses).any()
 
 
 def test_a_record_tells_how_it_was_forced():

@@ -84,7 +84,7 @@ def test_what_was_forced_as_it_was_chosen_changes_nothing(tmp_path):
 def test_a_plain_scene_is_traced_by_the_bare_sweep():
     simulation = prepare(edit(load_scene("default"), KNIFE))
     assert (simulation.plan.method, simulation.plan.settings) == ("sweep", {"planes": 1})
-    bare = simulation.modelled.arrays
+    bare = simulation.reduced
     assert (bare.water.bent, bare.multipath.enabled, bare.bounces, bare.solids.shape.size) == (False, False, 0, 0)
     assert bare.bed.heights is simulation.arrays.bed.heights
 

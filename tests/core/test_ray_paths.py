@@ -8,11 +8,11 @@ from pydantic import TypeAdapter
 
 import insonify
 from insonify.scene import SceneError
-from insonify.scene.waters import WaterKind
+from insonify.scene.waters import AnyWater
 
 
 def water(**fields):
-    return TypeAdapter(WaterKind).validate_python(fields)
+    return TypeAdapter(AnyWater).validate_python(fields)
 
 
 LAYERED = water(kind="profile", depth=[0, 10, 20, 60], sound_speed=[1520, 1520, 1500, 1498])

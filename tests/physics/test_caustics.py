@@ -12,7 +12,7 @@ from scipy.special import airy
 import insonify
 from insonify.acoustics.caustics import airy_pressure
 from insonify.kernels.refraction.arcs import HIGH, LOW
-from insonify.scene.waters import WaterKind
+from insonify.scene.waters import AnyWater
 from water import layers, shot
 
 # Pedersen and Gordon's water: 1/c² = (1 + 2.4 z/1550)/1550² over depth; source at 1000 m, receiver at 800 m.
@@ -106,7 +106,7 @@ def test_a_gradient_above_even_water_sends_a_caustic_back_to_the_sources_depth()
     """There x = 2h/tanθ + 2 tanθ c/g is shortest: at tan²θ = hg/c."""
     h, g = 5.0, 2.0
     fields = {"kind": "profile", "depth": [0, 10, 20, 60], "sound_speed": [1520, 1520, 1500, 1500]}
-    water = TypeAdapter(WaterKind).validate_python(fields)
+    water = TypeAdapter(AnyWater).validate_python(fields)
     angle = -math.degrees(math.atan(math.sqrt(h * g / 1500.0)))
     found = insonify.caustics(water, 25.0, [angle, 5.0], max_range=1000.0, bottom=60.0)
     np.testing.assert_allclose(found.range, [4.0 * math.sqrt(h * 1500.0 / g)], rtol=1e-12)
@@ -118,7 +118,7 @@ def test_a_gradient_above_even_water_sends_a_caustic_back_to_the_sources_depth()
 
 def test_many_caustics_are_all_found():
     fields = {"kind": "profile", "depth": [0, 30, 60], "sound_speed": [1530, 1500, 1530]}
-    water = TypeAdapter(WaterKind).validate_python(fields)
+    water = TypeAdapter(AnyWater).validate_python(fields)
     angles = -np.linspace(0.5, 10.0, 40)
     found = insonify.caustics(water, 25.0, angles, max_range=5000.0)
     paths = insonify.ray_paths(water, 25.0, angles, max_range=5000.0, ranges=np.linspace(1.0, 5000.0, 20_000))

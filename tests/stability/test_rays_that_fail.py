@@ -14,7 +14,7 @@ from insonify.kernels.refraction.arcs import ENDLESS, GRAZING, HIGH, LOW, NODE, 
 from insonify.kernels.refraction.eigenray_search import ANGLE, TIME
 from insonify.kernels.refraction.eigenrays import FOUND, NONE
 from insonify.kernels.refraction.ray_paths import AT_RANGE, NOWHERE, TRAPPED, RayLimits
-from insonify.scene.waters import WaterKind
+from insonify.scene.waters import AnyWater
 from water import NO_CEILING, NO_FLOOR, downward, followed, joined, layers, shot, stepped, water_of
 
 WEAK = (0.0, 1e-16, 1e-14, 1e-12, 1e-10, 1e-8)
@@ -181,7 +181,7 @@ def test_a_tube_at_a_jump_of_the_gradient_met_flatly_is_capped_and_said_to_be():
 
 def test_on_a_caustic_spreading_is_endless_and_no_error():
     fields = {"kind": "profile", "depth": [0, 10, 20, 60], "sound_speed": [1520, 1520, 1500, 1500]}
-    water = TypeAdapter(WaterKind).validate_python(fields)
+    water = TypeAdapter(AnyWater).validate_python(fields)
     nearest = 4.0 * math.sqrt(5.0 * 1500.0 / 2.0)
     rays = insonify.eigenrays(water, 25.0, nearest + 1e-9, 25.0)
     assert (rays.intensity > 0.0).all()
@@ -217,7 +217,7 @@ def test_a_steep_thermocline_keeps_speeds_and_rays_in_bounds(interpolation):
         "sound_speed": [1530, 1530, 1512, 1500, 1500],
         "interpolation": interpolation,
     }
-    water = TypeAdapter(WaterKind).validate_python(fields)
+    water = TypeAdapter(AnyWater).validate_python(fields)
     angles = np.linspace(-89.0, 89.0, 357)
     paths = insonify.ray_paths(water, 20.0, angles, max_range=400.0, bottom=60.0)
     there = np.isfinite(paths.range.values)

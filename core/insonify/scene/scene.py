@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import model_validator
 
 from insonify.errors import SceneError
 from insonify.scene.base import Declaration, Place, parameter
-from insonify.scene.kinds import KindOf
 from insonify.scene.receiver import Receiver
 from insonify.scene.reliefs.dem import Dem
 from insonify.scene.seabed import Seabed
@@ -16,7 +15,7 @@ from insonify.scene.sonar import Sonar
 from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.targets import AnyTarget
 from insonify.scene.track import Track
-from insonify.scene.waters import WATERS, WaterKind
+from insonify.scene.waters import AnyWater
 from insonify.scene.waters.uniform import UniformWater
 
 DEFAULT_ALTITUDE = 10.0
@@ -44,7 +43,7 @@ class Scene(Declaration):
     world: World = parameter(World(), description="place on Earth")
     seabed: Seabed = parameter(Seabed(), description="the bed")
     targets: tuple[AnyTarget, ...] = parameter((), description="things on the bed")
-    water: Annotated[WaterKind, KindOf(WATERS, default="uniform")] = parameter(UniformWater(), description="the water")
+    water: AnyWater = parameter(UniformWater(), description="the water")
     sonar: Sonar = parameter(Sonar(), description="the sonar")
     track: Track = parameter(Track(), description="the tow")
     receiver: Receiver = parameter(Receiver(), description="the receiver")

@@ -32,3 +32,6 @@ class WaterKind(Choice):
     surface: Annotated[SurfaceKind, KindOf(SURFACES, default="none")] = parameter(
         NoSurface(), description="the sea surface as a mirror, and the ghosts that it makes"
     )
+
+
+AnyWater = Annotated[WaterKind, KindOf(WATERS, default="uniform")]
