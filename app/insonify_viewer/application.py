@@ -1,4 +1,4 @@
-"""Opens the viewer's window on a screen, or draws it into a picture."""
+"""Opens the viewer on a screen, or draws its window into a picture."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import os
 import signal
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 os.environ.setdefault("QT_API", "pyside6")
@@ -15,19 +17,20 @@ from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
 from insonify.scene import Scene, SceneError
-from insonify_viewer.gc_policy import collecting_here
+from insonify_viewer.gc_policy import collected_by_hand
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.files import save_picture
 from insonify_viewer.views.theme import dress
 
 SNAPSHOT_SIZE = (1600, 1000)
-PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles first
+COLLECTION_INTERVAL = 200  # ms
+PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles the kernels first
 
 
 def open_window(scene: Scene) -> int:
-    """Open the viewer and stay until it is closed; return an exit code."""
+    """Open the viewer, run it until it is closed, and return an exit code."""
     application = make_application()
-    with collecting_here():
+    with main_thread_collection():
         viewer = Viewer(scene, accelerated=has_opengl())
         viewer.window.show()
         QTimer.singleShot(0, viewer.start)
@@ -44,14 +47,14 @@ def draw_window(scene: Scene, path: Path) -> None:
         If the scene cannot be simulated, or the picture not written.
     """
     application = make_application()
-    with collecting_here():
+    with main_thread_collection():
         _draw(application, scene, path)
 
 
 def _draw(application: QApplication, scene: Scene, path: Path) -> None:
     viewer = Viewer(scene, accelerated=False)
     viewer.window.resize(*SNAPSHOT_SIZE)
-    viewer.window.move(40, 40)  # from under the pointer, which would light a button up
+    viewer.window.move(40, 40)  # away from the pointer, which would highlight a button
     viewer.window.show()
     viewer.tow.run(False)
     viewer.start()
@@ -69,9 +72,22 @@ def _draw(application: QApplication, scene: Scene, path: Path) -> None:
         viewer.window.close()
 
 
+@contextmanager
+def main_thread_collection() -> Iterator[None]:
+    """Collect garbage on the calling thread alone, whenever its event loop runs, until the block ends."""
+    with collected_by_hand() as policy:
+        timer = QTimer()
+        timer.timeout.connect(policy.collect)
+        timer.start(COLLECTION_INTERVAL)
+        try:
+            yield
+        finally:
+            timer.stop()
+
+
 def make_application() -> QApplication:
-    """Return the one application, dressed."""
-    # The worker hands the interpreter over often enough for the window to stay smooth.
+    """Return the QApplication, with the colours and style of the viewer."""
+    # A short switch interval lets the main thread interrupt the worker often enough to keep the window smooth.
     sys.setswitchinterval(0.001)
     existing = QApplication.instance()
     application = existing if isinstance(existing, QApplication) else QApplication(sys.argv[:1])

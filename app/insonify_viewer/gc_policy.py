@@ -1,7 +1,7 @@
-"""Collects what refers to itself on the main thread alone.
+"""Garbage collection on the main thread alone.
 
-Windows are full of such cycles. Python collects them on whichever thread happens to allocate next; on a worker that
-tears widgets and their OpenGL contexts down beside the main thread that draws, which stalls or ends the program.
+Widgets refer to one another in cycles. Python collects cycles on whichever thread allocates next. On a worker thread
+that would destroy widgets and their OpenGL contexts while the main thread draws, which stalls or ends the program.
 """
 
 from __future__ import annotations
@@ -10,41 +10,39 @@ import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from PySide6.QtCore import QTimer
-
-EVERY = 200  # ms
 OLDEST = 2  # generation
-GROWTH = 1.25  # of what is old, before it is gone through again; Python's own rule
+GROWTH = 1.25  # growth of the oldest generation that starts a full collection, as in CPython's own rule
 
 
 @contextmanager
-def collecting_here() -> Iterator[None]:
-    """Collect on the calling thread only, whenever its event loop runs, until left; then once more, all there is.
+def collected_by_hand() -> Iterator[GcPolicy]:
+    """Turn automatic collection off until the block ends, and collect everything then.
 
-    What was there before is left alone meanwhile: libraries, mostly, which take long to go through.
+    Objects that exist before are frozen meanwhile: they are mostly those of libraries, which take long to traverse.
+
+    Yields
+    ------
+    GcPolicy
+        To be called regularly on the main thread.
     """
     gc.disable()
     gc.freeze()
-    rounds = _Rounds()
-    timer = QTimer()
-    timer.timeout.connect(rounds.collect)
-    timer.start(EVERY)
     try:
-        yield
+        yield GcPolicy()
     finally:
-        timer.stop()
         gc.collect()
         gc.unfreeze()
         gc.enable()
 
 
-class _Rounds:
-    """Goes through what is young as often as Python would, through what is old once there is more of it."""
+class GcPolicy:
+    """Collects young generations by Python's thresholds, and the oldest when it has grown."""
 
     def __init__(self) -> None:
         self._old = 0
 
     def collect(self) -> None:
+        """Collect the generations that are due."""
         due = [count > limit for count, limit in zip(gc.get_count(), gc.get_threshold())]
         if due[OLDEST] and len(gc.get_objects(OLDEST)) > GROWTH * self._old:
             gc.collect()

@@ -12,8 +12,6 @@ from insonify.scene import SceneError
 from insonify_viewer.simulator import Simulator
 
 if TYPE_CHECKING:
-    from PySide6.QtWidgets import QWidget
-
     from insonify.kernels.common.types import Mesh, Solids
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
@@ -24,7 +22,7 @@ if TYPE_CHECKING:
     from insonify_viewer.views.seabed_view import SeabedView
 
 
-class Seabed:
+class SeabedController:
     """Holds the view once its libraries are there, and tells it only what has changed.
 
     Parameters
@@ -54,7 +52,7 @@ class Seabed:
         """Whether the view shows what it was last told."""
         return self._view is not None and self._bed is not None and self._baking == 0
 
-    def load(self, put: Callable[[QWidget], None]) -> None:
+    def load(self, put: Callable[[SeabedView], None]) -> None:
         """Import the libraries on the worker, then build the view here and hand it over."""
         self._simulator.send(self._import, lambda _: self._build(put))
 
@@ -108,8 +106,8 @@ class Seabed:
 
         load_libraries(accelerated=self._accelerated)
 
-    def _build(self, put: Callable[[QWidget], None]) -> None:
-        # lazy: the window is there before PyVista is
+    def _build(self, put: Callable[[SeabedView], None]) -> None:
+        # lazy: the window opens before PyVista is loaded
         from insonify_viewer.views.seabed_view import SeabedView
 
         self._view = SeabedView(accelerated=self._accelerated)

@@ -146,6 +146,10 @@ class Simulator(QObject):
             self._patient = (errand, receive)
             self._changed.notify()
 
+    def call_later(self, receive: Callable[[Any], None], result: Any) -> None:
+        """Hand a result of any thread to the main thread; it is dropped once the viewer closes."""
+        self._called_back.emit(receive, result)
+
     def close(self) -> None:
         """Stop the worker and wait for it."""
         with self._changed:

@@ -1,7 +1,8 @@
-"""Adds targets to the scene and takes them out again."""
+"""Adds targets to the scene."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,34 +17,38 @@ if TYPE_CHECKING:
     from insonify_viewer.views.main_window import MainWindow
 
 
-class Targets:
-    """Does what the window's menu of targets and the panel's crosses ask for, each as one step of undo.
+class TargetEditor:
+    """Adds the targets that the window's menu asks for, each as one step of undo.
 
     Parameters
     ----------
     session : Session
-        Whose scene changes.
+        The scene to edit.
     window : MainWindow
-        Who asks, and shows the record.
+        The window with the menu.
     simulator : Simulator
-        Whose worker reads meshes.
+        The worker that reads meshes.
     files : Files
-        Asks for the files of meshes.
+        Dialogs that ask for meshes.
+    added : callable
+        Receives the dotted path of a target that was added.
 
     Attributes
     ----------
     simulation : Simulation or None
-        What is on screen, and therefore where there is a bed.
+        The simulation on screen, which holds the bed.
     """
 
-    def __init__(self, session: Session, window: MainWindow, simulator: Simulator, files: Files) -> None:
+    def __init__(
+        self, session: Session, window: MainWindow, simulator: Simulator, files: Files, added: Callable[[str], None]
+    ) -> None:
         self._session, self._window, self._simulator, self._files = session, window, simulator, files
+        self._added = added
         self.simulation: Simulation | None = None
         window.target_wanted.connect(self.add)
-        window.panel.removed.connect(self.remove)
 
     def add(self, kind: str) -> None:
-        """Put a target where it will be seen; a file is asked for first where the kind is read from one."""
+        """Place a target of a kind where the record shows it; a kind that is read from a file asks for it first."""
         path = self._files.ask_for_mesh() if needs_file(kind) else ""
         simulation, top = self.simulation, self._window.waterfall.top
         if simulation is not None and (path or not needs_file(kind)):
@@ -51,16 +56,10 @@ class Targets:
                 self._window.say(f"reading {Path(path).name} …")
             self._simulator.send(lambda: new_target(simulation, self._session.scene, kind, top, path), self._put)
 
-    def remove(self, path: str) -> None:
-        """Take the target at a dotted path out of the scene."""
-        index = int(path.rpartition(".")[2])
-        targets = plain(self._session.scene)["targets"]
-        self._session.settle({"targets": targets[:index] + targets[index + 1 :]})
-
     def _put(self, target: dict[str, Any] | SceneError) -> None:
         if isinstance(target, SceneError):
             self._window.say(str(target))
             return
         targets = plain(self._session.scene)["targets"]
         if self._session.settle({"targets": [*targets, target]}):
-            self._window.panel.turn_to(f"targets.{len(targets)}")
+            self._added(f"targets.{len(targets)}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 
-class Tow:
+class TowClock:
     """Counts pings at the sonar's rate times a speed, and can be paused and looked back along.
 
     Parameters

@@ -1,9 +1,9 @@
-"""One window on one session: what a person does reaches the session, what changes reaches worker and views."""
+"""Connects one window with one session: edits go to the session, changes go to the worker, views and panels."""
 
 from __future__ import annotations
 
 import time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,32 +13,30 @@ from PySide6.QtGui import QGuiApplication
 from insonify.display.picture import PALETTES, choose_contrast, load_palette
 from insonify.scene import Scene, SceneError
 from insonify_viewer.auto_pause import next_stop
-from insonify_viewer.panels.chart.controller import ChartPanel
-from insonify_viewer.panels.parameters.sections import sections_of
-from insonify_viewer.panels.plan.controller import PlanPanel
-from insonify_viewer.panels.water.controller import WaterPanel
-from insonify_viewer.readout import readout
+from insonify_viewer.marked_point import MarkedPoint, marked_point
+from insonify_viewer.panels import find_panels
+from insonify_viewer.panels.panel import Panel, RecordGrowth, Workbench
 from insonify_viewer.record import Record
-from insonify_viewer.seabed_controller import Seabed
+from insonify_viewer.seabed_controller import SeabedController
 from insonify_viewer.session import Mark, Session
 from insonify_viewer.simulator import Answer, Request, Simulator
-from insonify_viewer.target_editor import Targets
-from insonify_viewer.tow_clock import Tow
+from insonify_viewer.target_editor import TargetEditor
+from insonify_viewer.tow_clock import TowClock
 from insonify_viewer.views.files import Files
 from insonify_viewer.views.main_window import MainWindow
 
+if TYPE_CHECKING:
+    from insonify.simulation import Simulation
+
 MAX_PINGS, MAX_CELLS = 2048, 2**26  # on screen
 TICK = 25  # ms
-PANEL_DELAY = 20  # ms, by which the panel's other numbers follow a slider that moves
 BEHIND = 48  # pings that may be blank while the tow goes on
 LEAP = 0.2  # s, the most by which it goes on at once when the window was held up
-# Choices that need a file first.
-OF_FILES = (("track.motion.kind", "recorded"), ("seabed.material.kind", "image"), ("water.kind", "cast"))
 FIRST_START = "preparing; the first start compiles the kernels and takes a while …"
 
 
 class Viewer(QObject):
-    """One window on one session.
+    """Connects one window with one session.
 
     Parameters
     ----------
@@ -51,8 +49,10 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, tow, simulator, window, record, files, targets, water, plan, chart
-        What it connects.
+    session, tow, simulator, window, record, files, targets
+        The parts that it connects.
+    panels : dict of str to Panel
+        The panels of the window, by name.
     failure : str
         Why nothing could be simulated, before the first picture.
     """
@@ -60,49 +60,45 @@ class Viewer(QObject):
     def __init__(self, scene: Scene, *, accelerated: bool, prepare: Any = None) -> None:
         super().__init__()
         self.session = Session(scene)
-        self.tow = Tow(_pings_held(scene) - 1)
+        self.tow = TowClock(_pings_held(scene) - 1)
         self.simulator = Simulator(prepare, self)
         native = accelerated and QGuiApplication.platformName() == "xcb"
         self.window = MainWindow(native=native, palettes=PALETTES)
         self.record = Record(_pings_held(scene), scene.sonar.bins)
         self.files = Files(self.window, self.simulator, self.open, self.window.say)
-        self.water = WaterPanel(self.session, self.window, self.simulator)
-        self.plan = PlanPanel(self.session, self.window)
-        self.chart = ChartPanel(self.session, self.window, self.simulator, lambda: self.run(False))
-        self.targets = Targets(self.session, self.window, self.simulator, self.files)
+        self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, self._show_part)
+        self.panels = self._make_panels()
+        self.window.mount(tuple(self.panels.values()))
         self.failure = ""
-        self._seabed = Seabed(self.simulator, accelerated=accelerated)
+        self._seabed = SeabedController(self.simulator, accelerated=accelerated)
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
         self._answer: Answer | None = None  # the last one that fits the record
+        self._planned: Simulation | None = None  # the one whose plan the panels show
         self._prepared = self._started = self._stopped = False
         self._levels_due = True
         self._levels, self._gain = (0.0, 1.0), 1.0
-        self._panel_due = QTimer(self)
-        self._panel_due.setSingleShot(True)
-        self._panel_due.setInterval(PANEL_DELAY)
         self._clock = QTimer(self)
         self._clock.setInterval(TICK)
         self._ticked = 0.0
         self._connect()
         self._show_geometry(scene)
-        self._show_scene()
+        self._show_scene(scene, settled=True)
         self.show_palette(PALETTES[0])
 
     @property
     def complete(self) -> bool:
         """Whether everything asked for is on screen."""
         shown = self._answer is not None and not self._missing().size
-        return shown and self._seabed.complete and self.water.complete
+        return shown and self._seabed.complete and all(panel.complete for panel in self.panels.values())
 
     @property
-    def seabed(self) -> Seabed:
+    def seabed(self) -> SeabedController:
         """The three-dimensional side."""
         return self._seabed
 
     def start(self) -> None:
         """Set the worker going, once the window is there."""
-        self.window.panel.setEnabled(False)
         self.window.show_busy(FIRST_START)
         self._seabed.load(self.window.put_seabed)
         self.simulator.prepare(self.session.scene, self.session.modelling, self._show_first)
@@ -165,8 +161,8 @@ class Viewer(QObject):
     def close(self) -> None:
         """Stop clock and worker."""
         self._clock.stop()
-        self._panel_due.stop()
-        self.chart.close()
+        for panel in self.panels.values():
+            panel.closing()
         self.simulator.close()
         self._seabed.close()
 
@@ -177,9 +173,6 @@ class Viewer(QObject):
         session.marked.connect(self._show_mark)
         self.simulator.answered.connect(self._take)
         self.simulator.refused.connect(self._refuse)
-        window.panel.dragged.connect(lambda path, value: session.drag({path: value}))
-        window.panel.settled.connect(self._settle)
-        window.panel.file_asked.connect(self._change_file)
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
         window.scenes.wanted.connect(self.files.open_scene)
@@ -195,26 +188,23 @@ class Viewer(QObject):
         window.running_changed.connect(self.run)
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)
-        self._panel_due.timeout.connect(self._show_scene)
 
-    def _settle(self, path: str, value: Any) -> None:
-        """Make an edit of the panel final; some choices need a file first."""
-        if path == "seabed.relief.kind" and value == "dem":
-            self.files.ask_for_dem(self.session.scene)
-            self.session.settle()
-        elif (path, value) in OF_FILES:
-            place = path.removesuffix("kind") + "path"
-            file = self.files.ask_for(place)
-            self.session.settle({path: value, place: file} if file else None)
-        else:
-            self.session.settle({path: value} if path else None)
+    def _make_panels(self) -> dict[str, Panel]:
+        """Make every panel that is found."""
+        workbench = Workbench(
+            session=self.session,
+            simulator=self.simulator,
+            files=self.files,
+            say=self.window.say,
+            pause=lambda: self.run(False),
+            open_panel=self.window.open_panel,
+        )
+        return {panel.name: panel(workbench) for panel in find_panels()}
 
-    def _change_file(self, path: str) -> None:
-        """Let the person pick another file for a field."""
-        if path == "seabed.relief.path":
-            self.files.ask_for_dem(self.session.scene)
-        elif file := self.files.ask_for(path):
-            self.session.settle({path: file})
+    def _show_part(self, path: str) -> None:
+        """Let the panels show a part that was added to the scene."""
+        for panel in self.panels.values():
+            panel.part_added(path)
 
     def _scene_changed(self, scene: Scene, settled: bool) -> None:
         traced = (scene, self.session.modelling)
@@ -227,20 +217,17 @@ class Viewer(QObject):
             self.record = Record(_pings_held(scene), scene.sonar.bins)
             self._answer = None
             self._show_geometry(scene)
+        self._show_scene(scene, settled=settled)
         self._ask()
-        if settled:
-            self._panel_due.stop()
-            self._show_scene()
-        elif not self._panel_due.isActive():
-            self._panel_due.start()  # what moves with the slider may follow, its picture is waited for
 
-    def _show_scene(self) -> None:
-        """Let panel, title and buttons agree with the session."""
-        self.window.panel.show_about(self.session.scene.description)
-        self.window.panel.show_sections(sections_of(self.session.scene))
-        self.window.setWindowTitle(f"{self.session.scene.title} · insonify")
-        self.window.undo.setEnabled(self.session.can_undo)
-        self.window.redo.setEnabled(self.session.can_redo)
+    def _show_scene(self, scene: Scene, *, settled: bool) -> None:
+        """Update panels, title and buttons."""
+        for panel in self.panels.values():
+            panel.scene_changed(scene, settled)
+        if settled:
+            self.window.setWindowTitle(f"{scene.title} · insonify")
+            self.window.undo.setEnabled(self.session.can_undo)
+            self.window.redo.setEnabled(self.session.can_redo)
 
     def _tick(self) -> None:
         now = time.perf_counter()
@@ -291,13 +278,23 @@ class Viewer(QObject):
             self.window.waterfall.repaint()  # at once: whoever drags a slider looks there
         self._show_sonar()
         self._show_mark(self.session.mark)
-        if answer.fine and answer.number == self._number:
-            self.plan.take(answer, self.record, complete=not self._missing().size)
+        self._tell_growth(answer)
         if not self._started:
             self._started = True
-            self.window.panel.setEnabled(True)
             self.window.show_busy("")
             self.window.say(scene.title)
+
+    def _tell_growth(self, answer: Answer) -> None:
+        """Tell the panels of new pings, and of another plan if the pings are traced by one."""
+        current = answer.fine and answer.number == self._number
+        growth = RecordGrowth(answer, self.record, current, complete=not self._missing().size)
+        replanned = current and answer.simulation is not self._planned
+        if replanned:
+            self._planned = answer.simulation
+        for panel in self.panels.values():
+            if replanned:
+                panel.plan_made(answer.simulation.plan)
+            panel.record_grown(growth)
 
     def _newest_held(self) -> int:
         """Ping for the top: while the tow runs, the newest that has arrived."""
@@ -313,7 +310,8 @@ class Viewer(QObject):
             self.window.show_busy("")
         else:
             self.session.take_back()
-            self.plan.show_again()
+            for panel in self.panels.values():
+                panel.scene_refused()
         self.window.say(sentence)
 
     def _settle_levels(self) -> None:
@@ -330,12 +328,14 @@ class Viewer(QObject):
         self.window.waterfall.show_top(self.tow.top)
 
     def _show_mark(self, mark: Mark | None) -> None:
-        text, place = "", None
+        """Show a point of the record in views and panels; nothing where the record holds nothing."""
+        point: MarkedPoint | None = None
         if mark is not None and self._answer is not None:
-            text, place = readout(self._answer.simulation, self.record, self._answer.level, mark)
-        self.window.show_point(text)
-        self.window.waterfall.show_mark(mark if text else None)
-        self._seabed.show_mark(place)
+            point = marked_point(self._answer.simulation, self.record, self._answer.level, mark)
+        for panel in self.panels.values():
+            panel.point_marked(point)
+        self.window.waterfall.show_mark(None if point is None else mark)
+        self._seabed.show_mark(None if point is None else point.position)
 
     def _show_sonar(self) -> None:
         """Move fish and fan to the ping on top, with its colours."""

@@ -16,8 +16,7 @@ from PySide6.QtWidgets import QApplication
 from stand_in import StandIn
 
 from insonify.scene import Scene, edit, load_scene
-from insonify_viewer.application import has_opengl
-from insonify_viewer.gc_policy import collecting_here
+from insonify_viewer.application import has_opengl, main_thread_collection
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.theme import dress
 
@@ -52,7 +51,7 @@ def open_viewer(qtbot: Any, qapp: QApplication) -> Iterator[Opener]:
         qtbot.waitUntil(lambda: until(viewer), timeout=240000)  # while the kernels compile, at worst
         return viewer
 
-    with collecting_here():
+    with main_thread_collection():
         yield open_one
         for window in [viewer.window for viewer in viewers]:
             window.close()

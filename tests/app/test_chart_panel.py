@@ -19,7 +19,13 @@ from insonify.accuracy.charts.reference import Reference
 from insonify.accuracy.displacement import measure_displacement
 from insonify.accuracy.record_errors import compare_records
 from insonify.scene import Scene, SceneError
-from insonify_viewer.panels.chart.chart_details import Point, in_numbers, judge, nearest, picture
+from insonify_viewer.panels.chart.chart_details import (
+    ChartPoint,
+    details_in_words,
+    draw_chart,
+    nearest_row,
+    row_details,
+)
 
 
 def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None) -> AccuracyChart:
@@ -47,22 +53,22 @@ def a_chart(scene: Scene, progress: Callable[[float], None] = lambda share: None
 @pytest.fixture
 def window(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
     viewer = open_viewer(small)
-    viewer.chart.measure = a_chart
-    viewer.window.plan.chart.click()
-    assert viewer.chart.view.isVisible()
+    viewer.panels["chart"].measure = a_chart
+    viewer.panels["plan"].view.chart.click()
+    assert viewer.panels["chart"].view.isVisible()
     return viewer
 
 
 def measure(viewer: Any, qtbot: Any) -> None:
-    viewer.chart.view.measure.click()
-    qtbot.waitUntil(lambda: not viewer.chart.busy, timeout=30000)
+    viewer.panels["chart"].view.measure.click()
+    qtbot.waitUntil(lambda: not viewer.panels["chart"].busy, timeout=30000)
 
 
 def test_a_click_on_a_point_shows_its_record(window: Any, qtbot: Any) -> None:
     measure(window, qtbot)
-    view = window.chart.view
+    view = window.panels["chart"].view
     assert window.session.scene.title in view.windowTitle()
-    loud = next(point.row for point in window.chart._pictured.points if point.row.method == "rays")
+    loud = next(point.row for point in window.panels["chart"]._picture.points if point.row.method == "rays")
     qtbot.mouseClick(view.picture, Qt.MouseButton.LeftButton, pos=view.picture.place_of(loud).toPoint())
     qtbot.waitUntil(lambda: bool(view._numbers.text()), timeout=20000)
     assert "rms 10 % beyond" in view._numbers.text()
@@ -82,9 +88,9 @@ def test_the_window_lives_while_it_is_measured_and_stops(window: Any, qtbot: Any
             going.wait(0.01)
         return a_chart(scene)
 
-    window.chart.measure = slow
+    window.panels["chart"].measure = slow
     window.run(True)
-    view = window.chart.view
+    view = window.panels["chart"].view
     view.measure.click()
     assert not window.tow.running, "a tow would take time from what is timed"
     qtbot.waitUntil(lambda: len(seen) > 5)
@@ -92,7 +98,7 @@ def test_the_window_lives_while_it_is_measured_and_stops(window: Any, qtbot: Any
     window.session.settle({"track.altitude": 7.0})
     qtbot.waitUntil(lambda: window.complete)
     view.stop.click()
-    qtbot.waitUntil(lambda: not window.chart.busy)
+    qtbot.waitUntil(lambda: not window.panels["chart"].busy)
     assert view._sentence.text() == "stopped"
     assert view.measure.isEnabled()
 
@@ -102,24 +108,24 @@ def test_a_viewer_closed_meanwhile_leaves_no_thread(window: Any, qtbot: Any) -> 
         while True:
             progress(0.1)
 
-    window.chart.measure = endless
-    window.chart.view.measure.click()
+    window.panels["chart"].measure = endless
+    window.panels["chart"].view.measure.click()
     window.window.close()
-    assert not window.chart.busy
+    assert not window.panels["chart"].busy
 
 
 def test_what_cannot_be_charted_is_said(window: Any, qtbot: Any) -> None:
     def refuse(scene: Scene, progress: Callable[[float], None]) -> AccuracyChart:
         raise SceneError("track.pings: 0 is too few; give at least 1")
 
-    window.chart.measure = refuse
+    window.panels["chart"].measure = refuse
     measure(window, qtbot)
-    assert "too few" in window.chart.view._sentence.text()
+    assert "too few" in window.panels["chart"].view._sentence.text()
 
 
 def test_it_is_saved(window: Any, qtbot: Any, tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     measure(window, qtbot)
-    view = window.chart.view
+    view = window.panels["chart"].view
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "c.csv"), ""))
     view.save.click()
     qtbot.waitUntil(lambda: "written" in view._sentence.text(), timeout=20000)
@@ -131,30 +137,30 @@ def test_it_is_saved(window: Any, qtbot: Any, tmp_path: Any, monkeypatch: pytest
 
 
 def test_points_lie_where_they_are_drawn(small: Scene) -> None:
-    pictured = picture(a_chart(small))
+    pictured = draw_chart(a_chart(small))
     height, width = pictured.pixels.shape[:2]
     for point in pictured.points:
         colour = pictured.pixels[round(point.y * height), round(point.x * width), :3].astype(int)
         assert np.ptp(colour) > 40, "a mark, and no paper"
-        assert nearest(pictured.points, point.x + 2e-3, point.y, height / width, 0.01) is point.row
-    assert nearest(pictured.points, 0.01, 0.01, height / width, 0.01) is None
-    assert nearest((), 0.5, 0.5, 1.0, 1.0) is None
+        assert nearest_row(pictured.points, point.x + 2e-3, point.y, height / width, 0.01) is point.row
+    assert nearest_row(pictured.points, 0.01, 0.01, height / width, 0.01) is None
+    assert nearest_row((), 0.5, 0.5, 1.0, 1.0) is None
 
 
 def test_the_nearer_point_is_picked() -> None:
     one, other = "one", "other"
-    points = (Point(0.4, 0.5, one), Point(0.6, 0.5, other))  # type: ignore[arg-type]
-    assert nearest(points, 0.45, 0.5, 1.0, 0.1) == one
-    assert nearest(points, 0.55, 0.5, 1.0, 0.1) == other
-    assert nearest(points, 0.4, 0.58, 2.0, 0.1) is None, "heights count as they are seen"
+    points = (ChartPoint(0.4, 0.5, one), ChartPoint(0.6, 0.5, other))  # type: ignore[arg-type]
+    assert nearest_row(points, 0.45, 0.5, 1.0, 0.1) == one
+    assert nearest_row(points, 0.55, 0.5, 1.0, 0.1) == other
+    assert nearest_row(points, 0.4, 0.58, 2.0, 0.1) is None, "heights count as they are seen"
 
 
 def test_a_record_is_laid_out_as_it_is_read(small: Scene) -> None:
     chart = a_chart(small)
-    judged = judge(chart, chart.rows[0])
+    judged = row_details(chart, chart.rows[0])
     assert judged.similarity == pytest.approx(1.0)
     assert judged.record.shape == (4, 200)
     np.testing.assert_array_equal(judged.record, judged.record[:, ::-1])
     np.testing.assert_array_equal(judged.record[0, 100:], chart.normalise_row(chart.rows[0])[0][3, 1])
-    assert "rms 0 % beyond 1.4 altitudes" in in_numbers(judged)
-    assert "± 5 %" in in_numbers(judged)
+    assert "rms 0 % beyond 1.4 altitudes" in details_in_words(judged)
+    assert "± 5 %" in details_in_words(judged)

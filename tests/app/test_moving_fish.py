@@ -11,7 +11,7 @@ from stand_in import StandIn
 
 from insonify.kernels.common.types import PORT, STARBOARD
 from insonify.scene import Scene, edit
-from insonify_viewer.readout import place_of
+from insonify_viewer.marked_point import locate_mark
 from insonify_viewer.session import Mark
 from insonify_viewer.views.pv_meshes import PATH_POINTS, path_pings, placed, scan_line
 
@@ -45,7 +45,7 @@ def test_a_fish_lies_as_its_pose_says(small: Scene) -> None:
 def test_a_point_of_the_record_lies_in_the_plane_of_its_beam(small: Scene, motions: Any, side: int) -> None:
     simulation, ping = moved(small, *motions), 115
     pose = one(simulation, ping)
-    slant, across, place = place_of(simulation, Mark(ping, side, 60))  # type: ignore[arg-type]
+    slant, across, place = locate_mark(simulation, Mark(ping, side, 60))  # type: ignore[arg-type]
     assert place is not None
     assert across is not None
     there = np.array(place) - [pose.x[0], pose.y[0], pose.z[0]]
@@ -67,7 +67,7 @@ def test_a_squinted_beam_is_a_cone_about_the_fish(small: Scene, motions: Any, sq
     away = line - [pose.x[0], pose.y[0], pose.z[0]]
     np.testing.assert_allclose(away @ bow, slant * math.sin(math.radians(squint)), atol=0.05)
     assert slant.max() == pytest.approx(50.0, abs=0.05)
-    slant_range, _, place = place_of(simulation, Mark(115, PORT, 60))  # type: ignore[arg-type]
+    slant_range, _, place = locate_mark(simulation, Mark(115, PORT, 60))  # type: ignore[arg-type]
     there = np.array(place) - [pose.x[0], pose.y[0], pose.z[0]]
     assert float(there @ bow) == pytest.approx(slant_range * math.sin(math.radians(squint)), abs=0.05)
     assert np.linalg.norm(there) == pytest.approx(slant_range, abs=0.05)

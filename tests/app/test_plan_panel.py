@@ -13,7 +13,12 @@ from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
 from insonify.tracers import sweep
 from insonify_viewer.modelling import COARSE, Modelling
-from insonify_viewer.panels.plan.comparison import Heard, difference, in_words, subject_of
+from insonify_viewer.panels.plan.comparison import (
+    RecordSnapshot,
+    changed_subject,
+    difference_in_words,
+    relative_difference,
+)
 from insonify_viewer.record import Record
 from insonify_viewer.session import Session
 
@@ -21,7 +26,7 @@ BENT = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [152
 
 
 def pick(viewer: Any, subject: str, choice: str | None) -> None:
-    combo = viewer.window.plan.line(subject).combo
+    combo = viewer.panels["plan"].view.line(subject).combo
     index = combo.findData(choice)
     assert index >= 0
     combo.setCurrentIndex(index)
@@ -60,7 +65,7 @@ def test_a_drag_keeps_what_is_left_out_and_forgets_how_finely() -> None:
 def test_every_entry_has_a_line_in_its_group(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(edit(small, {"water": BENT}))
     wait(viewer, qtbot)
-    view, plan = viewer.window.plan, viewer._answer.simulation.plan
+    view, plan = viewer.panels["plan"].view, viewer._answer.simulation.plan
     assert {entry.subject for entry in plan.entries if entry.modelled} == set(view.subjects(modelled=True))
     assert "bending" in view.subjects(modelled=True)
     pick(viewer, "bending", "off")
@@ -84,7 +89,7 @@ def test_what_cannot_be_done_is_said_and_taken_back(open_viewer: Any, small: Sce
 
 def test_the_tolerance_is_final_when_it_is_let_go(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
-    slider = viewer.window.plan._tolerance.slider
+    slider = viewer.panels["plan"].view._tolerance.slider
     slider.setSliderDown(True)
     slider.setValue(1000)
     assert viewer.session.modelling.tolerance == 0.03
@@ -108,7 +113,7 @@ def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(
     said = viewer.window._sentence.text()
     assert said.startswith("planes 2: changes the record by")
     assert said.endswith("× the time")
-    assert viewer.window.plan.line("planes")._change.text() == said.partition(": ")[2]
+    assert viewer.panels["plan"].view.line("planes")._change.text() == said.partition(": ")[2]
     path = tmp_path / "two.npz"
     assert main(["render", "default", "-o", str(path), "--set", "sonar.bins=100", "--set", "track.pings=32",
                  "--model", "planes=2"]) == 0  # fmt: skip
@@ -116,10 +121,10 @@ def test_a_forced_choice_tells_what_it_changed_and_is_what_the_command_writes(
         np.testing.assert_array_equal(np.moveaxis(written["intensity"], 0, 1), after)
 
 
-def heard(intensity: np.ndarray, scene: Scene, *, first: int = 0) -> Heard:
+def heard(intensity: np.ndarray, scene: Scene, *, first: int = 0) -> RecordSnapshot:
     record = Record(len(intensity), intensity.shape[2])
     record.put(np.arange(first, first + len(intensity)), np.sqrt(intensity).astype(np.float32), 1)
-    return Heard.of(record, scene, Modelling(), 1e-3)
+    return RecordSnapshot.of(record, scene, Modelling(), 1e-3)
 
 
 def test_a_difference_is_the_rms_beyond_near_bins_of_pings_in_both(small: Scene) -> None:
@@ -129,23 +134,23 @@ def test_a_difference_is_the_rms_beyond_near_bins_of_pings_in_both(small: Scene)
     other[:, :, :28] = 9.0  # nearer than 1.4 altitudes of 10 m, of bins of 0.5 m
     expected = np.linalg.norm((other - one)[:, :, 28:]) / np.linalg.norm(one[:, :, 28:])
     before, after = heard(one, small), heard(other, small)
-    assert difference(before, after) == pytest.approx(expected, rel=1e-5)
+    assert relative_difference(before, after) == pytest.approx(expected, rel=1e-5)
     later = heard(other[20:], small, first=20)
     expected = np.linalg.norm((other - one)[20:, :, 28:]) / np.linalg.norm(one[20:, :, 28:])
-    assert difference(before, later) == pytest.approx(expected, rel=1e-5)
-    assert difference(before, heard(other, small, first=30)) is None
-    assert difference(before, before) == 0.0
+    assert relative_difference(before, later) == pytest.approx(expected, rel=1e-5)
+    assert relative_difference(before, heard(other, small, first=30)) is None
+    assert relative_difference(before, before) == 0.0
 
 
 def test_changes_in_words() -> None:
-    assert in_words(0.0041, 1.83) == "changes the record by 0.41 %, takes 1.8 × the time"
-    assert in_words(0.0, 0.9) == "changes nothing of the record, takes 0.9 × the time"
-    assert in_words(None, 2.0) == "takes 2 × the time"
+    assert difference_in_words(0.0041, 1.83) == "changes the record by 0.41 %, takes 1.8 × the time"
+    assert difference_in_words(0.0, 0.9) == "changes nothing of the record, takes 0.9 × the time"
+    assert difference_in_words(None, 2.0) == "takes 2 × the time"
     auto = Modelling()
-    assert subject_of(auto, auto.forcing("planes", "8")) == "planes"
-    assert subject_of(auto.forcing("planes", "8"), auto.forcing("planes", "16")) == "planes"
-    assert subject_of(auto, auto.forcing("planes", "8").forcing("targets", "off")) == ""
-    assert subject_of(auto, Modelling(0.1)) == ""
+    assert changed_subject(auto, auto.forcing("planes", "8")) == "planes"
+    assert changed_subject(auto.forcing("planes", "8"), auto.forcing("planes", "16")) == "planes"
+    assert changed_subject(auto, auto.forcing("planes", "8").forcing("targets", "off")) == ""
+    assert changed_subject(auto, Modelling(0.1)) == ""
 
 
 def test_what_a_drag_leaves_out_of_the_default_scene_is_a_fifth_at_most() -> None:

@@ -13,7 +13,7 @@ from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.quantities import at_fraction, fraction, read, shown, span
 from insonify_viewer.record import Record
 from insonify_viewer.session import Mark, Session
-from insonify_viewer.tow_clock import Tow
+from insonify_viewer.tow_clock import TowClock
 from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
 
 
@@ -230,7 +230,7 @@ def test_newer_pings_lie_above_older_ones() -> None:
 
 
 def test_tow_counts_pauses_and_looks_back() -> None:
-    tow = Tow(511)
+    tow = TowClock(511)
     tow.speed = 2.0
     assert tow.advance(1.0, 10.0)
     assert tow.newest == tow.top == 531

@@ -31,7 +31,7 @@ def add(viewer: Any, kind: str, qtbot: Any) -> Any:
 
 
 def removers(viewer: Any) -> list[QToolButton]:
-    return [b for b in viewer.window.panel.findChildren(QToolButton, "remove") if b.isVisible()]
+    return [b for b in viewer.panels["parameters"].view.findChildren(QToolButton, "remove") if b.isVisible()]
 
 
 @pytest.mark.parametrize("kind", list(target_menu()))
@@ -47,7 +47,7 @@ def test_a_target_of_any_kind_is_added_and_taken_back(
     x, y = target.position[:2]
     assert 0.0 < x < 127 * 0.2
     assert 5.0 < abs(y) < 45.0
-    qtbot.waitUntil(lambda: viewer.window.panel.row("targets.0.material.name").label.isVisible())
+    qtbot.waitUntil(lambda: viewer.panels["parameters"].view.row("targets.0.material.name").label.isVisible())
     viewer.session.undo()
     assert viewer.session.scene.targets == ()
     viewer.session.redo()
@@ -99,7 +99,7 @@ def test_a_mesh_takes_another_file(
     path = tmp_path / "shape.obj"
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
     viewer = open_viewer(edit(small, {"targets": [{"kind": "mesh", "path": "tetrapod", "position": [5.0, 20.0]}]}))
-    row = viewer.window.panel.row("targets.0.path")
+    row = viewer.panels["parameters"].view.row("targets.0.path")
     assert isinstance(row, FileRow)
     assert row.button.text() == "tetrapod …"
     pick_file(monkeypatch, str(path))

@@ -93,7 +93,7 @@ def test_slider_to_picture(open_viewer: Any, qtbot: Any) -> None:
         ("sonar.beam.width", (300, 600)),
         ("seabed.material.diffuse", (100, 700)),
     ):
-        row = viewer.window.panel.row(path)
+        row = viewer.panels["parameters"].view.row(path)
         row.slider.setSliderDown(True)
         for position in np.linspace(*ends, MOVES).astype(int):
             row.slider.setValue(int(position))

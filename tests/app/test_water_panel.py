@@ -34,29 +34,29 @@ def test_the_panel_opens_with_layered_water_and_stays_out_of_the_way_without(
     open_viewer: Any, small: Scene, layered: Scene, qtbot: Any
 ) -> None:
     viewer = open_viewer(small)
-    assert not viewer.window.water.isVisible()
+    assert not viewer.panels["water"].view.isVisible()
     viewer.session.open(layered)
     wait_for_rays(viewer, qtbot)
-    assert viewer.window.water.isVisible()
-    assert colours(viewer.window.water) > 100
-    viewer.window.rays.trigger()
-    assert not viewer.window.water.isVisible()
+    assert viewer.panels["water"].view.isVisible()
+    assert colours(viewer.panels["water"].view) > 100
+    viewer.window._buttons["water"].trigger()
+    assert not viewer.panels["water"].view.isVisible()
     viewer.session.settle({"water.depth.1": 9.0})
-    assert not viewer.window.water.isVisible()
+    assert not viewer.panels["water"].view.isVisible()
 
 
 def test_uniform_water_can_be_looked_at_too(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
-    viewer.window.rays.trigger()
+    viewer.window._buttons["water"].trigger()
     wait_for_rays(viewer, qtbot)
-    assert viewer.water.complete
-    assert colours(viewer.window.water) > 30
+    assert viewer.panels["water"].complete
+    assert colours(viewer.panels["water"].view) > 30
 
 
 def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
     viewer = open_viewer(layered)
     wait_for_rays(viewer, qtbot)
-    view = viewer.window.water
+    view = viewer.panels["water"].view
     start = view.handle(1).toPoint()
     qtbot.mousePress(view, Qt.MouseButton.LeftButton, pos=start)
     for step in range(1, 6):
@@ -76,10 +76,10 @@ def test_a_point_of_the_profile_is_dragged_and_the_drag_undone(open_viewer: Any,
 def test_a_point_never_passes_its_neighbours(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
     viewer = open_viewer(layered)
     wait_for_rays(viewer, qtbot)
-    viewer.window.water.point_dragged.emit(1, 29.0, 1800.0)
+    viewer.panels["water"].view.point_dragged.emit(1, 29.0, 1800.0)
     assert viewer.session.scene.water.depth == (0.0, 19.9, 20.0, 30.0)
     assert viewer.session.scene.water.sound_speed[1] == 1700.0
-    viewer.window.water.point_dragged.emit(1, -5.0, 1000.0)
+    viewer.panels["water"].view.point_dragged.emit(1, -5.0, 1000.0)
     assert viewer.session.scene.water.depth[1] == 0.1
     assert viewer.session.scene.water.sound_speed[1] == 1300.0
 
@@ -87,7 +87,7 @@ def test_a_point_never_passes_its_neighbours(open_viewer: Any, layered: Scene, q
 def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
     viewer = open_viewer(layered)
     wait_for_rays(viewer, qtbot)
-    view = viewer.window.water
+    view = viewer.panels["water"].view
     shown = []
     view_shown = view.show_diagram
     view.show_diagram = lambda diagram, points: (shown.append(diagram), view_shown(diagram, points))
@@ -101,12 +101,12 @@ def test_a_click_into_the_water_asks_for_the_rays_to_it(open_viewer: Any, layere
 def test_columns_of_water_have_no_sliders(open_viewer: Any, layered: Scene, qtbot: Any) -> None:
     viewer = open_viewer(layered)
     for kind in ("profile", "hydrography", "section", "uniform"):
-        viewer.window.panel.settled.emit("water.kind", kind)
+        viewer.panels["parameters"].view.settled.emit("water.kind", kind)
         assert viewer.session.scene.water.kind == kind
-        viewer.window.panel.row("water.reference_speed")
+        viewer.panels["parameters"].view.row("water.reference_speed")
         with pytest.raises(StopIteration):
-            viewer.window.panel.row("water.depth.0")
-    viewer.window.panel.row("water.sound_speed")
+            viewer.panels["parameters"].view.row("water.depth.0")
+    viewer.panels["parameters"].view.row("water.sound_speed")
 
 
 def test_a_cast_is_asked_for(
@@ -116,13 +116,13 @@ def test_a_cast_is_asked_for(
     path.write_text("depth,speed\n0,1520\n12,1515\n30,1500\n")
     viewer = open_viewer(small)
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: ("", ""))
-    viewer.window.panel.settled.emit("water.kind", "cast")
+    viewer.panels["parameters"].view.settled.emit("water.kind", "cast")
     assert viewer.session.scene == small
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
-    viewer.window.panel.settled.emit("water.kind", "cast")
+    viewer.panels["parameters"].view.settled.emit("water.kind", "cast")
     assert viewer.session.scene.water.path == str(path)
     wait_for_rays(viewer, qtbot)
-    assert viewer.window.water.isVisible()
+    assert viewer.panels["water"].view.isVisible()
 
 
 def test_round_steps_are_round_and_few() -> None:

@@ -18,13 +18,13 @@ from insonify_viewer.views.field_rows import ChoiceRow, NumberRow
 
 
 def number_row(viewer: Any, path: str) -> NumberRow:
-    row = viewer.window.panel.row(path)
+    row = viewer.panels["parameters"].view.row(path)
     assert isinstance(row, NumberRow)
     return row
 
 
 def pick(viewer: Any, path: str, option: str) -> None:
-    row = viewer.window.panel.row(path)
+    row = viewer.panels["parameters"].view.row(path)
     assert isinstance(row, ChoiceRow)
     index = row.combo.findData(option)
     row.combo.setCurrentIndex(index)
@@ -126,7 +126,7 @@ def test_the_menu_opens_bundled_scenes(open_viewer: Any, small: Scene, qtbot: An
     assert wanted.description.split()[0] in action.toolTip()
     menu.menu().triggered.emit(action)
     assert viewer.session.scene == wanted
-    assert viewer.window.panel.about == " ".join(wanted.description.split())
+    assert viewer.panels["parameters"].view.about == " ".join(wanted.description.split())
     qtbot.waitUntil(lambda: viewer.complete)
 
 
@@ -172,14 +172,14 @@ def test_hover_tells_the_point_and_marks_it(open_viewer: Any, small: Scene) -> N
     assert waterfall.mark_at(waterfall.place_of(mark)) == mark
     QTest.mouseMove(waterfall, waterfall.place_of(mark))
     waterfall.hovered.emit(mark)
-    text = viewer.window.statusBar().findChildren(type(viewer.window._point))[-1].text()
+    text = viewer.window.statusBar().findChildren(type(viewer.panels["readout"].widget))[-1].text()
     # Bin 60 of 100 over 50 m, sonar 10 m over the bed.
     for part in ("ping 100", "starboard", "slant 30.25 m", "ground 28.5", "bed ", "dB)"):
         assert part in text
     waterfall.hovered.emit(Mark(ping=100, side=0, bin=4))
-    assert "water column" in viewer.window._point.text()
+    assert "water column" in viewer.panels["readout"].widget.text()
     waterfall.hovered.emit(None)
-    assert viewer.window._point.text() == ""
+    assert viewer.panels["readout"].widget.text() == ""
 
 
 def test_kind_edits_the_scene_and_its_rows(open_viewer: Any, small: Scene) -> None:
@@ -187,7 +187,7 @@ def test_kind_edits_the_scene_and_its_rows(open_viewer: Any, small: Scene) -> No
     pick(viewer, "sonar.beam.kind", "knife")
     assert viewer.session.scene.sonar.beam.kind == "knife"
     with pytest.raises(StopIteration):
-        viewer.window.panel.row("sonar.beam.width")
+        viewer.panels["parameters"].view.row("sonar.beam.width")
     viewer.window.undo.trigger()
     assert viewer.session.scene.sonar.beam.kind == "fan"
     assert number_row(viewer, "sonar.beam.width").field.text() == "1°"
@@ -385,9 +385,9 @@ def test_seabed_and_progress_show_before_the_first_ping(open_viewer: Any, small:
 
     viewer = open_viewer(small, prepare=Slow, until=lambda v: v.seabed.complete)
     assert viewer.window._progress.isVisible()
-    assert not viewer.window.panel.isEnabled()
+    assert not viewer.panels["parameters"].view.isEnabled()
     assert (viewer.record.ping < 0).all()
     compiled.set()
     qtbot.waitUntil(lambda: viewer.complete)
     assert not viewer.window._progress.isVisible()
-    assert viewer.window.panel.isEnabled()
+    assert viewer.panels["parameters"].view.isEnabled()

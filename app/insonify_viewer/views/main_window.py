@@ -1,6 +1,9 @@
-"""The window: scene on the left, record on the right, parameters at the side, tools above."""
+"""Main window: seabed on the left, record on the right, panels around them, tools above."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
 
 from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
@@ -19,9 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify_viewer.panels.parameters.view import ParameterPanel
-from insonify_viewer.panels.plan.view import PlanView
-from insonify_viewer.panels.water.view.water_view import WaterView
+from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.target_placement import target_menu
 from insonify_viewer.tow_clock import SPEEDS
 from insonify_viewer.views.scene_menu import SceneMenu
@@ -29,11 +30,11 @@ from insonify_viewer.views.waterfall_view import WaterfallView
 
 GAIN_REACH = 30  # dB either way
 SIDE = 300  # px, width of the panels at the side
-WATER_HEIGHT = 260  # px, of the panel of the water when it is first opened
+BELOW_HEIGHT = 260  # px, of a panel below when it is first opened
 
 
 class MainWindow(QMainWindow):
-    """Holds the views and announces what the person asks for.
+    """Holds views and panels, and signals what the person asks for.
 
     Parameters
     ----------
@@ -48,7 +49,6 @@ class MainWindow(QMainWindow):
     speed_changed = Signal(float)
     running_changed = Signal(bool)
     target_wanted = Signal(str)
-    water_shown = Signal()
     closing = Signal()
 
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
@@ -57,9 +57,6 @@ class MainWindow(QMainWindow):
         self.resize(QSize(1480, 900).boundedTo(self.screen().availableSize()))
         self.setMinimumSize(880, 520)
         self.waterfall = WaterfallView(native=native)
-        self.panel = ParameterPanel()
-        self.plan = PlanView()
-        self.water = WaterView()
         self._placeholder = QLabel("setting up the seabed …")
         self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._splitter = QSplitter(Qt.Orientation.Horizontal)
@@ -68,11 +65,35 @@ class MainWindow(QMainWindow):
         self._splitter.setSizes([500, 500])
         self._splitter.setChildrenCollapsible(False)
         self.setCentralWidget(self._splitter)
-        self._add_panels()
-        self._water_dock = self._add_water()
+        self._panels: dict[str, Panel] = {}
+        self._docks: dict[str, QDockWidget] = {}
+        self._buttons: dict[str, QAction] = {}
         self._add_tools(palettes)
         self._add_status()
         self.waterfall.setFocus()
+
+    def mount(self, panels: Sequence[Panel]) -> None:
+        """Put panels into their places, in this order."""
+        self._panels = {panel.name: panel for panel in panels}
+        self._mount_side([panel for panel in panels if panel.place is Place.SIDE])
+        for panel in panels:
+            if panel.place is Place.BELOW:
+                self._mount_below(panel)
+            elif panel.place is Place.STATUS:
+                self.statusBar().addPermanentWidget(panel.widget)
+            if panel.button is not None:
+                self._add_button(panel)
+
+    def open_panel(self, name: str) -> None:
+        """Open a panel, or bring it to the front."""
+        panel = self._panels[name]
+        if panel.place is Place.WINDOW:
+            self._open_window(panel)
+        elif name in self._buttons:
+            self._buttons[name].setChecked(True)
+        elif name in self._docks:
+            self._show_dock(panel, True)
+            self._docks[name].raise_()
 
     def put_seabed(self, view: QWidget) -> None:
         """Put the view of the seabed into its place."""
@@ -87,10 +108,6 @@ class MainWindow(QMainWindow):
         self._sentence.setText(sentence)
         self._sentence.setToolTip(sentence)
 
-    def show_point(self, text: str) -> None:
-        """Describe the point under the mouse."""
-        self._point.setText(text)
-
     def show_busy(self, what: str) -> None:
         """Say what is being waited for, empty for nothing."""
         self._progress.setVisible(bool(what))
@@ -101,52 +118,65 @@ class MainWindow(QMainWindow):
         """Let the pause button agree with the tow."""
         self.pause.setChecked(not running)
 
-    @property
-    def water_is_shown(self) -> bool:
-        """Whether the panel of the water is there to be seen."""
-        return self.rays.isChecked()
-
-    def show_water(self, shown: bool) -> None:
-        """Open or close the panel of the water."""
-        self.rays.setChecked(shown)
-
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Announce the end, while everything is still there; the worker may need a moment to finish."""
+        """Signal the end while all widgets exist; the worker may need a moment to finish."""
         self.hide()
         self.closing.emit()
         super().closeEvent(event)
 
-    def _add_panels(self) -> None:
-        """Put parameters and plan at the side, one behind the other."""
+    def _mount_side(self, panels: Sequence[Panel]) -> None:
+        """Put panels at the right side, one behind the other, the first in front."""
         side = Qt.DockWidgetArea.RightDockWidgetArea
-        parameters, plan = self._dock("Parameters", self.panel, side), self._dock("Plan", self.plan, side)
-        self.tabifyDockWidget(parameters, plan)
+        docks = [self._dock(panel, side) for panel in panels]
+        for one, next_one in pairwise(docks):
+            self.tabifyDockWidget(one, next_one)
         self.setTabPosition(side, QTabWidget.TabPosition.North)
         self.setDocumentMode(True)
-        self.resizeDocks([parameters, plan], [SIDE, SIDE], Qt.Orientation.Horizontal)
-        parameters.raise_()
+        self.resizeDocks(docks, [SIDE] * len(docks), Qt.Orientation.Horizontal)
+        for dock in docks[:1]:
+            dock.raise_()
 
-    def _dock(self, name: str, widget: QWidget, side: Qt.DockWidgetArea) -> QDockWidget:
-        """Put a widget at a side, without a title bar."""
-        dock = QDockWidget(name, self)
-        dock.setObjectName(name.lower())
+    def _dock(self, panel: Panel, side: Qt.DockWidgetArea) -> QDockWidget:
+        """Put a panel at a side, without a title bar."""
+        dock = QDockWidget(panel.title, self)
+        dock.setObjectName(panel.name)
         dock.setFeatures(QDockWidget.DockWidgetFeature.NoDockWidgetFeatures)
         dock.setTitleBarWidget(QWidget())
-        dock.setWidget(widget)
+        dock.setWidget(panel.widget)
         self.addDockWidget(side, dock)
+        self._docks[panel.name] = dock
         return dock
 
-    def _add_water(self) -> QDockWidget:
-        dock = self._dock("Water", self.water, Qt.DockWidgetArea.BottomDockWidgetArea)
+    def _mount_below(self, panel: Panel) -> None:
+        """Put a panel below scene and record, closed."""
+        dock = self._dock(panel, Qt.DockWidgetArea.BottomDockWidgetArea)
         dock.hide()
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
-        self.resizeDocks([dock], [WATER_HEIGHT], Qt.Orientation.Vertical)
-        return dock
+        self.resizeDocks([dock], [BELOW_HEIGHT], Qt.Orientation.Vertical)
 
-    def _water_toggled(self, shown: bool) -> None:
-        self._water_dock.setVisible(shown)
-        if shown:
-            self.water_shown.emit()
+    def _add_button(self, panel: Panel) -> None:
+        """Put the button of a panel among the tools, before the palettes."""
+        assert panel.button is not None
+        action = self._action(panel.button.text, panel.button.tooltip, QKeySequence(panel.button.shortcut))
+        if panel.place is Place.WINDOW:
+            action.triggered.connect(lambda: self._open_window(panel))
+        else:
+            action.setCheckable(True)
+            action.toggled.connect(lambda shown: self._show_dock(panel, shown))
+        self._bar.insertAction(self._after_buttons, action)
+        self._buttons[panel.name] = action
+
+    def _show_dock(self, panel: Panel, shown: bool) -> None:
+        self._docks[panel.name].setVisible(shown)
+        panel.opened(shown)
+
+    def _open_window(self, panel: Panel) -> None:
+        widget: QWidget = panel.widget
+        if widget.parent() is not self:
+            widget.setParent(self, Qt.WindowType.Window)
+        widget.show()
+        widget.raise_()
+        panel.opened(True)
 
     def _add_tools(self, palettes: tuple[str, ...]) -> None:
         bar = QToolBar("Tools", self)
@@ -176,13 +206,10 @@ class MainWindow(QMainWindow):
         self.speed.activated.connect(lambda: self.speed_changed.emit(self.speed.currentData()))
         bar.addWidget(self.speed)
         bar.addSeparator()
-        self.rays = self._tool(bar, "Rays", "Show how the water bends sound", QKeySequence("Ctrl+R"))
-        self.rays.setCheckable(True)
-        self.rays.toggled.connect(self._water_toggled)
         self.palettes = _combo([(name, name) for name in palettes])
         self.palettes.setToolTip("Palette of the record")
         self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
-        bar.addWidget(self.palettes)
+        self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
         self._add_gain(bar)
 
     def _add_targets(self, bar: QToolBar) -> None:
@@ -222,7 +249,7 @@ class MainWindow(QMainWindow):
     def _add_status(self) -> None:
         status = self.statusBar()
         status.setSizeGripEnabled(False)
-        self._sentence, self._point = QLabel(), QLabel()
+        self._sentence = QLabel()
         self._sentence.setMinimumWidth(1)  # a long sentence must not widen the window
         self._progress = QProgressBar()
         self._progress.setRange(0, 0)
@@ -230,13 +257,16 @@ class MainWindow(QMainWindow):
         self._progress.setVisible(False)
         status.addWidget(self._progress)
         status.addWidget(self._sentence, 1)
-        status.addPermanentWidget(self._point)
 
     def _tool(self, bar: QToolBar, text: str, tip: str, shortcut: QKeySequence) -> QAction:
+        action = self._action(text, tip, shortcut)
+        bar.addAction(action)
+        return action
+
+    def _action(self, text: str, tip: str, shortcut: QKeySequence) -> QAction:
         action = QAction(text, self)
         action.setShortcut(shortcut)
         action.setToolTip(f"{tip} ({shortcut.toString(QKeySequence.SequenceFormat.NativeText)})")
-        bar.addAction(action)
         return action
 
 

@@ -1,4 +1,4 @@
-"""A chart as its window shows it: one picture with points to pick, and what lies behind a point."""
+"""Picture of a chart with points to pick, and the record behind each point."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 DPI = 150.0
 
 
-class Point(NamedTuple):
-    """Where a row is drawn: shares of the picture's width from the left and of its height from the top."""
+class ChartPoint(NamedTuple):
+    """Position of a row in the picture, as shares of the width from the left and of the height from the top."""
 
     x: float
     y: float
@@ -27,27 +27,27 @@ class Point(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Pictured:
-    """A chart drawn.
+class ChartPicture:
+    """A chart as pixels.
 
     Attributes
     ----------
     chart : AccuracyChart
-        What was drawn.
+        The chart.
     pixels : (height, width, 4) uint8
         Red, green, blue, opacity.
     points : tuple of Point
-        What can be picked.
+        Points to pick.
     """
 
     chart: AccuracyChart
     pixels: NDArray[np.uint8]
-    points: tuple[Point, ...]
+    points: tuple[ChartPoint, ...]
 
 
-def picture(chart: AccuracyChart) -> Pictured:
-    """Draw a chart as it is saved."""
-    # lazy: the window is there before Matplotlib is
+def draw_chart(chart: AccuracyChart) -> ChartPicture:
+    """Draw a chart as it is saved to a file, with the positions of its points."""
+    # lazy: the window opens before Matplotlib is loaded
     from insonify.accuracy.charts.accuracy_figure import draw_accuracy
 
     figure, marks = draw_accuracy(chart)
@@ -56,22 +56,22 @@ def picture(chart: AccuracyChart) -> Pictured:
     pixels = np.array(figure.canvas.buffer_rgba())  # type: ignore[attr-defined]
     height, width = pixels.shape[:2]
     points = [
-        Point(x / width, 1.0 - y / height, row)
+        ChartPoint(x / width, 1.0 - y / height, row)
         for line, rows in marks.items()
         for (x, y), row in zip(line.get_transform().transform(line.get_xydata()), rows)
     ]
-    return Pictured(chart, pixels, tuple(points))
+    return ChartPicture(chart, pixels, tuple(points))
 
 
-def nearest(points: tuple[Point, ...], x: float, y: float, shape: float, within: float) -> AccuracyRow | None:
-    """Pick the row nearest to a place.
+def nearest_row(points: tuple[ChartPoint, ...], x: float, y: float, shape: float, within: float) -> AccuracyRow | None:
+    """Find the row nearest to a position in the picture.
 
     Parameters
     ----------
     points : tuple of Point
-        What can be picked.
+        Points to pick.
     x, y : float
-        Place, in shares of the width and the height.
+        Position, as shares of the width and the height.
     shape : float
         Height of the picture over its width.
     within : float
@@ -83,8 +83,8 @@ def nearest(points: tuple[Point, ...], x: float, y: float, shape: float, within:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
-    """A row's record beside its reference.
+class RowDetails:
+    """The record of a row beside its reference.
 
     Attributes
     ----------
@@ -108,15 +108,15 @@ class Judged:
     reach: float
 
 
-def judge(chart: AccuracyChart, row: AccuracyRow) -> Judged:
-    """Lay a row's record beside its reference."""
-    # lazy: the window is there before Matplotlib is
+def row_details(chart: AccuracyChart, row: AccuracyRow) -> RowDetails:
+    """Trace the record of a row and its reference, and compare them."""
+    # lazy: the window opens before Matplotlib is loaded
     from insonify.accuracy.similarity import measure_similarity
 
     record, reference = chart.normalise_row(row)
     scene = chart.scenes[row.targets]
     reach = scene.arrays.bins * scene.arrays.bin_length
-    return Judged(
+    return RowDetails(
         row,
         _laid(record),
         _laid(reference),
@@ -126,13 +126,13 @@ def judge(chart: AccuracyChart, row: AccuracyRow) -> Judged:
     )
 
 
-def in_numbers(judged: Judged) -> str:
-    """Say how good a row is and what it takes."""
-    row, errors, moved = judged.row, judged.row.errors, judged.row.displacement
+def details_in_words(details: RowDetails) -> str:
+    """Write the cost and the errors of a row."""
+    row, errors, moved = details.row, details.row.errors, details.row.displacement
     parts = (
         f"{span(1e-6 * row.microseconds)} a ping (± {100.0 * row.spread:.2g} %)",
         f"rms {_percent(errors.beyond)} beyond 1.4 altitudes, {_percent(errors.all_bins)} of all bins",
-        f"SSIM {judged.similarity:.3f}",
+        f"SSIM {details.similarity:.3f}",
         _metres("shadow edges off by", moved.shadow_edge),
         _metres("echoes off by", moved.echo),
         f"{moved.lost} echo{'es' * (moved.lost > 1)} lost" if moved.lost else "",

@@ -1,10 +1,11 @@
-"""The panel of sliders: one foldable section for each part of the scene."""
+"""Sections of sliders, combo boxes and files, one for each part of the scene."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtWidgets import (
     QFrame,
     QGridLayout,
@@ -21,12 +22,13 @@ from insonify_viewer.panels.parameters.sections import Section
 from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
 
+DELAY = 20  # ms, by which the other numbers follow a slider that moves
 OPEN_AT_FIRST = ("sonar", "seabed", "track")
 Row = NumberRow | ChoiceRow | FileRow
 
 
-class ParameterPanel(QScrollArea):
-    """Shows parameters and announces what the person does to them."""
+class ParametersView(QScrollArea):
+    """Shows the fields of a scene and signals the edits of the person."""
 
     dragged = Signal(str, object)
     settled = Signal(str, object)
@@ -49,18 +51,38 @@ class ParameterPanel(QScrollArea):
         self._column.addStretch(1)
         self.setWidget(self._body)
         self._sections: dict[str, SectionBox] = {}
+        self._show: Callable[[], None] = _nothing
+        self._due = QTimer(self)
+        self._due.setSingleShot(True)
+        self._due.setInterval(DELAY)
+        self._due.timeout.connect(lambda: self._show())
 
     @property
     def about(self) -> str:
-        """What is shown of the scene's own words."""
+        """The description that is shown."""
         return self._about.words
 
+    def show_at_once(self, show: Callable[[], None]) -> None:
+        """Run an update now, instead of one that waits."""
+        self._due.stop()
+        show()
+
+    def show_soon(self, show: Callable[[], None]) -> None:
+        """Run an update after a short delay; updates within it are merged."""
+        self._show = show
+        if not self._due.isActive():
+            self._due.start()
+
+    def stop_waiting(self) -> None:
+        """Drop the update that waits."""
+        self._due.stop()
+
     def show_about(self, description: str) -> None:
-        """Show what the scene says of itself."""
+        """Show the description of the scene."""
         self._about.say(description)
 
     def show_sections(self, sections: tuple[Section, ...]) -> None:
-        """Show these parameters; only what is built otherwise than before is built anew."""
+        """Show these fields; only sections whose rows change are rebuilt."""
         keys = [section.key for section in sections]
         for key in [key for key in self._sections if key not in keys]:
             self._drop(key)
@@ -77,18 +99,18 @@ class ParameterPanel(QScrollArea):
             self._column.insertWidget(place + 1, box)
 
     def turn_to(self, key: str) -> None:
-        """Open the section of a target, fold those of the others, and scroll to it."""
+        """Unfold the section of a target, fold those of the others, and scroll to it."""
         for name, box in self._sections.items():
             if box.removable:
                 box.unfold(name == key)
-        # Laid out at once, for the scroll bar to reach that far.
+        # The scroll bar reaches a new section only after a layout.
         self._sections[key].show()
         self._column.activate()
         self._body.resize(self._body.width(), self._body.sizeHint().height())
         self.ensureWidgetVisible(self._sections[key], 0, 8)
 
     def row(self, path: str) -> Row:
-        """Find the row of a parameter by its dotted path."""
+        """Find the row of a field by its dotted path."""
         return next(box.rows[path] for box in self._sections.values() if path in box.rows)
 
     def _drop(self, key: str) -> None:
@@ -99,7 +121,7 @@ class ParameterPanel(QScrollArea):
 
 
 class AboutBox(FoldingBox):
-    """What the scene shows and what to move, in its own words."""
+    """The description of the scene, under a heading that folds."""
 
     def __init__(self) -> None:
         self._words = QLabel()
@@ -111,17 +133,17 @@ class AboutBox(FoldingBox):
 
     @property
     def words(self) -> str:
-        """What is shown."""
+        """The text."""
         return self._words.text()
 
     def say(self, description: str) -> None:
-        """Show a description; a scene without one has no heading for it either."""
+        """Show a description; without one, hide the heading too."""
         self._words.setText(" ".join(description.split()))
         self.setVisible(bool(description.strip()))
 
 
 class SectionBox(FoldingBox):
-    """A section of the panel.
+    """The rows of one section, under a heading that folds.
 
     Attributes
     ----------
@@ -131,7 +153,7 @@ class SectionBox(FoldingBox):
         Of the section it was built from.
     """
 
-    def __init__(self, section: Section, panel: ParameterPanel, *, unfolded: bool) -> None:
+    def __init__(self, section: Section, panel: ParametersView, *, unfolded: bool) -> None:
         self.structure, self.removable = section.structure, section.removable
         self.rows: dict[str, Row] = {}
         body = QWidget()
@@ -155,8 +177,12 @@ class SectionBox(FoldingBox):
             row.show_value(parameter)
 
 
-def _row(parameter: Parameter, panel: ParameterPanel) -> Row:
-    """Return the row for a parameter."""
+def _nothing() -> None:
+    """Update nothing."""
+
+
+def _row(parameter: Parameter, panel: ParametersView) -> Row:
+    """Make the row of a field."""
     if isinstance(parameter, Number):
         return NumberRow(parameter, panel.dragged.emit, panel.settled.emit)
     if isinstance(parameter, Choice):
@@ -164,8 +190,8 @@ def _row(parameter: Parameter, panel: ParameterPanel) -> Row:
     return FileRow(parameter, panel.file_asked.emit)
 
 
-def _remover(section: Section, panel: ParameterPanel) -> QToolButton:
-    """Return the button that takes a section's subject out of the scene."""
+def _remover(section: Section, panel: ParametersView) -> QToolButton:
+    """Make the button that removes the target of a section from the scene."""
     button = QToolButton()
     button.setObjectName("remove")
     button.setText("×")

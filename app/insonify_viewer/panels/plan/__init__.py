@@ -1,1 +1,7 @@
-"""Plan panel: what is modelled and what is left out."""
+"""Plan panel: what is modelled, what is left out, and how to force either."""
+
+from __future__ import annotations
+
+from insonify_viewer.panels.plan.controller import PlanPanel
+
+PANEL = PlanPanel

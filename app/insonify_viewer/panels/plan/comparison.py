@@ -19,7 +19,7 @@ FEWEST = 16  # pings that two records must share
 
 
 @dataclass(frozen=True, eq=False)
-class Heard:
+class RecordSnapshot:
     """A record as it was heard of a scene modelled in one way.
 
     Attributes
@@ -41,13 +41,13 @@ class Heard:
     seconds: float
 
     @classmethod
-    def of(cls, record: Record, scene: Scene, modelling: Modelling, seconds: float) -> Heard:
+    def of(cls, record: Record, scene: Scene, modelling: Modelling, seconds: float) -> RecordSnapshot:
         """Copy what a record holds."""
         held = record.ping >= 0
         return cls(scene, modelling, record.ping[held], np.square(record.amplitude[held]), seconds)
 
 
-def difference(before: Heard, after: Heard) -> float | None:
+def relative_difference(before: RecordSnapshot, after: RecordSnapshot) -> float | None:
     """Tell by how much two records of one scene differ.
 
     Parameters
@@ -75,13 +75,13 @@ def difference(before: Heard, after: Heard) -> float | None:
     return float(np.sqrt(np.vdot(moved, moved) / power)) if power > 0.0 else None
 
 
-def subject_of(before: Modelling, after: Modelling) -> str:
+def changed_subject(before: Modelling, after: Modelling) -> str:
     """Return the one subject by which two ways to model differ; empty if there are several, or none."""
     subjects = {subject for subject, _ in {*before.forced} ^ {*after.forced}}
     return subjects.pop() if len(subjects) == 1 and before.tolerance == after.tolerance else ""
 
 
-def in_words(share: float | None, times: float) -> str:
+def difference_in_words(share: float | None, times: float) -> str:
     """Say a difference and a ratio of times: "changes the record by 0.4 %, takes 1.8 × the time"."""
     record = (
         "changes nothing of the record" if share == 0.0 else f"changes the record by {100.0 * (share or 0.0):.2g} %"

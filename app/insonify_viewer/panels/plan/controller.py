@@ -1,75 +1,87 @@
-"""Keeps the plan's panel up to date, does what is forced there, and tells what that changed."""
+"""Shows the plan of the record on screen, forces its choices, and measures what that changes."""
 
 from __future__ import annotations
 
 import statistics
 from typing import TYPE_CHECKING
 
-from insonify_viewer.panels.plan.comparison import Heard, difference, in_words, subject_of
-from insonify_viewer.session import Session
+from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.panels.plan.comparison import (
+    RecordSnapshot,
+    changed_subject,
+    difference_in_words,
+    relative_difference,
+)
+from insonify_viewer.panels.plan.view import PlanView
 
 if TYPE_CHECKING:
-    from insonify.simulation import Simulation
+    from insonify.planning import Plan
     from insonify_viewer.record import Record
-    from insonify_viewer.simulator import Answer
-    from insonify_viewer.views.main_window import MainWindow
 
-MOVED = 64  # pings that a running tow goes on before the record is heard anew
+MOVED = 64  # pings by which a running tow moves on before the record is copied again
 
 
-class PlanPanel:
-    """Shows the plan by which the record on screen was traced.
+class PlanPanel(Panel):
+    """Shows the plan by which the record on screen was traced."""
 
-    Parameters
-    ----------
-    session : Session
-        Whose way to model its scene is changed.
-    window : MainWindow
-        Who holds the panel.
-    """
+    name = "plan"
+    title = "Plan"
+    place = Place.SIDE
+    rank = 20
 
-    def __init__(self, session: Session, window: MainWindow) -> None:
-        self._session, self._window = session, window
-        self._shown: Simulation | None = None
+    def __init__(self, workbench: Workbench) -> None:
+        self._session, self._say = workbench.session, workbench.say
+        self._plan: Plan | None = None
         self._seconds: list[float] = []
-        self._heard: Heard | None = None
-        view = window.plan
+        self._snapshot: RecordSnapshot | None = None
+        self.view = view = PlanView()
+        session = workbench.session
         view.forced.connect(lambda subject, choice: session.model(session.modelling.forcing(subject, choice)))
         view.tolerated.connect(lambda share: session.model(session.modelling.tolerating(share)))
         view.left_to_plan.connect(lambda: session.model(session.modelling.automatic))
+        view.chart_wanted.connect(lambda: workbench.open_panel("chart"))
 
-    def take(self, answer: Answer, record: Record, *, complete: bool) -> None:
-        """Follow an answer at full accuracy that the record has taken over; ``complete`` if it was the last."""
-        if answer.simulation is not self._shown:
-            self._shown, self._seconds = answer.simulation, []
-            self._window.plan.show_plan(answer.simulation.plan, self._session.modelling)
-            self._window.plan.show_change("", "")
-        self._seconds.append(answer.seconds / len(answer.pings))
-        if complete and self._is_new(record):
-            self._compare(record)
+    @property
+    def widget(self) -> PlanView:
+        """The entries of the plan."""
+        return self.view
 
-    def show_again(self) -> None:
-        """Let the panel fall back to what holds."""
-        if self._shown is not None:
-            self._window.plan.show_plan(self._shown.plan, self._session.modelling)
+    def plan_made(self, plan: Plan) -> None:
+        """Show another plan."""
+        self._plan, self._seconds = plan, []
+        self.view.show_plan(plan, self._session.modelling)
+        self.view.show_change("", "")
+
+    def scene_refused(self) -> None:
+        """Show the plan that is still valid."""
+        if self._plan is not None:
+            self.view.show_plan(self._plan, self._session.modelling)
+
+    def record_grown(self, growth: RecordGrowth) -> None:
+        """Time the pings; compare the record once all of it is traced by the plan."""
+        if growth.current:
+            self._seconds.append(growth.answer.seconds / len(growth.answer.pings))
+            if growth.complete and self._is_new(growth.record):
+                self._compare(growth.record)
 
     def _is_new(self, record: Record) -> bool:
-        """Whether the record is of something else than the one last heard, or has left it behind."""
-        last, session = self._heard, self._session
+        """Whether the record shows another scene, another modelling or other pings than the snapshot."""
+        last, session = self._snapshot, self._session
         same = last is not None and (last.scene, last.modelling) == (session.scene, session.modelling)
         return not same or last is None or abs(int(record.ping.max()) - int(last.ping.max())) >= MOVED
 
     def _compare(self, record: Record) -> None:
-        """Tell what another way to model the same scene changed."""
-        before = self._heard
+        """Say what another modelling of the same scene changes."""
+        before = self._snapshot
         # The median leaves out the block during which a kernel was compiled.
         seconds = statistics.median(self._seconds)
-        self._window.plan.show_measured(seconds)
-        after = self._heard = Heard.of(record, self._session.scene, self._session.modelling, seconds)
+        self.view.show_measured(seconds)
+        session = self._session
+        after = self._snapshot = RecordSnapshot.of(record, session.scene, session.modelling, seconds)
         if before is None or before.scene != after.scene or before.modelling == after.modelling:
             return
-        words = in_words(difference(before, after), after.seconds / before.seconds)
-        subject = subject_of(before.modelling, after.modelling)
-        self._window.plan.show_change(subject, words)
+        words = difference_in_words(relative_difference(before, after), after.seconds / before.seconds)
+        subject = changed_subject(before.modelling, after.modelling)
+        self.view.show_change(subject, words)
         choice = dict(after.modelling.forced).get(subject, "automatic") if subject else ""
-        self._window.say(f"{subject} {choice}: {words}" if subject else words)
+        self._say(f"{subject} {choice}: {words}" if subject else words)

@@ -51,7 +51,7 @@ class PlanView(QScrollArea):
         column = QVBoxLayout(body)
         column.setContentsMargins(8, 8, 8, 8)
         column.setSpacing(6)
-        self._tolerance = _Tolerance(self.tolerated.emit)
+        self._tolerance = ToleranceRow(self.tolerated.emit)
         self._totals = _words("about")
         self._change = _words("change")
         self.automatic = _button("Back to automatic", "Leave every choice to the plan again")
@@ -61,7 +61,7 @@ class PlanView(QScrollArea):
         buttons = QHBoxLayout()
         buttons.addWidget(self.automatic)
         buttons.addWidget(self.chart)
-        self._groups = {True: Group("Modelled"), False: Group("Left out")}
+        self._groups = {True: PlanGroup("Modelled"), False: PlanGroup("Left out")}
         for part in (self._tolerance, self._totals, self._change):
             column.addWidget(part)
         column.addLayout(buttons)
@@ -97,7 +97,7 @@ class PlanView(QScrollArea):
         self._change.setText(words)
         self._change.setVisible(bool(words) and beside_none)
 
-    def line(self, subject: str) -> Line:
+    def line(self, subject: str) -> PlanLine:
         """Find the line of a subject."""
         return next(group.lines[subject] for group in self._groups.values() if subject in group.lines)
 
@@ -106,11 +106,11 @@ class PlanView(QScrollArea):
         return list(self._groups[modelled].lines)
 
 
-class Group(FoldingBox):
+class PlanGroup(FoldingBox):
     """The lines of what is modelled, or of what is left out."""
 
     def __init__(self, title: str) -> None:
-        self.lines: dict[str, Line] = {}
+        self.lines: dict[str, PlanLine] = {}
         self._rows = QWidget()
         self._column = QVBoxLayout(self._rows)
         self._column.setContentsMargins(6, 4, 2, 4)
@@ -126,7 +126,7 @@ class Group(FoldingBox):
                 self._column.removeWidget(line)
                 line.hide()
                 line.deleteLater()
-            self.lines = {name: Line(force) for name in names}
+            self.lines = {name: PlanLine(force) for name in names}
             for line in self.lines.values():
                 self._column.addWidget(line)
         for name, entry in zip(names, entries):
@@ -134,7 +134,7 @@ class Group(FoldingBox):
         self.setVisible(bool(entries))
 
 
-class Line(QWidget):
+class PlanLine(QWidget):
     """One choice of the plan.
 
     Attributes
@@ -186,7 +186,7 @@ class Line(QWidget):
         self._change.setVisible(bool(words))
 
 
-class _Tolerance(QWidget):
+class ToleranceRow(QWidget):
     """The slider of what may be missed; final when it is let go."""
 
     def __init__(self, settled: Callable[[float], None]) -> None:
@@ -201,6 +201,7 @@ class _Tolerance(QWidget):
         self.slider = self._row.slider
 
     def show_share(self, share: float) -> None:
+        """Show a tolerance, as a share of the record."""
         self._value = 100.0 * share
         self._row.show_value(_number(self._value))
 

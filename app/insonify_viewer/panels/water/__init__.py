@@ -1,1 +1,7 @@
-"""Water panel: sound speed over depth and the rays that it bends."""
+"""Water panel: sound speed over depth, and the rays that it bends."""
+
+from __future__ import annotations
+
+from insonify_viewer.panels.water.controller import WaterPanel
+
+PANEL = WaterPanel

@@ -1,4 +1,4 @@
-"""Keeps the panel of the water up to date, and does what is asked for there."""
+"""Traces the rays of the current scene, and edits its sound-speed profile."""
 
 from __future__ import annotations
 
@@ -7,65 +7,68 @@ from typing import TYPE_CHECKING
 from insonify.scene import Scene, SceneError
 from insonify.scene.waters.profile import ProfileWater
 from insonify.scene.waters.uniform import UniformWater
-from insonify_viewer.session import Session
+from insonify_viewer.panels.panel import Button, Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.panels.water.view.water_view import WaterView
 
 if TYPE_CHECKING:
     from insonify.display.ray_diagram.diagram import RayDiagram
-    from insonify_viewer.simulator import Simulator
-    from insonify_viewer.views.main_window import MainWindow
 
-APART = 0.1  # m that points of a profile keep from each other
-COARSE = 121  # columns of the shadow while something is dragged
+APART = 0.1  # m, least distance of neighbouring points of a profile
+SLOWEST, FASTEST = 1300.0, 1700.0  # m/s
+COARSE = 121  # columns of the shadow picture while a value is dragged
 Target = tuple[float, float] | None
 
 
-class WaterPanel:
-    """Traces the rays of the current scene on the worker whenever the panel is there to be seen.
+class WaterPanel(Panel):
+    """Shows the rays of the current scene, traced on the worker while the panel is open."""
 
-    Parameters
-    ----------
-    session : Session
-        Whose scene is shown, and changed by points that are dragged.
-    window : MainWindow
-        Who holds the panel.
-    simulator : Simulator
-        Whose worker traces.
-    """
+    name = "water"
+    title = "Water"
+    place = Place.BELOW
+    button = Button("Rays", "Show how the water bends sound", "Ctrl+R")
 
-    def __init__(self, session: Session, window: MainWindow, simulator: Simulator) -> None:
-        self._session, self._window, self._simulator = session, window, simulator
+    def __init__(self, workbench: Workbench) -> None:
+        self._workbench = workbench
         self._target: Target = None
         self._shown: tuple[Scene, Target, bool] | None = None
-        self._busy = self._settled = False
+        self._open = self._busy = self._settled = False
         self._bent = self._ready = False
-        session.changed.connect(self._follow)
-        window.water_shown.connect(self._trace)
-        simulator.answered.connect(self._begin)
-        window.water.targeted.connect(self._aim)
-        window.water.point_dragged.connect(self._drag)
-        window.water.point_settled.connect(session.settle)
-        self._follow(session.scene, True)
+        self.view = WaterView()
+        self.view.targeted.connect(self._aim)
+        self.view.point_dragged.connect(self._drag)
+        self.view.point_settled.connect(workbench.session.settle)
+
+    @property
+    def widget(self) -> WaterView:
+        """The profile beside the rays."""
+        return self.view
 
     @property
     def complete(self) -> bool:
-        """Whether the panel, if there is one to be seen, shows the current scene."""
-        return not self._window.water_is_shown or (not self._busy and self._shown == self._wanted)
+        """Whether the panel is closed or shows the current scene."""
+        return not self._open or (not self._busy and self._shown == self._wanted)
 
     @property
     def _wanted(self) -> tuple[Scene, Target, bool]:
-        return self._session.scene, self._target, self._settled
+        return self._workbench.session.scene, self._target, self._settled
 
-    def _begin(self) -> None:
-        """Trace from the first picture of the record on, which is not to wait for rays."""
+    def opened(self, shown: bool) -> None:
+        """Trace the rays when the panel opens."""
+        self._open = shown
+        self._trace()
+
+    def record_grown(self, growth: RecordGrowth) -> None:
+        """Start tracing after the first pings of the record, which the rays must not delay."""
+        del growth
         if not self._ready:
             self._ready = True
             self._trace()
 
-    def _follow(self, scene: Scene, settled: bool) -> None:
-        """Trace the new scene; the first water that may bend sound opens the panel."""
+    def scene_changed(self, scene: Scene, settled: bool) -> None:
+        """Trace the new scene; open the panel for the first water that may bend sound."""
         bent = not isinstance(scene.water, UniformWater)
         if bent and not self._bent:
-            self._window.show_water(True)
+            self._workbench.open_panel(self.name)
         self._bent, self._settled = bent, settled
         self._trace()
 
@@ -75,31 +78,31 @@ class WaterPanel:
 
     def _drag(self, number: int, depth: float, speed: float) -> None:
         """Move a point of the profile, between its neighbours."""
-        water = self._session.scene.water
+        session = self._workbench.session
+        water = session.scene.water
         if not isinstance(water, ProfileWater):
             return
         low = water.depth[number - 1] + APART if number else 0.0
         high = water.depth[number + 1] - APART if number + 1 < len(water.depth) else depth
         place = round(min(max(depth, low), max(high, low)), 2)
-        self._session.drag(
-            {f"water.depth.{number}": place, f"water.sound_speed.{number}": round(min(max(speed, 1300.0), 1700.0), 1)}
-        )
+        within = round(min(max(speed, SLOWEST), FASTEST), 1)
+        session.drag({f"water.depth.{number}": place, f"water.sound_speed.{number}": within})
 
     def _trace(self) -> None:
-        """Trace what is wanted, unless it is shown, or something else is being traced."""
+        """Trace what is wanted, unless it is shown, or other rays are being traced."""
         wanted = self._wanted
-        if not self._ready or self._busy or wanted == self._shown or not self._window.water_is_shown:
+        if not self._ready or self._busy or wanted == self._shown or not self._open:
             return
         self._busy, self._shown = True, wanted
-        self._simulator.send(lambda: _diagram(*wanted), self._show)
+        self._workbench.simulator.send(lambda: _diagram(*wanted), self._show)
 
     def _show(self, diagram: RayDiagram | SceneError) -> None:
         self._busy = False
         if isinstance(diagram, SceneError):
-            self._window.say(str(diagram))
+            self._workbench.say(str(diagram))
         else:
             assert self._shown is not None
-            self._window.water.show_diagram(diagram, _points(self._shown[0]))
+            self.view.show_diagram(diagram, _points(self._shown[0]))
         self._trace()
 
 
@@ -114,6 +117,6 @@ def _diagram(scene: Scene, target: Target, fine: bool) -> RayDiagram:
 
 
 def _points(scene: Scene) -> tuple[tuple[float, float], ...]:
-    """Depths and speeds of a profile that can be dragged."""
+    """Depths and speeds of a profile, which can be dragged."""
     water = scene.water
     return tuple(zip(water.depth, water.sound_speed)) if isinstance(water, ProfileWater) else ()

@@ -1,41 +1,51 @@
-"""The chart's window: speed against accuracy, and the record behind each point."""
+"""Window of the chart: speed against accuracy, and the record behind each point."""
 
 from __future__ import annotations
 
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QPushButton, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import (
+    QFileDialog,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
 
-from insonify_viewer.panels.chart.chart_details import Judged, Pictured, in_numbers, nearest
+from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, details_in_words, nearest_row
 from insonify_viewer.panels.chart.view.strips_view import StripsView
 from insonify_viewer.views.theme import ACCENT, GROUND, QUIET
 
 SIZE, SMALLEST = (1120, 860), (560, 460)
-STRIPS, MOST = 320, 0.42  # px, height of the strips at first, and the share of the window's that they take at most
-GRASP = 14.0  # px within which a point is picked
+STRIPS, MOST = 320, 0.42  # px, first height of the strips, and their greatest share of the window's height
+GRASP = 14.0  # px, greatest distance at which a point is picked
+FORMATS = "Picture (*.png);;Drawing (*.svg);;Table (*.csv);;Table (*.json)"
 INVITATION = (
-    "“Measure here” times every method on this scene and holds its record against a reference that proves itself. "
+    "“Measure here” times every method on this scene and compares its record with a converged reference. "
     "It takes a minute or two."
 )
 HINT = "Click a point for its record, the reference and the difference."
 
 
 class ChartWindow(QWidget):
-    """Shows a chart, and announces what the person asks for."""
+    """Shows a chart, and signals what the person asks for."""
 
     measure_wanted = Signal()
     stop_wanted = Signal()
     save_wanted = Signal()
     picked = Signal(object)  # Row
 
-    def __init__(self, owner: QWidget) -> None:
-        super().__init__(owner, Qt.WindowType.Window)
+    def __init__(self) -> None:
+        super().__init__()
         self.setObjectName("panel")
         self.setWindowTitle("Chart · insonify")
         self.resize(*SIZE)
         self.setMinimumSize(*SMALLEST)
         self.measure = _button("Measure here", "Measure every method on the scene as it is now")
-        self.stop = _button("Stop", "Give the measurement up")
+        self.stop = _button("Stop", "Stop the measurement")
         self.save = _button("Save…", "Write the chart as .png, .svg, .csv or .json")
         self._progress = QProgressBar()
         self._progress.setRange(0, 1000)
@@ -43,7 +53,7 @@ class ChartWindow(QWidget):
         self._sentence = QLabel(INVITATION)
         self._sentence.setObjectName("name")
         self._sentence.setWordWrap(True)
-        self._picture, self._strips = _Picture(), StripsView()
+        self._picture, self._strips = _ChartPictureView(), StripsView()
         self._numbers = QLabel()
         self._numbers.setObjectName("numbers")
         self._numbers.setWordWrap(True)
@@ -60,45 +70,49 @@ class ChartWindow(QWidget):
         self.show_busy(False)
 
     @property
-    def picture(self) -> _Picture:
+    def picture(self) -> _ChartPictureView:
         """The chart itself."""
         return self._picture
 
     def show_busy(self, busy: bool) -> None:
-        """Offer to stop what is under way, or to begin."""
+        """Enable stopping during a measurement, and starting otherwise."""
         self.measure.setEnabled(not busy)
         self.stop.setEnabled(busy)
         self._progress.setVisible(busy)
         if busy:
             self._progress.setValue(0)
-            self.say("measuring; the tow is paused, and whatever else runs here is in the times …")
+            self.say("measuring; the tow is paused; other programs that run here lengthen the times …")
 
     def show_progress(self, share: float) -> None:
-        """Show how much is done."""
+        """Show the share of the measurement that is done."""
         self._progress.setValue(round(1000.0 * share))
 
-    def show_chart(self, pictured: Pictured) -> None:
-        """Show a chart that was measured."""
-        self.setWindowTitle(f"Chart of {pictured.chart.title or 'an untitled scene'} · insonify")
-        self._picture.show_chart(pictured)
+    def show_chart(self, chart_picture: ChartPicture) -> None:
+        """Show a measured chart."""
+        self.setWindowTitle(f"Chart of {chart_picture.chart.title or 'an untitled scene'} · insonify")
+        self._picture.show_chart(chart_picture)
         self._bottom.hide()
         self.save.setEnabled(True)
         self.say(HINT)
 
-    def show_judged(self, judged: Judged) -> None:
+    def show_details(self, details: RowDetails) -> None:
         """Show the record behind a point."""
         if self._bottom.isHidden():
             self._bottom.show()
             height = self._splitter.height()
             strips = min(STRIPS, round(MOST * height))
             self._splitter.setSizes([height - strips, strips])
-        self._strips.show_judged(judged)
-        self._numbers.setText(in_numbers(judged))
-        self._picture.show_chosen(judged.row)
+        self._strips.show_details(details)
+        self._numbers.setText(details_in_words(details))
+        self._picture.show_chosen(details.row)
 
     def say(self, sentence: str) -> None:
         """Show a sentence until the next one."""
         self._sentence.setText(sentence)
+
+    def ask_where_to_save(self) -> str:
+        """Let the person name a file; return its path, empty if none was named."""
+        return QFileDialog.getSaveFileName(self, "Save the chart", "chart.png", FORMATS)[0]
 
     def _lay_out(self) -> None:
         top = QHBoxLayout()
@@ -121,24 +135,24 @@ class ChartWindow(QWidget):
         column.addWidget(splitter, 1)
 
 
-class _Picture(QWidget):
-    """A chart on its own paper, as large as fits."""
+class _ChartPictureView(QWidget):
+    """The picture of the chart, as large as fits."""
 
     picked = Signal(object)
 
     def __init__(self) -> None:
         super().__init__()
         self.setMinimumSize(320, 180)
-        self._pictured: Pictured | None = None
+        self._chart_picture: ChartPicture | None = None
         self._image = QImage()
         self._chosen: object = None
         self.setMouseTracking(True)
 
-    def show_chart(self, pictured: Pictured) -> None:
-        height, width = pictured.pixels.shape[:2]
-        self._pictured, self._chosen = pictured, None
+    def show_chart(self, chart_picture: ChartPicture) -> None:
+        height, width = chart_picture.pixels.shape[:2]
+        self._chart_picture, self._chosen = chart_picture, None
         # The image looks into the array, which lives as long as the chart is shown.
-        self._image = QImage(pictured.pixels.data, width, height, 4 * width, QImage.Format.Format_RGBA8888)
+        self._image = QImage(chart_picture.pixels.data, width, height, 4 * width, QImage.Format.Format_RGBA8888)
         self.update()
 
     def show_chosen(self, row: object) -> None:
@@ -147,18 +161,18 @@ class _Picture(QWidget):
 
     def place_of(self, row: object) -> QPointF:
         """Pixel of a row's point."""
-        assert self._pictured is not None
+        assert self._chart_picture is not None
         frame = self._frame()
-        point = next(point for point in self._pictured.points if point.row is row)
+        point = next(point for point in self._chart_picture.points if point.row is row)
         return QPointF(frame.left() + point.x * frame.width(), frame.top() + point.y * frame.height())
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the chart, and a ring about the point that was picked."""
+        """Draw the chart, and a ring around the picked point."""
         del event
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(GROUND))
         painter.setRenderHints(QPainter.RenderHint.SmoothPixmapTransform | QPainter.RenderHint.Antialiasing)
-        if self._pictured is None:
+        if self._chart_picture is None:
             painter.setPen(QColor(QUIET))
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "nothing measured yet")
         else:
@@ -169,24 +183,24 @@ class _Picture(QWidget):
         painter.end()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Announce the point under the mouse."""
+        """Signal the point under the mouse."""
         if (row := self._under(event.position())) is not None:
             self.picked.emit(row)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Show what can be picked."""
+        """Change the cursor over a point."""
         over = self._under(event.position()) is not None
         self.setCursor(Qt.CursorShape.PointingHandCursor if over else Qt.CursorShape.ArrowCursor)
 
     def _under(self, place: QPointF) -> object:
-        if self._pictured is None:
+        if self._chart_picture is None:
             return None
         frame = self._frame()
         x, y = (place.x() - frame.left()) / frame.width(), (place.y() - frame.top()) / frame.height()
-        return nearest(self._pictured.points, x, y, frame.height() / frame.width(), GRASP / frame.width())
+        return nearest_row(self._chart_picture.points, x, y, frame.height() / frame.width(), GRASP / frame.width())
 
     def _frame(self) -> QRectF:
-        """Where the picture is drawn."""
+        """Rectangle of the picture in the widget."""
         scale = min(self.width() / self._image.width(), self.height() / self._image.height())
         width, height = scale * self._image.width(), scale * self._image.height()
         return QRectF((self.width() - width) / 2.0, (self.height() - height) / 2.0, width, height)

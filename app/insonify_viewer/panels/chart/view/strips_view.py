@@ -1,4 +1,4 @@
-"""Three strips, one above the other on one scale of range: a record, its reference, their difference."""
+"""Three strips on one scale of slant range: a record, its reference, their difference."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify.display.picture import PALETTES, choose_contrast, load_palette
-from insonify_viewer.panels.chart.chart_details import Judged
+from insonify_viewer.panels.chart.chart_details import RowDetails
 from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
 from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 
 LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
-LARGE = 0.5  # of the span of the palette, a difference that takes its full colour
+LARGE = 0.5  # of the span of the palette: the difference drawn in full colour
 
 
 class StripsView(QWidget):
-    """Shows what lies behind a point of a chart."""
+    """Shows the record behind a point of a chart."""
 
     def __init__(self) -> None:
         super().__init__()
         self.setMinimumHeight(3 * (TITLE + 16) + RULER)
-        self._judged: Judged | None = None
+        self._details: RowDetails | None = None
 
-    def show_judged(self, judged: Judged) -> None:
+    def show_details(self, details: RowDetails) -> None:
         """Show a record beside its reference."""
-        self._judged = judged
+        self._details = details
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -35,19 +35,19 @@ class StripsView(QWidget):
         del event
         painter = QPainter(self)
         painter.fillRect(self.rect(), QColor(GROUND))
-        if (judged := self._judged) is not None:
-            low, high = choose_contrast(judged.reference)
+        if (details := self._details) is not None:
+            low, high = choose_contrast(details.reference)
             shades = colour_table(load_palette(PALETTES[0]))
             largest = LARGE * (high - low)
             for number, (title, strip, ends, table) in enumerate(
                 (
                     (
-                        ((f"record: {judged.row.method}, {judged.row.setting}", TEXT),),
-                        judged.record,
+                        ((f"record: {details.row.method}, {details.row.setting}", TEXT),),
+                        details.record,
                         (low, high),
                         shades,
                     ),
-                    (((f"reference: {judged.rays:,} rays a side", TEXT),), judged.reference, (low, high), shades),
+                    (((f"reference: {details.rays:,} rays a side", TEXT),), details.reference, (low, high), shades),
                     (
                         (
                             ("difference, full colour at half the picture's span: ", TEXT),
@@ -55,14 +55,14 @@ class StripsView(QWidget):
                             (" or ", TEXT),
                             ("too dark", MARK),
                         ),
-                        judged.record - judged.reference,
+                        details.record - details.reference,
                         (-largest, largest),
                         _two_sided(),
                     ),
                 )
             ):
                 self._draw(painter, number, title, strip, ends, table)
-            self._draw_ruler(painter, judged.reach)
+            self._draw_ruler(painter, details.reach)
         painter.end()
 
     def _draw(
@@ -85,7 +85,7 @@ class StripsView(QWidget):
         painter.drawImage(place, QImage(pixels.data, width, rows, 4 * width, QImage.Format.Format_RGB32))
 
     def _place(self, number: int) -> QRect:
-        """Where a strip lies."""
+        """Rectangle of a strip."""
         tall = (self.height() - RULER) / 3.0
         top = round(number * tall) + TITLE
         return QRect(LEFT, top, max(self.width() - LEFT - RIGHT, 2), max(round((number + 1) * tall) - top - 2, 1))
@@ -106,7 +106,7 @@ class StripsView(QWidget):
 
 
 def _two_sided() -> NDArray[np.uint32]:
-    """Colours of differences: from too dark over none to too bright."""
+    """Colour table of differences, from too dark over equal to too bright."""
     dark, none, bright = (np.array([c.red(), c.green(), c.blue()], float) for c in map(QColor, (MARK, GROUND, ACCENT)))
     share = np.linspace(-1.0, 1.0, 256)[:, None]
     mixed = none + np.maximum(-share, 0.0) * (dark - none) + np.maximum(share, 0.0) * (bright - none)

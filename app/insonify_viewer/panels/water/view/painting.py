@@ -8,7 +8,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
 from insonify.display.ray_diagram.diagram import RayDiagram, describe_eigenray, place_along_axis
-from insonify_viewer.panels.water.view.plot_scales import Frame, round_steps
+from insonify_viewer.panels.water.view.plot_scales import PlotScales, round_steps
 from insonify_viewer.views.theme import ACCENT, GROUND, MARK, QUIET, TEXT
 
 # From slow to fast, as the figure has it by day.
@@ -42,7 +42,7 @@ def _image(pixels: NDArray[np.uint8], name: str) -> QImage:
     return QImage(pixels.data, columns, rows, columns * depth, getattr(QImage.Format, f"Format_{name}")).copy()
 
 
-def paint_water(painter: QPainter, diagram: RayDiagram, frame: Frame, water: QImage, shadow: QImage) -> None:
+def paint_water(painter: QPainter, diagram: RayDiagram, frame: PlotScales, water: QImage, shadow: QImage) -> None:
     """Paint all but the profile."""
     painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
     painter.drawImage(frame.water, water)
@@ -75,7 +75,7 @@ def paint_water(painter: QPainter, diagram: RayDiagram, frame: Frame, water: QIm
 
 
 def paint_profile(
-    painter: QPainter, diagram: RayDiagram, frame: Frame, points: list[QPointF], held: int | None
+    painter: QPainter, diagram: RayDiagram, frame: PlotScales, points: list[QPointF], held: int | None
 ) -> None:
     """Paint the speed over depth, and the points of it that can be dragged."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -99,14 +99,14 @@ def paint_profile(
         painter.drawEllipse(point, HANDLE, HANDLE)
 
 
-def _paint_bed(painter: QPainter, frame: Frame, area: QRectF) -> None:
+def _paint_bed(painter: QPainter, frame: PlotScales, area: QRectF) -> None:
     y = frame.height_of(frame.bottom)
     painter.fillRect(QRectF(area.left(), y, area.width(), area.bottom() - y), QColor(BED))
     painter.setPen(_pen(BED_EDGE, 1.0))
     painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
 
 
-def _label_rays(painter: QPainter, diagram: RayDiagram, frame: Frame) -> None:
+def _label_rays(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
     """Launch angles where rays end, the roundest first, where there is room."""
     painter.setPen(QColor(RAY))
     taken: list[QPointF] = []
@@ -125,7 +125,7 @@ def _label_rays(painter: QPainter, diagram: RayDiagram, frame: Frame) -> None:
             painter.drawText(QRectF(end.x() - 30.0, end.y() - 18.0, 60.0, 16.0), Qt.AlignmentFlag.AlignHCenter, text)
 
 
-def _label_scales(painter: QPainter, frame: Frame) -> None:
+def _label_scales(painter: QPainter, frame: PlotScales) -> None:
     painter.setPen(QColor(QUIET))
     right = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
     for depth in round_steps(0.0, frame.bottom, 5):
@@ -143,7 +143,7 @@ def _label_scales(painter: QPainter, frame: Frame) -> None:
     painter.drawText(QRectF(0.0, y, frame.profile.left() - 4.0, 16.0), right, "m/s")
 
 
-def _say(painter: QPainter, diagram: RayDiagram, frame: Frame) -> None:
+def _say(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
     """Describe the eigenrays over the water, or say that there is none."""
     lines = [(EIGENRAYS[k % len(EIGENRAYS)], describe_eigenray(path)) for k, path in enumerate(diagram.eigenrays)]
     if diagram.target is not None and not lines:
@@ -160,7 +160,7 @@ def _say(painter: QPainter, diagram: RayDiagram, frame: Frame) -> None:
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, line)
 
 
-def _polygon(frame: Frame, distance: NDArray[np.float64], depth: NDArray[np.float64]) -> QPolygonF:
+def _polygon(frame: PlotScales, distance: NDArray[np.float64], depth: NDArray[np.float64]) -> QPolygonF:
     area = frame.water
     x = area.left() + np.asarray(distance) / frame.reach * area.width()
     y = area.top() + np.asarray(depth) / frame.bottom * area.height()

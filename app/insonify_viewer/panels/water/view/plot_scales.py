@@ -15,7 +15,7 @@ BED = 0.10  # of the height, that is bed
 
 
 @dataclass(frozen=True)
-class Frame:
+class PlotScales:
     """Scales of the two plots, which share that of depth.
 
     Attributes
@@ -36,7 +36,7 @@ class Frame:
     reach: float
 
     @classmethod
-    def of(cls, diagram: RayDiagram, width: float, height: float) -> Frame:
+    def of(cls, diagram: RayDiagram, width: float, height: float) -> PlotScales:
         """Fit a diagram into a widget of that many pixels."""
         narrow = min(max(SHARE * width, NARROWEST), WIDEST)
         tall = max(height - TOP - BOTTOM, 1.0)

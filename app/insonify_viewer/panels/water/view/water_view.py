@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QWidget
 
 from insonify.display.ray_diagram.diagram import RayDiagram
 from insonify_viewer.panels.water.view.painting import paint_profile, paint_water, shadow_picture, water_picture
-from insonify_viewer.panels.water.view.plot_scales import Frame
+from insonify_viewer.panels.water.view.plot_scales import PlotScales
 from insonify_viewer.views.theme import GROUND, QUIET
 
 GRASP = 9.0  # px within which a point is taken hold of
@@ -32,7 +32,7 @@ class WaterView(QWidget):
         self._pictures: tuple[QImage, QImage] | None = None
         self._rays: QPixmap | None = None
         self._held: int | None = None
-        self._scale: Frame | None = None  # kept while a point is dragged, for the scale not to slip away
+        self._scale: PlotScales | None = None  # kept while a point is dragged, for the scale not to slip away
 
     def show_diagram(self, diagram: RayDiagram, points: tuple[tuple[float, float], ...]) -> None:
         """Show a diagram; ``points`` are those of the profile that can be dragged, depth and speed each."""
@@ -112,11 +112,11 @@ class WaterView(QWidget):
         nearest = min(range(len(distances)), key=distances.__getitem__, default=None)
         return nearest if nearest is not None and distances[nearest] <= GRASP else None
 
-    def _frame(self) -> Frame:
+    def _frame(self) -> PlotScales:
         assert self._diagram is not None
-        return self._scale or Frame.of(self._diagram, self.width(), self.height())
+        return self._scale or PlotScales.of(self._diagram, self.width(), self.height())
 
-    def _painted(self, diagram: RayDiagram, frame: Frame) -> QPixmap:
+    def _painted(self, diagram: RayDiagram, frame: PlotScales) -> QPixmap:
         if self._pictures is None:
             self._pictures = water_picture(diagram, frame.slowest, frame.fastest), shadow_picture(diagram)
         ratio = self.devicePixelRatioF()

@@ -1,8 +1,9 @@
-"""What is known of a point of the record and of the tow: ranges, the bed there, intensity."""
+"""A point of the record: its ranges, the bed there, and the intensity."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +15,61 @@ if TYPE_CHECKING:
     from insonify.display.picture import LevelBed
     from insonify.simulation import Simulation
 
-Place = tuple[float, float, float]
-SIDES = ("port", "starboard")
+Position = tuple[float, float, float]
 
 
-def place_of(simulation: Simulation, mark: Mark) -> tuple[float, float | None, Place | None]:
+@dataclass(frozen=True)
+class MarkedPoint:
+    """What the record and the scene hold at a point of the record.
+
+    Attributes
+    ----------
+    mark : Mark
+        Ping, side and bin of the point.
+    slant_range : float
+        As recorded, in metres.
+    ground_range : float or None
+        In metres; None in the water column.
+    position : (float, float, float) or None
+        Local coordinates of the bed there; None in the water column or where there is no bed.
+    intensity : float
+        Linear, before display gain.
+    """
+
+    mark: Mark
+    slant_range: float
+    ground_range: float | None
+    position: Position | None
+    intensity: float
+
+
+def marked_point(simulation: Simulation, record: Record, level: LevelBed, mark: Mark) -> MarkedPoint | None:
+    """Look a point of the record up.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Prepared scene.
+    record : Record
+        Pings held.
+    level : LevelBed
+        Intensities of a level bed, by which the record is divided.
+    mark : Mark
+        Ping, side and bin.
+
+    Returns
+    -------
+    MarkedPoint or None
+        None where the record holds nothing.
+    """
+    amplitude = record.amplitude_at(mark.ping, mark.side, mark.bin)
+    if amplitude is None or mark.bin >= simulation.scene.sonar.bins:
+        return None
+    intensity = amplitude**2 * float(level.curves(np.array([mark.ping]))[0, 0, mark.bin])
+    return MarkedPoint(mark, *locate_mark(simulation, mark), intensity)
+
+
+def locate_mark(simulation: Simulation, mark: Mark) -> tuple[float, float | None, Position | None]:
     """Find where a point of the record lies, on a bed that is level across the track.
 
     Parameters
@@ -34,7 +85,7 @@ def place_of(simulation: Simulation, mark: Mark) -> tuple[float, float | None, P
         As recorded, in metres.
     ground_range : float or None
         sqrt(r² − h²) for the height h above the bed under the sonar; None in the water column.
-    place : (float, float, float) or None
+    position : (float, float, float) or None
         Local coordinates of the bed there; None in the water column or where there is no bed.
     """
     sonar, ground = simulation.scene.sonar, simulation.ground
@@ -54,37 +105,3 @@ def place_of(simulation: Simulation, mark: Mark) -> tuple[float, float | None, P
     x, y = float(pose.x[0]) + ahead * cos - left * sin, float(pose.y[0]) + ahead * sin + left * cos
     z = float(ground.height_at(np.array([x]), np.array([y]))[0])
     return slant, math.hypot(across, ahead), None if math.isnan(z) else (x, y, z)
-
-
-def readout(simulation: Simulation, record: Record, level: LevelBed, mark: Mark) -> tuple[str, Place | None]:
-    """Describe a point of the record.
-
-    Parameters
-    ----------
-    simulation : Simulation
-        Prepared scene.
-    record : Record
-        Pings held.
-    level : LevelBed
-        Intensities that stand for amplitude 1.
-    mark : Mark
-        Point to describe.
-
-    Returns
-    -------
-    text : str
-        Ping, side, slant and ground range, height of the bed against its mean, intensity.
-    place : (float, float, float) or None
-        Where it lies on the bed, in local metres.
-    """
-    amplitude = record.amplitude_at(mark.ping, mark.side, mark.bin)
-    if amplitude is None or mark.bin >= simulation.scene.sonar.bins:
-        return "", None
-    slant, across, place = place_of(simulation, mark)
-    parts = [f"ping {mark.ping}", SIDES[mark.side], f"slant {slant:.2f} m"]
-    parts.append("water column" if across is None else f"ground {across:.2f} m")
-    if place is not None:
-        parts.append(f"bed {place[2]:+.2f} m")
-    intensity = amplitude**2 * float(level.curves(np.array([mark.ping]))[0, 0, mark.bin])
-    decibels = f" ({10.0 * math.log10(intensity):.1f} dB)" if intensity > 0.0 else ""
-    return "  ·  ".join([*parts, f"{intensity:.3g}{decibels}"]), place

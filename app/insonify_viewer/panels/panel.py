@@ -1,0 +1,151 @@
+"""What a panel of the window gives and what it is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
+
+if TYPE_CHECKING:
+    from insonify.planning import Plan
+    from insonify.scene import Scene
+    from insonify_viewer.marked_point import MarkedPoint
+    from insonify_viewer.record import Record
+    from insonify_viewer.session import Session
+    from insonify_viewer.simulator import Answer, Simulator
+    from insonify_viewer.views.files import Files
+
+
+class Place(Enum):
+    """Where the window puts a panel."""
+
+    SIDE = "side"
+    """A tab at the right side."""
+    BELOW = "below"
+    """Below scene and record, closed until its button or `Workbench.open_panel` opens it."""
+    WINDOW = "window"
+    """A window of its own, opened by its button or by `Workbench.open_panel`."""
+    STATUS = "status"
+    """The right end of the status bar."""
+
+
+class Button(NamedTuple):
+    """The tool button that opens a panel."""
+
+    text: str
+    tooltip: str
+    shortcut: str
+
+
+@dataclass(frozen=True)
+class Workbench:
+    """What the viewer offers to its panels.
+
+    Attributes
+    ----------
+    session : Session
+        The scene and its modelling, both editable.
+    simulator : Simulator
+        The worker thread, for what takes longer than a few milliseconds.
+    files : Files
+        Dialogs that ask for files.
+    say : callable
+        Shows a sentence in the status bar.
+    pause : callable
+        Pauses the tow.
+    open_panel : callable
+        Opens the panel of a name.
+    """
+
+    session: Session
+    simulator: Simulator
+    files: Files
+    say: Callable[[str], None]
+    pause: Callable[[], None]
+    open_panel: Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class RecordGrowth:
+    """Pings that the record on screen has just taken over.
+
+    Attributes
+    ----------
+    answer : Answer
+        The traced pings and the simulation that traced them.
+    record : Record
+        All pings on screen.
+    current : bool
+        Whether the pings are traced at full accuracy and belong to the scene as it is now.
+    complete : bool
+        Whether no ping on screen is missing.
+    """
+
+    answer: Answer
+    record: Record
+    current: bool
+    complete: bool
+
+
+class Panel(Protocol):
+    """A part of the window with a task of its own: a controller and its widget.
+
+    A panel is made with a `Workbench` before the window shows it. A panel class derives from this one and defines what
+    it gives; it overrides the methods for what it wants to be told, all of which run on the main thread.
+
+    Attributes
+    ----------
+    name : str
+        By which `Workbench.open_panel` finds it; unique.
+    title : str
+        Of its tab or window.
+    place : Place
+        Where the window puts it.
+    rank : int
+        Panels of one place stand in the order of their ranks, then of their names.
+    button : Button or None
+        Opens the panel, for the places `BELOW` and `WINDOW`.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    place: ClassVar[Place]
+    rank: ClassVar[int] = 100
+    button: ClassVar[Button | None] = None
+
+    def __init__(self, workbench: Workbench) -> None: ...
+
+    @property
+    def widget(self) -> Any:
+        """The QWidget to show; asked for when the window mounts the panel, or first opens it as a window."""
+        ...
+
+    @property
+    def complete(self) -> bool:
+        """Whether the panel shows the present state; a snapshot of the window waits for it."""
+        return True
+
+    def scene_changed(self, scene: Scene, settled: bool) -> None:
+        """Follow an edit of the scene or of its modelling; ``settled`` is False while a slider moves."""
+
+    def scene_refused(self) -> None:
+        """Return to the last valid state; the core refused the scene and the session took it back."""
+
+    def record_grown(self, growth: RecordGrowth) -> None:
+        """Follow pings that the record on screen has taken over."""
+
+    def plan_made(self, plan: Plan) -> None:
+        """Follow the plan by which the pings of the present scene are traced."""
+
+    def point_marked(self, point: MarkedPoint | None) -> None:
+        """Follow the point of the record under the mouse."""
+
+    def part_added(self, path: str) -> None:
+        """Show a part of the scene that was just added, by its dotted path."""
+
+    def opened(self, shown: bool) -> None:
+        """Follow the opening and closing of the panel."""
+
+    def closing(self) -> None:
+        """Stop all work; the window closes."""

@@ -1,0 +1,183 @@
+"""Panels are found by being there or by being announced, mounted in order, and told of what happens."""
+
+from __future__ import annotations
+
+from importlib.metadata import EntryPoint
+from typing import Any
+
+import pytest
+from PySide6.QtWidgets import QDockWidget, QLabel
+
+from insonify.plugins import announced, modules_in
+from insonify.scene import Scene
+from insonify_viewer import panels
+from insonify_viewer.panels import GROUP, find_panels
+from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
+from insonify_viewer.session import Mark
+
+
+class DummyPanel(Panel):
+    """Writes down what it is told."""
+
+    name = "dummy"
+    title = "Dummy"
+    place = Place.SIDE
+
+    def __init__(self, workbench: Workbench) -> None:
+        self.workbench = workbench
+        self.told: list[tuple[Any, ...]] = []
+        self.widget_shown = QLabel("dummy")
+
+    @property
+    def widget(self) -> QLabel:
+        return self.widget_shown
+
+    def scene_changed(self, scene: Scene, settled: bool) -> None:
+        self.told.append(("scene", scene.altitude, settled))
+
+    def scene_refused(self) -> None:
+        self.told.append(("refused",))
+
+    def record_grown(self, growth: Any) -> None:
+        self.told.append(("record", growth.current, growth.complete))
+
+    def plan_made(self, plan: Any) -> None:
+        self.told.append(("plan", plan.method))
+
+    def point_marked(self, point: Any) -> None:
+        self.told.append(("point", point))
+
+    def part_added(self, path: str) -> None:
+        self.told.append(("part", path))
+
+    def opened(self, shown: bool) -> None:
+        self.told.append(("opened", shown))
+
+    def closing(self) -> None:
+        self.told.append(("closing",))
+
+    def counted(self, what: str) -> int:
+        return sum(words[0] == what for words in self.told)
+
+
+class DummyBelow(DummyPanel):
+    name = "dummy-below"
+    place = Place.BELOW
+    button = Button("Dummy", "Show the dummy", "Ctrl+Shift+D")
+
+
+class DummyWindow(DummyPanel):
+    name = "dummy-window"
+    place = Place.WINDOW
+    button = Button("Window", "Show the dummy's window", "Ctrl+Shift+W")
+
+
+@pytest.fixture
+def announce(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Let an installed package announce panel classes of this file as entry points."""
+
+    def add(*classes: type[Panel]) -> None:
+        entries = [EntryPoint(cls.name, f"{cls.__module__}:{cls.__name__}", GROUP) for cls in classes]
+        monkeypatch.setattr(panels, "announced", lambda group: [*announced(group), *entries])
+
+    return add
+
+
+def test_every_folder_holds_a_panel() -> None:
+    folders = [module for module in modules_in("insonify_viewer.panels") if hasattr(module, "__path__")]
+    assert folders
+    found = find_panels()
+    assert {folder.PANEL for folder in folders} == set(found)
+    assert [panel.name for panel in found] == ["parameters", "plan", "chart", "readout", "water"]
+    for panel in found:
+        assert Panel in panel.__mro__
+        assert panel.title
+        assert (panel.__doc__ or "").strip()
+
+
+def test_names_are_unique_and_the_order_is_stable(announce: Any) -> None:
+    announce(DummyBelow, DummyPanel)
+    found = find_panels()
+    names = [panel.name for panel in found]
+    assert len(set(names)) == len(names)
+    assert names == ["parameters", "plan", "chart", "dummy", "dummy-below", "readout", "water"]
+
+
+def test_an_announced_panel_is_a_tab_and_is_told(open_viewer: Any, small: Scene, qtbot: Any, announce: Any) -> None:
+    announce(DummyPanel)
+    viewer = open_viewer(small)
+    dummy = viewer.panels["dummy"]
+    dock = viewer.window.findChild(QDockWidget, "dummy")
+    assert dock.widget() is dummy.widget
+    assert viewer.window.tabifiedDockWidgets(dock)
+    assert dummy.widget.visibleRegion().isEmpty(), "the first tab is in front"
+    dummy.workbench.open_panel("dummy")
+    qtbot.waitUntil(lambda: not dummy.widget.visibleRegion().isEmpty())
+    assert dummy.told[0] == ("scene", 10.0, True)
+    assert ("plan", "sweep") in dummy.told
+    assert ("record", True, True) in dummy.told
+    viewer.session.drag({"track.altitude": 8.0})
+    assert dummy.told[-1] == ("scene", 8.0, False)
+    viewer.session.settle()
+    assert dummy.told[-1] == ("scene", 8.0, True)
+    plans = dummy.counted("plan")
+    qtbot.waitUntil(lambda: dummy.counted("plan") == plans + 1)
+    viewer.session.settle({"seed": 666})
+    qtbot.waitUntil(lambda: ("refused",) in dummy.told)
+    viewer.window.close()
+    assert dummy.told[-1] == ("closing",)
+
+
+def test_a_panel_may_edit_the_scene(open_viewer: Any, small: Scene, announce: Any) -> None:
+    announce(DummyPanel)
+    viewer = open_viewer(small)
+    viewer.panels["dummy"].workbench.session.settle({"track.altitude": 7.0})
+    assert viewer.session.scene.altitude == 7.0
+    assert viewer.panels["parameters"].view.row("track.altitude").field.text() == "7 m"
+
+
+def test_the_point_under_the_mouse_reaches_panels(open_viewer: Any, small: Scene, announce: Any) -> None:
+    announce(DummyPanel)
+    viewer = open_viewer(small)
+    waterfall = viewer.window.waterfall
+    waterfall.hovered.emit(Mark(ping=100, side=0, bin=4))
+    kind, point = viewer.panels["dummy"].told[-1]
+    assert kind == "point"
+    assert point.slant_range == 2.25
+    assert point.ground_range is None
+    waterfall.hovered.emit(None)
+    assert viewer.panels["dummy"].told[-1] == ("point", None)
+
+
+def test_a_panel_below_and_a_window_open_by_their_buttons(open_viewer: Any, small: Scene, announce: Any) -> None:
+    announce(DummyBelow, DummyWindow)
+    viewer = open_viewer(small)
+    below, window = viewer.panels["dummy-below"], viewer.panels["dummy-window"]
+    actions = {action.text(): action for action in viewer.window.actions() + viewer.window._bar.actions()}
+    assert "Ctrl+Shift+D" in actions["Dummy"].toolTip()
+    assert not below.widget.isVisible()
+    actions["Dummy"].trigger()
+    assert below.widget.isVisible()
+    actions["Dummy"].trigger()
+    assert not below.widget.isVisible()
+    assert below.told[-2:] == [("opened", True), ("opened", False)]
+    actions["Window"].trigger()
+    assert window.widget.isVisible()
+    assert window.widget.isWindow()
+
+
+def test_a_snapshot_waits_for_every_panel(open_viewer: Any, small: Scene, announce: Any) -> None:
+    class BusyPanel(DummyPanel):
+        busy = True
+
+        @property
+        def complete(self) -> bool:
+            return not self.busy
+
+    globals()["BusyPanel"] = BusyPanel
+    BusyPanel.__qualname__ = "BusyPanel"
+    announce(BusyPanel)
+    viewer = open_viewer(small, until=lambda viewer: viewer._started)
+    assert not viewer.complete
+    viewer.panels["dummy"].busy = False
+    assert viewer.panels["dummy"].complete
