@@ -31,7 +31,7 @@ def test_the_menu_puts_a_torus_on_the_bed(open_viewer: Any, small: Scene, qtbot:
     action.trigger()
     qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == 1, timeout=60000)
     assert viewer.session.scene.targets[0].kind == "torus"
-    row = viewer.window.panel.row("targets.0.tube")
+    row = viewer.panels["parameters"].view.row("targets.0.tube")
     qtbot.waitUntil(row.label.isVisible)
     viewer.session.settle({"targets.0.tube": 0.75})
     assert viewer.session.scene.targets[0].tube == 0.75
