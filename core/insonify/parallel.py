@@ -1,4 +1,4 @@
-"""Share pings among threads; kernels release the GIL, and no result depends on who did what."""
+"""Pings shared among threads: kernels release the GIL, and results do not depend on the number of threads."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from beds import arrays_of, icosphere, mesh_of, poses_of, rough
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.scattering import backscatter_strength, bistatic_strength
 from insonify.kernels.common.types import BED, LIGHT, SONAR
-from insonify.kernels.rays.specular_paths import _meet_next, _split, advance_to, start_path
+from insonify.kernels.rays.path_tracing import advance_to, meet_next, split_path, start_path
 from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare
@@ -151,13 +151,13 @@ def last_edges(arrays, bundle, through, out):
     for k in range(bundle.x.size):
         path = start_path(bundle, k)
         for passes in through:
-            meeting = _meet_next(arrays, path, 1e3)
+            meeting = meet_next(arrays, path, 1e3)
             path = advance_to(arrays, path, meeting)
             waiting = [path]
             waiting.pop()
-            _split(arrays, path, meeting, 1e9, waiting)
+            split_path(arrays, path, meeting, 1e9, waiting)
             path = waiting[0] if passes else waiting[-1]
-        path = advance_to(arrays, path, _meet_next(arrays, path, 1e3))
+        path = advance_to(arrays, path, meet_next(arrays, path, 1e3))
         out[k, 0], out[k, 1], out[k, 2] = path.x, path.y, path.z
         out[k, 3], out[k, 4], out[k, 5] = path.up.x, path.up.y, path.up.z
         out[k, 6], out[k, 7], out[k, 8] = path.across.x, path.across.y, path.across.z

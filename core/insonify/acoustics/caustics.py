@@ -1,4 +1,4 @@
-"""Caustics: where rays touch them, and the sound there, which rays alone make infinite."""
+"""Caustics: where rays touch them, and the pressure there, which rays alone make infinite."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def caustics(
 def airy_pressure(
     frequency: float, times: tuple[ArrayLike, ArrayLike], amplitudes: tuple[ArrayLike, ArrayLike]
 ) -> NDArray[np.float64]:
-    """Sound pressure near a caustic, where two rays come that have touched it and not: finite on it as well.
+    """Sound pressure near a caustic, where one ray comes that has touched it and one that has not; finite on it.
 
     Parameters
     ----------
@@ -82,7 +82,8 @@ def airy_pressure(
 
     Notes
     -----
-    The uniform form with the Airy function, |p| = √π |(A1 + A2) ρ^¼ Ai(−ρ) + i (A1 − A2) ρ^−¼ Ai′(−ρ)| with
+    The uniform approximation with the Airy function (Ludwig 1966; Brekhovskikh and Lysanov, Fundamentals of Ocean
+    Acoustics), |p| = √π |(A1 + A2) ρ^¼ Ai(−ρ) + i (A1 − A2) ρ^−¼ Ai′(−ρ)| with
     ρ = (¾ω(t2 − t1))^⅔. Far from the caustic it is the sum of two waves, a quarter of a turn apart besides their times.
     """
     from scipy.special import airy

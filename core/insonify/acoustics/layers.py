@@ -1,4 +1,4 @@
-"""Waters of every kind as one: speeds at depths and at distances along a line, straight between."""
+"""Sound speed of waters of every kind: a polyline over depth, or a lattice over depth and distance along a line."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from insonify.scene.waters.uniform import UniformWater
 Values = NDArray[np.float64]
 # m/s by which straight pieces may miss a curve: two thirds of it, the mean miss of a chord, is 6e-8 s in 100 m.
 OF_CURVES = 0.002
-OF_CASTS = 0.02  # likewise of measurements, which are no better
+OF_CASTS = 0.02  # the same of measured casts, which are no more exact
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ def _within(places: Values, wanted: Values) -> tuple[NDArray[np.int64], Values]:
 
 
 def make_sound_speed_field(water: WaterKind) -> SoundSpeedField:
-    """Lay out the speed of sound of a declared water.
+    """Sound speed of a declared water.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def _of_hydrography(water: HydrographyWater) -> tuple[Values, Values]:
 
 
 def _of_cast(water: CastWater) -> tuple[Values, Values]:
-    """Few points of a measured cast."""
+    """Measured cast, thinned to few points."""
     cast = read_cast(water.path)
     speed = _speed_of_cast(water, cast)
     if water.interpolation == "pchip" and cast.depth.size > 1:
@@ -153,7 +153,7 @@ def _of_cast(water: CastWater) -> tuple[Values, Values]:
 
 
 def _speed_of_cast(water: CastWater, cast: Cast) -> Values:
-    """Speed that a cast tells, or what an equation makes of its temperature and salinity."""
+    """Speed that a cast holds, or an equation's from its temperature and salinity."""
     if cast.sound_speed is not None and water.equation is None:
         speed = cast.sound_speed
     elif cast.temperature is None or cast.salinity is None:

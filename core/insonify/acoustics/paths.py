@@ -1,4 +1,4 @@
-"""Rays through a declared water, as a person asks for them: degrees below the horizontal, depths, ground ranges."""
+"""Rays through a declared water, in degrees below the horizontal, depths and ground ranges."""
 
 from __future__ import annotations
 
@@ -158,7 +158,7 @@ def shadow_zones(
 def prepare_paths(
     water: WaterKind, source_depth: float, angles: ArrayLike, max_range: float, bottom: float | None
 ) -> tuple[LaidWater, Values, RayLimits]:
-    """Check what rays are asked for: the water laid out, the angles, and where rays end; parameters of `ray_paths`."""
+    """Check parameters of `ray_paths`: the water as kernels take it, the angles, and where rays end."""
     launch = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     if launch.ndim != 1:
         raise SceneError(f"angles: an array of {launch.ndim} dimensions is no list of angles; flatten it")
@@ -174,7 +174,7 @@ def prepare_paths(
 
 
 def _as_paths(launch: Values, points: RayPoints, ends: NDArray[np.int64]) -> xr.Dataset:
-    """Name what was found of whole rays; the longest gives the number of points."""
+    """Dataset of whole rays; the longest gives the number of points."""
     import xarray as xr
 
     there = np.isfinite(points.x)
@@ -195,7 +195,7 @@ def _as_paths(launch: Values, points: RayPoints, ends: NDArray[np.int64]) -> xr.
 
 
 def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
-    """Name what was found of rays that join two points, a row each."""
+    """Dataset of rays that join two points."""
     import xarray as xr
 
     launch = -rows[:, ANGLE]
@@ -219,7 +219,7 @@ def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
 
 
 def _below_surface(water: WaterKind) -> LaidWater:
-    """Lay water out with heights above the sea surface."""
+    """Water as kernels take it, with heights above the sea surface."""
     layers = make_sound_speed_field(water)
     return LaidWater(
         bent=True,
@@ -234,7 +234,7 @@ def _below_surface(water: WaterKind) -> LaidWater:
 
 
 def _height_of(bottom: float | None) -> float:
-    """Height of a bed over the sea surface; endlessly deep if there is none."""
+    """Height of a bed above the sea surface, m; minus infinity if there is none."""
     return -math.inf if bottom is None else -float(bottom)
 
 
@@ -248,7 +248,7 @@ def _units(units: dict[str, str], name: str) -> dict[str, str]:
 
 
 def _ranges(ranges: ArrayLike | None, max_range: float) -> Values:
-    """Where points are wanted."""
+    """Ground ranges at which points are wanted, checked, m."""
     if ranges is None:
         return np.linspace(0.0, max_range, POINTS)
     wanted = np.atleast_1d(np.asarray(ranges, dtype=np.float64))

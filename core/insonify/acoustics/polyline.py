@@ -1,4 +1,4 @@
-"""Curves as few straight pieces: all that tracers know of a profile."""
+"""Curves approximated by few straight segments."""
 
 from __future__ import annotations
 

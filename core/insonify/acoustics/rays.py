@@ -1,4 +1,4 @@
-"""Rays through water laid out for the kernels: their paths, those that join two points, and where no sound gets."""
+"""Rays through water as kernels take it: their paths, eigenrays between two points, and shadow zones."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def follow_paths(
     points : Points
         Of arrays of shape (n, m + 1).
     ends : (n,) int64
-        Codes of `kernels.paths`.
+        Codes of `kernels.refraction.ray_paths`.
     """
     shape = (angles.size, ranges.size + 1)
     x, z, cosine, sine, time, q = (np.full(shape, math.nan) for _ in range(6))
@@ -90,8 +90,8 @@ def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, 
     Returns
     -------
     (n, COLUMNS) float64
-        As by `kernels.branches`, by launch angle, radians above the horizontal. Rays that have come to that height
-        ORDERS times before are left out.
+        As by `eigenray_search.find_eigenrays`, by launch angle, radians above the horizontal. Rays that have come to
+        that height ORDERS times before are left out.
     """
     span = EndPoints(float(z_from), float(z_to), float(x), float(low), float(high), int(most))
     if water.station.size > 1:
@@ -147,7 +147,7 @@ def _opposite_signs(a: Values, b: Values) -> NDArray[np.bool_]:
 
 
 def _arrive(water: Water, span: EndPoints, angles: Values) -> Values:
-    """Send rays to the range of a point; column X holds their height there, NaN for those that do not come."""
+    """Rays at the range of a point; column X holds their height there, NaN for those that do not come."""
     # A point at an end of the water lies between rays that are sent back before it and behind it.
     most = span.reflections + (span.z_to in (span.low, span.high))
     limits = RayLimits(span.x, span.low, span.high, most > 0, most > 0)

@@ -1,4 +1,4 @@
-"""What would be missed if sound were taken to go straight, told without tracing anything."""
+"""Error of straight rays where water bends sound, estimated in closed form."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ DEPTHS = 64  # at which the way to the bed is looked at
 
 
 class RefractionEffect(NamedTuple):
-    """What bending does to the farthest echo of the bed.
+    """Effect of refraction on the farthest echo of the bed.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class RefractionEffect(NamedTuple):
 
 
 def estimate_refraction(scene: Scene) -> RefractionEffect:
-    """Estimate what the bending of sound makes of a scene's farthest echo, in closed form.
+    """Estimate the effect of refraction on a scene's farthest echo, in closed form.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Tables by which the sweep hears through layered water, kept from call to call."""
+"""Tables of apparent positions in a scene's layered water, kept from call to call."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOST_PLACES = 1 << 19  # of one table, 8 MB; mountains heard from afar are left 
 
 
 class _Extent(NamedTuple):
-    """What of the water a table holds, and by which numbers of rows and columns."""
+    """Extent of a table: its rows, its columns, and the water's surface and reference speed."""
 
     first_row: int
     rows: int
@@ -31,7 +31,7 @@ class _Extent(NamedTuple):
 
 
 def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTables, NDArray[np.bool_]]:
-    """Tabulate the water of a problem for the heights of some pings.
+    """Tabulate apparent positions for the heights of some pings.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTab
 
 
 def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Nodes of the water, going on below the lowest bed as it is there.
+    """Nodes of the water, extended below the lowest bed with the gradient that holds there.
 
     No sound goes there; but a ray that would come up again from there seems to come from below the bed, which hides it.
     """
@@ -94,7 +94,7 @@ def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray
 
 
 def _extent_of(arrays: SceneArrays, stretch: float) -> _Extent:
-    """Rows from the lowest of the bed to the highest of all there is, and columns as far as anything is heard."""
+    """Extent from the lowest of the bed to the highest of all there is, and as far as anything is heard."""
     top = max(arrays.bed.high, _top(arrays.solids), float(arrays.mesh.corners[:, :, 2].max(initial=-math.inf)))
     first = math.floor((arrays.bed.low - SECANT) / ROW_STEP)
     last = math.ceil(min(top + SECANT, arrays.water.surface) / ROW_STEP)
@@ -112,7 +112,7 @@ def _top(solids: Solids) -> float:
 
 @lru_cache(maxsize=256)
 def _table(height: bytes, speed: bytes, extent: _Extent, k: int) -> tuple[NDArray[np.float32], bool]:
-    """Tabulate the water for the sonar at step k of height; whether every place is reached by one ray alone."""
+    """Table of the sonar at step k of height, and whether every place of it is reached by one ray alone."""
     nodes = np.frombuffer(height), np.frombuffer(speed)
     table = np.zeros((extent.rows, extent.columns, 4), np.float32)
     z, low = k * SONAR_STEP, extent.first_row * ROW_STEP

@@ -1,4 +1,4 @@
-"""Where the sonar is at every ping, and how it lies in the water."""
+"""Navigation: position and attitude of the sonar at every ping."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Pos
 
 
 def take_poses(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
-    """Return some of the poses."""
+    """Return some of the poses, by a slice or by their places."""
     return Poses(*(np.ascontiguousarray(column[places]) for column in poses))
 
 

@@ -1,4 +1,4 @@
-"""A problem less what is not modelled."""
+"""A scene less what the plan leaves out."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from insonify.scene.surfaces import WAYS
 def reduce_scene(
     arrays: SceneArrays, *, bed: Bed, ways: Collection[str], bounces: int, targets: Collection[int]
 ) -> SceneArrays:
-    """Leave out what is not modelled.
+    """Leave out of a scene what the plan leaves out.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def reduce_scene(
 
 
 def _without_others(arrays: SceneArrays, solids: NDArray[np.bool_], triangles: NDArray[np.bool_]) -> SceneArrays:
-    """Keep some bodies and triangles."""
+    """Scene with some of its solids and triangles alone."""
     if solids.all() and triangles.all():
         return arrays
     mesh = arrays.mesh

@@ -1,4 +1,4 @@
-"""The border between declarations and kernels: a scene becomes arrays and numbers, here and nowhere else."""
+"""A scene as the arrays and numbers that kernels take."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STRIP = 8  # rows turned at once
 
 
 def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
-    """Pack a scene and its ground for the tracers; of endless ground a window takes the bed's place for every ping.
+    """Pack a scene and its ground for the tracers; tiles of endless ground take the place of its bed.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def make_bed(ground: Ground) -> Bed:
 
 
 def _transposed(heights: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Copy with the axes exchanged, strip by strip: six times as fast as row by row, which misses the cache."""
+    """Transposed copy, strip by strip: six times as fast as row by row, which misses the cache."""
     ny, nx = heights.shape
     turned = np.empty((nx, ny), dtype=heights.dtype)
     for first in range(0, ny, STRIP):

@@ -1,4 +1,4 @@
-"""The skin of a scene's bodies, cut into patches."""
+"""Patches of the surfaces of a scene's solids and meshes, over which scatterers are strewn."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ WIDEST = 1.0  # m, of a belt or a triangle's edge
 
 
 class _Belt(NamedTuple):
-    """A patch of an analytic body."""
+    """A patch of a solid's surface: a belt about its axis, or a cap."""
 
     kind: int
     body: int
@@ -28,7 +28,7 @@ class _Belt(NamedTuple):
 
 
 def make_surface_patches(solids: Solids, mesh: Mesh) -> SurfacePatches:
-    """Cut the skin of all bodies into patches.
+    """Cut the surfaces of all bodies into patches.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def make_surface_patches(solids: Solids, mesh: Mesh) -> SurfacePatches:
 
 
 def _belts(solids: Solids, body: int) -> Iterator[_Belt]:
-    """Cut one analytic body."""
+    """Patches of one solid."""
     start, axis, radius = solids.start[body], solids.axis[body], float(solids.radius[body])
     if solids.shape[body] == SPHERE:
         for low, high in _steps(-radius, radius):
@@ -89,7 +89,7 @@ def _steps(low: float, high: float) -> Iterator[tuple[float, float]]:
 
 
 def _small_triangles(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Halve triangles at their longest edges until those are short; with the row that each was part of."""
+    """Triangles halved at their longest edges until those are short, and the row that each was part of."""
     whole = np.arange(len(corners), dtype=np.int64)
     done, rows = [corners[:0]], [whole[:0]]
     while len(corners):
@@ -107,7 +107,7 @@ def _small_triangles(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64],
 
 
 def _numbers_within(target: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Count the patches of each target from 0."""
+    """Number the patches of each target from 0."""
     order = np.argsort(target, kind="stable")
     first = np.searchsorted(target[order], target[order])
     numbers = np.empty(target.size, np.int64)

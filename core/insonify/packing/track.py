@@ -1,4 +1,4 @@
-"""The line of a tow: straight, bent by turns, or recorded; in closed form, so that no ping needs those before it."""
+"""The line of a tow: straight, with turns, or recorded; in closed form, so that no ping needs those before it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ANGLES = ("heading", "pitch", "roll")
 
 
 class TowLine(NamedTuple):
-    """Where a tow leads.
+    """Positions and headings along the line of a tow.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class TowLine(NamedTuple):
 
 
 def tow_line_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> TowLine:
-    """Follow the line of a tow, without what the fish does about it.
+    """Positions along the line of a tow, without the motion of the fish about it.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class _Pieces(NamedTuple):
 
 
 def _follow_turns(track: Track, along: Column) -> TowLine:
-    """Go so many metres along the line with its turns."""
+    """Positions at given distances along a line with turns, in metres."""
     pieces = _pieces(track)
     at = np.maximum(np.searchsorted(pieces.begin, along, side="right") - 1, 0)
     x, y, heading, curvature = pieces.x[at], pieces.y[at], pieces.heading[at], pieces.curvature[at]
@@ -84,7 +84,7 @@ def _follow_turns(track: Track, along: Column) -> TowLine:
 
 @lru_cache(maxsize=16)
 def _pieces(track: Track) -> _Pieces:
-    """Cut a line where a turn begins or ends; turns that overlap add up."""
+    """Arcs of a line, cut where a turn begins or ends; turns that overlap add up."""
     turnings = [motion.turning for motion in track.motions if motion.turning is not None]
     changes = [(begin, rate) for begin, _, rate in turnings if rate]
     changes += [(begin + duration, -rate) for begin, duration, rate in turnings if rate]

@@ -1,4 +1,7 @@
-"""Where the planes of a beam lie, what azimuths each stands for, and how far out it is heard."""
+"""The azimuth fan: where the planes of a beam lie, what azimuths each stands for, and how far out it is heard.
+
+A beam is a cone, a plane is not: derived in docs/theory/beam.md.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,7 @@ GROUND_RANGES = 256  # at which the beam's azimuths are looked at
 
 
 def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDArray[np.int64], AzimuthFan]]:
-    """Lay the planes of a problem's beam.
+    """Lay the planes of a scene's beam.
 
     Parameters
     ----------
@@ -91,7 +94,7 @@ def lay_planes_of_images(
     Returns
     -------
     list of ((m,) int64, Planes, Planes)
-        Likewise. Without a surface both are those of the sonar.
+        Pings that share both fans, by their places among the poses. Without a surface both are those of the sonar.
     """
     laid = lay_planes(arrays, poses, planes)
     if not arrays.multipath.enabled:
@@ -230,7 +233,7 @@ class _Outline(NamedTuple):
 
 @lru_cache(maxsize=1024)
 def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ...]) -> AzimuthFan:
-    """Lay the planes of an outline; they stay the same while other things of a scene are edited."""
+    """Planes of an outline, kept from call to call: they stay the same while other things of a scene are edited."""
     cone = _Cone(outline, height, np.array(pitches))
     start = math.asin(min(max(outline.centre, -1.0), 1.0))
     edges = [*reversed(_edges(cone, start, -1.0, planes)), start, *_edges(cone, start, 1.0, planes)]
@@ -251,7 +254,7 @@ def _lay(outline: _Outline, planes: int, height: float, pitches: tuple[float, ..
 
 
 def _edges(cone: _Cone, start: float, way: float, planes: int) -> list[float]:
-    """Edges of the wedges from an azimuth to the bow or the stern."""
+    """Edges of the azimuth sectors from an azimuth to the bow or the stern, rad."""
     edges: list[float] = []
     azimuth = start
     while way * azimuth < math.pi / 2.0:
@@ -282,7 +285,7 @@ class _Cone:
         self.main_half, self.half = outline.main * per_sine, extent * per_sine
 
     def step(self, azimuth: float, planes: int) -> float:
-        """Width of the wedge that begins at an azimuth."""
+        """Width of the azimuth sector that begins at an azimuth, rad."""
         off = np.abs(math.sin(azimuth) - self.centre)
         cosine = max(math.cos(azimuth), 0.05)
         taken = np.flatnonzero((off <= self.main_half * 1.001).any(axis=0))
@@ -307,7 +310,7 @@ class _Cone:
         return float(2.0 * self.main_half[:, at].min() / planes * coarser)
 
     def heard_to(self, low: float, high: float) -> float:
-        """Ground range to which anything of a wedge is heard; 0 if nothing is."""
+        """Ground range to which anything of an azimuth sector is heard, m; 0 if nothing is."""
         sine_low, sine_high = math.sin(low), math.sin(high)
         heard = ((sine_high >= self.centre - self.half) & (sine_low <= self.centre + self.half)).any(axis=0)
         places = np.flatnonzero(heard)

@@ -1,4 +1,4 @@
-"""What a record shows, bin by bin, by the geometry of the sweep."""
+"""Labels of a record: what every bin shows, by the geometry of the sweep."""
 
 from __future__ import annotations
 
@@ -116,13 +116,13 @@ def trace_labels(
 
 
 def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None:
-    """Put what some pings show in its place."""
+    """Enter the labels of some pings among those of all."""
     for whole, part in zip(found, some):
         whole[places] = part
 
 
 def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> BinLabels:
-    """Find what the bins of pings show, by rays along arcs."""
+    """Labels of pings traced by rays along arcs."""
     found = empty_labels(poses.x.size, arrays.bins)
 
     def block(part: Poses, first: int, last: int) -> int:
@@ -136,7 +136,7 @@ def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | N
 def _find(
     arrays: SceneArrays, poses: Poses, beams: list[AzimuthFan], apparent: ApparentTables, threads: int | None
 ) -> BinLabels:
-    """Find what the bins of pings show that share their planes."""
+    """Labels of pings that share their planes."""
     capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
     contributors = _contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
     found = empty_labels(poses.x.size, arrays.bins)
@@ -157,7 +157,7 @@ def _targets(arrays: SceneArrays) -> int:
 
 
 def _contributors(arrays: SceneArrays) -> int:
-    """Count who can be heard by one way: materials of the bed, then targets."""
+    """Count the contributors by one path: materials of the bed, then targets."""
     return arrays.reflectivity.shape[0] + _targets(arrays)
 
 
@@ -182,7 +182,7 @@ def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> RecordLabel
 
 
 def _with_crosstalk(own: RecordLabels, energy: NDArray[np.float32], crosstalk: float) -> RecordLabels:
-    """Put in the other side's contributor wherever what is heard of it exceeds one's own."""
+    """Labels with the other side's contributor wherever what is heard of it exceeds one's own."""
     across = crosstalk * energy[:, ::-1] > energy
     columns = {name: np.where(across, column[:, ::-1], column) for name, column in own._asdict().items()}
     columns["path"][across] = PATHS.index("crosstalk")

@@ -1,4 +1,4 @@
-"""Rays in steps of fixed length, as in the paper's day: what the other methods are measured against."""
+"""The march: rays in steps of fixed length, as in the paper's day, which the other methods are measured against."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rays in sheets: what charts take as right, for it comes nearer to the truth than as many rays one by one."""
+"""Sheets of rays: the reference of the charts, nearer to the truth than as many rays one by one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def trace(
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it: no ghosts, no bounces.
+        The scene as kernels see it, without multipath and bounces.
     poses : Poses
         Where the sonar is, n pings.
     sheets : int
@@ -34,7 +34,7 @@ def trace(
     Raises
     ------
     SceneError
-        If there are fewer rays than sheets, the problem is of another kind, or the sonar runs into a target.
+        If there are fewer rays than sheets, the scene has multipath or bounces, or the sonar runs into a target.
     """
     sheets = int(sheets) if arrays.half_width > 0.0 else 1
     if not 1 <= sheets <= rays:
@@ -51,5 +51,5 @@ def trace(
 
 
 def can_trace(arrays: SceneArrays) -> bool:
-    """Tell whether a problem has first echoes alone."""
+    """Whether a scene has first echoes alone."""
     return not (arrays.multipath.enabled or arrays.bounces)

@@ -1,4 +1,4 @@
-"""Rays, one by one and exact: the reference that other methods are judged by."""
+"""Exact rays, one by one: the reference that other methods are judged by."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def cast(
 
 
 class PathHits(NamedTuple):
-    """Every hit of followed rays, ray by ray; the parts of a split one after the other, the mirrored first.
+    """Every hit of followed rays, ray by ray; the parts of a split one after the other, the reflected one first.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ def follow(
 
 
 def _bundle(origins: ArrayLike, directions: ArrayLike) -> RayBundle:
-    """Pack rays that broadcast together, directions of any length."""
+    """Bundle of rays whose origins and directions broadcast together; directions are of any length."""
     starts, ways = np.broadcast_arrays(
         np.atleast_2d(np.asarray(origins, dtype=np.float64)), np.atleast_2d(np.asarray(directions, dtype=np.float64))
     )
@@ -157,7 +157,7 @@ def _targets(arrays: SceneArrays) -> NDArray[np.int64]:
 
 
 def trace_rays(arrays: SceneArrays, poses: Poses, rays: int, step: float, threads: int | None) -> Record:
-    """Trace pings by the walk, or by a march if ``step`` is positive; pings are shared among threads."""
+    """Trace pings by an exact walk, or by a march if ``step`` is positive."""
     if rays < 1:
         raise SceneError(f"rays: {rays} is too few; give at least 1 ray per side")
     _refuse_bends(arrays, arrays.bounces)

@@ -1,4 +1,7 @@
-"""Single scatterers whose waves interfere: where the sweep says what is in sight, speckle comes about by itself."""
+"""Coherent speckle: single scatterers, in sight by the sweep, whose waves interfere.
+
+Derived in docs/theory/speckle.md.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,7 @@ RESOLVED = 8  # cells of the line, at least, per resolution cell of the pulse
 
 @dataclass(frozen=True, eq=False)
 class ScattererTracer:
-    """What the scatterers of a scene need beyond what every tracer knows.
+    """Tracer that sums the waves of single scatterers.
 
     Attributes
     ----------
@@ -134,7 +137,7 @@ def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
 
 
 def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, bins: int = 1) -> PulseTaps:
-    """Lay a pulse over a line of waves.
+    """Sample a pulse along the line on which waves are summed.
 
     Parameters
     ----------
@@ -203,13 +206,13 @@ def _refuse_large_meshes(corners: NDArray[np.float64]) -> None:
 
 
 def _extend_range(arrays: SceneArrays, bins: int) -> SceneArrays:
-    """Let the problem go on beyond its last bin as it is there."""
+    """Scene whose range goes on beyond its last bin, with the range factor that holds there."""
     factor = np.concatenate([arrays.range_factor, np.repeat(arrays.range_factor[-1:], bins)])
     return arrays._replace(bins=arrays.bins + bins, range_factor=factor)
 
 
 def _narrowed(arrays: SceneArrays, skin: SurfacePatches, poses: Poses) -> SceneArrays:
-    """Leave out of a pattern where there are many scatterers but next to nothing is heard: nearer than all and far off.
+    """Scene whose beam pattern leaves out directions of many scatterers where next to nothing is heard.
 
     Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than others.
     """
@@ -233,7 +236,7 @@ def _narrowed(arrays: SceneArrays, skin: SurfacePatches, poses: Poses) -> SceneA
 def _without_faint_sidelobes(
     extent: float, energy: NDArray[np.float64], integral: NDArray[np.float64]
 ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
-    """Draw one row of a pattern over the directions that hold nearly all of its energy."""
+    """One row of a pattern, drawn over the directions that hold nearly all of its energy."""
     place = np.linspace(-1.0, 1.0, energy.size)
     within = np.interp(place, place, integral) - np.interp(-place, place, integral)
     # At least three columns, and the first that holds enough on both hands.
@@ -243,6 +246,6 @@ def _without_faint_sidelobes(
 
 
 def _sort_planes(planes: AzimuthFan) -> AzimuthFan:
-    """Bring planes into the order of their azimuths."""
+    """Planes in the order of their azimuths."""
     order = np.argsort(planes.azimuth)
     return AzimuthFan(*(np.ascontiguousarray(column[order]) for column in planes))

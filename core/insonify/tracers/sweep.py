@@ -1,6 +1,7 @@
-"""The sweep: a few planes cut the scene, one running horizon a plane tells what is heard.
+"""The sweep: a few vertical planes cut the scene, and one running horizon in each tells what is heard.
 
-Through layered water it goes by tables; pings for which none hold are traced by rays.
+Through layered water it goes by tables of apparent positions; pings for which none hold are traced by rays. Derived in
+docs/theory/sweep.md.
 """
 
 from __future__ import annotations

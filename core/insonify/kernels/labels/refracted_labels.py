@@ -15,7 +15,7 @@ from insonify.kernels.labels.sweep_labels import label_bins
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, weigh_by_pattern
 from insonify.kernels.rays.launch import find_enclosing_solid, orient_beam, rotate_to_world
 from insonify.kernels.refracted_rays.echoes import aim_side, make_waveguide, refracted_echo
-from insonify.kernels.refracted_rays.hits import CAUSTIC, empty_arrivals, find_refracted_hits
+from insonify.kernels.refracted_rays.hits import CAUSTIC, LandedRays, empty_arrivals, find_refracted_hits
 from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
 from insonify.kernels.refracted_rays.probe_rays import CLOSE
 
@@ -48,7 +48,7 @@ def label_refracted_pings(arrays, poses, rays, contributions, labels):
                     labels.caustic[ping, side, b] = True
             if landings.fold < np.inf:
                 pairs, bins, values = find_mixed_echoes(
-                    arrays, beam, waveguide, z, landings, launch, bundle, hits, arrivals
+                    arrays, beam, waveguide, z, landings, launch, LandedRays(bundle, hits, arrivals)
                 )
                 for m in range(pairs.size):
                     k = pairs[m]

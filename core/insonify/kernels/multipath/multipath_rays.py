@@ -28,7 +28,8 @@ from insonify.kernels.rays.launch import (
     rotate_to_world,
     spread_over_pattern,
 )
-from insonify.kernels.rays.specular_paths import Intersection, advance_to, meet_scene, mixed_echo, start_path
+from insonify.kernels.rays.path_tracing import Intersection, advance_to, meet_scene, start_path
+from insonify.kernels.rays.specular_paths import mixed_echo
 
 
 @kernel

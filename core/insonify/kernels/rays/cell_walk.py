@@ -1,4 +1,4 @@
-"""Exact rays: walk the bilinear bed cell by cell, meet the bodies and meshes, keep the nearest.
+"""Exact first hits of straight rays: a walk over the cells of the bilinear bed, the solids and the meshes.
 
 Along a ray the height above one cell is a quadratic in distance. Its value at the border between two cells is carried
 from one to the next, so no ray slips through a shared edge. The bed is solid and seen from above: a ray that comes
@@ -27,7 +27,7 @@ FOREVER = 1e300
 
 
 class Ray(NamedTuple):
-    """Where a ray starts and its unit direction."""
+    """Where a ray starts, in metres, and its unit direction."""
 
     x: float
     y: float
@@ -38,7 +38,7 @@ class Ray(NamedTuple):
 
 
 class RayBundle(NamedTuple):
-    """Many rays: where each starts and its unit direction, (n,) each."""
+    """Many rays: where each starts, in metres, and its unit direction, (n,) each."""
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -60,7 +60,7 @@ class Hits(NamedTuple):
 
 
 class BilinearCell(NamedTuple):
-    """Height over one cell, a + b u + c v + d u v with u, v in [0, 1]."""
+    """Height over one cell of the bed, a + b u + c v + d u v with u, v in [0, 1], in metres."""
 
     a: float
     b: float
@@ -70,7 +70,20 @@ class BilinearCell(NamedTuple):
 
 @kernel
 def find_first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
-    """Find what each ray meets first within ``reach``: bed, mesh, or one of the first ``count`` bodies in ``near``."""
+    """First hit of each ray on the bed, a mesh or a solid.
+
+    Parameters
+    ----------
+    bed, solids, mesh : Bed, Solids, Mesh
+    near : ndarray of int64
+        Rows of the solids that the rays may meet, ``count`` of them.
+    count : int
+    bundle : RayBundle of ndarrays, shape (n,)
+    reach : float
+        Distance after which a ray ends, m.
+    hits : Hits of ndarrays, shape (n,)
+        Filled.
+    """
     _meet_solids(solids, near, count, bundle, reach, hits)
     if mesh.skip.size > 0:
         intersect_mesh_bundle(solids, mesh, bundle, reach, hits)
@@ -85,7 +98,7 @@ def find_first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
 
 @kernel
 def _meet_solids(solids, near, count, bundle, reach, hits):
-    """Find the nearest body that each ray meets within ``reach``; this begins the hits."""
+    """Begin the hits with the nearest solid that each ray meets within ``reach``."""
     for k in range(bundle.x.size):
         hits.distance[k], hits.body[k], hits.material[k] = math.inf, NOTHING, 0
         hits.nx[k], hits.ny[k], hits.nz[k] = 0.0, 0.0, 0.0
@@ -102,9 +115,23 @@ def _meet_solids(solids, near, count, bundle, reach, hits):
 
 @inlined_before_typing
 def meet_bed(bed, ray, reach):
-    """Meet the bed from above: (distance, material, nx, ny, nz).
+    """First point at which a ray meets the bed from above.
 
-    The distance is infinite if the ray misses, NaN if it ends inside the bed: begins there, or comes in from the side.
+    Parameters
+    ----------
+    bed : Bed
+    ray : Ray
+    reach : float
+        Distance after which the ray ends, m.
+
+    Returns
+    -------
+    distance : float
+        m; infinite if the ray misses, NaN if it ends inside the bed: begins there, or comes in from the side.
+    material : int
+        Row of the reflectivity table.
+    nx, ny, nz : float
+        Upward unit normal.
     """
     ny, nx = bed.heights.shape
     u0, v0 = (ray.x - bed.x0) / bed.spacing, (ray.y - bed.y0) / bed.spacing
@@ -155,7 +182,7 @@ def meet_bed(bed, ray, reach):
 
 @kernel
 def _next_cell(cell, node, forwards, nodes):
-    """Next cell along one axis and its low node, which wraps."""
+    """Next cell along one axis, and its low node, which wraps."""
     if forwards:
         return cell + 1, (node + 1 if node + 1 < nodes else 0)
     return cell - 1, (node - 1 if node > 0 else nodes - 1)
@@ -163,7 +190,19 @@ def _next_cell(cell, node, forwards, nodes):
 
 @inlined_before_typing
 def load_cell(heights, row, column):
-    """Bilinear coefficients of the cell whose low corner is node (row, column); nodes wrap."""
+    """Bilinear coefficients of a cell of the bed.
+
+    Parameters
+    ----------
+    heights : ndarray of float32, shape (ny, nx)
+        Of the nodes, m.
+    row, column : int
+        Node at its low corner; the next nodes wrap.
+
+    Returns
+    -------
+    BilinearCell
+    """
     ny, nx = heights.shape
     across = column + 1 if column + 1 < nx else 0
     along = row + 1 if row + 1 < ny else 0
@@ -195,7 +234,20 @@ def _first_root(above, after, bend):
 
 @inlined_before_typing
 def cell_normal(cell, u, v, spacing):
-    """Upward unit normal of a bilinear cell."""
+    """Upward unit normal of a bilinear cell.
+
+    Parameters
+    ----------
+    cell : BilinearCell
+    u, v : float
+        Place within it, in [0, 1].
+    spacing : float
+        Of the nodes, m.
+
+    Returns
+    -------
+    nx, ny, nz : float
+    """
     p, q = (cell.b + cell.d * v) / spacing, (cell.c + cell.d * u) / spacing
     norm = 1.0 / math.sqrt(1.0 + p * p + q * q)
     return -p * norm, -q * norm, norm
@@ -203,7 +255,7 @@ def cell_normal(cell, u, v, spacing):
 
 @inlined_before_typing
 def _clearance(cell, u, v, z):
-    """Height above the cell's surface."""
+    """Height of a point above the surface of a cell, m."""
     return z - (cell.a + cell.b * u + (cell.c + cell.d * u) * v)
 
 

@@ -1,4 +1,4 @@
-"""Rays one by one: send, find the first hit by a walk or a march, put what it returns into its time bin."""
+"""First echoes of straight rays: each ray's first hit is weighed and summed into its range bin."""
 
 from __future__ import annotations
 
@@ -27,9 +27,23 @@ from insonify.kernels.rays.specular_paths import add_specular_echoes
 
 @kernel
 def trace_straight_pings(arrays, poses, rays, step, out):
-    """Trace all pings into ``out`` (pings, 2, bins) with ``rays`` a side: a cell walk, or a march if ``step`` > 0.
+    """Intensity per range bin of pings traced ray by ray along straight lines.
 
-    Return -1 - k if the sonar is inside body k, else 0.
+    Parameters
+    ----------
+    arrays : SceneArrays
+    poses : Poses of ndarrays, shape (n,)
+    rays : int
+        Rays per side.
+    step : float
+        Length of a step of the march, m; a cell walk if it is 0.
+    out : ndarray of float32, shape (n, 2, bins)
+        Filled.
+
+    Returns
+    -------
+    int
+        -1 - k if the sonar is inside solid k, else 0.
     """
     port, starboard = empty_launch(rays), empty_launch(rays)
     bundle, hits = empty_bundle(rays), empty_hits(rays)
@@ -72,32 +86,85 @@ def trace_straight_pings(arrays, poses, rays, step, out):
 
 @kernel
 def cast_straight_rays(arrays, bundle, reach, hits):
-    """Find the first hit of every ray."""
+    """First hit of each of some rays on anything in a scene.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    bundle : RayBundle of ndarrays, shape (n,)
+    reach : float
+        Distance after which a ray ends, m.
+    hits : Hits of ndarrays, shape (n,)
+        Filled.
+    """
     bodies = np.arange(arrays.solids.shape.size)
     find_first_hits(arrays.bed, arrays.solids, bodies, bodies.size, arrays.mesh, bundle, reach, hits)
 
 
 @kernel
 def empty_launch(n):
-    """Room for n rays in the sonar's axes."""
+    """Room for the directions of n rays.
+
+    Parameters
+    ----------
+    n : int
+
+    Returns
+    -------
+    RayLaunch
+    """
     return RayLaunch(np.empty(n), np.empty(n), np.empty(n), np.empty(n))
 
 
 @kernel
 def empty_bundle(n):
-    """Room for n rays."""
+    """Room for n rays.
+
+    Parameters
+    ----------
+    n : int
+
+    Returns
+    -------
+    RayBundle
+    """
     return RayBundle(np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n))
 
 
 @kernel
 def empty_hits(n):
-    """Room for n hits."""
+    """Room for n hits.
+
+    Parameters
+    ----------
+    n : int
+
+    Returns
+    -------
+    Hits
+    """
     return Hits(np.empty(n), np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), np.empty(n), np.empty(n))
 
 
 @kernel
 def weigh_by_pattern(arrays, beam, bundle, hits, weight, weighed):
-    """Weigh rays by how the beam's pattern hears their hits."""
+    """Weight of rays times the two-way response of the beam towards their hits.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    beam : SideBeam
+    bundle, hits : RayBundle, Hits of ndarrays, shape (n,)
+    weight : ndarray, shape (n,)
+        What each ray stands for.
+    weighed : ndarray, shape (n,)
+        Filled; 0 where nothing is met.
+
+    Returns
+    -------
+    ndarray
+        ``weighed``.
+    """
     for k in range(weight.size):
         weighed[k] = 0.0
         if hits.body[k] != NOTHING:
@@ -111,7 +178,23 @@ def weigh_by_pattern(arrays, beam, bundle, hits, weight, weighed):
 
 @kernel
 def deposit_hits(bundle, hits, weight, reflectivity, law, fan, bin_length, sums):
-    """Sum what the hits return into time bins."""
+    """Sum of what hits return, bin by bin.
+
+    Parameters
+    ----------
+    bundle, hits : RayBundle, Hits of ndarrays, shape (n,)
+    weight : ndarray, shape (n,)
+        What each ray stands for: rad or sr.
+    reflectivity : ndarray, shape (materials, 3)
+    law : int
+        LIGHT or SONAR.
+    fan : bool
+        Whether the beam has a width; else a knife edge 1 m wide along the track.
+    bin_length : float
+        m.
+    sums : ndarray, shape (bins,)
+        Filled, but for the factor that depends on range alone.
+    """
     sums[:] = 0.0
     for k in range(weight.size):
         if hits.body[k] == NOTHING:
@@ -124,7 +207,23 @@ def deposit_hits(bundle, hits, weight, reflectivity, law, fan, bin_length, sums)
 
 @inlined
 def ray_echo(bundle, hits, k, reflectivity, law, fan, bin_length):
-    """Tell what the hit of ray k returns for its weight, and how its slant range grows per radian of elevation."""
+    """Echo of the hit of one ray per unit of its weight.
+
+    Parameters
+    ----------
+    bundle, hits : RayBundle, Hits of ndarrays, shape (n,)
+    k : int
+        Number of the ray.
+    reflectivity, law, fan, bin_length
+        As in `deposit_hits`.
+
+    Returns
+    -------
+    value : float
+        But for the factor that depends on range alone; 0 if nothing is met or the surface faces away.
+    growth : float
+        dr/dθ of the slant range on the surface with the elevation, m/rad.
+    """
     distance = hits.distance[k]
     dx, dy, dz, nx, ny, nz = bundle.dx[k], bundle.dy[k], bundle.dz[k], hits.nx[k], hits.ny[k], hits.nz[k]
     cos_incidence = -(nx * dx + ny * dy + nz * dz)
@@ -133,7 +232,7 @@ def ray_echo(bundle, hits, k, reflectivity, law, fan, bin_length):
         return 0.0, 0.0
     m = hits.material[k]
     value = backscatter_strength(cos_incidence, reflectivity[m, 0], reflectivity[m, 1], reflectivity[m, 2], law)
-    value *= distance / cos_incidence
+    value *= distance / cos_incidence  # dA / dΩ = r² / cos α; derived in docs/theory/scattering.md
     growth = elevation_tilt(dx, dy, dz, nx, ny, nz)
     if law == LIGHT:
         value *= growth / bin_length
@@ -144,7 +243,20 @@ def ray_echo(bundle, hits, k, reflectivity, law, fan, bin_length):
 
 @kernel
 def elevation_tilt(dx, dy, dz, nx, ny, nz):
-    """|n·e| with e the way a growing elevation moves a ray: on the surface dr/dθ = r |n·e| / cos α."""
+    """|n·e| of a surface's normal with the way in which a growing elevation moves a ray.
+
+    Parameters
+    ----------
+    dx, dy, dz : float
+        Unit direction of the ray.
+    nx, ny, nz : float
+        Unit normal.
+
+    Returns
+    -------
+    float
+        On the surface dr/dθ = r |n·e| / cos α, α being the incidence.
+    """
     level = math.sqrt(dx * dx + dy * dy)
     if level == 0.0:
         return 0.0

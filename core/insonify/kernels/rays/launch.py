@@ -1,9 +1,9 @@
-"""Where rays are sent and what each stands for.
+"""Directions in which straight rays are sent, and what angle each stands for.
 
 On a level bed the rays of the main stratum hit at equal steps of slant range; a second stratum takes the elevations
 above it, up to the highest thing there is to see. Across a beam azimuths follow the golden ratio: of a level top-hat
 over the exact width of the cone |sin φ_b| = cos θ |sin φ| <= sin(w/2) at each elevation, of any other half evenly over
-all that is heard, half as the pattern has it.
+all that is heard, half as the pattern has it. The beam as a cone is derived in docs/theory/beam.md.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 class SideBeam(NamedTuple):
-    """One side of one ping."""
+    """Place, axes and extent of the beam of one side of one ping."""
 
     x: float
     y: float
@@ -49,7 +49,7 @@ class SideBeam(NamedTuple):
 
 
 class RayLaunch(NamedTuple):
-    """Rays of one side, in the sonar's own axes."""
+    """Directions of the rays of one side in the sonar's own axes, and what each stands for."""
 
     ahead: NDArray[np.float64]  # (n,) unit directions
     abeam: NDArray[np.float64]  # (n,)
@@ -59,7 +59,21 @@ class RayLaunch(NamedTuple):
 
 @inlined
 def orient_beam(arrays, poses, ping, side):
-    """Point one side of one ping: its own axes after heading, pitch (bow up), then roll (port up)."""
+    """Axes of the beam of one side of one ping, after heading, pitch (bow up), then roll (port up).
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    poses : Poses of ndarrays, shape (n,)
+    ping : int
+        Its place among the poses.
+    side : int
+        PORT or STARBOARD.
+
+    Returns
+    -------
+    SideBeam
+    """
     ahead_x, ahead_y = snap_to_grid(math.cos(poses.heading[ping])), snap_to_grid(math.sin(poses.heading[ping]))
     to_side = 1.0 if side == PORT else -1.0
     x, y, z, reach = poses.x[ping], poses.y[ping], poses.z[ping], arrays.bins * arrays.bin_length
@@ -87,9 +101,24 @@ def orient_beam(arrays, poses, ping, side):
 
 @kernel
 def aim_rays(launch, height, top, reach, half_width, law, spreads):
-    """Aim all rays of a side; athwart where a pattern ``spreads`` them later.
+    """Aim all rays of a side: equal steps of slant range on a level bed, then the elevations above it.
 
-    ``height`` of the sonar above the mean bed, ``top`` the highest elevation there is to see (radians, up positive).
+    Parameters
+    ----------
+    launch : RayLaunch of ndarrays, shape (n,)
+        Filled.
+    height : float
+        Of the sonar above the mean bed, m.
+    top : float
+        Highest elevation of anything to be met, rad, up positive.
+    reach : float
+        Slant range at which rays end, m.
+    half_width : float
+        Of the beam, rad; 0 for a knife edge.
+    law : int
+        LIGHT or SONAR.
+    spreads : bool
+        Whether a pattern spreads the rays over azimuths later: they are aimed athwart.
     """
     n = launch.up.size
     level = height > 0.0 and height < reach
@@ -114,7 +143,7 @@ def aim_rays(launch, height, top, reach, half_width, law, spreads):
 
 @kernel
 def _upper_rays(n, height, reach, lowest, top):
-    """Rays for the elevations above the level bed: as dense as the main stratum's last, at most half of all."""
+    """Count the rays above the level bed: as dense as the last of the main stratum, at most half of all."""
     if top <= lowest:
         return 0
     # dr/dθ of a level bed at the end of the range turns the angle into metres of slant range.
@@ -124,7 +153,22 @@ def _upper_rays(n, height, reach, lowest, top):
 
 @kernel
 def set_ray(launch, k, elevation, angle, band, half_width, law, spreads):
-    """Set ray k: its elevation, the angle it stands for and the difference of sin(elevation) over that angle."""
+    """Set the direction and the weight of one ray.
+
+    Parameters
+    ----------
+    launch : RayLaunch of ndarrays, shape (n,)
+    k : int
+        Number of the ray, whose entries are filled.
+    elevation : float
+        rad, up positive.
+    angle : float
+        Elevation that it stands for, rad.
+    band : float
+        Difference of the sine of the elevation over that angle.
+    half_width, law, spreads
+        As in `aim_rays`.
+    """
     c, s = math.cos(elevation), math.sin(elevation)
     # Law `light` averages over the beam, law `sonar` integrates it.
     weight = angle if law == LIGHT or half_width <= 0.0 else band
@@ -140,14 +184,27 @@ def set_ray(launch, k, elevation, angle, band, half_width, law, spreads):
 
 @inlined
 def _place_in_beam(k):
-    """Place of ray k within the beam, in [0, 1)."""
+    """Place of ray k across the beam, in [0, 1): multiples of the golden ratio."""
     place = (k + 1) * GOLDEN
     return place - math.floor(place)
 
 
 @kernel
 def spread_over_pattern(launch, pattern, height, reach, pitch):
-    """Spread rays that lie athwart over the azimuths of a pattern."""
+    """Spread rays that lie athwart over the azimuths of a beam pattern.
+
+    Parameters
+    ----------
+    launch : RayLaunch of ndarrays, shape (n,)
+        Changed: directions, and weights times the azimuth that each ray stands for.
+    pattern : Pattern
+    height : float
+        Of the sonar above the mean bed, m.
+    reach : float
+        Slant range at which rays end, m.
+    pitch : float
+        rad.
+    """
     for k in range(launch.up.size):
         c, s = launch.abeam[k], launch.up[k]
         # Where it meets a level bed, if it does.
@@ -159,14 +216,34 @@ def spread_over_pattern(launch, pattern, height, reach, pitch):
 
 @kernel
 def cone_azimuth(cos_elevation, half_width):
-    """Greatest azimuth from athwart that a beam takes in at an elevation."""
+    """Greatest azimuth from athwart that a fan takes in at an elevation.
+
+    Parameters
+    ----------
+    cos_elevation : float
+    half_width : float
+        Of the beam, rad.
+
+    Returns
+    -------
+    float
+        rad; a right angle where the cone takes in all azimuths.
+    """
     s = math.sin(half_width)
     return 0.5 * math.pi if cos_elevation <= s else math.asin(s / cos_elevation)
 
 
 @kernel
 def rotate_to_world(launch, beam, bundle):
-    """Turn all rays of a side from the sonar's axes to the world's."""
+    """Turn the rays of a side from the sonar's axes to the world's.
+
+    Parameters
+    ----------
+    launch : RayLaunch of ndarrays, shape (n,)
+    beam : SideBeam
+    bundle : RayBundle of ndarrays, shape (n,)
+        Filled.
+    """
     for k in range(launch.up.size):
         bundle.x[k], bundle.y[k], bundle.z[k] = beam.x, beam.y, beam.z
         bundle.dx[k] = launch.ahead[k] * beam.ahead_x + launch.abeam[k] * beam.side_x
@@ -176,7 +253,22 @@ def rotate_to_world(launch, beam, bundle):
 
 @kernel
 def list_solids_in_beam(solids, mesh, beam, near):
-    """List the bodies that a beam can touch; return their number and the highest elevation of anything to be met."""
+    """Solids that a beam can touch, and the highest elevation of anything to be met.
+
+    Parameters
+    ----------
+    solids, mesh : Solids, Mesh
+    beam : SideBeam
+    near : ndarray of int64, shape (solids,)
+        Filled from its beginning with the rows of the solids.
+
+    Returns
+    -------
+    count : int
+        Of the solids.
+    top : float
+        rad, up positive, rounded up so that one aim serves many pings.
+    """
     count, top = 0, -0.5 * math.pi
     for k in range(solids.shape.size):
         middle = 0.5 * solids.length[k]
@@ -198,7 +290,22 @@ def list_solids_in_beam(solids, mesh, beam, near):
 
 @inlined
 def beam_touches_ball(beam, cx, cy, cz, distance, bound):
-    """Whether a beam can touch a ball, its centre counted from the sonar."""
+    """Whether a beam can touch a ball.
+
+    Parameters
+    ----------
+    beam : SideBeam
+    cx, cy, cz : float
+        Centre of the ball, counted from the sonar, m.
+    distance : float
+        Of the centre, m.
+    bound : float
+        Radius, m.
+
+    Returns
+    -------
+    bool
+    """
     along = cx * beam.axis_x + cy * beam.axis_y + cz * beam.axis_z
     if along - bound > beam.s_high * (distance + math.copysign(bound, beam.s_high)):
         return False
@@ -209,7 +316,7 @@ def beam_touches_ball(beam, cx, cy, cz, distance, bound):
 
 @kernel
 def _highest_of_mesh(mesh, beam, top):
-    """Greatest elevation of the mesh's boxes in a beam, or ``top`` if that is more."""
+    """Greatest elevation of the mesh's boxes in a beam, or ``top`` if that is more, rad."""
     node = 0
     while node < mesh.skip.size:
         wx = 0.5 * (mesh.high[node, 0] - mesh.low[node, 0])
@@ -233,7 +340,20 @@ def _highest_of_mesh(mesh, beam, top):
 
 @kernel
 def highest_elevation(summit, nearest, farthest):
-    """Greatest elevation of anything no higher than ``summit`` above the sonar and between two distances from it."""
+    """Greatest elevation of anything no higher than a summit and between two distances.
+
+    Parameters
+    ----------
+    summit : float
+        Height above the sonar, m.
+    nearest, farthest : float
+        Distances from the sonar, m.
+
+    Returns
+    -------
+    float
+        rad, up positive.
+    """
     if summit < 0.0:
         return math.asin(max(summit / farthest, -1.0))
     return math.asin(summit / nearest) if summit < nearest else 0.5 * math.pi
@@ -241,7 +361,19 @@ def highest_elevation(summit, nearest, farthest):
 
 @kernel
 def find_enclosing_solid(solids, x, y, z):
-    """Row of the body that a point is inside, -1 if none."""
+    """Row of the solid that a point is inside.
+
+    Parameters
+    ----------
+    solids : Solids
+    x, y, z : float
+        m.
+
+    Returns
+    -------
+    int
+        -1 if there is none.
+    """
     for k in range(solids.shape.size):
         if is_inside_solid(solids, k, x, y, z):
             return k

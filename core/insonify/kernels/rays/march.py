@@ -1,4 +1,4 @@
-"""A ray in steps of one length, as in the paper's day: the first step below a surface is its hit.
+"""Hits of straight rays by steps of one length, as in the paper's day: the first step below a surface is the hit.
 
 What is thinner than a step can be stepped over; that is the method. A mesh has no inside to step into: its triangles
 are met where they are.
@@ -21,7 +21,17 @@ TINY = 1e-300  # m; at the very tip of a cone nothing points away from the axis
 
 @kernel
 def march_hits(bed, solids, near, count, mesh, bundle, reach, step, hits):
-    """March along every ray until a sample is below the bed or inside a body, then interpolate once."""
+    """First hit of each ray by marching: the first sample below the bed or inside a solid, interpolated once.
+
+    Parameters
+    ----------
+    bed, solids, near, count, mesh, bundle, reach
+        As in `cell_walk.find_first_hits`.
+    step : float
+        m.
+    hits : Hits of ndarrays, shape (n,)
+        Filled.
+    """
     ceiling = _ceiling(bed, solids, near, count)
     for k in range(bundle.x.size):
         ray = Ray(bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k])
@@ -38,7 +48,7 @@ def march_hits(bed, solids, near, count, mesh, bundle, reach, step, hits):
 
 @inlined_before_typing
 def _march(bed, solids, near, count, ray, ceiling, reach, step):
-    """Distance to the hit and the body hit, of one ray."""
+    """Distance to the hit of one ray, and the body hit."""
     first, last = _sample_numbers(ray, ceiling, reach, step)
     before = _bed_clearance(bed, ray, (first - 1) * step)
     for k in range(first, last + 1):
@@ -50,7 +60,7 @@ def _march(bed, solids, near, count, ray, ceiling, reach, step):
 
 @inlined_before_typing
 def _sample(bed, solids, near, count, ray, before, t, step):
-    """Feel for what the sample at distance t is in: where it began since the last one, the body, and the clearance.
+    """Test the sample at distance t: where what it is in began since the last sample, the body, and the clearance.
 
     ``before`` is the clearance above the bed of the last sample, a step nearer.
     """
@@ -72,7 +82,25 @@ def _sample(bed, solids, near, count, ray, before, t, step):
 
 @inlined_before_typing
 def march_chord(bed, solids, near, count, ray, length):
-    """Meet what is at the end of one step of a ray: (distance, body, material, nx, ny, nz)."""
+    """Hit within one step of a ray, by the sample at its end.
+
+    Parameters
+    ----------
+    bed, solids, near, count
+        As in `cell_walk.find_first_hits`.
+    ray : Ray
+    length : float
+        Of the step, m.
+
+    Returns
+    -------
+    distance : float
+        m, infinite if the sample is in nothing.
+    body, material : int
+        As in `cell_walk.Hits`.
+    nx, ny, nz : float
+        Unit normal.
+    """
     distance, body, _ = _sample(bed, solids, near, count, ray, _bed_clearance(bed, ray, 0.0), length, length)
     material, nx, ny, nz = _surface_at(bed, solids, ray, distance, body)
     return distance, body, material, nx, ny, nz
@@ -91,7 +119,7 @@ def _surface_at(bed, solids, ray, distance, body):
 
 @kernel
 def _ceiling(bed, solids, near, count):
-    """Height above which there is nothing."""
+    """Height above which there is neither bed nor solid, m."""
     ceiling = bed.high
     for m in range(count):
         k = near[m]
@@ -103,7 +131,7 @@ def _ceiling(bed, solids, near, count):
 
 @kernel
 def _sample_numbers(ray, ceiling, reach, step):
-    """Numbers of the first and last samples to look at: from the ceiling down, until one is out of reach."""
+    """Numbers of the first and last samples of a ray: from the ceiling down, until one is out of reach."""
     last = math.ceil(reach / step)
     if ray.z <= ceiling:
         return 1, last
@@ -114,7 +142,7 @@ def _sample_numbers(ray, ceiling, reach, step):
 
 @inlined_before_typing
 def _bed_surface(bed, ray, distance):
-    """Material and normal of the bed below the point at a distance."""
+    """Material and normal of the bed below the point of a ray at a distance."""
     row, column, u, v = _cell_beneath(bed, ray, distance)
     if row < 0:
         return 0, 0.0, 0.0, 0.0
@@ -124,7 +152,7 @@ def _bed_surface(bed, ray, distance):
 
 @inlined_before_typing
 def _cell_beneath(bed, ray, t):
-    """Cell below the point at distance t and its place within the cell; row −1 outside the bed."""
+    """Cell of the bed below the point of a ray at distance t, and its place within the cell; row −1 outside the bed."""
     ny, nx = bed.heights.shape
     u, v = (ray.x + t * ray.dx - bed.x0) / bed.spacing, (ray.y + t * ray.dy - bed.y0) / bed.spacing
     i, j = math.floor(u), math.floor(v)
@@ -138,7 +166,7 @@ def _cell_beneath(bed, ray, t):
 
 @inlined_before_typing
 def _bed_clearance(bed, ray, t):
-    """Height above the bed at distance t, infinite where there is none."""
+    """Height above the bed of the point of a ray at distance t, infinite where there is no bed."""
     row, column, u, v = _cell_beneath(bed, ray, t)
     if row < 0:
         return math.inf
@@ -149,7 +177,7 @@ def _bed_clearance(bed, ray, t):
 
 @kernel
 def _axial(solids, k, ray, t):
-    """Point at distance t from a body's start: along its axis and across it."""
+    """Point of a ray at distance t, from a solid's start: across its axis and along it."""
     px, py = ray.x + t * ray.dx - solids.start[k, 0], ray.y + t * ray.dy - solids.start[k, 1]
     pz = ray.z + t * ray.dz - solids.start[k, 2]
     along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
@@ -158,7 +186,7 @@ def _axial(solids, k, ray, t):
 
 @kernel
 def _solid_clearance(solids, k, ray, t):
-    """Distance from a body's surface, negative inside; beyond a rim, from the nearer face carried on."""
+    """Distance of a point from the surface of a solid, negative inside; beyond a rim, from the nearer face extended."""
     px, py, pz, along = _axial(solids, k, ray, t)
     outside = _side_clearance(solids, k, math.sqrt(px * px + py * py + pz * pz), along)
     if solids.shape[k] == SPHERE:
@@ -168,14 +196,14 @@ def _solid_clearance(solids, k, ray, t):
 
 @kernel
 def _side_clearance(solids, k, radial, along):
-    """Distance from the side, from how far off the axis and along it a point is."""
+    """Distance of a point from the side of a solid, by how far off its axis and along it the point is."""
     taper = solids.taper[k]
     return (radial - solids.radius[k] - taper * along) / math.sqrt(1.0 + taper * taper)
 
 
 @kernel
 def _body_normal(solids, k, ray, t):
-    """Outward normal of the surface nearest to the point at distance t."""
+    """Outward normal of the surface of a solid nearest to the point of a ray at distance t."""
     px, py, pz, along = _axial(solids, k, ray, t)
     radial = math.sqrt(px * px + py * py + pz * pz)
     ax, ay, az, taper = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2], solids.taper[k]

@@ -1,7 +1,7 @@
-"""How a thin tube of rays widens, by the derivatives of one ray (Igehy 1999, "Tracing ray differentials").
+"""Width of a thin tube of rays, from the derivatives of one ray (Igehy 1999, "Tracing ray differentials").
 
-A tube keeps how its ray's place and direction move with the elevation and, at right angles to it, across: per radian
-both, so that the cross product of the two shifts of a place is the area that a unit of solid angle covers there.
+A ray has two differentials: how its place and direction move per radian of its elevation at the sonar, and per radian
+at right angles to that. The cross product of the two shifts of a place is the area that a unit of solid angle covers.
 """
 
 from __future__ import annotations
@@ -26,33 +26,82 @@ class RayDifferential(NamedTuple):
 
 @inlined
 def start_elevation_differential(dx, dy, dz):
-    """Begin the edge that grows with the elevation."""
+    """Differential of a ray at the sonar with its elevation, per radian.
+
+    Parameters
+    ----------
+    dx, dy, dz : float
+        Unit direction of the ray.
+
+    Returns
+    -------
+    RayDifferential
+    """
     level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
     return RayDifferential(0.0, 0.0, 0.0, -dz * dx / level, -dz * dy / level, level)
 
 
 @inlined
 def start_azimuth_differential(dx, dy):
-    """Begin the edge that grows across."""
+    """Differential of a ray at the sonar with an angle at right angles to the elevation, per radian.
+
+    Parameters
+    ----------
+    dx, dy : float
+        Level part of the ray's unit direction.
+
+    Returns
+    -------
+    RayDifferential
+    """
     level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
     return RayDifferential(0.0, 0.0, 0.0, -dy / level, dx / level, 0.0)
 
 
 @inlined
-def transfer(shift, distance, dx, dy, dz, nx, ny, nz):
-    """Carry an edge to a surface, along whose tangent its place then moves."""
-    x, y, z = (
-        shift.x + distance * shift.dx,
-        shift.y + distance * shift.dy,
-        shift.z + distance * shift.dz,
-    )
-    on = (nx * x + ny * y + nz * z) / (nx * dx + ny * dy + nz * dz)
+def transfer(shift, path, surface):
+    """Carry a differential to the surface that a ray meets, along whose tangent its place then moves.
+
+    Parameters
+    ----------
+    shift : RayDifferential
+    path : SpecularPath
+        The ray where it set out.
+    surface : Intersection
+        What it meets.
+
+    Returns
+    -------
+    RayDifferential
+    """
+    dx, dy, dz, nx, ny, nz = path.dx, path.dy, path.dz, surface.nx, surface.ny, surface.nz
+    t = surface.distance
+    x, y, z = shift.x + t * shift.dx, shift.y + t * shift.dy, shift.z + t * shift.dz
+    on = (nx * x + ny * y + nz * z) / (nx * dx + ny * dy + nz * dz)  # Igehy 1999: transfer
     return RayDifferential(x - on * dx, y - on * dy, z - on * dz, shift.dx, shift.dy, shift.dz)
 
 
 @inlined
-def reflect(shift, cosine, dx, dy, dz, nx, ny, nz, bent):
-    """Turn an edge with a ray that a mirror turns; ``bent`` is how the normal moves with the edge's place."""
+def reflect(shift, cosine, path, surface, bent):
+    """Turn a differential with a ray that a mirror turns.
+
+    Parameters
+    ----------
+    shift : RayDifferential
+        On the surface.
+    cosine : float
+        Of the ray's incidence.
+    path, surface : SpecularPath, Intersection
+        The ray as it arrives, and what it has met.
+    bent : tuple of 3 floats
+        How the normal moves with the differential's place.
+
+    Returns
+    -------
+    RayDifferential
+    """
+    dx, dy, dz, nx, ny, nz = path.dx, path.dy, path.dz, surface.nx, surface.ny, surface.nz
+    # Igehy 1999: reflection
     fall = shift.dx * nx + shift.dy * ny + shift.dz * nz + dx * bent[0] + dy * bent[1] + dz * bent[2]
     return RayDifferential(
         shift.x, shift.y, shift.z,
@@ -63,8 +112,24 @@ def reflect(shift, cosine, dx, dy, dz, nx, ny, nz, bent):
 
 
 @inlined
-def refract(shift, cosine, speeds, root, dx, dy, dz, nx, ny, nz, bent):
-    """Turn an edge with a ray that passes on: d' = ν d + (ν cos α − √root) n, as Snell's law has it."""
+def refract(shift, cosine, speeds, root, path, surface, bent):
+    """Turn a differential with a ray that passes into or out of a body.
+
+    Parameters
+    ----------
+    shift, cosine, path, surface, bent
+        As in `reflect`.
+    speeds : float
+        Ratio ν of the speed of sound behind the surface to that before it.
+    root : float
+        Cosine of the angle of refraction.
+
+    Returns
+    -------
+    RayDifferential
+    """
+    dx, dy, dz, nx, ny, nz = path.dx, path.dy, path.dz, surface.nx, surface.ny, surface.nz
+    # Igehy 1999: refraction, of Snell's law d' = ν d + (ν cos α − √root) n
     fall = -(shift.dx * nx + shift.dy * ny + shift.dz * nz + dx * bent[0] + dy * bent[1] + dz * bent[2])
     bend, growth = speeds * cosine - root, (speeds - speeds * speeds * cosine / root) * fall
     return RayDifferential(
@@ -76,9 +141,26 @@ def refract(shift, cosine, speeds, root, dx, dy, dz, nx, ny, nz, bent):
 
 
 @inlined
-def differentiate_normal(solids, k, shift, x, y, z, nx, ny, nz):
-    """How the normal (nx, ny, nz) of body k at a point moves with an edge's place; flat faces have none."""
-    px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
+def differentiate_normal(solids, shift, path, surface):
+    """How the normal of a surface moves with the place of a differential: not at all on facets and the bed's cells.
+
+    Parameters
+    ----------
+    solids : Solids
+    shift : RayDifferential
+        On the surface.
+    path, surface : SpecularPath, Intersection
+        The ray as it arrives, and what it has met.
+
+    Returns
+    -------
+    tuple of 3 floats
+        Per radian.
+    """
+    k, nx, ny, nz = surface.body, surface.nx, surface.ny, surface.nz
+    if not 0 <= k < solids.shape.size:
+        return 0.0, 0.0, 0.0
+    px, py, pz = path.x - solids.start[k, 0], path.y - solids.start[k, 1], path.z - solids.start[k, 2]
     if solids.shape[k] == SPHERE:
         # Positive where the normal points outwards.
         over = math.copysign(1.0 / solids.radius[k], px * nx + py * ny + pz * nz)
@@ -99,6 +181,16 @@ def differentiate_normal(solids, k, shift, x, y, z, nx, ny, nz):
 
 @inlined
 def tube_area(up, across):
-    """Area that a unit of solid angle covers where two edges have landed, m²/sr."""
+    """Area that a unit of solid angle covers where both differentials of a ray have landed, m²/sr.
+
+    Parameters
+    ----------
+    up, across : RayDifferential
+        With the elevation, and at right angles to it.
+
+    Returns
+    -------
+    float
+    """
     x, y, z = up.y * across.z - up.z * across.y, up.z * across.x - up.x * across.z, up.x * across.y - up.y * across.x
     return math.sqrt(x * x + y * y + z * z)

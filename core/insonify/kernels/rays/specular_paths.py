@@ -1,11 +1,10 @@
-"""What comes after the first echo: rays that mirror-like surfaces turn and bodies let through.
+"""Echoes after the first: rays that mirror-like surfaces turn and bodies let through.
 
-At every hit the energy splits: R0² goes on as in a mirror, 1 − R0² refracts into a closed body by Snell's law with the
-body's speed ratio ν, or is lost in the bed; beyond the critical angle all of it is reflected. A path X of length s,
-on which a metre inside a body counts 1/ν because the record counts time, carries the share w of its energy to a point
-P. There a tube of solid angle dΩ covers dA = a dΩ, where a follows from the tube's edges, through curved mirrors and
-lenses too; it is s² / cos α on the far side of flat ones. Where d_X is the way X arrives, α its incidence and σ the
-bistatic strength, P receives w / (a cos α) per area across X, and two ghosts of it come back:
+Energy splits at every hit as `path_tracing` says. A path X of length s, on which a metre inside a body counts 1/ν
+because the record counts time, carries the share w of its energy to a point P. There a tube of solid angle dΩ covers
+dA = a dΩ, where a follows from the tube's differentials, through curved mirrors and lenses too; it is s² / cos α on the
+far side of flat ones. Where d_X is the way X arrives, α its incidence and σ the bistatic strength, P receives
+w / (a cos α) per area across X, and two echoes of it come back:
 
 - *retro*, out along X and back along it, at range s: σ(d_X, d_X) dA w² / (a cos α)²;
 - *mixed*, out along X and straight back over the distance r, and the other way round, at range R = (s + r) / 2:
@@ -14,10 +13,8 @@ bistatic strength, P receives w / (a cos α) per area across X, and two ghosts o
 The record's range factor, 1/R⁴ and absorption over 2R, comes after the sum as for every echo, so that the two enter as
 w² σ s⁴ dΩ / (a cos² α) and 2 w σ R⁴ dΩ / (r² cos α). At a caustic, where a vanishes, it counts as no less than a share
 of s². Law `light` spreads nothing: a ray stands for the step of range that P makes as its elevation grows,
-|(d_X + d_D) · dP| / 2. A knife, 1 m wide at all ranges, knows the tube's width in elevation alone.
-
-A surface scatters to the water alone, the bed's cells are flat mirrors, and the side of a mesh that faces inwards from
-the water turns a ray but lets nothing through.
+|(d_X + d_D) · dP| / 2. A knife, 1 m wide at all ranges, knows the tube's width in elevation alone. A surface scatters
+to the water alone.
 """
 
 from __future__ import annotations
@@ -30,55 +27,22 @@ import numpy as np
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import bistatic_strength
-from insonify.kernels.common.types import BED, LIGHT
-from insonify.kernels.geometry.solids import exit_solid, intersect_solid, is_inside_solid
-from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
-from insonify.kernels.rays.cell_walk import NOTHING, Ray, meet_bed
-from insonify.kernels.rays.ray_differentials import (
-    RayDifferential,
-    differentiate_normal,
-    reflect,
-    refract,
-    start_azimuth_differential,
-    start_elevation_differential,
-    transfer,
-    tube_area,
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.rays.cell_walk import NOTHING
+from insonify.kernels.rays.path_tracing import (
+    WATER,
+    Intersection,
+    advance_to,
+    meet_next,
+    meet_scene,
+    offset_from_surface,
+    split_path,
+    start_path,
 )
+from insonify.kernels.rays.ray_differentials import tube_area
 
-WATER = -3  # where a path is that is in no body
-OFFSET = 1e-13  # of all lengths, by which a path starts off the surface it leaves
 CAUSTIC = 0.01  # of the area of a tube that nothing focuses: no less is counted
-FAINTEST = 1e-6  # share of energy below which a path is dropped
 KNIFE = 0.5  # m, half the along-track width of a knife
-MOST_PARTS = 64  # bodies of one target that a path may cross at a stretch
-
-
-class SpecularPath(NamedTuple):
-    """A path on its way: where it is, at its last corner or arrived at the next surface, and what it carries."""
-
-    x: float
-    y: float
-    z: float
-    dx: float
-    dy: float
-    dz: float
-    up: RayDifferential  # how it moves as its elevation at the sonar grows
-    across: RayDifferential  # and at right angles to that
-    length: float  # m of water that take as long as it has taken
-    share: float  # of the energy that set out
-    bounce: int
-    inside: int  # body, counted as in Hits; WATER if none
-
-
-class Intersection(NamedTuple):
-    """What a path meets next."""
-
-    distance: float
-    body: int  # NOTHING if it meets nothing
-    material: int
-    nx: float  # unit normal on the path's side
-    ny: float
-    nz: float
 
 
 class PathHit(NamedTuple):
@@ -96,7 +60,18 @@ class PathHit(NamedTuple):
 
 @kernel
 def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
-    """Follow the rays of one side beyond their first hits and sum the ghosts they bring."""
+    """Echoes of the rays of one side from beyond their first hits, bin by bin.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    beam : SideBeam
+    bundle, hits : RayBundle, Hits of ndarrays, shape (n,)
+    weight : ndarray, shape (n,)
+        What each ray stands for.
+    sums : ndarray, shape (bins,)
+        Added to.
+    """
     fan, reach = arrays.half_width > 0.0, arrays.bins * arrays.bin_length
     for k in range(weight.size):
         if hits.body[k] == NOTHING or weight[k] == 0.0:
@@ -105,7 +80,7 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
         path = advance_to(arrays, start_path(bundle, k), meeting)
         waiting = [path]
         waiting.pop()
-        _split(arrays, path, meeting, 2.0 * reach, waiting)
+        split_path(arrays, path, meeting, 2.0 * reach, waiting)
         if len(waiting) == 0:
             continue
         out = 1.0
@@ -113,8 +88,8 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
             out = two_way_response(arrays.pattern, beam, fan, arrays.law, path.dx, path.dy, path.dz, path.length)
         while len(waiting) > 0:
             path = waiting.pop()
-            # Beyond twice the range even a mixed ghost comes too late.
-            meeting = _meet_next(arrays, path, 2.0 * reach - path.length)
+            # Beyond twice the range even a mixed echo comes too late.
+            meeting = meet_next(arrays, path, 2.0 * reach - path.length)
             if meeting.body == NOTHING:
                 continue
             path = advance_to(arrays, path, meeting)
@@ -124,24 +99,39 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
                 b = int(distance / arrays.bin_length)
                 if b < sums.size:
                     sums[b] += value
-            _split(arrays, path, meeting, 2.0 * reach, waiting)
+            split_path(arrays, path, meeting, 2.0 * reach, waiting)
 
 
 @kernel
 def follow_specular_paths(arrays, bundle, reach):
-    """Follow every ray until it fades or leaves; return all hits as columns of whole and of real numbers."""
+    """All hits of rays followed until they fade or leave.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    bundle : RayBundle of ndarrays, shape (n,)
+    reach : float
+        Length of water after which a path ends, m.
+
+    Returns
+    -------
+    whole : ndarray of int64, shape (3, hits)
+        Ray, bounces before, and body.
+    real : ndarray, shape (5, hits)
+        x, y, z and length of the path in metres, and its share of the energy.
+    """
     steps = [PathHit(0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0)]
     steps.pop()
     for k in range(bundle.x.size):
         waiting = [start_path(bundle, k)]
         while len(waiting) > 0:
             path = waiting.pop()
-            meeting = _meet_next(arrays, path, reach - path.length)
+            meeting = meet_next(arrays, path, reach - path.length)
             if meeting.body == NOTHING:
                 continue
             path = advance_to(arrays, path, meeting)
             steps.append(PathHit(k, path.bounce, path.x, path.y, path.z, path.length, path.share, meeting.body))
-            _split(arrays, path, meeting, reach, waiting)
+            split_path(arrays, path, meeting, reach, waiting)
     whole, real = np.empty((3, len(steps)), np.int64), np.empty((5, len(steps)))
     for n, step in enumerate(steps):
         whole[0, n], whole[1, n], whole[2, n] = step.ray, step.bounce, step.body
@@ -151,200 +141,8 @@ def follow_specular_paths(arrays, bundle, reach):
 
 
 @inlined
-def start_path(bundle, k):
-    """Ray k as a path that begins."""
-    dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
-    up, across = start_elevation_differential(dx, dy, dz), start_azimuth_differential(dx, dy)
-    return SpecularPath(bundle.x[k], bundle.y[k], bundle.z[k], dx, dy, dz, up, across, 0.0, 1.0, 0, WATER)
-
-
-@inlined
-def advance_to(arrays, path, meeting):
-    """Go to where a path meets what it meets."""
-    t, nx, ny, nz = meeting.distance, meeting.nx, meeting.ny, meeting.nz
-    dx, dy, dz = path.dx, path.dy, path.dz
-    up, across = transfer(path.up, t, dx, dy, dz, nx, ny, nz), transfer(path.across, t, dx, dy, dz, nx, ny, nz)
-    length = path.length + t * _slowness(arrays, path)
-    return SpecularPath(
-        path.x + t * dx, path.y + t * dy, path.z + t * dz, dx, dy, dz, up, across, length, path.share, path.bounce,
-        path.inside,
-    )  # fmt: skip
-
-
-@inlined
-def _offset_from_surface(x, y, z, length):
-    """How far off a surface a path starts, so that rounding does not put it on the other side."""
-    return OFFSET * (1.0 + abs(x) + abs(y) + abs(z) + length)
-
-
-@inlined
-def _slowness(arrays, path):
-    """Time of a metre where a path is, in metres of water."""
-    return 1.0 if path.inside == WATER else 1.0 / arrays.interface[_material(arrays, path.inside), 1]
-
-
-@inlined
-def _material(arrays, body):
-    """Row of a body's material."""
-    solids = arrays.solids.shape.size
-    return arrays.solids.material[body] if body < solids else arrays.mesh.material[body - solids]
-
-
-@kernel
-def _split(arrays, path, meeting, longest, waiting):
-    """Queue what goes on from a hit: the mirrored part, and the refracted one if there is a closed body."""
-    if path.bounce >= arrays.bounces or path.length >= longest:
-        return
-    cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
-    mirrored = arrays.interface[meeting.material, 0] ** 2
-    if _lets_through(arrays, path, meeting):
-        ratio = arrays.interface[meeting.material, 1]
-        speeds = ratio if path.inside == WATER else 1.0 / ratio
-        root = 1.0 - speeds * speeds * (1.0 - cosine * cosine)
-        if root <= 0.0:
-            mirrored = 1.0
-        elif path.share * (1.0 - mirrored) >= FAINTEST:
-            waiting.append(_refract_path(arrays, path, meeting, cosine, speeds, math.sqrt(root), 1.0 - mirrored))
-    if path.share * mirrored >= FAINTEST:
-        waiting.append(_reflect_path(arrays, path, meeting, cosine, mirrored))
-
-
-@inlined
-def _reflect_path(arrays, path, meeting, cosine, share):
-    """Turn a path that has arrived as a mirror does."""
-    nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
-    off = _offset_from_surface(path.x, path.y, path.z, path.length)
-    up = reflect(path.up, cosine, dx, dy, dz, nx, ny, nz, _differentiate_normal(arrays, path, path.up, meeting))
-    across = reflect(
-        path.across, cosine, dx, dy, dz, nx, ny, nz, _differentiate_normal(arrays, path, path.across, meeting)
-    )
-    return SpecularPath(
-        path.x + off * nx, path.y + off * ny, path.z + off * nz,
-        dx + 2.0 * cosine * nx, dy + 2.0 * cosine * ny, dz + 2.0 * cosine * nz, up, across,
-        path.length, path.share * share, path.bounce + 1, path.inside if path.inside == WATER else meeting.body,
-    )  # fmt: skip
-
-
-@inlined
-def _refract_path(arrays, path, meeting, cosine, speeds, root, share):
-    """Pass a path that has arrived into a body, or out of it: Snell's law in vectors."""
-    nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
-    off = _offset_from_surface(path.x, path.y, path.z, path.length)
-    bend = speeds * cosine - root
-    bent, bent_across = (
-        _differentiate_normal(arrays, path, path.up, meeting),
-        _differentiate_normal(arrays, path, path.across, meeting),
-    )
-    up = refract(path.up, cosine, speeds, root, dx, dy, dz, nx, ny, nz, bent)
-    across = refract(path.across, cosine, speeds, root, dx, dy, dz, nx, ny, nz, bent_across)
-    return SpecularPath(
-        path.x - off * nx, path.y - off * ny, path.z - off * nz,
-        speeds * dx + bend * nx, speeds * dy + bend * ny, speeds * dz + bend * nz, up, across,
-        path.length, path.share * share, path.bounce + 1, meeting.body if path.inside == WATER else WATER,
-    )  # fmt: skip
-
-
-@inlined
-def _differentiate_normal(arrays, path, edge, meeting):
-    """How the normal moves with an edge's place: facets and cells are flat."""
-    if not 0 <= meeting.body < arrays.solids.shape.size:
-        return 0.0, 0.0, 0.0
-    return differentiate_normal(
-        arrays.solids, meeting.body, edge, path.x, path.y, path.z, meeting.nx, meeting.ny, meeting.nz
-    )
-
-
-@inlined
-def _lets_through(arrays, path, meeting):
-    """Whether there is water, or a body, behind what is met."""
-    triangle = meeting.body - arrays.solids.shape.size
-    if path.inside != WATER or triangle < 0:
-        return meeting.body != BED
-    normal = arrays.mesh.normal[triangle]
-    return normal[0] * path.dx + normal[1] * path.dy + normal[2] * path.dz < 0.0
-
-
-@inlined
-def _meet_next(arrays, path, reach):
-    """Meet what a path comes to within ``reach``, from outside or inside."""
-    if path.inside == WATER:
-        return meet_scene(arrays, path.x, path.y, path.z, path.dx, path.dy, path.dz, reach)
-    if path.inside < arrays.solids.shape.size:
-        return _leave_solids(arrays.solids, path)
-    return _leave_mesh(arrays, path)
-
-
-@kernel
-def meet_scene(arrays, x, y, z, dx, dy, dz, reach):
-    """Meet the nearest thing within ``reach``."""
-    best, body, material, mx, my, mz = reach, NOTHING, 0, 0.0, 0.0, 0.0
-    for k in range(arrays.solids.shape.size):
-        distance, nx, ny, nz = intersect_solid(arrays.solids, k, x, y, z, dx, dy, dz)
-        if distance < best:
-            best, body, material, mx, my, mz = distance, k, arrays.solids.material[k], nx, ny, nz
-    best, triangle = intersect_mesh(arrays.mesh, x, y, z, dx, dy, dz, best)
-    if triangle != NO_TRIANGLE:
-        body, material = arrays.solids.shape.size + triangle, arrays.mesh.material[triangle]
-        mx, my, mz = facing_normal(arrays.mesh, triangle, dx, dy, dz)
-    distance, row, nx, ny, nz = meet_bed(arrays.bed, Ray(x, y, z, dx, dy, dz), best)
-    if distance < best:
-        return Intersection(distance, BED, row, nx, ny, nz)
-    return Intersection(best, body, material, mx, my, mz)
-
-
-@kernel
-def _leave_solids(solids, path):
-    """Leave a body; where another of the same target goes on, leave that."""
-    body, total = path.inside, 0.0
-    x, y, z = path.x, path.y, path.z
-    off = _offset_from_surface(x, y, z, path.length)
-    for _ in range(MOST_PARTS):
-        distance, nx, ny, nz = exit_solid(solids, body, x, y, z, path.dx, path.dy, path.dz)
-        if not distance < math.inf:
-            break
-        total += distance + off
-        x, y, z = path.x + total * path.dx, path.y + total * path.dy, path.z + total * path.dz
-        other = _solid_of_target_at(solids, solids.target[body], x, y, z)
-        if other < 0:
-            return Intersection(total - off, body, solids.material[body], -nx, -ny, -nz)
-        body = other
-    return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
-
-
-@inlined
-def _solid_of_target_at(solids, target, x, y, z):
-    """Row of a target's body that a point is inside, -1 if none."""
-    for k in range(solids.shape.size):
-        if solids.target[k] == target and is_inside_solid(solids, k, x, y, z):
-            return k
-    return -1
-
-
-@kernel
-def _leave_mesh(arrays, path):
-    """Leave a mesh through the nearest of its triangles that faces the other way."""
-    mesh, solids = arrays.mesh, arrays.solids.shape.size
-    target, total = mesh.target[path.inside - solids], 0.0
-    off = _offset_from_surface(path.x, path.y, path.z, path.length)
-    for _ in range(MOST_PARTS):
-        distance, triangle = intersect_mesh(
-            mesh, path.x + total * path.dx, path.y + total * path.dy, path.z + total * path.dz,
-            path.dx, path.dy, path.dz, math.inf,
-        )  # fmt: skip
-        if triangle == NO_TRIANGLE:
-            break
-        total += distance
-        normal = mesh.normal[triangle]
-        outwards = normal[0] * path.dx + normal[1] * path.dy + normal[2] * path.dz
-        if mesh.target[triangle] == target and outwards > 0.0:
-            return Intersection(total, solids + triangle, mesh.material[triangle], -normal[0], -normal[1], -normal[2])
-        total += off
-    return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
-
-
-@inlined
 def _add_retro_echo(arrays, fan, weight, path, meeting, sums):
-    """Add what returns along the path itself, of one that has arrived."""
+    """Add the echo along the path itself, of one that has arrived."""
     b = int(path.length / arrays.bin_length)
     cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
     if b >= sums.size or cosine <= 0.0:
@@ -365,7 +163,28 @@ def _add_retro_echo(arrays, fan, weight, path, meeting, sums):
 
 @inlined
 def mixed_echo(arrays, beam, fan, out, weight, path, meeting):
-    """Slant range and strength of what goes out along a path that has arrived and straight back, or the other way."""
+    """Echo out along a path that has arrived and straight back, and the other way round.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    beam : SideBeam
+    fan : bool
+        Whether the beam has a width.
+    out : float
+        Two-way response of the beam in the direction in which the path left.
+    weight : float
+        What its ray stands for.
+    path, meeting : SpecularPath, Intersection
+        The path as it arrives, and what it has met.
+
+    Returns
+    -------
+    distance : float
+        Slant range, m.
+    value : float
+        But for the factor that depends on range alone; 0 if the sonar is not seen.
+    """
     sx, sy, sz = path.x - beam.x, path.y - beam.y, path.z - beam.z
     r, nx, ny, nz = math.sqrt(sx * sx + sy * sy + sz * sz), meeting.nx, meeting.ny, meeting.nz
     sx, sy, sz, distance = sx / r, sy / r, sz / r, 0.5 * (path.length + r)
@@ -375,7 +194,7 @@ def mixed_echo(arrays, beam, fan, out, weight, path, meeting):
     passed = pair_sensitivity(arrays, beam, fan, out, sx, sy, sz, r)
     if passed == 0.0:
         return distance, 0.0
-    off = _offset_from_surface(path.x, path.y, path.z, path.length)
+    off = offset_from_surface(path.x, path.y, path.z, path.length)
     blocker = meet_scene(arrays, path.x + off * nx, path.y + off * ny, path.z + off * nz, -sx, -sy, -sz, r)
     if blocker.body != NOTHING:
         return distance, 0.0
@@ -394,7 +213,25 @@ def mixed_echo(arrays, beam, fan, out, weight, path, meeting):
 
 @inlined
 def pair_sensitivity(arrays, beam, fan, out, sx, sy, sz, r):
-    """Sensitivity of the beam to what leaves one way and returns another, the mean of both orders."""
+    """Response of the beam to what leaves in one direction and returns from another, the mean of both orders.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    beam : SideBeam
+    fan : bool
+        Whether the beam has a width.
+    out : float
+        Two-way response in the one direction.
+    sx, sy, sz : float
+        Unit vector from the sonar in the other.
+    r : float
+        Distance in the other, m.
+
+    Returns
+    -------
+    float
+    """
     if sx * beam.side_x + sy * beam.side_y < 0.0:
         return 0.0
     along = sx * beam.axis_x + sy * beam.axis_y + sz * beam.axis_z

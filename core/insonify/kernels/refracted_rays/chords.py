@@ -1,7 +1,7 @@
-"""What bent rays meet: each is a row of short chords, asked one after the other what they meet as straight rays are.
+"""Hits of refracted rays: each is a row of short chords, tested one after the other as straight rays are.
 
-Rays come in batches, and bodies, meshes and the bed ask through a whole batch in turn: handing a scene's arrays over
-chord by chord costs more than the walk.
+Rays come in batches, and solids, meshes and the bed are tested against a whole batch in turn: handing a scene's arrays
+over chord by chord costs more than the walk.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class ChordBatch(NamedTuple):
 
 
 class ChordHits(NamedTuple):
-    """What each ray of a batch meets first, (rays,) each."""
+    """First hit of each ray of a batch, (rays,) each."""
 
     chord: NDArray[np.int64]
     distance: NDArray[np.float64]  # along that chord, m
@@ -50,7 +50,18 @@ class ChordHits(NamedTuple):
 
 @kernel
 def empty_batch(rays, bodies):
-    """Room for some rays, each of which may meet any of the bodies."""
+    """Room for the chords of some rays.
+
+    Parameters
+    ----------
+    rays : int
+    bodies : int
+        Solids that each of them may meet.
+
+    Returns
+    -------
+    ChordBatch
+    """
     return ChordBatch(
         np.empty((8 * rays, COLUMNS)), np.zeros(rays + 1, np.int64), np.empty((rays, bodies), np.int64),
         np.zeros(rays, np.int64), np.zeros(rays, np.bool_),
@@ -59,7 +70,16 @@ def empty_batch(rays, bodies):
 
 @kernel
 def empty_chord_hits(rays):
-    """Room for what some rays meet."""
+    """Room for the hits of some rays.
+
+    Parameters
+    ----------
+    rays : int
+
+    Returns
+    -------
+    ChordHits
+    """
     return ChordHits(
         np.empty(rays, np.int64), np.empty(rays), np.empty(rays, np.int64), np.empty(rays, np.int64),
         np.empty(rays), np.empty(rays), np.empty(rays),
@@ -68,7 +88,17 @@ def empty_chord_hits(rays):
 
 @kernel
 def meet_chords(bed, solids, mesh, batch, rays, met):
-    """Find what the first ``rays`` rays of a batch meet first."""
+    """First hits of the rays of a batch, exact along their chords.
+
+    Parameters
+    ----------
+    bed, solids, mesh : Bed, Solids, Mesh
+    batch : ChordBatch
+    rays : int
+        Rays of the batch, from its first.
+    met : ChordHits
+        Filled.
+    """
     _meet_bodies(solids, batch, rays, met)
     if mesh.skip.size > 0:
         _meet_mesh(solids, mesh, batch, rays, met)
@@ -77,7 +107,13 @@ def meet_chords(bed, solids, mesh, batch, rays, met):
 
 @kernel
 def march_chords(bed, solids, mesh, batch, rays, met):
-    """Likewise by one sample at the end of each chord; of the mesh, its triangles where they are."""
+    """First hits of the rays of a batch, by one sample at the end of each chord; triangles are met where they are.
+
+    Parameters
+    ----------
+    bed, solids, mesh, batch, rays, met
+        As in `meet_chords`.
+    """
     chords = batch.chords
     for k in range(rays):
         met.chord[k], met.distance[k], met.body[k], met.material[k] = (
@@ -106,7 +142,7 @@ def march_chords(bed, solids, mesh, batch, rays, met):
 
 @kernel
 def _meet_bodies(solids, batch, rays, met):
-    """Find the first body on each ray; this begins what is met."""
+    """Begin the hits of a batch with the first solid on each ray."""
     chords = batch.chords
     for k in range(rays):
         met.chord[k], met.distance[k], met.body[k], met.material[k] = (
@@ -137,7 +173,7 @@ def _meet_bodies(solids, batch, rays, met):
 
 @kernel
 def _meet_mesh(solids, mesh, batch, rays, met):
-    """Put the first triangle into what each ray meets, where it comes before what is known."""
+    """Enter the first triangle on each ray where it comes before what is known."""
     chords = batch.chords
     for k in range(rays):
         if not batch.meshed[k]:
@@ -161,7 +197,7 @@ def _meet_mesh(solids, mesh, batch, rays, met):
 
 @kernel
 def _meet_bed(bed, batch, rays, met):
-    """Likewise the bed; a ray that is inside it has ended there."""
+    """Enter the bed where it comes before what is known; a ray that is inside it has ended there."""
     chords = batch.chords
     for k in range(rays):
         for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):

@@ -1,10 +1,10 @@
-"""Pings through water that bends rays: what comes back from hits along arcs.
+"""Echoes of rays that follow arcs.
 
 A ray that stands for the solid angle dΩ lands on q x / cosθ0 · dΩ / cos α of a surface, q being the width of its tube
-in elevation and x / cosθ0 that across; one way its intensity is I = cosθ0 / (x |q|) of that at 1 m, and the way back is
-the way out. So it returns σ dA I² = σ dΩ I / cos α. A knife is 1 m wide along the track: σ q dθ I² / cos α. Law `light`
-spreads nothing: a ray stands for the step of slant range that its landing makes as its elevation grows. In still water
-q = x / cosθ0 = r.
+in elevation and x / cosθ0 that across; one way its intensity is I = cosθ0 / (x |q|) of that at 1 m (Jensen et al.,
+Computational Ocean Acoustics, 3.3), and the way back is the way out. So it returns σ dA I² = σ dΩ I / cos α. A knife
+is 1 m wide along the track: σ q dθ I² / cos α. Law `light` spreads nothing: a ray stands for the step of slant range
+that its landing makes as its elevation grows. In still water q = x / cosθ0 = r.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from insonify.kernels.rays.launch import (
     spread_over_pattern,
 )
 from insonify.kernels.refracted_rays.hits import (
+    LandedRays,
     VerticalPlane,
     clear_of_nodes,
     empty_arrivals,
@@ -41,9 +42,23 @@ SLACK = 0.1  # of its distance, by which a body may be beside a beam of straight
 
 @kernel
 def trace_refracted_pings(arrays, poses, rays, march, out):
-    """Trace all pings into ``out`` (pings, 2, bins) with ``rays`` a side: a walk along arcs, or a march if that is > 0.
+    """Intensity per range bin of pings traced ray by ray along arcs.
 
-    Return -1 - k if the sonar is inside body k, else 0.
+    Parameters
+    ----------
+    arrays : SceneArrays
+    poses : Poses of ndarrays, shape (n,)
+    rays : int
+        Rays per side.
+    march : float
+        Length of a step of the march, m; exact hits along the chords of the arcs if it is 0.
+    out : ndarray of float32, shape (n, 2, bins)
+        Filled.
+
+    Returns
+    -------
+    int
+        -1 - k if the sonar is inside solid k, else 0.
     """
     port, starboard = empty_launch(rays), empty_launch(rays)
     bundle, hits, arrivals = empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
@@ -76,7 +91,7 @@ def trace_refracted_pings(arrays, poses, rays, march, out):
             landings = to_port if side == PORT else to_starboard
             if landings.fold < math.inf and march <= 0.0:
                 _, bins, values = find_mixed_echoes(
-                    arrays, beam, waveguide, z, landings, launch, bundle, hits, arrivals
+                    arrays, beam, waveguide, z, landings, launch, LandedRays(bundle, hits, arrivals)
                 )
                 for m in range(bins.size):
                     if bins[m] >= 0:
@@ -89,7 +104,17 @@ def trace_refracted_pings(arrays, poses, rays, march, out):
 
 @kernel
 def make_waveguide(arrays, beam):
-    """Tell what the rays of one side run through."""
+    """Water in the plane athwart one side of a ping, and how high there is anything to hit.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    beam : SideBeam
+
+    Returns
+    -------
+    Waveguide
+    """
     water = arrays.water
     plane = lay_in_section(water.axis_x, water.axis_y, VerticalPlane(beam.x, beam.y, beam.side_x, beam.side_y))
     return Waveguide(
@@ -99,7 +124,24 @@ def make_waveguide(arrays, beam):
 
 @kernel
 def aim_side(arrays, waveguide, z, pitch, launch):
-    """Aim all rays of a side over elevations and, where a pattern spreads them, over azimuths."""
+    """Aim all rays of a side over elevations and, where a pattern spreads them, over azimuths.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    waveguide : Waveguide
+    z : float
+        Height of the sonar, m.
+    pitch : float
+        rad.
+    launch : RayLaunch of ndarrays, shape (n,)
+        Filled.
+
+    Returns
+    -------
+    Landings
+        Of the probe rays.
+    """
     spreads = arrays.half_width > 0.0 and arrays.pattern.tabulated
     landings = aim_refracted_rays(launch, waveguide, z, arrays.half_width, arrays.law, spreads)
     if spreads:
@@ -109,7 +151,7 @@ def aim_side(arrays, waveguide, z, pitch, launch):
 
 @kernel
 def _highest(arrays, beam):
-    """Height of the highest thing that a beam may meet."""
+    """Height of the highest thing that a beam may meet, m."""
     solids, mesh, top = arrays.solids, arrays.mesh, arrays.bed.high
     for k in range(solids.shape.size):
         middle, radius = 0.5 * solids.length[k], greatest_radius(solids, k)
@@ -129,14 +171,14 @@ def _highest(arrays, beam):
 
 @kernel
 def _may_touch(beam, cx, cy, cz, bound):
-    """Whether a beam of bent rays may touch a ball, its centre counted from the sonar."""
+    """Whether a beam of refracted rays may touch a ball, its centre counted from the sonar."""
     distance = math.sqrt(cx * cx + cy * cy + cz * cz)
     return beam_touches_ball(beam, cx, cy, cz, distance, bound + SLACK * distance)
 
 
 @kernel
 def _deposit_refracted(arrays, hits, arrivals, weight, sums):
-    """Sum what the hits return into time bins; the range factor, which holds 1/r⁴, comes after."""
+    """Sum what hits return into range bins; the range factor, which holds 1/r⁴, comes after."""
     sums[:] = 0.0
     for k in range(weight.size):
         b, value, _ = refracted_echo(arrays, hits, arrivals, weight, k)
@@ -146,7 +188,25 @@ def _deposit_refracted(arrays, hits, arrivals, weight, sums):
 
 @inlined
 def refracted_echo(arrays, hits, arrivals, weight, k):
-    """Bin and value of what the hit of ray k returns, and its cosine of incidence; bin −1 if it returns nothing."""
+    """Echo of the hit of one ray along arcs.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    hits, arrivals : Hits, Arrivals of ndarrays, shape (n,)
+    weight : ndarray, shape (n,)
+        What each ray stands for.
+    k : int
+        Number of the ray.
+
+    Returns
+    -------
+    bin : int
+        -1 if it returns nothing.
+    value : float
+        But for the factor that depends on range alone.
+    cos_incidence : float
+    """
     distance = hits.distance[k]
     if hits.body[k] == NOTHING or distance >= arrays.bins * arrays.bin_length:
         return -1, 0.0, 0.0
@@ -163,7 +223,8 @@ def refracted_echo(arrays, hits, arrivals, weight, k):
     if law == LIGHT:
         speeds = arrays.water.reference / arrivals.speed[k]
         return b, value * speeds * tube * elevation_tilt(dx, dy, dz, nx, ny, nz) / arrays.bin_length, cos_incidence
-    intensity = distance * distance / (tube * spread)  # beside still water's
+    # Over that in still water; Jensen et al., Computational Ocean Acoustics, 3.3: I = cosθ0 / (x |q|).
+    intensity = distance * distance / (tube * spread)
     if arrays.half_width > 0.0:
         return b, value * distance * distance * intensity, cos_incidence
     return b, value * tube * intensity * intensity, cos_incidence

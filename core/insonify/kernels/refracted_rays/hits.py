@@ -1,10 +1,10 @@
-"""Rays that water bends: what each meets first along the arcs it goes, and how it arrives there.
+"""First hits of rays that water bends, along their arcs, and how the rays arrive there.
 
 A ray stays in the vertical plane it is sent in: of water that differs along a line it feels what lies in that plane;
 horizontal refraction is left out. Above everything it goes from node to node of the water in one step; from there on
 each arc is cut into chords so short that they leave it by no more than a share of a millimetre, and the chords are
-asked what they meet. From the hit on the arc itself is taken again: time, direction and the width of the ray tube are
-its own.
+tested for hits. From the hit on the arc itself is taken again: time, direction and the width of the ray tube are its
+own.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.geometry.solids import greatest_radius
-from insonify.kernels.rays.cell_walk import NOTHING
+from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle
 from insonify.kernels.refracted_rays.chords import (
     ALONG,
     ARC,
@@ -61,6 +61,14 @@ class Arrivals(NamedTuple):
     z: NDArray[np.float64]  # height, m
 
 
+class LandedRays(NamedTuple):
+    """Rays, what each meets, and how it arrives there."""
+
+    bundle: RayBundle
+    hits: Hits
+    arrivals: Arrivals
+
+
 class VerticalPlane(NamedTuple):
     """The vertical plane of a ray: the ground place of its start and the level unit vector it is sent along."""
 
@@ -71,7 +79,7 @@ class VerticalPlane(NamedTuple):
 
 
 class ContactZone(NamedTuple):
-    """Where a ray may meet anything."""
+    """Heights and ground ranges between which a ray may meet anything."""
 
     floor: float  # m, height below which there is nothing
     ceiling: float  # and above which
@@ -82,9 +90,20 @@ class ContactZone(NamedTuple):
 
 @kernel
 def find_refracted_hits(arrays, bundle, reach, march, hits, arrivals):
-    """Find what each ray meets first within the slant range ``reach``, by the walk or by steps of ``march`` > 0 metres.
+    """First hit of each ray along its arcs.
 
-    The distance of a hit is its slant range: time by the speed at the sonar.
+    Parameters
+    ----------
+    arrays : SceneArrays
+    bundle : RayBundle of ndarrays, shape (n,)
+    reach : float
+        Slant range after which a ray ends, m.
+    march : float
+        Length of a step of the march, m; exact hits along the chords of the arcs if it is 0.
+    hits : Hits of ndarrays, shape (n,)
+        Filled; the distance is the slant range: travel time by the speed at the sonar.
+    arrivals : Arrivals of ndarrays, shape (n,)
+        Filled where there is a hit.
     """
     bed, solids, mesh, water = arrays.bed, arrays.solids, arrays.mesh, arrays.water
     batch, met = empty_batch(TOGETHER, solids.shape.size), empty_chord_hits(TOGETHER)
@@ -98,12 +117,21 @@ def find_refracted_hits(arrays, bundle, reach, march, hits, arrivals):
             march_chords(bed, solids, mesh, batch, count, met)
         else:
             meet_chords(bed, solids, mesh, batch, count, met)
-        _arrive(water, bundle, first, count, reach, batch, begins, met, hits, arrivals)
+        _arrive(water, LandedRays(bundle, hits, arrivals), first, count, reach, batch, begins, met)
 
 
 @kernel
 def empty_arrivals(n):
-    """Room for n arrivals."""
+    """Room for n arrivals.
+
+    Parameters
+    ----------
+    n : int
+
+    Returns
+    -------
+    Arrivals
+    """
     return Arrivals(
         np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     )
@@ -111,7 +139,20 @@ def empty_arrivals(n):
 
 @kernel
 def clear_of_nodes(height, ceiling):
-    """Raise a ceiling until it is clear of all that is below it and of the water's nodes."""
+    """Least height clear of a ceiling and of the water's nodes.
+
+    Parameters
+    ----------
+    height : ndarray, shape (n,)
+        Nodes of the water, ascending, m.
+    ceiling : float
+        m.
+
+    Returns
+    -------
+    float
+        m.
+    """
     ceiling += CLEAR
     for k in range(height.size):
         if abs(height[k] - ceiling) < 0.5 * CLEAR:
@@ -121,7 +162,7 @@ def clear_of_nodes(height, ceiling):
 
 @inlined
 def _vertical_plane(bundle, k):
-    """Lay the plane of a ray; that of a vertical one is any."""
+    """Vertical plane of ray k, any for a vertical one, and the level part of its direction."""
     level = math.sqrt(bundle.dx[k] * bundle.dx[k] + bundle.dy[k] * bundle.dy[k])
     if level > 0.0:
         return VerticalPlane(bundle.x[k], bundle.y[k], bundle.dx[k] / level, bundle.dy[k] / level), level
@@ -130,7 +171,7 @@ def _vertical_plane(bundle, k):
 
 @kernel
 def _find_contact_zones(bed, solids, mesh, height, bundle, first, count, batch, limits):
-    """List the bodies that the plane of each ray crosses, and tell where it may meet anything."""
+    """List the solids that the plane of each ray crosses, and where it may meet anything."""
     for k in range(count):
         plane, _ = _vertical_plane(bundle, first + k)
         low, high, nearest, farthest = bed.low, bed.high, math.inf, -math.inf
@@ -161,7 +202,7 @@ def _find_contact_zones(bed, solids, mesh, height, bundle, first, count, batch, 
 
 @inlined
 def _disc_crossing(plane, cx, cy, bound):
-    """Ground ranges between which a course may cross a disc, its centre counted from the start; none if they turn."""
+    """Ground ranges between which a plane may cross a disc, its centre counted from the start; none if they turn."""
     off, ahead = cy * plane.ahead_x - cx * plane.ahead_y, cx * plane.ahead_x + cy * plane.ahead_y
     if abs(off) > bound or ahead < -bound:
         return math.inf, -math.inf
@@ -206,7 +247,18 @@ def _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins
 
 @inlined
 def lay_in_section(axis_x, axis_y, plane):
-    """Lay the plane of a ray through the water's stations, along whose axis they lie."""
+    """How the vertical plane of a ray lies to the stations of the water.
+
+    Parameters
+    ----------
+    axis_x, axis_y : float
+        Level unit vector along which the stations lie.
+    plane : VerticalPlane
+
+    Returns
+    -------
+    SectionPlane
+    """
     return SectionPlane(plane.x * axis_x + plane.y * axis_y, plane.ahead_x * axis_x + plane.ahead_y * axis_y)
 
 
@@ -220,7 +272,7 @@ def _enlarge(rows, needed):
 
 @inlined
 def _count_chords(ray, after, march):
-    """Count the chords that an arc is cut into: (chords, its turn, its length as the crow flies)."""
+    """Count the chords that an arc is cut into; return also its turn, and the straight distance between its ends."""
     dx, dz = after.x - ray.x, after.z - ray.z
     whole = math.sqrt(dx * dx + dz * dz)
     # By the way to its end, so that the last chord ends exactly there.
@@ -234,7 +286,7 @@ def _count_chords(ray, after, march):
 
 @inlined
 def _write_chords(rows, chord, arc, pieces, turn, whole, plane, limit, ray):
-    """Write down the chords of an arc that may meet anything; return the number of the next."""
+    """Write the chords of an arc that may meet anything; return the number of the next."""
     half, length = 0.5 * turn / pieces, whole / pieces
     if half != 0.0:
         length = whole * math.sin(half) / math.sin(pieces * half)
@@ -255,14 +307,15 @@ def _write_chords(rows, chord, arc, pieces, turn, whole, plane, limit, ray):
 
 @inlined
 def _keep_arc_start(begins, arc, ray):
-    """Write down how a ray begins an arc."""
+    """Write how a ray begins an arc."""
     begins[arc, 0], begins[arc, 1], begins[arc, 2], begins[arc, 3] = ray.x, ray.z, ray.cosine, ray.sine
     begins[arc, 4], begins[arc, 5], begins[arc, 6], begins[arc, 7] = ray.speed, ray.time, ray.p, ray.q
 
 
 @kernel
-def _arrive(water, bundle, first, count, reach, batch, begins, met, hits, arrivals):
+def _arrive(water, rays, first, count, reach, batch, begins, met):
     """Take the arcs on which chords have met anything to those places: how rays arrive."""
+    bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
     height, speed, station, reference = water.height, water.speed, water.station, water.reference
     axis_x, axis_y, rows = water.axis_x, water.axis_y, batch.chords
     for k in range(count):

@@ -1,11 +1,11 @@
-"""Things heard along several bent paths: echoes that go out by one and come back by another.
+"""Mixed paths: echoes that go out by one refracted ray and come back by another.
 
-A ray that lands knows its own way; for each other elevation at which a pilot comes down near there, the ray that lands
-on the same spot is found by Newton's steps and sent, to see whether anything is in its way. Of two paths A and B with
-slant ranges r_A and r_B the echo comes at R = (r_A + r_B) / 2, of which each path's own landings bring one half: out by
-A, on which dΩ lands as ever, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B), and for a knife
-as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B); law `light` has |(d_A + d_B) · dP| / 2 for the step of range, as
-`bounce` has it.
+A ray that lands knows its own way; for each other elevation at which a probe ray comes down near there, the ray that
+lands on the same spot is found by Newton's steps and sent, to see whether anything is in its way. Of two paths A and B
+with slant ranges r_A and r_B the echo comes at R = (r_A + r_B) / 2, of which each path's own landings bring one half:
+out by A, on which dΩ lands as ever, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B), and for a
+knife as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B); law `light` has |(d_A + d_B) · dP| / 2 for the step of range,
+as `specular_paths` has it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from insonify.kernels.common.types import LIGHT
 from insonify.kernels.rays.cell_walk import NOTHING
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits
 from insonify.kernels.rays.specular_paths import pair_sensitivity
-from insonify.kernels.refracted_rays.hits import MOST_ARCS, empty_arrivals, find_refracted_hits
+from insonify.kernels.refracted_rays.hits import MOST_ARCS, LandedRays, empty_arrivals, find_refracted_hits
 from insonify.kernels.refraction.arcs import RANGE
 from insonify.kernels.refraction.section_arcs import advance_ray, launch_ray
 
@@ -34,9 +34,32 @@ SEEN = 0.02  # m, by which the landings of two paths may lie apart: chords leave
 
 
 @kernel
-def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, bundle, hits, arrivals):
-    """Find what goes out by the paths of one side's rays and back by others: (rays, bins, values); bin −1 for none."""
-    pairs, angles = _pair_paths(waveguide, z, landings, bundle, hits, arrivals, launch.weight)
+def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, rays):
+    """Echoes out by the paths of one side's rays and back by others.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    beam : SideBeam
+    waveguide : Waveguide
+    z : float
+        Height of the sonar, m.
+    landings : Landings
+        Of the probe rays.
+    launch : RayLaunch of ndarrays, shape (n,)
+    rays : LandedRays of ndarrays, shape (n,)
+
+    Returns
+    -------
+    rays : ndarray of int64, shape (m,)
+        Number of the ray out.
+    bins : ndarray of int64, shape (m,)
+        -1 where nothing comes back.
+    values : ndarray, shape (m,)
+        But for the factor that depends on range alone.
+    """
+    bundle, arrivals = rays.bundle, rays.arrivals
+    pairs, angles = _pair_paths(waveguide, z, landings, rays, launch.weight)
     n = angles.size
     others, met, back = empty_bundle(n), empty_hits(n), empty_arrivals(n)
     for m in range(n):
@@ -46,20 +69,20 @@ def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, bundle, hits
         c = math.cos(angles[m]) / level
         others.dx[m], others.dy[m], others.dz[m] = c * bundle.dx[k], c * bundle.dy[k], math.sin(angles[m])
     find_refracted_hits(arrays, others, 2.0 * waveguide.reach, 0.0, met, back)
+    other_rays = LandedRays(others, met, back)
     bins, values = np.full(n, -1), np.zeros(n)
     for m in range(n):
         k = pairs[m]
         apart = max(abs(back.x[m] - arrivals.x[k]), abs(back.z[m] - arrivals.z[k]))
         if met.body[m] != NOTHING and apart < SEEN:
-            bins[m], values[m] = _mixed_echo(
-                arrays, beam, launch.weight[k], bundle, hits, arrivals, k, others, met, back, m
-            )
+            bins[m], values[m] = _mixed_echo(arrays, beam, launch.weight[k], rays, k, other_rays, m)
     return pairs, bins, values
 
 
 @kernel
-def _pair_paths(waveguide, z, landings, bundle, hits, arrivals, weight):
+def _pair_paths(waveguide, z, landings, rays, weight):
     """Find the other rays to where rays have landed: the numbers of those, and the elevations of the others."""
+    bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
     pairs, angles = np.empty(weight.size, np.int64), np.empty(weight.size)
     found = np.empty(MOST_WAYS + 1)
     count = 0
@@ -92,7 +115,7 @@ def _pair_paths(waveguide, z, landings, bundle, hits, arrivals, weight):
 
 @kernel
 def _find_other_path(waveguide, z, angle, x, height):
-    """Find the elevation at which a ray comes to a place, from a guess; NaN if that leads nowhere."""
+    """Elevation at which a ray comes to a place, from a guess; NaN if that leads nowhere."""
     water = waveguide.water
     for _ in range(TRIES):
         ray = launch_ray(water.height, water.speed, water.station, waveguide.plane, z, math.cos(angle), math.sin(angle))
@@ -133,8 +156,10 @@ def _enlarge_row(row):
 
 
 @inlined
-def _mixed_echo(arrays, beam, weight, bundle, hits, arrivals, k, others, met, back, m):
+def _mixed_echo(arrays, beam, weight, rays, k, other_rays, m):
     """Bin and value of what goes out by ray k and back by the other ray m to the same place."""
+    bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
+    others, met, back = other_rays.bundle, other_rays.hits, other_rays.arrivals
     fan, law = arrays.half_width > 0.0, arrays.law
     distance = 0.5 * (hits.distance[k] + met.distance[m])
     b = int(distance / arrays.bin_length)
@@ -169,7 +194,7 @@ def _mixed_echo(arrays, beam, weight, bundle, hits, arrivals, k, others, met, ba
 
 @inlined
 def _range_growth(dx, dy, dz, ex, ey, ez, nx, ny, nz):
-    """How the lengths of two ways to a landing grow as it moves with a tube 1 m wide that comes by the first."""
+    """Growth of the lengths of two ways to a landing as it moves with a tube 1 m wide that comes by the first."""
     level = max(math.sqrt(dx * dx + dy * dy), 1e-300)
     ux, uy, uz = -dz * dx / level, -dz * dy / level, level
     on = (nx * ux + ny * uy + nz * uz) / (nx * dx + ny * dy + nz * dz)

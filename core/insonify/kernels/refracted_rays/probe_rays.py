@@ -1,6 +1,6 @@
-"""Where rays are sent in water that bends them: pilots go first and tell at which elevations there is anything to hit.
+"""Directions in which refracted rays are sent: probe rays go first and tell where there is anything to hit.
 
-Between two pilots that hit a level bed, rays lie at equal steps of its slant range; where a pilot only comes as low as
+Between two probes that hit a level bed, rays lie at equal steps of its slant range; where a probe only comes as low as
 something may stand, as dense as they lie on a level bed at the end of the range, at most half of all. Elevations from
 which nothing is reached get no rays. Each ray stands for exactly the angles that it was given.
 """
@@ -28,7 +28,7 @@ MOST_PROBE_RAYS = 8192
 
 
 class Waveguide(NamedTuple):
-    """What the rays of one side run through, athwart, and how high there is anything to hit."""
+    """Water in the plane athwart one side of a ping, and how high and how far there is anything to hit."""
 
     water: Water
     plane: SectionPlane
@@ -47,7 +47,7 @@ class ProbeRay(NamedTuple):
 
 
 class Landings(NamedTuple):
-    """Where pilots meet the mean bed, by ascending elevation; NaN of those that do not."""
+    """Where probe rays meet the mean bed, by ascending elevation; NaN of those that do not."""
 
     angle: NDArray[np.float64]  # (n,) rad, up positive
     range: NDArray[np.float64]  # (n,) slant range, m
@@ -58,15 +58,33 @@ class Landings(NamedTuple):
 
 @kernel
 def empty_landings():
-    """Landings of no pilots."""
+    """Landings of no probe rays.
+
+    Returns
+    -------
+    Landings
+    """
     return Landings(np.empty(0), np.empty(0), np.empty(0), np.empty(0), math.inf)
 
 
 @kernel
 def aim_refracted_rays(launch, waveguide, z, half_width, law, spreads):
-    """Aim all rays of a side; athwart where a pattern ``spreads`` them later. What is left over has no weight.
+    """Aim all rays of a side; what is left over has no weight.
 
-    Return the landings of the pilots.
+    Parameters
+    ----------
+    launch : RayLaunch of ndarrays, shape (n,)
+        Filled.
+    waveguide : Waveguide
+    z : float
+        Height of the sonar, m.
+    half_width, law, spreads
+        As in `launch.aim_rays`.
+
+    Returns
+    -------
+    Landings
+        Of the probe rays.
     """
     n = launch.up.size
     landings, share = _weigh_elevations(waveguide, z)
@@ -90,7 +108,7 @@ def aim_refracted_rays(launch, waveguide, z, half_width, law, spreads):
 
 @kernel
 def _weigh_elevations(waveguide, z):
-    """Send pilots; return where they land, and how many rays belong between each two by comparison."""
+    """Send probe rays; return where they land, and how many rays belong between each two by comparison."""
     probes = [_send_probe(waveguide, z, _first_angle(0))]
     waiting = [probes[0]]
     waiting.pop()
@@ -125,7 +143,7 @@ def _weigh_elevations(waveguide, z):
 
 @kernel
 def _landings(probes):
-    """Lay out where pilots land."""
+    """Landings of a list of probe rays."""
     n, fold, farthest = len(probes), math.inf, 0.0
     landings = Landings(np.empty(n), np.full(n, math.nan), np.full(n, math.nan), np.full(n, math.nan), fold)
     for i, probe in enumerate(probes):
@@ -140,13 +158,13 @@ def _landings(probes):
 
 @inlined
 def _first_angle(i):
-    """Elevation of one of the first pilots."""
+    """Elevation of one of the first probe rays, rad."""
     return 0.5 * math.pi * math.sinh(CROWD * (2.0 * i / (PROBE_RAYS - 1) - 1.0)) / math.sinh(CROWD)
 
 
 @inlined
 def _needs_probe_between(one, other, reach):
-    """Whether more pilots belong between two."""
+    """Whether more probe rays belong between two."""
     if other.angle - one.angle < CLOSE:
         return False
     if one.range <= reach and other.range <= reach:
@@ -190,7 +208,7 @@ def _reach_share(angle, share, wanted, i, before):
 
 @kernel
 def _send_probe(waveguide, z, elevation):
-    """Send a pilot down to the mean bed."""
+    """Send a probe ray down to the mean bed."""
     water, plane = waveguide.water, waveguide.plane
     ray = launch_ray(water.height, water.speed, water.station, plane, z, math.cos(elevation), math.sin(elevation))
     in_time, level = waveguide.reach / water.reference, min(0.0, waveguide.ceiling)

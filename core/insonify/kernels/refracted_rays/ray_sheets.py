@@ -1,4 +1,4 @@
-"""Rays in sheets, each sheet integrated over elevation: nearer the truth than as many rays one by one.
+"""Sheets of rays, each integrated over elevation: nearer to the truth than as many rays one by one.
 
 The rays of a sheet keep one place within the beam and follow one another in elevation. Where two neighbours land on one
 surface, and as far apart as their own landings grow, what is returned between them is spread over the range between
@@ -38,7 +38,7 @@ from insonify.kernels.rays.launch import (
     rotate_to_world,
 )
 from insonify.kernels.refracted_rays.echoes import make_waveguide, refracted_echo
-from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_hits
+from insonify.kernels.refracted_rays.hits import LandedRays, empty_arrivals, find_refracted_hits
 from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
 from insonify.kernels.refracted_rays.probe_rays import aim_refracted_rays
 
@@ -61,9 +61,24 @@ class SheetEchoes(NamedTuple):
 
 @kernel
 def trace_ray_sheets(arrays, poses, sheets, rays, out):
-    """Trace all pings into ``out`` (pings, 2, bins) with so many sheets a side of so many rays to begin with.
+    """Intensity per range bin of pings traced by sheets of rays.
 
-    Return -1 - k if the sonar is inside body k, else 0.
+    Parameters
+    ----------
+    arrays : SceneArrays
+        Without multipath and bounces: sheets have first echoes alone.
+    poses : Poses of ndarrays, shape (n,)
+    sheets : int
+        Per side.
+    rays : int
+        Per sheet to begin with.
+    out : ndarray of float32, shape (n, 2, bins)
+        Filled.
+
+    Returns
+    -------
+    int
+        -1 - k if the sonar is inside solid k, else 0.
     """
     sums, near = np.empty(arrays.bins), np.empty(arrays.solids.shape.size, np.int64)
     for ping in range(poses.x.size):
@@ -131,7 +146,9 @@ def _add_mixed(arrays, beam, pitch, waveguide, landings, launch, place, shift, s
     launch = RayLaunch(launch.ahead, launch.abeam, launch.up, weight)
     hits, arrivals = empty_hits(n), empty_arrivals(n)
     find_refracted_hits(arrays, bundle, waveguide.reach, 0.0, hits, arrivals)
-    _, bins, values = find_mixed_echoes(arrays, beam, waveguide, beam.z, landings, launch, bundle, hits, arrivals)
+    _, bins, values = find_mixed_echoes(
+        arrays, beam, waveguide, beam.z, landings, launch, LandedRays(bundle, hits, arrivals)
+    )
     for m in range(bins.size):
         if bins[m] >= 0:
             sums[bins[m]] += values[m]
@@ -153,7 +170,7 @@ def _elevations(up, top):
 
 @kernel
 def _trace_sheet(arrays, beam, pitch, near, bodies, angle, place):
-    """Send straight rays of one place within the beam at these elevations."""
+    """Echoes of straight rays of one place within the beam at given elevations."""
     n, fan = angle.size, arrays.half_width > 0.0
     bundle, density = _send(arrays, beam, pitch, angle, place)
     hits, landed = empty_hits(n), SheetEchoes(angle, np.empty(n), np.empty(n, np.int64), np.zeros(n), np.zeros(n))
@@ -169,7 +186,7 @@ def _trace_sheet(arrays, beam, pitch, near, bodies, angle, place):
 
 @kernel
 def _trace_refracted_sheet(arrays, beam, pitch, angle, place):
-    """Send rays along arcs of one place within the beam at these elevations."""
+    """Echoes of rays along arcs of one place within the beam at given elevations."""
     n = angle.size
     bundle, density = _send(arrays, beam, pitch, angle, place)
     hits, arrivals = empty_hits(n), empty_arrivals(n)
@@ -297,7 +314,7 @@ def _middles(landed, gaps):
 
 @kernel
 def _insert_middles(landed, gaps, middles):
-    """Put the rays halfway across gaps between those that bound them."""
+    """Echoes of the rays halfway across gaps, between those that bound them."""
     n = OF_THREE * gaps.size
     halved = SheetEchoes(np.empty(n), np.empty(n), np.empty(n, np.int64), np.empty(n), np.empty(n))
     for m in range(gaps.size):
@@ -309,6 +326,6 @@ def _insert_middles(landed, gaps, middles):
 
 @inlined
 def _copy(landed, k, other, m):
-    """Copy one ray to another place."""
+    """Copy the echo of one ray to another place."""
     other.angle[m], other.distance[m], other.surface[m] = landed.angle[k], landed.distance[k], landed.surface[k]
     other.value[m], other.growth[m] = landed.value[k], landed.growth[k]

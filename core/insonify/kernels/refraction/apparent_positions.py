@@ -1,16 +1,17 @@
-"""Layered water made straight: every place is put where it seems to be, along its launch angle at its slant range.
+"""Apparent positions in layered water: every place is put along its launch angle at its slant range.
 
 From one sonar, a place reached by one ray alone is known by that ray's launch angle θ0 and travel time τ. Put at
 
     x' = r' cosθ0,  z' = r' sinθ0,  r' = reference speed · τ,
 
-it stays behind and before the same places as it is in truth, and sound goes straight to it: horizon, screen and bins
+it stays behind and before the same places as it is in truth, and sound goes straight to it: horizon, z-buffer and bins
 need not know of the water. This map is as smooth as the water, straight down and level with the sonar too, so that
 tables of x'/x and z' - z are coarse and their errors small.
 
 With q the distance across the ray per launch angle, N = q/r' tells what the map does to energy. A piece of surface
 ds seen at incidence α spans the launch angle dθ0 = cosα ds / q, and one-way intensity over that at 1 m is
-cosθ0 / (x |q|) = (x'/x) / (N r'²). Hence the true incidence, spreading and along-track width follow from N.
+cosθ0 / (x |q|) = (x'/x) / (N r'²). Hence the true incidence, spreading and along-track width follow from N. Derived in
+docs/theory/refraction.md.
 """
 
 from __future__ import annotations
@@ -64,7 +65,16 @@ def empty_table(bending: ApparentTables) -> NDArray[np.float32]:
 
 @kernel
 def interpolate_table(bending, z, table):
-    """Fill the table of a sonar at height z from those of the heights below and above."""
+    """Table of a sonar between the heights of two tables.
+
+    Parameters
+    ----------
+    apparent : ApparentTables
+    z : float
+        Height of the sonar, m.
+    table : ndarray of float32, shape (rows, columns, 4)
+        Filled.
+    """
     place = (z - bending.sonar_low) / bending.sonar_step
     k = min(max(int(place), 0), bending.tables.shape[0] - 2)
     share = np.float32(place - k)
@@ -75,13 +85,29 @@ def interpolate_table(bending, z, table):
 
 @inlined_uncounted
 def straight_grid():
-    """Tell that sound goes straight."""
+    """Grid of no table: sound goes straight.
+
+    Returns
+    -------
+    TableGrid
+    """
     return TableGrid(False, 1.0, 0.0, 1.0, 1.0, 2, 2)
 
 
 @inlined_uncounted
 def prepare_table(bending, z, table):
-    """Fill the table of a sonar at height z, if sound bends; return how to read it."""
+    """Fill the table of one ping, if water bends sound.
+
+    Parameters
+    ----------
+    apparent, z, table
+        As in `interpolate_table`.
+
+    Returns
+    -------
+    TableGrid
+        How to read it.
+    """
     if not bending.bent:
         return straight_grid()
     interpolate_table(bending, z, table)
@@ -92,9 +118,19 @@ def prepare_table(bending, z, table):
 
 @inlined
 def look_up_position(table, grid, x, z):
-    """Read LEVEL, RISE, TUBE and TURN of a place at ground range x and height z above the sonar.
+    """Entries of a table for a place, bilinear; beyond the table as at its edge.
 
-    Bilinear; beyond the table as at its edge.
+    Parameters
+    ----------
+    table : ndarray of float32, shape (rows, columns, 4)
+    grid : TableGrid
+    x, z : float
+        Ground range, and height above the sonar, m.
+
+    Returns
+    -------
+    level, rise, tube, turn : float32
+        Entries LEVEL, RISE (m), TUBE and TURN (rad).
     """
     i, j, fu, fv = _locate_cell(grid, x, z)
     gu, gv = np.float32(1.0) - fu, np.float32(1.0) - fv
@@ -113,7 +149,7 @@ def look_up_position(table, grid, x, z):
 
 @inlined
 def _locate_cell(grid, x, z):
-    """Find the column and row of the cell of a place, and how far into it the place lies."""
+    """Column and row of the cell of a place, and how far into it the place lies."""
     u, v = x * grid.per_column, (z - grid.low) * grid.per_row
     v = v if v > 0.0 else 0.0  # NaN, a hole in the bed, compares false
     u, v = min(u, grid.columns - 1.0), min(v, grid.rows - 1.0)
@@ -122,36 +158,34 @@ def _locate_cell(grid, x, z):
 
 
 @kernel
-def apply_apparent_positions(table, grid, one_wide, x, z, slope, area, level, gain, count):
-    """Put the knots of a profile where they seem to be, in place.
+def apply_apparent_positions(table, grid, one_wide, profile, count):
+    """Put the knots of a profile at their apparent positions, in place.
 
     Parameters
     ----------
     table : ndarray of float32, shape (rows, columns, 4)
-    sheet : Sheet
+    grid : TableGrid
     one_wide : bool
-        Whether the plane stands for a strip of one width everywhere, not for a wedge of azimuths.
-    x, z, slope, area : ndarray
-        Of the profile. Slope becomes that of the segment as it seems, and area what makes the cosine of the incidence
-        come out as it is: (ds cosα)² = (q dθ0)².
-    level : ndarray of float32
-        Takes x'/x at the knots.
-    gain : ndarray of float32
-        Takes what multiplies the energy that the profile would send back were it where it seems: of the spreading
-        (x'/x)²/N², there and back, of the surface N, and of a wedge's width x/x'.
+        Whether the plane stands for a strip of one width everywhere, not for a sector of azimuths.
+    profile : Profile
+        Changed: ``x``, ``z`` and ``slope`` become apparent ones, and ``area`` what makes the cosine of the incidence
+        come out as it is: (ds cosα)² = (q dθ0)². ``range_ratio`` takes x'/x at the knots, and ``gain`` what multiplies
+        the energy that the profile would send back were it where it appears: of the spreading (x'/x)²/N², there and
+        back, of the surface N, and of a sector's width x/x'.
     count : int
         Knots.
     """
+    x, z, level, gain = profile.x, profile.z, profile.range_ratio, profile.gain
     _apply_rise(table, grid, x, z, level, gain, count)
     if _overhangs(x, level, count):
         _remove_overhangs(x, level, count)
-    _correct_slopes(x, z, level, gain, slope, area, count)
+    _correct_slopes(x, z, level, gain, profile.slope, profile.area, count)
     _finish_knots(x, level, gain, one_wide, count)
 
 
 @inlined
 def _apply_rise(table, grid, x, z, level, tube, count):
-    """Read LEVEL and TUBE at the knots of a profile and apply RISE."""
+    """Read LEVEL and TUBE at the knots of a profile, and add RISE to their heights."""
     right, top, last_column, last_row = grid.columns - 1.0, grid.rows - 1.0, grid.columns - 2, grid.rows - 2
     low, per_row, per_column = grid.low, grid.per_row, grid.per_column
     column, row = -1, -1
@@ -172,14 +206,14 @@ def _apply_rise(table, grid, x, z, level, tube, count):
 
 @inlined
 def _bilinear(table, j, i, what):
-    """Coefficients of 1, u, v and uv within a cell."""
+    """Coefficients of 1, u, v and uv of one entry within a cell."""
     here, right, up, across = table[j, i, what], table[j, i + 1, what], table[j + 1, i, what], table[j + 1, i + 1, what]
     return here, right - here, up - here, across - up - right + here
 
 
 @inlined
 def _overhangs(x, level, count):
-    """Whether any wall, so steep that the water matters, would hang over as it seems."""
+    """Whether any wall, so steep that the water matters, would hang over at its apparent position."""
     leaning = 0
     for k in range(count - 1):
         run = x[k + 1] - x[k]
@@ -189,7 +223,7 @@ def _overhangs(x, level, count):
 
 @inlined
 def _remove_overhangs(x, level, count):
-    """Let every knot seem a little beyond the one before it."""
+    """Move every knot a little beyond the one before it."""
     for k in range(1, count):
         least = x[k - 1] * (1.0 + level[k - 1]) + 2.0 * UPRIGHT * (x[k] - x[k - 1])
         level[k] = max(level[k], np.float32(least / x[k] - 1.0))
@@ -197,7 +231,7 @@ def _remove_overhangs(x, level, count):
 
 @inlined
 def _correct_slopes(x, z, level, tube, slope, area, count):
-    """Give the segments the slopes they seem to have, and the areas that leave their incidence as it is."""
+    """Give segments their apparent slopes, and the areas that leave their incidence as it is."""
     two = np.float32(2.0)
     for k in range(count - 1):
         run = x[k + 1] - x[k]
@@ -209,7 +243,7 @@ def _correct_slopes(x, z, level, tube, slope, area, count):
 
 @inlined
 def _finish_knots(x, level, gain, one_wide, count):
-    """Put the knots where they seem to be, and turn TUBE into the gain."""
+    """Put knots at their apparent ground ranges, and turn TUBE into the gain."""
     one = np.float32(1.0)
     for k in range(count):
         x[k] += x[k] * level[k]

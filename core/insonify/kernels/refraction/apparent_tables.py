@@ -1,4 +1,4 @@
-"""Tables of where places seem to be through layered water, and whether each is heard along one ray alone."""
+"""Tables of apparent positions in layered water, and whether each place is reached by one ray alone."""
 
 from __future__ import annotations
 
@@ -63,10 +63,27 @@ def fill_apparent_table(height, speed, reference, z, first_row, row_step, column
 
 @kernel
 def is_single_valued(height, speed, z, low, high, reach, surface):
-    """Whether no place between two heights is heard along two rays, within a ground range.
+    """Whether no place between two heights is reached by two rays, within a ground range.
 
     Only rays that turn can meet others: those launched so flatly that sound of the same slowness along the level is
     found nowhere beyond their turning points. Where rays are launched the more steeply, they must come out the higher.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of the water, ascending.
+    z : float
+        Height of the sonar, m.
+    low, high : float
+        The two heights, m.
+    reach : float
+        The ground range, m.
+    surface : float
+        Height above which no ray may go, m.
+
+    Returns
+    -------
+    bool
     """
     c0 = speed_at(height, speed, z)
     flattest = math.acos(min(c0 / speed.max(), 1.0))

@@ -5,11 +5,12 @@ curvature, s the arc's length, u0 and u1 the directions at its ends,
 
     T = 2 tan(κs/2) / κ,   displacement = T (u0 + u1)/2,   ∫c ds = T (c0 + c1)/2,
 
-so that nothing is divided by the gradient, rays may be vertical, and vertices are no places apart. κ = gξ with g the
-gradient and ξ = cosθ/c Snell's constant; θ is positive upwards, and κ is positive for rays that bend down.
+so that nothing is divided by the gradient, rays may be vertical, and turning points are no places apart. κ = gξ with g
+the gradient and ξ = cosθ/c Snell's constant; θ is positive upwards, and κ is positive for rays that bend down.
 
-The ray tube follows Červený's p and q: q is the distance across the ray between rays launched 1 rad apart, so that
-intensity over that at 1 m is cosθ0 / (x |q|).
+The ray tube follows p and q of dynamic ray tracing (Červený 2001, chapter 4; Jensen et al., Computational Ocean
+Acoustics, 3.3): q is the distance across the ray between rays launched 1 rad apart, so that intensity over that at 1 m
+is cosθ0 / (x |q|). The arcs are derived in docs/theory/refraction.md.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ GRAZING = 1e-7  # sine below which an interface that kicks the tube is taken as 
 
 
 class RayState(NamedTuple):
-    """Where a ray is, in its own vertical plane."""
+    """Where a ray is in its own vertical plane, its direction, travel time and ray tube."""
 
     x: float  # ground range, m
     z: float  # height, m
@@ -41,7 +42,20 @@ class RayState(NamedTuple):
 
 @inlined
 def node_below(height, z):
-    """Find the highest node at or below z, within a snap; -1 below all."""
+    """Highest node of the water at or below a height.
+
+    Parameters
+    ----------
+    height : ndarray, shape (n,)
+        Nodes, ascending, m; or any ascending places.
+    z : float
+        m; within ``SNAP`` of a node it is on it.
+
+    Returns
+    -------
+    int
+        -1 below all.
+    """
     low, high = 0, height.size
     while low < high:
         middle = (low + high) // 2
@@ -54,7 +68,19 @@ def node_below(height, z):
 
 @inlined
 def gradient_above(height, speed, k):
-    """dc/dz between nodes k and k + 1, 0 beyond the outermost, 1/s."""
+    """Gradient dc/dz between nodes k and k + 1.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of layered water, ascending.
+    k : int
+
+    Returns
+    -------
+    float
+        1/s; 0 beyond the outermost nodes.
+    """
     if k < 0 or k >= height.size - 1:
         return 0.0
     return (speed[k + 1] - speed[k]) / (height[k + 1] - height[k])
@@ -62,7 +88,20 @@ def gradient_above(height, speed, k):
 
 @inlined
 def speed_at(height, speed, z):
-    """Speed of sound at a height, m/s."""
+    """Speed of sound at a height.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of layered water, ascending.
+    z : float
+        m.
+
+    Returns
+    -------
+    float
+        m/s.
+    """
     k = node_below(height, z)
     if k < 0:
         return speed[0]
@@ -71,29 +110,43 @@ def speed_at(height, speed, z):
 
 @inlined
 def launch_in_layers(height, speed, z, cosine, sine):
-    """Start a ray at height z and ground range 0."""
+    """Ray at its start, at ground range 0.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of layered water, ascending.
+    z : float
+        Height, m.
+    cosine, sine : float
+        Of its direction above the horizontal.
+
+    Returns
+    -------
+    RayState
+    """
     c = speed_at(height, speed, z)
     return RayState(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
 
 
 @inlined
 def advance_in_layers(height, speed, ray, x_end, low, high):
-    """Follow a ray to the next node of the water, to range ``x_end``, or to height ``low`` or ``high``.
+    """Follow a ray to the next node of the water, to a ground range or to a height, whichever comes first.
 
     Parameters
     ----------
     height, speed : ndarray, shape (n,)
         Nodes of layered water, ascending.
-    ray : Ray
+    ray : RayState
         Where it is: between ``low`` and ``high``, and not beyond ``x_end``.
     x_end, low, high : float
-        Limits; infinite ones are none.
+        Ground range and heights, m; infinite ones are none.
 
     Returns
     -------
     status : int
         NODE, RANGE, LOW or HIGH, by what was met first; ENDLESS if the ray meets none of them.
-    ray : Ray
+    ray : RayState
         There. At a node it has entered the next layer; at ``low`` and ``high`` it has not, though a node be there.
     """
     layer, g, floor, ceiling = find_layer(height, speed, ray)
@@ -118,13 +171,29 @@ def advance_in_layers(height, speed, ray, x_end, low, high):
 
 @inlined
 def _at_range(ray, x):
-    """Put a ray exactly where it was to end."""
+    """Ray with its ground range set exactly to where it was to end."""
     return RayState(x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
 
 
 @inlined
 def find_layer(height, speed, ray):
-    """Find the layer a ray goes on in: the node below it, its gradient, floor and ceiling."""
+    """Layer in which a ray goes on.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of layered water, ascending.
+    ray : RayState
+
+    Returns
+    -------
+    k : int
+        Node below it, -1 if there is none.
+    g : float
+        Gradient of the layer, 1/s.
+    floor, ceiling : float
+        Heights of its borders, m.
+    """
     k = node_below(height, ray.z)
     g = gradient_above(height, speed, k)
     on_node = k >= 0 and ray.z - height[k] <= SNAP
@@ -145,7 +214,7 @@ def find_layer(height, speed, ray):
 
 @inlined
 def _reach_level(ray, g, floor, ceiling):
-    """Find which border of a layer a ray meets, the sine of its direction there, and the tangents of the arc to it."""
+    """Border of a layer that a ray meets, the sine of its direction there, and the tangents of the arc to it."""
     bend = g * ray.cosine / ray.speed
     up = ray.sine > 0.0 or (ray.sine == 0.0 and g < 0.0)
     if up:
@@ -162,7 +231,7 @@ def _reach_level(ray, g, floor, ceiling):
 
 @inlined
 def reach_line(along, across, distance, bend):
-    """Tangents of the arc from a ray to a line ahead, and the part of its direction there that leads over the line.
+    """Tangents of the arc from a ray to a straight line ahead.
 
     Parameters
     ----------
@@ -175,8 +244,10 @@ def reach_line(along, across, distance, bend):
 
     Returns
     -------
-    tangents, along : float
-        Infinite tangents if the arc never gets there.
+    tangents : float
+        m; infinite if the arc never gets there.
+    along : float
+        Part of the direction there that leads over the line.
     """
     if math.isinf(distance):
         return math.inf, 0.0
@@ -196,7 +267,20 @@ def reach_line(along, across, distance, bend):
 
 @inlined
 def follow_arc(ray, gx, gz, tangents):
-    """Follow an arc of known tangents where speed has the gradient ``gx`` along range and ``gz`` upwards, 1/s."""
+    """Ray at the other end of an arc of known tangents.
+
+    Parameters
+    ----------
+    ray : RayState
+    gx, gz : float
+        Gradient of speed along range and upwards, 1/s.
+    tangents : float
+        Of the arc, m.
+
+    Returns
+    -------
+    RayState
+    """
     turn = 0.5 * tangents * (ray.cosine * gz - ray.sine * gx) / ray.speed  # tan(κs/2)
     over = 1.0 / (1.0 + turn * turn)
     cosine = (ray.cosine * (1.0 - turn * turn) + 2.0 * turn * ray.sine) * over
@@ -209,7 +293,7 @@ def follow_arc(ray, gx, gz, tangents):
 
 @inlined
 def _follow_to_level(ray, g, tangents, level, sine):
-    """Follow an arc of layered water whose other end's height and direction are known."""
+    """Ray at the other end of an arc of layered water whose height and direction there are known."""
     speed = ray.speed + g * (level - ray.z)
     cosine = ray.cosine / ray.speed * speed
     time, q = _add_time_and_spread(ray, g * g, 0.5 * tangents * g * ray.cosine / ray.speed, tangents, speed)
@@ -219,7 +303,7 @@ def _follow_to_level(ray, g, tangents, level, sine):
 
 @inlined
 def _add_time_and_spread(ray, square, turn, tangents, speed):
-    """Time and q at the other end of an arc, by the squared gradient, tan(κs/2), T, and the speed there."""
+    """Travel time and q at the other end of an arc, by the squared gradient, tan(κs/2), T, and the speed there."""
     # Of the chord D = T cos(κs/2), squared, over the speeds at its ends.
     chord = tangents * tangents / ((1.0 + turn * turn) * ray.speed * speed)
     time = ray.time + math.sqrt(chord) * _asinh_ratio(0.25 * square * chord)
@@ -238,7 +322,20 @@ def _asinh_ratio(square):
 
 @inlined
 def enter_layer(height, speed, ray, node):
-    """Let a ray that has come to a node enter the layer beyond it: the jump of the gradient bends the tube."""
+    """Ray that has come to a node where it enters the layer beyond: the jump of the gradient bends the tube.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of layered water, ascending.
+    ray : RayState
+    node : int
+        The node that it has come to.
+
+    Returns
+    -------
+    RayState
+    """
     jump = gradient_above(height, speed, node) - gradient_above(height, speed, node - 1)
     there = RayState(ray.x, height[node], ray.cosine, ray.sine, speed[node], ray.time, ray.p, ray.q, ray.grazed)
     return _bend_tube_at_level(there, -jump)
@@ -246,9 +343,18 @@ def enter_layer(height, speed, ray, node):
 
 @inlined
 def reflect_at_level(ray, g):
-    """Send a ray back from a level surface; ``g`` is dc/dz on its side of it.
+    """Ray reflected by a level surface.
 
-    q keeps its sign, as if the ray went on into mirrored water: seen from outside, the tube has changed sides.
+    Parameters
+    ----------
+    ray : RayState
+    g : float
+        Gradient dc/dz on the ray's side of the surface, 1/s.
+
+    Returns
+    -------
+    RayState
+        q keeps its sign, as if the ray went on into mirrored water: seen from outside, the tube has changed sides.
     """
     there = _bend_tube_at_level(ray, 2.0 * g if ray.sine > 0.0 else -2.0 * g)
     return RayState(
@@ -258,7 +364,19 @@ def reflect_at_level(ray, g):
 
 @inlined
 def gradient_behind(height, speed, ray):
-    """dc/dz on the side that a ray comes from, up or down, 1/s."""
+    """Gradient dc/dz on the side that a ray comes from, up or down.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of layered water, ascending.
+    ray : RayState
+
+    Returns
+    -------
+    float
+        1/s.
+    """
     k = node_below(height, ray.z)
     on_node = k >= 0 and ray.z - height[k] <= SNAP
     return gradient_above(height, speed, k - 1 if on_node and ray.sine > 0.0 else k)
@@ -273,7 +391,20 @@ def _bend_tube_at_level(ray, fall):
 
 @inlined
 def bend_tube(ray, strength, flat):
-    """Bend the tube at a jump of the gradient; where the ray meets it flatly, that is capped and said."""
+    """Ray whose tube a jump of the gradient has bent.
+
+    Parameters
+    ----------
+    ray : RayState
+    strength : float
+        Jump of the gradient over the sine of the angle at which the ray meets it, 1/s.
+    flat : bool
+        Whether that sine is below ``GRAZING`` and was capped, which the ray then remembers.
+
+    Returns
+    -------
+    RayState
+    """
     p = ray.p + ray.q * strength / (ray.speed * ray.speed)
     grazed = ray.grazed or (flat and ray.q * strength != 0.0)
     return RayState(ray.x, ray.z, ray.cosine, ray.sine, ray.speed, ray.time, p, ray.q, grazed)

@@ -1,4 +1,4 @@
-"""Where rays touch a caustic: the tube has no width there."""
+"""Caustics: places at which the tube of a ray has no width."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ COLUMNS = 4  # of what is kept: the row of the ray's angle, range, height, time
 
 @kernel
 def trace_caustics(water, plane, z0, angles, limits, found):
-    """Follow rays from height ``z0`` at range 0 and keep where they touch caustics.
+    """Places at which rays from one height at ground range 0 touch caustics.
 
     Parameters
     ----------
     water, plane, z0, angles, limits
-        As in `paths.trace_paths`.
+        As in `ray_paths.trace_ray_paths`.
     found : ndarray, shape (m, COLUMNS)
         Filled from its beginning.
 
@@ -52,7 +52,7 @@ def trace_caustics(water, plane, z0, angles, limits, found):
 
 @inlined
 def _reach_caustic(height, speed, station, plane, ray):
-    """Follow a ray to where q is 0, within the arc that begins here."""
+    """Ray where its q is 0, within the arc that begins here."""
     if station.size == 1:
         _, gz, _, _ = find_layer(height, speed[0], ray)
         gx = 0.0

@@ -1,4 +1,4 @@
-"""All rays that join two points of layered water, turned and reflected ones too.
+"""All rays that join two points of layered water, those that turn and those that are reflected too.
 
 A launch angle at which a ray grazes a node, or an end of the water, is *critical*. Between two critical angles rays
 pass the same layers in the same order, and the range at which they come to a height for the n-th time is a smooth
@@ -53,13 +53,13 @@ class EndPoints(NamedTuple):
 
 @kernel
 def find_eigenrays(height, speed, span, edges, found):
-    """Find the rays that join two points.
+    """Rays that join two points of layered water.
 
     Parameters
     ----------
     height, speed : ndarray, shape (n,)
         Nodes of the water, ascending.
-    span : Span
+    span : EndPoints
     edges : ndarray
         Critical angles, ascending, rad: 0 and right angles are among them, as far as rays can be launched there.
     found : ndarray, shape (m, COLUMNS)
@@ -117,7 +117,7 @@ def _angle_uncertainty(edge):
 
 @kernel
 def _trace_crossings(height, speed, span, angle, rows):
-    """Follow a ray and keep what it is wherever it comes to the height asked for; x is infinite where it does not."""
+    """Follow a ray and write what it is wherever it comes to the height asked for; x is infinite where it does not."""
     for row in rows:
         row[ANGLE], row[X] = angle, math.inf
     cosine = math.cos(angle) if abs(angle) < 0.5 * math.pi else 0.0
@@ -156,7 +156,7 @@ def _trace_crossings(height, speed, span, angle, rows):
 
 @inlined
 def _keep_crossing(row, ray, turns, tops, bottoms):
-    """Write down what a ray is where it comes to the height asked for."""
+    """Write what a ray is where it comes to the height asked for."""
     row[X], row[TIME], row[TUBE] = ray.x, ray.time, ray.q
     row[COSINE], row[SINE] = ray.cosine, ray.sine
     row[TURNS], row[TOPS], row[BOTTOMS], row[GRAZED] = turns, tops, bottoms, 1.0 if ray.grazed else 0.0
@@ -194,7 +194,7 @@ def _may_turn_back(span, a, b):
 
 @kernel
 def _find_past_extremum(height, speed, span, order, a, b, row):
-    """Find, between two rays, one on the other side of the range asked for, or the one that comes nearest."""
+    """Ray between two on the other side of the range asked for, or the one that comes nearest to it."""
     first, last, falls = a[ANGLE], b[ANGLE], _range_rate(a) < 0.0
     for _ in range(HALVINGS):
         middle = 0.5 * (first + last)
@@ -210,7 +210,7 @@ def _find_past_extremum(height, speed, span, order, a, b, row):
 
 @kernel
 def _add_root(height, speed, span, order, a, b, row, found, count):
-    """Find the ray between two on either side of the range asked for: Newton's steps, halvings where they stray."""
+    """Add the ray between two on either side of the range asked for: Newton's steps, halvings where they stray."""
     if count == found.shape[0]:
         return count
     first, last, beyond = a[ANGLE], b[ANGLE], a[X] > span.x
@@ -240,7 +240,7 @@ def _add_root(height, speed, span, order, a, b, row, found, count):
 
 @inlined
 def _correct_time(height, speed, span, row):
-    """Make good in time what a ray still misses in range, where neighbours come later by dt/dx = ξ.
+    """Correct the travel time for what a ray still misses in range, where neighbours come later by dt/dx = ξ.
 
     Along the edge of a gradient tubes are so wide that the last digit of an angle moves its ray by 10⁻⁸ m and more.
     """
@@ -250,13 +250,13 @@ def _correct_time(height, speed, span, row):
 
 @inlined
 def _tolerated_miss(span):
-    """Miss of a ray known to the last digit of its angle: near a critical one ranges hang on it as by a square root."""
+    """Miss of a ray known to the last digit of its angle, m: near a critical one ranges change by its square root."""
     return 1e-3 + 1e-6 * span.x
 
 
 @inlined
 def _add_critical_ray(height, speed, span, a, b, found, count):
-    """Take the ray at a critical angle, if the range asked for lies between the nearly equal ones on its two sides."""
+    """Add the ray at a critical angle, if the range asked for lies between the nearly equal ones on its two sides."""
     if count < found.shape[0] and _brackets(span, a, b) and abs(a[X] - b[X]) < _tolerated_miss(span):
         _copy_row(a if abs(a[X] - span.x) < abs(b[X] - span.x) else b, found[count])
         _correct_time(height, speed, span, found[count])
@@ -266,7 +266,7 @@ def _add_critical_ray(height, speed, span, a, b, found, count):
 
 @inlined
 def _add_level_ray(height, speed, span, found, count):
-    """Take the ray that stays level, if the water keeps it so."""
+    """Add the ray that stays level, if the water keeps it so."""
     if span.z_to != span.z_from or count == found.shape[0]:
         return count
     ray = launch_in_layers(height, speed, span.z_from, 1.0, 0.0)
@@ -284,7 +284,7 @@ def _add_level_ray(height, speed, span, found, count):
 
 @kernel
 def _find_vertical_rays(height, speed, span, edges, found):
-    """Take the vertical rays, between two points one above the other."""
+    """Find the vertical rays between two points one above the other."""
     count = 0
     rows = np.empty((ORDERS, COLUMNS))
     for angle in (edges[0], edges[edges.size - 1]):
@@ -299,13 +299,13 @@ def _find_vertical_rays(height, speed, span, edges, found):
 
 @kernel
 def find_insonified_ranges(height, speed, span, edges, lit):
-    """Find the ranges at which rays come to a height.
+    """Ground ranges at which direct rays come to a height.
 
     Parameters
     ----------
     height, speed : ndarray, shape (n,)
         Nodes of the water, ascending.
-    span : Span
+    span : EndPoints
         Of any range: all are looked at.
     edges : ndarray, shape (m + 1,)
         As for `find_eigenrays`.

@@ -1,4 +1,4 @@
-"""The ray that joins two points of layered water."""
+"""The direct ray that joins two points of layered water, without reflections."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CLOSE = 1e-12  # distance by which a ray may miss its end, over the lengths in p
 
 
 class DirectRay(NamedTuple):
-    """A ray from one point to another."""
+    """A ray from one point to another: directions at both ends, travel time and spreading."""
 
     cosine0: float  # of its direction above the horizontal where it starts
     sine0: float
@@ -39,7 +39,7 @@ class DirectRay(NamedTuple):
 
 @kernel
 def find_direct_ray(height, speed, z_from, z_to, x, low, high):
-    """Find a direct ray between two points of layered water.
+    """Direct ray between two points of layered water.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def find_direct_ray(height, speed, z_from, z_to, x, low, high):
     -------
     status : int
         FOUND, or NONE where no ray comes.
-    Eigenray
+    DirectRay
         Where several rays come, one of them; with q > 0, if heights at that range rise with launch angles about it.
     """
     if x <= 0.0:
@@ -91,7 +91,7 @@ def find_direct_ray(height, speed, z_from, z_to, x, low, high):
 
 @inlined
 def _vertical_ray(height, speed, z_from, z_to):
-    """Give the vertical ray."""
+    """Vertical ray between two heights."""
     sine = 1.0 if z_to >= z_from else -1.0
     ray = launch_in_layers(height, speed, z_from, 0.0, sine)
     while ray.z != z_to:
@@ -101,7 +101,22 @@ def _vertical_ray(height, speed, z_from, z_to):
 
 @kernel
 def follow_to_range(height, speed, ray, x, low, high):
-    """Follow a ray to a range, or to where it ends before; NODE if it takes too many steps."""
+    """Follow a ray to a ground range, or to where it ends before.
+
+    Parameters
+    ----------
+    height, speed : ndarray, shape (n,)
+        Nodes of layered water, ascending.
+    ray : RayState
+    x, low, high : float
+        Ground range and heights, m; infinite ones are none.
+
+    Returns
+    -------
+    status : int
+        RANGE, LOW, HIGH or ENDLESS, as by `arcs.advance_in_layers`; NODE if it takes too many steps.
+    ray : RayState
+    """
     for _ in range(STEPS):
         status, ray = advance_in_layers(height, speed, ray, x, low, high)
         if status != NODE:
@@ -111,7 +126,7 @@ def follow_to_range(height, speed, ray, x, low, high):
 
 @inlined
 def _guess_slope(height, speed, z_from, z_to, x):
-    """Give the launch slope that would be right if the gradient were even."""
+    """Launch slope that would be right if the gradient were even between the two heights."""
     c0, dz = speed_at(height, speed, z_from), z_to - z_from
     if abs(dz) > SNAP:
         g = (speed_at(height, speed, z_to) - c0) / dz

@@ -1,4 +1,4 @@
-"""Whole rays through any water, with points along them at given ranges."""
+"""Whole rays through any water: points along them at given ground ranges, and how each ray ends."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class RayPoints(NamedTuple):
 
 
 class RayLimits(NamedTuple):
-    """Where rays end, or are sent back."""
+    """Where rays end, or are reflected."""
 
     x: float  # ground range at which they end, m
     low: float  # height of the bed, m
@@ -43,23 +43,23 @@ class RayLimits(NamedTuple):
 
 @kernel
 def trace_ray_paths(water, plane, z0, angles, ranges, limits, points, ends):
-    """Follow rays from height ``z0`` at range 0.
+    """Follow rays from one height at ground range 0.
 
     Parameters
     ----------
     water : Water
-    plane : Plane
+    plane : SectionPlane
         In which the rays run.
     z0 : float
         m.
     angles : ndarray, shape (n,)
         Of launch, above the horizontal, rad.
     ranges : ndarray, shape (m,)
-        Where points are wanted, ascending, up to ``limits.x``.
-    limits : Limits
-    points : Points of ndarrays, shape (n, m + 1)
+        Where points are wanted, ascending, up to ``limits.x``, m.
+    limits : RayLimits
+    points : RayPoints of ndarrays, shape (n, m + 1)
         Filled, up to a ray's end: beyond its last range that is a point of its own.
-    ends : ndarray, shape (n,)
+    ends : ndarray of int64, shape (n,)
         Filled with how each ray ends: AT_RANGE, ON_BED, AT_SURFACE, NOWHERE (it gets no farther in range), or TRAPPED
         (it takes too many steps).
     """
@@ -97,7 +97,7 @@ def trace_ray_paths(water, plane, z0, angles, ranges, limits, points, ends):
 
 @inlined
 def _write_point(points, n, k, ray, turns, tops, bottoms):
-    """Keep a point."""
+    """Write one point of a ray."""
     points.x[n, k], points.z[n, k], points.cosine[n, k], points.sine[n, k] = ray.x, ray.z, ray.cosine, ray.sine
     points.time[n, k], points.q[n, k], points.grazed[n, k] = ray.time, ray.q, ray.grazed
     points.turns[n, k], points.tops[n, k], points.bottoms[n, k] = turns, tops, bottoms

@@ -1,7 +1,8 @@
 """Rays through water that differs along a line: in each triangle of its lattice speed is linear, and a ray is an arc.
 
 Every cell between two nodes of height and two stations is cut along the diagonal on which speed differs less, so that
-a sloping layer keeps its shape. A ray stays in its vertical plane; what would bend it sideways is left out.
+a sloping layer keeps its shape. A ray stays in its vertical plane; what would bend it sideways is left out. Functions
+that take a ray through any water are here too: through layers as `arcs` has it, or through a section.
 """
 
 from __future__ import annotations
@@ -34,14 +35,14 @@ LEVEL = 1e-12  # part of a plane along the stations below which it lies across t
 
 
 class SectionPlane(NamedTuple):
-    """How a ray's vertical plane lies to the stations."""
+    """How a ray's vertical plane lies to the stations of the water."""
 
     place: float  # of range 0 along their axis, m
     along: float  # metres along their axis per metre of range: the cosine between them
 
 
 class SectionTriangle(NamedTuple):
-    """A triangle of the lattice, or what is left of a cell beyond its ends, as the stations see it."""
+    """A triangle of the lattice, or what is left of a cell beyond its ends: gradients of speed, and the diagonal."""
 
     along: float  # gradient of speed along the axis, 1/s
     up: float  # and upwards
@@ -52,7 +53,24 @@ class SectionTriangle(NamedTuple):
 
 @inlined
 def launch_ray(height, speed, station, plane, z, cosine, sine):
-    """Start a ray at height z and ground range 0."""
+    """Ray at its start through any water, at ground range 0.
+
+    Parameters
+    ----------
+    height : ndarray, shape (n,)
+    speed : ndarray, shape (m, n)
+    station : ndarray, shape (m,)
+        Nodes and stations of the water, ascending; one station where water is everywhere the same.
+    plane : SectionPlane
+    z : float
+        Height, m.
+    cosine, sine : float
+        Of its direction above the horizontal.
+
+    Returns
+    -------
+    RayState
+    """
     if station.size == 1:
         return launch_in_layers(height, speed[0], z, cosine, sine)
     return launch_in_section(height, speed, station, plane, z, cosine, sine)
@@ -60,7 +78,21 @@ def launch_ray(height, speed, station, plane, z, cosine, sine):
 
 @inlined
 def advance_ray(height, speed, station, plane, ray, x_end, low, high):
-    """Follow a ray by one arc, of layered water or of a section."""
+    """Follow a ray through any water by one arc, to a border in the water, a ground range or a height.
+
+    Parameters
+    ----------
+    height, speed, station, plane
+        As in `launch_ray`.
+    ray, x_end, low, high
+        As in `arcs.advance_in_layers`.
+
+    Returns
+    -------
+    status : int
+    ray : RayState
+        As by `arcs.advance_in_layers`.
+    """
     if station.size == 1:
         return advance_in_layers(height, speed[0], ray, x_end, low, high)
     return advance_in_section(height, speed, station, plane, ray, x_end, low, high)
@@ -68,7 +100,18 @@ def advance_ray(height, speed, station, plane, ray, x_end, low, high):
 
 @inlined
 def reflect_ray(height, speed, station, plane, ray):
-    """Mirror a ray that has come to the bed or the surface."""
+    """Ray through any water, reflected by the bed or the surface that it has come to.
+
+    Parameters
+    ----------
+    height, speed, station, plane
+        As in `launch_ray`.
+    ray : RayState
+
+    Returns
+    -------
+    RayState
+    """
     if station.size == 1:
         return reflect_at_level(ray, gradient_behind(height, speed[0], ray))
     return reflect_at_level(ray, gradient_in_section(height, speed, station, plane, ray))
@@ -76,23 +119,20 @@ def reflect_ray(height, speed, station, plane, ray):
 
 @inlined
 def advance_in_section(height, speed, station, plane, ray, x_end, low, high):
-    """Follow a ray to the next border of a triangle, to range ``x_end``, or to height ``low`` or ``high``.
+    """Follow a ray to the next border of a triangle, to a ground range or to a height, whichever comes first.
 
     Parameters
     ----------
-    height : ndarray, shape (n,)
-    speed : ndarray, shape (m, n)
-    station : ndarray, shape (m,)
-        Nodes and stations of the water, ascending.
-    plane : Plane
+    height, speed, station, plane
+        As in `launch_ray`.
     ray, x_end, low, high
-        As in `arcs.step`.
+        As in `arcs.advance_in_layers`.
 
     Returns
     -------
     status : int
         NODE, RANGE, LOW or HIGH, by what was met first; ENDLESS if the ray meets none of them.
-    ray : Ray
+    ray : RayState
         There, within the next triangle, but at ``low`` and ``high`` not beyond them.
     """
     i, j, piece = find_triangle(height, speed, station, plane, ray)
@@ -136,7 +176,7 @@ def advance_in_section(height, speed, station, plane, ray, x_end, low, high):
 
 @inlined
 def _enter_triangle(ray, dgx, dgz):
-    """Let a ray enter a triangle whose gradient differs by ``dgx`` and ``dgz`` from that of the last."""
+    """Ray that enters a triangle whose gradient differs by ``dgx`` and ``dgz`` from that of the last."""
     size = math.sqrt(dgx * dgx + dgz * dgz)
     if size < LEVEL:
         return ray
@@ -150,7 +190,20 @@ def _enter_triangle(ray, dgx, dgz):
 
 @inlined
 def find_triangle(height, speed, station, plane, ray):
-    """Find the triangle in which a ray goes on: the station and node below it, and the piece."""
+    """Triangle in which a ray goes on.
+
+    Parameters
+    ----------
+    height, speed, station, plane
+        As in `launch_ray`.
+    ray : RayState
+
+    Returns
+    -------
+    i, j : int
+        The station before it and the node below it, -1 if there is none.
+    triangle : SectionTriangle
+    """
     place, onwards = plane.place + plane.along * ray.x, plane.along * ray.cosine
     i, j = node_below(station, place), node_below(height, ray.z)
     on_station = i >= 0 and place - station[i] <= SNAP
@@ -178,7 +231,7 @@ def find_triangle(height, speed, station, plane, ray):
 
 @inlined
 def _cut_cell(height, speed, station, i, j, place, z, onwards, upwards):
-    """Find the piece of cell (i, j) that holds a place, on the diagonal the one that a direction leads into."""
+    """Triangle of cell (i, j) that holds a place, on the diagonal the one that a direction leads into."""
     last, top = station.size - 1, height.size - 1
     if i < 0 or i >= last:
         return SectionTriangle(0.0, gradient_above(height, speed[max(i, 0)], j), 0.0, 0.0, math.inf)
@@ -208,7 +261,7 @@ def _cut_cell(height, speed, station, i, j, place, z, onwards, upwards):
 
 @inlined
 def _reach_diagonal(plane, piece, ray, bend):
-    """Tangents of the arc to the diagonal of its cell."""
+    """Tangents of the arc to the diagonal of its cell, m."""
     nx, nz = piece.across_axis * plane.along, piece.across_up
     length = math.sqrt(nx * nx + nz * nz)
     if length == 0.0:
@@ -221,7 +274,7 @@ def _reach_diagonal(plane, piece, ray, bend):
 
 @inlined
 def _station_ranges(station, plane, i):
-    """Ranges of the two stations about a ray, the farther one first; infinite where there is none."""
+    """Ground ranges of the two stations about a ray, the farther one first; infinite where there is none."""
     if abs(plane.along) < LEVEL:
         return math.inf, -math.inf
     before = (station[i] - plane.place) / plane.along if i >= 0 else -math.copysign(math.inf, plane.along)
@@ -233,14 +286,35 @@ def _station_ranges(station, plane, i):
 
 @inlined
 def launch_in_section(height, speed, station, plane, z, cosine, sine):
-    """Start a ray at height z and ground range 0."""
+    """Ray at its start in a section, at ground range 0.
+
+    Parameters
+    ----------
+    height, speed, station, plane, z, cosine, sine
+        As in `launch_ray`.
+
+    Returns
+    -------
+    RayState
+    """
     c = speed_in_section(height, speed, station, plane.place, z)
     return RayState(0.0, z, cosine, sine, c, 0.0, 1.0 / c, 0.0, False)
 
 
 @inlined
 def gradient_in_section(height, speed, station, plane, ray):
-    """dc/dz on the side that a ray comes from, up or down, 1/s."""
+    """Gradient dc/dz on the side that a ray comes from, up or down.
+
+    Parameters
+    ----------
+    height, speed, station, plane, ray
+        As in `reflect_ray`.
+
+    Returns
+    -------
+    float
+        1/s.
+    """
     back = RayState(ray.x, ray.z, -ray.cosine, -ray.sine, ray.speed, ray.time, ray.p, ray.q, ray.grazed)
     _, _, piece = find_triangle(height, speed, station, plane, back)
     return piece.up
@@ -248,7 +322,22 @@ def gradient_in_section(height, speed, station, plane, ray):
 
 @inlined
 def speed_in_section(height, speed, station, place, z):
-    """Speed of sound at a place along the stations and a height, m/s."""
+    """Speed of sound at a place of a section.
+
+    Parameters
+    ----------
+    height, speed, station
+        As in `launch_ray`.
+    place : float
+        Along the stations, m.
+    z : float
+        Height, m.
+
+    Returns
+    -------
+    float
+        m/s.
+    """
     i, j = node_below(station, place), node_below(height, z)
     piece = _cut_cell(height, speed, station, i, j, place, z, 0.0, 0.0)
     # Every piece has the lower corner before it or the upper one behind it, by which its gradient is told.

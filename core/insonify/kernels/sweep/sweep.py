@@ -156,15 +156,7 @@ def sweep_plane(arrays, plane, sector, reach, grid, table, profile, zbuffer, ech
     count = slice_bed(arrays.bed, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
     if count > 1:
         if sector.bent:
-            x, z, slope, area, level, gain = (
-                profile.x,
-                profile.z,
-                profile.slope,
-                profile.area,
-                profile.range_ratio,
-                profile.gain,
-            )
-            apply_apparent_positions(table, grid, sector.angle == 0.0, x, z, slope, area, level, gain, count)
+            apply_apparent_positions(table, grid, sector.angle == 0.0, profile, count)
         find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, echoes)
         deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bins)
     if cells > 0:

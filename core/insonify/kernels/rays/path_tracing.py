@@ -1,0 +1,313 @@
+"""Paths through mirrors and bodies: what a path meets next, and how its energy splits there.
+
+At every hit the energy splits: R0² goes on as in a mirror, 1 − R0² refracts into a closed body by Snell's law with the
+body's speed ratio ν, or is lost in the bed; beyond the critical angle all of it is reflected. The bed's cells are flat
+mirrors, and the side of a mesh that faces inwards from the water turns a ray but lets nothing through.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from insonify.kernels.common.jit import inlined, kernel
+from insonify.kernels.common.types import BED
+from insonify.kernels.geometry.solids import exit_solid, intersect_solid, is_inside_solid
+from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
+from insonify.kernels.rays.cell_walk import NOTHING, Ray, meet_bed
+from insonify.kernels.rays.ray_differentials import (
+    RayDifferential,
+    differentiate_normal,
+    reflect,
+    refract,
+    start_azimuth_differential,
+    start_elevation_differential,
+    transfer,
+)
+
+WATER = -3  # where a path is that is in no body
+OFFSET = 1e-13  # of all lengths, by which a path starts off the surface it leaves
+FAINTEST = 1e-6  # share of energy below which a path is dropped
+MOST_PARTS = 64  # bodies of one target that a path may cross at a stretch
+
+
+class SpecularPath(NamedTuple):
+    """A path on its way: where it is, at its last corner or arrived at the next surface, and what it carries."""
+
+    x: float
+    y: float
+    z: float
+    dx: float
+    dy: float
+    dz: float
+    up: RayDifferential  # how it moves as its elevation at the sonar grows
+    across: RayDifferential  # and at right angles to that
+    length: float  # m of water that take as long as it has taken
+    share: float  # of the energy that set out
+    bounce: int
+    inside: int  # body, counted as in Hits; WATER if none
+
+
+class Intersection(NamedTuple):
+    """What a path meets next."""
+
+    distance: float
+    body: int  # NOTHING if it meets nothing
+    material: int
+    nx: float  # unit normal on the path's side
+    ny: float
+    nz: float
+
+
+@inlined
+def start_path(bundle, k):
+    """Path that begins with a ray at the sonar.
+
+    Parameters
+    ----------
+    bundle : RayBundle of ndarrays, shape (n,)
+    k : int
+        Number of the ray.
+
+    Returns
+    -------
+    SpecularPath
+    """
+    dx, dy, dz = bundle.dx[k], bundle.dy[k], bundle.dz[k]
+    up, across = start_elevation_differential(dx, dy, dz), start_azimuth_differential(dx, dy)
+    return SpecularPath(bundle.x[k], bundle.y[k], bundle.z[k], dx, dy, dz, up, across, 0.0, 1.0, 0, WATER)
+
+
+@inlined
+def advance_to(arrays, path, meeting):
+    """Path where it has arrived at what it meets.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    path : SpecularPath
+    meeting : Intersection
+
+    Returns
+    -------
+    SpecularPath
+    """
+    t, dx, dy, dz = meeting.distance, path.dx, path.dy, path.dz
+    up, across = transfer(path.up, path, meeting), transfer(path.across, path, meeting)
+    length = path.length + t * _slowness(arrays, path)
+    return SpecularPath(
+        path.x + t * dx, path.y + t * dy, path.z + t * dz, dx, dy, dz, up, across, length, path.share, path.bounce,
+        path.inside,
+    )  # fmt: skip
+
+
+@inlined
+def offset_from_surface(x, y, z, length):
+    """Distance off a surface at which a path starts, so that rounding does not put it on the other side.
+
+    Parameters
+    ----------
+    x, y, z : float
+        Place on the surface, m.
+    length : float
+        Of the path so far, m.
+
+    Returns
+    -------
+    float
+        m.
+    """
+    return OFFSET * (1.0 + abs(x) + abs(y) + abs(z) + length)
+
+
+@inlined
+def _slowness(arrays, path):
+    """Travel time of a metre where a path is, in metres of water."""
+    return 1.0 if path.inside == WATER else 1.0 / arrays.interface[_material(arrays, path.inside), 1]
+
+
+@inlined
+def _material(arrays, body):
+    """Row of the material of a solid or a triangle."""
+    solids = arrays.solids.shape.size
+    return arrays.solids.material[body] if body < solids else arrays.mesh.material[body - solids]
+
+
+@kernel
+def split_path(arrays, path, meeting, longest, waiting):
+    """Queue what goes on from a hit: the reflected part, and the refracted one if there is a closed body.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    path : SpecularPath
+        As it arrives.
+    meeting : Intersection
+        What it has met.
+    longest : float
+        Length after which a path ends, m.
+    waiting : list of SpecularPath
+        Appended to.
+    """
+    if path.bounce >= arrays.bounces or path.length >= longest:
+        return
+    cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
+    mirrored = arrays.interface[meeting.material, 0] ** 2
+    if _lets_through(arrays, path, meeting):
+        ratio = arrays.interface[meeting.material, 1]
+        speeds = ratio if path.inside == WATER else 1.0 / ratio
+        root = 1.0 - speeds * speeds * (1.0 - cosine * cosine)
+        if root <= 0.0:
+            mirrored = 1.0
+        elif path.share * (1.0 - mirrored) >= FAINTEST:
+            waiting.append(_refract_path(arrays, path, meeting, cosine, speeds, math.sqrt(root), 1.0 - mirrored))
+    if path.share * mirrored >= FAINTEST:
+        waiting.append(_reflect_path(arrays, path, meeting, cosine, mirrored))
+
+
+@inlined
+def _reflect_path(arrays, path, meeting, cosine, share):
+    """Path that goes on as from a mirror, with a share of the energy."""
+    nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
+    off = offset_from_surface(path.x, path.y, path.z, path.length)
+    bent = differentiate_normal(arrays.solids, path.up, path, meeting)
+    bent_across = differentiate_normal(arrays.solids, path.across, path, meeting)
+    up = reflect(path.up, cosine, path, meeting, bent)
+    across = reflect(path.across, cosine, path, meeting, bent_across)
+    return SpecularPath(
+        path.x + off * nx, path.y + off * ny, path.z + off * nz,
+        dx + 2.0 * cosine * nx, dy + 2.0 * cosine * ny, dz + 2.0 * cosine * nz, up, across,
+        path.length, path.share * share, path.bounce + 1, path.inside if path.inside == WATER else meeting.body,
+    )  # fmt: skip
+
+
+@inlined
+def _refract_path(arrays, path, meeting, cosine, speeds, root, share):
+    """Path that passes into a body, or out of it, with a share of the energy: Snell's law in vectors."""
+    nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
+    off = offset_from_surface(path.x, path.y, path.z, path.length)
+    bend = speeds * cosine - root
+    bent = differentiate_normal(arrays.solids, path.up, path, meeting)
+    bent_across = differentiate_normal(arrays.solids, path.across, path, meeting)
+    up = refract(path.up, cosine, speeds, root, path, meeting, bent)
+    across = refract(path.across, cosine, speeds, root, path, meeting, bent_across)
+    return SpecularPath(
+        path.x - off * nx, path.y - off * ny, path.z - off * nz,
+        speeds * dx + bend * nx, speeds * dy + bend * ny, speeds * dz + bend * nz, up, across,
+        path.length, path.share * share, path.bounce + 1, meeting.body if path.inside == WATER else WATER,
+    )  # fmt: skip
+
+
+@inlined
+def _lets_through(arrays, path, meeting):
+    """Whether there is water, or a body, behind what is met."""
+    triangle = meeting.body - arrays.solids.shape.size
+    if path.inside != WATER or triangle < 0:
+        return meeting.body != BED
+    normal = arrays.mesh.normal[triangle]
+    return normal[0] * path.dx + normal[1] * path.dy + normal[2] * path.dz < 0.0
+
+
+@inlined
+def meet_next(arrays, path, reach):
+    """Next thing that a path meets, from outside a body or from inside.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    path : SpecularPath
+    reach : float
+        Distance after which it meets nothing, m.
+
+    Returns
+    -------
+    Intersection
+    """
+    if path.inside == WATER:
+        return meet_scene(arrays, path.x, path.y, path.z, path.dx, path.dy, path.dz, reach)
+    if path.inside < arrays.solids.shape.size:
+        return _leave_solids(arrays.solids, path)
+    return _leave_mesh(arrays, path)
+
+
+@kernel
+def meet_scene(arrays, x, y, z, dx, dy, dz, reach):
+    """Nearest thing in a scene along a straight ray.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    x, y, z : float
+        Where the ray starts, m.
+    dx, dy, dz : float
+        Its unit direction.
+    reach : float
+        Distance after which it meets nothing, m.
+
+    Returns
+    -------
+    Intersection
+    """
+    best, body, material, mx, my, mz = reach, NOTHING, 0, 0.0, 0.0, 0.0
+    for k in range(arrays.solids.shape.size):
+        distance, nx, ny, nz = intersect_solid(arrays.solids, k, x, y, z, dx, dy, dz)
+        if distance < best:
+            best, body, material, mx, my, mz = distance, k, arrays.solids.material[k], nx, ny, nz
+    best, triangle = intersect_mesh(arrays.mesh, x, y, z, dx, dy, dz, best)
+    if triangle != NO_TRIANGLE:
+        body, material = arrays.solids.shape.size + triangle, arrays.mesh.material[triangle]
+        mx, my, mz = facing_normal(arrays.mesh, triangle, dx, dy, dz)
+    distance, row, nx, ny, nz = meet_bed(arrays.bed, Ray(x, y, z, dx, dy, dz), best)
+    if distance < best:
+        return Intersection(distance, BED, row, nx, ny, nz)
+    return Intersection(best, body, material, mx, my, mz)
+
+
+@kernel
+def _leave_solids(solids, path):
+    """Exit from a solid; where another of the same target goes on, from that."""
+    body, total = path.inside, 0.0
+    x, y, z = path.x, path.y, path.z
+    off = offset_from_surface(x, y, z, path.length)
+    for _ in range(MOST_PARTS):
+        distance, nx, ny, nz = exit_solid(solids, body, x, y, z, path.dx, path.dy, path.dz)
+        if not distance < math.inf:
+            break
+        total += distance + off
+        x, y, z = path.x + total * path.dx, path.y + total * path.dy, path.z + total * path.dz
+        other = _solid_of_target_at(solids, solids.target[body], x, y, z)
+        if other < 0:
+            return Intersection(total - off, body, solids.material[body], -nx, -ny, -nz)
+        body = other
+    return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
+
+
+@inlined
+def _solid_of_target_at(solids, target, x, y, z):
+    """Row of a target's solid that a point is inside, -1 if none."""
+    for k in range(solids.shape.size):
+        if solids.target[k] == target and is_inside_solid(solids, k, x, y, z):
+            return k
+    return -1
+
+
+@kernel
+def _leave_mesh(arrays, path):
+    """Exit from a mesh through the nearest of its triangles that faces the other way."""
+    mesh, solids = arrays.mesh, arrays.solids.shape.size
+    target, total = mesh.target[path.inside - solids], 0.0
+    off = offset_from_surface(path.x, path.y, path.z, path.length)
+    for _ in range(MOST_PARTS):
+        distance, triangle = intersect_mesh(
+            mesh, path.x + total * path.dx, path.y + total * path.dy, path.z + total * path.dz,
+            path.dx, path.dy, path.dz, math.inf,
+        )  # fmt: skip
+        if triangle == NO_TRIANGLE:
+            break
+        total += distance
+        normal = mesh.normal[triangle]
+        outwards = normal[0] * path.dx + normal[1] * path.dy + normal[2] * path.dz
+        if mesh.target[triangle] == target and outwards > 0.0:
+            return Intersection(total, solids + triangle, mesh.material[triangle], -normal[0], -normal[1], -normal[2])
+        total += off
+    return Intersection(math.inf, NOTHING, 0, 0.0, 0.0, 0.0)
