@@ -107,7 +107,7 @@ def _small_triangles(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64],
 
 
 def _numbers_within(target: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Number the patches of each target from 0."""
+    """Count the patches of each target from 0."""
     order = np.argsort(target, kind="stable")
     first = np.searchsorted(target[order], target[order])
     numbers = np.empty(target.size, np.int64)
