@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import pkgutil
 from collections.abc import Iterable
+from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from types import ModuleType
+from typing import Any
 
 
 def modules_in(package: str) -> list[ModuleType]:
@@ -26,4 +28,11 @@ def modules_in(package: str) -> list[ModuleType]:
 
 def announced(group: str) -> Iterable[EntryPoint]:
     """Entry points of a group, such as ``insonify.commands``, over all installed packages."""
-    return entry_points(group=group)
+    found: Iterable[EntryPoint] = _entry_points().select(group=group)
+    return found
+
+
+@cache
+def _entry_points() -> Any:
+    """All entry points, looked up once: it takes 2 ms, and every family of kinds asks."""
+    return entry_points()
