@@ -6,7 +6,7 @@ import pytest
 from insonify.scene import build, edit
 from insonify.simulation import prepare, simulate_blocks
 from insonify.terrain import EndlessGround, Ground, build_ground, relief, relief_picture
-from insonify.terrain.endless import TILE, gathered
+from insonify.terrain.endless_field import TILE, gather_tiles
 from insonify.tracers import sweep
 
 FRACTAL = {
@@ -53,7 +53,7 @@ def test_record_does_not_depend_on_how_pings_are_split(record):
 
 def test_record_is_that_over_a_bed_held_whole(record):
     simulation = prepare(SCENE)
-    nodes = gathered(simulation.ground.heights, (TILE - 150, TILE - 150), (400, 400))
+    nodes = gather_tiles(simulation.ground.heights, (TILE - 150, TILE - 150), (400, 400))
     corner = 0.4 * (TILE - 150)
     bed = simulation.arrays.bed._replace(
         heights=nodes,
@@ -118,7 +118,7 @@ def test_a_fish_follows_the_terrain_anywhere():
 )
 def test_maps_have_no_seam(material):
     ground = build_ground(edit(SCENE, {"seabed.material": material}))
-    rows = gathered(ground.materials, (-TILE, -TILE), (2 * TILE, 2 * TILE)).astype(int)
+    rows = gather_tiles(ground.materials, (-TILE, -TILE), (2 * TILE, 2 * TILE)).astype(int)
     share = np.bincount(rows.ravel()) / rows.size
     np.testing.assert_allclose(share, 1.0 / len(share), atol=0.12)
     for changes in (

@@ -10,11 +10,11 @@ from insonify.scene import build
 from insonify.scene.reliefs.fractal import Fractal
 from insonify.scene.reliefs.von_karman import VonKarman
 from insonify.terrain import relief
-from insonify.terrain.densities import von_karman
-from insonify.terrain.endless import TILE, Band, EndlessField
+from insonify.terrain.endless_field import TILE, Band, EndlessField
 from insonify.terrain.endless_relief import _fractal, endless_heights
-from insonify.terrain.noise import lattice_noise
-from insonify.terrain.spectra import power_spectrum
+from insonify.terrain.fractal_waves import power_spectrum
+from insonify.terrain.lattice_noise import lattice_noise
+from insonify.terrain.spectral_densities import von_karman
 
 SOFT = {"extent": "endless", "clamp": "soft", "coefficients": "gaussian"}
 SPACING = 0.1

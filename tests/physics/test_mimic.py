@@ -10,7 +10,7 @@ import pytest
 from insonify.scene import SceneError, build, edit, load_scene
 from insonify.simulation import prepare
 from insonify.terrain import build_ground
-from insonify.terrain.inverse import FROM, relief_for
+from insonify.terrain.mimicry import FROM, equivalent_profile
 
 ALTITUDE = 15.0
 STEP = 0.005
@@ -26,7 +26,7 @@ def wavy(amplitude, count=8000, period=16.0):
 
 @pytest.mark.parametrize("law", ["light", "sonar"])
 def test_an_even_bed_is_level(law):
-    x, z = relief_for(np.ones(8000), ALTITUDE, STEP, law)
+    x, z = equivalent_profile(np.ones(8000), ALTITUDE, STEP, law)
     np.testing.assert_allclose(x, np.arange(8001) * STEP, atol=2e-7)
     np.testing.assert_allclose(z, 0.0, atol=2e-7)
 
@@ -34,7 +34,7 @@ def test_an_even_bed_is_level(law):
 @pytest.mark.parametrize("ratio", [0.5, 0.9, 1.1, 1.35])
 def test_an_even_ratio_under_light_is_a_plane_at_that_distance(ratio):
     """cos β = κ H/r is a plane whose foot lies κ H from the sonar."""
-    x, z = relief_for(np.full(8000, ratio), ALTITUDE, STEP, "light")
+    x, z = equivalent_profile(np.full(8000, ratio), ALTITUDE, STEP, "light")
     far = np.hypot(x, ALTITUDE - z) > 1.01 * FROM * ALTITUDE
     dx, dz = np.diff(x[far]), np.diff(z[far])
     distance = np.abs((z[far][:-1] - ALTITUDE) * dx - x[far][:-1] * dz) / np.hypot(dx, dz)
@@ -45,7 +45,7 @@ def test_an_even_ratio_under_light_is_a_plane_at_that_distance(ratio):
 @pytest.mark.parametrize("amplitude", [0.1, 0.25, 0.39])
 def test_the_profile_is_as_bright_as_the_level_bed(law, amplitude):
     ratio = wavy(amplitude)
-    x, z = relief_for(ratio, ALTITUDE, STEP, law)
+    x, z = equivalent_profile(ratio, ALTITUDE, STEP, law)
     r = np.hypot(x, ALTITUDE - z)
     flat = np.hypot(np.arange(ratio.size + 1) * STEP, ALTITUDE)
     np.testing.assert_allclose(r, flat, rtol=1e-12)
@@ -63,7 +63,7 @@ def test_the_profile_is_as_bright_as_the_level_bed(law, amplitude):
 
 
 def test_dunes_grow_smoothly_from_nadir_and_lie_about_the_level():
-    x, z = relief_for(wavy(0.25), ALTITUDE, STEP, "light")
+    x, z = equivalent_profile(wavy(0.25), ALTITUDE, STEP, "light")
     assert (np.diff(x) > 0.0).all()
     slope = np.diff(z) / np.diff(x)
     assert np.abs(np.diff(slope)).max() < 1e-3  # no kink

@@ -10,9 +10,9 @@ from scipy.optimize import minimize_scalar
 from insonify.scene import SceneError, build
 from insonify.scene.seabed import Seabed
 from insonify.terrain import relief
-from insonify.terrain.densities import autocorrelated, power_law, von_karman
-from insonify.terrain.exponent import amplitude_exponent
-from insonify.terrain.synthesis import made_heights
+from insonify.terrain.periodic_relief import periodic_heights
+from insonify.terrain.spectral_densities import autocorrelated, power_law, von_karman
+from insonify.terrain.spectral_exponent import amplitude_exponent
 
 SIDE, PERIOD = 512, 51.2
 
@@ -133,14 +133,14 @@ def test_wider_bands_have_more_defects():
         from insonify.terrain import synthesis
 
         found = []
-        kept = synthesis.shaped_ripples
-        synthesis.shaped_ripples = lambda ripples, a, b, level: (
+        kept = synthesis.shape_ripples
+        synthesis.shape_ripples = lambda ripples, a, b, level: (
             found.append(np.arctan2(b, a)) or kept(ripples, a, b, level)
         )
         try:
             heights(kind="ripples", wavelength=0.8, bandwidth=bandwidth, bandwidth_along=bandwidth)
         finally:
-            synthesis.shaped_ripples = kept
+            synthesis.shape_ripples = kept
         (phase,) = found
         steps = [
             np.roll(phase, -1, 1) - phase,
@@ -170,7 +170,7 @@ def moments(field, scales, orders):
 
 def test_flux_of_a_cascade_has_the_moments_of_its_codimension():
     from insonify.scene.reliefs.cascade import Cascade
-    from insonify.terrain.spectra import frequencies, wave_coefficients
+    from insonify.terrain.fractal_waves import frequencies, wave_coefficients
 
     cascade, found = Cascade(intermittency=0.15), []
     for seed in range(12):
@@ -292,7 +292,7 @@ def test_parts_of_a_sum_are_independent_and_add_up():
     assert abs(np.corrcoef(first.ravel(), second.ravel())[0, 1]) < 0.2
     np.testing.assert_allclose(second.std(), first.std(), rtol=0.3)
     shape = (SIDE, SIDE)
-    np.testing.assert_array_equal(made_heights(both.made, shape, shape, 1), total)
+    np.testing.assert_array_equal(periodic_heights(both.made, shape, shape, 1), total)
 
 
 MISTAKES = [

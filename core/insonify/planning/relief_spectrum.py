@@ -126,7 +126,7 @@ def _east(away: Field, along: Field, heading: float) -> tuple[Field, Field]:
 
 def _density(part: RandomRelief, fx: Field, fy: Field, spacing: float) -> Field:
     # lazy: with the kernels that make a bed, which not every plan needs
-    from insonify.terrain.densities import autocorrelated, power_law, von_karman
+    from insonify.terrain.spectral_densities import autocorrelated, power_law, von_karman
 
     if isinstance(part, PowerLaw):
         return power_law(part, part.period)(fx, fy)
@@ -155,7 +155,7 @@ def _ripples(part: Ripples, fx: Field, fy: Field) -> Field:
     Sharp ripples are parabolas, of the amplitudes 8 / (πn)²; near forks and ends they die down.
     """
     # lazy: with the kernels that make a bed, which not every plan needs
-    from insonify.terrain.densities import ripple_wave
+    from insonify.terrain.spectral_densities import ripple_wave
 
     total: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
     for order in range(1, HARMONICS + 1):
@@ -171,7 +171,7 @@ def _ripples(part: Ripples, fx: Field, fy: Field) -> Field:
 def _fractal(part: Fractal, fx: Field, fy: Field, spacing: float) -> Field:
     """Power about every peak, falling with the mean exponent; what lies near a peak, widened likewise."""
     # lazy: with the kernels that make a bed, which not every plan needs
-    from insonify.terrain.spectra import half_plane
+    from insonify.terrain.fractal_waves import half_plane
 
     beta, unit = 0.5 * sum(part.exponents), 1.0 / part.period
     nyquist = 0.5 * part.period / spacing

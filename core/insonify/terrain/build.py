@@ -15,14 +15,14 @@ from insonify.scene.reliefs.dem import Dem
 from insonify.scene.reliefs.mimic import Mimic
 from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed import Seabed
-from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles, kept
+from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles, keep_tiles
 from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.ground import Ground
-from insonify.terrain.inverse import mimic_cells, mimicking_heights
 from insonify.terrain.lattice import Lattice, Map
 from insonify.terrain.materials import endless_materials, material_indices
 from insonify.terrain.measured import measured_bed
-from insonify.terrain.synthesis import made_heights
+from insonify.terrain.mimicry import mimic_cells, mimic_heights
+from insonify.terrain.periodic_relief import periodic_heights
 
 # A level bed has no period of its own: a few cells will do unless a map of materials needs room.
 FLAT_CELLS = 4
@@ -71,7 +71,7 @@ def build_ground(scene: Scene) -> AnyGround:
     )
 
 
-def made_cells(period: float, spacing: float) -> int:
+def cells_of_period(period: float, spacing: float) -> int:
     """Cells a side of one period of made relief.
 
     Raises
@@ -109,15 +109,15 @@ def _flat(seabed: Seabed) -> tuple[NDArray[np.float32], Lattice]:
 @lru_cache(maxsize=2)
 def _kept_made(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tuple[NDArray[np.float32], Lattice]:
     period = parts[0].period
-    cells = made_cells(period, spacing)
+    cells = cells_of_period(period, spacing)
     shape = (cells, cells)
     # The period is kept to the letter; where it is no whole number of cells, the spacing gives way.
-    return made_heights(parts, shape, shape, seed).astype(np.float32), Lattice(shape, period / cells)
+    return periodic_heights(parts, shape, shape, seed).astype(np.float32), Lattice(shape, period / cells)
 
 
 @lru_cache(maxsize=2)
 def _kept_mimic(mimic: Mimic, spacing: float) -> tuple[NDArray[np.float32], Lattice]:
-    heights = mimicking_heights(mimic, mimic_cells(mimic, spacing))
+    heights = mimic_heights(mimic, mimic_cells(mimic, spacing))
     lattice = Lattice((heights.size, FLAT_CELLS), 2.0 * mimic.reach / heights.size)
     return np.tile(heights.astype(np.float32)[:, np.newaxis], (1, FLAT_CELLS)), lattice
 
@@ -140,7 +140,7 @@ def _kept_materials(layout: MaterialMap, version: tuple[int, int] | None, lattic
 @lru_cache(maxsize=2)
 def _kept_tiles(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
     tiles = endless_heights(parts, spacing, seed)
-    return kept(lambda row, column: tiles(row, column).astype(np.float32))
+    return keep_tiles(lambda row, column: tiles(row, column).astype(np.float32))
 
 
 @lru_cache(maxsize=2)
@@ -148,4 +148,4 @@ def _kept_map_tiles(
     layout: MaterialMap, version: tuple[int, int] | None, period: float, spacing: float, seed: int
 ) -> Tiles:
     del version  # part of the key alone, as above
-    return kept(endless_materials(layout, period, spacing, seed))
+    return keep_tiles(endless_materials(layout, period, spacing, seed))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene.materials import Reflectivity
-from insonify.terrain.endless import TILE, gathered
+from insonify.terrain.endless_field import TILE, gather_tiles
 from insonify.terrain.ground import Ground
 
 Column = NDArray[np.float64]
@@ -133,7 +133,7 @@ class EndlessGround:
 AnyGround = Ground | EndlessGround
 
 
-def kept(tile: Tiles) -> Tiles:
+def keep_tiles(tile: Tiles) -> Tiles:
     """Keep the tiles that were last asked for."""
     return lru_cache(maxsize=KEPT_TILES)(tile)
 
@@ -144,7 +144,9 @@ def _thinned(ground: EndlessGround, every: int) -> EndlessGround:
     side = every * TILE
 
     def of(tiles: Tiles) -> Tiles:
-        return kept(lambda row, column: gathered(tiles, (row * side, column * side), (side, side))[::every, ::every])
+        return keep_tiles(
+            lambda row, column: gather_tiles(tiles, (row * side, column * side), (side, side))[::every, ::every]
+        )
 
     return replace(ground, heights=of(ground.heights), materials=of(ground.materials), spacing=every * ground.spacing)
 
@@ -157,4 +159,4 @@ def _torus(tiles: Tiles, first: tuple[int, int], side: int) -> NDArray[Any]:
     if len(places) <= KEPT_TILES:
         with ThreadPoolExecutor(WORKERS) as pool:
             list(pool.map(lambda place: tiles(*place), places))
-    return np.roll(gathered(tiles, first, (side, side)), (first[0] % side, first[1] % side), axis=(0, 1))
+    return np.roll(gather_tiles(tiles, first, (side, side)), (first[0] % side, first[1] % side), axis=(0, 1))

@@ -19,20 +19,20 @@ from insonify.scene.reliefs.power_law import PowerLaw
 from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.reliefs.ripples import Ripples
 from insonify.scene.reliefs.von_karman import VonKarman
-from insonify.terrain.densities import (
+from insonify.terrain.endless_field import Band, EndlessField
+from insonify.terrain.field_transforms import mask_share, shape_ripples
+from insonify.terrain.fractal_waves import Field, decay_about, half_plane
+from insonify.terrain.spectral_densities import (
     Density,
     autocorrelated,
+    autocorrelation_points,
     mask_density,
     mask_spread,
-    points_of,
     power_law,
     ripple_band,
     ripple_wave,
     von_karman,
 )
-from insonify.terrain.endless import Band, EndlessField
-from insonify.terrain.shapes import mask_share, shaped_ripples
-from insonify.terrain.spectra import Field, decay_about, half_plane
 
 Tiles = Callable[[int, int], Field]
 
@@ -85,7 +85,7 @@ def _ripples(ripples: Ripples, field: EndlessField) -> Tiles:
 
     def tile(row: int, column: int) -> Field:
         wave = field.complex_tile(row, column)
-        return shaped_ripples(ripples, wave.real, wave.imag, level)
+        return shape_ripples(ripples, wave.real, wave.imag, level)
 
     return tile
 
@@ -131,4 +131,4 @@ def _feature(relief: Autocorrelated) -> float:
     of = relief.function
     if isinstance(of, ExponentialAutocorrelation | GaussianAutocorrelation):
         return 1.0 / (2.0 * math.pi * of.length)
-    return 0.5 / points_of(of)[-1][0]  # type: ignore[arg-type]
+    return 0.5 / autocorrelation_points(of)[-1][0]  # type: ignore[arg-type]

@@ -9,14 +9,14 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.reliefs.dem import Dem
 from insonify.scene.reliefs.mimic import Mimic
 from insonify.scene.seabed import Seabed
-from insonify.terrain.build import FLAT_CELLS, build_ground, made_cells
-from insonify.terrain.endless import gathered
+from insonify.terrain.build import FLAT_CELLS, build_ground, cells_of_period
+from insonify.terrain.endless_field import gather_tiles
 from insonify.terrain.endless_ground import EndlessGround
 from insonify.terrain.endless_relief import endless_heights
-from insonify.terrain.inverse import mimic_cells, mimicking_heights
+from insonify.terrain.fractal_waves import Field
 from insonify.terrain.measured import measured_bed
-from insonify.terrain.spectra import Field
-from insonify.terrain.synthesis import made_heights
+from insonify.terrain.mimicry import mimic_cells, mimic_heights
+from insonify.terrain.periodic_relief import periodic_heights
 
 SHOWN = 1024  # nodes a side, of a bed without an end
 
@@ -48,10 +48,10 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
         raise SceneError(f"shape: {shape} has no nodes; give at least (1, 1)")
     if seabed.endless:
         tiles = endless_heights(seabed.made, seabed.spacing, seed)
-        return gathered(tiles, (0, 0), shape or (SHOWN, SHOWN))
+        return gather_tiles(tiles, (0, 0), shape or (SHOWN, SHOWN))
     if seabed.made:
-        cells = made_cells(seabed.made[0].period, seabed.spacing)
-        return made_heights(seabed.made, shape or (cells, cells), (cells, cells), seed)
+        cells = cells_of_period(seabed.made[0].period, seabed.spacing)
+        return periodic_heights(seabed.made, shape or (cells, cells), (cells, cells), seed)
     if isinstance(seabed.relief, Dem):
         if shape is not None:
             raise SceneError(f"shape: {shape} cannot be given to a measured bed, which has its own grid; leave it out")
@@ -59,7 +59,7 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
         return np.asarray(heights - np.nanmean(heights))
     if isinstance(seabed.relief, Mimic):
         ny, nx = shape or (mimic_cells(seabed.relief, seabed.spacing), FLAT_CELLS)
-        return np.tile(mimicking_heights(seabed.relief, ny)[:, np.newaxis], (1, nx))
+        return np.tile(mimic_heights(seabed.relief, ny)[:, np.newaxis], (1, nx))
     return np.zeros(shape or (FLAT_CELLS, FLAT_CELLS))
 
 
@@ -79,7 +79,7 @@ def relief_picture(scene: Scene) -> NDArray[np.uint8]:
     """
     ground = build_ground(scene)
     if isinstance(ground, EndlessGround):
-        heights = gathered(ground.heights, (0, 0), (SHOWN, SHOWN))[::-1]
+        heights = gather_tiles(ground.heights, (0, 0), (SHOWN, SHOWN))[::-1]
     else:
         heights = ground.heights[::-1]
     if heights.shape[1] <= FLAT_CELLS and (heights == heights[:, :1]).all():

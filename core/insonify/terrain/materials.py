@@ -15,10 +15,10 @@ from insonify.kernels.bed.nearest_seed import voronoi_materials
 from insonify.kernels.common.streams import MATERIAL_BANDS, MATERIAL_PATCHES
 from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs.fractal import Fractal
-from insonify.terrain.endless import TILE, EndlessField
+from insonify.terrain.endless_field import TILE, EndlessField
 from insonify.terrain.endless_relief import fractal_bands
+from insonify.terrain.fractal_waves import fractal_heights
 from insonify.terrain.lattice import Lattice, Map
-from insonify.terrain.spectra import synthesise
 
 Cuts = tuple[float, ...]
 
@@ -56,7 +56,7 @@ class BedCells(Lattice):
         ny, nx = self.shape
         # A square field, cropped, for its waves are to be as long in x as in y.
         side = (max(ny, nx),) * 2
-        field = synthesise(Fractal(beta=beta, rms=1.0), side, side, self.seed, MATERIAL_BANDS)[:ny, :nx]
+        field = fractal_heights(Fractal(beta=beta, rms=1.0), side, side, self.seed, MATERIAL_BANDS)[:ny, :nx]
         cuts = np.quantile(field, np.arange(1, count) / count)
         return np.searchsorted(cuts, field).astype(np.uint8)
 

@@ -14,7 +14,7 @@ from insonify.accuracy.stability.drawing import FAINT, RIGHT, WRONG, add_legend,
 from insonify.accuracy.stability.level_scenes import make_level_scene
 from insonify.scene import Scene, SceneError, load_scene
 from insonify.terrain import relief, relief_picture
-from insonify.terrain.exponent import amplitude_exponent
+from insonify.terrain.spectral_exponent import amplitude_exponent
 
 Field = NDArray[np.float64]
 CELLS = 256

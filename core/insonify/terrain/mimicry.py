@@ -34,7 +34,7 @@ FEWEST_CELLS = 4
 MEAN_OF = 1 << 14  # samples
 
 
-def mimicking_heights(mimic: Mimic, cells: int) -> Curve:
+def mimic_heights(mimic: Mimic, cells: int) -> Curve:
     """Heights of dunes that pass for a pattern.
 
     Parameters
@@ -72,7 +72,7 @@ def mean_diffuse(pattern: PatternMap) -> float:
     return float(_diffuse(pattern, (np.arange(MEAN_OF) + 0.5) / MEAN_OF).mean())
 
 
-def relief_for(ratio: Curve, altitude: float, step: float, law: str) -> tuple[Curve, Curve]:
+def equivalent_profile(ratio: Curve, altitude: float, step: float, law: str) -> tuple[Curve, Curve]:
     """Profile that records as a level bed of changing reflectivity does, beyond 1.4 times the altitude.
 
     Parameters
@@ -127,7 +127,7 @@ def _one_side(mimic: Mimic, y: Curve, side: float, cells: int) -> Curve:
     step = border / np.ceil(STEPS_A_CELL * border * cells / (2.0 * mimic.reach))
     count = int(np.ceil(1.5 * mimic.reach / step))
     ratio = _ratio(mimic, side * (np.arange(count) + 0.5) * step)
-    ground, height = relief_for(ratio, mimic.altitude, step, mimic.law)
+    ground, height = equivalent_profile(ratio, mimic.altitude, step, mimic.law)
     return np.interp(y, ground, height)
 
 

@@ -15,7 +15,7 @@ Field = NDArray[np.float64]
 FADE = 0.3  # of the rms amplitude, below which crests die down: they end where the phase goes round a point
 
 
-def shaped_ripples(ripples: Ripples, real: Field, imaginary: Field, level: float) -> Field:
+def shape_ripples(ripples: Ripples, real: Field, imaginary: Field, level: float) -> Field:
     """Heights of ripples from a complex field, whose phase tells crests from troughs.
 
     Parameters

@@ -54,7 +54,7 @@ def von_karman(relief: VonKarman) -> Density:
     level = 4.0 * math.pi * relief.hurst * relief.rms**2 * across * along
 
     def density(fx: Field, fy: Field) -> Field:
-        f_along, f_across = turned(fx, fy, relief.heading)
+        f_along, f_across = rotate_frequencies(fx, fy, relief.heading)
         squared = (2.0 * math.pi) ** 2 * ((f_across * across) ** 2 + (f_along * along) ** 2)
         return np.asarray(level * (1.0 + squared) ** -(relief.hurst + 1.0))
 
@@ -76,7 +76,7 @@ def autocorrelated(relief: Autocorrelated) -> Density:
         )
     if isinstance(of, GaussianAutocorrelation):
         return lambda fx, fy: np.asarray(variance * math.pi * of.length**2 * np.exp(-0.25 * _phase(fx, fy, of.length)))
-    wave, power = tabled(points_of(of))  # type: ignore[arg-type]
+    wave, power = transform_autocorrelation(autocorrelation_points(of))  # type: ignore[arg-type]
 
     def density(fx: Field, fy: Field) -> Field:
         # Beyond the table it goes on as k⁻³, as that of anything with corners does on the average.
@@ -101,7 +101,7 @@ def ripple_band(relief: Ripples, narrowest: float = 0.0) -> Density:
     spread_along = max(relief.bandwidth_along / relief.wavelength, narrowest)
 
     def density(fx: Field, fy: Field) -> Field:
-        f_along, f_across = turned(fx, fy, relief.heading)
+        f_along, f_across = rotate_frequencies(fx, fy, relief.heading)
         return np.asarray(np.exp(-0.5 * ((f_across / spread_across) ** 2 + (f_along / spread_along) ** 2)))
 
     return density
@@ -133,13 +133,13 @@ def mask_spread(mask: Patchy) -> float:
     return 1.0 / (2.0 * math.sqrt(2.0) * mask.size)
 
 
-def turned(fx: Field, fy: Field, heading: float) -> tuple[Field, Field]:
+def rotate_frequencies(fx: Field, fy: Field, heading: float) -> tuple[Field, Field]:
     """Frequencies along a heading and across it."""
     c, s = math.cos(math.radians(heading)), math.sin(math.radians(heading))
     return c * fx + s * fy, c * fy - s * fx
 
 
-def points_of(of: TabledAutocorrelation | AutocorrelationFile) -> tuple[tuple[float, float], ...]:
+def autocorrelation_points(of: TabledAutocorrelation | AutocorrelationFile) -> tuple[tuple[float, float], ...]:
     """Points of a tabled autocorrelation."""
     if isinstance(of, TabledAutocorrelation):
         return of.points
@@ -147,7 +147,7 @@ def points_of(of: TabledAutocorrelation | AutocorrelationFile) -> tuple[tuple[fl
 
 
 @lru_cache(maxsize=4)
-def tabled(points: tuple[tuple[float, float], ...]) -> tuple[Field, Field]:
+def transform_autocorrelation(points: tuple[tuple[float, float], ...]) -> tuple[Field, Field]:
     """Wave numbers, and the transform there of straight lines between points of an autocorrelation.
 
     Raises

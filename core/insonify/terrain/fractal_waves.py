@@ -30,7 +30,7 @@ WORKERS = 2
 ROWS = 64
 
 
-def synthesise(fractal: Fractal, shape: Shape, reference: Shape, seed: int, stream: int = RELIEF) -> Field:
+def fractal_heights(fractal: Fractal, shape: Shape, reference: Shape, seed: int, stream: int = RELIEF) -> Field:
     """Heights of one period of fractal relief.
 
     Parameters
@@ -56,10 +56,10 @@ def synthesise(fractal: Fractal, shape: Shape, reference: Shape, seed: int, stre
     if power == 0.0:
         return np.zeros(shape)
     waves *= fractal.rms / math.sqrt(power)
-    return field_of(waves, shape)
+    return sum_waves(waves, shape)
 
 
-def field_of(waves: Waves, shape: Shape) -> Field:
+def sum_waves(waves: Waves, shape: Shape) -> Field:
     """Heights that waves make, (ny, nx); the waves are used up, which takes half the time of keeping them."""
     columns = scipy.fft.ifft(waves, axis=0, norm="forward", workers=WORKERS, overwrite_x=True)
     return np.asarray(scipy.fft.irfft(columns, n=shape[1], axis=1, norm="forward", workers=WORKERS))

@@ -17,33 +17,33 @@ from insonify.scene.reliefs.power_law import PowerLaw
 from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.reliefs.ripples import Ripples
 from insonify.scene.reliefs.von_karman import VonKarman
-from insonify.terrain.densities import (
+from insonify.terrain.field_transforms import mask_share, shape_ripples
+from insonify.terrain.fractal_waves import (
+    WORKERS,
+    Field,
+    Shape,
+    Waves,
+    fractal_heights,
+    frequencies,
+    sum_waves,
+    variance,
+    wave_coefficients,
+)
+from insonify.terrain.spectral_densities import (
     Density,
     autocorrelated,
     mask_density,
     power_law,
     ripple_band,
     ripple_wave,
-    turned,
+    rotate_frequencies,
     von_karman,
-)
-from insonify.terrain.shapes import mask_share, shaped_ripples
-from insonify.terrain.spectra import (
-    WORKERS,
-    Field,
-    Shape,
-    Waves,
-    field_of,
-    frequencies,
-    synthesise,
-    variance,
-    wave_coefficients,
 )
 
 LONGEST_WAVES = 0.35  # cycles per period that a band spreads at least, so that some wave lies in it
 
 
-def made_heights(parts: tuple[RandomRelief, ...], shape: Shape, reference: Shape, seed: int) -> Field:
+def periodic_heights(parts: tuple[RandomRelief, ...], shape: Shape, reference: Shape, seed: int) -> Field:
     """Heights of one period of the sum of several reliefs.
 
     Parameters
@@ -79,11 +79,11 @@ def _heights(part: RandomRelief, number: int, shape: Shape, reference: Shape, se
 def _unmasked(relief: RandomRelief, shape: Shape, reference: Shape, seed: int, stream: int) -> Field:
     """Heights of one relief, everywhere."""
     if isinstance(relief, Fractal):
-        return synthesise(relief, shape, reference, seed, stream)
+        return fractal_heights(relief, shape, reference, seed, stream)
     if isinstance(relief, Ripples):
         return _ripples(relief, shape, seed, stream)
     if isinstance(relief, PowerLaw):
-        return field_of(_waves(power_law(relief), relief.period, shape, seed, stream), shape)
+        return sum_waves(_waves(power_law(relief), relief.period, shape, seed, stream), shape)
     heights = _unscaled(relief, shape, seed, stream)  # type: ignore[arg-type]
     scaled = heights if shape == reference else _unscaled(relief, reference, seed, stream)  # type: ignore[arg-type]
     power = float(np.mean(scaled**2))
@@ -98,9 +98,9 @@ def _unscaled(relief: VonKarman | Autocorrelated | Cascade, shape: Shape, seed: 
     if isinstance(relief, Cascade):
         return _cascade(relief, shape, seed, stream)
     if isinstance(relief, VonKarman):
-        return field_of(_waves(von_karman(relief), relief.period, shape, seed, stream), shape)
+        return sum_waves(_waves(von_karman(relief), relief.period, shape, seed, stream), shape)
     waves = _waves(autocorrelated(relief), relief.period, shape, seed, stream, gaussian=False)
-    return field_of(waves, shape)
+    return sum_waves(waves, shape)
 
 
 def _waves(density: Density, period: float, shape: Shape, seed: int, stream: int, *, gaussian: bool = True) -> Waves:
@@ -119,11 +119,11 @@ def _ripples(ripples: Ripples, shape: Shape, seed: int, stream: int) -> Field:
 
     waves = _waves(about_both, ripples.period, shape, seed, stream)
     # A quarter of a wave on: the Hilbert transform in the direction in which the ripples follow one another.
-    _, across = turned(*frequencies(shape), ripples.heading)
+    _, across = rotate_frequencies(*frequencies(shape), ripples.heading)
     level = math.sqrt(2.0 * variance(waves, shape))
-    imaginary = field_of(-1j * np.sign(across) * waves, shape)
-    real = field_of(waves, shape)
-    return shaped_ripples(ripples, real, imaginary, level)
+    imaginary = sum_waves(-1j * np.sign(across) * waves, shape)
+    real = sum_waves(waves, shape)
+    return shape_ripples(ripples, real, imaginary, level)
 
 
 def _cascade(cascade: Cascade, shape: Shape, seed: int, stream: int) -> Field:
@@ -136,18 +136,18 @@ def _cascade(cascade: Cascade, shape: Shape, seed: int, stream: int) -> Field:
     squared = fx**2 + fy**2
     squared[0, 0] = np.inf
     noise = wave_coefficients(seed, stream, shape, gaussian=True)
-    logarithm = field_of(noise * np.sqrt(cascade.intermittency / (math.pi * squared)), shape)
+    logarithm = sum_waves(noise * np.sqrt(cascade.intermittency / (math.pi * squared)), shape)
     if cascade.intermittency == 0.0:
-        return field_of(noise * squared ** (-0.5 * (cascade.hurst + 1.0)), shape)
+        return sum_waves(noise * squared ** (-0.5 * (cascade.hurst + 1.0)), shape)
     waves = scipy.fft.rfft2(np.exp(logarithm), norm="forward", workers=WORKERS)
     waves *= (noise != 0.0) * squared ** (-0.5 * cascade.hurst)
-    return field_of(waves, shape)
+    return sum_waves(waves, shape)
 
 
 def _mask(mask: Patchy, period: float, shape: Shape, seed: int, stream: int) -> NDArray[np.float64]:
     """Share of the relief that a mask lets be, 0 to 1."""
     waves = _waves(mask_density(mask, LONGEST_WAVES / period), period, shape, seed, stream)
     level = math.sqrt(variance(waves, shape))
-    field = field_of(waves, shape) / level
+    field = sum_waves(waves, shape) / level
     # The patches cover their share of the very period, not of what periods are like in the mean.
     return mask_share(mask, field, float(np.quantile(field, 1.0 - mask.share)))

@@ -23,8 +23,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from insonify.kernels.common.streams import RELIEF_BAND
-from insonify.terrain.densities import Density
-from insonify.terrain.noise import lattice_noise
+from insonify.terrain.lattice_noise import lattice_noise
+from insonify.terrain.spectral_densities import Density
 
 Field = NDArray[np.float64]
 ComplexField = NDArray[np.complex128]
@@ -187,7 +187,7 @@ class _Pyramid:
         """Double the next coarser lattice onto one tile."""
         half = TILE // 2
         first = row * half - HALF_BAND, column * half - HALF_BAND
-        around = gathered(lambda j, i: self._tile(level + 1, j, i), first, (half + 2 * HALF_BAND,) * 2)
+        around = gather_tiles(lambda j, i: self._tile(level + 1, j, i), first, (half + 2 * HALF_BAND,) * 2)
         return _twice(np.ascontiguousarray(_twice(around).T)).T
 
 
@@ -222,7 +222,9 @@ class _Lattice:
         return np.ascontiguousarray(scipy.fft.rfft2(np.roll(block, (-half, -half), axis=(0, 1))).real)
 
 
-def gathered(tile: Callable[[int, int], NDArray[Any]], first: tuple[int, int], shape: tuple[int, int]) -> NDArray[Any]:
+def gather_tiles(
+    tile: Callable[[int, int], NDArray[Any]], first: tuple[int, int], shape: tuple[int, int]
+) -> NDArray[Any]:
     """Put a rectangle of nodes together from tiles.
 
     Parameters
