@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 
+from insonify.accuracy.charts import kinds
 from insonify.accuracy.charts.kinds import convergence, cost
 from insonify.accuracy.charts.kinds.convergence import ConvergenceChart, ConvergencePoint
 from insonify.accuracy.charts.kinds.cost import CostChart, CostRow
@@ -84,3 +85,10 @@ def test_pictures_of_laws_are_written(tmp_path):
     chart.save(tmp_path / "convergence.png")
     assert chart.fits()["rays"].exponent == pytest.approx(-1.0)
     assert {path.read_bytes()[:4] for path in tmp_path.iterdir()} == {b"\x89PNG"}
+
+
+def test_a_kind_of_chart_is_one_new_file(tmp_path, monkeypatch):
+    (tmp_path / "weather.py").write_text("def measure_chart(scene, *, progress=None):\n    return scene\n")
+    monkeypatch.setattr(kinds, "__path__", [*kinds.__path__, str(tmp_path)])
+    assert kinds.list_chart_kinds() == ("accuracy", "convergence", "cost", "weather")
+    assert kinds.load_chart_kind("weather")("sunny") == "sunny"

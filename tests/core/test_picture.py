@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from insonify.display.display_options import DisplayOptions
+from insonify.display import display_options
+from insonify.display.display_options import DisplayOptions, find_palettes
 from insonify.display.page import caption_scene, place_decibel_ticks, write_page
 from insonify.display.picture import (
     PALETTES,
@@ -66,7 +67,7 @@ def test_pen_marks_strong_echoes_dark():
 
 
 def test_unknown_palette_names_the_known():
-    with pytest.raises(SceneError, match="'jet' is not known; choose one of copper, pen"):
+    with pytest.raises(SceneError, match="'jet' is not known; choose one of copper, grey, pen"):
         load_palette("jet")
 
 
@@ -262,3 +263,13 @@ def test_decibel_ticks_lie_where_the_bar_has_that_amplitude():
     for place, text in place_decibel_ticks((0.1, 2.0), gain=6.0):
         amplitude = 0.1 + place * 1.9
         assert 20 * np.log10(amplitude) - 6.0 == pytest.approx(float(text.replace("−", "-")))
+
+
+def test_a_palette_is_one_new_file(tmp_path, monkeypatch):
+    for name in PALETTES:
+        (tmp_path / "palettes").mkdir(exist_ok=True)
+        (tmp_path / "palettes" / f"{name}.txt").write_bytes(find_palettes()[name].read_bytes())
+    (tmp_path / "palettes" / "reds.txt").write_text("# From black to red.\n#000000\n#ff0000\n")
+    monkeypatch.setattr(display_options, "resources", lambda: tmp_path)
+    assert tuple(find_palettes()) == (*PALETTES[:3], "reds", "viridis")
+    np.testing.assert_array_equal(load_palette("reds")[[0, 255]], [[0, 0, 0], [255, 0, 0]])

@@ -1,4 +1,4 @@
-"""Every stability case: the plain way fails, the program's own holds, and the page tells both."""
+"""Every stability case: the common method fails, the program's own holds, and the page tells both."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ import re
 import pytest
 from matplotlib.figure import Figure
 
-from insonify.accuracy.stability import CASES, Approach, StabilityCase, measure_case
+from insonify.accuracy.stability import CASES, Approach, StabilityCase, measure_case, themes
 from insonify.accuracy.stability.case import format_quantity
+from insonify.accuracy.stability.cases import find_themes
 from insonify.accuracy.stability.report import write_report
 from insonify.cli import main
 
@@ -19,7 +20,7 @@ EVERY = [case for members in CASES.values() for case in members]
 @pytest.mark.parametrize("case", EVERY, ids=lambda case: case.name)
 def test_the_plain_way_fails_and_the_own_one_holds(case):
     outcome = measure_case(case)
-    assert outcome.is_shown, f"{case.figure}: {outcome.failing} by the plain way"
+    assert outcome.is_shown, f"{case.figure}: {outcome.failing} by the common method"
     assert outcome.is_held, f"{case.figure}: {outcome.right} by the own way"
     assert outcome.verdict == "holds"
 
@@ -38,6 +39,17 @@ def test_what_is_said_is_said_in_sentences():
         for sentence in (case.trigger, case.failing.does, case.right.does):
             assert sentence[0].isupper(), sentence
             assert sentence.endswith("."), sentence
+
+
+def test_a_theme_is_one_new_file(tmp_path, monkeypatch):
+    (tmp_path / "tides.py").write_text(
+        "from insonify.accuracy.stability.case import StabilityTheme\nTHEME = StabilityTheme('Tides', 0, ())\n"
+    )
+    monkeypatch.setattr(themes, "__path__", [*themes.__path__, str(tmp_path)])
+    found = find_themes()
+    assert found[0].title == "Tides"
+    assert [theme.title for theme in found[1:]] == list(CASES)
+    assert len({theme.place for theme in found}) == len(found)
 
 
 def drawn(figure: Figure) -> None:

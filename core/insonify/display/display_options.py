@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import NamedTuple
 
-PALETTES = ("copper", "pen", "grey", "viridis")
+from insonify.files import resources
+
+DEFAULT_PALETTE = "copper"
 SIDES = ("both", "port", "starboard")
 
 
+def find_palettes() -> dict[str, Path]:
+    """Palettes by name, the default first: every text file in ``resources/palettes``."""
+    found = {path.stem: path for path in sorted((resources() / "palettes").glob("*.txt"))}
+    return {DEFAULT_PALETTE: found[DEFAULT_PALETTE], **found}
+
+
+PALETTES = tuple(find_palettes())
+
+
 class DisplayOptions(NamedTuple):
-    """What of a record is shown, and how."""
+    """Sides, kind of range, palette and gain of a picture of a record."""
 
     side: str = "both"
     ground_range: bool = False
-    palette: str = "copper"
+    palette: str = DEFAULT_PALETTE
     gain: float = 0.0  # dB

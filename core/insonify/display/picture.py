@@ -1,8 +1,8 @@
-"""Display of records: gain, palette, slant and ground range; arrays in, arrays out, no axes (those are page's).
+"""Pictures of records as arrays: normalisation, contrast, palette, slant and ground range.
 
-A record falls by tens of decibels with range. A picture shows it divided by what a perfect Lambert bed under the same
-ping would return, or a recording by its own median at every range, as amplitude, so that an even bed is even and what
-differs from it stands out.
+A record falls by tens of decibels with range. A picture shows its amplitude relative to a perfect Lambert bed under the
+same ping, or a recording relative to its own median at every range, so that an even bed is even and the rest
+stands out.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from scipy.ndimage import gaussian_filter1d, median_filter
 from skimage import exposure
 
 from insonify.acoustics.flat_bed import flat_bed_curve
-from insonify.display.display_options import PALETTES
-from insonify.scene import SceneError, resources
+from insonify.display.display_options import PALETTES, find_palettes
+from insonify.scene import SceneError
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
@@ -39,34 +39,35 @@ __all__ = [
 ]
 
 _rescale: Callable[..., Any] = exposure.rescale_intensity
-_ENOUGH = 200_000  # amplitudes that settle a percentile
-_PINGS = 2000  # pings that settle a recording's curve
-_FIRST = 1.25  # altitudes from which a recording's bed counts
-_SMOOTH = 64  # a recording's curve is smooth over this part of its bins
+_ENOUGH = 200_000  # amplitudes that suffice for a percentile
+_PINGS = 2000  # pings that suffice for the median curve of a recording
+_FIRST = 1.25  # altitudes from which the bed of a recording counts
+_SMOOTH = 64  # the median curve is smoothed over the bins divided by this
 
 
 @cache
 def load_palette(name: str) -> NDArray[np.uint8]:
-    """Return a colour table.
+    """Read a palette: its file holds one colour per line, ``#rrggbb``, evenly spaced from silence to the maximum.
 
     Parameters
     ----------
     name : str
-        One of ``PALETTES``; entry 0 stands for silence.
+        Name of a palette, see `find_palettes`.
 
     Returns
     -------
     (256, 3) uint8
-        Red, green, blue.
+        Red, green, blue; entry 0 stands for silence.
 
     Raises
     ------
     SceneError
         If there is no such palette.
     """
-    if name not in PALETTES:
-        raise SceneError(f"palette {name!r} is not known; choose one of {', '.join(PALETTES)}")
-    lines = (resources() / "palettes" / f"{name}.txt").read_text(encoding="utf-8").splitlines()
+    palettes = find_palettes()
+    if name not in palettes:
+        raise SceneError(f"palette {name!r} is not known; choose one of {', '.join(palettes)}")
+    lines = palettes[name].read_text(encoding="utf-8").splitlines()
     anchors = np.array([list(bytes.fromhex(line[1:])) for line in lines if not line.startswith("# ")], dtype=np.float64)
     at, given = np.linspace(0.0, 1.0, 256), np.linspace(0.0, 1.0, len(anchors))
     table = np.stack([np.interp(at, given, channel) for channel in anchors.T], axis=1)
@@ -76,12 +77,12 @@ def load_palette(name: str) -> NDArray[np.uint8]:
 
 
 class LevelBed:
-    """What a picture of a simulation is divided by: under every ping a level, perfect Lambert bed.
+    """Record of a level, perfect Lambert bed under every ping, by which a picture of a simulation is normalised.
 
     Parameters
     ----------
     simulation : Simulation
-        Prepared scene.
+        Prepared simulation.
     """
 
     def __init__(self, simulation: Simulation) -> None:
@@ -89,7 +90,7 @@ class LevelBed:
         self._kept = lru_cache(maxsize=1024)(self._curve)
 
     def curves(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the records of the level beds, each at its ping's altitude to an eighth of a bin.
+        """Compute the records of level beds at the altitudes of pings, each rounded to an eighth of a bin.
 
         Parameters
         ----------
@@ -116,9 +117,9 @@ class LevelBed:
 
 
 def extend_to_water_column(curve: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Fill the bins before the first return, where things above the bed may echo, with that return's value.
+    """Extend the first return of a curve over the bins before it, in which objects above the bed may echo.
 
-    The bed's first bin is filled only in part, so the value held is the larger of the first two.
+    The first bin of the bed is partly filled, so the larger of the first two values is used.
 
     Parameters
     ----------
@@ -142,10 +143,10 @@ def extend_to_water_column(curve: NDArray[np.float64]) -> NDArray[np.float64]:
 def estimate_median_curve(
     intensity: NDArray[np.float32], altitude: NDArray[np.float64], bin_length: float
 ) -> NDArray[np.float64]:
-    """Return what a picture of a recording, whose sonar and bed nobody declared, is divided by.
+    """Estimate the curve by which a picture of a recording of unknown sonar and bed is normalised.
 
-    It is the recording's own median at every slant range, after Lambert's law has taken out what the grazing angle
-    does as the altitude changes.
+    It is the median of the recording at every slant range, after Lambert's law has removed the effect of the grazing
+    angle as the altitude changes.
 
     Parameters
     ----------
@@ -164,7 +165,7 @@ def estimate_median_curve(
     some = slice(None, None, intensity.shape[1] // _PINGS + 1)
     r = (np.arange(intensity.shape[-1]) + 0.5) * bin_length
     sine = np.minimum(np.where(altitude > 0.0, altitude, np.inf)[:, None] / r, 1.0)
-    # Nearer than this an altimeter's error would count water as bed.
+    # At shorter range an error of the altimeter would count water as bed.
     below = r >= _FIRST * altitude[some, None]
     upright = intensity[:, some] / sine[some] ** 2
     curve = np.array([_middle(upright[:, below[:, bin_], bin_]) for bin_ in range(len(r))])
@@ -172,31 +173,31 @@ def estimate_median_curve(
     if known.size == 0:
         return np.ones((len(altitude), 1, len(r)))
     logarithm = np.interp(np.arange(len(r)), known, np.log(curve[known]))
-    steady = median_filter(logarithm, size=len(r) // _SMOOTH + 1)  # marks that recorders put at the edges go
+    steady = median_filter(logarithm, size=len(r) // _SMOOTH + 1)  # removes marks that recorders put at the edges
     smooth = np.exp(gaussian_filter1d(steady, len(r) / _SMOOTH))
     return (smooth * sine**2)[:, None, :]
 
 
 def _middle(echoes: NDArray[np.floating]) -> float:
-    """Median of what is heard, 0 if nothing is."""
+    """Median of the positive echoes, 0 if there are none."""
     heard = echoes[echoes > 0.0]
     return float(np.median(heard)) if heard.size else 0.0
 
 
 def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Amplitude relative to a curve.
+    """Compute amplitudes relative to a curve.
 
     Parameters
     ----------
     intensity : (..., bins) float32
         Energy of a record.
     curve : (bins,) or (..., bins) float64
-        What it is divided by; positive.
+        Positive curve by which the record is divided.
 
     Returns
     -------
     (..., bins) float32
-        Square root of the ratio; 0 where nothing is heard.
+        Square root of the ratio; 0 where the record is silent.
     """
     # The ratio is formed in float64: far bins hold 1e-9 and less.
     return np.sqrt(intensity * (1.0 / curve)).astype(np.float32)
@@ -205,8 +206,8 @@ def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDA
 def choose_contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
     """Choose the amplitudes that become the darkest and the brightest colour.
 
-    Shadows (zeros) do not count. The span follows the texture of the bed, within limits: a bed without texture stays
-    in the middle of the palette and apart from a shadow, one strong target does not darken all the rest, and a material
+    Shadows (zeros) do not count. The span follows the texture of the bed within limits: a bed without texture stays in
+    the middle of the palette and distinct from a shadow, one strong target does not darken the rest, and a material
     that covers a tenth of the picture keeps its texture however strong it is.
 
     Parameters
@@ -256,7 +257,7 @@ def mirror_channels(
     edges: NDArray[np.float64],
     side: str = "both",
 ) -> NDArray[np.float32]:
-    """Lay the channels out as a record is read: port to the left of nadir, newest ping on top.
+    """Lay out the channels with port to the left of nadir and the newest ping on top.
 
     Parameters
     ----------
@@ -285,7 +286,7 @@ def compute_column_edges(
     columns: int,
     ground_reach: float | None = None,
 ) -> NDArray[np.float64]:
-    """Edges of equally wide columns, as positions within the bins of one side.
+    """Compute the edges of equally wide columns as positions in the bins of one side.
 
     Parameters
     ----------
@@ -312,9 +313,9 @@ def compute_column_edges(
 
 
 def average_columns(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Mean of every row between successive edges, parts of bins counted as such.
+    """Average every row between successive edges, with parts of bins weighted by their width.
 
-    Columns wider than a bin average, so that no narrow echo is dropped; columns narrower than a bin repeat it.
+    Columns wider than a bin average it, so that no narrow echo is lost; columns narrower than a bin repeat it.
 
     Parameters
     ----------

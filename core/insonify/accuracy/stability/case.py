@@ -1,4 +1,4 @@
-"""What a case is: something that makes a method fail, the method, and the one that does not."""
+"""Stability case: an input on which a common method fails, beside the method that this program uses."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 @dataclass(frozen=True)
 class Approach:
-    """One way to do a thing.
+    """Method and its measured error.
 
     Attributes
     ----------
     does : str
-        What it does, as a sentence.
+        What the method does, as a sentence.
     error : callable
-        Measures how far it is from the truth, in the case's unit; NaN where it gives no number.
+        Measures its error in the case's unit; NaN where the method gives no number.
     bound : float
-        What the failing way exceeds and the right one stays within.
+        Bound that the failing method exceeds and the right one keeps.
     """
 
     does: str
@@ -34,24 +34,24 @@ class Approach:
 
 @dataclass(frozen=True)
 class StabilityCase:
-    """A failure beside its remedy.
+    """Failure of a common method beside the method that avoids it.
 
     Attributes
     ----------
     name : str
-        Of what goes wrong.
+        Name of the failure.
     trigger : str
-        What makes the method fail, in one sentence.
+        Cause of the failure, in one sentence.
     figure : str
-        What is measured.
+        Quantity that is measured.
     unit : str
-        Its unit, empty for a pure number.
+        Unit of that quantity, empty for a pure number.
     failing, right : Way
-        The plain method, and what the project does.
+        Common method, and the method of this program.
     picture : callable
         Draws both on an empty figure.
     scene : str
-        Name of the bundled scene that it is measured on; empty if it needs none.
+        Name of the bundled scene of the measurement; empty if there is none.
     """
 
     name: str
@@ -65,14 +65,33 @@ class StabilityCase:
 
 
 @dataclass(frozen=True)
+class StabilityTheme:
+    """Cases about one subject.
+
+    Attributes
+    ----------
+    title : str
+        Heading on the page.
+    place : int
+        Place on the page; themes stand in the order of these numbers.
+    cases : tuple of StabilityCase
+        Cases in order.
+    """
+
+    title: str
+    place: int
+    cases: tuple[StabilityCase, ...]
+
+
+@dataclass(frozen=True)
 class Outcome:
-    """What a case came to.
+    """Measured errors of a case.
 
     Attributes
     ----------
     case : Case
     failing, right : float
-        Errors of its two ways.
+        Errors of its two methods.
     """
 
     case: StabilityCase
@@ -81,24 +100,24 @@ class Outcome:
 
     @property
     def is_shown(self) -> bool:
-        """Whether the failing way fails beyond its bound; one that gives no number does."""
+        """Whether the failing method exceeds its bound; a method without a number does."""
         return not self.failing <= self.case.failing.bound
 
     @property
     def is_held(self) -> bool:
-        """Whether the right way stays within its own."""
+        """Whether the right method keeps its bound."""
         return self.right <= self.case.right.bound
 
     @property
     def verdict(self) -> str:
-        """Say it in a word or two."""
+        """Verdict in a few words."""
         if not self.is_held:
             return "does not hold"
         return "holds" if self.is_shown else "holds, failure not shown"
 
 
 def measure_case(case: StabilityCase) -> Outcome:
-    """Measure both ways of a case.
+    """Measure both methods of a case.
 
     Parameters
     ----------
@@ -112,7 +131,7 @@ def measure_case(case: StabilityCase) -> Outcome:
 
 
 def format_quantity(value: float, unit: str) -> str:
-    """Write a figure as people read it.
+    """Format a quantity with its unit.
 
     Parameters
     ----------
@@ -122,7 +141,7 @@ def format_quantity(value: float, unit: str) -> str:
     Returns
     -------
     str
-        Three digits at most, with powers of ten where needed; what is no number is said to be none.
+        At most three digits, with a power of ten where needed, or "not a number".
     """
     if math.isnan(value):
         return "not a number"

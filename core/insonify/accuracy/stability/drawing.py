@@ -1,4 +1,4 @@
-"""How the pictures of cases look: sober axes, one colour for what fails and one for what holds."""
+"""Drawing of stability cases: one colour for the method that fails and one for the method that holds."""
 
 from __future__ import annotations
 
@@ -7,18 +7,19 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-INK, FAINT = "#22262b", "#6b737c"
-WRONG, RIGHT = "#b5651d", "#1f8a5b"
+from insonify.display.style import BROWN, FAINT, GREEN, INK, label_axes, style_axes
+
+WRONG, RIGHT = BROWN, GREEN
 
 
 def add_panel(figure: Figure, place: int = 111, *, x: str, y: str, title: str = "") -> Any:
-    """Put labelled axes on a figure.
+    """Add labelled axes to a figure.
 
     Parameters
     ----------
     figure : Figure
     place : int
-        As matplotlib's ``add_subplot`` takes it.
+        Place as ``Figure.add_subplot`` takes it.
     x, y : str
         Labels with units.
     title : str
@@ -28,33 +29,30 @@ def add_panel(figure: Figure, place: int = 111, *, x: str, y: str, title: str = 
     matplotlib.axes.Axes
     """
     axes = figure.add_subplot(place)
-    axes.set_xlabel(x, fontsize=9, color=INK)
-    axes.set_ylabel(y, fontsize=9, color=INK)
+    label_axes(axes, x, y, size=9)
     if title:
         axes.set_title(title, fontsize=9.5, color=INK, loc="left")
-    axes.tick_params(which="both", color=FAINT, labelcolor=INK, labelsize=8.5)
+    style_axes(axes, 8.5)
     axes.grid(True, color=FAINT, alpha=0.18, linewidth=0.7)
     axes.set_axisbelow(True)
-    for side, spine in axes.spines.items():
-        spine.set(color=FAINT, linewidth=0.8, visible=side in ("left", "bottom"))
     return axes
 
 
-def add_legend(axes: Any, place: str = "best") -> None:
-    """Name the lines of some axes."""
-    axes.legend(loc=place, frameon=False, fontsize=8.5, labelcolor=INK)
+def add_legend(axes: Any, place: str = "best", **options: Any) -> None:
+    """Add a legend without a frame."""
+    axes.legend(loc=place, frameon=False, fontsize=8.5, labelcolor=INK, **options)
 
 
 def write_table(figure: Figure, heads: tuple[str, str, str], rows: list[tuple[str, str, str]]) -> None:
-    """Set what is asked, what the plain way makes of it and what the own way says side by side.
+    """Write a table of three columns: the input, what the common method does, what this program does.
 
     Parameters
     ----------
     figure : Figure
     heads : (str, str, str)
-        Above the three columns.
+        Heads of the columns.
     rows : list of (str, str, str)
-        Broken into lines where they are long.
+        Cells; long text is wrapped.
     """
     axes = figure.add_subplot()
     axes.axis("off")

@@ -1,4 +1,4 @@
-"""All cases on one page: a table, then every case with its picture, nothing that lies outside the file."""
+"""Stability page: a table of all cases, then every case with its picture, in one HTML file."""
 
 from __future__ import annotations
 
@@ -16,12 +16,11 @@ from insonify.io.atomic import replacing
 
 WIDTH, HEIGHT, DPI = 7.2, 2.9, 130
 INTRODUCTION = (
-    "Every method of simulating sound has places where it fails: a layer without gradient, a fish straight over a "
-    "knot, a float that has too few digits. Each case below sets one such place up and measures two ways through it "
-    "against the truth: the plain one, which fails, and the one this program takes. A way that gives no number at all "
-    "fails too."
+    "Every method of simulating sound fails somewhere: in a layer without a gradient, straight above a knot, in a "
+    "number of too few digits. Each case below triggers one such failure and measures two methods against the truth: a "
+    "common one, which fails, and the one that this program uses. A method that gives no number also fails."
 )
-HEADS = (("", "Case"), (' class="trigger"', "Trigger"), ("", "Plain way"), ("", "Own way"), ("", "Verdict"))
+HEADS = (("", "Case"), (' class="trigger"', "Trigger"), ("", "Common method"), ("", "This program"), ("", "Verdict"))
 STYLE = """
 :root { --ink: #22262b; --faint: #6b737c; --line: #dde1e5; --wrong: #a4571a; --right: #17754c; }
 * { box-sizing: border-box; }
@@ -69,21 +68,21 @@ def write_report(
     *,
     done: Callable[[StabilityCase], None] = lambda case: None,
 ) -> list[Outcome]:
-    """Measure cases and write the page.
+    """Measure cases and write them as a page.
 
     Parameters
     ----------
     path : str or Path
         File to make or replace; it appears only when whole.
     cases : mapping of str to tuple of Case
-        By theme, in order.
+        Cases by theme, in order.
     done : callable, optional
-        Called with every case measured.
+        Called with every measured case.
 
     Returns
     -------
     list of Outcome
-        In the order of the page.
+        Outcomes in the order of the page.
     """
     outcomes: dict[str, list[Outcome]] = {}
     for theme, members in cases.items():
@@ -91,24 +90,24 @@ def write_report(
         for case in members:
             outcomes[theme].append(measure_case(case))
             done(case)
-    text = page(outcomes)
+    text = lay_out_page(outcomes)
     with replacing(path) as beside:
         beside.write_text(text, encoding="utf-8")
     return [outcome for members in outcomes.values() for outcome in members]
 
 
-def page(outcomes: Mapping[str, list[Outcome]]) -> str:
+def lay_out_page(outcomes: Mapping[str, list[Outcome]]) -> str:
     """Lay outcomes out as HTML.
 
     Parameters
     ----------
     outcomes : mapping of str to list of Outcome
-        By theme.
+        Outcomes by theme.
 
     Returns
     -------
     str
-        A whole document, its pictures inlined.
+        Whole document with its pictures inlined.
     """
     every = [outcome for members in outcomes.values() for outcome in members]
     numbers = {id(outcome): number for number, outcome in enumerate(every, 1)}
@@ -120,7 +119,7 @@ def page(outcomes: Mapping[str, list[Outcome]]) -> str:
         rows += [_row(outcome, numbers[id(outcome)]) for outcome in members]
         sections += [_section(outcome, numbers[id(outcome)]) for outcome in members]
     heads = "".join(f"<th{kind}>{head}</th>" for kind, head in HEADS)
-    summary = f"{held} of {len(every)} cases: the plain way fails beyond its bound, and the program's own keeps to its."
+    summary = f"{held} of {len(every)} cases: the common method exceeds its bound, and this program keeps its own."
     return (
         '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -144,27 +143,27 @@ def _row(outcome: Outcome, number: int) -> str:
 
 def _section(outcome: Outcome, number: int) -> str:
     case = outcome.case
-    ways = (
-        _way("wrong", "Plain", outcome.failing, case.failing, case.unit),
-        _way("right", "Own", outcome.right, case.right, case.unit),
+    methods = (
+        _row_of("wrong", "Common", outcome.failing, case.failing, case.unit),
+        _row_of("right", "Own", outcome.right, case.right, case.unit),
     )
     return (
         f'<section id="case-{number}"><h3>{escape(case.name)}</h3>\n<p>{escape(case.trigger)} '
         f'<span class="faint">Measured: {escape(case.figure)}{_scene(case)}.</span></p>\n'
-        f"<dl>{''.join(ways)}</dl>\n{_picture(case)}</section>\n"
+        f"<dl>{''.join(methods)}</dl>\n{_picture(case)}</section>\n"
     )
 
 
 def _scene(case: StabilityCase) -> str:
-    """Name the scene of a case."""
+    """Name of the scene of a case."""
     return f", on the scene <code>{escape(case.scene)}</code>" if case.scene else ""
 
 
-def _way(kind: str, name: str, value: float, way: Approach, unit: str) -> str:
-    bound = f"({'bound' if kind == 'right' else 'fails above'} {format_quantity(way.bound, unit)})"
+def _row_of(kind: str, name: str, value: float, approach: Approach, unit: str) -> str:
+    bound = f"({'bound' if kind == 'right' else 'fails above'} {format_quantity(approach.bound, unit)})"
     return (
         f'<dt class="{kind}">{name}</dt><dd class="figure {kind}">{escape(format_quantity(value, unit))}</dd>'
-        f'<dd class="does">{escape(way.does)} <span class="faint">{escape(bound)}</span></dd>'
+        f'<dd class="does">{escape(approach.does)} <span class="faint">{escape(bound)}</span></dd>'
     )
 
 
@@ -173,7 +172,7 @@ def _class(outcome: Outcome) -> str:
 
 
 def _picture(case: StabilityCase) -> str:
-    """Draw a case's picture into the page."""
+    """Picture of a case as an inlined PNG."""
     figure = Figure(figsize=(WIDTH, HEIGHT), facecolor="white", layout="constrained")
     case.picture(figure)
     memory = BytesIO()

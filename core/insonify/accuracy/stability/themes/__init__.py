@@ -1,1 +1,1 @@
-"""Themes of the stability report, one module each."""
+"""Themes of the stability page, one module each: it defines a ``THEME`` with a title, a place and its cases."""

@@ -9,10 +9,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase
+from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
 from insonify.accuracy.stability.compiled import guarded_mean, swallowed
-from insonify.accuracy.stability.drawing import FAINT, INK, RIGHT, WRONG, add_legend, add_panel, write_table
+from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel, write_table
 from insonify.accuracy.stability.level_scenes import make_ground, make_level_scene
+from insonify.display.style import FAINT, INK
 from insonify.kernels.common.jit import FAST
 from insonify.packing.navigation import take_poses
 from insonify.scene import SceneError, load_scene
@@ -179,15 +180,19 @@ def _draw_self_hits(figure: Figure) -> None:
     again = _met_again()
     points = origins + next_hit(origins, ways, centre, radius)[:, None] * ways - centre
     met = np.isfinite(again)
-    axes = add_panel(figure, 121, x="east of its centre (m)", y="above it (m)", title="hits on a mirroring ball")
-    axes.plot(points[~met, 0], points[~met, 2], ".", color=RIGHT, markersize=1.5, label="mirrored away")
-    axes.plot(points[met, 0], points[met, 2], ".", color=WRONG, markersize=1.5, label="met the ball again")
+    axes = add_panel(
+        figure, 121, x="east of the centre (m)", y="above the centre (m)", title="hits on a reflecting sphere"
+    )
+    axes.plot(points[~met, 0], points[~met, 2], ".", color=RIGHT, markersize=1.5, label="reflected away")
+    axes.plot(points[met, 0], points[met, 2], ".", color=WRONG, markersize=1.5, label="met the sphere again")
     axes.set_ylim(-0.6, 1.5)
     axes.legend(loc="upper right", frameon=False, fontsize=8.5, markerscale=5.0)
     axes = add_panel(figure, 122, x="distance of that second hit (m)", y="rays")
     axes.set_xscale("log")
     axes.hist(again[met], bins=np.logspace(-12, 1, 53).tolist(), color=WRONG)
-    axes.set_title(f"own: {_own_self_hits():g} %, whatever the distance", fontsize=9.5, color=RIGHT, loc="left")
+    axes.set_title(
+        f"this program: {_own_self_hits():g} %, whatever the distance", fontsize=9.5, color=RIGHT, loc="left"
+    )
 
 
 def _draw_fast(figure: Figure) -> None:
@@ -196,10 +201,10 @@ def _draw_fast(figure: Figure) -> None:
     axes = add_panel(figure, x="node", y="value")
     axes.plot(values, ".", color=INK, markersize=4, label="known")
     axes.plot(np.flatnonzero(np.isnan(values)), np.ones(15), "x", color=FAINT, markersize=4, label="missing")
-    axes.axhline(guarded_mean(values, FAST), color=RIGHT, linewidth=1.6, label="mean, with the kernels' licences")
+    axes.axhline(guarded_mean(values, FAST), color=RIGHT, linewidth=1.6, label="mean, with the kernels' flags")
     plain = guarded_mean(values, True)
     shown = f"{plain:g}" if math.isfinite(plain) else "not a number"
-    axes.plot([], [], color=WRONG, label=f"mean, with all licences: {shown}")
+    axes.plot([], [], color=WRONG, label=f"mean, with all flags: {shown}")
     axes.set_ylim(0.5, 1.9)
     add_legend(axes, "upper right")
 
@@ -212,23 +217,21 @@ def _draw_swallowed(figure: Figure) -> None:
     except SceneError as error:
         said = str(error)
     asked = "a mistake in the last tenth of a parallel loop"
-    write_table(
-        figure, ("what goes wrong", "raised inside the loop", "status returned, raised above"), [(asked, lost, said)]
-    )
+    write_table(figure, ("fault", "raised inside the loop", "status returned, raised above"), [(asked, lost, said)])
 
 
 def _draw_threads(figure: Figure) -> None:
     axes = add_panel(figure, x="bin", y="change over the energy")
     one = summed_by(1)
     axes.plot((summed_by(4) - one) / one, ".", color=WRONG, markersize=4, label="float32, share by share")
-    axes.axhline(0.0, color=RIGHT, linewidth=1.6, label="whole numbers, ping by ping")
+    axes.axhline(0.0, color=RIGHT, linewidth=1.6, label="integers, ping by ping")
     add_legend(axes)
 
 
-CASES = (
+THEME = StabilityTheme("Arithmetic", 10, (
     StabilityCase(
         "Large coordinates",
-        "In float32 a northing of millions of metres is known to a quarter or half of a metre only.",
+        "A float32 resolves a northing of millions of metres to a quarter or half of a metre only.",
         "worst error of the bed's height", "mm",
         Approach("Looks heights up by map coordinates in float32.", lambda: _height_error(_single_heights()), 20.0),
         Approach("Subtracts a local origin in float64.", lambda: _height_error(_own_heights()), 0.01),
@@ -237,34 +240,34 @@ CASES = (
     ),
     StabilityCase(
         "A ray that meets its own surface",
-        "A mirrored ray begins where rounding puts it, as often inside the surface as outside.",
-        "mirrored rays that meet their own ball again", "%",
-        Approach("Begins at the hit and takes the next distance above 0.", _plain_self_hits, 10.0),
-        Approach("Keeps clear of the surface by a distance that grows with the coordinates.", _own_self_hits, 0.0),
+        "A reflected ray starts at a rounded point, as often inside the surface as outside.",
+        "reflected rays that meet their own sphere again", "%",
+        Approach("Starts at the hit and takes the next positive distance.", _plain_self_hits, 10.0),
+        Approach("Starts off the surface by a distance that scales with the coordinates.", _own_self_hits, 0.0),
         _draw_self_hits,
     ),
     StabilityCase(
         "Fast arithmetic",
-        "A compiler that may assume there are no NaN removes every guard against them.",
-        "error of a mean over nodes of which some are missing", "",
-        Approach("Is compiled with all licences of fast-math.", lambda: _known(True), 0.0),
-        Approach("Is compiled with the kernels' licences, none of which touches NaN.", lambda: _known(FAST), 1e-12),
+        "A compiler that may assume that no value is NaN removes every check for NaN.",
+        "error of a mean over nodes, some of them missing", "",
+        Approach("Compiles with all flags of fast-math.", lambda: _known(True), 0.0),
+        Approach("Compiles with the kernels' flags, which all respect NaN.", lambda: _known(FAST), 1e-12),
         _draw_fast,
     ),
     StabilityCase(
         "An exception inside a parallel loop",
-        "Numba drops what a called function raises inside prange, and hands back a half-filled array.",
-        "results missing without a word", "%",
+        "Numba drops an exception of a function that prange calls, and returns a partly filled array.",
+        "results missing without an error", "%",
         Approach("Raises in a function that a parallel loop calls.", swallowed, 5.0),
-        Approach("Returns a status from every kernel and raises above it.", _own_swallowed, 0.0),
+        Approach("Returns a status from every kernel and raises outside it.", _own_swallowed, 0.0),
         _draw_swallowed,
     ),
     StabilityCase(
         "Threads and blocks",
-        "Floating-point sums depend on their order, and that on how work is shared.",
-        "bins that change with it", "%",
-        Approach("Adds up the shares of one worker and of four, in float32.", _plain_threads, 10.0),
-        Approach("Traces each ping by itself, in whole numbers.", _own_threads, 0.0),
+        "A floating-point sum depends on its order, and the order on how work is shared.",
+        "bins that depend on the number of threads", "%",
+        Approach("Sums the shares of one worker and of four in float32.", _plain_threads, 10.0),
+        Approach("Traces each ping by itself with integer sums.", _own_threads, 0.0),
         _draw_threads,
     ),
-)  # fmt: skip
+))  # fmt: skip

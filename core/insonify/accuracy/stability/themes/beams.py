@@ -11,10 +11,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase
-from insonify.accuracy.stability.drawing import FAINT, INK, RIGHT, WRONG, add_legend, add_panel
+from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
+from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel
 from insonify.accuracy.stability.level_scenes import make_level_scene
 from insonify.acoustics.flat_bed import along_track_width
+from insonify.display.style import FAINT, INK
 from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.beams.fan import FanBeam
@@ -69,7 +70,7 @@ def _comb(echo: Curve) -> float:
 def _draw_comb(figure: Figure) -> None:
     passed = _past_a_ball()
     axes = add_panel(
-        figure, x="place along the track, from abreast of the ball (m)", y="the ball's echo over the bed's"
+        figure, x="distance along the track from the sphere (m)", y="echo of the sphere over that of the bed"
     )
     for echo, colour, words in (
         (passed.few, WRONG, f"{passed.counts[0]} planes"),
@@ -176,52 +177,52 @@ def _draw_sparse(figure: Figure) -> None:
         x = ping * apart
         axes.fill([x, x - 25.0 * half, x + 25.0 * half], [0.0, 25.0, 25.0], color=FAINT, alpha=0.35, linewidth=0)
     places = np.array([target.position[:2] for target in scene.targets])
-    axes.plot(places[:, 0], places[:, 1], "o", color=WRONG, markersize=5, label="targets, which no beam meets")
+    axes.plot(places[:, 0], places[:, 1], "o", color=WRONG, markersize=5, label="targets that no beam meets")
     axes.fill([], [], color=FAINT, alpha=0.35, label="beams of the pings")
     reason = next(entry.reason for entry in plan(scene).entries if "can be missed" in entry.reason)
-    axes.set_title("\n".join(wrap(f"own plan: {reason}", 110)), fontsize=8.5, color=RIGHT, loc="left")
+    axes.set_title("\n".join(wrap(f"the plan: {reason}", 110)), fontsize=8.5, color=RIGHT, loc="left")
     axes.set_ylim(-9.0, 26.0)
     add_legend(axes, "lower right")
 
 
-CASES = (
+THEME = StabilityTheme("Beams", 7, (
     StabilityCase(
         "Too few planes across a fan",
-        "A target narrower than the distance between two planes is heard when one meets it and not in between.",
-        "swing of a small ball's echo within the beam", "%",
-        Approach("Cuts the beam into as few planes as a tolerance of 1 allows.",
+        "A target narrower than the distance between two planes is heard only where a plane meets it.",
+        "variation of a small sphere's echo within the beam", "%",
+        Approach("Uses as few planes as a tolerance of 1 allows.",
                  lambda: _comb(_past_a_ball().few), 100.0),
-        Approach("Lets the plan choose by the ball and how wide the beam is there.",
+        Approach("Lets the plan choose by the size of the sphere and the beam width there.",
             lambda: _comb(_past_a_ball().planned), 30.0),
         _draw_comb,
         "breaks-comb",
     ),
     StabilityCase(
         "Pings that beat with ripples",
-        "A knife looks at a line of the bed each time, and ripples about as long as the way between two lines come "
-        "back as bands many times as long.",
+        "A knife-edge beam samples one line per ping; ripples about as long as the distance between lines alias to "
+        "bands many times as long.",
         "contrast along the track of bands longer than four ripples", "%",
-        Approach("Looks at lines as far apart as the ripples are long.",
+        Approach("Samples lines one ripple length apart.",
                  lambda: _beats(_towed_over_ripples()[0]), 50.0),
-        Approach("Hears a fan that is wider than the way between two pings.",
+        Approach("Uses a fan wider than the distance between two pings.",
             lambda: _beats(_towed_over_ripples()[1]), 20.0),
         _draw_beats,
         "breaks-beats",
     ),
     StabilityCase(
         "Pings too far apart",
-        "Between two pings the fish moves on by more than its beam is wide.",
-        "targets missed without a word", "of 5",
-        Approach("Simulates what is asked for.", _missed, 3.0),
-        Approach("Says in the plan up to which range what is narrow can be missed.", _missed_unsaid, 0.0),
+        "The sonar moves by more than its beam width between two pings.",
+        "targets missed without a message", "of 5",
+        Approach("Simulates the scene without a check.", _missed, 3.0),
+        Approach("States in the plan up to which range a narrow target can be missed.", _missed_unsaid, 0.0),
         _draw_sparse,
     ),
     StabilityCase(
         "A cone taken for a wedge",
-        "A beam keeps its angle to the track, not to a plane: at slant range r it takes in r θ of bed, not x θ.",
-        "error of the width it takes in", "%",
+        "A beam is a cone about the track: at slant range r it covers r θ of the bed, not x θ.",
+        "error of the along-track width", "%",
         Approach("Takes ground range times the beam's angle.", lambda: _width_off(_widths()[1]), 30.0),
         Approach("Takes all azimuths with cos θ · |sin φ| within the beam.", lambda: _width_off(_widths()[2]), 0.01),
         _draw_widths,
     ),
-)  # fmt: skip
+))  # fmt: skip

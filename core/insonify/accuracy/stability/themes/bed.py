@@ -10,10 +10,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from insonify.accuracy.record_errors import compare_records
-from insonify.accuracy.stability.case import Approach, StabilityCase
-from insonify.accuracy.stability.drawing import FAINT, INK, RIGHT, WRONG, add_legend, add_panel
+from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
+from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel
 from insonify.accuracy.stability.level_scenes import make_level_scene, make_pose, prepare_over_heights
 from insonify.acoustics.resolution_cell import bin_centres
+from insonify.display.style import FAINT, INK
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.scene import edit, load_scene
 from insonify.simulation import Simulation, prepare
@@ -67,7 +68,9 @@ def _draw_leak(figure: Figure) -> None:
     met = across[: int(np.argmin(height + slope * across > bed)) + 1]
     scene.plot(met, height + slope * met, color=RIGHT, linewidth=1.8)
     scene.set_ylim(-1.2, height + 0.5)
-    record = add_panel(figure, 122, x="slant range (m)", y="energy per bin (dB)", title="and lights the shadows")
+    record = add_panel(
+        figure, 122, x="slant range (m)", y="energy per bin (dB)", title="and puts energy into the shadows"
+    )
     r = bin_centres(_crests().arrays)
     with np.errstate(divide="ignore"):
         levels = [np.where(values > 0.0, 10.0 * np.log10(values), np.nan) for values in (long, ours)]
@@ -150,7 +153,7 @@ def _draw_orders(figure: Figure) -> None:
     axes = add_panel(figure, x="spacing of samples (m)", y="error of the record")
     axes.set(xscale="log", yscale="log")
     axes.plot(spacings, points, "s-", color=WRONG, label="samples as points")
-    axes.plot(spacings, ours, "D-", color=RIGHT, label="pieces spread over the bins they span")
+    axes.plot(spacings, ours, "D-", color=RIGHT, label="segments spread over the bins that they span")
     axes.plot(spacings, ours[0] * (spacings / spacings[0]) ** 2, "--", color=INK, linewidth=0.8, label="second order")
     add_legend(axes)
 
@@ -167,36 +170,38 @@ def _draw_knot(figure: Figure) -> None:
     arrays = prepare_over_heights(make_level_scene(), np.zeros((64, 64)), 0.1, x0=-3.2, y0=-3.2).arrays
     own = [100.0 * np.mean(~np.isfinite(sweep.trace(arrays, make_pose(0.0, y, FISH)))) for y in off]
     axes = add_panel(figure, x="fish across, knots every 0.1 m (m)", y="bins without a number (%)")
-    axes.plot(off, plain, "o", color=WRONG, markersize=4, label="slopes over ground range")
-    axes.plot(off, own, ".", color=RIGHT, markersize=4, label="walk that begins beneath the fish")
+    axes.plot(off, plain, "o", color=WRONG, markersize=4, label="division by ground range")
+    axes.plot(off, own, ".", color=RIGHT, markersize=4, label="walk that starts beneath the fish")
     axes.set_ylim(-6.0, 130.0)
     add_legend(axes, "upper right")
 
 
-CASES = (
+THEME = StabilityTheme("The bed", 5, (
     StabilityCase(
         "Steps too long",
-        "A ray that is looked at every few metres steps across whatever is thinner.",
-        "energy from shadows, over that of a level bed there", "%",
+        "A ray that is sampled every few metres steps over whatever is thinner.",
+        "energy in shadows, over that of a level bed there", "%",
         Approach(f"Marches in steps of {STEP:g} m.", lambda: _leaked(_behind_crests()[0]), 5.0),
-        Approach("Walks every piece of the bed once, under one horizon.", lambda: _leaked(_behind_crests()[1]), 0.0),
+        Approach("Walks every segment of the bed once under a running horizon.",
+                 lambda: _leaked(_behind_crests()[1]), 0.0),
         _draw_leak,
         "breaks-steps",
     ),
     StabilityCase(
         "A fish over a knot",
-        "The line of sight straight down has no slope: 0/0, and whatever is added up after it is lost.",
+        "The line of sight straight down has the slope 0/0, and every later value of a running sum is lost.",
         "bins or knots without a number", "%",
-        Approach("Forms slopes over ground range from the fish on.", _plain_knot, 50.0),
-        Approach("Begins the walk beneath the fish without dividing by its range.", _own_knot, 0.0),
+        Approach("Divides by ground range from the fish on.", _plain_knot, 50.0),
+        Approach("Starts beneath the fish without dividing by ground range.", _own_knot, 0.0),
         _draw_knot,
     ),
     StabilityCase(
-        "An order that is none",
-        "A method is said to be of second order, and halving its step should quarter its error.",
-        "observed order, off the second", "%",
-        Approach("Lets every sample of the bed echo as a point.", lambda: _order_off(_cells()[1], 2.0), 20.0),
-        Approach("Spreads each piece's energy over the bins it spans.", lambda: _order_off(_cells()[2], 2.0), 10.0),
+        "A wrong order of convergence",
+        "A method claims second order: halving its step should quarter its error.",
+        "deviation of the observed order from 2", "%",
+        Approach("Treats every sample of the bed as a point scatterer.", lambda: _order_off(_cells()[1], 2.0), 20.0),
+        Approach("Spreads the energy of each segment over the bins that it spans.",
+                 lambda: _order_off(_cells()[2], 2.0), 10.0),
         _draw_orders,
     ),
-)  # fmt: skip
+))  # fmt: skip

@@ -10,12 +10,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase
-from insonify.accuracy.stability.drawing import FAINT, INK, RIGHT, WRONG, add_legend, add_panel, write_table
+from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
+from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel, write_table
 from insonify.accuracy.stability.level_scenes import make_level_scene, make_pose
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.acoustics.resolution_cell import bin_centres
 from insonify.display.picture import LevelBed, choose_contrast, colour_amplitudes, normalise
+from insonify.display.style import FAINT, INK
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
@@ -121,7 +122,7 @@ def _draw_nadir(figure: Figure) -> None:
     book = np.array(area) * (10.0 / near) ** 2 / math.pi * near**-4.0
     axes = add_panel(figure, x="slant range (m)", y="energy per bin (dB)")
     axes.plot(near, 10.0 * np.log10(book), color=WRONG, label="cell φ r cτ / (2 cos θ): infinite at 10 m")
-    axes.step(edges, 10.0 * np.log10(ours[1000:1101]), color=RIGHT, where="post", label="what each bin holds")
+    axes.step(edges, 10.0 * np.log10(ours[1000:1101]), color=RIGHT, where="post", label="energy of each bin")
     axes.axvline(10.0, color=FAINT, linewidth=0.8, linestyle=":")
     add_legend(axes)
 
@@ -185,10 +186,10 @@ def _draw_silence(figure: Figure) -> None:
     single, ours, dark = _behind_a_ball()
     shown = slice(max(dark.start - 120, 0), min(dark.start + 480, dark.stop))
     r = (np.arange(single.size)[shown] + 0.5) * BIN
-    axes = add_panel(figure, x="slant range (m)", y="energy, over the strongest")
+    axes = add_panel(figure, x="slant range (m)", y="energy over the maximum")
     axes.set_yscale("symlog", linthresh=1e-7)
     axes.set_yticks([-1e-3, -1e-5, -1e-7, 0.0, 1e-7, 1e-5, 1e-3, 1e-1])
-    for record, colour, words in ((single, WRONG, "float32 steps"), (ours, RIGHT, "whole numbers")):
+    for record, colour, words in ((single, WRONG, "float32 steps"), (ours, RIGHT, "integers")):
         axes.plot(r, record[shown] / record[: dark.start].max(), color=colour, linewidth=1.2, label=words)
     axes.axvspan(dark.start * BIN, float(r[-1]), color=FAINT, alpha=0.12, linewidth=0)
     add_legend(axes, "upper right")
@@ -201,8 +202,8 @@ def _draw_zero(figure: Figure) -> None:
     axes = add_panel(figure, x="slant range (m)", y="level (dB)")
     axes.plot(r, np.where(lost, np.nan, level), color=FAINT, label="with 30 log r added")
     low = np.nanmin(level[~lost]) - 5.0
-    axes.plot(r[lost], np.full(lost.sum(), low), "|", color=WRONG, markersize=7, label="no number, by decibels")
-    axes.plot([0.025], [low - 6.0], "|", color=RIGHT, label="no number, by linear intensities: none")
+    axes.plot(r[lost], np.full(lost.sum(), low), "|", color=WRONG, markersize=7, label="no number, in decibels")
+    axes.plot([0.025], [low - 6.0], "|", color=RIGHT, label="no number, in linear intensities: none")
     axes.set_ylim(low - 4.0, np.nanmax(level[~lost]) + 3.0)
     add_legend(axes)
 
@@ -214,53 +215,55 @@ def _draw_empty(figure: Figure) -> None:
         lost = _share_without_a_number(brightness(intensity))
         asked = ", ".join(f"{path.partition('.')[2] or path} = {value}" for path, value in changes.items())
         lit = int((intensity > 0.0).sum())
-        rows.append((asked, f"{lost:.0f} % without a number", f"{lit} of {intensity.size} bins heard, the others dark"))
+        rows.append(
+            (asked, f"{lost:.0f} % without a number", f"{lit} of {intensity.size} bins with an echo, the others dark")
+        )
     write_table(figure, ("scene", "brightest echo at 0 dB", "relative to a level bed"), rows)
 
 
-CASES = (
+THEME = StabilityTheme("Range bins", 4, (
     StabilityCase(
         "Range factors inside a float32 sum",
-        "Spreading by r⁻⁴ goes into the steps of a float32 prefix sum, whose far bins are then smaller than the "
-        "rounding of the near ones.",
+        "A float32 prefix sum includes spreading by r⁻⁴, so that far bins are smaller than the rounding errors of "
+        "near ones.",
         "worst error beyond 110 m", "%",
-        Approach("Adds up energies times r⁻⁴ in float32.", lambda: _worst_far(_long_range()[2]), 100.0),
-        Approach("Adds up energies as integers, and multiplies by what depends on range alone after the sum.",
+        Approach("Sums energies times r⁻⁴ in float32.", lambda: _worst_far(_long_range()[2]), 100.0),
+        Approach("Sums energies as integers and applies range factors after the sum.",
             lambda: _worst_far(_long_range()[3]), 0.5),
         _draw_sums,
         "breaks-sums",
     ),
     StabilityCase(
-        "Silence that is not silent",
-        "Sums of floating-point steps that should cancel leave something over, so that shadows glow or go negative.",
+        "Shadows that are not silent",
+        "Floating-point steps that should cancel leave a remainder, so that shadows are bright or negative.",
         "bins of a shadow that are not zero", "%",
-        Approach("Lets float32 steps up and down cancel as they may.", lambda: _lit(_behind_a_ball()[0]), 50.0),
-        Approach("Counts in whole numbers, which cancel exactly.", lambda: _lit(_behind_a_ball()[1]), 0.0),
+        Approach("Sums float32 steps up and down.", lambda: _lit(_behind_a_ball()[0]), 50.0),
+        Approach("Sums integers, which cancel exactly.", lambda: _lit(_behind_a_ball()[1]), 0.0),
         _draw_silence,
     ),
     StabilityCase(
         "Nadir",
-        "The cell's length cτ/(2 cos θ) grows without bound where the bed is met at right angles.",
+        "The cell length cτ/(2 cos θ) is infinite at normal incidence.",
         "error of the first return's energy", "dB",
-        Approach("Takes the textbook's area at the first return.", lambda: _decibels_off(_first_return()[0]), 60.0),
-        Approach("Spreads each piece of the bed over the bins it spans.",
+        Approach("Uses the textbook's cell area at the first return.", lambda: _decibels_off(_first_return()[0]), 60.0),
+        Approach("Spreads each segment of the bed over the bins that it spans.",
                  lambda: _decibels_off(_first_return()[1]), 0.1),
         _draw_nadir,
     ),
     StabilityCase(
         "Range zero",
-        "The first bin begins at slant range 0, whose logarithm does not exist, and silent bins have none either.",
+        "The first bin begins at slant range 0; neither 0 nor a silent bin has a logarithm.",
         "bins without a number", "%",
-        Approach("Adds 30 log r to decibels, bin by bin from its near edge.", _plain_gain, 10.0),
-        Approach("Keeps linear intensities and takes ranges at the middle of bins.", _own_gain, 0.0),
+        Approach("Adds 30 log r to decibels at the near edge of each bin.", _plain_gain, 10.0),
+        Approach("Keeps linear intensities and takes ranges at bin centres.", _own_gain, 0.0),
         _draw_zero,
     ),
     StabilityCase(
-        "Nothing there",
-        "A record of one bin, of one ping, or one that ends before the bed begins has no loudest echo to refer to.",
+        "An empty record",
+        "A record of one bin or ping, or one that ends before the bed begins, has no maximum to normalise by.",
         "such records shown wrongly", "of 4",
         Approach("Divides by the loudest echo and takes logarithms.", _plain_display, 2.0),
-        Approach("Shows amplitudes relative to a level bed, dark where there is none.", _own_display, 0.0),
+        Approach("Shows amplitudes relative to a level bed, dark where there is no bed.", _own_display, 0.0),
         _draw_empty,
     ),
-)  # fmt: skip
+))  # fmt: skip

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from insonify.accuracy.stability.case import Approach, StabilityCase
-from insonify.accuracy.stability.drawing import FAINT, INK, RIGHT, WRONG, add_legend, add_panel
+from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
+from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel
 from insonify.accuracy.stability.themes.water import Values, profile
 from insonify.acoustics.paths import ray_paths
+from insonify.display.style import FAINT, INK
 from insonify.kernels.refraction.arcs import GRAZING
 
 KINK = profile([0.0, 20.0, 60.0], [1499.0, 1500.0, 1498.0])
@@ -133,10 +134,10 @@ def _own_endless() -> float:
 
 
 def _draw_level(figure: Figure) -> None:
-    axes = add_panel(figure, x="range (m)", y="depth (m)", title="launched level, just where sound is fastest")
+    axes = add_panel(figure, x="range (m)", y="depth (m)", title="launched horizontally where sound is fastest")
     path = ray_paths(KINK, 20.0, 0.0, max_range=400.0, ranges=np.linspace(0.0, 400.0, 81))
     axes.plot(
-        path.range.values[0], path.depth.values[0], color=RIGHT, linewidth=2.0, label="into the layer it bends to"
+        path.range.values[0], path.depth.values[0], color=RIGHT, linewidth=2.0, label="into the layer to which it bends"
     )
     axes.plot([0.0], [20.0], "o", color=WRONG, markersize=7, label="after 1000 steps to the nearest knot")
     axes.axhline(20.0, color=FAINT, linewidth=0.7, linestyle=":")
@@ -145,16 +146,21 @@ def _draw_level(figure: Figure) -> None:
 
 
 def _draw_history(figure: Figure) -> None:
-    axes = add_panel(figure, x="range (m)", y="depth (m)", title="one level ray from the knot, traced after others")
+    axes = add_panel(figure, x="range (m)", y="depth (m)", title="a horizontal ray from the knot, traced after others")
     across = np.linspace(0.0, 100.0, 51)
     for before, style, words in ((5.0, "-", "after one from 5 m"), (40.0, "--", "after one from 40 m")):
         tracer = WithMemory()
         tracer.level_ray(before, 100.0)
         depths = [tracer.level_ray(20.0, x) for x in across]
-        axes.plot(across, depths, style, color=WRONG, label=f"nearest layer last used, {words}")
+        axes.plot(across, depths, style, color=WRONG, label=f"layer used last, {words}")
     paths = ray_paths(KINK, 20.0, [2.0, 0.0], max_range=100.0, ranges=across)
     axes.plot(
-        paths.range.values[1], paths.depth.values[1], color=RIGHT, linewidth=3.0, alpha=0.6, label="own, after any"
+        paths.range.values[1],
+        paths.depth.values[1],
+        color=RIGHT,
+        linewidth=3.0,
+        alpha=0.6,
+        label="this program, after any ray",
     )
     axes.invert_yaxis()
     add_legend(axes)
@@ -164,12 +170,12 @@ def _draw_vertex(figure: Figure) -> None:
     faster, angles = turning_angles()
     snell = np.cos(angles) / 1500.0
     left = np.sin(angles) ** 2 - snell**2 * (faster - 1500.0) * (faster + 1500.0)
-    axes = add_panel(figure, 121, x="speed at the knot (m/s)", y="what is under the root", title="0 but for rounding")
+    axes = add_panel(figure, 121, x="speed at the knot (m/s)", y="radicand", title="0 except for rounding")
     axes.plot(faster[left >= 0.0], left[left >= 0.0], ".", color=FAINT, label="has a root")
     axes.plot(faster[left < 0.0], left[left < 0.0], ".", color=WRONG, label="has none")
     axes.set_ylim(-1.4e-16, 2.2e-16)
     add_legend(axes, "upper left")
-    axes = add_panel(figure, 122, x="range (m)", y="depth (m)", title="own: turns at the knot, or goes on")
+    axes = add_panel(figure, 122, x="range (m)", y="depth (m)", title="this program: turns at the knot or continues")
     for speed, angle in list(zip(faster, angles))[9::30]:
         water = profile([0.0, 20.0, 40.0], [1500.0, speed, speed + 40.0])
         path = ray_paths(water, 0.0, math.degrees(angle), max_range=600.0, ranges=np.linspace(0.0, 600.0, 121))
@@ -185,67 +191,65 @@ def _draw_kick(figure: Figure) -> None:
     plain = [abs(kicked(400.0, s, 2.0)) * 1500.0 * 400.0 for s in sines]
     own = [abs(kicked(400.0, max(s, GRAZING), 2.0)) * 1500.0 * 400.0 for s in sines]
     axes.plot(sines, plain, color=WRONG, label="q ξ² Δg / |s|, 400 m farther on")
-    axes.plot(sines, own, color=RIGHT, linewidth=2.2, label="with the angle capped, and flagged")
+    axes.plot(sines, own, color=RIGHT, linewidth=2.2, label="with the angle limited and flagged")
     add_legend(axes)
 
 
 def _draw_duct(figure: Figure) -> None:
-    axes = add_panel(
-        figure, x="range (km)", y="depth (m)", title="trapped: neither the surface nor the bed is ever met"
-    )
+    axes = add_panel(figure, x="range (km)", y="depth (m)", title="trapped ray: meets neither the surface nor the bed")
     across = np.linspace(0.0, 10_000.0, 1001)
     path = ray_paths(DUCT, 40.0, 6.0, max_range=10_000.0, bottom=120.0, ranges=across)
     x, depth = path.range.values[0] / 1000.0, path.depth.values[0]
     asked = x <= 5.0
-    axes.plot(x[~asked], depth[~asked], color=WRONG, linewidth=1.2, label="on and on")
-    axes.plot(x[asked], depth[asked], color=RIGHT, linewidth=1.6, label="to the range that was asked for")
+    axes.plot(x[~asked], depth[~asked], color=WRONG, linewidth=1.2, label="without an end")
+    axes.plot(x[asked], depth[asked], color=RIGHT, linewidth=1.6, label="to the requested range")
     axes.plot(x[asked][-1], depth[asked][-1], "o", color=RIGHT, markersize=5)
     axes.set_ylim(120.0, 0.0)
     add_legend(axes, "lower left")
 
 
-CASES = (
+THEME = StabilityTheme("Knots of a profile", 2, (
     StabilityCase(
         "A level ray on a knot",
-        "A ray that starts level on a knot of the profile is told to go to the nearest one, where it is already.",
-        "missing after 1000 steps to the end of 400 m", "m",
-        Approach("Goes to the nearest knot.", lambda: 400.0 - stepped_range(KINK.depth, 20.0, 0.0, 1000), 399.0),
-        Approach("Goes on into the layer towards which sound bends it.", _own_missing, 1e-9),
+        "A horizontal ray that starts on a knot of the profile steps to the nearest knot, where it already is.",
+        "distance to the end of 400 m after 1000 steps", "m",
+        Approach("Steps to the nearest knot.", lambda: 400.0 - stepped_range(KINK.depth, 20.0, 0.0, 1000), 399.0),
+        Approach("Enters the layer towards which refraction bends the ray.", _own_missing, 1e-9),
         _draw_level,
     ),
     StabilityCase(
         "A layer chosen by history",
-        "On a knot two layers claim the ray, and the one looked at last gets it.",
-        "difference in depth after 100 m, by what was traced before", "m",
-        Approach("Looks first into the layer of the ray before.", _plain_history, 0.1),
+        "On a knot the ray belongs to two layers, and the layer used last is taken.",
+        "difference in depth after 100 m between two histories", "m",
+        Approach("Starts in the layer of the previous ray.", _plain_history, 0.1),
         Approach("Chooses by the ray's own direction and curvature.", _own_history, 0.0),
         _draw_history,
     ),
     StabilityCase(
         "A ray that turns at a knot",
-        "Where it turns the sine is the root of a rounding error, as often below 0 as above.",
+        "At the turning point the sine is the root of a rounding error, as often negative as positive.",
         "rays without a number", "%",
         Approach("Takes √(s₀² − ξ² g Δz (c₀ + c₁)) at the knot.", _plain_vertex, 10.0),
-        Approach("Meets the border or turns before it, whichever the sign says.",
+        Approach("Crosses the knot or turns before it, depending on the sign.",
                  lambda: float(_at_the_vertex()[0]), 0.0),
         _draw_vertex,
     ),
     StabilityCase(
         "A kink met at grazing",
-        "The tube of a ray is bent by the jump of the gradient over the sine of its angle, which may be 0.",
-        "rays whose tube explodes without a word", "%",
-        Approach("Takes p − qξ²Δg/|s| as it comes.", _plain_kicks, 50.0),
-        Approach("Caps the angle and flags the ray.", lambda: float(_at_the_vertex()[2]), 0.0),
+        "The ray tube changes by the jump of the gradient over the sine of the ray's angle, which can be 0.",
+        "rays whose tube diverges without a flag", "%",
+        Approach("Takes p − qξ²Δg/|s| without a bound.", _plain_kicks, 50.0),
+        Approach("Limits the angle and flags the ray.", lambda: float(_at_the_vertex()[2]), 0.0),
         _draw_kick,
     ),
     StabilityCase(
         "A ray in a duct",
-        "Sound that is trapped comes neither to the surface nor to the bed.",
+        "A trapped ray reaches neither the surface nor the bed.",
         "rays that never end", "of 5",
-        Approach("Goes on until the ray meets one or the other.",
+        Approach("Traces until the ray meets one of them.",
                  lambda: float(sum(not plain_end(40.0, a) for a in ANGLES)),
             3.0),
-        Approach("Ends rays at a range, and after so many layers.", _own_endless, 0.0),
+        Approach("Ends rays at a maximum range and after a maximum number of layers.", _own_endless, 0.0),
         _draw_duct,
     ),
-)  # fmt: skip
+))  # fmt: skip

@@ -10,11 +10,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase
-from insonify.accuracy.stability.drawing import FAINT, INK, RIGHT, WRONG, add_legend, add_panel
+from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
+from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel
 from insonify.accuracy.stability.themes.water import profile
 from insonify.acoustics.caustics import airy_pressure
 from insonify.acoustics.paths import eigenrays, ray_paths, shadow_zones
+from insonify.display.style import FAINT, INK
 from insonify.scene import load_scene
 
 Values = NDArray[np.float64]
@@ -61,9 +62,9 @@ def _draw_shadow(figure: Figure) -> None:
     paths = ray_paths(DOWNWARD, FISH, angles, max_range=2500.0, bottom=BED)
     axes.plot(paths.range.values.T, paths.depth.values.T, color=FAINT, linewidth=0.6)
     wrong = ray_paths(DOWNWARD, FISH, bisected(2000.0), max_range=2500.0, bottom=BED)
-    axes.plot(wrong.range.values[0], wrong.depth.values[0], color=WRONG, linewidth=1.6, label="what bisection returns")
-    axes.plot([2000.0], [BED], "x", color=INK, markersize=7, label="point asked for")
-    axes.plot([begins, 2500.0], [BED, BED], color=RIGHT, linewidth=4.0, label=f"shadow from {begins:.1f} m on: none")
+    axes.plot(wrong.range.values[0], wrong.depth.values[0], color=WRONG, linewidth=1.6, label="result of the bisection")
+    axes.plot([2000.0], [BED], "x", color=INK, markersize=7, label="target point")
+    axes.plot([begins, 2500.0], [BED, BED], color=RIGHT, linewidth=4.0, label=f"shadow from {begins:.1f} m on: no ray")
     axes.set(xlim=(0.0, 2500.0), ylim=(BED + 2.0, 0.0))
     add_legend(axes, "upper right")
 
@@ -204,25 +205,25 @@ def _too_loud(pressure: Values) -> float:
 
 
 def _draw_caustic(figure: Figure) -> None:
-    axes = add_panel(figure, x="distance from the caustic (ρ of the Airy function)", y="pressure")
+    axes = add_panel(figure, x="distance from the caustic (argument ρ of the Airy function)", y="pressure")
     added, own, exact = _across_a_caustic()
-    axes.plot(SPACE, added, color=WRONG, label="two rays added up")
-    axes.plot(SPACE, own, color=RIGHT, linewidth=2.2, label="uniform form")
-    axes.plot(SPACE, exact, "--", color=INK, linewidth=0.9, label="sum of all waves")
+    axes.plot(SPACE, added, color=WRONG, label="sum of two rays")
+    axes.plot(SPACE, own, color=RIGHT, linewidth=2.2, label="uniform approximation")
+    axes.plot(SPACE, exact, "--", color=INK, linewidth=0.9, label="exact integral")
     axes.set(xlim=(-0.05, 6.0), ylim=(0.0, 12.0))
     add_legend(axes)
 
 
 def _draw_touch(figure: Figure) -> None:
     above, hits = _stepped_hits()
-    axes = add_panel(figure, x="launch angle below the one that just touches (rad)", y="range of the hit (m)")
+    axes = add_panel(figure, x="launch angle below the grazing ray (rad)", y="range of the hit (m)")
     axes.set_xscale("log")
     found = np.isfinite(hits)
     paths = ray_paths(UPWARD, 10.0, np.degrees(GRAZING + above), max_range=3000.0, bottom=30.0)
     exact = np.where(paths.hit.values, paths.range.values, 0.0).max(axis=1)
     axes.plot(above, exact, color=RIGHT, label="exact arcs")
     axes.plot(above[found], hits[found], "o", color=WRONG, markersize=4, label="adaptive steps")
-    axes.plot(above[~found], np.full((~found).sum(), 0.0), "x", color=WRONG, markersize=5, label="hit not noticed")
+    axes.plot(above[~found], np.full((~found).sum(), 0.0), "x", color=WRONG, markersize=5, label="missed hit")
     axes.axhline(_limit(), color=INK, linewidth=0.8, linestyle="--", label="limit, √(2Rh − h²)")
     add_legend(axes, "center left")
 
@@ -244,37 +245,38 @@ def _draw_time(figure: Figure) -> None:
     add_legend(axes, "center right")
 
 
-CASES = (
+THEME = StabilityTheme("Refracted rays", 3, (
     StabilityCase(
         "A shadow zone",
-        "Where no ray comes a search between one that falls short and one that goes over still ends somewhere.",
-        "rays told where none comes", "of 5",
-        Approach("Halves the bracket forty times.", _found_in_shadow, 4.0),
-        Approach("Takes what misses the point for none.", _own_in_shadow, 0.0),
+        "A bisection between a ray that falls short and one that overshoots converges even where no ray exists.",
+        "rays reported where none exists", "of 5",
+        Approach("Bisects forty times.", _found_in_shadow, 4.0),
+        Approach("Rejects a ray that misses the point.", _own_in_shadow, 0.0),
         _draw_shadow,
     ),
     StabilityCase(
         "Several rays to one point",
-        "In a channel sound comes to one point on many ways, and a search from the straight line finds one at most.",
+        "In a channel many rays join two points, and a search from the straight line finds one at most.",
         "rays lost", "%",
-        Approach("Improves the straight line by Newton's method.", lambda: _lost()[0], 50.0),
+        Approach("Starts Newton's method from the straight line.", lambda: _lost()[0], 50.0),
         Approach("Brackets every branch between the rays that graze a knot.", lambda: _lost()[1], 0.0),
         _draw_eigenrays,
     ),
     StabilityCase(
         "A caustic",
-        "Where neighbouring rays cross their tube has no width, and all its energy is in one point.",
-        "worst error of the level beside it", "dB",
-        Approach("Adds up the two rays, each by the width of its tube.",
+        "Where neighbouring rays cross, the ray tube has no width and the intensity is infinite.",
+        "worst error of the level near the caustic", "dB",
+        Approach("Sums the two rays, each by the width of its tube.",
                  lambda: _too_loud(_across_a_caustic()[0]), 20.0),
-        Approach("Takes the uniform form with the Airy function.", lambda: _too_loud(_across_a_caustic()[1]), 0.01),
+        Approach("Uses the uniform approximation with the Airy function.",
+                 lambda: _too_loud(_across_a_caustic()[1]), 0.01),
         _draw_caustic,
     ),
     StabilityCase(
         "Steps past a touch",
-        "An integrator that chooses its steps by the ray's smoothness passes the point where it touches the bed.",
+        "An integrator with adaptive steps passes the point where a smooth ray touches the bed.",
         "error of the limiting range", "m",
-        Approach("Integrates with adaptive steps and watches the depth.",
+        Approach("Integrates with adaptive steps and an event at the bed.",
                  lambda: abs(stepped_limit() - _limit()), 100.0),
         Approach("Finds the grazing ray among exact arcs.", lambda: abs(_own_limit() - _limit()), 0.05),
         _draw_touch,
@@ -282,10 +284,10 @@ CASES = (
     ),
     StabilityCase(
         "Travel time in float32",
-        "Seven digits of a time of seconds are not enough for the phase of a carrier of 400 kHz.",
+        "Seven digits of a time of seconds do not resolve the phase of a 400 kHz carrier.",
         "worst error of the phase, from 1 to 5 km", "turns",
         Approach("Takes the closed form in float32.", lambda: _phase_off(own=False), 0.1),
-        Approach("Keeps times in float64, by a form without cancellation.", lambda: _phase_off(own=True), 1e-6),
+        Approach("Keeps times in float64 in a form without cancellation.", lambda: _phase_off(own=True), 1e-6),
         _draw_time,
     ),
-)  # fmt: skip
+))  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase
+from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel
 from insonify.accuracy.stability.level_scenes import make_level_scene
 from insonify.kernels.common.scattering import bistatic_strength
@@ -51,7 +51,7 @@ def _draw_gain(figure: Figure) -> None:
     r, own = _mean_record(True)
     axes = add_panel(figure, x="slant range (m)", y="level (dB)")
     axes.plot(r, 10.0 * np.log10(_raised()), color=WRONG, linewidth=1.0, label="gain to the end of the range")
-    axes.plot(r, 10.0 * np.log10(own), color=RIGHT, linewidth=1.0, label="gain as far as a bed may be heard")
+    axes.plot(r, 10.0 * np.log10(own), color=RIGHT, linewidth=1.0, label="gain held where noise exceeds any bed")
     add_legend(axes)
 
 
@@ -102,23 +102,23 @@ def _draw_albedo(figure: Figure) -> None:
     add_legend(axes)
 
 
-CASES = (
+THEME = StabilityTheme("The receiver", 9, (
     StabilityCase(
         "Gain over noise",
-        "Time-varied gain goes on rising where nothing but noise is left.",
-        "last tenth of the record above the bed's own level", "dB",
+        "Time-varied gain keeps rising where only noise is left.",
+        "level of the last tenth of the record above the bed's", "dB",
         Approach("Applies 40 log r + 2αr at every range.", lambda: _rise(_raised()), 20.0),
-        Approach("Keeps the gain from where even a perfect bed drowns in the noise.",
+        Approach("Holds the gain from the range where even a perfect bed is below the noise.",
                  lambda: _rise(_mean_record(True)[1]),
             3.0),
         _draw_gain,
     ),
     StabilityCase(
         "A lobe without its norm",
-        "Phong's lobe added to Lambert's law as it is returns more than arrives.",
-        "energy made, over what arrives", "",
+        "Phong's lobe added to Lambert's law without a norm returns more energy than arrives.",
+        "surplus over the incident energy", "",
         Approach("Takes k_d/π + k_s cosⁿ with k_d + k_s = 1.", lambda: _excess(False), 0.3),
-        Approach("Divides the lobe by its own integral, (n + 2)/2π.", lambda: _excess(True), 0.002),
+        Approach("Normalises the lobe by its integral: a factor (n + 2)/2π.", lambda: _excess(True), 0.002),
         _draw_albedo,
     ),
-)  # fmt: skip
+))  # fmt: skip

@@ -9,9 +9,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase
-from insonify.accuracy.stability.drawing import FAINT, RIGHT, WRONG, add_legend, add_panel, write_table
+from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
+from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel, write_table
 from insonify.accuracy.stability.level_scenes import make_level_scene
+from insonify.display.style import FAINT
 from insonify.scene import Scene, SceneError, load_scene
 from insonify.terrain import relief, relief_picture
 from insonify.terrain.spectral_exponent import amplitude_exponent
@@ -87,7 +88,7 @@ def _draw_beats(figure: Figure) -> None:
     x = np.arange(CELLS) * 0.1
     axes.plot(x, fine[10], color=FAINT, linewidth=0.7, label="ripples of 28 cm, sampled every 10 cm")
     axes.plot(x[::2], sampled[5], ".-", color=WRONG, linewidth=1.2, markersize=3, label="every second sample: 67 cm")
-    axes.plot(x[::2], made[5], color=RIGHT, linewidth=1.6, label="what a grid of 20 cm holds")
+    axes.plot(x[::2], made[5], color=RIGHT, linewidth=1.6, label="relief that a grid of 20 cm resolves")
     axes.set(xlim=(0.0, 8.0), ylim=(-0.18, 0.30))
     add_legend(axes, "upper right")
 
@@ -144,7 +145,7 @@ def _draw_bad(figure: Figure) -> None:
         field = filtered_noise((64, 64), float(wrong.get("beta", 1.4)), (peak[0], peak[1]))
         asked = ", ".join(f"{name} = {value}" for name, value in wrong.items())
         rows.append((asked, f"heights from {field.min():.2g} to {field.max():.2g}", _refusal(wrong)))
-    write_table(figure, ("relief", "filtered all the same", "what is said of it"), rows)
+    write_table(figure, ("relief", "filtered without a check", "message"), rows)
 
 
 def _draw_grids(figure: Figure) -> None:
@@ -153,7 +154,7 @@ def _draw_grids(figure: Figure) -> None:
     plain = [filtered_noise(shape, 1.4, (0.0, 0.0)) for shape in shapes]
     own = [relief(seabed, shape) for shape in shapes]
     for place, fields, colour, words in (
-        (121, plain, WRONG, "noise, sample by sample"),
+        (121, plain, WRONG, "noise per sample"),
         (122, own, RIGHT, "hashed waves"),
     ):
         axes = add_panel(figure, place, x="along y (m)", y="height over its rms", title=words)
@@ -171,31 +172,30 @@ def smoothed(field: Field) -> Field:
     return np.asarray(wave / wave.std())
 
 
-CASES = (
+THEME = StabilityTheme("Generated reliefs", 8, (
     StabilityCase(
         "Peaks and exponents out of bounds",
-        "A peak at or past the Nyquist frequency comes back as another one, and exponents below 0 or from 5 on make "
-        "no relief.",
-        "such beds made without a word", "of 4",
-        Approach("Filters whatever comes by array indices.", _taken_by_noise, 3.0),
+        "A peak at or above the Nyquist frequency aliases; an exponent below 0 or from 5 on makes no relief.",
+        "such beds made without an error", "of 4",
+        Approach("Filters by array indices without a check.", _taken_by_noise, 3.0),
         Approach("Refuses each in one sentence that names the field.", _taken_by_scenes, 0.0),
         _draw_bad,
     ),
     StabilityCase(
         "Undersampled ripples",
-        "Waves that a coarse grid cannot hold come back as longer ones, and beat with what is there.",
-        "energy of waves that the landscape does not have", "%",
+        "Waves too short for a coarse grid alias to longer ones.",
+        "energy of aliased waves", "%",
         Approach("Takes every second sample.", lambda: _ghost_waves(_ripples()[1]), 50.0),
-        Approach("Makes the same landscape on the coarse grid, of the waves that fit.",
+        Approach("Synthesises the same relief on the coarse grid from the waves that it resolves.",
                  lambda: _ghost_waves(_ripples()[2]),
             1e-9),
         _draw_beats,
     ),
     StabilityCase(
         "The same seed on another grid",
-        "Random numbers drawn sample by sample make another landscape on every grid, and array indices another shape "
-        "on a grid that is not square.",
-        "difference between the waves that both grids hold", "%",
+        "Random numbers drawn per sample give another relief on every grid; array indices give another shape on a "
+        "grid that is not square.",
+        "difference between the waves that both grids resolve", "%",
         Approach("Draws noise for each grid and filters it by indices.", _plain_grids, 100.0),
         Approach("Hashes each wave's coefficient from the seed and its frequency.", _own_grids, 1e-9),
         _draw_grids,
@@ -209,4 +209,4 @@ CASES = (
         _draw_exponents,
         "breaks-greys",
     ),
-)  # fmt: skip
+))  # fmt: skip

@@ -10,9 +10,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase
-from insonify.accuracy.stability.drawing import FAINT, RIGHT, WRONG, add_panel, write_table
+from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
+from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_panel, write_table
 from insonify.accuracy.stability.level_scenes import make_level_scene
+from insonify.display.style import FAINT
 from insonify.kernels.common.types import SceneArrays
 from insonify.scene import SceneError
 from insonify.simulation import prepare, simulate
@@ -121,12 +122,12 @@ def _draw_walls(figure: Figure) -> None:
     ways = _from_within()[2]
     met = _walls_met()
     axes = add_panel(
-        figure, x="direction of the ray (°)", y="elevation (°)", title="rays from inside a block to its edges"
+        figure, x="direction of the ray (°)", y="elevation (°)", title="rays from inside a box to its edges"
     )
     around = np.degrees(np.arctan2(ways[:, 1], ways[:, 0]))
     up = np.degrees(np.arctan2(ways[:, 2], np.hypot(ways[:, 0], ways[:, 1])))
     for meets, colour, size, words in (
-        (met == 1, RIGHT, 1.5, "one wall: all of them, by the own way"),
+        (met == 1, RIGHT, 1.5, "one wall: all rays of this program"),
         (met > 1, FAINT, 2.5, "two walls at once, in float32"),
         (met == 0, WRONG, 4.0, "none: a leak, in float32"),
     ):
@@ -142,30 +143,30 @@ def _draw_places(figure: Figure) -> None:
     for name, place in PLACES.items():
         near, far = shadow_interval(place[1], place[2] + 30.0, 10.0)
         shadow = f"shadow {near:.3g} to {far:.3g} m" if math.isfinite(near + far) else "no interval"
-        rows.append((f"a ball {name}", shadow, "told rightly" if _is_right(name, place, bare) else "told wrongly"))
+        rows.append((f"sphere {name}", shadow, "right record" if _is_right(name, place, bare) else "wrong record"))
     try:
         simulate(make_level_scene({"targets": [_ball(PLACES["around the sonar"])]}))
     except SceneError as error:
         rows[0] = (*rows[0][:2], str(error))
-    write_table(figure, ("place", "H / sin(φ ± α)", "own record"), rows)
+    write_table(figure, ("place", "H / sin(φ ± α)", "this program"), rows)
 
 
-CASES = (
+THEME = StabilityTheme("Targets", 6, (
     StabilityCase(
         "Edges that two walls share",
-        "Rounding puts a ray through an edge on neither of its two triangles, or on both.",
-        "rays that meet not exactly one wall", "%",
-        Approach("Tests every triangle for itself, in float32.", _plain_walls, 5.0),
-        Approach("Decides each edge once, in the same way for both its triangles.", _own_walls, 0.0),
+        "Rounding places a ray through an edge on neither of its two triangles, or on both.",
+        "rays that do not meet exactly one wall", "%",
+        Approach("Tests every triangle by itself in float32.", _plain_walls, 5.0),
+        Approach("Decides each edge once for both its triangles.", _own_walls, 0.0),
         _draw_walls,
     ),
     StabilityCase(
         "Targets in odd places",
-        "The interval of angles that a ball covers does not exist around the sonar, and covers nothing behind it, "
-        "beneath the bed or beyond the range.",
-        "places told wrongly", "of 5",
+        "A sphere around the sonar covers no interval of angles; one behind it, below the bed or out of range covers "
+        "none either.",
+        "places with a wrong record", "of 5",
         Approach("Hides the bed from H / sin(φ + α) to H / sin(φ − α).", _plain_intervals, 2.0),
-        Approach("Hears what is in sight, and refuses a sonar inside a target in one sentence.", _own_intervals, 0.0),
+        Approach("Traces what is in sight, and refuses a sonar inside a target in one sentence.", _own_intervals, 0.0),
         _draw_places,
     ),
-)  # fmt: skip
+))  # fmt: skip

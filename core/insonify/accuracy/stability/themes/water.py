@@ -12,12 +12,13 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from insonify.accuracy.stability.case import Approach, StabilityCase
-from insonify.accuracy.stability.drawing import FAINT, INK, RIGHT, WRONG, add_legend, add_panel, write_table
+from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
+from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel, write_table
 from insonify.accuracy.stability.level_scenes import make_level_scene
 from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.paths import ray_paths
 from insonify.acoustics.sound_speed import paper, teos10
+from insonify.display.style import FAINT, INK
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.waters import WaterKind
 from insonify.scene.waters.profile import ProfileWater
@@ -119,8 +120,8 @@ def _draw_thermocline(figure: Figure) -> None:
     depth, spline = _spline()
     layers = make_sound_speed_field(THERMOCLINE)
     axes.plot(spline, depth, color=WRONG, label="cubic spline")
-    axes.plot(layers.speed[0], layers.depth, color=RIGHT, label="monotone curve (PCHIP), laid out")
-    axes.plot(THERMOCLINE.sound_speed, THERMOCLINE.depth, "o", color=INK, markersize=4, label="given")
+    axes.plot(layers.speed[0], layers.depth, color=RIGHT, label="monotone curve (PCHIP)")
+    axes.plot(THERMOCLINE.sound_speed, THERMOCLINE.depth, "o", color=INK, markersize=4, label="samples")
     axes.invert_yaxis()
     add_legend(axes, "center right")
 
@@ -212,9 +213,9 @@ def _draw_plumb(figure: Figure) -> None:
 def _draw_beyond(figure: Figure) -> None:
     axes = add_panel(figure, x="speed of sound (m/s)", y="depth (m)")
     depth = np.linspace(20.0, 1600.0, 60)
-    axes.plot([extrapolated(SHALLOW, z) for z in depth], depth, color=WRONG, label="last gradient continued")
-    axes.plot([_own_beyond(SHALLOW, z) for z in depth], depth, color=RIGHT, linewidth=2.0, label="outermost speed kept")
-    axes.plot(SHALLOW.sound_speed, SHALLOW.depth, "o-", color=INK, markersize=4, label="given")
+    axes.plot([extrapolated(SHALLOW, z) for z in depth], depth, color=WRONG, label="last gradient extrapolated")
+    axes.plot([_own_beyond(SHALLOW, z) for z in depth], depth, color=RIGHT, linewidth=2.0, label="outermost speed held")
+    axes.plot(SHALLOW.sound_speed, SHALLOW.depth, "o-", color=INK, markersize=4, label="samples")
     axes.axvline(0.0, color=FAINT, linewidth=0.7, linestyle=":")
     axes.invert_yaxis()
     add_legend(axes, "lower center")
@@ -229,61 +230,61 @@ def _draw_bad(figure: Figure) -> None:
             try:
                 made = f"{np.interp(5.0, given['depth'], given['sound_speed']):.4g} m/s at 5 m"
             except ValueError:
-                made = "an error of NumPy's"
+                made = "an error from NumPy"
         rows.append((asked, made, _refusal(given)))
-    write_table(figure, ("profile", "interpolated", "what is said of it"), rows)
+    write_table(figure, ("profile", "interpolated", "message"), rows)
 
 
-CASES = (
+THEME = StabilityTheme("Layered water", 1, (
     StabilityCase(
         "No gradient",
-        "A layer whose speed hardly changes divides one vanishing number by another.",
+        "In a layer of nearly constant speed the formula divides one vanishing number by another.",
         "worst error of the range through 10 m, for g from 0 to 0.1 1/s", "m",
         Approach("Takes (s₀ − s₁)/(gξ).", lambda: float(np.max(_ranges()[0])), 0.01),
-        Approach("Follows arcs by the lengths of their tangents, which hold for a straight line too.",
+        Approach("Traces arcs by the lengths of their tangents, which remain valid for a straight line.",
             lambda: float(np.max(_ranges()[1])), 1e-9),
         _draw_gradients,
         "breaks-gradient",
     ),
     StabilityCase(
         "A vertical ray",
-        "Snell's constant is 0, and the radius of the arc infinite.",
-        "error of range, and of time as a length", "m",
+        "Snell's constant is 0 and the radius of the arc infinite.",
+        "error of range, and of time times sound speed", "m",
         Approach("Takes R (s₀ − s₁) with R = 1/(gξ).", _plain_plumb_range, 1e-3),
-        Approach("Needs no radius.", _own_plumb_range, 1e-9),
+        Approach("Uses no radius.", _own_plumb_range, 1e-9),
         _draw_plumb,
     ),
     StabilityCase(
-        "Beneath the profile",
-        "The last gradient of a cast, continued, leads to speeds that no water has.",
-        "speed told at 1600 m, off the deepest given", "m/s",
-        Approach("Continues the last gradient.", lambda: _told_beyond(extrapolated(SHALLOW, 1600.0)), 1000.0),
-        Approach("Keeps the outermost speed, as declared.", lambda: _told_beyond(_own_beyond(SHALLOW, 1600.0)), 0.0),
+        "Below the profile",
+        "The last gradient of a cast, extrapolated, leads to impossible speeds.",
+        "speed at 1600 m, relative to the deepest sample", "m/s",
+        Approach("Extrapolates the last gradient.", lambda: _told_beyond(extrapolated(SHALLOW, 1600.0)), 1000.0),
+        Approach("Keeps the speed of the outermost sample.", lambda: _told_beyond(_own_beyond(SHALLOW, 1600.0)), 0.0),
         _draw_beyond,
     ),
     StabilityCase(
         "A steep thermocline",
-        "A smooth curve through a sudden step swings beyond it on both sides.",
+        "A smooth curve through a sudden step overshoots on both sides.",
         "overshoot", "m/s",
-        Approach("Draws a cubic spline.", lambda: _overshoot(_spline()[1]), 1.0),
-        Approach("Draws a curve that is monotone between its points.",
+        Approach("Interpolates by a cubic spline.", lambda: _overshoot(_spline()[1]), 1.0),
+        Approach("Interpolates by a curve that is monotone between samples.",
                  lambda: _overshoot(make_sound_speed_field(THERMOCLINE).speed), 1e-9),
         _draw_thermocline,
     ),
     StabilityCase(
-        "Profiles that are none",
-        "Depths out of order or twice, a speed that is no number or 0, a single point.",
-        "taken without a word", "of 6",
-        Approach("Interpolates whatever comes.", _taken_by_interpolation, 3.0),
+        "Invalid profiles",
+        "Depths are out of order or repeated, a speed is NaN or 0, or there is a single sample.",
+        "profiles accepted without an error", "of 6",
+        Approach("Interpolates without a check.", _taken_by_interpolation, 3.0),
         Approach("Refuses each in one sentence.", _taken_by_scenes, 0.0),
         _draw_bad,
     ),
     StabilityCase(
         "A misprint",
-        "A decimal point in the wrong place of the equation for the speed of sound turns its slope round.",
+        "A misplaced decimal point in the equation for the speed of sound reverses its slope.",
         "worst error from 0 to 25 °C, against TEOS-10", "m/s",
-        Approach("Takes 0.55 t².", lambda: _speed_off(as_printed(WARMTH)), 100.0),
-        Approach("Takes 0.055 t².", lambda: _speed_off(paper(WARMTH, 35.0, 0.0)), 0.3),
+        Approach("Uses 0.55 t², as printed.", lambda: _speed_off(as_printed(WARMTH)), 100.0),
+        Approach("Uses 0.055 t².", lambda: _speed_off(paper(WARMTH, 35.0, 0.0)), 0.3),
         _draw_misprint,
     ),
-)  # fmt: skip
+))  # fmt: skip
