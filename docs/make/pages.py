@@ -114,7 +114,7 @@ def _python(body: str, names: dict[str, Any]) -> str:
     """Run a program; return what it prints."""
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
-        exec(compile(body, "<page>", "exec"), names)
+        exec(compile(body, "<page>", "exec", dont_inherit=True), names)
     return printed.getvalue()
 
 

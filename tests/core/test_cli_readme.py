@@ -81,3 +81,9 @@ def test_the_documentation_shows_no_picture_that_is_missing():
     for page, text in PAGES.items():
         for path in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
             assert ((ROOT / page).parent / path).resolve().is_file(), f"{page}: {path}"
+
+
+def test_pages_that_the_code_names_exist():
+    for source in [*(ROOT / "core").rglob("*.py"), *(ROOT / "app").rglob("*.py")]:
+        for path in re.findall(r"docs/[\w/-]+\.md", source.read_text(encoding="utf-8")):
+            assert (ROOT / path).is_file(), f"{source.name}: {path}"
