@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from insonify.errors import SceneError
+from insonify.files import file_version
 from insonify.scene.base import Declaration, Place, parameter
 from insonify.scene.kinds import Family, KindOf
 from insonify.scene.materials import Material
@@ -55,7 +56,8 @@ class Target(Declaration):
     Attributes
     ----------
     combed : float
-        Error of a single plane across the target, as a share of what its sides return: see ``insonify.planning.laws``.
+        Error of a single plane across the target, as a share of what its sides return: see
+        ``insonify.planning.fitted_laws``.
     """
 
     family = TARGETS
@@ -126,7 +128,8 @@ class Target(Declaration):
     @property
     def outline(self) -> Outline:
         """Measures of the shape."""
-        return _kept_outline(self)
+        path = getattr(self, "path", None)
+        return _kept_outline(self, None if path is None else file_version(path))
 
     def sides(self, sight: Sight) -> Iterator[Side]:
         """Sides of the target as the sonar sees them, for the plan; taken for rough unless a kind knows better."""
@@ -186,5 +189,6 @@ AnyTarget = Annotated[Target, KindOf(TARGETS)]
 
 
 @lru_cache(maxsize=256)
-def _kept_outline(target: Target) -> Outline:
+def _kept_outline(target: Target, version: tuple[int, int] | None) -> Outline:
+    del version  # part of the key alone: a file written anew is measured anew
     return target.shape().outline
