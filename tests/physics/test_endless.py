@@ -9,9 +9,9 @@ import pytest
 from insonify.scene import build
 from insonify.scene.reliefs.fractal import Fractal
 from insonify.scene.reliefs.von_karman import VonKarman
-from insonify.terrain import relief
+from insonify.terrain import endless_field, relief
 from insonify.terrain.endless_field import TILE, Band, EndlessField
-from insonify.terrain.endless_relief import _fractal, endless_heights
+from insonify.terrain.endless_relief import endless_heights, fractal_bands
 from insonify.terrain.fractal_waves import power_spectrum
 from insonify.terrain.lattice_noise import lattice_noise
 from insonify.terrain.spectral_densities import von_karman
@@ -35,7 +35,7 @@ def parts(one):
     if isinstance(one, VonKarman):
         density = von_karman(one)
         return (Band(density, 1.0 / 20.0),), density
-    return _fractal(one), lambda fx, fy: power_spectrum(one, fx * PERIOD, fy * PERIOD)
+    return fractal_bands(one), lambda fx, fy: power_spectrum(one, fx * PERIOD, fy * PERIOD)
 
 
 def excess(one, seeds, tiles=2):
@@ -83,12 +83,10 @@ def test_spectrum_over_24_seeds(name):
 @pytest.mark.parametrize("name", ["round", "peak"])
 def test_tiles_are_what_one_shot_makes(name, monkeypatch):
     """Overlap and save over tiles against one transform of all."""
-    from insonify.terrain import endless
-
     bands, _ = parts(SPECTRA[name])
     field = EndlessField(bands, SPACING, 3, 1)
     tiled = np.block([[field.tile(j, i) for i in (-1, 0)] for j in (-1, 0)])
-    monkeypatch.setattr(endless, "TILE", 2 * TILE)
+    monkeypatch.setattr(endless_field, "TILE", 2 * TILE)
     # One tile of twice the side has its corner at a multiple of it.
     whole = EndlessField(bands, SPACING, 3, 1)
     shot = np.block([[whole.tile(j, i) for i in (-1, 0)] for j in (-1, 0)])[TILE : 3 * TILE, TILE : 3 * TILE]

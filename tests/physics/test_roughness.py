@@ -130,17 +130,17 @@ def test_sharp_crests_stand_over_wide_troughs(sharpness, skewness):
 
 def test_wider_bands_have_more_defects():
     def defects(bandwidth):
-        from insonify.terrain import synthesis
+        from insonify.terrain import periodic_relief
 
         found = []
-        kept = synthesis.shape_ripples
-        synthesis.shape_ripples = lambda ripples, a, b, level: (
+        kept = periodic_relief.shape_ripples
+        periodic_relief.shape_ripples = lambda ripples, a, b, level: (
             found.append(np.arctan2(b, a)) or kept(ripples, a, b, level)
         )
         try:
             heights(kind="ripples", wavelength=0.8, bandwidth=bandwidth, bandwidth_along=bandwidth)
         finally:
-            synthesis.shape_ripples = kept
+            periodic_relief.shape_ripples = kept
         (phase,) = found
         steps = [
             np.roll(phase, -1, 1) - phase,
