@@ -164,7 +164,7 @@ def _dunes(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     if changes.get("seabed.relief.kind") != "mimic" or isinstance(scene.seabed.relief, Mimic):
         return {}, ""
     # lazy: the kernels of relief, which few edits need
-    from insonify.terrain.mimicry import mean_diffuse
+    from insonify.scene.reliefs.mimic import mean_diffuse
 
     dunes = Mimic(altitude=scene.altitude, reach=scene.sonar.range, law=scene.sonar.law)
     if isinstance(scene.seabed.material, PatternMap):

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from insonify.kernels.common.hashing import hash_integers, hash_uniform, splitmix64, unit_interval, wave_noise
-from insonify.terrain.fractal_waves import Shape
+from insonify.terrain.periodic_waves import Shape
 
 
 def test_splitmix64_gives_the_published_sequence():

@@ -7,14 +7,12 @@ import numpy as np
 import pytest
 
 from insonify.scene import build
-from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.reliefs.fractal import Fractal, power_spectrum
 from insonify.scene.reliefs.von_karman import VonKarman
 from insonify.terrain import endless_field, relief
 from insonify.terrain.endless_field import TILE, Band, EndlessField
-from insonify.terrain.endless_relief import endless_heights, fractal_bands
-from insonify.terrain.fractal_waves import power_spectrum
+from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.lattice_noise import lattice_noise
-from insonify.terrain.spectral_densities import von_karman
 
 SOFT = {"extent": "endless", "clamp": "soft", "coefficients": "gaussian"}
 SPACING = 0.1
@@ -33,9 +31,9 @@ SPECTRA = {
 def parts(one):
     """Bands of a relief, and its density over frequencies in cycles a metre."""
     if isinstance(one, VonKarman):
-        density = von_karman(one)
+        density = one.density()
         return (Band(density, 1.0 / 20.0),), density
-    return fractal_bands(one), lambda fx, fy: power_spectrum(one, fx * PERIOD, fy * PERIOD)
+    return one.bands(), lambda fx, fy: power_spectrum(one, fx * PERIOD, fy * PERIOD)
 
 
 def excess(one, seeds, tiles=2):

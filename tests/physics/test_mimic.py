@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from insonify.scene import SceneError, build, edit, load_scene
+from insonify.scene.reliefs.mimic import FROM, equivalent_profile
 from insonify.simulation import prepare
 from insonify.terrain import build_ground
-from insonify.terrain.mimicry import FROM, equivalent_profile
 
 ALTITUDE = 15.0
 STEP = 0.005

@@ -8,10 +8,12 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from insonify.scene import SceneError, build
+from insonify.scene.reliefs.power_law import PowerLaw
+from insonify.scene.reliefs.ripples import Ripples
+from insonify.scene.reliefs.von_karman import VonKarman
 from insonify.scene.seabed import Seabed
 from insonify.terrain import relief
 from insonify.terrain.periodic_relief import periodic_heights
-from insonify.terrain.spectral_densities import autocorrelated, power_law, von_karman
 from insonify.terrain.spectral_exponent import amplitude_exponent
 
 SIDE, PERIOD = 512, 51.2
@@ -46,8 +48,8 @@ def banded(power, low=2.0, high=SIDE / 2, count=12):
 @pytest.mark.parametrize(
     ("made", "density"),
     [
-        ({"kind": "power_law", "strength": 0.0044, "exponent": 3.25}, power_law),
-        ({"kind": "von_karman", "across": 2.0, "along": 8.0, "heading": 30.0, "hurst": 0.7}, von_karman),
+        ({"kind": "power_law", "strength": 0.0044, "exponent": 3.25}, PowerLaw.density),
+        ({"kind": "von_karman", "across": 2.0, "along": 8.0, "heading": 30.0, "hurst": 0.7}, VonKarman.density),
     ],
 )
 def test_spectrum_is_the_declared_one(made, density):
@@ -130,17 +132,13 @@ def test_sharp_crests_stand_over_wide_troughs(sharpness, skewness):
 
 def test_wider_bands_have_more_defects():
     def defects(bandwidth):
-        from insonify.terrain import periodic_relief
-
         found = []
-        kept = periodic_relief.shape_ripples
-        periodic_relief.shape_ripples = lambda ripples, a, b, level: (
-            found.append(np.arctan2(b, a)) or kept(ripples, a, b, level)
-        )
+        kept = Ripples.shape_waves
+        Ripples.shape_waves = lambda ripples, a, b, level: found.append(np.arctan2(b, a)) or kept(ripples, a, b, level)
         try:
             heights(kind="ripples", wavelength=0.8, bandwidth=bandwidth, bandwidth_along=bandwidth)
         finally:
-            periodic_relief.shape_ripples = kept
+            Ripples.shape_waves = kept
         (phase,) = found
         steps = [
             np.roll(phase, -1, 1) - phase,
@@ -170,7 +168,7 @@ def moments(field, scales, orders):
 
 def test_flux_of_a_cascade_has_the_moments_of_its_codimension():
     from insonify.scene.reliefs.cascade import Cascade
-    from insonify.terrain.fractal_waves import frequencies, wave_coefficients
+    from insonify.terrain.periodic_waves import frequencies, wave_coefficients
 
     cascade, found = Cascade(intermittency=0.15), []
     for seed in range(12):
@@ -235,8 +233,8 @@ def test_autocorrelation_is_recovered(of, law):
 def test_tabled_autocorrelation_has_the_transform_of_its_law():
     points = [[0.02 * k, math.exp(-0.02 * k)] for k in range(600)]
     of = {"kind": "table", "points": points}
-    table = autocorrelated(seabed(kind="autocorrelation", function=of).relief)
-    law = autocorrelated(seabed(kind="autocorrelation", function={"kind": "exponential", "length": 1.0}).relief)
+    table = seabed(kind="autocorrelation", function=of).relief.density()
+    law = seabed(kind="autocorrelation", function={"kind": "exponential", "length": 1.0}).relief.density()
     f, zero = np.geomspace(0.01, 4.0, 50), np.zeros(50)
     np.testing.assert_allclose(table(f, zero), law(f, zero), rtol=0.01)
 

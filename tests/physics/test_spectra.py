@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from insonify.kernels.common.streams import RELIEF
 from insonify.scene import SceneError
-from insonify.scene.reliefs.fractal import Fractal
+from insonify.scene.reliefs.fractal import Fractal, power_spectrum
 from insonify.scene.seabed import Seabed
 from insonify.terrain import relief
-from insonify.terrain.fractal_waves import coefficients, fractal_heights, frequencies, power_spectrum, variance
+from insonify.terrain.periodic_relief import unmasked_heights
+from insonify.terrain.periodic_waves import WaveGrid, frequencies
 from insonify.terrain.spectral_exponent import amplitude_exponent
 
 FIGURE_6 = Fractal(beta=1.4, peaks=((8.0, 4.0),), period=25.6)
@@ -24,18 +26,18 @@ def measured_power(heights):
 @pytest.mark.parametrize("beta", [0.0, 0.7, 1.4, 2.3, 4.9])
 def test_random_phases_give_the_exponent_exactly(beta):
     fractal = Fractal(beta=beta)
-    assert amplitude_exponent(fractal_heights(fractal, (256, 256), (256, 256), 3)) == pytest.approx(beta, abs=1e-4)
+    assert amplitude_exponent(unmasked_heights(fractal, (256, 256), (256, 256), 3)) == pytest.approx(beta, abs=1e-4)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_gaussian_coefficients_give_the_exponent_in_the_mean(seed):
     fractal = Fractal(beta=1.4, coefficients="gaussian")
     # Physics: ±0.014 on 2β at 512², one standard deviation; three of them here.
-    assert amplitude_exponent(fractal_heights(fractal, (512, 512), (512, 512), seed)) == pytest.approx(1.4, abs=0.021)
+    assert amplitude_exponent(unmasked_heights(fractal, (512, 512), (512, 512), seed)) == pytest.approx(1.4, abs=0.021)
 
 
 def test_figure_6_centroid_gives_the_peak_and_the_direction_of_its_crests():
-    power = measured_power(fractal_heights(FIGURE_6, (256, 256), (256, 256), 1))
+    power = measured_power(unmasked_heights(FIGURE_6, (256, 256), (256, 256), 1))
     fx, fy = frequencies((256, 256))
     near = np.hypot(fx - 8, fy - 4) <= 2.0
     weight = power[near] / power[near].sum()
@@ -45,7 +47,7 @@ def test_figure_6_centroid_gives_the_peak_and_the_direction_of_its_crests():
 
 
 def test_five_clamped_waves_of_figure_6_hold_44_percent_of_the_variance():
-    power = measured_power(fractal_heights(FIGURE_6, (256, 256), (256, 256), 1))
+    power = measured_power(unmasked_heights(FIGURE_6, (256, 256), (256, 256), 1))
     fx, fy = frequencies((256, 256))
     clamped = np.hypot(fx - 8, fy - 4) <= 1.0
     assert clamped.sum() == 5
@@ -65,7 +67,7 @@ def test_model_3_falls_with_its_own_exponent_along_each_axis(decay):
 
 def test_model_3_row_and_column_slopes_of_the_heights_are_2_4_and_3_2():
     power = measured_power(
-        fractal_heights(Fractal(beta_x=1.2, beta_y=1.6, decay="separable"), (256, 256), (256, 256), 1)
+        unmasked_heights(Fractal(beta_x=1.2, beta_y=1.6, decay="separable"), (256, 256), (256, 256), 1)
     )
     waves = np.log(np.arange(4, 127))
     rows, columns = power[1:127, 4:127].sum(axis=0), power[4:127, 1:127].sum(axis=1)
@@ -99,22 +101,23 @@ def test_soft_clamp_is_the_closed_form():
 @pytest.mark.parametrize("coefficient", ["phase", "gaussian"])
 def test_rms_is_realised_on_the_reference_grid(shape, coefficient):
     fractal = Fractal(beta=1.4, rms=0.3, coefficients=coefficient)
-    heights = fractal_heights(fractal, shape, shape, 5)
+    heights = unmasked_heights(fractal, shape, shape, 5)
     assert heights.shape == shape
     assert np.sqrt(np.mean(heights**2)) == pytest.approx(0.3, rel=1e-12)
     assert abs(heights.mean()) < 1e-15
 
 
 def test_coefficients_are_conjugate_symmetric_so_that_no_variance_is_lost():
-    waves = coefficients(Fractal(beta=1.0), SMALL, 7)
+    grid = WaveGrid(SMALL, 7, RELIEF)
+    waves = Fractal(beta=1.0).filtered_noise(grid)
     first = waves[1:, 0]
     np.testing.assert_array_equal(first, first[::-1].conj())
     heights = np.fft.irfft2(waves, s=SMALL, norm="forward")
-    assert heights.var() == pytest.approx(variance(waves, SMALL), rel=1e-12)
+    assert heights.var() == pytest.approx(grid.variance(waves), rel=1e-12)
 
 
 def test_mean_and_nyquist_waves_are_zero():
-    waves = coefficients(Fractal(beta=0.0), (64, 32), 1)
+    waves = Fractal(beta=0.0).filtered_noise(WaveGrid((64, 32), 1, RELIEF))
     assert waves[0, 0] == 0
     assert not waves[32].any()
     assert not waves[:, 16].any()
@@ -134,7 +137,7 @@ def test_every_grid_holds_the_same_landscape(coefficient):
 
 
 def measured_spectrum(fractal, shape, reference):
-    return np.fft.rfft2(fractal_heights(fractal, shape, reference, 1), norm="forward")
+    return np.fft.rfft2(unmasked_heights(fractal, shape, reference, 1), norm="forward")
 
 
 def test_a_seabed_of_another_spacing_differs_by_one_factor():
@@ -163,8 +166,8 @@ OPTIONS = [
 
 def test_every_option_makes_another_field():
     base = {"beta": 1.4, "peaks": ((8.0, 4.0),)}
-    fields = [fractal_heights(Fractal(**(base | option)), SMALL, SMALL, 1) for option in [{}, *OPTIONS]]
-    fields.append(fractal_heights(Fractal(**base), SMALL, SMALL, 2))
+    fields = [unmasked_heights(Fractal(**(base | option)), SMALL, SMALL, 1) for option in [{}, *OPTIONS]]
+    fields.append(unmasked_heights(Fractal(**base), SMALL, SMALL, 2))
     for i, one in enumerate(fields):
         for other in fields[:i]:
             assert np.abs(one - other).max() > 1e-3 * 0.05

@@ -10,7 +10,6 @@ import numpy as np
 from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene
-from insonify.scene.reliefs.dem import Dem
 
 DEPTHS = 64  # at which the way to the bed is looked at
 
@@ -61,7 +60,7 @@ def estimate_refraction(scene: Scene) -> RefractionEffect:
     sine = min(abs(bed - sonar) / reach, 1.0)
     per_speed = 4.0 * (1.0 - sine**2) / max(sine, 1e-3) ** 2 / reference
     # A measured bed may lie at any depth.
-    within = layers.depth < (math.inf if isinstance(scene.seabed.relief, Dem) else bed)
+    within = layers.depth < (math.inf if scene.seabed.relief.measured else bed)
     unlike = max(abs(layers.speed[:, within] - reference).max(initial=0.0), abs(way - reference).max())
     bin_length = reach / scene.sonar.bins
     return RefractionEffect(

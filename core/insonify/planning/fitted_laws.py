@@ -50,8 +50,6 @@ GHOSTS_UNEVEN, GHOSTS_FEWEST = 0.07, 3
 # of a level one by the square of that.
 GHOSTS_LOST, GHOSTS_CELL, GHOSTS_LEVEL = 2.0, 0.07, 0.005
 GHOSTS_SINGLE, GHOSTS_TABLED, GHOSTS_ORDER = 0.5, 0.03, 1.6
-# Variance of a cascade's slopes where they are steep, over the mean.
-CASCADE = 2.0
 # Relief of a bed that no spectrum describes (a measured one): exponent, rms and period in cells.
 OTHER_BETA, OTHER_RMS, OTHER_PERIOD = 1.8, 1.0, 256.0
 # Borders of materials: what coarse nodes make of them.

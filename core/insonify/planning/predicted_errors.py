@@ -24,7 +24,6 @@ from insonify.planning.plane_count import (
 from insonify.planning.relevance import bound_echo_advance, find_multipaths_in_reach, find_targets_in_reach
 from insonify.planning.scene_summary import SceneSummary
 from insonify.scene import Scene
-from insonify.scene.reliefs.flat import Flat
 from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.surfaces import WAYS
 
@@ -128,7 +127,7 @@ class PredictedErrors:
     def bounced(self) -> float:
         """Error of leaving out what goes on after the first echo; none where nothing is there to be met again."""
         scene = self._scene
-        if isinstance(scene.seabed.relief, Flat) and not scene.targets:
+        if scene.seabed.relief.level and not scene.targets:
             return 0.0
         material = scene.seabed.material
         of = [*material.materials, *(target.material for target in scene.targets)]

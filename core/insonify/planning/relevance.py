@@ -6,7 +6,6 @@ import math
 
 from insonify.planning.target_errors import locate_target, outline_of
 from insonify.scene import Scene
-from insonify.scene.reliefs.dem import Dem
 from insonify.scene.surfaces import WAYS
 from insonify.scene.targets import Target
 
@@ -56,7 +55,7 @@ def bound_echo_advance(scene: Scene, rms_bed: float) -> dict[str, float]:
     surface = scene.water.surface
     waves = HIGHEST * surface.rms_height
     # A measured bed may lie at any depth.
-    bed = math.inf if isinstance(scene.seabed.relief, Dem) else HIGHEST * rms_bed
+    bed = math.inf if scene.seabed.relief.measured else HIGHEST * rms_bed
     bed += max((2.0 * outline_of(scene, k).radius for k in range(len(scene.targets))), default=0.0)
     return {
         "surface_bottom": bed + waves,

@@ -14,23 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.planning import fitted_laws
-from insonify.scene.masks.patches import Patchy
-from insonify.scene.reliefs.autocorrelated import Autocorrelated
-from insonify.scene.reliefs.cascade import Cascade
-from insonify.scene.reliefs.flat import Flat
 from insonify.scene.reliefs.fractal import Fractal
-from insonify.scene.reliefs.power_law import PowerLaw
 from insonify.scene.reliefs.random_relief import RandomRelief
-from insonify.scene.reliefs.ripples import Ripples
-from insonify.scene.reliefs.von_karman import VonKarman
 from insonify.scene.seabed import Seabed
 
 Field = NDArray[np.float64]
 FX, FY = 28, 44  # frequencies, on a logarithmic scale
 LONGEST, FINEST = 1024.0, 32.0  # from cycles of so many nodes to parts of one
 TAIL = 0.8  # of what corners at the nodes leave beyond
-RIPPLED, HARMONICS = 0.81, 4  # share of ripples' variance that dying crests leave, and waves of their shape
-WIDENED = 0.3  # a peak is spread by so much of its frequency, that those frequencies may not miss it
 
 # Frequencies in cycles a node: away from the track, and along it to beyond what nodes hold.
 AWAY = np.geomspace(1.0 / LONGEST, 0.5, FX)[:, None]
@@ -101,7 +92,7 @@ def _bends(heading: float) -> Field:
 
 def _parts(seabed: Seabed) -> tuple[RandomRelief, ...]:
     """Parts of the relief; a measured bed is taken for a fractal."""
-    if isinstance(seabed.relief, Flat):
+    if seabed.relief.level:
         return ()
     other = Fractal(
         beta=fitted_laws.OTHER_BETA,
@@ -113,8 +104,8 @@ def _parts(seabed: Seabed) -> tuple[RandomRelief, ...]:
 
 def _power(part: RandomRelief, fx: Field, fy: Field, heading: float, spacing: float) -> Field:
     """Density of the heights' variance, mean of both signs of fy."""
-    share = part.mask.share if isinstance(part.mask, Patchy) else 1.0
-    ahead, astern = (_density(part, *_east(fx, sign * fy, heading), spacing) for sign in (1.0, -1.0))
+    share = part.mask.coverage
+    ahead, astern = (part.planned_density(*_east(fx, sign * fy, heading), spacing) for sign in (1.0, -1.0))
     return 0.5 * share * (ahead + astern)
 
 
@@ -122,75 +113,6 @@ def _east(away: Field, along: Field, heading: float) -> tuple[Field, Field]:
     """Frequencies along x and y from those away from the track and along it."""
     c, s = math.cos(math.radians(heading)), math.sin(math.radians(heading))
     return along * c - away * s, along * s + away * c
-
-
-def _density(part: RandomRelief, fx: Field, fy: Field, spacing: float) -> Field:
-    # lazy: with the kernels that make a bed, which not every plan needs
-    from insonify.terrain.spectral_densities import autocorrelated, power_law, von_karman
-
-    if isinstance(part, PowerLaw):
-        return power_law(part, part.period)(fx, fy)
-    if isinstance(part, VonKarman):
-        return von_karman(part)(fx, fy)
-    if isinstance(part, Autocorrelated):
-        return autocorrelated(part)(fx, fy)
-    if isinstance(part, Cascade):
-        squared = fx**2 + fy**2 + part.period**-2
-        return (
-            fitted_laws.CASCADE
-            * part.rms**2
-            * part.hurst
-            / math.pi
-            * part.period ** (-2.0 * part.hurst)
-            * squared ** (-part.hurst - 1.0)
-        )
-    if isinstance(part, Ripples):
-        return _ripples(part, fx, fy)
-    return _fractal(part, fx, fy, spacing)  # type: ignore[arg-type]
-
-
-def _ripples(part: Ripples, fx: Field, fy: Field) -> Field:
-    """Bands about the ripples' own wave and its harmonics, widened to what the grid of frequencies resolves.
-
-    Sharp ripples are parabolas, of the amplitudes 8 / (πn)²; near forks and ends they die down.
-    """
-    # lazy: with the kernels that make a bed, which not every plan needs
-    from insonify.terrain.spectral_densities import ripple_wave
-
-    total: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
-    for order in range(1, HARMONICS + 1):
-        amplitude = part.sharpness * 8.0 / (math.pi * order) ** 2 + (1.0 - part.sharpness) * (order == 1)
-        wx, wy = (order * w for w in ripple_wave(part))
-        spread = max(part.bandwidth, WIDENED) * order / part.wavelength
-        level = RIPPLED * amplitude**2 * part.height**2 / 8.0 / (4.0 * math.pi * spread**2)
-        for sign in (1.0, -1.0):
-            total = total + level * np.exp(-0.5 * ((fx - sign * wx) ** 2 + (fy - sign * wy) ** 2) / spread**2)
-    return np.asarray(total)
-
-
-def _fractal(part: Fractal, fx: Field, fy: Field, spacing: float) -> Field:
-    """Power about every peak, falling with the mean exponent; what lies near a peak, widened likewise."""
-    # lazy: with the kernels that make a bed, which not every plan needs
-    from insonify.terrain.fractal_waves import half_plane
-
-    beta, unit = 0.5 * sum(part.exponents), 1.0 / part.period
-    nyquist = 0.5 * part.period / spacing
-    # Variance of one peak: a plateau of one cycle, and what falls off about it up to the Nyquist frequency.
-    falling = (
-        (1.0 - nyquist ** (2.0 - 2.0 * beta)) / (2.0 * beta - 2.0) if abs(beta - 1.0) > 1e-3 else math.log(nyquist)
-    )
-    whole = math.pi * (1.0 + 2.0 * falling)
-    total = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
-    places = [place for peak in part.peaks for place in half_plane(peak, part.quadrants)]
-    for px, py in places:
-        core = max(1.0, WIDENED * math.hypot(px, py))
-        held = math.pi * core ** (2.0 - 2.0 * beta) / (beta - 1.0) if beta > 1.05 else 0.0
-        missing = max(whole - held, 0.0)
-        for sign in (1.0, -1.0):
-            squared = (fx / unit - sign * px) ** 2 + (fy / unit - sign * py) ** 2
-            near = missing * np.exp(-squared / core**2) / (math.pi * core**2)
-            total += 0.5 * ((squared + core**2) ** -beta + near) / whole
-    return np.asarray(part.rms**2 / unit**2 * total / len(places))
 
 
 def _materials(seabed: Seabed, fy: Field) -> Field:

@@ -15,7 +15,6 @@ from insonify.planning.predicted_errors import PredictedErrors
 from insonify.planning.scene_summary import SceneSummary
 from insonify.planning.target_errors import outline_of
 from insonify.scene import Scene
-from insonify.scene.reliefs.flat import Flat
 from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.waters.section import SectionWater
 
@@ -103,7 +102,7 @@ def _planes(told: ChosenModel) -> PlanEntry:
     reason = f"the main lobe of a {told.scene.sonar.beam.words} is {view.width:.3g} m wide at {view.reach:g} m"
     demand = errors.demand
     of_targets = demand.error / draft.planes**fitted_laws.TARGET_ORDER if draft.targets else 0.0
-    if isinstance(told.scene.seabed.relief, Flat) and of_targets == 0.0:
+    if told.scene.seabed.relief.level and of_targets == 0.0:
         reason += ", over a bed without relief"
     else:
         what = f"a cell of the bed is {view.spacing:.3g} m"
@@ -127,7 +126,7 @@ def _spacing(told: ChosenModel) -> Iterator[PlanEntry]:
         return
     error = told.errors.left_out(told.draft)["spacing"]
     finest = 2.0 * every * spacing
-    level = isinstance(told.scene.seabed.relief, Flat)
+    level = told.scene.seabed.relief.level
     lost = "a level bed has no detail" if level else f"waves shorter than {finest:.3g} m are left out"
     reason = f"{every * spacing:.3g} m apart in place of {spacing:.3g} m; {lost}: error about {100 * error:.2g} %"
     whole = Candidate("sweep", told.draft.planes)

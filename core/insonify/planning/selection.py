@@ -17,7 +17,6 @@ from insonify.planning.predicted_errors import PredictedErrors
 from insonify.planning.report import ChosenModel, describe_model
 from insonify.planning.scene_summary import SceneSummary, summarise_scene
 from insonify.scene import Scene, SceneError
-from insonify.scene.reliefs.flat import Flat
 from insonify.scene.surfaces import WAYS
 from insonify.scene.waters.section import SectionWater
 
@@ -183,10 +182,10 @@ def _every(scene: Scene, errors: PredictedErrors, budget: PlanRequest, ways: fro
                 "give a number that does, such as 1"
             )
         return (every,)
-    if not (seabed.made or isinstance(seabed.relief, Flat)):
+    if not (seabed.made or seabed.relief.level):
         return (1,)
     fitting = (n for n in THINNED if n == 1 or all(count % n == 0 and count >= FEWEST_CELLS * n for count in cells))
-    if not isinstance(seabed.relief, Flat):
+    if not seabed.relief.level:
         return tuple(takewhile(lambda n: errors.thinned(n, ways).min() <= budget.tolerance, fitting))
     peak = fitted_laws.LEVEL_PEAK * (seabed.spacing / scene.altitude) ** 2 / (fitted_laws.PEAK_SEEN * budget.tolerance)
     most = min(budget.tolerance, fitted_laws.LEVEL_SEEN)

@@ -9,7 +9,6 @@ from pydantic import model_validator
 from insonify.errors import SceneError
 from insonify.scene.base import Declaration, Place, parameter
 from insonify.scene.receiver import Receiver
-from insonify.scene.reliefs.dem import Dem
 from insonify.scene.seabed import Seabed
 from insonify.scene.sonar import Sonar
 from insonify.scene.speckles.coherent import Coherent
@@ -59,13 +58,13 @@ class Scene(Declaration):
     @model_validator(mode="after")
     def _slices_can_be_held(self) -> Scene:
         # A DEM tells its own spacing once it is read.
-        if not isinstance(self.seabed.relief, Dem):
+        if not self.seabed.relief.measured:
             self.refuse_long_slices(self.seabed.spacing)
         return self
 
     @model_validator(mode="after")
     def _sonar_is_in_the_water(self) -> Scene:
-        if self.track.depth is None and self.altitude > self.seabed.depth and not isinstance(self.seabed.relief, Dem):
+        if self.track.depth is None and self.altitude > self.seabed.depth and not self.seabed.relief.measured:
             raise ValueError(
                 f"track.altitude {self.altitude:g} m puts the sonar above the surface of water {self.seabed.depth:g} m "
                 "deep; lower it or deepen seabed.depth"
@@ -75,7 +74,7 @@ class Scene(Declaration):
     @model_validator(mode="after")
     def _heave_has_room(self) -> Scene:
         room = min(self.altitude, self.seabed.depth - self.altitude)
-        if self.track.heave > 0.0 and self.track.heave >= room and not isinstance(self.seabed.relief, Dem):
+        if self.track.heave > 0.0 and self.track.heave >= room and not self.seabed.relief.measured:
             raise ValueError(
                 f"track.motion: a heave of {self.track.heave:g} m takes the sonar at altitude {self.altitude:g} m out "
                 f"of the water, {self.seabed.depth:g} m deep; keep its amplitude below {room:g} m"
@@ -84,7 +83,7 @@ class Scene(Declaration):
 
     @model_validator(mode="after")
     def _sonar_is_above_the_bed(self) -> Scene:
-        if self.altitude <= 0.0 and not isinstance(self.seabed.relief, Dem):
+        if self.altitude <= 0.0 and not self.seabed.relief.measured:
             raise ValueError(
                 f"track.depth {self.track.depth:g} m puts the sonar into the bed at {self.seabed.depth:g} m; "
                 "lessen it or deepen seabed.depth"

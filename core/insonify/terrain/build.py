@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import located
-from insonify.files import file_version
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MaterialMap
-from insonify.scene.reliefs.dem import Dem
-from insonify.scene.reliefs.mimic import Mimic
+from insonify.scene.reliefs import ReliefKind
 from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed import Seabed
 from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles, keep_tiles
@@ -20,8 +18,6 @@ from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.ground import Ground
 from insonify.terrain.lattice import Lattice, Map
 from insonify.terrain.materials import endless_materials, material_indices
-from insonify.terrain.measured import measured_bed
-from insonify.terrain.mimicry import mimic_cells, mimic_heights
 from insonify.terrain.periodic_relief import periodic_heights
 
 # A level bed has no period of its own: a few cells will do unless a map of materials needs room.
@@ -90,14 +86,12 @@ def cells_of_period(period: float, spacing: float) -> int:
 
 def _heights(scene: Scene) -> Heights:
     seabed = scene.seabed
-    relief = seabed.relief
-    if isinstance(relief, Dem):
-        return _kept_dem(relief, file_version(relief.path), seabed.spacing, scene.world.origin)
+    relief, mean = seabed.relief, -seabed.depth
+    if relief.level:
+        return *_flat(seabed), mean
     if seabed.made:
-        return *_kept_made(seabed.made, seabed.spacing, scene.seed), -seabed.depth
-    if isinstance(relief, Mimic):
-        return *_kept_mimic(relief, seabed.spacing), -seabed.depth
-    return *_flat(seabed), -seabed.depth
+        return *_kept_made(seabed.made, seabed.spacing, scene.seed), mean
+    return _kept_samples(relief, relief.version, seabed.spacing, scene.world.origin, mean)
 
 
 def _flat(seabed: Seabed) -> tuple[NDArray[np.float32], Lattice]:
@@ -116,19 +110,17 @@ def _kept_made(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tu
 
 
 @lru_cache(maxsize=2)
-def _kept_mimic(mimic: Mimic, spacing: float) -> tuple[NDArray[np.float32], Lattice]:
-    heights = mimic_heights(mimic, mimic_cells(mimic, spacing))
-    lattice = Lattice((heights.size, FLAT_CELLS), 2.0 * mimic.reach / heights.size)
-    return np.tile(heights.astype(np.float32)[:, np.newaxis], (1, FLAT_CELLS)), lattice
-
-
-@lru_cache(maxsize=2)
-def _kept_dem(dem: Dem, version: tuple[int, int], spacing: float, origin: tuple[float, float] | None) -> Heights:
+def _kept_samples(
+    relief: ReliefKind, version: tuple[int, int] | None, spacing: float, origin: tuple[float, float] | None, mean: float
+) -> Heights:
     del version  # part of the key alone: a file written anew is read anew
-    bed = measured_bed(dem, spacing, origin)
-    datum = float(np.nanmean(bed.heights))
-    lattice = Lattice(bed.heights.shape, bed.spacing, bed.x0, bed.y0, periodic=False)
-    return (bed.heights - datum).astype(np.float32), lattice, datum
+    grid = relief.sample(spacing, origin)
+    ny, nx = grid.heights.shape
+    lattice = Lattice((ny, nx), grid.spacing, grid.x0, grid.y0, periodic=not relief.measured)
+    if not relief.measured:
+        return grid.heights.astype(np.float32), lattice, mean
+    datum = float(np.nanmean(grid.heights))
+    return (grid.heights - datum).astype(np.float32), lattice, datum
 
 
 @lru_cache(maxsize=2)

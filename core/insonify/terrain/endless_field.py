@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
@@ -23,8 +22,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from insonify.kernels.common.streams import RELIEF_BAND
+from insonify.scene.reliefs.spectrum import Band, Density
 from insonify.terrain.lattice_noise import lattice_noise
-from insonify.terrain.spectral_densities import Density
 
 Field = NDArray[np.float64]
 ComplexField = NDArray[np.complex128]
@@ -37,31 +36,6 @@ FAINT = 1e-9  # share of the variance that may be left out
 HALF_BAND = 12  # pairs of taps between two samples
 KAISER = 9.0  # shape of their window: images 90 dB down
 KEPT_TILES = 40  # of one pyramid, 2 MB each
-
-
-@dataclass(frozen=True, eq=False)
-class Band:
-    """Part of a spectrum about one wave.
-
-    Attributes
-    ----------
-    density : Density
-        Spectral density S about zero, of both signs.
-    feature : float
-        Frequency over which it changes at its finest, cycles a metre.
-    wave : (float, float), optional
-        Cycles a metre along x and y by which it is moved: the spectrum is S(f − wave) + S(f + wave), and S(f) where
-        there is none.
-    """
-
-    density: Density
-    feature: float
-    wave: tuple[float, float] | None = None
-
-    @property
-    def highest(self) -> float:
-        """Larger component of the wave, cycles a metre."""
-        return 0.0 if self.wave is None else max(map(abs, self.wave))
 
 
 class EndlessField:

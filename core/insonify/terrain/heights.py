@@ -6,16 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.reliefs.dem import Dem
-from insonify.scene.reliefs.mimic import Mimic
+from insonify.scene.reliefs.spectrum import Field
 from insonify.scene.seabed import Seabed
 from insonify.terrain.build import FLAT_CELLS, build_ground, cells_of_period
 from insonify.terrain.endless_field import gather_tiles
 from insonify.terrain.endless_ground import EndlessGround
 from insonify.terrain.endless_relief import endless_heights
-from insonify.terrain.fractal_waves import Field
-from insonify.terrain.measured import measured_bed
-from insonify.terrain.mimicry import mimic_cells, mimic_heights
 from insonify.terrain.periodic_relief import periodic_heights
 
 SHOWN = 1024  # nodes a side, of a bed without an end
@@ -52,15 +48,10 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
     if seabed.made:
         cells = cells_of_period(seabed.made[0].period, seabed.spacing)
         return periodic_heights(seabed.made, shape or (cells, cells), (cells, cells), seed)
-    if isinstance(seabed.relief, Dem):
-        if shape is not None:
-            raise SceneError(f"shape: {shape} cannot be given to a measured bed, which has its own grid; leave it out")
-        heights = measured_bed(seabed.relief, seabed.spacing, None).heights
-        return np.asarray(heights - np.nanmean(heights))
-    if isinstance(seabed.relief, Mimic):
-        ny, nx = shape or (mimic_cells(seabed.relief, seabed.spacing), FLAT_CELLS)
-        return np.tile(mimic_heights(seabed.relief, ny)[:, np.newaxis], (1, nx))
-    return np.zeros(shape or (FLAT_CELLS, FLAT_CELLS))
+    if seabed.relief.level:
+        return np.zeros(shape or (FLAT_CELLS, FLAT_CELLS))
+    heights = seabed.relief.sample(seabed.spacing, shape=shape).heights
+    return np.asarray(heights - np.nanmean(heights)) if seabed.relief.measured else heights
 
 
 def relief_picture(scene: Scene) -> NDArray[np.uint8]:

@@ -16,9 +16,8 @@ from insonify.kernels.common.streams import MATERIAL_BANDS, MATERIAL_PATCHES
 from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs.fractal import Fractal
 from insonify.terrain.endless_field import TILE, EndlessField
-from insonify.terrain.endless_relief import fractal_bands
-from insonify.terrain.fractal_waves import fractal_heights
 from insonify.terrain.lattice import Lattice, Map
+from insonify.terrain.periodic_relief import unmasked_heights
 
 Cuts = tuple[float, ...]
 
@@ -56,7 +55,7 @@ class BedCells(Lattice):
         ny, nx = self.shape
         # A square field, cropped, for its waves are to be as long in x as in y.
         side = (max(ny, nx),) * 2
-        field = fractal_heights(Fractal(beta=beta, rms=1.0), side, side, self.seed, MATERIAL_BANDS)[:ny, :nx]
+        field = unmasked_heights(Fractal(beta=beta, rms=1.0), side, side, self.seed, MATERIAL_BANDS)[:ny, :nx]
         cuts = np.quantile(field, np.arange(1, count) / count)
         return np.searchsorted(cuts, field).astype(np.uint8)
 
@@ -108,4 +107,4 @@ def endless_materials(material: MaterialMap, period: float, spacing: float, seed
 @lru_cache(maxsize=2)
 def _endless_field(beta: float, period: float, spacing: float, seed: int) -> EndlessField:
     fractal = Fractal(beta=beta, period=period, clamp="soft", coefficients="gaussian", extent="endless")
-    return EndlessField(fractal_bands(fractal), spacing, seed, MATERIAL_BANDS)
+    return EndlessField(fractal.bands(), spacing, seed, MATERIAL_BANDS)

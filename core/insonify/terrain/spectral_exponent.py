@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import SceneError
-from insonify.terrain.fractal_waves import frequencies
+from insonify.terrain.periodic_waves import frequencies
 
 LOWEST = 4.0  # cycles per period; below are too few waves, and the clamp
 FEWEST = 16.0  # cycles per period between the lowest and the highest

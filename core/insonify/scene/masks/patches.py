@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
+
+import numpy as np
 
 from insonify.scene.base import parameter
 from insonify.scene.masks import MaskKind
+from insonify.scene.reliefs.spectrum import Density, Field
 
 
 class Patchy(MaskKind):
@@ -26,3 +30,25 @@ class Patchy(MaskKind):
         le=2.0,
         slider=(0.05, 1.0),
     )
+
+    @property
+    def coverage(self) -> float:
+        """Share of the bed that the patches cover."""
+        return self.share
+
+    @property
+    def spread(self) -> float:
+        """Spread of the field's spectrum along each axis, cycles a metre."""
+        return 1.0 / (2.0 * math.sqrt(2.0) * self.size)
+
+    def density(self, narrowest: float = 0.0) -> Density:
+        """Gaussian spectrum of unit variance whose rms frequency is that of waves two patches long."""
+        spread = max(self.spread, narrowest)
+        level = 1.0 / (2.0 * math.pi * spread**2)
+        return lambda fx, fy: np.asarray(level * np.exp(-0.5 * (fx**2 + fy**2) / spread**2))
+
+    def weigh(self, field: Field, threshold: float) -> Field:
+        """Share of the relief that is left, from 0 outside the patches to 1 inside."""
+        # The field's rms slope is π/size, so that a border so many sizes wide spans π times that of its values.
+        share = np.clip((field - threshold) / (math.pi * self.softness) + 0.5, 0.0, 1.0)
+        return np.asarray(share * share * (3.0 - 2.0 * share))

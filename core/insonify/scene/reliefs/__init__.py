@@ -2,13 +2,93 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
 from insonify.scene.base import Choice
 from insonify.scene.kinds import Family
+
+if TYPE_CHECKING:
+    from insonify.scene.materials import MaterialMap
+    from insonify.scene.reliefs.random_relief import RandomRelief
 
 RELIEFS = Family("reliefs", "insonify.scene.reliefs")
 
 
+class HeightGrid(NamedTuple):
+    """Heights of a bed on a square grid.
+
+    Attributes
+    ----------
+    heights : (ny, nx) float64
+        Metres above the mean bed, or above the sea surface if measured; NaN where there is no bed.
+    spacing : float
+        Metres between nodes.
+    x0, y0 : float
+        Local coordinates of node (0, 0), in metres.
+    """
+
+    heights: NDArray[np.float64]
+    spacing: float
+    x0: float = 0.0
+    y0: float = 0.0
+
+
 class ReliefKind(Choice):
-    """Shape of the bed."""
+    """Shape of the bed.
+
+    A kind either has random `parts`, or it samples its heights.
+
+    Attributes
+    ----------
+    level : bool
+        Whether the bed has no relief.
+    measured : bool
+        Whether its heights are above the sea surface and end somewhere, whatever depth is declared.
+    """
 
     family = RELIEFS
+    level: ClassVar[bool] = False
+    measured: ClassVar[bool] = False
+
+    @property
+    def parts(self) -> tuple[RandomRelief, ...]:
+        """The random reliefs that add up to the bed; none of a bed that is not random."""
+        return ()
+
+    @property
+    def version(self) -> tuple[int, int] | None:
+        """Version of the file that it is read from, None if there is none."""
+        return None
+
+    def sample(
+        self, spacing: float, origin: tuple[float, float] | None = None, shape: tuple[int, int] | None = None
+    ) -> HeightGrid:
+        """Sample the heights of a bed that is not random.
+
+        Parameters
+        ----------
+        spacing : float
+            Metres between nodes, where the bed has no grid of its own.
+        origin : (float, float), optional
+            Map coordinates of the local (0, 0).
+        shape : (ny, nx), optional
+            Nodes of one period; as many as the spacing makes when left out.
+
+        Raises
+        ------
+        SceneError
+            If the bed cannot be made.
+        """
+        raise NotImplementedError
+
+    def check(self, spacing: float, material: MaterialMap) -> None:
+        """Refuse a relief that a grid of that spacing (m), or a bed of that material, cannot have.
+
+        Raises
+        ------
+        ValueError
+            One sentence with the field, the value and the remedy.
+        """

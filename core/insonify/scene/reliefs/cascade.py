@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
+
+import numpy as np
 
 from insonify.scene.base import parameter
 from insonify.scene.reliefs.random_relief import RandomRelief, rms_height
+from insonify.scene.reliefs.spectrum import Field, PeriodicWaves
+
+STEEP = 2.0  # variance of slopes where they are steep, over the mean
 
 
 class Cascade(RandomRelief):
@@ -23,3 +29,33 @@ class Cascade(RandomRelief):
     hurst: float = parameter(
         0.7, description="order H of the fractional integration", gt=0.0, le=2.0, slider=(0.1, 1.0)
     )
+
+    def unscaled(self, waves: PeriodicWaves) -> Field:
+        """Lognormal flux whose logarithm has the density C₁/(πf²), integrated by f^−H (Schertzer and Lovejoy 1987).
+
+        A density C₁/(πf²) over the octaves down to a resolution λ has the variance 2 C₁ ln λ, so that the moments of
+        the flux are ⟨φ^q⟩ = λ^K(q) with K(q) = C₁(q² − q).
+        """
+        fx, fy = waves.frequencies()
+        squared = fx**2 + fy**2
+        squared[0, 0] = np.inf
+        noise = waves.noise()
+        if self.intermittency == 0.0:
+            return waves.field(noise * squared ** (-0.5 * (self.hurst + 1.0)))
+        logarithm = waves.field(noise * np.sqrt(self.intermittency / (math.pi * squared)))
+        flux = waves.transform(np.exp(logarithm))
+        flux *= (noise != 0.0) * squared ** (-0.5 * self.hurst)
+        return waves.field(flux)
+
+    def planned_density(self, fx: Field, fy: Field, spacing: float) -> Field:
+        """Spectral density for the plan: a power law that is level at waves longer than the period."""
+        del spacing
+        squared = fx**2 + fy**2 + self.period**-2
+        return (
+            STEEP
+            * self.rms**2
+            * self.hurst
+            / math.pi
+            * self.period ** (-2.0 * self.hurst)
+            * squared ** (-self.hurst - 1.0)
+        )

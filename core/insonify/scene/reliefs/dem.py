@@ -4,17 +4,80 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.errors import SceneError
+from insonify.files import file_version
+from insonify.io.bathymetry import BATHYMETRY, Grid, read_grid
+from insonify.io.file_cache import kept_until_changed
 from insonify.scene.base import FilePath, parameter
-from insonify.scene.reliefs import ReliefKind
+from insonify.scene.reliefs import HeightGrid, ReliefKind
+
+HIGHEST = 2e4  # m, of any bed, up or down
+SQUARE = 1e-6  # relative difference of spacings that still counts as square
+_read_grid = kept_until_changed(maxsize=2)(read_grid)
 
 
 class Dem(ReliefKind):
     """A measured bed: a grid of heights from a file."""
 
     rank = 90
+    measured = True
     kind: Literal["dem"] = "dem"
     path: FilePath = parameter(
         description="GeoTIFF, BAG, .asc, .npy or .npz grid of heights (positive up)", min_length=1
     )
     datum: float = parameter(0.0, unit="m", description="added to every height of the file", ge=-2e4, le=2e4)
     scale: float = parameter(1.0, description="multiplies every height, before the datum is added", gt=0.0, le=1e3)
+
+    @property
+    def version(self) -> tuple[int, int]:
+        """Version of the file."""
+        return file_version(self.path)
+
+    def sample(
+        self, spacing: float, origin: tuple[float, float] | None = None, shape: tuple[int, int] | None = None
+    ) -> HeightGrid:
+        """Read the bed and place it, its centre at the local (0, 0) unless the file and the scene say where it lies."""
+        if shape is not None:
+            raise SceneError(f"shape: {shape} cannot be given to a measured bed, which has its own grid; leave it out")
+        grid = _squared(_read_grid(self.path), spacing)
+        step = spacing if grid.spacing is None else grid.spacing[0]
+        ny, nx = grid.heights.shape
+        x0, y0 = -0.5 * (nx - 1) * step, -0.5 * (ny - 1) * step
+        if origin is not None and grid.corner is not None:
+            # Map coordinates reach millions of metres: subtract before anything becomes float32.
+            x0, y0 = grid.corner[0] - origin[0], grid.corner[1] - origin[1]
+        return HeightGrid(_on_earth(self, grid.heights * self.scale + self.datum), step, x0, y0)
+
+
+def _on_earth(dem: Dem, heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Refuse heights that no bed has: a number that was to say "none", or another unit."""
+    low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
+    if not -HIGHEST <= low <= high <= HIGHEST:
+        raise BATHYMETRY.refusal(
+            dem.path, f"has heights from {low:g} to {high:g} m", "declare its nodata value, or turn its unit by scale"
+        )
+    return heights
+
+
+def _squared(grid: Grid, spacing: float) -> Grid:
+    """Bring a grid of oblong cells to the finer of its two spacings."""
+    dx, dy = grid.spacing or (spacing, spacing)
+    if abs(dx - dy) <= SQUARE * min(dx, dy):
+        return grid
+    fine = min(dx, dy)
+    heights = _resampled(_resampled(grid.heights, dx / fine).T, dy / fine).T
+    return Grid(np.ascontiguousarray(heights), (fine, fine), grid.corner)
+
+
+def _resampled(heights: NDArray[np.float64], ratio: float) -> NDArray[np.float64]:
+    """Interpolate along the last axis to ``ratio`` times as many nodes; a gap stays a gap."""
+    if ratio <= 1.0 + SQUARE:
+        return heights
+    last = heights.shape[1] - 1
+    places = np.arange(int(last * ratio + SQUARE) + 1) / ratio
+    low = np.minimum(places.astype(np.int64), last - 1)
+    share = places - low
+    return heights[:, low] * (1.0 - share) + heights[:, low + 1] * share

@@ -11,4 +11,5 @@ class Flat(ReliefKind):
     """A level bed without relief."""
 
     rank = 10
+    level = True
     kind: Literal["flat"] = "flat"

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import math
+from collections import Counter
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import field_validator, model_validator
 
 from insonify.scene.base import parameter
+from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs.random_relief import ExtendableRelief, rms_height
+from insonify.scene.reliefs.spectrum import Band, Field, PeriodicWaves, Waves
 
 Peak = tuple[float, float]
+HIGHEST_PEAK = 0.9  # of the Nyquist frequency, on endless ground
+WIDENED = 0.3  # of its frequency, by which the plan spreads a peak
 
 
 class Fractal(ExtendableRelief):
@@ -90,3 +97,157 @@ class Fractal(ExtendableRelief):
             return self.beta_x, self.beta_y
         beta = 1.4 if self.beta is None else self.beta
         return beta, beta
+
+    def places(self) -> list[tuple[float, float]]:
+        """Where the peaks stand, cycles per period, but for their mirror images through zero frequency."""
+        return [place for peak in self.peaks for place in half_plane(peak, self.quadrants)]
+
+    def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Field:
+        """Heights of filtered noise; every grid is scaled by the one factor of the reference.
+
+        Grids of different shape thus agree in the waves they share; one finer than the reference has a little more
+        rms, a coarser one less.
+        """
+        made = self.filtered_noise(waves)
+        power = reference.variance(made if reference is waves else self.filtered_noise(reference))
+        if power == 0.0:
+            return np.zeros(waves.shape)
+        made *= self.rms / math.sqrt(power)
+        return waves.field(made)
+
+    def filtered_noise(self, waves: PeriodicWaves) -> Waves:
+        """Coefficients of the waves before they are scaled to the rms."""
+        return waves.filtered(
+            lambda fx, fy: np.sqrt(power_spectrum(self, fx, fy)), gaussian=self.coefficients == "gaussian"
+        )
+
+    def bands(self) -> tuple[Band, ...]:
+        """One band a peak and its mirror image."""
+        return tuple(self._band_about(peak) for peak in self.places())
+
+    def _band_about(self, peak: tuple[float, float]) -> Band:
+        period = self.period
+
+        def density(fx: Field, fy: Field) -> Field:
+            return decay_about(self, fx * period + peak[0], fy * period + peak[1], peak)
+
+        if peak == (0.0, 0.0):  # which is its own image
+            return Band(lambda fx, fy: 2.0 * density(fx, fy), 1.0 / period)
+        return Band(density, 1.0 / period, (peak[0] / period, peak[1] / period))
+
+    def planned_density(self, fx: Field, fy: Field, spacing: float) -> Field:
+        """Power about every peak, falling with the mean exponent; what lies near a peak is widened.
+
+        Peaks are spread by a share of their frequency, so that the plan's grid of frequencies does not miss them.
+        """
+        beta, unit = 0.5 * sum(self.exponents), 1.0 / self.period
+        nyquist = 0.5 * self.period / spacing
+        # Variance of one peak: a plateau of one cycle, and what falls off about it up to the Nyquist frequency.
+        falling = math.log(nyquist)
+        if abs(beta - 1.0) > 1e-3:
+            falling = (1.0 - nyquist ** (2.0 - 2.0 * beta)) / (2.0 * beta - 2.0)
+        whole = math.pi * (1.0 + 2.0 * falling)
+        total = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
+        places = self.places()
+        for px, py in places:
+            core = max(1.0, WIDENED * math.hypot(px, py))
+            held = math.pi * core ** (2.0 - 2.0 * beta) / (beta - 1.0) if beta > 1.05 else 0.0
+            missing = max(whole - held, 0.0)
+            for sign in (1.0, -1.0):
+                squared = (fx / unit - sign * px) ** 2 + (fy / unit - sign * py) ** 2
+                near = missing * np.exp(-squared / core**2) / (math.pi * core**2)
+                total += 0.5 * ((squared + core**2) ** -beta + near) / whole
+        return np.asarray(self.rms**2 / unit**2 * total / len(places))
+
+    def check(self, spacing: float, material: MaterialMap) -> None:
+        """Refuse peaks that the grid cannot hold."""
+        super().check(spacing, material)
+        cells = self.period / spacing
+        nyquist = HIGHEST_PEAK * cells / 2 if self.endless else round(cells) / 2
+        if any(max(abs(fx), abs(fy)) > 0 and max(abs(fx), abs(fy)) >= nyquist for fx, fy in self.peaks):
+            what = f"{HIGHEST_PEAK:g} of the Nyquist frequency," if self.endless else "the Nyquist frequency of"
+            raise ValueError(
+                f"relief.peaks {[list(peak) for peak in self.peaks]} reach {what} {nyquist:g} "
+                f"cycles per period; keep below it or lessen spacing {spacing:g} m"
+            )
+
+
+def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
+    """Squared amplitude A² of the relief's waves, up to one factor.
+
+    Parameters
+    ----------
+    fractal : Fractal
+        Exponents, peaks and options.
+    fx, fy : float64
+        Cycles per period, of shapes that broadcast.
+
+    Returns
+    -------
+    float64
+        Of the broadcast shape.
+    """
+    # A real field has as much power at −f as at f, so that every peak stands at −(fx, fy) too. Places that fall
+    # together, as those of a peak at zero frequency do, count as often as they are named.
+    places = Counter(place for peak in fractal.peaks for place in _places(peak, fractal.quadrants))
+    power: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
+    for place, times in places.items():
+        decay = decay_about(fractal, fx, fy, place)
+        if fractal.combine == "max":
+            np.maximum(power, decay, out=power)
+        else:
+            power += decay if times == 1 else times * decay
+    return power
+
+
+def half_plane(peak: tuple[float, float], quadrants: int) -> list[tuple[float, float]]:
+    """Where one declared peak stands, but for its mirror images through zero frequency."""
+    x, y = peak
+    return [(x, y)] if quadrants == 1 else [(x, y), (x, -y)]
+
+
+def _places(peak: tuple[float, float], quadrants: int) -> list[tuple[float, float]]:
+    """Where one declared peak stands in the whole plane."""
+    return [(sign * x + 0.0, sign * y + 0.0) for x, y in half_plane(peak, quadrants) for sign in (1.0, -1.0)]
+
+
+def decay_about(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float]) -> Field:
+    """Power left of one peak at frequencies in cycles per period."""
+    dx, dy = fx - peak[0], fy - peak[1]
+    beta_x, beta_y = fractal.exponents
+    hard = fractal.clamp == "hard"
+    if fractal.decay == "isotropic":  # Models 1 and 2: F^−β
+        return _level(dx**2 + dy**2, hard) ** -beta_x
+    if fractal.decay != "separable":
+        dx, dy = _along_peak(dx, dy, peak)
+    if fractal.decay == "elliptic":
+        return _elliptic(dx, dy, beta_x, beta_y, hard)
+    # Model 3: |Δfx|^−βx |Δfy|^−βy, along the axes or, rotated, along the peak's own direction
+    return _level(dx**2, hard) ** -beta_x * _level(dy**2, hard) ** -beta_y
+
+
+def _level(squared: Field, hard: bool) -> Field:
+    """Keep a squared distance from reaching zero, in cycles per period."""
+    return np.maximum(squared, 1.0) if hard else 1.0 + squared
+
+
+def _along_peak(dx: Field, dy: Field, peak: tuple[float, float]) -> tuple[Field, Field]:
+    """Distances along the line from a peak to zero frequency, and at right angles to it."""
+    length = math.hypot(*peak)
+    cosine, sine = (peak[0] / length, peak[1] / length) if length > 0.0 else (1.0, 0.0)
+    return cosine * dx + sine * dy, cosine * dy - sine * dx
+
+
+def _elliptic(along: Field, across: Field, beta_x: float, beta_y: float, hard: bool) -> Field:
+    """Power (|Δ∥|^(2βx/β) + |Δ⊥|^(2βy/β))^−β with β the mean exponent.
+
+    It falls with exponent βx along the one axis and βy along the other, is isotropic when they are equal, and has no
+    cross of slowly falling power through the peak.
+    """
+    beta = 0.5 * (beta_x + beta_y)
+    if beta == 0.0:
+        return np.ones(np.broadcast_shapes(along.shape, across.shape))
+    if hard:
+        along, across = np.maximum(np.abs(along), 1.0), np.maximum(np.abs(across), 1.0)
+    reach = (along**2) ** (beta_x / beta) + (across**2) ** (beta_y / beta)
+    return np.asarray(0.5 * reach if hard else 1.0 + reach) ** -beta

@@ -1,15 +1,44 @@
-"""Dunes that pass for a pattern."""
+"""Relief that records as a pattern does: one trace, two interpretations.
+
+A level bed of changing reflectivity k(x), heard from the height H, returns at slant range r = √(H² + x²) what its
+incidence α, cos α = H/r, makes of k(x). Dunes of the mean reflectivity return the same at the same r if their
+incidence β there obeys
+
+- law `light`, radiance k cos β:                             cos β = κ H/r
+- law `sonar`, k cos² β times the area of a step of range:   cos² β / sin β = κ (H/r)² / (x/r)
+
+with κ = k(x) over the mean. A strip of the bed between r and r + dr has the area dr / sin β, for a ray meets it at the
+angle π/2 − β. In polar coordinates about the sonar, ψ from nadir, the dunes are a curve ψ(r) that a ray meets at
+cot β = r dψ/dr. As β is known at every r, ψ is an integral over r and a constant: no equation is solved step by step,
+nothing is unstable, and r grows all along the dunes, so that none hides another. The integral is taken over x,
+r dr = x dx, for at nadir dψ/dr is infinite and dψ/dx is not.
+
+The constant turns the dunes about the sonar, which hears no difference: they are turned to lie about the level. Near
+nadir, where the level bed faces the sonar, no slope is brighter; there the dunes grow from nothing.
+"""
 
 from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import model_validator
 
+from insonify.errors import SceneError
 from insonify.scene.base import parameter
-from insonify.scene.materials import Material
+from insonify.scene.materials import Material, MaterialMap
 from insonify.scene.materials.pattern import PatternMap
-from insonify.scene.reliefs import ReliefKind
+from insonify.scene.reliefs import HeightGrid, ReliefKind
+from insonify.scene.reliefs.random_relief import MOST_CELLS
+
+Curve = NDArray[np.float64]
+
+FROM = 1.4  # altitudes of slant range from which dunes pass
+STEPS_A_CELL = 8
+FEWEST_CELLS = 4
+MEAN_OF = 1 << 14  # samples
+WIDTH = 4  # nodes along the track, over which the dunes are even
 
 
 class Mimic(ReliefKind):
@@ -53,3 +82,130 @@ class Mimic(ReliefKind):
         if any(material.reflectivity.specular > 0.0 for material in self.of.of):
             raise ValueError("of holds a material with a mirror lobe, which no slope can imitate; set its specular = 0")
         return self
+
+    def sample(
+        self, spacing: float, origin: tuple[float, float] | None = None, shape: tuple[int, int] | None = None
+    ) -> HeightGrid:
+        """Sample one period of the dunes, even along the track, which they lie about."""
+        del origin
+        cells, width = shape or (max(FEWEST_CELLS, round(2.0 * self.reach / spacing)), WIDTH)
+        heights = self.dunes(cells)
+        return HeightGrid(np.tile(heights[:, np.newaxis], (1, width)), 2.0 * self.reach / cells)
+
+    def dunes(self, cells: int) -> Curve:
+        """Heights of dunes that pass for a pattern.
+
+        Parameters
+        ----------
+        cells : int
+            Nodes of one period across the track, the first on it.
+
+        Returns
+        -------
+        (cells,) float64
+            Metres above the level bed, towards +y and, from the middle on, from −y back to the track.
+
+        Raises
+        ------
+        SceneError
+            If the pattern's brightest material is too bright against the mean.
+        """
+        y = np.arange(cells, dtype=np.float64) * (2.0 * self.reach / cells)
+        port = y <= self.reach
+        heights = np.empty(cells)
+        heights[port] = _one_side(self, y[port], 1.0, cells)
+        heights[~port] = _one_side(self, 2.0 * self.reach - y[~port], -1.0, cells)
+        return heights
+
+    def check(self, spacing: float, material: MaterialMap) -> None:
+        """Refuse dunes of more cells than can be held, and a bed of more than their one material."""
+        cells = 2.0 * self.reach / spacing
+        if cells > MOST_CELLS:
+            raise ValueError(
+                f"relief.reach {self.reach:g} m at spacing {spacing:g} m makes {cells:g} cells across; "
+                f"shorten the reach or widen the spacing to stay within {MOST_CELLS}"
+            )
+        if len(material.materials) > 1:
+            raise ValueError('relief "mimic" passes for a map by its shape; give the seabed a single material')
+
+
+def mean_diffuse(pattern: PatternMap) -> float:
+    """Mean diffuse share of stripes or waves: that of the dunes that pass for them."""
+    return float(_diffuse(pattern, (np.arange(MEAN_OF) + 0.5) / MEAN_OF).mean())
+
+
+def equivalent_profile(ratio: Curve, altitude: float, step: float, law: str) -> tuple[Curve, Curve]:
+    """Profile that records as a level bed of changing reflectivity does, beyond 1.4 times the altitude.
+
+    Parameters
+    ----------
+    ratio : (n,) float64
+        Reflectivity of the level bed over that of the profile, in the middle of equal steps of ground range from nadir.
+        Under law `light` it must stay below 1.4.
+    altitude : float
+        Of the sonar, in metres.
+    step : float
+        Length of a step, in metres.
+    law : {"light", "sonar"}
+        What the record holds.
+
+    Returns
+    -------
+    x, z : (n + 1,) float64
+        Ground range and height above the level bed of the profile, in metres. Its points lie at the slant ranges of
+        the steps' ends. With a ratio of 1 it is level.
+    """
+    x = (np.arange(ratio.size) + 0.5) * step
+    r = np.hypot(x, altitude)
+    # Grown this way, 1 + (κ − 1) t² stays below r/H = 1 + (FROM − 1) t for every κ below FROM.
+    grown = np.minimum((r / altitude - 1.0) / (FROM - 1.0), 1.0) ** 2
+    cotangent = _cotangent(1.0 + (ratio - 1.0) * grown, x / r, altitude / r, law)
+    angle = np.concatenate([[0.0], np.cumsum(cotangent * x / r**2) * step])
+    knots = np.arange(ratio.size + 1) * step
+    ends = np.hypot(knots, altitude)
+    height = altitude - ends * np.cos(angle)
+    # A turn by δ lifts the profile by x δ: the one that leaves least of z in the mean square.
+    turn = -np.sum(height * knots) / np.sum(knots**2)
+    share = np.clip(knots / (altitude * np.sqrt(FROM**2 - 1.0)), 0.0, 1.0)
+    angle += turn * share**2 * (3.0 - 2.0 * share)
+    return ends * np.sin(angle), altitude - ends * np.cos(angle)
+
+
+def _cotangent(ratio: Curve, sine: Curve, cosine: Curve, law: str) -> Curve:
+    """Cotangent of the incidence β at which the profile is as bright as the level bed at α."""
+    if law == "light":
+        bright = ratio * cosine
+        # 1 − κ² cos² α, without cancelling near nadir.
+        return np.asarray(bright / np.sqrt(sine**2 + cosine**2 * (1.0 - ratio) * (1.0 + ratio)))
+    loud = ratio * cosine**2 / sine
+    dark = 2.0 / (loud + np.sqrt(loud**2 + 4.0))  # sin β, of (1 − s²) / s = loud
+    return np.asarray(np.sqrt((1.0 - dark) * (1.0 + dark)) / dark)
+
+
+def _one_side(mimic: Mimic, y: Curve, side: float, cells: int) -> Curve:
+    """Heights at distances from the track, towards +y (side 1) or −y (−1)."""
+    # Whole steps between the borders of stripes, so that none falls within a step.
+    border = mimic.of.period / len(mimic.of.of)
+    step = border / np.ceil(STEPS_A_CELL * border * cells / (2.0 * mimic.reach))
+    count = int(np.ceil(1.5 * mimic.reach / step))
+    ratio = _ratio(mimic, side * (np.arange(count) + 0.5) * step)
+    ground, height = equivalent_profile(ratio, mimic.altitude, step, mimic.law)
+    return np.interp(y, ground, height)
+
+
+def _ratio(mimic: Mimic, y: Curve) -> Curve:
+    """Diffuse share of the pattern at places across the track, over its mean."""
+    mean = mean_diffuse(mimic.of)
+    ratio = _diffuse(mimic.of, y / mimic.of.period) / max(mean, 1e-300)
+    if mimic.law == "light" and ratio.max() >= FROM:
+        raise SceneError(
+            f"seabed.relief.of.of: the brightest reflects {ratio.max():.3g} times the mean {mean:.3g}, as no slope of "
+            f"the mean material can; keep it below {FROM:g} times"
+        )
+    return np.asarray(ratio)
+
+
+def _diffuse(pattern: PatternMap, across: Curve) -> Curve:
+    """Diffuse share at places given in periods across the stripes."""
+    table = np.array([row.diffuse for row in pattern.rows()[1]])
+    return np.asarray(table[pattern.rows_at(across, np.zeros_like(across))])

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
+import numpy as np
+
 from insonify.scene.base import parameter
-from insonify.scene.reliefs.random_relief import ExtendableRelief, crest_heading
+from insonify.scene.materials import MaterialMap
+from insonify.scene.reliefs.random_relief import ExtendableRelief, crest_heading, density_waves
+from insonify.scene.reliefs.spectrum import LONGEST_WAVES, Band, Density, Field, PeriodicWaves, rotate_frequencies
+
+FEWEST_CELLS = 3  # of one ripple
+FADE = 0.3  # of the rms amplitude, below which crests die down: they end where the phase goes round a point
+# Share of the variance that dying crests leave, harmonics of their shape, and how wide the plan takes a band at least.
+RIPPLED, HARMONICS, WIDENED = 0.81, 4, 0.3
 
 
 class Ripples(ExtendableRelief):
     """Crests of one height that wander, fork and end: the phase of a narrow band of waves, shaped."""
 
     rank = 50
+    shaped = True
     kind: Literal["ripples"] = "ripples"
     wavelength: float = parameter(
         0.8,
@@ -47,3 +58,91 @@ class Ripples(ExtendableRelief):
         le=1.0,
         slider=(0.0, 1.0),
     )
+
+    @property
+    def wave(self) -> tuple[float, float]:
+        """Mean wave along x and y, cycles a metre, towards the left of the crests' heading."""
+        angle = math.radians(self.heading)
+        return -math.sin(angle) / self.wavelength, math.cos(angle) / self.wavelength
+
+    def band(self, narrowest: float = 0.0) -> Density:
+        """Band of waves about zero that makes the ripples' phase once moved to their own; its level is of no account.
+
+        Parameters
+        ----------
+        narrowest : float
+            Spread that the band has at least, cycles a metre.
+        """
+        spread_across = max(self.bandwidth / self.wavelength, narrowest)
+        spread_along = max(self.bandwidth_along / self.wavelength, narrowest)
+
+        def density(fx: Field, fy: Field) -> Field:
+            f_along, f_across = rotate_frequencies(fx, fy, self.heading)
+            return np.asarray(np.exp(-0.5 * ((f_across / spread_across) ** 2 + (f_along / spread_along) ** 2)))
+
+        return density
+
+    def heights(self, waves: PeriodicWaves, reference: PeriodicWaves) -> Field:
+        """Shape the phase of the analytic signal of a narrow band of waves."""
+        del reference
+        band, wave = self.band(LONGEST_WAVES / self.period), self.wave
+
+        def about_both(fx: Field, fy: Field) -> Field:
+            return band(fx - wave[0], fy - wave[1]) + band(fx + wave[0], fy + wave[1])
+
+        made = density_waves(about_both, self.period, waves)
+        # A quarter of a wave on: the Hilbert transform in the direction in which the ripples follow one another.
+        _, across = rotate_frequencies(*waves.frequencies(), self.heading)
+        level = math.sqrt(2.0 * waves.variance(made))
+        imaginary = waves.field(-1j * np.sign(across) * made)
+        return self.shape_waves(waves.field(made), imaginary, level)
+
+    def bands(self) -> tuple[Band, ...]:
+        """Band about the mean wave."""
+        narrow = min(self.bandwidth, self.bandwidth_along) / self.wavelength
+        return (Band(self.band(), narrow, self.wave),)
+
+    def shape_waves(self, real: Field, imaginary: Field, level: float) -> Field:
+        """Heights from a complex field, whose phase is 0 on crests.
+
+        A sharp profile has crests with a corner, 4 height/wavelength steep, over parabolic troughs; a round one is a
+        cosine.
+        """
+        phase = np.abs(np.arctan2(imaginary, real))
+        sharp = 2.0 * (1.0 - phase / math.pi) ** 2 - 2.0 / 3.0  # about its own mean
+        profile = np.cos(phase) + self.sharpness * (sharp - np.cos(phase))
+        amplitude = np.hypot(real, imaginary)
+        # A grid of no wave has no crests.
+        whole = np.maximum(np.hypot(amplitude, FADE * level), np.finfo(np.float64).tiny)
+        return np.asarray(0.5 * self.height * profile * (amplitude / whole))
+
+    def planned_density(self, fx: Field, fy: Field, spacing: float) -> Field:
+        """Bands about the mean wave and its harmonics, widened to what the plan's grid of frequencies resolves.
+
+        Sharp ripples are parabolas, of the amplitudes 8 / (πn)²; near forks and ends they die down.
+        """
+        del spacing
+        total: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
+        for order in range(1, HARMONICS + 1):
+            amplitude = self.sharpness * 8.0 / (math.pi * order) ** 2 + (1.0 - self.sharpness) * (order == 1)
+            wx, wy = (order * w for w in self.wave)
+            spread = max(self.bandwidth, WIDENED) * order / self.wavelength
+            level = RIPPLED * amplitude**2 * self.height**2 / 8.0 / (4.0 * math.pi * spread**2)
+            for sign in (1.0, -1.0):
+                squared = (fx - sign * wx) ** 2 + (fy - sign * wy) ** 2
+                total = total + level * np.exp(-0.5 * squared / spread**2)
+        return np.asarray(total)
+
+    def check(self, spacing: float, material: MaterialMap) -> None:
+        """Refuse ripples that the grid or the period cannot hold."""
+        super().check(spacing, material)
+        if self.wavelength < FEWEST_CELLS * spacing * (1.0 - 1e-9):
+            raise ValueError(
+                f"relief.wavelength {self.wavelength:g} m spans fewer than {FEWEST_CELLS} cells of spacing "
+                f"{spacing:g} m; lengthen it or lessen the spacing"
+            )
+        if 2.0 * self.wavelength > self.period and not self.endless:
+            raise ValueError(
+                f"relief.wavelength {self.wavelength:g} m fits less than twice into period {self.period:g} m; "
+                "shorten it or lengthen the period"
+            )

@@ -8,6 +8,7 @@ from pydantic import model_validator
 
 from insonify.scene.base import parameter
 from insonify.scene.kinds import KindOf
+from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs import RELIEFS, ReliefKind
 from insonify.scene.reliefs.random_relief import RandomRelief
 
@@ -33,3 +34,13 @@ class SumOfReliefs(ReliefKind):
             if part.endless != first.endless:
                 raise ValueError("of is endless in one part and repeats in another; give all the same extent")
         return self
+
+    @property
+    def parts(self) -> tuple[RandomRelief, ...]:
+        """The reliefs."""
+        return self.of
+
+    def check(self, spacing: float, material: MaterialMap) -> None:
+        """Refuse what any of the reliefs refuses."""
+        for part in self.of:
+            part.check(spacing, material)

@@ -1,0 +1,94 @@
+"""Random waves of one period of a bed.
+
+Frequencies are whole cycles per period. A wave's coefficient is a hash of the seed and its frequency, so the same seed
+makes the same landscape on every grid; the heights of one wave never depend on how finely the grid samples it.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+
+import numpy as np
+import scipy.fft
+
+from insonify.kernels.common.hashing import wave_noise
+from insonify.scene.reliefs.spectrum import Density, Field, Waves
+
+Shape = tuple[int, int]
+
+# Noise larger than this is made anew rather than kept: 2048 squared takes 34 MB.
+KEPT_CELLS = 2048**2
+WORKERS = 2
+# Rows filtered at once, so that what lies between stays in the cache: half the time of the whole at once.
+ROWS = 64
+
+
+class WaveGrid:
+    """Random waves of one period, sampled on a grid.
+
+    Parameters
+    ----------
+    shape : (ny, nx)
+        Samples per period along y and x.
+    seed, stream : int
+        What the random coefficients derive from.
+    """
+
+    def __init__(self, shape: Shape, seed: int, stream: int) -> None:
+        self.shape, self._seed, self._stream = shape, seed, stream
+
+    def noise(self, *, gaussian: bool = True) -> Waves:
+        """Coefficients of unit variance, (ny, nx // 2 + 1), kept: a change of the spectrum costs the filter alone."""
+        return wave_coefficients(self._seed, self._stream, self.shape, gaussian=gaussian)
+
+    def filtered(self, amplitude: Density, *, gaussian: bool = True) -> Waves:
+        """Multiply the noise by an amplitude of the frequencies, some rows at a time."""
+        noise = self.noise(gaussian=gaussian)
+        waves = np.empty_like(noise)
+        fx, fy = self.frequencies()
+
+        def filter_rows(first: int) -> None:
+            rows = slice(first, first + ROWS)
+            np.multiply(noise[rows], amplitude(fx, fy[rows]), out=waves[rows])
+
+        with ThreadPoolExecutor(WORKERS) as pool:
+            list(pool.map(filter_rows, range(0, self.shape[0], ROWS)))
+        return waves
+
+    def frequencies(self) -> tuple[Field, Field]:
+        """Cycles per period of the coefficients: fx (1, nx // 2 + 1) and fy (ny, 1)."""
+        return frequencies(self.shape)
+
+    def variance(self, waves: Waves) -> float:
+        """Variance of the field that waves make, by Parseval: all but the first column stand for ±f."""
+        # Products are summed as they are made: arrays of them would take ten times as long.
+        every, first = waves.view(np.float64).ravel(), np.ascontiguousarray(waves[:, 0]).view(np.float64)
+        return float(2.0 * np.einsum("i,i", every, every) - np.einsum("i,i", first, first))
+
+    def field(self, waves: Waves) -> Field:
+        """Field that waves make, (ny, nx); the waves are used up, which takes half the time of keeping them."""
+        columns = scipy.fft.ifft(waves, axis=0, norm="forward", workers=WORKERS, overwrite_x=True)
+        return np.asarray(scipy.fft.irfft(columns, n=self.shape[1], axis=1, norm="forward", workers=WORKERS))
+
+    def transform(self, field: Field) -> Waves:
+        """Waves of a field."""
+        return np.asarray(scipy.fft.rfft2(field, norm="forward", workers=WORKERS))
+
+
+def frequencies(shape: Shape) -> tuple[Field, Field]:
+    """Cycles per period of ``irfft2``'s coefficients: fx (1, nx // 2 + 1) and fy (ny, 1)."""
+    ny, nx = shape
+    fy = (np.arange(ny) + ny // 2) % ny - ny // 2
+    return np.arange(nx // 2 + 1, dtype=np.float64)[np.newaxis, :], fy.astype(np.float64)[:, np.newaxis]
+
+
+def wave_coefficients(seed: int, stream: int, shape: Shape, *, gaussian: bool) -> Waves:
+    """Coefficients before the filter, kept so that a change of the spectrum costs the filter alone."""
+    make = _kept_noise if shape[0] * shape[1] <= KEPT_CELLS else _kept_noise.__wrapped__
+    return make(seed, stream, shape, gaussian)
+
+
+@lru_cache(maxsize=4)
+def _kept_noise(seed: int, stream: int, shape: Shape, gaussian: bool) -> Waves:
+    return wave_noise(seed, stream, *shape, gaussian)
