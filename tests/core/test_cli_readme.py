@@ -87,3 +87,12 @@ def test_pages_that_the_code_names_exist():
     for source in [*(ROOT / "core").rglob("*.py"), *(ROOT / "app").rglob("*.py")]:
         for path in re.findall(r"docs/[\w/-]+\.md", source.read_text(encoding="utf-8")):
             assert (ROOT / path).is_file(), f"{source.name}: {path}"
+
+
+def test_paths_that_the_architecture_names_exist():
+    roots = (ROOT, ROOT / "core" / "insonify", ROOT / "app")
+    for page in ("index", "kernels", "extend"):
+        text = re.sub(r"```.*?```", "", PAGES[f"docs/architecture/{page}.md"], flags=re.DOTALL)
+        for path in re.findall(r"`([\w.-]+(?:/[\w.-]+)+)`", text):
+            place = re.sub(r"/NAME\.\w+$", "", path)
+            assert any((root / place).exists() for root in roots), f"{page}: {path}"
