@@ -69,13 +69,14 @@ def _spelling(action: argparse.Action) -> str:
 
 
 def _default(action: argparse.Action) -> str:
-    if action.required:
+    if action.required and action.nargs not in ("*", "?"):
         return "required"
     return "" if action.default in (None, False, [], argparse.SUPPRESS) else f"`{action.default}`"
 
 
 def _meaning(action: argparse.Action) -> str:
-    text = (action.help or "").replace("%(default)s", str(action.default)).replace("%%", "%")
+    choices = ", ".join(map(str, action.choices)) if action.choices else ""
+    text = (action.help or "") % {**vars(action), "choices": choices}
     text = re.sub(r" \(default: [^)]*\)", "", text)
     return _sentence(text).replace("|", "\\|")
 
