@@ -4,7 +4,8 @@ A page is run from top to bottom in an empty folder, in which its files stay fro
 
 - a ``toml`` block with a ``title`` is written to the file of that name;
 - in a ``console`` block each line that begins with ``$ `` is run; the lines up to the next one are its output;
-- ``python`` blocks run in one namespace, and a ``text`` block right after one is what it prints;
+- ``python`` blocks run in one namespace, and a ``text`` block right after one is what it prints; after the comment
+  ``<!-- slow -->`` one runs to make the page, not to check it, and after ``<!-- shown -->`` it never runs;
 - a picture whose name is that of a PNG file written by the page's commands is a smaller JPEG of it.
 """
 
@@ -22,7 +23,7 @@ from typing import Any
 
 from PIL import Image
 
-BLOCK = re.compile(r"^```(\w+)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+BLOCK = re.compile(r"^(<!-- \w+ -->\n)?```(\w+)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]*pictures/([\w-]+)\.jpg)\)")
 WIDTH, LARGEST = 900, 250_000  # pixels, bytes
 WIDTHS = {"window": 1400, "ghosts": 1200, "rays": 1200}
@@ -52,17 +53,17 @@ def run(text: str, path: Path | None) -> str:
         state: dict[str, str | None] = {"printed": None}
 
         def block(match: re.Match[str]) -> str:
-            language, attributes, body = match.groups()
+            comment, language, attributes, body = match.groups(default="")
             printed, state["printed"] = state["printed"], None
             if language == "toml" and (title := re.search(r'title="([^"]+)"', attributes)):
                 (folder / title[1]).write_text(body, encoding="utf-8")
             elif language == "console":
                 body = _console(body, quick=path is None)
-            elif language == "python" and (path is not None or "slow" not in attributes):
+            elif language == "python" and "shown" not in comment and (path is not None or "slow" not in comment):
                 state["printed"] = _python(body, names)
             elif language == "text" and printed is not None:
                 body = printed
-            return f"```{language}{attributes}\n{body}```"
+            return f"{comment}```{language}{attributes}\n{body}```"
 
         made = BLOCK.sub(block, text)
         if path is not None:
