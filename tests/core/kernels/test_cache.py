@@ -1,0 +1,102 @@
+"""The cache of kernels' machine code: what names it, and what happens to damaged files and unwritable folders."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import pytest
+
+from insonify.kernels.common.cache import source_digests
+
+SOURCES = {
+    "common/base.py": '"""Base."""\n\n\ndef base(x):\n    """Return x."""\n    return x\n',
+    "sweep/user.py": "from insonify.kernels.common.base import base\n\n\ndef user(x):\n    return base(x)\n",
+    "sweep/indirect.py": "from insonify.kernels.sweep import user\n\n\ndef indirect(x):\n    return user.user(x)\n",
+    "rays/other.py": "import math\n\n\ndef other(x):\n    return math.sqrt(x)\n",
+}
+IMPORTERS = {"common.base", "sweep.user", "sweep.indirect"}
+
+# One small kernel, compiled or read in a process of its own.
+USE = """
+import numpy as np
+from insonify.kernels.common.hashing import splitmix64
+value = splitmix64(np.uint64(1234567))
+print(value, sum(splitmix64.stats.cache_hits.values()))
+"""
+VALUE = "6457827717110365317"  # first output of Vigna's reference implementation from that state
+
+
+def digests_of(folder: Path, sources: dict[str, str]) -> dict[str, str]:
+    for path, text in sources.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text)
+    return source_digests(folder, folder / "kept")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '"""Another word."""\n\n\ndef base(x):\n    """Return the argument."""\n    return x\n',
+        '"""Base."""\n\n\n# A comment.\n\n\ndef base(x):\n    """Return x."""\n    return x  # as it is\n',
+        "def base(x):\n    return x\n",
+    ],
+)
+def test_docstrings_comments_and_line_numbers_leave_digests_alone(tmp_path: Path, text: str) -> None:
+    assert digests_of(tmp_path, SOURCES) == digests_of(tmp_path, SOURCES | {"common/base.py": text})
+
+
+def test_a_change_of_code_changes_digests_of_the_module_and_of_its_importers_only(tmp_path: Path) -> None:
+    before = digests_of(tmp_path, SOURCES)
+    after = digests_of(tmp_path, SOURCES | {"common/base.py": "def base(x):\n    return x + 0.0\n"})
+    assert {name for name in before if before[name] != after[name]} == IMPORTERS
+
+
+def test_a_change_of_an_importer_leaves_what_it_imports_alone(tmp_path: Path) -> None:
+    before = digests_of(tmp_path, SOURCES)
+    changed = SOURCES["sweep/user.py"].replace("base(x)\n", "base(x) + 1\n")
+    after = digests_of(tmp_path, SOURCES | {"sweep/user.py": changed})
+    assert {name for name in before if before[name] != after[name]} == {"sweep.user", "sweep.indirect"}
+
+
+def test_digests_do_not_depend_on_where_the_sources_lie(tmp_path: Path) -> None:
+    assert digests_of(tmp_path / "here", SOURCES) == digests_of(tmp_path / "there", SOURCES)
+
+
+def test_digests_that_cannot_be_kept_are_computed_all_the_same(tmp_path: Path) -> None:
+    kept = digests_of(tmp_path, SOURCES)
+    (tmp_path / "a file").write_text("")
+    assert source_digests(tmp_path, tmp_path / "a file" / "kept") == kept
+
+
+def test_damaged_digests_are_computed_anew(tmp_path: Path) -> None:
+    kept = digests_of(tmp_path, SOURCES)
+    (state,) = (tmp_path / "kept").glob("*.json")
+    state.write_text("{")
+    assert source_digests(tmp_path, tmp_path / "kept") == kept
+
+
+def use_kernel(cache: Path) -> tuple[str, int]:
+    """Return what the kernel gives in a new process, and how often its machine code was read from disk."""
+    command = [sys.executable, "-c", USE]
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
+    value, hits = subprocess.run(command, env=environment, capture_output=True, check=True, text=True).stdout.split()
+    return value, int(hits)
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_machine_code_is_read_from_disk_and_compiled_anew_once_damaged(tmp_path: Path) -> None:
+    assert use_kernel(tmp_path) == (VALUE, 0)
+    assert use_kernel(tmp_path) == (VALUE, 1)
+    for file in tmp_path.rglob("*.nb[ci]"):
+        file.write_bytes(b"damaged")
+    assert use_kernel(tmp_path) == (VALUE, 0)
+    assert use_kernel(tmp_path) == (VALUE, 1)
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_a_folder_that_cannot_be_written_is_done_without(tmp_path: Path) -> None:
+    (tmp_path / "a file").write_text("")
+    assert use_kernel(tmp_path / "a file") == (VALUE, 0)
+    assert os.listdir(tmp_path) == ["a file"]
