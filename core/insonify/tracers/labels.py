@@ -7,21 +7,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.bed.slice import empty_profile, profile_capacity
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
 from insonify.kernels.labels.sweep_labels import BinLabels, empty_labels, label_swept_pings, labels_of_pings
 from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_ECHO
-from insonify.kernels.refraction.apparent_positions import ApparentTables, empty_table
-from insonify.kernels.sweep.sweep import AzimuthFan
-from insonify.kernels.sweep.visibility import empty_segment_echoes
-from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, empty_zbuffer
+from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
+from insonify.kernels.refraction.apparent_positions import ApparentTables
+from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.navigation import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.blocks import trace_blocks
-from insonify.tracers.sweep import empty_images
 
 NOTHING = -2  # target of a bin in which nothing is heard
 NO_MATERIAL = -1
@@ -137,15 +135,18 @@ def _find(
     arrays: SceneArrays, poses: Poses, beams: list[AzimuthFan], apparent: ApparentTables, threads: int | None
 ) -> BinLabels:
     """Labels of pings that share their planes."""
-    capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
     contributors = _contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
     found = empty_labels(poses.x.size, arrays.bins)
 
     def block(part: Poses, first: int, last: int) -> int:
-        room = empty_profile(capacity), empty_segment_echoes(capacity), empty_zbuffer(arrays.solids, arrays.mesh)
-        images, table = empty_images(arrays, capacity), empty_contributor_table(contributors, arrays.bins)
-        apart = labels_of_pings(found, first, last)
-        return label_swept_pings(arrays, part, *beams, apparent, empty_table(apparent), *room, *images, table, apart)
+        room = empty_sweep_workspace(arrays, apparent)
+        images, table = (
+            empty_multipath_workspace(arrays, room.profile),
+            empty_contributor_table(contributors, arrays.bins),
+        )
+        return label_swept_pings(
+            arrays, part, *beams, apparent, room, images, table, labels_of_pings(found, first, last)
+        )
 
     trace_blocks(arrays, poses, block, threads)
     return found

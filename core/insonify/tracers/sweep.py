@@ -7,17 +7,12 @@ docs/theory/sweep.md.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from insonify.kernels.bed.slice import empty_profile, profile_capacity
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.multipath.echo_list import empty_echo_list
-from insonify.kernels.multipath.surface_multipath import ImageProfile, empty_image_profile, sweep_multipath
-from insonify.kernels.refraction.apparent_positions import ApparentTables, empty_table
-from insonify.kernels.sweep.sweep import AzimuthFan, sweep_pings
-from insonify.kernels.sweep.visibility import empty_segment_echoes
-from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer
+from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace, sweep_multipath
+from insonify.kernels.refraction.apparent_positions import ApparentTables
+from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.navigation import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
@@ -86,25 +81,15 @@ def _trace_alike(
     out: Record,
 ) -> None:
     """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
-    capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
     real = np.float64 if double else np.float32
     beam, lifted = beams
 
     def block(part: Poses, first: int, last: int) -> int:
-        zbuffer = empty_zbuffer(arrays.solids, arrays.mesh)
-        room = empty_profile(capacity, real), empty_segment_echoes(capacity, real), zbuffer
-        status = sweep_pings(arrays, part, beam, apparent, empty_table(apparent), *room, out[first:last])
+        room = empty_sweep_workspace(arrays, apparent, real)
+        status = sweep_pings(arrays, part, beam, apparent, room, out[first:last])
         if arrays.multipath.enabled and status == 0:
-            images = *empty_images(arrays, capacity), empty_contributor_table(0, 0)
-            sweep_multipath(arrays, part, beam, lifted, room[0], *images, out[first:last])
+            images = empty_multipath_workspace(arrays, room.profile)
+            sweep_multipath(arrays, part, beam, lifted, images, empty_contributor_table(0, 0), out[first:last])
         return int(status)
 
     trace_blocks(arrays, poses, block, threads)
-
-
-def empty_images(
-    arrays: SceneArrays, capacity: int
-) -> tuple[tuple[ImageProfile, ImageProfile], tuple[AngularZbuffer, AngularZbuffer], NDArray[np.float64]]:
-    """Room for the profiles of ``capacity`` knots that two images of the sonar see, their z-buffers and echoes."""
-    zbuffers = empty_zbuffer(arrays.solids, arrays.mesh), empty_zbuffer(arrays.solids, arrays.mesh)
-    return (empty_image_profile(capacity), empty_image_profile(capacity)), zbuffers, empty_echo_list()

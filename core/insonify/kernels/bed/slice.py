@@ -40,6 +40,27 @@ class Profile(NamedTuple):
     gain: NDArray[np.float32]  # and what their energy must be multiplied by
 
 
+class GridWalk(NamedTuple):
+    """A plane's way over the grid: u counts strips, v is the axis that is crossed most often."""
+
+    nodes: NDArray[np.float32]  # heights, [u, v]
+    v_is_y: bool
+    u0: float  # the sonar's place, in nodes
+    v0: float
+    z0: float  # and its height, m
+    eu: float  # the plane's azimuth
+    ev: float
+
+
+class NodeSteps(NamedTuple):
+    """Where a plane passes the nodes of one strip, as linear functions of their number."""
+
+    x: float  # ground range at the first of them, m
+    dx: float  # and between neighbours
+    fu: float  # how far into the strip it is at the first, in cells
+    du: float
+
+
 def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
     """Make room for profiles of up to ``capacity`` knots, in single precision or, to tell what it costs, in double."""
     x, z = np.zeros(capacity), np.zeros(capacity)
@@ -69,13 +90,14 @@ def slice_bed(bed, x, y, z, ex, ey, reach, profile):
     # Profiles are of one bed each: if the first segment knows its only material, so do all.
     if not bed.mapped and profile.material[0] != bed.materials[0, 0]:
         profile.material[:] = bed.materials[0, 0]
-    return _walk(bed, nodes, v_is_y, u0, v0, z, ex, ey, reach, profile)
+    return _walk(bed, GridWalk(nodes, v_is_y, u0, v0, z, ex, ey), reach, profile)
 
 
 @inlined_uncounted
-def _walk(bed, nodes, v_is_y, u0, v0, z0, eu, ev, reach, profile):
-    """Walk strip by strip; v is the axis crossed most often, ``nodes[u, v]`` its heights."""
-    nu, nv = nodes.shape
+def _walk(bed, walk, reach, profile):
+    """Add the knots of all strips to a profile; return their number."""
+    u0, v0, eu, ev = walk.u0, walk.v0, walk.eu, walk.ev
+    nu, nv = walk.nodes.shape
     spacing = bed.spacing
     near, far = 0.0, reach
     if not bed.periodic:
@@ -94,7 +116,7 @@ def _walk(bed, nodes, v_is_y, u0, v0, z0, eu, ev, reach, profile):
             if count == 0:
                 count = 1
                 profile.x[0] = start
-            count = _strip(bed, nodes, v_is_y, column, u0, v0, z0, eu, ev, start, end, count, profile)
+            count = _strip(bed, walk, column, start, end, count, profile)
             start = end
         elif end >= far:
             break
@@ -103,8 +125,9 @@ def _walk(bed, nodes, v_is_y, u0, v0, z0, eu, ev, reach, profile):
 
 
 @inlined_uncounted
-def _strip(bed, nodes, v_is_y, column, u0, v0, z0, eu, ev, start, end, count, profile):
+def _strip(bed, walk, column, start, end, count, profile):
     """Add the knots of one strip: its first (already counted), the nodes within, its last."""
+    nodes, v_is_y, u0, v0, z0, eu, ev = walk
     spacing = bed.spacing
     step = 1 if ev > 0.0 else -1
     v_start, v_end = v0 + start * ev / spacing, v0 + end * ev / spacing
@@ -122,7 +145,7 @@ def _strip(bed, nodes, v_is_y, column, u0, v0, z0, eu, ev, start, end, count, pr
     x, z, across = profile.x[head:], profile.z[head:], profile.across
     before = z[0]
     fu, du, x_behind, per_node = u0 - column, eu / spacing, (behind - v0) * spacing / ev, step * spacing / ev
-    _knots(low, high, x_behind, per_node, fu + x_behind * du, per_node * du, z0, spacing, x, z, across)
+    _knots(low, high, NodeSteps(x_behind, per_node, fu + x_behind * du, per_node * du), z0, spacing, x, z, across)
     x[0], x[segments] = start, end
     # The ends lie between two nodes; the first is computed from the pair behind it, before that pair is overwritten.
     z_end, across_end = _between(low, high, inner, (v_end - behind) * step - inner, fu + end * du, spacing)
@@ -233,8 +256,9 @@ def _reverse(source, out):
 
 
 @inlined_uncounted
-def _knots(low, high, x_behind, per_node, fu, du, z0, spacing, x, z, across):
+def _knots(low, high, steps, z0, spacing, x, z, across):
     """Ground range, height above the sonar and gradient across the strip, where the plane passes its nodes."""
+    x_behind, per_node, fu, du = steps
     per_spacing = across.dtype.type(1.0 / spacing)
     for k in range(low.size):
         difference = high[k] - low[k]

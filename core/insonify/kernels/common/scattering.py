@@ -12,6 +12,7 @@ from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.types import LIGHT, SONAR
 
 INVERSE_PI = 1.0 / math.pi
+HIGHEST_POWER = 128  # one more than the greatest exponent of a lobe whose power is taken for many segments at once
 
 
 @inlined_uncounted
@@ -83,3 +84,90 @@ def bistatic_strength(cos_in, cos_out, mirrored, diffuse, specular, shininess, l
     if law == LIGHT:
         return diffuse * cos_in + shine
     return cos_in * cos_out * (diffuse + 0.5 * (shininess + 2.0) * shine) * INVERSE_PI
+
+
+@inlined_uncounted
+def scatter_segments(segments, material, reflectivity, mapped, law, cos_squared, scale, energy):
+    """Energy of many segments: their monostatic strength times a scale of each, in passes that suit the vector units.
+
+    Parameters
+    ----------
+    segments : int
+        How many; the arrays may be longer.
+    material : ndarray of int64
+        Row of the reflectivity table of each segment.
+    reflectivity : ndarray of float64, shape (n, 3)
+        Lambert's share k_d, Phong's share k_s and its exponent n of each material.
+    mapped : bool
+        Whether segments may differ in material.
+    law : int
+        LIGHT or SONAR.
+    cos_squared : ndarray
+        cos²α of the incidence of each segment.
+    scale : ndarray
+        What turns strength into energy.
+    energy : ndarray
+        Takes the result, in its own precision.
+    """
+    specular, shininess = reflectivity[material[0], 1], reflectivity[material[0], 2]
+    if mapped or (specular > 0.0 and (shininess != math.floor(shininess) or shininess >= HIGHEST_POWER)):
+        _scatter_mapped(segments, material, reflectivity, cos_squared, scale, law, energy)
+        return
+    diffuse = reflectivity[material[0], 0]
+    if law != LIGHT:
+        diffuse *= INVERSE_PI
+        specular *= (shininess + 2.0) * (0.5 * INVERSE_PI)
+    if specular > 0.0:
+        _scatter_whole_power(segments, diffuse, specular, int(shininess), cos_squared, scale, law, energy)
+    else:
+        _scatter_lambert(segments, diffuse, cos_squared, scale, law, energy)
+
+
+@inlined_uncounted
+def _scatter_mapped(segments, material, reflectivity, cos_squared, scale, law, energy):
+    """Energy of segments of several materials, or of an exponent that is not whole: the lobe is zero beyond 45°."""
+    per_pi = energy.dtype.type(INVERSE_PI)
+    for i in range(segments):
+        diffuse = math.sqrt(cos_squared[i]) if law == LIGHT else cos_squared[i] * per_pi
+        energy[i] = diffuse * scale[i] * reflectivity[material[i], 0]
+    for i in range(segments):
+        if cos_squared[i] > 0.5:
+            row = material[i]
+            energy[i] += scale[i] * gloss(cos_squared[i], reflectivity[row, 1], reflectivity[row, 2], law)
+
+
+@inlined_uncounted
+def _scatter_lambert(segments, diffuse, cos_squared, scale, law, energy):
+    """Energy of segments of one material without a specular lobe."""
+    diffuse = energy.dtype.type(diffuse)
+    for i in range(segments):
+        energy[i] = diffuse * scale[i] * (math.sqrt(cos_squared[i]) if law == LIGHT else cos_squared[i])
+
+
+@inlined_uncounted
+def _scatter_whole_power(segments, diffuse, specular, power, cos_squared, scale, law, energy):
+    """Energy of segments of one material whose lobe has a whole power: each squaring for many segments at once."""
+    real = energy.dtype.type
+    diffuse, specular, nothing, one = real(diffuse), real(specular), real(0.0), real(1.0)
+    bit_0, bit_1, bit_2, bit_3 = power & 1 != 0, power & 2 != 0, power & 4 != 0, power & 8 != 0
+    bit_4, bit_5, bit_6 = power & 16 != 0, power & 32 != 0, power & 64 != 0
+    for i in range(segments):
+        mirrored = cos_squared[i] + cos_squared[i] - one
+        square = mirrored if mirrored > nothing else nothing
+        lobe = square if bit_0 else one
+        square *= square
+        lobe = lobe * square if bit_1 else lobe
+        square *= square
+        lobe = lobe * square if bit_2 else lobe
+        square *= square
+        lobe = lobe * square if bit_3 else lobe
+        square *= square
+        lobe = lobe * square if bit_4 else lobe
+        square *= square
+        lobe = lobe * square if bit_5 else lobe
+        square *= square
+        lobe = lobe * square if bit_6 else lobe
+        if law == LIGHT:
+            energy[i] = scale[i] * (diffuse * math.sqrt(cos_squared[i]) + specular * lobe)
+        else:
+            energy[i] = scale[i] * cos_squared[i] * (diffuse + specular * lobe)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.types import SPHERE
+from insonify.kernels.geometry.solids import FrustumShape
 
 DOWN, UP = -math.pi / 2.0, math.pi / 2.0
 NEVER = 1e30
@@ -23,6 +24,20 @@ class HalfPlane(NamedTuple):
     ey: float
 
 
+class Conic(NamedTuple):
+    """A quadric's section by the plane, d being the plane's directions and c the vector to the quadric's centre.
+
+    Components are those of the parts at right angles to the axis; e is the plane's azimuth, k is up.
+    """
+
+    ec: float  # e · c
+    kc: float  # k · c
+    ee: float  # e · e
+    ek: float  # e · k
+    kk: float  # k · k
+    cc: float  # c · c, less the squared radius
+
+
 @inlined_uncounted
 def section_solid(solids, k, plane, rim):
     """Interval of launch angles that body k fills ahead: status 1; 0 if none, -1 if the sonar is inside.
@@ -37,7 +52,7 @@ def section_solid(solids, k, plane, rim):
         across = cx * plane.ey - cy * plane.ex
         return _sphere_section(cx * plane.ex + cy * plane.ey, cz, radius * radius - across * across)
     ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
-    return _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, plane.ex, plane.ey, rim)
+    return _frustum_section(FrustumShape(cx, cy, cz, ax, ay, az, length, radius, taper), plane.ex, plane.ey, rim)
 
 
 @inlined_uncounted
@@ -65,8 +80,9 @@ def _sphere_section(along, height, radius_squared):
 
 
 @kernel_uncounted
-def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey, rim):
+def _frustum_section(frustum, ex, ey, rim):
     """Interval of a conic between two end planes: its extremes are tangents and corners."""
+    cx, cy, cz, ax, ay, az, length, radius, taper = frustum
     # Axial and perpendicular parts of the plane's directions e (azimuth) and k (up), and of the centre.
     ae, ak = ax * ex + ay * ey, az
     ac = cx * ax + cy * ay + cz * az
@@ -78,23 +94,14 @@ def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey, rim)
         return -1, 0.0, 0.0
     # Corners: where the end planes' lines leave the conic.
     last = radius + taper * length
-    corners = _corners(ae, ak, ac, ec, kc, ee, ek, kk, across - radius * radius, rim, 0)
-    corners = _corners(ae, ak, ac + length, ec, kc, ee, ek, kk, across - last * last, rim, corners)
-    count = _tangents(
-        ae,
-        ak,
-        ac,
-        length,
-        # With radius + taper·s in place of the radius the quadric |P⊥|² = radius² keeps its form.
-        ec + taper * here * ae,
-        kc + taper * here * ak,
-        ee - taper * taper * ae * ae,
-        ek - taper * taper * ae * ak,
-        kk - taper * taper * ak * ak,
-        across - here * here,
-        rim,
-        corners,
-    )
+    corners = _corners(ae, ak, ac, Conic(ec, kc, ee, ek, kk, across - radius * radius), rim, 0)
+    corners = _corners(ae, ak, ac + length, Conic(ec, kc, ee, ek, kk, across - last * last), rim, corners)
+    # With radius + taper·s in place of the radius the quadric |P⊥|² = radius² keeps its form.
+    side = Conic(
+        ec + taper * here * ae, kc + taper * here * ak,
+        ee - taper * taper * ae * ae, ek - taper * taper * ae * ak, kk - taper * taper * ak * ak, across - here * here,
+    )  # fmt: skip
+    count = _tangents(ae, ak, ac, length, side, rim, corners)
     if count < 2:
         return 0, 0.0, 0.0
     # Angles count from a direction into the figure, so that none wraps.
@@ -114,8 +121,9 @@ def _frustum_section(cx, cy, cz, ax, ay, az, length, radius, taper, ex, ey, rim)
 
 
 @kernel_uncounted
-def _tangents(ae, ak, ac, length, ec, kc, ee, ek, kk, cc, angles, count):
+def _tangents(ae, ak, ac, length, side, angles, count):
     """Add the directions that touch the side: (d·c)² = (d·d)(c·c) for d = (1, u), a quadratic in the slope u."""
+    ec, kc, ee, ek, kk, cc = side
     p, q, w = kc * kc - kk * cc, ec * kc - ek * cc, ec * ec - ee * cc
     root = q * q - p * w
     if root < -ROUNDING * q * q or p == 0.0:
@@ -135,8 +143,9 @@ def _tangents(ae, ak, ac, length, ec, kc, ee, ek, kk, cc, angles, count):
 
 
 @kernel_uncounted
-def _corners(ae, ak, axial, ec, kc, ee, ek, kk, cc, angles, count):
+def _corners(ae, ak, axial, end, angles, count):
     """Add the ends of the chord that one end plane cuts from the figure, as angles."""
+    ec, kc, ee, ek, kk, cc = end
     norm = ae * ae + ak * ak
     if norm < 1e-18:
         return count

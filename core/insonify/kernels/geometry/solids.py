@@ -3,12 +3,27 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.types import SPHERE
 
 MISSED = math.inf
 SIDE, FIRST_END, LAST_END = 0, -1, 1
+
+
+class FrustumShape(NamedTuple):
+    """A cylinder, a cone or a part of one: numbers alone."""
+
+    x: float  # centre of its first end, from where it is looked at
+    y: float
+    z: float
+    ax: float  # unit vector along its axis
+    ay: float
+    az: float
+    length: float
+    radius: float  # of its first end
+    taper: float  # by which the radius grows per metre along the axis
 
 
 @inlined_uncounted
@@ -55,7 +70,8 @@ def _cross_solid(solids, k, x, y, z, dx, dy, dz):
         near, far = intersect_sphere(cx, cy, cz, solids.radius[k], dx, dy, dz)
         return near, SIDE, far, SIDE
     ax, ay, az = solids.axis[k, 0], solids.axis[k, 1], solids.axis[k, 2]
-    return intersect_frustum(cx, cy, cz, ax, ay, az, solids.length[k], solids.radius[k], solids.taper[k], dx, dy, dz)
+    frustum = FrustumShape(cx, cy, cz, ax, ay, az, solids.length[k], solids.radius[k], solids.taper[k])
+    return intersect_frustum(frustum, dx, dy, dz)
 
 
 @inlined_uncounted
@@ -82,12 +98,13 @@ def intersect_sphere(cx, cy, cz, radius, dx, dy, dz):
 
 
 @kernel
-def intersect_frustum(cx, cy, cz, ax, ay, az, length, radius, taper, dx, dy, dz):
+def intersect_frustum(frustum, dx, dy, dz):
     """Where a line comes into a frustum and goes out of it: (distance, face, distance, face).
 
     A frustum is what a cone and a slab have in common, and so is the stretch of any line inside it: at the rim no ray
     slips between the side and an end.
     """
+    cx, cy, cz, ax, ay, az, length, radius, taper = frustum
     da = dx * ax + dy * ay + dz * az
     # Counted from where the line passes the middle, so that far away no digits are lost.
     middle = cx * dx + cy * dy + cz * dz + 0.5 * length * da

@@ -23,13 +23,14 @@ from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
+from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.surface_multipath import add_multipath
 from insonify.kernels.refraction.apparent_positions import prepare_table
-from insonify.kernels.sweep.partial_segments import slant_range
+from insonify.kernels.sweep.partial_segments import BedSegment, slant_range
 from insonify.kernels.sweep.sweep import aim_plane, load_segment, sweep_plane, visible_from
 from insonify.kernels.sweep.target_echoes import (
-    Facet,
-    facet_count,
+    BedHorizon,
+    count_facets,
     facet_energies,
     ground_range_at,
     is_facet_met,
@@ -38,7 +39,7 @@ from insonify.kernels.sweep.target_echoes import (
     primitive_material,
     visible_facet,
 )
-from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, bisect_directions
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.apparent_targets import load_apparent_source
 from insonify.kernels.targets.occlusion import next_visible, occlusion_of
 from insonify.kernels.targets.primitives import load_primitive
@@ -71,53 +72,57 @@ def labels_of_pings(labels: BinLabels, first: int, last: int) -> BinLabels:
     return BinLabels(contributor, energy, shadow, ground_range, incidence, caustic)  # type: ignore[arg-type]
 
 
+class LabelledSegment(NamedTuple):
+    """A segment of the bed whose echo is labelled."""
+
+    segment: BedSegment
+    contributor: int
+    range_ratio: float  # ground range as it seems through the water over what it is
+    law: int
+    bin_length: float
+
+
 @kernel
-def label_swept_pings(
-    arrays,
-    poses,
-    fan,
-    image_fan,
-    apparent,
-    table,
-    profile,
-    echoes,
-    zbuffer,
-    image_profiles,
-    zbuffers,
-    echo_list,
-    contributions,
-    labels,
-):
-    """Tell what every bin of every ping shows; return 0, or -1 - k if the sonar meets body k."""
+def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multipath, contributions, labels):
+    """Label every range bin of pings with its greatest contributor, as the sweep finds them.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    poses : Poses
+        n pings.
+    fan, image_fan : AzimuthFan
+        Planes of the sonar's beam, and of its image's in the sea surface.
+    apparent : ApparentTables
+    workspace : SweepWorkspace
+    multipath : MultipathWorkspace
+    contributions : ContributorTable
+        Empty, with a row for every contributor by every path.
+    labels : BinLabels
+        Of n pings; takes the result.
+
+    Returns
+    -------
+    int
+        0, or -1 - k if the sonar is inside body k.
+    """
     bins = np.zeros(arrays.bins + 2, np.int64)
     straight, by_surface = np.zeros((2, arrays.bins), np.float32)
+    profile, echoes, zbuffer = workspace.profile, workspace.echoes, workspace.zbuffer
     for ping in range(poses.x.size):
-        grid = prepare_table(apparent, poses.z[ping], table)
+        grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
-                cells, count = sweep_plane(arrays, plane, sector, reach, grid, table, profile, zbuffer, echoes, bins)
+                cells, count = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
                 if cells < 0:
                     return cells
                 _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributions)
-                _note_bodies(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, contributions)
+                _note_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, contributions)
             accumulate_bins(bins, arrays.range_factor, straight)
             if arrays.multipath.enabled:
-                add_multipath(
-                    arrays,
-                    poses,
-                    ping,
-                    side,
-                    fan,
-                    image_fan,
-                    profile,
-                    image_profiles,
-                    zbuffers,
-                    echo_list,
-                    bins,
-                    contributions,
-                    True,
-                )
+                sink = EchoSink(bins, contributions, True)
+                add_multipath(arrays, poses, ping, side, fan, image_fan, multipath, sink)
                 accumulate_bins(bins, arrays.range_factor, by_surface)
             label_bins(contributions, straight, by_surface, labels, ping, side)
     return 0
@@ -151,30 +156,30 @@ def label_bins(contributions, straight, by_surface, labels, ping, side):
 
 @kernel
 def _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributions):
-    """Enter all that is heard of a profile, and mark where bed lies out of sight."""
+    """Note what every visible segment of a profile contributes, and mark the bins of bed out of sight."""
     occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
-    weights, levels = echoes.weight, profile.range_ratio
+    weights, ratios, law, bin_length = echoes.weight, profile.range_ratio, arrays.law, arrays.bin_length
     for i in range(count - 1):
         segment = load_segment(i, x, z, slope, area, material, weights, arrays.reflectivity, sector)
-        who, level = material[i], 0.5 * (levels[i] + levels[i + 1]) if sector.bent else 1.0
-        x_from, x_to = profile.x[i], profile.x[i + 1]
+        ratio = 0.5 * (ratios[i] + ratios[i + 1]) if sector.bent else 1.0
+        labelled = LabelledSegment(segment, material[i], ratio, law, bin_length)
         if echoes.cut[i]:
-            open_contributor(contributions, who)
-            start = visible_from(segment, x_from, x_to, echoes.launch[i], echoes.horizon[i])
-            _note_cut(contributions, who, segment, level, x_from, start, x_to, occlusion, arrays.law, arrays.bin_length)
+            open_contributor(contributions, material[i])
+            start = visible_from(segment, x[i], x[i + 1], echoes.launch[i], echoes.horizon[i])
+            _note_partial_segment(contributions, labelled, x[i], start, x[i + 1], occlusion)
         elif echoes.energy[i] != 0.0:
-            open_contributor(contributions, who)
-            near, far, density = echoes.r[i], echoes.r[i + 1], abs(echoes.energy[i])
-            _note_even(contributions, who, segment, level, x_from, x_to, near, far, density, arrays.bin_length)
+            open_contributor(contributions, material[i])
+            density = abs(echoes.energy[i])
+            _note_whole_segment(contributions, labelled, x[i], x[i + 1], echoes.r[i], echoes.r[i + 1], density)
         elif not echoes.launch[i + 1] > echoes.horizon[i]:
-            _mark_hidden(segment, x_from, x_to, arrays.bin_length, contributions.hidden)
+            _mark_hidden(segment, x[i], x[i + 1], bin_length, contributions.hidden)
 
 
 @kernel
-def _note_cut(contributions, who, segment, level, x_from, start, x_to, occlusion, law, bin_length):
-    """Enter the open parts of a segment that rises into sight at ``start``, and mark those between."""
-    seen_to = x_from
+def _note_partial_segment(contributions, labelled, x_from, start, x_to, occlusion):
+    """Note the visible stretches of a segment that rises into sight at ``start``, and mark those between as hidden."""
+    segment, bin_length, seen_to = labelled.segment, labelled.bin_length, x_from
     low, high = launch_angle(segment, start), launch_angle(segment, x_to)
     while low < high:
         opened, closed = next_visible(occlusion, segment, low, high)
@@ -185,8 +190,8 @@ def _note_cut(contributions, who, segment, level, x_from, start, x_to, occlusion
         _mark_hidden(segment, seen_to, start, bin_length, contributions.hidden)
         # Slant range falls towards the foot of the perpendicular and grows beyond it.
         foot = _foot(segment, start, stop)
-        _note_piece(contributions, who, segment, level, start, foot, law, bin_length)
-        _note_piece(contributions, who, segment, level, foot, stop, law, bin_length)
+        _note_stretch(contributions, labelled, start, foot)
+        _note_stretch(contributions, labelled, foot, stop)
         low, start, seen_to = closed, stop, stop
     _mark_hidden(segment, seen_to, x_to, bin_length, contributions.hidden)
 
@@ -208,8 +213,9 @@ def _mark_hidden(segment, x_from, x_to, bin_length, hidden):
 
 
 @inlined
-def _note_even(contributions, who, segment, level, x_from, x_to, near, far, density, bin_length):
-    """Enter a short segment whose energy is spread evenly over its slant range."""
+def _note_whole_segment(contributions, labelled, x_from, x_to, near, far, density):
+    """Note a short segment whose energy is spread evenly over its slant range."""
+    segment, who, level, bin_length = labelled.segment, labelled.contributor, labelled.range_ratio, labelled.bin_length
     energy, strongest, per_bin = contributions.energy[who], contributions.strongest[who], 1.0 / bin_length
     a, b = min(near, far), max(near, far)
     first, last = spanned_bins(a, b, per_bin, contributions.hidden.size, ROUNDING)
@@ -225,10 +231,11 @@ def _note_even(contributions, who, segment, level, x_from, x_to, near, far, dens
 
 
 @kernel
-def _note_piece(contributions, who, segment, level, x_from, x_to, law, bin_length):
-    """Enter a piece along which slant range grows or falls, bin by bin."""
+def _note_stretch(contributions, labelled, x_from, x_to):
+    """Note a stretch of a segment along which slant range grows or falls, bin by bin."""
     if not x_to > x_from:
         return
+    segment, law, bin_length = labelled.segment, labelled.law, labelled.bin_length
     near, far = slant_range(segment, x_from), slant_range(segment, x_to)
     outward = far >= near
     near, far = min(near, far), max(near, far)
@@ -244,7 +251,7 @@ def _note_piece(contributions, who, segment, level, x_from, x_to, law, bin_lengt
         energy = FIXED_POINT * backscatter_strength(cosine, segment.diffuse, segment.specular, segment.shininess, law)
         energy *= segment.weight + segment.weight_rate * x
         energy *= max(stop - start, 0.0) / bin_length if law == LIGHT else stretch * abs(b - a)
-        add_contribution(contributions, who, k, energy, x / level, cosine)
+        add_contribution(contributions, labelled.contributor, k, energy, x / labelled.range_ratio, cosine)
 
 
 @inlined
@@ -258,32 +265,28 @@ def _at_slant(segment, r, outward):
 
 
 @kernel
-def _note_bodies(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, contributions):
-    """Enter what the nearest body in every cell sends back, facet by facet, as the sweep deposits it."""
+def _note_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, contributions):
+    """Note what the nearest target in every cell of the z-buffer contributes, facet by facet as the sweep has it."""
     solids, mesh, table, pattern = arrays.solids, arrays.mesh, arrays.reflectivity, arrays.pattern
     law, bin_length, bodies = arrays.law, arrays.bin_length, solids.shape.size
-    knot = -1
+    bed, knot = BedHorizon(profile.x, profile.z, horizon, knots), -1
     for cell in range(cells):
         p = zbuffer.nearest[cell]
         if p == NO_PRIMITIVE:
             continue
         body, row = zbuffer.body[p], primitive_material(solids, mesh, zbuffer, p)
         who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
-        c, s = bisect_directions(
-            zbuffer.cosine[cell], zbuffer.sine[cell], zbuffer.cosine[cell + 1], zbuffer.sine[cell + 1]
-        )
-        low, high, distance = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.distance[cell]
-        facets = facet_count(Facet(low, high, c, s, zbuffer.near[cell], distance, zbuffer.far[cell], 1.0))
-        knot = knot_before(profile.x, knots, distance * c, knot)
+        material = table[row, 0], table[row, 1], table[row, 2]
+        facets, centre = count_facets(zbuffer, cell)
+        knot = knot_before(bed, centre, knot)
         source = load_apparent_source(sector.bent, zbuffer.source[p])
         primitive = load_primitive(solids, mesh, plane, body, zbuffer.line[p], source)
+        low, high = zbuffer.edge[cell], zbuffer.edge[cell + 1]
         for k in range(facets):
-            facet = visible_facet(primitive, low, high, k, facets, profile.x, profile.z, knots, horizon, knot)
+            facet = visible_facet(primitive, low, high, k, facets, bed, knot)
             if is_facet_met(facet):
                 open_contributor(contributions, who)
-                first, second = facet_energies(
-                    facet, source.gain, table[row, 0], table[row, 1], table[row, 2], sector, pattern, law, bin_length
-                )
+                first, second = facet_energies(facet, source.gain, material, sector, pattern, law, bin_length)
                 x = facet.centre * facet.cosine / source.level
                 spread_contribution(contributions, who, facet.near, facet.centre, first, x, facet.incidence, bin_length)
                 spread_contribution(contributions, who, facet.centre, facet.far, second, x, facet.incidence, bin_length)

@@ -1,43 +1,81 @@
-"""A list of echoes on their way into the bins: where each begins and ends, how much it brings, who sent it."""
+"""Echoes by the sea surface on their way into range bins: where each begins and ends, its energy, its contributor.
+
+Waves spread every echo in range: each facet of the sea surface takes its share of the energy at its own delay.
+"""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.contributors import open_contributor, spread_contribution
+from insonify.kernels.common.contributors import ContributorTable, open_contributor, spread_contribution
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.multipath.image_sources import PATH_COUNT
 
 # Columns of a list.
-NEAR, FAR, ENERGY, RISE, TILT, GROUND_RANGE, COSINE, WHO, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7, 8
+NEAR, FAR, ENERGY, RISE, TILT, GROUND_RANGE, COSINE, CONTRIBUTOR, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7, 8
 ROOM = 16384
-ENOUGH = 4096  # echoes after which a list is entered, with room for what comes before that is asked
+ENOUGH = 4096  # echoes after which a list is deposited, with room for what comes before that is asked
+
+
+class SurfaceEcho(NamedTuple):
+    """One echo by way of the sea surface."""
+
+    near: float  # slant range at which it begins over a flat sea, m
+    far: float  # and ends
+    energy: float
+    rise: float  # slant range that a wave of rms height adds, m
+    tilt: float  # slant range that a tilt of one standard deviation adds, m
+    x: float  # ground range, m
+    cosine: float  # of the incidence
+    contributor: int
+
+
+class EchoSink(NamedTuple):
+    """Where echoes of one side of one ping go."""
+
+    bins: NDArray[np.int64]  # difference array
+    contributions: ContributorTable
+    labelling: bool  # whether contributors are noted
 
 
 def empty_echo_list() -> NDArray[np.float64]:
-    """Make room for a list."""
+    """Make room for a list of echoes, (ROOM, COLUMNS)."""
     return np.zeros((ROOM, COLUMNS))
 
 
 @inlined
-def list_echo(echoes, n, near, far, energy, rise, tilt, x, cosine, who):
-    """Add an echo, in metres of slant range, and what waves add to it; return the number of them.
-
-    ``rise`` is the slant range that a wave of rms height adds, ``tilt`` what a tilt of one standard deviation does.
-    """
-    if not energy > 0.0 or n >= ROOM:
+def list_echo(echoes, n, echo):
+    """Append an echo that brings energy to a list of ``n``, if there is room; return their number."""
+    if not echo.energy > 0.0 or n >= ROOM:
         return n
-    echo = echoes[n]
-    echo[NEAR], echo[FAR], echo[ENERGY], echo[RISE], echo[TILT] = near, far, energy, rise, tilt
-    echo[GROUND_RANGE], echo[COSINE], echo[WHO] = x, cosine, who
+    row = echoes[n]
+    row[NEAR], row[FAR], row[ENERGY], row[RISE], row[TILT] = echo.near, echo.far, echo.energy, echo.rise, echo.tilt
+    row[GROUND_RANGE], row[COSINE], row[CONTRIBUTOR] = echo.x, echo.cosine, echo.contributor
     return n + 1
 
 
 @kernel
-def deposit_echoes(echoes, n, facets, bin_length, path, bins, contributions, labelling):
-    """Spread the first ``n`` echoes over the bins, facet by facet; if asked to, tell the ledger who and which way."""
+def deposit_echoes(echoes, n, facets, bin_length, path, sink):
+    """Spread listed echoes over the range bins, facet by facet of the sea surface, and note their contributors.
+
+    Parameters
+    ----------
+    echoes : ndarray of float64, shape (ROOM, COLUMNS)
+    n : int
+        Echoes in the list.
+    facets : ndarray of float64, shape (facets, 4)
+        Height in units of the rms height at which a facet begins and ends, and squared tilt in units of its variance.
+    bin_length : float
+        Slant range of one bin, m.
+    path : int
+        Propagation path of the echoes; its contributors follow those of the paths before it.
+    sink : EchoSink
+    """
+    bins, contributions, labelling = sink.bins, sink.contributions, sink.labelling
     last, per_bin, share = bins.size - 2, 1.0 / bin_length, FIXED_POINT / facets.shape[0]
     first_row = path * (contributions.present.size // PATH_COUNT) if labelling else 0
     for k in range(n):
@@ -48,8 +86,6 @@ def deposit_echoes(echoes, n, facets, bin_length, path, bins, contributions, lab
             stop = max(far + rise * facets[f, 1] + tilt * facets[f, 3], start)
             spread_energy(bins, start * per_bin, stop * per_bin, energy, last)
             if labelling:
-                row = first_row + int(echoes[k, WHO])
+                row, x, cosine = first_row + int(echoes[k, CONTRIBUTOR]), echoes[k, GROUND_RANGE], echoes[k, COSINE]
                 open_contributor(contributions, row)
-                spread_contribution(
-                    contributions, row, start, stop, energy, echoes[k, GROUND_RANGE], echoes[k, COSINE], bin_length
-                )
+                spread_contribution(contributions, row, start, stop, energy, x, cosine, bin_length)

@@ -30,28 +30,17 @@ class ImageSource(NamedTuple):
 
 
 class ImagePair(NamedTuple):
-    """Two ways to a place, out by one and back by the other."""
+    """A propagation path as two images of the sonar, out by one and back by the other, and what its echoes need."""
 
     one: ImageSource  # the lower of the two
     other: ImageSource
     orders: int  # 2 if they differ, for sound takes them either way round
     passes: int  # of the sea surface
-    path: int  # as truth names it
-
-
-class EchoParameters(NamedTuple):
-    """What of a scene every echo needs: numbers alone, for handing over arrays costs more than an echo."""
-
+    path: int  # SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE or SECOND_BOTTOM
     law: int
-    bin_length: float
-    rms_height: float
-    slope_variance: float
-
-
-@inlined
-def echo_parameters(arrays):
-    """Take it out of a problem."""
-    return EchoParameters(arrays.law, arrays.bin_length, arrays.multipath.rms_height, arrays.multipath.slope_variance)
+    bin_length: float  # m
+    rms_height: float  # of the waves, m
+    slope_variance: float  # of the waves, along one direction
 
 
 @inlined
@@ -81,13 +70,14 @@ def bottom_image(arrays, x, y, z):
 def image_pair(arrays, path, x, y, z):
     """Pair of images that makes a way of the sound, and whether it is heard at all."""
     multipath, sonar = arrays.multipath, sonar_itself()
+    common = arrays.law, arrays.bin_length, multipath.rms_height, multipath.slope_variance
     if path == SURFACE_BOTTOM:
-        return ImagePair(sonar, surface_image(arrays, z), 2, 1, path), multipath.surface_bottom
+        return ImagePair(sonar, surface_image(arrays, z), 2, 1, path, *common), multipath.surface_bottom
     if path == SURFACE_BOTTOM_SURFACE:
         image = surface_image(arrays, z)
-        return ImagePair(image, image, 1, 2, path), multipath.surface_bottom_surface
+        return ImagePair(image, image, 1, 2, path, *common), multipath.surface_bottom_surface
     image = bottom_image(arrays, x, y, z)
-    return ImagePair(sonar, image, 2, 1, path), multipath.second_bottom and image.share > 0.0
+    return ImagePair(sonar, image, 2, 1, path, *common), multipath.second_bottom and image.share > 0.0
 
 
 @inlined
@@ -102,11 +92,11 @@ def pair_response(one, other, tabulated, two_way):
 
 
 @inlined
-def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair, law):
+def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair):
     """Radiance or cross-section of unit area for a pair of ways, in all its orders, and what mirrors leave of it."""
-    value = bistatic_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, law)
+    value = bistatic_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair.law)
     if pair.orders == 2:
-        value += bistatic_strength(cos_other, cos_one, mirrored, diffuse, specular, shininess, law)
+        value += bistatic_strength(cos_other, cos_one, mirrored, diffuse, specular, shininess, pair.law)
     return value * pair.one.share * pair.other.share
 
 

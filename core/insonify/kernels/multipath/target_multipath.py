@@ -10,9 +10,8 @@ from insonify.kernels.beam.azimuth_sector import sector_weight
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import HalfPlane
-from insonify.kernels.multipath.echo_list import ENOUGH, deposit_echoes, list_echo
+from insonify.kernels.multipath.echo_list import ENOUGH, SurfaceEcho, deposit_echoes, list_echo
 from insonify.kernels.multipath.image_sources import (
-    echo_parameters,
     height_delay,
     pair_response,
     pair_strength,
@@ -20,15 +19,15 @@ from insonify.kernels.multipath.image_sources import (
     tilt_delay,
 )
 from insonify.kernels.sweep.target_echoes import (
-    Facet,
-    facet_count,
+    BedHorizon,
+    count_facets,
     horizon_at,
     is_facet_met,
     knot_before,
     primitive_material,
     visible_facet,
 )
-from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, bisect_directions
+from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.apparent_targets import load_apparent_source
 from insonify.kernels.targets.primitives import TRIANGLE, Primitive, intersect_primitive, load_primitive
 
@@ -36,85 +35,75 @@ BEFORE = 1e-4  # share of a distance by which another part must come nearer to h
 
 
 @kernel
-def list_target_echoes(
-    arrays,
-    profile,
-    knots,
-    pair,
-    plane,
-    sectors,
-    image_profiles,
-    zbuffers,
-    cells,
-    cells_other,
-    echoes,
-    n,
-    bins,
-    contributions,
-    labelling,
-):
-    """List what is nearest to the lower image in every cell and in sight of the other; return what is not entered."""
-    solids, mesh, table, zbuffer = arrays.solids, arrays.mesh, arrays.reflectivity, zbuffers[0]
-    x, z, horizon, knot = profile.x, image_profiles[0].z, image_profiles[0].horizon, -1
-    sea, pattern, lower, higher = echo_parameters(arrays), arrays.pattern, sectors[0], sectors[1]
-    heights, ridges, edge, level, rise = (
-        image_profiles[1].z,
-        image_profiles[1].horizon,
-        zbuffers[1].edge,
-        zbuffers[1].nearness_cosine,
-        zbuffers[1].nearness_sine,
-    )
-    nearest, rows = zbuffers[1].nearest, zbuffers[1].body
-    bodies, raised = solids.shape.size, pair.other.height - pair.one.height
+def list_target_echoes(arrays, knots, pair, plane, sectors, cells, workspace, n, sink):
+    """List the echoes of targets that both images see, facet by facet, depositing them where the list gets full.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    knots : int
+        Of the profile.
+    pair : ImagePair
+    plane : HalfPlane
+        From the sonar itself.
+    sectors : tuple of two AzimuthSector
+        What the plane stands for, as the lower and the higher image have it.
+    cells : tuple of two int
+        Cells of both images' z-buffers.
+    workspace : MultipathWorkspace
+        Filled for this plane.
+    n : int
+        Echoes that are listed already.
+    sink : EchoSink
+
+    Returns
+    -------
+    int
+        Echoes in the list that are not deposited yet.
+    """
+    solids, mesh, table, zbuffer = arrays.solids, arrays.mesh, arrays.reflectivity, workspace.zbuffers[0]
+    x, echoes, bodies, knot = workspace.profile.x, workspace.echoes, arrays.solids.shape.size, -1
+    bed = BedHorizon(x, workspace.images[0].z, workspace.images[0].horizon, knots)
+    bed_of_other = BedHorizon(x, workspace.images[1].z, workspace.images[1].horizon, knots)
+    raised = pair.other.height - pair.one.height
     seen_from = HalfPlane(plane.x, plane.y, plane.z + pair.one.height, plane.ex, plane.ey)
-    for cell in range(cells):
+    for cell in range(cells[0]):
         p = zbuffer.nearest[cell]
         if p == NO_PRIMITIVE:
             continue
         body, row = zbuffer.body[p], primitive_material(solids, mesh, zbuffer, p)
-        who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
-        c, s = bisect_directions(
-            zbuffer.cosine[cell], zbuffer.sine[cell], zbuffer.cosine[cell + 1], zbuffer.sine[cell + 1]
-        )
-        low, high, distance = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.distance[cell]
-        facets = facet_count(Facet(low, high, c, s, zbuffer.near[cell], distance, zbuffer.far[cell], 1.0))
-        knot = knot_before(x, knots, distance * c, knot)
-        primitive = load_primitive(
-            solids, mesh, seen_from, body, zbuffer.line[p], load_apparent_source(False, zbuffer.source[p])
-        )
+        contributor = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
+        numbers = table[row, 0], table[row, 1], table[row, 2]
+        facets, centre = count_facets(zbuffer, cell)
+        knot = knot_before(bed, centre, knot)
+        source = load_apparent_source(False, zbuffer.source[p])
+        primitive = load_primitive(solids, mesh, seen_from, body, zbuffer.line[p], source)
+        low, high = zbuffer.edge[cell], zbuffer.edge[cell + 1]
         for k in range(facets):
-            facet = visible_facet(primitive, low, high, k, facets, x, z, knots, horizon, knot)
+            facet = visible_facet(primitive, low, high, k, facets, bed, knot)
             if not is_facet_met(facet):
                 continue
             cos_other = facet.incidence
             if raised > 0.0:
-                ridge = _ridge(facet, raised, x, heights, ridges, knots, knot)
-                cos_other = _seen(facet, primitive, body, raised, ridge, edge, level, rise, nearest, rows, cells_other)
+                level = facet.centre * facet.cosine
+                ridge = horizon_at(bed_of_other, knot_before(bed_of_other, level, knot), level)
+                cos_other = _incidence_at_higher(facet, primitive, body, raised, ridge, workspace.zbuffers[1], cells[1])
             if cos_other > 0.0:
-                numbers = table[row, 0], table[row, 1], table[row, 2]
-                n = _list_facet(sea, pattern, pair, facet, cos_other, numbers, lower, higher, who, echoes, n)
+                n = _list_facet(arrays.pattern, pair, facet, cos_other, numbers, sectors, contributor, echoes, n)
         if n > ENOUGH:
-            waves = arrays.multipath.facets[pair.passes - 1]
-            deposit_echoes(echoes, n, waves, arrays.bin_length, pair.path, bins, contributions, labelling)
+            deposit_echoes(echoes, n, arrays.multipath.facets[pair.passes - 1], arrays.bin_length, pair.path, sink)
             n = 0
     return n
 
 
 @inlined
-def _ridge(facet, raised, x, z, horizon, knots, knot):
-    """Greatest slope of the bed from the higher image up to the middle of a facet."""
-    level = facet.centre * facet.cosine
-    return horizon_at(x, z, knots, horizon, knot_before(x, knots, level, knot), level)
-
-
-@inlined
-def _seen(facet, primitive, body, raised, ridge, edge, near_level, near_rise, nearest, rows, cells):
+def _incidence_at_higher(facet, primitive, body, raised, ridge, zbuffer, cells):
     """Cosine of the incidence at the middle of a facet as the higher image sees it; 0 if it does not."""
     level, height = facet.centre * facet.cosine, facet.centre * facet.sine - raised
     r = math.sqrt(level * level + height * height)
     c, s = level / r, height / r
     if primitive.kind == TRIANGLE:
-        # Both must be on the same side of a sheet.
+        # Both must be on the same side of a triangle.
         front = facet.cosine * primitive.level_x + facet.sine * primitive.level_y
         if front * (c * primitive.level_x + s * primitive.level_y) <= 0.0:
             return 0.0
@@ -127,41 +116,40 @@ def _seen(facet, primitive, body, raised, ridge, edge, near_level, near_rise, ne
         return 0.0  # the far side of a body
     if ridge * c > s:
         return 0.0
-    angle = math.atan2(height, level)
-    cell = np.searchsorted(edge[: cells + 1], angle, side="right") - 1
-    if 0 <= cell < cells and nearest[cell] != NO_PRIMITIVE and rows[nearest[cell]] != body:
-        if (near_level[cell] * c + near_rise[cell] * s) * r > 1.0 + BEFORE:
+    cell = np.searchsorted(zbuffer.edge[: cells + 1], math.atan2(height, level), side="right") - 1
+    if 0 <= cell < cells and zbuffer.nearest[cell] != NO_PRIMITIVE and zbuffer.body[zbuffer.nearest[cell]] != body:
+        if (zbuffer.nearness_cosine[cell] * c + zbuffer.nearness_sine[cell] * s) * r > 1.0 + BEFORE:
             return 0.0
     return incidence
 
 
 @inlined
-def _list_facet(sea, pattern, pair, facet, cos_other, numbers, lower, higher, who, echoes, n):
+def _list_facet(pattern, pair, facet, cos_other, numbers, sectors, contributor, echoes, n):
     """List a facet that both images see; its ends give the slant ranges, its middle the strength."""
-    law, raised = sea.law, pair.other.height - pair.one.height
+    law, raised = pair.law, pair.other.height - pair.one.height
     x, a = facet.centre * facet.cosine, facet.centre * facet.sine
     r_other, b = _distance(facet.centre, facet.cosine, facet.sine, raised), a - raised
     mirrored = 2.0 * facet.incidence * cos_other - (x * x + a * b) / (facet.centre * r_other)
-    value = pair_strength(facet.incidence, cos_other, mirrored, numbers[0], numbers[1], numbers[2], pair, law)
-    one = sector_weight(x, -a if pair.one.mirrored else a, facet.centre, lower, pattern, law)
-    other = sector_weight(x, -b if pair.other.mirrored else b, r_other, higher, pattern, law)
+    value = pair_strength(facet.incidence, cos_other, mirrored, numbers[0], numbers[1], numbers[2], pair)
+    one = sector_weight(x, -a if pair.one.mirrored else a, facet.centre, sectors[0], pattern, law)
+    other = sector_weight(x, -b if pair.other.mirrored else b, r_other, sectors[1], pattern, law)
     value *= pair_response(one, other, pattern.tabulated, pattern.two_way) * spreading_ratio(facet.centre, r_other, law)
     c_low, s_low, c_high, s_high = math.cos(facet.low), math.sin(facet.low), math.cos(facet.high), math.sin(facet.high)
     near = 0.5 * (facet.near + _distance(facet.near, c_low, s_low, raised))
     middle = 0.5 * (facet.centre + r_other)
     far = 0.5 * (facet.far + _distance(facet.far, c_high, s_high, raised))
     if law == LIGHT:
-        first, second = value * abs(middle - near) / sea.bin_length, value * abs(far - middle) / sea.bin_length
+        first, second = value * abs(middle - near) / pair.bin_length, value * abs(far - middle) / pair.bin_length
     else:
         # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
         first = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6)
         second = first
-    rms, variance = sea.rms_height, sea.slope_variance
+    rms, variance = pair.rms_height, pair.slope_variance
     rise = height_delay(pair.one, -a, facet.centre, rms) + height_delay(pair.other, -b, r_other, rms)
     tilt = tilt_delay(pair.one, -a, facet.centre, variance) + tilt_delay(pair.other, -b, r_other, variance)
     cosine = min(facet.incidence, cos_other)
-    n = list_echo(echoes, n, near, middle, first, rise, tilt, x, cosine, who)
-    return list_echo(echoes, n, middle, far, second, rise, tilt, x, cosine, who)
+    n = list_echo(echoes, n, SurfaceEcho(near, middle, first, rise, tilt, x, cosine, contributor))
+    return list_echo(echoes, n, SurfaceEcho(middle, far, second, rise, tilt, x, cosine, contributor))
 
 
 @inlined

@@ -12,20 +12,33 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
-from insonify.kernels.bed.slice import padded_count, prefetch_strip, slice_bed, snap_to_grid
+from insonify.kernels.bed.slice import (
+    Profile,
+    empty_profile,
+    padded_count,
+    prefetch_strip,
+    profile_capacity,
+    slice_bed,
+    snap_to_grid,
+)
 from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.prefetch import prefetch_row
 from insonify.kernels.common.range_bins import accumulate_bins
-from insonify.kernels.common.types import PORT, STARBOARD
+from insonify.kernels.common.types import PORT, STARBOARD, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
-from insonify.kernels.refraction.apparent_positions import apply_apparent_positions, prepare_table
+from insonify.kernels.refraction.apparent_positions import (
+    ApparentTables,
+    apply_apparent_positions,
+    empty_table,
+    prepare_table,
+)
 from insonify.kernels.sweep.partial_segments import BedSegment, deposit_partial_segment
 from insonify.kernels.sweep.target_echoes import deposit_targets, deposit_visible_stretches
-from insonify.kernels.sweep.visibility import WORD, find_visible_echoes
-from insonify.kernels.targets.angular_zbuffer import fill_zbuffer
+from insonify.kernels.sweep.visibility import WORD, SegmentEchoes, empty_segment_echoes, find_visible_echoes
+from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
 from insonify.kernels.targets.occlusion import occluded_slopes, occlusion_of
 
 LOWEST = 1e-3  # m, for a height of a sonar that is below all of the bed
@@ -43,8 +56,26 @@ class AzimuthFan(NamedTuple):
     reach: NDArray[np.float64]  # ground range to which the beam hears anything of the plane, likewise
 
 
+class SweepWorkspace(NamedTuple):
+    """Work space for one plane."""
+
+    profile: Profile
+    echoes: SegmentEchoes
+    zbuffer: AngularZbuffer
+    table: NDArray[np.float32]  # apparent positions from the height of one ping, (rows, columns, 4)
+
+
+def empty_sweep_workspace(
+    arrays: SceneArrays, apparent: ApparentTables, dtype: DTypeLike = np.float32
+) -> SweepWorkspace:
+    """Make room for the planes of a scene, in single precision or, to tell what it costs, in double."""
+    capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
+    profile, echoes = empty_profile(capacity, dtype), empty_segment_echoes(capacity, dtype)
+    return SweepWorkspace(profile, echoes, empty_zbuffer(arrays.solids, arrays.mesh), empty_table(apparent))
+
+
 @inlined_uncounted
-def deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
+def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
     """Put the energy of all heard pieces of a profile into the difference array ``bins``.
 
     Neighbours heard whole share one event at their common knot.
@@ -141,13 +172,30 @@ def _scatter(count, place, early, late, bins):
 
 
 @inlined_uncounted
-def sweep_plane(arrays, plane, sector, reach, grid, table, profile, zbuffer, echoes, bins):
-    """Slice one plane, hear it, deposit it; return the cells of its screen and its knots.
+def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
+    """Put the echoes of what one plane cuts of the bed and of targets into a difference array.
 
-    The profile is left as it seems through the water.
+    Parameters
+    ----------
+    arrays : SceneArrays
+    plane : HalfPlane
+    sector : AzimuthSector
+        What the plane stands for.
+    reach : float
+        Ground range to which it is swept, m.
+    grid : TableGrid
+        How to read the workspace's table of apparent positions.
+    workspace : SweepWorkspace
+        Its profile is left as it seems through the water.
+    bins : ndarray of int64, shape (bins + 2,)
+        Difference array, in fixed-point units.
 
-    In place of the number of cells comes -1 - k if the sonar is inside body k.
+    Returns
+    -------
+    tuple of int
+        Cells of the z-buffer, or -1 - k if the sonar is inside body k; and knots of the profile.
     """
+    profile, echoes, zbuffer, table = workspace
     # A scene without bodies does not even ask: that alone costs some 0.3 µs a plane.
     cells = fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer) if zbuffer.body.size > 0 else 0
     if cells < 0:
@@ -158,30 +206,50 @@ def sweep_plane(arrays, plane, sector, reach, grid, table, profile, zbuffer, ech
         if sector.bent:
             apply_apparent_positions(table, grid, sector.angle == 0.0, profile, count)
         find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, echoes)
-        deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bins)
+        _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bins)
     if cells > 0:
         deposit_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, bins)
     return cells, count
 
 
 @kernel
-def sweep_pings(arrays, poses, fan, apparent, table, profile, echoes, zbuffer, out):
-    """Sweep every plane of every ping into ``out`` (pings, 2, bins); return 0, or -1 - k if the sonar meets body k."""
+def sweep_pings(arrays, poses, fan, apparent, workspace, out):
+    """Sweep every plane of every ping.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    poses : Poses
+        n pings.
+    fan : AzimuthFan
+        The planes.
+    apparent : ApparentTables
+        Of water that refracts.
+    workspace : SweepWorkspace
+    out : ndarray of float32, shape (n, 2, bins)
+        Takes the intensity of both sides.
+
+    Returns
+    -------
+    int
+        0, or -1 - k if the sonar is inside body k: then pings from there on are left as they were.
+    """
     bins = np.zeros(arrays.bins + 2, np.int64)
-    return _sweep_all(arrays, poses, fan, apparent, table, profile, echoes, zbuffer, bins, out)
+    return _sweep_all(arrays, poses, fan, apparent, workspace, bins, out)
 
 
 @inlined_uncounted
-def _sweep_all(arrays, poses, fan, apparent, table, profile, echoes, zbuffer, bins, out):
+def _sweep_all(arrays, poses, fan, apparent, workspace, bins, out):
+    """Sweep every plane of every ping, without counting references."""
     for ping in range(poses.x.size):
-        grid = prepare_table(apparent, poses.z[ping], table)
+        grid = prepare_table(apparent, poses.z[ping], workspace.table)
         for side in range(2):
             prefetch_row(out[ping, side])
             if fan.azimuth.size == 1:
-                _ask_for_next(arrays, poses, ping, side)
+                _prefetch_next(arrays, poses, ping, side)
             for k in range(fan.azimuth.size):
                 plane, sector, reach = aim_plane(arrays, poses, ping, side, fan, k, grid)
-                status, _ = sweep_plane(arrays, plane, sector, reach, grid, table, profile, zbuffer, echoes, bins)
+                status, _ = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
                 if status < 0:
                     return status
             accumulate_bins(bins, arrays.range_factor, out[ping, side])
@@ -189,8 +257,8 @@ def _sweep_all(arrays, poses, fan, apparent, table, profile, echoes, zbuffer, bi
 
 
 @inlined_uncounted
-def _ask_for_next(arrays, poses, ping, side):
-    """Ask for the bed athwart on the side that comes next: the other one, or the first of the next ping."""
+def _prefetch_next(arrays, poses, ping, side):
+    """Prefetch the bed athwart on the side that comes next: the other one, or the first of the next ping."""
     if side == STARBOARD:
         ping += 1
     if ping < poses.x.size:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from insonify.kernels.beam.azimuth_sector import sector_weight
 from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
@@ -48,7 +51,7 @@ def ground_range_at(segment, angle):
 
 
 class Facet(NamedTuple):
-    """A small part of a body, wholly heard."""
+    """A small part of a body, wholly visible."""
 
     low: float  # launch angle at which it begins, rad
     high: float  # and ends
@@ -60,76 +63,125 @@ class Facet(NamedTuple):
     incidence: float  # cosine of the incidence in the middle
 
 
+class BedHorizon(NamedTuple):
+    """A profile with its running horizon, before which targets stand."""
+
+    x: NDArray[np.float64]  # ground range of the knots, m
+    z: NDArray[np.float64]  # height above the sonar, m
+    slope: NDArray[np.float32]  # greatest launch slope of the bed up to each knot
+    knots: int
+
+
 @kernel_uncounted
 def deposit_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, bins):
-    """Deposit what the nearest body in every cell sends back, less what the bed hides."""
-    # Taking an array out of the problem costs more than a facet: out of the loop with them.
+    """Spread the echoes of the targets that one plane cuts over the range bins, less what the bed hides of them.
+
+    Parameters
+    ----------
+    profile : Profile
+        Of the bed, where it seems to be.
+    knots : int
+        Of the profile.
+    horizon : ndarray
+        Greatest launch slope of the bed up to each knot.
+    arrays : SceneArrays
+    sector : AzimuthSector
+    plane : HalfPlane
+    zbuffer : AngularZbuffer
+        Filled for this plane.
+    cells : int
+        Of the z-buffer.
+    bins : ndarray of int64
+        Difference array, in fixed-point units.
+    """
+    # Taking an array out of a tuple costs more than a facet: out of the loop with them.
     solids, mesh, table, pattern = arrays.solids, arrays.mesh, arrays.reflectivity, arrays.pattern
     law, bin_length, nearest = arrays.law, arrays.bin_length, zbuffer.nearest
     edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
     near, distance, far, incidence = zbuffer.near, zbuffer.distance, zbuffer.far, zbuffer.incidence
-    x, z, sources, knot = profile.x, profile.z, zbuffer.source, -1
+    bed, sources, knot = BedHorizon(profile.x, profile.z, horizon, knots), zbuffer.source, -1
     for cell in range(cells):
         if nearest[cell] == NO_PRIMITIVE:
             continue
         row = primitive_material(solids, mesh, zbuffer, nearest[cell])
         source = load_apparent_source(sector.bent, sources[nearest[cell]])
-        gain = source.gain
+        gain, material = source.gain, (table[row, 0], table[row, 1], table[row, 2])
         c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
         facet = Facet(edge[cell], edge[cell + 1], c, s, near[cell], distance[cell], far[cell], incidence[cell])
-        facets = facet_count(facet)
+        facets = _facet_count(facet)
         # Neighbouring cells mostly meet neighbouring places.
         farthest = max(facet.near * cosine[cell], facet.far * cosine[cell + 1])
-        knot = knot_before(x, knots, farthest, knot)
-        ridge = horizon_at(x, z, knots, horizon, knot, farthest)
+        knot = knot_before(bed, farthest, knot)
+        ridge = horizon_at(bed, knot, farthest)
         if facets == 1 and ridge * cosine[cell] <= sine[cell]:
-            _deposit_facet(
-                facet, gain, table[row, 0], table[row, 1], table[row, 2], sector, pattern, law, bin_length, bins
-            )
+            _deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins)
             continue
-        primitive = load_primitive(
-            solids, mesh, plane, zbuffer.body[nearest[cell]], zbuffer.line[nearest[cell]], source
-        )
+        body, line = zbuffer.body[nearest[cell]], zbuffer.line[nearest[cell]]
+        primitive = load_primitive(solids, mesh, plane, body, line, source)
         for k in range(facets):
-            facet = visible_facet(primitive, edge[cell], edge[cell + 1], k, facets, x, z, knots, horizon, knot)
-            _deposit_facet(
-                facet, gain, table[row, 0], table[row, 1], table[row, 2], sector, pattern, law, bin_length, bins
-            )
+            facet = visible_facet(primitive, edge[cell], edge[cell + 1], k, facets, bed, knot)
+            _deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins)
 
 
 @inlined_uncounted
-def visible_facet(primitive, low, high, k, facets, x, z, knots, horizon, knot):
-    """Facet k of so many in a cell, less what the bed hides of it; empty if it hides all."""
+def count_facets(zbuffer, cell):
+    """Into how many facets a cell is divided, and the ground range of its middle."""
+    cosine, sine = zbuffer.cosine, zbuffer.sine
+    c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+    low, high, distance = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.distance[cell]
+    return _facet_count(Facet(low, high, c, s, zbuffer.near[cell], distance, zbuffer.far[cell], 1.0)), distance * c
+
+
+@inlined_uncounted
+def visible_facet(primitive, low, high, k, facets, bed, knot):
+    """Part of a facet that the bed does not hide.
+
+    Parameters
+    ----------
+    primitive : Primitive
+    low, high : float
+        Launch angles at which its cell begins and ends, rad.
+    k, facets : int
+        Which facet of how many the cell is divided into.
+    bed : BedHorizon
+    knot : int
+        Knot of the bed from which its place is looked for.
+
+    Returns
+    -------
+    Facet
+        Empty, low = high, if the bed hides all of it.
+    """
     step = (high - low) / facets
     start, stop = low + k * step, low + (k + 1) * step
-    facet = intersect_facet(primitive, start, stop)
-    risen = _is_clear(facet.near, start, x, z, knots, horizon, knot)
-    if risen == _is_clear(facet.far, stop, x, z, knots, horizon, knot):
-        return facet if risen else intersect_facet(primitive, stop, stop)
+    facet = _intersect_facet(primitive, start, stop)
+    risen = _is_clear(facet.near, start, bed, knot)
+    if risen == _is_clear(facet.far, stop, bed, knot):
+        return facet if risen else _intersect_facet(primitive, stop, stop)
     clear, hidden = (start, stop) if risen else (stop, start)
     for _ in range(HALVINGS):
         middle = 0.5 * (clear + hidden)
         distance = intersect_primitive(primitive, math.cos(middle), math.sin(middle))[0]
-        if _is_clear(distance, middle, x, z, knots, horizon, knot):
+        if _is_clear(distance, middle, bed, knot):
             clear = middle
         else:
             hidden = middle
-    return intersect_facet(primitive, start, clear) if risen else intersect_facet(primitive, clear, stop)
+    return _intersect_facet(primitive, start, clear) if risen else _intersect_facet(primitive, clear, stop)
 
 
 @inlined_uncounted
-def _is_clear(distance, angle, x, z, knots, horizon, knot):
-    """Whether a place above the bed is in sight of the sonar, at a distance and a launch angle."""
+def _is_clear(distance, angle, bed, knot):
+    """Whether the bed leaves a place above it visible to the sonar, at a distance and a launch angle."""
     c, s = math.cos(angle), math.sin(angle)
     level = distance * c
-    return horizon_at(x, z, knots, horizon, knot_before(x, knots, level, knot), level) * c <= s
+    return horizon_at(bed, knot_before(bed, level, knot), level) * c <= s
 
 
 @inlined_uncounted
-def facet_count(facet):
-    """How many facets a cell is divided into: one that is long against its range has not one density."""
+def _facet_count(facet):
+    """Into how many facets a cell is divided: one that is long against its range has not one density."""
     nearest = min(facet.near, facet.far)
-    # Two sides and the angle between them give the third.
+    # Law of cosines: two sides and the angle between them give the third.
     along = facet.far - facet.near
     squared = along * along + facet.near * facet.far * (facet.high - facet.low) ** 2
     if not FINE * FINE * nearest * nearest < squared < NEVER:
@@ -138,8 +190,8 @@ def facet_count(facet):
 
 
 @inlined_uncounted
-def intersect_facet(primitive, low, high):
-    """Meet a part along the beginning, the middle and the end of a facet."""
+def _intersect_facet(primitive, low, high):
+    """Intersect a primitive along the beginning, the middle and the end of a facet."""
     near, _ = intersect_primitive(primitive, math.cos(low), math.sin(low))
     c, s = math.cos(0.5 * (low + high)), math.sin(0.5 * (low + high))
     centre, incidence = intersect_primitive(primitive, c, s)
@@ -154,11 +206,11 @@ def is_facet_met(facet):
 
 
 @inlined_uncounted
-def _deposit_facet(facet, gain, diffuse, specular, shininess, sector, pattern, law, bin_length, bins):
-    """Deposit one facet; its ends give the slant ranges, its middle the strength."""
+def _deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins):
+    """Spread the energy of one facet over the range bins; its ends give the slant ranges, its middle the strength."""
     if not is_facet_met(facet):
         return
-    first, second = facet_energies(facet, gain, diffuse, specular, shininess, sector, pattern, law, bin_length)
+    first, second = facet_energies(facet, gain, material, sector, pattern, law, bin_length)
     last, per_bin = bins.size - 2, 1.0 / bin_length
     spread_energy(bins, facet.near * per_bin, facet.centre * per_bin, first, last)
     spread_energy(bins, facet.centre * per_bin, facet.far * per_bin, second, last)
@@ -166,15 +218,34 @@ def _deposit_facet(facet, gain, diffuse, specular, shininess, sector, pattern, l
 
 @inlined_uncounted
 def primitive_material(solids, mesh, zbuffer, p):
-    """Row of the reflectivity table that a part is made of."""
+    """Row of the reflectivity table that primitive p is made of."""
     body, bodies = zbuffer.body[p], solids.shape.size
     return solids.material[body] if body < bodies else mesh.material[body - bodies]
 
 
 @inlined_uncounted
-def facet_energies(facet, gain, diffuse, specular, shininess, sector, pattern, law, bin_length):
-    """Energies of a facet, in fixed-point units, on either hand of its middle."""
-    value = backscatter_strength(facet.incidence, diffuse, specular, shininess, law)
+def facet_energies(facet, gain, material, sector, pattern, law, bin_length):
+    """Energies of the two halves of a facet, in fixed-point units.
+
+    Parameters
+    ----------
+    facet : Facet
+    gain : float
+        What refraction makes of the energy.
+    material : tuple of float
+        Lambert's share, Phong's share and its exponent.
+    sector : AzimuthSector
+    pattern : BeamPattern
+    law : int
+    bin_length : float
+        m.
+
+    Returns
+    -------
+    tuple of two float
+        Nearer and farther than the middle in launch angle.
+    """
+    value = backscatter_strength(facet.incidence, material[0], material[1], material[2], law)
     x, z = facet.centre * facet.cosine, facet.centre * facet.sine
     value *= gain * sector_weight(x, z, facet.centre, sector, pattern, law)
     if law == LIGHT:
@@ -186,24 +257,24 @@ def facet_energies(facet, gain, diffuse, specular, shininess, sector, pattern, l
 
 
 @inlined_uncounted
-def knot_before(ground_range, knots, x, i):
+def knot_before(bed, x, i):
     """Last knot at or before ground range x, looked for from knot i on; -1 if there is none."""
-    while i + 1 < knots and ground_range[i + 1] <= x:
+    while i + 1 < bed.knots and bed.x[i + 1] <= x:
         i += 1
-    while i >= 0 and ground_range[i] > x:
+    while i >= 0 and bed.x[i] > x:
         i -= 1
     return i
 
 
 @inlined_uncounted
-def horizon_at(ground_range, height, knots, horizon, i, x):
-    """Greatest slope of the bed up to ground range x, which lies beyond knot i and not beyond the next."""
+def horizon_at(bed, i, x):
+    """Greatest launch slope of the bed up to ground range x, which lies beyond knot i and not beyond the next."""
     if i < 0:
         return -NEVER
-    ridge = horizon[i]
-    if i + 1 < knots and x > 0.0:
-        share = (x - ground_range[i]) / (ground_range[i + 1] - ground_range[i])
-        slope = (height[i] + share * (height[i + 1] - height[i])) / x
+    ridge = bed.slope[i]
+    if i + 1 < bed.knots and x > 0.0:
+        share = (x - bed.x[i]) / (bed.x[i + 1] - bed.x[i])
+        slope = (bed.z[i] + share * (bed.z[i + 1] - bed.z[i])) / x
         if slope > ridge:
             ridge = slope
     return ridge

@@ -21,13 +21,12 @@ from insonify.kernels.beam.azimuth_sector import (
 from insonify.kernels.bed.slice import padded_count
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT
-from insonify.kernels.common.scattering import INVERSE_PI, gloss
+from insonify.kernels.common.scattering import scatter_segments
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 from insonify.kernels.sweep.partial_segments import FINE
 
 NADIR = -1e30  # slope of a ray straight down
 WORD = 8  # marks in an int64
-HIGHEST_POWER = 128  # from which a lobe's whole power is taken segment by segment
 
 
 class SegmentEchoes(NamedTuple):
@@ -62,13 +61,11 @@ def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, 
     Targets may hide the bed between the launch slopes ``hidden_from`` and ``hidden_to``; segments that meet them are
     cut.
     """
-    x, z, slope, area, knots = profile.x, profile.z, profile.slope, profile.area, padded_count(count)
+    x, z, area, knots = profile.x, profile.z, profile.area, padded_count(count)
     _slant_ranges(knots, x, z, echoes.r)
     _launch_slopes(knots, x, z, echoes.launch)
     _horizons(count, echoes.launch, echoes.horizon)
-    _measure(
-        knots, x, z, echoes.r, slope, area, arrays.law, arrays.bin_length, echoes.cos_squared, echoes.scale, echoes.cut
-    )
+    _measure(knots, profile, echoes, arrays.law, arrays.bin_length)
     if sector.angle > 0.0 or sector.tabulated or sector.bent:
         # A place in a pattern's table is not to be looked up by rubbish.
         weigh_knots(
@@ -77,7 +74,8 @@ def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, 
         if sector.bent and arrays.law != LIGHT:
             _amplify(knots, profile.gain, echoes.weight)
         _multiply(knots, echoes.weight, echoes.scale)
-    _echo(knots, profile.material, arrays.reflectivity, arrays.bed.mapped, arrays.law, echoes)
+    cos_squared, scale, table = echoes.cos_squared, echoes.scale, arrays.reflectivity
+    scatter_segments(knots, profile.material, table, arrays.bed.mapped, arrays.law, cos_squared, scale, echoes.energy)
     _mark_cut(knots, echoes.launch, echoes.horizon, area, hidden_from, hidden_to, echoes.cut, echoes.energy)
     echoes.energy[count - 1] = 0.0
     echoes.cut[count - 1 : count - 1 + WORD] = False
@@ -128,7 +126,7 @@ def _lift(horizon, least):
 
 
 @inlined_uncounted
-def _measure(segments, x, z, r, slope, area, law, bin_length, cos_squared, scale, uneven):
+def _measure(segments, profile, echoes, law, bin_length):
     """Tell the incidence of segments and how energetic they are, and which are too long to be of one density.
 
     The incidence, its cosine squared, is that at the middle, from the height of the segment's line over nadir. Law
@@ -136,6 +134,8 @@ def _measure(segments, x, z, r, slope, area, law, bin_length, cos_squared, scale
     where a segment comes nearer outwards. Too long is what is so against its range, or near the foot of its
     perpendicular.
     """
+    x, z, slope, area, r = profile.x, profile.z, profile.slope, profile.area, echoes.r
+    cos_squared, scale, uneven = echoes.cos_squared, echoes.scale, echoes.cut
     real = scale.dtype.type
     one, fine, unit = real(1.0), real(FINE * FINE), real(FIXED_POINT if law == LIGHT else FIXED_POINT * bin_length)
     for i in range(segments):
@@ -170,16 +170,16 @@ def weigh_knots(x, z, r, sector, pattern, law, out):
             out[i] = sector_weight(x[i], z[i], r[i], sector, pattern, law)
         return
     parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
-    _weigh_pattern(x, z, r, sector, *parts, out)
+    _weigh_pattern(x, z, r, sector, parts, out)
     if pattern.vertical != EVERY_GRAZING:
         for i in range(x.size):
             out[i] *= in_plane_response(x[i] / r[i], z[i] / r[i], sector, pattern)
 
 
 @inlined_uncounted
-def _weigh_pattern(x, z, r, sector, centre, extent, integral, first_range, per_octave, out):
+def _weigh_pattern(x, z, r, sector, parts, out):
     for i in range(x.size):
-        out[i] = pattern_width(x[i], z[i], r[i], sector, centre, extent, integral, first_range, per_octave)
+        out[i] = pattern_width(x[i], z[i], r[i], sector, *parts)
 
 
 @inlined_uncounted
@@ -194,75 +194,6 @@ def _multiply(segments, weights, scale):
     half = scale.dtype.type(0.5)
     for i in range(segments):
         scale[i] *= half * (weights[i] + weights[i + 1])
-
-
-@inlined_uncounted
-def _echo(segments, material, reflectivity, mapped, law, echoes):
-    """Energy per bin of each segment, as its material scatters."""
-    specular, shininess = reflectivity[material[0], 1], reflectivity[material[0], 2]
-    if mapped or (specular > 0.0 and (shininess != math.floor(shininess) or shininess >= HIGHEST_POWER)):
-        _scatter(segments, material, reflectivity, echoes.cos_squared, echoes.scale, law, echoes.energy)
-        return
-    diffuse = reflectivity[material[0], 0]
-    if law != LIGHT:
-        diffuse *= INVERSE_PI
-        specular *= (shininess + 2.0) * (0.5 * INVERSE_PI)
-    if specular > 0.0:
-        _scatter_evenly(
-            segments, diffuse, specular, int(shininess), echoes.cos_squared, echoes.scale, law, echoes.energy
-        )
-    else:
-        _scatter_dully(segments, diffuse, echoes.cos_squared, echoes.scale, law, echoes.energy)
-
-
-@inlined_uncounted
-def _scatter(segments, material, reflectivity, cos_squared, scale, law, energy):
-    """Of materials that differ, or a lobe of any power, which is gone past 45 degrees of incidence."""
-    per_pi = energy.dtype.type(INVERSE_PI)
-    for i in range(segments):
-        diffuse = math.sqrt(cos_squared[i]) if law == LIGHT else cos_squared[i] * per_pi
-        energy[i] = diffuse * scale[i] * reflectivity[material[i], 0]
-    for i in range(segments):
-        if cos_squared[i] > 0.5:
-            row = material[i]
-            energy[i] += scale[i] * gloss(cos_squared[i], reflectivity[row, 1], reflectivity[row, 2], law)
-
-
-@inlined_uncounted
-def _scatter_dully(segments, diffuse, cos_squared, scale, law, energy):
-    """Of one material without a lobe."""
-    diffuse = energy.dtype.type(diffuse)
-    for i in range(segments):
-        energy[i] = diffuse * scale[i] * (math.sqrt(cos_squared[i]) if law == LIGHT else cos_squared[i])
-
-
-@inlined_uncounted
-def _scatter_evenly(segments, diffuse, specular, power, cos_squared, scale, law, energy):
-    """Of one material with a lobe of whole power, by repeated squaring: each step for many segments at once."""
-    real = energy.dtype.type
-    diffuse, specular, nothing, one = real(diffuse), real(specular), real(0.0), real(1.0)
-    bit_0, bit_1, bit_2, bit_3 = power & 1 != 0, power & 2 != 0, power & 4 != 0, power & 8 != 0
-    bit_4, bit_5, bit_6 = power & 16 != 0, power & 32 != 0, power & 64 != 0
-    for i in range(segments):
-        mirrored = cos_squared[i] + cos_squared[i] - one
-        square = mirrored if mirrored > nothing else nothing
-        lobe = square if bit_0 else one
-        square *= square
-        lobe = lobe * square if bit_1 else lobe
-        square *= square
-        lobe = lobe * square if bit_2 else lobe
-        square *= square
-        lobe = lobe * square if bit_3 else lobe
-        square *= square
-        lobe = lobe * square if bit_4 else lobe
-        square *= square
-        lobe = lobe * square if bit_5 else lobe
-        square *= square
-        lobe = lobe * square if bit_6 else lobe
-        if law == LIGHT:
-            energy[i] = scale[i] * (diffuse * math.sqrt(cos_squared[i]) + specular * lobe)
-        else:
-            energy[i] = scale[i] * cos_squared[i] * (diffuse + specular * lobe)
 
 
 @inlined_uncounted

@@ -178,33 +178,24 @@ def _keep_ahead(line):
 
 @kernel_uncounted
 def _fill_cells(arrays, plane, bent, zbuffer, solid_primitives, primitives):
-    """Divide the screen where parts end, turn or cross, find the nearest in every cell; return the number of cells."""
+    """Divide launch angles where primitives end, turn or cross and find the nearest in every cell; return the cells."""
     edges = _lay_edges(zbuffer, solid_primitives, primitives)
     cells = 0
     for crossings_known in (False, True):
-        cells = _divide(zbuffer, edges)
-        _look(arrays, plane, bent, zbuffer, primitives, cells)
+        cells = _sort_edges(zbuffer, edges)
+        _find_nearest(arrays, plane, bent, zbuffer, primitives, cells)
         edges = cells + 1
         if not crossings_known and primitives > 1:
             edges = _add_crossings(arrays, plane, bent, zbuffer, solid_primitives, primitives, cells)
         if edges == cells + 1:
             break
-    _tell_nearness(
-        cells,
-        zbuffer.nearest,
-        zbuffer.cosine,
-        zbuffer.sine,
-        zbuffer.near,
-        zbuffer.far,
-        zbuffer.nearness_cosine,
-        zbuffer.nearness_sine,
-    )
+    _fit_nearness(cells, zbuffer)
     return cells
 
 
 @inlined_uncounted
 def _lay_edges(zbuffer, solid_primitives, primitives):
-    """Lay the edges of all parts, in no order; return their number."""
+    """Lay the edges of all primitives, in no order; return their number."""
     count = 0
     for p in range(solid_primitives):
         middle, half = 0.5 * (zbuffer.low[p] + zbuffer.high[p]), 0.5 * (zbuffer.high[p] - zbuffer.low[p])
@@ -226,13 +217,13 @@ def _lay_edges(zbuffer, solid_primitives, primitives):
 
 
 @inlined_uncounted
-def _divide(zbuffer, edges):
+def _sort_edges(zbuffer, edges):
     """Put edges in order if they are not; return the number of cells between them, all empty."""
     edge, count = zbuffer.edge, edges
     for k in range(1, edges):
         if edge[k] < edge[k - 1]:
             _sort(edge, edges)
-            count = _merged(edge, edges)
+            count = _merge_close_edges(edge, edges)
             break
     for k in range(count):
         zbuffer.cosine[k], zbuffer.sine[k] = math.cos(edge[k]), math.sin(edge[k])
@@ -243,67 +234,90 @@ def _divide(zbuffer, edges):
 
 @kernel
 def _sort(edge, edges):
+    """Sort the first edges in place."""
     edge[:edges].sort()
 
 
 @inlined_uncounted
-def _look(arrays, plane, bent, zbuffer, primitives, cells):
-    """Find the part that is nearest in every cell and the distances to it."""
+def _find_nearest(arrays, plane, bent, zbuffer, primitives, cells):
+    """Find the primitive that is nearest in every cell and the distances to it."""
     for p in range(primitives):
         source = load_apparent_source(bent, zbuffer.source[p])
         primitive = load_primitive(arrays.solids, arrays.mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
-        first = max(np.searchsorted(zbuffer.edge[: cells + 1], zbuffer.low[p], side="right") - 1, 0)
-        zbuffer.first[p] = first
-        ends = zbuffer.low[p], zbuffer.high[p]
-        edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
-        _keep_nearest(
-            p, primitive, first, cells, ends, edge, cosine, sine, zbuffer.nearest, zbuffer.distance, zbuffer.incidence
-        )
+        zbuffer.first[p] = max(np.searchsorted(zbuffer.edge[: cells + 1], zbuffer.low[p], side="right") - 1, 0)
+        _keep_nearest(p, primitive, cells, zbuffer)
     for p in range(primitives):
         source = load_apparent_source(bent, zbuffer.source[p])
         primitive = load_primitive(arrays.solids, arrays.mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
-        first = zbuffer.first[p]
-        last, edge, cosine, sine = zbuffer.high[p], zbuffer.edge, zbuffer.cosine, zbuffer.sine
-        _measure(p, primitive, first, cells, last, edge, cosine, sine, zbuffer.nearest, zbuffer.near, zbuffer.far)
+        _measure_edges(p, primitive, cells, zbuffer)
+
+
+@inlined_uncounted
+def _keep_nearest(p, primitive, cells, zbuffer):
+    """Enter a primitive in the cells where nothing nearer is; of two at one distance the first stays."""
+    edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
+    nearest, distance, incidence = zbuffer.nearest, zbuffer.distance, zbuffer.incidence
+    low, high, cell = zbuffer.low[p], zbuffer.high[p], zbuffer.first[p]
+    while cell < cells and edge[cell] < high:
+        if low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
+            c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
+            here, cos_incidence = intersect_primitive(primitive, c, s)
+            if here < distance[cell]:
+                nearest[cell], distance[cell], incidence[cell] = p, here, cos_incidence
+        cell += 1
+
+
+@inlined_uncounted
+def _measure_edges(p, primitive, cells, zbuffer):
+    """Measure the distances to a primitive along the edges of the cells in which it is the nearest."""
+    edge, cosine, sine, near, far = zbuffer.edge, zbuffer.cosine, zbuffer.sine, zbuffer.near, zbuffer.far
+    nearest, first, high = zbuffer.nearest, zbuffer.first[p], zbuffer.high[p]
+    cell = first
+    while cell < cells and edge[cell] < high:
+        if nearest[cell] == p:
+            if cell > first and nearest[cell - 1] == p:
+                near[cell] = far[cell - 1]
+            else:
+                near[cell], _ = intersect_primitive(primitive, cosine[cell], sine[cell])
+            far[cell], _ = intersect_primitive(primitive, cosine[cell + 1], sine[cell + 1])
+        cell += 1
 
 
 @inlined_uncounted
 def _add_crossings(arrays, plane, bent, zbuffer, solid_primitives, primitives, cells):
-    """Add an edge wherever a part comes before the one that is nearest in a cell's middle; return their number."""
-    edges, edge, cosine, sine = cells + 1, zbuffer.edge, zbuffer.cosine, zbuffer.sine
-    near, middle, far = zbuffer.near, zbuffer.distance, zbuffer.far
+    """Add an edge wherever a primitive comes before the one that is nearest in a cell's middle; return the edges."""
+    edges = cells + 1
     for p in range(primitives):
-        nearest = nearest_distance(zbuffer.line[p]) if p >= solid_primitives else 0.0
-        first, ends = zbuffer.first[p], (zbuffer.low[p], zbuffer.high[p])
-        if _is_behind(p, nearest, first, cells, ends[1], edge, zbuffer.nearest, near, far):
+        least = nearest_distance(zbuffer.line[p]) if p >= solid_primitives else 0.0
+        if _is_behind(p, least, cells, zbuffer):
             continue
         source = load_apparent_source(bent, zbuffer.source[p])
         primitive = load_primitive(arrays.solids, arrays.mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
-        edges = _cross(
-            p, primitive, nearest, first, cells, ends, edge, cosine, sine, zbuffer.nearest, near, middle, far, edges
-        )
+        edges = _add_crossings_of(p, primitive, least, cells, zbuffer, edges)
     return edges
 
 
 @inlined_uncounted
-def _is_behind(p, nearest, first, cells, high, edge, before, near, far):
-    """Whether a part, no point of which is nearer than ``nearest``, lies behind all that is nearest in its cells."""
-    cell = first
+def _is_behind(p, least, cells, zbuffer):
+    """Whether a primitive no point of which is nearer than ``least`` lies behind all that is nearest in its cells."""
+    edge, nearest, near, far = zbuffer.edge, zbuffer.nearest, zbuffer.near, zbuffer.far
+    cell, high = zbuffer.first[p], zbuffer.high[p]
     while cell < cells and edge[cell] < high:
-        if before[cell] != p and nearest < max(near[cell], far[cell]):
+        if nearest[cell] != p and least < max(near[cell], far[cell]):
             return False
         cell += 1
     return True
 
 
 @inlined_uncounted
-def _cross(p, primitive, nearest, first, cells, ends, edge, cosine, sine, before, near, middle, far, edges):
-    """Likewise for one part."""
-    low, high = ends
-    cell = first
+def _add_crossings_of(p, primitive, least, cells, zbuffer, edges):
+    """Add an edge wherever one primitive crosses the nearest one of a cell; return the number of edges."""
+    edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
+    nearest, near, middle, far = zbuffer.nearest, zbuffer.near, zbuffer.distance, zbuffer.far
+    low, high, cell = zbuffer.low[p], zbuffer.high[p], zbuffer.first[p]
     while cell < cells and edge[cell] < high:
         covers = low < 0.5 * (edge[cell] + edge[cell + 1]) < high
-        if covers and before[cell] != p and nearest < max(near[cell], far[cell]):
+        if covers and nearest[cell] != p and least < max(near[cell], far[cell]):
             c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
             here, half = intersect_primitive(primitive, c, s)[0], 0.5 * (edge[cell + 1] - edge[cell])
             for k in range(2):
@@ -320,8 +334,10 @@ def _cross(p, primitive, nearest, first, cells, ends, edge, cosine, sine, before
 
 
 @inlined_uncounted
-def _tell_nearness(cells, nearest, cosine, sine, near, far, nearness_cosine, nearness_sine):
-    """Tell one over the distance to what is nearest as a linear function of the direction; 0 where there is nothing."""
+def _fit_nearness(cells, zbuffer):
+    """Fit one over the distance to what is nearest in each cell as a linear function of the direction; 0 if empty."""
+    nearest, cosine, sine, near, far = zbuffer.nearest, zbuffer.cosine, zbuffer.sine, zbuffer.near, zbuffer.far
+    nearness_cosine, nearness_sine = zbuffer.nearness_cosine, zbuffer.nearness_sine
     for cell in range(cells):
         c_low, s_low, c_high, s_high = cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1]
         share, held = 1.0 / (s_high * c_low - c_high * s_low), nearest[cell] != NO_PRIMITIVE
@@ -331,43 +347,15 @@ def _tell_nearness(cells, nearest, cosine, sine, near, far, nearness_cosine, nea
 
 
 @inlined_uncounted
-def _keep_nearest(p, primitive, first, cells, ends, edge, cosine, sine, nearest, distance, incidence):
-    """Enter a part in the cells where nothing nearer is; where two touch the first is heard."""
-    low, high = ends
-    cell = first
-    while cell < cells and edge[cell] < high:
-        if low < 0.5 * (edge[cell] + edge[cell + 1]) < high:
-            c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-            here, cos_incidence = intersect_primitive(primitive, c, s)
-            if here < distance[cell]:
-                nearest[cell], distance[cell], incidence[cell] = p, here, cos_incidence
-        cell += 1
-
-
-@inlined_uncounted
-def _measure(p, primitive, first, cells, high, edge, cosine, sine, nearest, near, far):
-    """Measure the distances to a part along the edges of the cells in which it is the nearest."""
-    cell = first
-    while cell < cells and edge[cell] < high:
-        if nearest[cell] == p:
-            if cell > first and nearest[cell - 1] == p:
-                near[cell] = far[cell - 1]
-            else:
-                near[cell], _ = intersect_primitive(primitive, cosine[cell], sine[cell])
-            far[cell], _ = intersect_primitive(primitive, cosine[cell + 1], sine[cell + 1])
-        cell += 1
-
-
-@inlined_uncounted
 def bisect_directions(c_from, s_from, c_to, s_to):
-    """Direction (cosine, sine) between two others."""
+    """Direction (cosine, sine) halfway between two others."""
     c, s = c_from + c_to, s_from + s_to
     per_norm = 1.0 / math.sqrt(c * c + s * s)
     return c * per_norm, s * per_norm
 
 
 @inlined_uncounted
-def _merged(edge, edges):
+def _merge_close_edges(edge, edges):
     """Drop edges that follow too closely, in place; return how many are left."""
     kept = 0
     for k in range(1, edges):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.types import SPHERE
-from insonify.kernels.geometry.solids import frustum_normal, intersect_frustum, intersect_sphere
+from insonify.kernels.geometry.solids import FrustumShape, frustum_normal, intersect_frustum, intersect_sphere
 from insonify.kernels.targets.apparent_targets import ApparentSource, arrival_direction, plane_from_source
 
 TRIANGLE = 2  # beside SPHERE and FRUSTUM
@@ -85,20 +85,11 @@ def _meet(primitive, c, s):
         distance, _ = intersect_sphere(primitive.x, primitive.y, primitive.z, primitive.radius, dx, dy, s)
         inwards = (primitive.x * dx + primitive.y * dy + primitive.z * s - distance) / primitive.radius
         return (distance if distance > 0.0 else math.inf), inwards
-    distance, face, _, _ = intersect_frustum(
-        primitive.x,
-        primitive.y,
-        primitive.z,
-        primitive.ax,
-        primitive.ay,
-        primitive.az,
-        primitive.length,
-        primitive.radius,
-        primitive.taper,
-        dx,
-        dy,
-        s,
-    )
+    frustum = FrustumShape(
+        primitive.x, primitive.y, primitive.z, primitive.ax, primitive.ay, primitive.az, primitive.length,
+        primitive.radius, primitive.taper,
+    )  # fmt: skip
+    distance, face, _, _ = intersect_frustum(frustum, dx, dy, s)
     if not 0.0 < distance < math.inf:
         return math.inf, 0.0
     px, py, pz = distance * dx - primitive.x, distance * dy - primitive.y, distance * s - primitive.z
