@@ -155,7 +155,7 @@ def test_patches_of_a_measured_bed_belong_to_places():
 
 
 def test_patches_agree_with_the_slow_search():
-    from insonify.kernels.bed.nearest_seed import ACROSS, ALONG, KIND, nearest_seed_hash
+    from insonify.kernels.bed.voronoi import ACROSS, ALONG, KIND, nearest_seed_hash
     from insonify.kernels.common.hashing import hash_integers, hash_uniform
 
     rng = np.random.default_rng(0)

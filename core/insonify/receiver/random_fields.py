@@ -59,7 +59,7 @@ class ExponentialField:
             fill_white_noise(self.seed, stream, nodes, spacing.bit_length(), first, white_re, white_im)
             per_bin = (1.0 / wide).astype(np.float32)
             row = np.searchsorted(nodes, start)
-            smooth_noise(pings, spacing, nodes, row, per_bin, band.start, white_re, white_im, real, imaginary)
+            smooth_noise(pings, spacing, nodes, row, per_bin, band.start, (white_re, white_im), (real, imaginary))
         return real, imaginary
 
     def _bands(self) -> list[tuple[int, slice]]:

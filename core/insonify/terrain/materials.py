@@ -11,7 +11,7 @@ from statistics import NormalDist
 import numpy as np
 
 from insonify.errors import located
-from insonify.kernels.bed.nearest_seed import voronoi_materials
+from insonify.kernels.bed.voronoi import voronoi_materials
 from insonify.kernels.common.streams import MATERIAL_BANDS, MATERIAL_PATCHES
 from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs.fractal import Fractal

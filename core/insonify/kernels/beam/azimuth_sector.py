@@ -66,11 +66,11 @@ def top_hat_width(x, r, sector):
     what lies between them: over a stretch of range one passes into the other.
     """
     near = x * _azimuth_taken_in(x, r, sector) if sector.s_high > LINEAR_SINE else _width_taken_in(x, r, sector)
-    return near + far_field_share(x, sector) * (r * sector.far_angle - near)
+    return near + _far_field_share(x, sector) * (r * sector.far_angle - near)
 
 
 @inlined_uncounted
-def far_field_share(x, sector):
+def _far_field_share(x, sector):
     """How far the far field has taken over at a ground range."""
     return min(max((x - sector.near_field) * (1.0 / (TRANSITION * sector.near_field)), 0.0), 1.0)
 
@@ -79,7 +79,7 @@ def far_field_share(x, sector):
 def top_hat_share(x, r, sector):
     """Share of a top-hat's azimuths at that place which the plane stands for."""
     near = _azimuth_taken_in(x, r, sector) / (2.0 * arcsine(min(sector.s_beam * r / x, 1.0)))
-    return near + far_field_share(x, sector) * (sector.far_angle / sector.span - near)
+    return near + _far_field_share(x, sector) * (sector.far_angle / sector.span - near)
 
 
 @inlined_uncounted

@@ -11,7 +11,7 @@ SLICES = 16  # of the azimuths over which a pattern is averaged
 
 
 @inlined_uncounted
-def table_response(pattern, s, r):
+def _table_response(pattern, s, r):
     """Sensitivity in the directions of s at slant range r: bilinear in s and log r."""
     row, share = _row(pattern, r)
     response = _energy(pattern, row, s)
@@ -195,7 +195,7 @@ def two_way_response(pattern, beam, fan, law, dx, dy, dz, r):
         value = vertical_response(pattern, side, dx * beam.up_x + dy * beam.up_y + dz * beam.up_z)
     if not fan or value == 0.0:
         return value
-    value *= table_response(pattern, dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z, r)
+    value *= _table_response(pattern, dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z, r)
     if law != LIGHT or value == 0.0:
         return value
     cos_pitch, cos_elevation = math.sqrt(1.0 - beam.axis_z * beam.axis_z), math.sqrt(dx * dx + dy * dy)

@@ -90,11 +90,11 @@ def slice_bed(bed, x, y, z, ex, ey, reach, profile):
     # Profiles are of one bed each: if the first segment knows its only material, so do all.
     if not bed.mapped and profile.material[0] != bed.materials[0, 0]:
         profile.material[:] = bed.materials[0, 0]
-    return _walk(bed, GridWalk(nodes, v_is_y, u0, v0, z, ex, ey), reach, profile)
+    return _walk_strips(bed, GridWalk(nodes, v_is_y, u0, v0, z, ex, ey), reach, profile)
 
 
 @inlined_uncounted
-def _walk(bed, walk, reach, profile):
+def _walk_strips(bed, walk, reach, profile):
     """Add the knots of all strips to a profile; return their number."""
     u0, v0, eu, ev = walk.u0, walk.v0, walk.eu, walk.ev
     nu, nv = walk.nodes.shape
@@ -116,7 +116,7 @@ def _walk(bed, walk, reach, profile):
             if count == 0:
                 count = 1
                 profile.x[0] = start
-            count = _strip(bed, walk, column, start, end, count, profile)
+            count = _add_strip(bed, walk, column, start, end, count, profile)
             start = end
         elif end >= far:
             break
@@ -125,7 +125,7 @@ def _walk(bed, walk, reach, profile):
 
 
 @inlined_uncounted
-def _strip(bed, walk, column, start, end, count, profile):
+def _add_strip(bed, walk, column, start, end, count, profile):
     """Add the knots of one strip: its first (already counted), the nodes within, its last."""
     nodes, v_is_y, u0, v0, z0, eu, ev = walk
     spacing = bed.spacing
@@ -137,27 +137,27 @@ def _strip(bed, walk, column, start, end, count, profile):
     inner = max((beyond - behind) * step - 1, 0)
     nodes_read = padded_count(inner + 2)
     low, high = profile.low[:nodes_read], profile.high[:nodes_read]
-    _row(nodes[wrap_index(column, nodes.shape[0])], behind, step, low)
-    _row(nodes[wrap_index(column + 1, nodes.shape[0])], behind, step, high)
+    _read_row(nodes[_wrap_index(column, nodes.shape[0])], behind, step, low)
+    _read_row(nodes[_wrap_index(column + 1, nodes.shape[0])], behind, step, high)
     head, segments = count - 1, inner + 1
-    halvings = _halvings(eu, ev)
+    halvings = _halving_count(eu, ev)
     tail = head + (segments << halvings)
     x, z, across = profile.x[head:], profile.z[head:], profile.across
     before = z[0]
     fu, du, x_behind, per_node = u0 - column, eu / spacing, (behind - v0) * spacing / ev, step * spacing / ev
-    _knots(low, high, NodeSteps(x_behind, per_node, fu + x_behind * du, per_node * du), z0, spacing, x, z, across)
+    _place_knots(low, high, NodeSteps(x_behind, per_node, fu + x_behind * du, per_node * du), z0, spacing, x, z, across)
     x[0], x[segments] = start, end
     # The ends lie between two nodes; the first is computed from the pair behind it, before that pair is overwritten.
-    z_end, across_end = _between(low, high, inner, (v_end - behind) * step - inner, fu + end * du, spacing)
-    z_start, across[0] = _between(low, high, 0, (v_start - behind) * step, fu + start * du, spacing)
+    z_end, across_end = _interpolate(low, high, inner, (v_end - behind) * step - inner, fu + end * du, spacing)
+    z_start, across[0] = _interpolate(low, high, 0, (v_start - behind) * step, fu + start * du, spacing)
     # Two strips share this knot; beside a hole in the bed only one of them knows its height.
     z[0] = before if head > 0 and before == before else z_start - z0
     z[segments], across[segments] = z_end - z0, across_end
     for halving in range(halvings):
-        _halve(x, z, across, eu, segments << halving)
-    _segments(padded_count(tail - head), x, z, across, eu, 1.0 / ev, profile.slope[head:], profile.area[head:])
+        _halve_segments(x, z, across, eu, segments << halving)
+    _fill_segments(padded_count(tail - head), x, z, across, eu, 1.0 / ev, profile.slope[head:], profile.area[head:])
     if bed.mapped:
-        _materials(bed.materials, v_is_y, column, behind, step, halvings, profile.material[head:tail])
+        _fill_materials(bed.materials, v_is_y, column, behind, step, halvings, profile.material[head:tail])
     return tail + 1
 
 
@@ -172,26 +172,26 @@ def prefetch_strip(bed, x, y, ex, ey, reach):
         u, v, ex, ey = v, u, ey, ex
     length = min(reach, bed.spacing / max(abs(ex), MERGED)) / bed.spacing
     rows, columns = nodes.shape
-    low = nodes[wrap_index(math.floor(u), rows)]
-    high = nodes[wrap_index(math.floor(u) + 1, rows)]
+    low = nodes[_wrap_index(math.floor(u), rows)]
+    high = nodes[_wrap_index(math.floor(u) + 1, rows)]
     node = math.floor(v)
     if ey < 0.0:
         node -= int(length)
     per_line = LINE // nodes.itemsize
     for k in range(node, node + int(length), per_line):
-        prefetch_read(low, wrap_index(k, columns))
-        prefetch_read(high, wrap_index(k, columns))
+        prefetch_read(low, _wrap_index(k, columns))
+        prefetch_read(high, _wrap_index(k, columns))
 
 
 @inlined_uncounted
-def _halvings(eu, ev):
+def _halving_count(eu, ev):
     """How often to halve the segments of an oblique plane: along it a twisted cell is bent, not straight."""
     oblique = abs(eu * ev)
     return (1 if oblique > SLIGHTLY_OBLIQUE else 0) + (1 if oblique > OBLIQUE else 0)
 
 
 @inlined_uncounted
-def _halve(x, z, across, eu, segments):
+def _halve_segments(x, z, across, eu, segments):
     """Put a knot in the middle of every segment, in place.
 
     Along the plane d²z/dx² = 2 eu ev ∂²z/∂u∂v, and the gradient across changes by ev ∂²z/∂u∂v a metre.
@@ -211,7 +211,7 @@ def snap_to_grid(component):
 
 
 @inlined_uncounted
-def wrap_index(index, size):
+def _wrap_index(index, size):
     """Index of a node on a bed that repeats; the whole number within [0, size)."""
     if 0 <= index < size:
         return index
@@ -219,7 +219,7 @@ def wrap_index(index, size):
 
 
 @inlined_uncounted
-def _between(low, high, node, fv, fu, spacing):
+def _interpolate(low, high, node, fv, fu, spacing):
     """Bilinear height, and gradient across the strip, ``fv`` beyond a node and ``fu`` between the borders."""
     near = low[node] + np.float64(low[node + 1] - low[node]) * fv
     far = high[node] + np.float64(high[node + 1] - high[node]) * fv
@@ -227,17 +227,17 @@ def _between(low, high, node, fv, fu, spacing):
 
 
 @inlined_uncounted
-def _row(row, first, step, out):
+def _read_row(row, first, step, out):
     """Read consecutive nodes of a row, upward or downward, round its end; runs suit the vector units."""
     done = 0
     while done < out.size:
-        place = wrap_index(first + step * done, row.size)
+        place = _wrap_index(first + step * done, row.size)
         if step > 0:
             run = min(out.size - done, row.size - place)
             _copy(row[place : place + run], out[done : done + run])
         else:
             run = min(out.size - done, place + 1)
-            _reverse(row[place + 1 - run : place + 1], out[done : done + run])
+            _copy_reversed(row[place + 1 - run : place + 1], out[done : done + run])
         done += run
 
 
@@ -248,7 +248,7 @@ def _copy(source, out):
 
 
 @inlined_uncounted
-def _reverse(source, out):
+def _copy_reversed(source, out):
     last = out.size - 1
     for k in range(out.size):
         # An index that might be negative is not for the vector units.
@@ -256,7 +256,7 @@ def _reverse(source, out):
 
 
 @inlined_uncounted
-def _knots(low, high, steps, z0, spacing, x, z, across):
+def _place_knots(low, high, steps, z0, spacing, x, z, across):
     """Ground range, height above the sonar and gradient across the strip, where the plane passes its nodes."""
     x_behind, per_node, fu, du = steps
     per_spacing = across.dtype.type(1.0 / spacing)
@@ -268,7 +268,7 @@ def _knots(low, high, steps, z0, spacing, x, z, across):
 
 
 @inlined_uncounted
-def _segments(segments, x, z, across, eu, per_ev, slope, area):
+def _fill_segments(segments, x, z, across, eu, per_ev, slope, area):
     """Slope and area: across the strip the gradient is linear in v, along the plane it is the segment's own slope."""
     real = area.dtype.type
     eu, per_ev, half, one = real(eu), real(per_ev), real(0.5), real(1.0)
@@ -281,16 +281,16 @@ def _segments(segments, x, z, across, eu, per_ev, slope, area):
 
 
 @inlined_uncounted
-def _materials(materials, v_is_y, column, behind, step, halvings, out):
+def _fill_materials(materials, v_is_y, column, behind, step, halvings, out):
     """Material of each segment's cell."""
     rows, columns = materials.shape
     for k in range(out.size):
         # A cell belongs to its low corner.
         v = behind + step * (k >> halvings) - (1 if step < 0 else 0)
         if v_is_y:
-            out[k] = materials[wrap_index(v, rows), wrap_index(column, columns)]
+            out[k] = materials[_wrap_index(v, rows), _wrap_index(column, columns)]
         else:
-            out[k] = materials[wrap_index(column, rows), wrap_index(v, columns)]
+            out[k] = materials[_wrap_index(column, rows), _wrap_index(v, columns)]
 
 
 @inlined_uncounted

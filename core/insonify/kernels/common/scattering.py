@@ -16,13 +16,13 @@ HIGHEST_POWER = 128  # one more than the greatest exponent of a lobe whose power
 
 
 @inlined_uncounted
-def lobe(cos_squared, shininess):
+def _phong_lobe(cos_squared, shininess):
     """Phong's max(0, R·V)ⁿ; monostatic, R·V = cos 2α = 2 cos²α − 1."""
-    return phong(2.0 * cos_squared - 1.0, shininess)
+    return _phong(2.0 * cos_squared - 1.0, shininess)
 
 
 @inlined_uncounted
-def phong(mirrored, shininess):
+def _phong(mirrored, shininess):
     """Phong's max(0, R·V)ⁿ, from R·V."""
     if mirrored <= 0.0:
         return 0.0
@@ -40,18 +40,18 @@ def phong(mirrored, shininess):
 
 
 @inlined_uncounted
-def gloss(cos_squared, specular, shininess, law):
+def _specular_strength(cos_squared, specular, shininess, law):
     """Phong's part of either law, from cos²α."""
-    value = specular * lobe(cos_squared, shininess)
+    value = specular * _phong_lobe(cos_squared, shininess)
     return value if law == LIGHT else value * cos_squared * (shininess + 2.0) * (0.5 * INVERSE_PI)
 
 
 @inlined_uncounted
-def radiance(cos_incidence, diffuse, specular, shininess):
+def _radiance(cos_incidence, diffuse, specular, shininess):
     """Radiance of law `light`: I = k_d cos α + k_s max(0, R·V)ⁿ (paper, Lambert and Phong)."""
     if cos_incidence <= 0.0:
         return 0.0
-    return diffuse * cos_incidence + gloss(cos_incidence * cos_incidence, specular, shininess, LIGHT)
+    return diffuse * cos_incidence + _specular_strength(cos_incidence * cos_incidence, specular, shininess, LIGHT)
 
 
 @inlined_uncounted
@@ -60,14 +60,14 @@ def backscatter(cos_incidence, diffuse, specular, shininess):
     if cos_incidence <= 0.0:
         return 0.0
     cos_squared = cos_incidence * cos_incidence
-    return cos_squared * diffuse * INVERSE_PI + gloss(cos_squared, specular, shininess, SONAR)
+    return cos_squared * diffuse * INVERSE_PI + _specular_strength(cos_squared, specular, shininess, SONAR)
 
 
 @inlined_uncounted
 def backscatter_strength(cos_incidence, diffuse, specular, shininess, law):
     """Radiance or backscattering cross-section, as the law has it."""
     if law == LIGHT:
-        return radiance(cos_incidence, diffuse, specular, shininess)
+        return _radiance(cos_incidence, diffuse, specular, shininess)
     return backscatter(cos_incidence, diffuse, specular, shininess)
 
 
@@ -80,7 +80,7 @@ def bistatic_strength(cos_in, cos_out, mirrored, diffuse, specular, shininess, l
     """
     if cos_in <= 0.0 or cos_out <= 0.0:
         return 0.0
-    shine = specular * phong(mirrored, shininess)
+    shine = specular * _phong(mirrored, shininess)
     if law == LIGHT:
         return diffuse * cos_in + shine
     return cos_in * cos_out * (diffuse + 0.5 * (shininess + 2.0) * shine) * INVERSE_PI
@@ -133,7 +133,7 @@ def _scatter_mapped(segments, material, reflectivity, cos_squared, scale, law, e
     for i in range(segments):
         if cos_squared[i] > 0.5:
             row = material[i]
-            energy[i] += scale[i] * gloss(cos_squared[i], reflectivity[row, 1], reflectivity[row, 2], law)
+            energy[i] += scale[i] * _specular_strength(cos_squared[i], reflectivity[row, 1], reflectivity[row, 2], law)
 
 
 @inlined_uncounted

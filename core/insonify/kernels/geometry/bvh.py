@@ -30,7 +30,7 @@ def build_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target
     edges = corners[:, 1:] - corners[:, :1]
     normal = np.cross(edges[:, 0], edges[:, 1])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    order, low, high, skip, first, held = _grow(corners)
+    order, low, high, skip, first, held = _build_tree(corners)
     return Mesh(
         np.ascontiguousarray(corners[order]), normal[order], material[order], target[order],
         low, high, skip, first, held,
@@ -38,7 +38,7 @@ def build_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target
 
 
 @kernel
-def _grow(corners):
+def _build_tree(corners):
     """Cut branches until they are leaves; return the order of the triangles and the nodes, depth first."""
     n = corners.shape[0]
     low, high = np.empty((n, 3)), np.empty((n, 3))  # of each triangle
@@ -62,7 +62,7 @@ def _grow(corners):
         if stop - start <= LEAF:
             held[nodes] = stop - start
         else:
-            middle = _cut(order, low, high, start, stop)
+            middle = _split_triangles(order, low, high, start, stop)
             # The nearer branch is taken up next, so that it follows its parent.
             waiting[depth, 0], waiting[depth, 1] = middle, stop
             waiting[depth + 1, 0], waiting[depth + 1, 1] = start, middle
@@ -85,7 +85,7 @@ def _enclose(order, low, high, start, stop, box_low, box_high):
 
 
 @kernel
-def _cut(order, low, high, start, stop):
+def _split_triangles(order, low, high, start, stop):
     """Part some triangles in two where rays cost least by the surface areas of both boxes; return the border.
 
     Wald (2007), *On fast construction of SAH-based bounding volume hierarchies*, with slabs between centres.
@@ -110,8 +110,8 @@ def _cut(order, low, high, start, stop):
             for side in range(3):
                 lows[slab, side] = min(lows[slab, side], low[i, side])
                 highs[slab, side] = max(highs[slab, side], high[i, side])
-        _price_from_behind(counts, lows, highs, behind)
-        slab, price = _cheapest(counts, lows, highs, behind)
+        _costs_behind(counts, lows, highs, behind)
+        slab, price = _cheapest_split(counts, lows, highs, behind)
         if price < best:
             best, best_axis, best_slab, best_from, best_per_metre = price, axis, slab, centre_low, per_metre
     if best_axis < 0:
@@ -120,7 +120,7 @@ def _cut(order, low, high, start, stop):
 
 
 @inlined
-def _price_from_behind(counts, lows, highs, behind):
+def _costs_behind(counts, lows, highs, behind):
     """Tell for every slab what a box around all the slabs after it costs."""
     box_low, box_high = np.full(3, np.inf), np.full(3, -np.inf)
     held = 0
@@ -133,7 +133,7 @@ def _price_from_behind(counts, lows, highs, behind):
 
 
 @inlined
-def _cheapest(counts, lows, highs, behind):
+def _cheapest_split(counts, lows, highs, behind):
     """Find the slab after which a cut costs least; neither side may be empty."""
     box_low, box_high = np.full(3, np.inf), np.full(3, -np.inf)
     held, total = 0, counts.sum()

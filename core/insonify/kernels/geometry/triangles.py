@@ -50,19 +50,19 @@ def intersect_mesh(mesh, x, y, z, dx, dy, dz, reach):
 
     Of triangles at the same distance the first in the tree is met.
     """
-    shear = shear_ray(x, y, z, dx, dy, dz)
-    rx, ry, rz = _per(dx), _per(dy), _per(dz)
+    shear = _shear_ray(x, y, z, dx, dy, dz)
+    rx, ry, rz = _reciprocal(dx), _reciprocal(dy), _reciprocal(dz)
     margin = MARGIN * (1.0 + abs(x) + abs(y) + abs(z) + min(reach, 1e9))
     best, found, node = reach, NO_TRIANGLE, 0
     while node < mesh.skip.size:
-        near, far = _slab(mesh.low[node, 0] - x, mesh.high[node, 0] - x, rx, margin, 0.0, best)
-        near, far = _slab(mesh.low[node, 1] - y, mesh.high[node, 1] - y, ry, margin, near, far)
-        near, far = _slab(mesh.low[node, 2] - z, mesh.high[node, 2] - z, rz, margin, near, far)
+        near, far = _clip_to_slab(mesh.low[node, 0] - x, mesh.high[node, 0] - x, rx, margin, 0.0, best)
+        near, far = _clip_to_slab(mesh.low[node, 1] - y, mesh.high[node, 1] - y, ry, margin, near, far)
+        near, far = _clip_to_slab(mesh.low[node, 2] - z, mesh.high[node, 2] - z, rz, margin, near, far)
         if near > far:
             node = mesh.skip[node]
             continue
         for triangle in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
-            distance = intersect_triangle(mesh.corners, triangle, shear)
+            distance = _intersect_triangle(mesh.corners, triangle, shear)
             if 0.0 < distance < best:
                 best, found = distance, triangle
         node += 1
@@ -78,7 +78,7 @@ def facing_normal(mesh, triangle, dx, dy, dz):
 
 
 @inlined
-def shear_ray(x, y, z, dx, dy, dz):
+def _shear_ray(x, y, z, dx, dy, dz):
     """Choose axes in which a ray runs along the third."""
     along = 2
     if abs(dx) > abs(dy) and abs(dx) > abs(dz):
@@ -93,7 +93,7 @@ def shear_ray(x, y, z, dx, dy, dz):
 
 
 @inlined_ieee
-def intersect_triangle(corners, triangle, shear):
+def _intersect_triangle(corners, triangle, shear):
     """Distance along a ray to a triangle, edges and corners included; negative behind, infinite if missed."""
     az = corners[triangle, 0, shear.along] - shear.z
     bz = corners[triangle, 1, shear.along] - shear.z
@@ -115,13 +115,13 @@ def intersect_triangle(corners, triangle, shear):
 
 
 @inlined
-def _per(component):
+def _reciprocal(component):
     """One over a direction's component; of a ray that is level in it, more than any length."""
     return LEVEL if component == 0.0 else 1.0 / component
 
 
 @inlined
-def _slab(low, high, per, margin, near, far):
+def _clip_to_slab(low, high, per, margin, near, far):
     """Part of a stretch of a ray that lies between two faces of a box."""
     one, other = (low - margin) * per, (high + margin) * per
     return max(near, min(one, other)), min(far, max(one, other))

@@ -243,8 +243,8 @@ def _note_stretch(contributions, labelled, x_from, x_to):
     stretch = math.sqrt(segment.area)
     for k in range(first, last):
         start, stop = max(near, k * bin_length), min(far, (k + 1) * bin_length)
-        a = min(max(_at_slant(segment, start, outward), x_from), x_to)
-        b = min(max(_at_slant(segment, stop, outward), x_from), x_to)
+        a = min(max(_ground_range_at_slant(segment, start, outward), x_from), x_to)
+        b = min(max(_ground_range_at_slant(segment, stop, outward), x_from), x_to)
         x = 0.5 * (a + b)
         r = slant_range(segment, x)
         cosine = -segment.offset / (r * stretch)
@@ -255,7 +255,7 @@ def _note_stretch(contributions, labelled, x_from, x_to):
 
 
 @inlined
-def _at_slant(segment, r, outward):
+def _ground_range_at_slant(segment, r, outward):
     """Ground range at which a segment's line has a slant range, beyond the foot of its perpendicular or before it."""
     tilt = 1.0 + segment.slope * segment.slope
     foot = -segment.slope * segment.offset / tilt

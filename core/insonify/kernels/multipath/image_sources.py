@@ -44,7 +44,7 @@ class ImagePair(NamedTuple):
 
 
 @inlined
-def sonar_itself():
+def _sonar_itself():
     """Return the sonar as its own image."""
     return ImageSource(0.0, False, 1.0, 0.0)
 
@@ -69,7 +69,7 @@ def bottom_image(arrays, x, y, z):
 @kernel
 def image_pair(arrays, path, x, y, z):
     """Pair of images that makes a way of the sound, and whether it is heard at all."""
-    multipath, sonar = arrays.multipath, sonar_itself()
+    multipath, sonar = arrays.multipath, _sonar_itself()
     common = arrays.law, arrays.bin_length, multipath.rms_height, multipath.slope_variance
     if path == SURFACE_BOTTOM:
         return ImagePair(sonar, surface_image(arrays, z), 2, 1, path, *common), multipath.surface_bottom

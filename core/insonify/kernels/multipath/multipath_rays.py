@@ -58,7 +58,7 @@ def trace_multipath(arrays, poses, rays, out):
 def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
     """Sum the ghosts that one image of the sonar brings."""
     fan, multipath = arrays.half_width > 0.0, arrays.multipath
-    seen_from = _lifted(arrays, beam, image)
+    seen_from = _beam_of_image(arrays, beam, image)
     if image.mirrored:
         pitch = -pitch
     count, top = list_solids_in_beam(arrays.solids, arrays.mesh, seen_from, near)
@@ -70,7 +70,7 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
     rotate_to_world(launch, seen_from, bundle)
     find_first_hits(arrays.bed, arrays.solids, near, count, arrays.mesh, bundle, seen_from.reach, hits)
     for k in range(launch.weight.size):
-        if hits.body[k] == NOTHING or launch.weight[k] == 0.0 or _is_stopped(arrays, beam, image, bundle, hits, k):
+        if hits.body[k] == NOTHING or launch.weight[k] == 0.0 or _is_blocked(arrays, beam, image, bundle, hits, k):
             continue
         meeting = Intersection(hits.distance[k], hits.body[k], hits.material[k], hits.nx[k], hits.ny[k], hits.nz[k])
         path, out = advance_to(arrays, start_path(bundle, k), meeting), 1.0
@@ -80,18 +80,18 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
         rise = height_delay(image, drop, path.length, multipath.rms_height)
         tilt = tilt_delay(image, drop, path.length, multipath.slope_variance)
         if multipath.surface_bottom_surface and image.mirrored:
-            value = _straight_back(arrays, fan, out * launch.weight[k], path, meeting)
-            _smear(path.length, value, 2.0 * rise, 2.0 * tilt, multipath.facets[1], arrays.bin_length, sums)
+            value = _retro_strength(arrays, fan, out * launch.weight[k], path, meeting)
+            _add_spread_echo(path.length, value, 2.0 * rise, 2.0 * tilt, multipath.facets[1], arrays.bin_length, sums)
         if multipath.surface_bottom or not image.mirrored:
             weight = launch.weight[k] * image.share
             if arrays.law == LIGHT and fan and not arrays.pattern.tabulated:
-                weight *= _of_lower_cone(arrays, beam, path)
+                weight *= _azimuth_ratio(arrays, beam, path)
             r, value = mixed_echo(arrays, beam, fan, out, weight, path, meeting)
-            _smear(r, value, rise, tilt, multipath.facets[0], arrays.bin_length, sums)
+            _add_spread_echo(r, value, rise, tilt, multipath.facets[0], arrays.bin_length, sums)
 
 
 @inlined
-def _lifted(arrays, beam, image):
+def _beam_of_image(arrays, beam, image):
     """One side of a ping as its image has it: higher, and in the surface upside down."""
     turned = -1.0 if image.mirrored else 1.0
     # R + R' <= 2r and R' - R <= the height of the image.
@@ -104,7 +104,7 @@ def _lifted(arrays, beam, image):
 
 
 @inlined
-def _straight_back(arrays, fan, weight, path, meeting):
+def _retro_strength(arrays, fan, weight, path, meeting):
     """Strength of what returns along a path that has arrived from an image, with the record's 1/r⁴ taken out."""
     cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
     if cosine <= 0.0:
@@ -117,7 +117,7 @@ def _straight_back(arrays, fan, weight, path, meeting):
 
 
 @inlined
-def _of_lower_cone(arrays, beam, path):
+def _azimuth_ratio(arrays, beam, path):
     """Azimuths of a top-hat at an image over those at the sonar, the fewer: law `light` averages over the latter."""
     dx, dy, dz = path.x - beam.x, path.y - beam.y, path.z - beam.z
     level = math.sqrt(dx * dx + dy * dy)
@@ -127,7 +127,7 @@ def _of_lower_cone(arrays, beam, path):
 
 
 @kernel
-def _is_stopped(arrays, beam, image, bundle, hits, k):
+def _is_blocked(arrays, beam, image, bundle, hits, k):
     """Whether sound does not come by the surface, or something keeps it from there where it has set out upwards."""
     if not -bundle.dz[k] * hits.distance[k] > image.above:
         return True
@@ -139,7 +139,7 @@ def _is_stopped(arrays, beam, image, bundle, hits, k):
 
 
 @inlined
-def _smear(r, value, rise, tilt, facets, bin_length, sums):
+def _add_spread_echo(r, value, rise, tilt, facets, bin_length, sums):
     """Share what comes at a slant range among the facets of the surface."""
     share = value / facets.shape[0]
     for f in range(facets.shape[0]):
@@ -164,4 +164,4 @@ def _add_surface_echo(arrays, beam, image, sums):
     value *= 1.0 if arrays.law == LIGHT else 0.25 * depth * depth
     rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.rms_height)
     tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.slope_variance)
-    _smear(depth, value, rise, tilt, arrays.multipath.facets[0], arrays.bin_length, sums)
+    _add_spread_echo(depth, value, rise, tilt, arrays.multipath.facets[0], arrays.bin_length, sums)

@@ -289,14 +289,14 @@ def _list_visible_to_higher(segment, pair, x_from, x_to, occlusion, echoes, n):
 
 
 @inlined
-def _slant(segment, x):
+def _echo_range(segment, x):
     """Slant range of the echo of a segment at a ground range: half the way by both images."""
     a, b = segment.one.offset + segment.one.slope * x, segment.other.offset + segment.other.slope * x
     return 0.5 * (math.sqrt(x * x + a * a) + math.sqrt(x * x + b * b))
 
 
 @inlined
-def _grows(segment, x):
+def _range_rate(segment, x):
     """Twice the rate at which the slant range of the echo grows with ground range."""
     slope = segment.one.slope
     a, b = segment.one.offset + slope * x, segment.other.offset + slope * x
@@ -308,26 +308,26 @@ def _list_stretch(segment, pair, x_from, x_to, echoes, n):
     """List a stretch of a segment that both images see."""
     if not x_to > x_from:
         return n
-    near, far, slope = _slant(segment, x_from), _slant(segment, x_to), segment.one.slope
+    near, far, slope = _echo_range(segment, x_from), _echo_range(segment, x_to), segment.one.slope
     squared = (x_to - x_from) ** 2 * (1.0 + slope * slope)
     if squared <= min(abs(far - near), FINE * FINE * near) * near:
         return _list_part(segment, pair, x_from, x_to, near, far, echoes, n)
-    foot = _foot(segment, x_from, x_to)
+    foot = _nearest_ground_range(segment, x_from, x_to)
     n = _list_monotone(segment, pair, x_from, foot, echoes, n)
     return _list_monotone(segment, pair, foot, x_to, echoes, n)
 
 
 @kernel
-def _foot(segment, x_from, x_to):
+def _nearest_ground_range(segment, x_from, x_to):
     """Ground range at which a segment is heard nearest; slant range falls towards it and grows beyond."""
-    if _grows(segment, x_from) >= 0.0:
+    if _range_rate(segment, x_from) >= 0.0:
         return x_from
-    if _grows(segment, x_to) <= 0.0:
+    if _range_rate(segment, x_to) <= 0.0:
         return x_to
     low, high = x_from, x_to
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if _grows(segment, middle) < 0.0:
+        if _range_rate(segment, middle) < 0.0:
             low = middle
         else:
             high = middle
@@ -339,13 +339,13 @@ def _list_monotone(segment, pair, x_from, x_to, echoes, n):
     """List a stretch along which slant range grows or falls, in parts short against their range."""
     if not x_to > x_from:
         return n
-    near, slope = _slant(segment, x_from), segment.one.slope
-    nearest = max(min(near, _slant(segment, x_to)), pair.bin_length)
+    near, slope = _echo_range(segment, x_from), segment.one.slope
+    nearest = max(min(near, _echo_range(segment, x_to)), pair.bin_length)
     parts = 1 + int(min((x_to - x_from) * math.sqrt(1.0 + slope * slope) / (FINE * nearest), MOST_PARTS - 1.0))
     dx = (x_to - x_from) / parts
     for k in range(parts):
         start = x_from + k * dx
-        far = _slant(segment, start + dx)
+        far = _echo_range(segment, start + dx)
         n = _list_part(segment, pair, start, start + dx, near, far, echoes, n)
         near = far
     return n

@@ -38,17 +38,17 @@ def fill_white_noise(seed, stream, nodes, octave, first, real, imaginary):
                 bits = splitmix64(key ^ np.uint64(first + k))
                 uniform[k] = max(np.float32(bits >> HALF), np.float32(0.5))
                 turns[k] = np.float32(np.int64(bits & LOW_HALF)) * np.float32(SHARE) - np.float32(0.5)
-            _moduli(uniform, modulus)
+            _rayleigh_moduli(uniform, modulus)
             for k in range(bins):
                 # |turns| <= ½; quarters of a turn away from where each vanishes.
                 across = np.float32(0.25) - abs(turns[k])
                 along = math.copysign(np.float32(0.25) - abs(across), turns[k])
-                real[row, side, k] = modulus[k] * _sine(across)
-                imaginary[row, side, k] = modulus[k] * _sine(along)
+                real[row, side, k] = modulus[k] * _sine_of_turns(across)
+                imaginary[row, side, k] = modulus[k] * _sine_of_turns(along)
 
 
 @inlined
-def _moduli(uniform, modulus):
+def _rayleigh_moduli(uniform, modulus):
     """Root of −log of uniform numbers, given in units of 2⁻³² and overwritten: log by exponent and mantissa."""
     words = uniform.view(np.int32)
     for k in range(words.size):
@@ -58,11 +58,11 @@ def _moduli(uniform, modulus):
         modulus[k] = np.float32(32 - exponent) * LN_2
         words[k] = (words[k] & MANTISSA) + ONE - over
     for k in range(words.size):
-        modulus[k] = math.sqrt(max(modulus[k] - _log(uniform[k]), np.float32(0.0)))
+        modulus[k] = math.sqrt(max(modulus[k] - _log_of_mantissa(uniform[k]), np.float32(0.0)))
 
 
 @inlined
-def _log(mantissa):
+def _log_of_mantissa(mantissa):
     """Natural logarithm of √½ to √2, to float32 (Moshier, Cephes, logf)."""
     f = np.float32
     x = mantissa - f(1.0)
@@ -78,7 +78,7 @@ def _log(mantissa):
 
 
 @inlined
-def _sine(turns):
+def _sine_of_turns(turns):
     """Sine of up to a quarter of a turn either way, to float32: Taylor's series."""
     f = np.float32
     x = TURN * turns
@@ -91,11 +91,12 @@ def _sine(turns):
 
 
 @kernel
-def smooth_noise(pings, spacing, nodes, start, per_bin, first, real, imaginary, out_real, out_imaginary):
+def smooth_noise(pings, spacing, nodes, start, per_bin, first, noise, out):
     """Smooth noise at nodes to noise at pings, in bins from ``first`` on that share a spacing of nodes.
 
     ``start`` is each ping's first row of nodes, ``per_bin`` the triangle's steepness in every bin, 1 / half width.
     """
+    real, imaginary, out_real, out_imaginary = noise[0], noise[1], out[0], out[1]
     bins = per_bin.size
     squares, gentlest = np.empty(bins, np.float32), per_bin.min()
     for ping in range(pings.size):

@@ -81,7 +81,7 @@ class WaveScale(NamedTuple):
 class ScattererEcho(NamedTuple):
     """A scatterer as the sonar meets it."""
 
-    loudness: float  # what the beam leaves of its energy; 0 if it is not heard at all
+    response: float  # what the beam leaves of its energy; 0 if it is not heard at all
     cosine: float  # of the incidence
     r: float  # slant range, m
     dx: float  # direction to it
@@ -113,14 +113,14 @@ def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed
             find_visible_bed(arrays, poses, ping, side, fan, profile, visible_bed)
             count, _ = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
             signal.real[:], signal.imaginary[:] = 0.0, 0.0
-            _hear_bed(arrays, beam, scatterers, visible_bed, near[:count], pulse, signal)
-            _hear_bodies(arrays, beam, scatterers, near[:count], pulse, signal)
-            _sample(signal.real, signal.imaginary, pulse, out[ping, side])
+            _add_bed(arrays, beam, scatterers, visible_bed, near[:count], pulse, signal)
+            _add_targets(arrays, beam, scatterers, near[:count], pulse, signal)
+            _sample_pulse(signal.real, signal.imaginary, pulse, out[ping, side])
     return 0
 
 
 @kernel
-def _sample(real, imaginary, pulse, out):
+def _sample_pulse(real, imaginary, pulse, out):
     """Let every bin hold the mean energy of its samples."""
     taps, middle, sample = pulse.taps, pulse.cells // 2, 0
     for k in range(out.size):
@@ -137,7 +137,7 @@ def _sample(real, imaginary, pulse, out):
 
 
 @kernel
-def _hear_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
+def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
     """Add what the bed's scatterers send back: lots are the squares of a lattice fixed to the world."""
     # Taking an array out of the problem costs more than a scatterer: out of the loop with them.
     bed, table, factor, pattern = arrays.bed, arrays.reflectivity, arrays.range_factor, arrays.pattern
@@ -148,38 +148,38 @@ def _hear_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
         visible_bed.edges,
         visible_bed.edge_count,
     )
-    grid, waves = NodeGrid(bed.x0, bed.y0, bed.spacing, bed.periodic), _waves(arrays, scatterers, pulse)
+    grid, waves = NodeGrid(bed.x0, bed.y0, bed.spacing, bed.periodic), _wave_scale(arrays, scatterers, pulse)
     bodies = near.size > 0 or arrays.mesh.skip.size > 0
     pitch = math.sqrt(LOT / scatterers.density)
     none, corners = math.exp(-LOT), _footprint(beam, bed.low, bed.high)
-    first, last = _rows(beam, corners, pitch)
+    first, last = _lattice_rows(beam, corners, pitch)
     for row in range(first, last):
-        begin, end = _columns(beam, corners, pitch, row)
+        begin, end = _lattice_columns(beam, corners, pitch, row)
         for column in range(begin, end):
             key = hash_integers(scatterers.seed, BED_SCATTERERS, column, row, 0)
             for member in range(_poisson(key, LOT, none)):
-                bits, more = _numbers(key, member)
-                x, y = (column + _upper(bits)) * pitch, (row + _lower(bits)) * pitch
+                bits, more = _random_bits(key, member)
+                x, y = (column + _upper_uniform(bits)) * pitch, (row + _lower_uniform(bits)) * pitch
                 height, nx, ny, nz, material = _bed_at(heights, materials, grid, x, y)
-                echo = _meet(beam, pattern, x, y, height, nx, ny, nz)
-                if echo.loudness > 0.0 and is_bed_visible(borders, reach, edges, edge_count, echo.sine, echo.level):
-                    if bodies and _behind_bodies(arrays.solids, arrays.mesh, near, beam, echo):
+                echo = _observe(beam, pattern, x, y, height, nx, ny, nz)
+                if echo.response > 0.0 and is_bed_visible(borders, reach, edges, edge_count, echo.sine, echo.level):
+                    if bodies and _is_behind_targets(arrays.solids, arrays.mesh, near, beam, echo):
                         continue
                     # The lattice is level: on a slope a square of it carries more bed.
-                    energy = _energy(table, material, echo) / nz
-                    _add(energy, echo.r, more, waves, factor, real, imaginary)
+                    energy = _mean_energy(table, material, echo) / nz
+                    _add_wave(energy, echo.r, more, waves, factor, real, imaginary)
 
 
 @inlined
-def _waves(arrays, scatterers, pulse):
+def _wave_scale(arrays, scatterers, pulse):
     cells = pulse.samples * pulse.cells
     return WaveScale(1.0 / scatterers.density, scatterers.per_wave, arrays.bin_length, cells, pulse.before)
 
 
 @kernel
-def _hear_bodies(arrays, beam, scatterers, near, pulse, signal):
+def _add_targets(arrays, beam, scatterers, near, pulse, signal):
     """Add what the scatterers on bodies send back: every patch of skin has lots of its own."""
-    patches, waves = scatterers.patches, _waves(arrays, scatterers, pulse)
+    patches, waves = scatterers.patches, _wave_scale(arrays, scatterers, pulse)
     for row in range(patches.kind.size):
         cx, cy, cz = patches.centre[row, 0] - beam.x, patches.centre[row, 1] - beam.y, patches.centre[row, 2] - beam.z
         if beam_touches_ball(beam, cx, cy, cz, math.sqrt(cx * cx + cy * cy + cz * cz), patches.bound[row]):
@@ -187,57 +187,57 @@ def _hear_bodies(arrays, beam, scatterers, near, pulse, signal):
             mean, lots = patches.area[row] * scatterers.density, math.ceil(patches.area[row] * scatterers.density / LOT)
             for lot in range(lots):
                 key = hash_integers(scatterers.seed, TARGET_SCATTERERS, patches.target[row], patches.number[row], lot)
-                _hear_lot(patch, material, key, mean / lots, arrays, beam, near, waves, signal)
+                _add_lot(patch, material, key, mean / lots, arrays, beam, near, waves, signal)
 
 
 @kernel
-def _hear_lot(patch, material, key, mean, arrays, beam, near, waves, signal):
+def _add_lot(patch, material, key, mean, arrays, beam, near, waves, signal):
     """Add what one lot of a patch sends back."""
     for member in range(_poisson(key, mean, math.exp(-mean))):
-        bits, more = _numbers(key, member)
-        place = sample_patch(patch, _upper(bits), _lower(bits))
-        echo = _meet(beam, arrays.pattern, place.x, place.y, place.z, place.nx, place.ny, place.nz)
+        bits, more = _random_bits(key, member)
+        place = sample_patch(patch, _upper_uniform(bits), _lower_uniform(bits))
+        echo = _observe(beam, arrays.pattern, place.x, place.y, place.z, place.nx, place.ny, place.nz)
         if patch.kind == FACE and echo.cosine < 0.0:
             # Sheets are heard from both sides.
-            echo = _meet(beam, arrays.pattern, place.x, place.y, place.z, -place.nx, -place.ny, -place.nz)
-        if echo.loudness > 0.0 and not _behind_bodies(arrays.solids, arrays.mesh, near, beam, echo):
+            echo = _observe(beam, arrays.pattern, place.x, place.y, place.z, -place.nx, -place.ny, -place.nz)
+        if echo.response > 0.0 and not _is_behind_targets(arrays.solids, arrays.mesh, near, beam, echo):
             bed, _, _, _, _ = meet_bed(arrays.bed, Ray(beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz), echo.r)
             if not bed < echo.r:
-                energy = _energy(arrays.reflectivity, material, echo)
-                _add(energy, echo.r, more, waves, arrays.range_factor, signal.real, signal.imaginary)
+                energy = _mean_energy(arrays.reflectivity, material, echo)
+                _add_wave(energy, echo.r, more, waves, arrays.range_factor, signal.real, signal.imaginary)
 
 
 @inlined
-def _meet(beam, pattern, x, y, z, nx, ny, nz):
+def _observe(beam, pattern, x, y, z, nx, ny, nz):
     """Meet a place of the world with its outward normal; NaN, where there is no bed, is not heard."""
     x, y, z = x - beam.x, y - beam.y, z - beam.z
     r = math.sqrt(x * x + y * y + z * z)
     dx, dy, dz = x / r, y / r, z / r
     cosine = -(nx * dx + ny * dy + nz * dz)
     level = math.sqrt(x * x + y * y)
-    loudness = 0.0
+    response = 0.0
     sine = dx * beam.axis_x + dy * beam.axis_y + dz * beam.axis_z
     ahead = dx * beam.side_x + dy * beam.side_y >= 0.0
     if ahead and r < beam.reach and cosine > 0.0 and beam.s_low <= sine <= beam.s_high:
-        loudness = two_way_response(pattern, beam, True, SONAR, dx, dy, dz, r) if pattern.tabulated else 1.0
-    return ScattererEcho(loudness, cosine, r, dx, dy, dz, level, (x * beam.ahead_x + y * beam.ahead_y) / level)
+        response = two_way_response(pattern, beam, True, SONAR, dx, dy, dz, r) if pattern.tabulated else 1.0
+    return ScattererEcho(response, cosine, r, dx, dy, dz, level, (x * beam.ahead_x + y * beam.ahead_y) / level)
 
 
 @inlined
-def _energy(table, material, echo):
+def _mean_energy(table, material, echo):
     """Mean energy of the echo per m² of its surface."""
     diffuse, specular, shininess = table[material, 0], table[material, 1], table[material, 2]
-    return echo.loudness * backscatter(echo.cosine, diffuse, specular, shininess)
+    return echo.response * backscatter(echo.cosine, diffuse, specular, shininess)
 
 
 @inlined
-def _add(energy, r, bits, waves, factor, real, imaginary):
+def _add_wave(energy, r, bits, waves, factor, real, imaginary):
     """Add the wave of one scatterer whose share of the area sends back that energy per m² on average."""
     place = r / waves.bin_length
     energy *= waves.share * factor[min(int(place), factor.size - 1)]
     # Circular Gaussian: the energy is exponential, the phase anything (Box and Muller).
-    modulus = math.sqrt(-energy * math.log(_upper(bits) + 0.5 * UNIT))
-    turns = r * waves.per_wave + _lower(bits)
+    modulus = math.sqrt(-energy * math.log(_upper_uniform(bits) + 0.5 * UNIT))
+    turns = r * waves.per_wave + _lower_uniform(bits)
     phase = 2.0 * math.pi * (turns - math.floor(turns))
     cell = waves.before + int(place * waves.cells)
     real[cell] += modulus * math.cos(phase)
@@ -245,7 +245,7 @@ def _add(energy, r, bits, waves, factor, real, imaginary):
 
 
 @kernel
-def _behind_bodies(solids, mesh, near, beam, echo):
+def _is_behind_targets(solids, mesh, near, beam, echo):
     """Whether any body lies nearer than a scatterer in its direction."""
     r = echo.r * (1.0 - GRAZED)
     for m in range(near.size):
@@ -274,16 +274,16 @@ def _bed_at(heights, materials, grid, x, y):
 
 
 @inlined
-def _rows(beam, corners, pitch):
+def _lattice_rows(beam, corners, pitch):
     """First row of the lattice that a trapezoid meets within reach, and the one after its last."""
     low, high = max(corners[:, 1].min(), beam.y - beam.reach), min(corners[:, 1].max(), beam.y + beam.reach)
     return math.floor(low / pitch), math.floor(high / pitch) + 1
 
 
 @inlined
-def _columns(beam, corners, pitch, row):
+def _lattice_columns(beam, corners, pitch, row):
     """Likewise the columns, in one row."""
-    low, high = _span(corners, row * pitch, (row + 1) * pitch)
+    low, high = _extent_in_x(corners, row * pitch, (row + 1) * pitch)
     low, high = max(low, beam.x - beam.reach), min(high, beam.x + beam.reach)
     return math.floor(low / pitch), math.floor(high / pitch) + 1
 
@@ -319,7 +319,7 @@ def _foremost(beam, sine, depth, across):
 
 
 @inlined
-def _span(corners, low, high):
+def _extent_in_x(corners, low, high):
     """Least and greatest x of a convex figure between two values of y."""
     least, greatest = EMPTY, -EMPTY
     for k in range(4):
@@ -340,7 +340,7 @@ def _span(corners, low, high):
 @inlined
 def _poisson(key, mean, none):
     """Draw the number of scatterers in a lot, by inversion; ``none`` is exp(-mean)."""
-    uniform, count, chance = _upper(key), 0, none
+    uniform, count, chance = _upper_uniform(key), 0, none
     while uniform > chance and none > 0.0:
         count += 1
         none *= mean / count
@@ -349,19 +349,19 @@ def _poisson(key, mean, none):
 
 
 @inlined
-def _numbers(key, member):
+def _random_bits(key, member):
     """Random bits of one scatterer: for its place, and for its wave."""
     bits = splitmix64(key ^ np.uint64(member + 1))
     return bits, splitmix64(bits)
 
 
 @inlined
-def _upper(bits):
+def _upper_uniform(bits):
     """Uniform number in [0, 1) from one half of 64 bits."""
     return np.float64(bits >> HALF) * UNIT
 
 
 @inlined
-def _lower(bits):
+def _lower_uniform(bits):
     """And from the other."""
     return np.float64(bits & LOW_HALF) * UNIT

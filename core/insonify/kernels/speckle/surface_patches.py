@@ -100,11 +100,11 @@ def sample_patch(patch, u, v):
         nx, ny = level * cos_turn, level * sin_turn
         x, y, z = patch.x + patch.radius * nx, patch.y + patch.radius * ny, patch.z + patch.radius * nz
         return SurfacePoint(x, y, z, nx, ny, nz)
-    return _on_frustum(patch, u, cos_turn, sin_turn)
+    return _sample_frustum(patch, u, cos_turn, sin_turn)
 
 
 @inlined
-def _on_frustum(patch, u, cos_turn, sin_turn):
+def _sample_frustum(patch, u, cos_turn, sin_turn):
     face, ax, ay, az = SIDE, patch.ax, patch.ay, patch.az
     if patch.kind == ROUND:
         # Both on the side of a cone and on a disc the area within grows as the square of the radius.

@@ -40,12 +40,12 @@ def deposit_partial_segment(segment, x_from, x_to, law, bin_length, bins):
         return
     # Slant range falls towards the foot of the perpendicular and grows beyond it.
     foot = min(max(-segment.slope * segment.offset / tilt, x_from), x_to)
-    _monotone(segment, x_from, foot, law, bin_length, bins)
-    _monotone(segment, foot, x_to, law, bin_length, bins)
+    _deposit_monotone(segment, x_from, foot, law, bin_length, bins)
+    _deposit_monotone(segment, foot, x_to, law, bin_length, bins)
 
 
 @kernel
-def _monotone(segment, x_from, x_to, law, bin_length, bins):
+def _deposit_monotone(segment, x_from, x_to, law, bin_length, bins):
     """Deposit a piece along which slant range grows or falls, in parts short against their range."""
     if x_to <= x_from:
         return

@@ -83,9 +83,9 @@ def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bi
     last, per_bin = bins.size - 2.0, 1.0 / arrays.bin_length
     # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
     knots = padded_count(count)
-    _steps(knots, echoes.energy, echoes.early)
-    _split(knots, echoes.r, per_bin, last, echoes.early, echoes.late, echoes.place)
-    _scatter(count, echoes.place, echoes.early, echoes.late, bins)
+    _density_steps(knots, echoes.energy, echoes.early)
+    _share_steps(knots, echoes.r, per_bin, last, echoes.early, echoes.late, echoes.place)
+    _add_steps(count, echoes.place, echoes.early, echoes.late, bins)
     # Taking an array out of a tuple of them costs as much as a piece: out of the loops with them.
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
     weights, launch, horizon, cut = echoes.weight, echoes.launch, echoes.horizon, echoes.cut
@@ -101,11 +101,11 @@ def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bi
                         start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
                         deposit_partial_segment(segment, start, x[i + 1], law, bin_length, bins)
         return
-    _deposit_covered(profile, count, arrays, sector, zbuffer, cells, echoes, bins)
+    _deposit_behind_targets(profile, count, arrays, sector, zbuffer, cells, echoes, bins)
 
 
 @kernel
-def _deposit_covered(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
+def _deposit_behind_targets(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
     """Deposit what bodies leave open of the segments that must be cut."""
     occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
@@ -138,7 +138,7 @@ def visible_from(segment, x_from, x_to, launch, horizon):
 
 
 @inlined_uncounted
-def _steps(count, energy, change):
+def _density_steps(count, energy, change):
     """By how much the density changes at each knot; beyond the last one there is no energy."""
     change[0] = np.int64(energy[0])
     for i in range(1, count):
@@ -146,7 +146,7 @@ def _steps(count, energy, change):
 
 
 @inlined_uncounted
-def _split(count, r, per_bin, last, early, late, place):
+def _share_steps(count, r, per_bin, last, early, late, place):
     """Share each step between the bin it falls in and the next.
 
     Where there is a hole in the bed position is NaN, which compares false, and there is nothing to share.
@@ -163,7 +163,7 @@ def _split(count, r, per_bin, last, early, late, place):
 
 
 @inlined_uncounted
-def _scatter(count, place, early, late, bins):
+def _add_steps(count, place, early, late, bins):
     """Add each step to its bins, the places of which are whole numbers from 0."""
     for i in range(count):
         k = np.uint32(place[i])

@@ -64,16 +64,16 @@ def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, 
     x, z, area, knots = profile.x, profile.z, profile.area, padded_count(count)
     _slant_ranges(knots, x, z, echoes.r)
     _launch_slopes(knots, x, z, echoes.launch)
-    _horizons(count, echoes.launch, echoes.horizon)
-    _measure(knots, profile, echoes, arrays.law, arrays.bin_length)
+    _running_horizon(count, echoes.launch, echoes.horizon)
+    _measure_segments(knots, profile, echoes, arrays.law, arrays.bin_length)
     if sector.angle > 0.0 or sector.tabulated or sector.bent:
         # A place in a pattern's table is not to be looked up by rubbish.
         weigh_knots(
             x[: count if sector.tabulated else knots], z, echoes.r, sector, arrays.pattern, arrays.law, echoes.weight
         )
         if sector.bent and arrays.law != LIGHT:
-            _amplify(knots, profile.gain, echoes.weight)
-        _multiply(knots, echoes.weight, echoes.scale)
+            _apply_gain(knots, profile.gain, echoes.weight)
+        _apply_weights(knots, echoes.weight, echoes.scale)
     cos_squared, scale, table = echoes.cos_squared, echoes.scale, arrays.reflectivity
     scatter_segments(knots, profile.material, table, arrays.bed.mapped, arrays.law, cos_squared, scale, echoes.energy)
     _mark_cut(knots, echoes.launch, echoes.horizon, area, hidden_from, hidden_to, echoes.cut, echoes.energy)
@@ -97,7 +97,7 @@ def _launch_slopes(count, x, z, launch):
 
 
 @inlined_uncounted
-def _horizons(count, launch, horizon):
+def _running_horizon(count, launch, horizon):
     """Greatest launch slope so far: along four stretches side by side, each then lifted to the end of those before it.
 
     NaN, a hole in the bed, compares false and hides nothing.
@@ -114,19 +114,19 @@ def _horizons(count, launch, horizon):
     for i in range(four, count):
         d = launch[i] if launch[i] > d else d
         horizon[i] = d
-    _lift(horizon[quarter:two], a)
-    _lift(horizon[two:three], max(a, b))
-    _lift(horizon[three:count], max(a, b, c))
+    _raise_horizon(horizon[quarter:two], a)
+    _raise_horizon(horizon[two:three], max(a, b))
+    _raise_horizon(horizon[three:count], max(a, b, c))
 
 
 @inlined_uncounted
-def _lift(horizon, least):
+def _raise_horizon(horizon, least):
     for i in range(horizon.size):
         horizon[i] = horizon[i] if horizon[i] > least else least
 
 
 @inlined_uncounted
-def _measure(segments, profile, echoes, law, bin_length):
+def _measure_segments(segments, profile, echoes, law, bin_length):
     """Tell the incidence of segments and how energetic they are, and which are too long to be of one density.
 
     The incidence, its cosine squared, is that at the middle, from the height of the segment's line over nadir. Law
@@ -183,13 +183,13 @@ def _weigh_pattern(x, z, r, sector, parts, out):
 
 
 @inlined_uncounted
-def _amplify(count, gain, weights):
+def _apply_gain(count, gain, weights):
     for i in range(count):
         weights[i] *= gain[i]
 
 
 @inlined_uncounted
-def _multiply(segments, weights, scale):
+def _apply_weights(segments, weights, scale):
     """Apply the mean weight of each segment's two knots."""
     half = scale.dtype.type(0.5)
     for i in range(segments):

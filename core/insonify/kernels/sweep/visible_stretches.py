@@ -37,11 +37,11 @@ def find_visible_bed(arrays, poses, ping, side, planes, profile, visible_bed):
         plane, _, reach = aim_plane(arrays, poses, ping, side, planes, k, straight_grid())
         knots = slice_bed(arrays.bed, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
         visible_bed.reach[k] = reach
-        visible_bed.edge_count[k] = _mark(knots, profile.x, profile.z, profile.area, visible_bed.edges[k])
+        visible_bed.edge_count[k] = _mark_visible(knots, profile.x, profile.z, profile.area, visible_bed.edges[k])
 
 
 @inlined
-def _mark(knots, x, z, area, edges):
+def _mark_visible(knots, x, z, area, edges):
     """Walk a profile outward with one running horizon; return how many edges what is in sight has."""
     count, horizon = 0, NADIR
     for i in range(knots - 1):

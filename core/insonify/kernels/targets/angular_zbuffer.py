@@ -78,7 +78,7 @@ def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
         return primitives
     solid_primitives = primitives
     if arrays.mesh.target.size > 0:
-        primitives = cut_mesh(arrays.mesh, arrays.solids.shape.size, plane, reach, zbuffer, primitives)
+        primitives = _cut_mesh(arrays.mesh, arrays.solids.shape.size, plane, reach, zbuffer, primitives)
     if sector.bent and primitives > 0:
         solid_primitives, primitives = apply_apparent_sources(
             arrays, plane, sector.angle == 0.0, table, grid, zbuffer, solid_primitives, primitives
@@ -103,11 +103,11 @@ def _cut_solids(solids, plane, reach, zbuffer):
 
 
 @kernel_uncounted
-def cut_mesh(mesh, first_body, plane, reach, zbuffer, primitives):
+def _cut_mesh(mesh, first_body, plane, reach, zbuffer, primitives):
     """Add the lines in which a plane cuts the triangles ahead of the sonar; return the number of parts."""
     node = 0
     while node < mesh.skip.size:
-        if not _crossed(mesh.low[node], mesh.high[node], plane, reach):
+        if not _may_cut_box(mesh.low[node], mesh.high[node], plane, reach):
             node = mesh.skip[node]
             continue
         for k in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
@@ -117,7 +117,7 @@ def cut_mesh(mesh, first_body, plane, reach, zbuffer, primitives):
 
 
 @inlined_uncounted
-def _crossed(low, high, plane, reach):
+def _may_cut_box(low, high, plane, reach):
     """Whether a plane may cut a box ahead of the sonar, within reach."""
     cx, cy = 0.5 * (low[0] + high[0]) - plane.x, 0.5 * (low[1] + high[1]) - plane.y
     hx, hy = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])
@@ -132,7 +132,7 @@ def _cut_triangle(corners, body, plane, zbuffer, primitives):
     ends = 0
     for k in range(3):
         following = k + 1 if k < 2 else 0
-        here, there = _across(corners[k], plane), _across(corners[following], plane)
+        here, there = _signed_distance(corners[k], plane), _signed_distance(corners[following], plane)
         if (here < 0.0) == (there < 0.0):
             continue
         # From the negative side to the positive: both triangles at an edge find the same point to the last bit.
@@ -146,7 +146,7 @@ def _cut_triangle(corners, body, plane, zbuffer, primitives):
         ends += 1
         if ends == 2:
             break
-    if ends < 2 or not _keep_ahead(zbuffer.line[primitives]):
+    if ends < 2 or not _clip_ahead(zbuffer.line[primitives]):
         return primitives
     line = zbuffer.line[primitives]
     one, other = math.atan2(line[1], line[0]), math.atan2(line[3], line[2])
@@ -157,13 +157,13 @@ def _cut_triangle(corners, body, plane, zbuffer, primitives):
 
 
 @inlined_uncounted
-def _across(corner, plane):
+def _signed_distance(corner, plane):
     """Signed distance of a corner from the plane."""
     return (corner[0] - plane.x) * plane.ey - (corner[1] - plane.y) * plane.ex
 
 
 @inlined_uncounted
-def _keep_ahead(line):
+def _clip_ahead(line):
     """Cut off what lies behind the sonar; whether anything is left."""
     if line[0] <= 0.0 and line[2] <= 0.0:
         return False

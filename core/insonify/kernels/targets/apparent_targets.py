@@ -49,7 +49,7 @@ def load_apparent_source(bent, row):
 
 
 @inlined_uncounted
-def store_apparent_source(source, row):
+def _store_apparent_source(source, row):
     """Put a lens into its row of the screen."""
     row[0], row[1], row[2], row[3] = (
         source.launch_cosine,
@@ -75,7 +75,7 @@ def arrival_direction(source, c, s):
 
 
 @inlined_uncounted
-def _launched(source, angle):
+def _launch_from_arrival(source, angle):
     """Launch angle of the ray that comes to the part at an angle."""
     turned = angle - math.atan2(source.arrival_sine, source.arrival_cosine)
     launch = math.atan2(source.launch_sine, source.launch_cosine)
@@ -100,31 +100,38 @@ def apply_apparent_sources(arrays, plane, one_wide, table, grid, zbuffer, bodies
         status, low, high = section_solid(arrays.solids, k, plane_from_source(source, plane), rim)
         if status > 0:
             for end in range(rim.size):
-                rim[end] = _launched(source, rim[end]) if abs(rim[end]) <= math.pi else rim[end]
-            kept = _keep(zbuffer, kept, k, source, max(_launched(source, low), DOWN), min(_launched(source, high), UP))
+                rim[end] = _launch_from_arrival(source, rim[end]) if abs(rim[end]) <= math.pi else rim[end]
+            kept = _keep_primitive(
+                zbuffer,
+                kept,
+                k,
+                source,
+                max(_launch_from_arrival(source, low), DOWN),
+                min(_launch_from_arrival(source, high), UP),
+            )
     bodies_kept = kept
     for p in range(bodies, primitives):
-        source = _bend_line(zbuffer.line[p], one_wide, loud, table, grid)
+        source = _apparent_source_of_line(zbuffer.line[p], one_wide, loud, table, grid)
         for end in range(4):
             zbuffer.line[kept, end] = zbuffer.line[p, end]
         line = zbuffer.line[kept]
         one, other = math.atan2(line[1], line[0]), math.atan2(line[3], line[2])
-        kept = _keep(zbuffer, kept, zbuffer.body[p], source, min(one, other), max(one, other))
+        kept = _keep_primitive(zbuffer, kept, zbuffer.body[p], source, min(one, other), max(one, other))
     return bodies_kept, kept
 
 
 @inlined_uncounted
-def _keep(zbuffer, kept, body, source, low, high):
+def _keep_primitive(zbuffer, kept, body, source, low, high):
     """Enter a part after so many others, if it is not seen edge-on; return their number."""
     if high - low <= SAME:
         return kept
     zbuffer.body[kept], zbuffer.low[kept], zbuffer.high[kept] = body, low, high
-    store_apparent_source(source, zbuffer.source[kept])
+    _store_apparent_source(source, zbuffer.source[kept])
     return kept + 1
 
 
 @inlined_uncounted
-def _gain(wide, tube, one_wide, loud):
+def _energy_gain(wide, tube, one_wide, loud):
     """Tell what energy must be multiplied by, as `bend_profile` has it; law `light` does not spread."""
     if not loud:
         return 1.0
@@ -132,7 +139,7 @@ def _gain(wide, tube, one_wide, loud):
 
 
 @inlined_uncounted
-def _bend_line(line, one_wide, loud, table, grid):
+def _apparent_source_of_line(line, one_wide, loud, table, grid):
     """Put the ends of a triangle's line where they seem to be; return its lens."""
     x, z = 0.5 * (line[0] + line[2]), 0.5 * (line[1] + line[3])
     wide, _, tube, turn = look_up_position(table, grid, x, z)
@@ -140,22 +147,22 @@ def _bend_line(line, one_wide, loud, table, grid):
         level, rise, _, _ = look_up_position(table, grid, line[end], line[end + 1])
         line[end] *= 1.0 + level
         line[end + 1] += rise
-    gain = _gain(1.0 + wide, 1.0 + tube, one_wide, loud)
+    gain = _energy_gain(1.0 + wide, 1.0 + tube, one_wide, loud)
     return ApparentSource(True, 1.0, 0.0, math.cos(turn), math.sin(turn), 1.0, 0.0, 1.0, gain, 1.0 + wide, 0.0, 0.0)
 
 
 @inlined_uncounted
 def _apparent_source_of_solid(solids, k, plane, one_wide, loud, table, grid):
     """Lens of a convex body, from the ray to the middle of what the plane cuts of it."""
-    x, z = _middle(solids, k, plane)
+    x, z = _middle_of_section(solids, k, plane)
     wide, rise, tube, turn = look_up_position(table, grid, x, z)
     seen_x, seen_z = x * (1.0 + wide), z + rise
     r = max(math.sqrt(seen_x * seen_x + seen_z * seen_z), NEAREST)
     launch = math.atan2(seen_z, seen_x)
     c, s = math.cos(launch + turn), math.sin(launch + turn)
     ahead = min(SECANT, 0.5 * r)
-    near_r, near_q = _front(x - ahead * c, z - ahead * s, table, grid)
-    far_r, far_q = _front(x + ahead * c, z + ahead * s, table, grid)
+    near_r, near_q = _wavefront(x - ahead * c, z - ahead * s, table, grid)
+    far_r, far_q = _wavefront(x + ahead * c, z + ahead * s, table, grid)
     opening = min(max((far_q - near_q) / (2.0 * ahead), LEAST_OPENING), MOST_OPENING)
     gauge = (far_r - near_r) / (2.0 * ahead)
     away = (1.0 + tube) * r / opening  # radius of the wavefront
@@ -168,7 +175,7 @@ def _apparent_source_of_solid(solids, k, plane, one_wide, loud, table, grid):
         opening,
         near_r - gauge * (away - ahead),
         gauge,
-        _gain(1.0 + wide, 1.0 + tube, one_wide, loud),
+        _energy_gain(1.0 + wide, 1.0 + tube, one_wide, loud),
         1.0 + wide,
         x - away * c,
         z - away * s,
@@ -176,7 +183,7 @@ def _apparent_source_of_solid(solids, k, plane, one_wide, loud, table, grid):
 
 
 @inlined_uncounted
-def _front(x, z, table, grid):
+def _wavefront(x, z, table, grid):
     """Slant range of a place, and distance across the rays there per launch angle."""
     wide, rise, tube, _ = look_up_position(table, grid, x, z)
     seen_x, seen_z = x * (1.0 + wide), z + rise
@@ -185,7 +192,7 @@ def _front(x, z, table, grid):
 
 
 @inlined_uncounted
-def _middle(solids, k, plane):
+def _middle_of_section(solids, k, plane):
     """Ground range and height above the sonar of the middle of what a plane cuts of a body."""
     x, y, z = solids.start[k, 0] - plane.x, solids.start[k, 1] - plane.y, solids.start[k, 2] - plane.z
     if solids.shape[k] == SPHERE:

@@ -49,7 +49,7 @@ def next_visible(occlusion, segment, start, stop):
     opened, closed = stop, stop
     while start < stop:
         end = min(edge[cell + 1], stop) if cell + 1 < edge.size else stop
-        low, high = _open_part(edge, nearness_cosine, nearness_sine, cell, segment, start, end)
+        low, high = _visible_part(edge, nearness_cosine, nearness_sine, cell, segment, start, end)
         if opened < stop and not low == start < high:
             break
         if low < high:
@@ -61,7 +61,7 @@ def next_visible(occlusion, segment, start, stop):
 
 
 @inlined_uncounted
-def _open_part(edge, nearness_cosine, nearness_sine, cell, segment, start, end):
+def _visible_part(edge, nearness_cosine, nearness_sine, cell, segment, start, end):
     """Part of a stretch of launch angles within one cell in which the bed is nearer than what is nearest there."""
     if cell < 0 or cell >= edge.size - 1:
         return start, end

@@ -69,12 +69,12 @@ def intersect_primitive(primitive, c, s):
     through = primitive.source.bent and primitive.kind != TRIANGLE
     if through:
         c, s = arrival_direction(primitive.source, c, s)
-    distance, incidence = _meet(primitive, c, s)
+    distance, incidence = _intersect_straight(primitive, c, s)
     return (primitive.source.offset + primitive.source.gauge * distance if through else distance), incidence
 
 
 @inlined_uncounted
-def _meet(primitive, c, s):
+def _intersect_straight(primitive, c, s):
     """Likewise, from where the sonar seems to be."""
     if primitive.kind == TRIANGLE:
         distance = (primitive.x * primitive.az - primitive.z * primitive.ax) / (c * primitive.az - s * primitive.ax)

@@ -15,7 +15,7 @@ ACROSS, ALONG, KIND = 0, 1, 2
 
 
 @kernel
-def distance_to_square(place, square):
+def _distance_to_square(place, square):
     """Distance along one axis from a place to a unit square, 0 inside."""
     return max(square - place, place - square - 1.0, 0.0)
 
@@ -30,7 +30,7 @@ def nearest_seed_hash(seed, stream, u, v, repeat):
         j = row + (step_v + 1) // 2 * (1 - 2 * (step_v % 2))
         for step_u in range(2 * REACH + 1):
             i = column + (step_u + 1) // 2 * (1 - 2 * (step_u % 2))
-            if distance_to_square(u, i) ** 2 + distance_to_square(v, j) ** 2 >= nearest:
+            if _distance_to_square(u, i) ** 2 + _distance_to_square(v, j) ** 2 >= nearest:
                 continue
             a, b = (i % repeat, j % repeat) if repeat > 0 else (i, j)
             du = i + hash_uniform(seed, stream, a, b, ACROSS) - u
