@@ -1,4 +1,8 @@
-"""What a plane of the beam stands for: a beam is a cone, a plane is not."""
+"""Azimuth sectors: what share of a conical beam each plane of a fan stands for.
+
+A beam is a cone, a plane is not: planes decide what is visible, sectors weigh it. Derived in
+docs/theory/beam.md.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +18,9 @@ LINEAR_SINE = 0.3  # sin φ up to which azimuths are proportional to it, to 1 %
 
 
 class AzimuthSector(NamedTuple):
-    """One plane of a beam: a wedge of azimuths on either hand of it."""
+    """One plane of a beam: a sector of azimuths on either hand of it."""
 
-    s_low: float  # |sin φ| where the wedge begins; with a pattern sin φ itself, positive towards the bow
+    s_low: float  # |sin φ| where the sector begins; with a pattern sin φ itself, positive towards the bow
     s_high: float  # and where it ends
     angle: float  # azimuth it stands for, rad; 0 marks a knife
     far_angle: float  # azimuth it stands for in the far field, where it widens with the cone; 0 for an outer plane
@@ -35,7 +39,18 @@ class AzimuthSector(NamedTuple):
 
 @inlined_uncounted
 def raise_sector(sector, near_field):
-    """Return the wedge as an image of the sonar has it, from higher up: the far field begins farther out."""
+    """Sector of a plane as an image of the sonar has it, from higher up: the far field begins farther out.
+
+    Parameters
+    ----------
+    sector : AzimuthSector
+    near_field : float
+        Ground range at which its far field begins, m.
+
+    Returns
+    -------
+    AzimuthSector
+    """
     return AzimuthSector(
         sector.s_low, sector.s_high, sector.angle, sector.far_angle, near_field, sector.s_beam, sector.span,
         sector.tabulated, sector.bent, sector.ahead_level, sector.ahead_up, sector.side_x, sector.side_z, sector.up_x,
@@ -45,10 +60,21 @@ def raise_sector(sector, near_field):
 
 @inlined_uncounted
 def sector_weight(x, z, r, sector, pattern, law):
-    """Tell what a plane stands for at ground range x, height z, slant range r: the factor its beam puts on an echo.
+    """Factor that a plane's sector puts on an echo at one place.
 
-    Law `sonar`: the along-track width in metres, less where the beam is less sensitive; 1 m for a knife. Law `light`:
-    the share of the beam, for it averages.
+    Parameters
+    ----------
+    x, z, r : float
+        Ground range, height above the sonar and slant range of the place, m.
+    sector : AzimuthSector
+    pattern : BeamPattern
+    law : int
+
+    Returns
+    -------
+    float
+        Law SONAR: the along-track width in metres, less where the beam is less sensitive; 1 m for a knife.
+        Law LIGHT: the share of the beam, for it averages.
     """
     if sector.tabulated:
         return _pattern_weight(x, z, r, sector, pattern, law)
@@ -59,45 +85,78 @@ def sector_weight(x, z, r, sector, pattern, law):
 
 @inlined_uncounted
 def top_hat_width(x, r, sector):
-    """Along-track width that a plane of a top-hat stands for.
+    """Along-track width that a plane of a top-hat beam stands for.
 
-    A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner wedges stretch with it, nearer
+    A beam is a cone: |sin φ_b| = cos θ |sin φ| <= sin(w/2). In the far field the inner sectors stretch with it, nearer
     by each counts by the share of its azimuths that the cone takes in. Both add up to the whole beam, and so does
     what lies between them: over a stretch of range one passes into the other.
+
+    Parameters
+    ----------
+    x, r : float
+        Ground range and slant range, m.
+    sector : AzimuthSector
+
+    Returns
+    -------
+    float
+        m.
     """
     near = x * _azimuth_taken_in(x, r, sector) if sector.s_high > LINEAR_SINE else _width_taken_in(x, r, sector)
-    return near + _far_field_share(x, sector) * (r * sector.far_angle - near)
+    return near + _far_field_share(x, sector) * (r * sector.far_angle - near)  # docs/theory/beam.md
 
 
 @inlined_uncounted
 def _far_field_share(x, sector):
-    """How far the far field has taken over at a ground range."""
+    """How far the far field has taken over at a ground range, 0 to 1."""
     return min(max((x - sector.near_field) * (1.0 / (TRANSITION * sector.near_field)), 0.0), 1.0)
 
 
 @inlined_uncounted
 def top_hat_share(x, r, sector):
-    """Share of a top-hat's azimuths at that place which the plane stands for."""
+    """Share of a top-hat beam's azimuths at a place that a plane stands for.
+
+    Parameters
+    ----------
+    x, r : float
+        Ground range and slant range, m.
+    sector : AzimuthSector
+
+    Returns
+    -------
+    float
+    """
     near = _azimuth_taken_in(x, r, sector) / (2.0 * arcsine(min(sector.s_beam * r / x, 1.0)))
     return near + _far_field_share(x, sector) * (sector.far_angle / sector.span - near)
 
 
 @inlined_uncounted
 def _width_taken_in(x, r, sector):
-    """Width that the cone takes in of a wedge so narrow that azimuths are proportional to their sines."""
+    """Width that the cone takes in of a sector so narrow that azimuths are proportional to their sines."""
     per_sine = sector.angle / (sector.s_high - sector.s_low)
     return min(max((sector.s_beam * r - sector.s_low * x) * per_sine, 0.0), x * sector.angle)
 
 
 @inlined_uncounted
 def _azimuth_taken_in(x, r, sector):
-    """Azimuth that the cone takes in of any wedge: its part with |sin φ| <= sin(w/2) / cos θ."""
+    """Azimuth that the cone takes in of any sector: its part with |sin φ| <= sin(w/2) / cos θ."""
+    # |sin φ| <= sin(w/2) / cos θ: docs/theory/beam.md
     return min(max(arcsine(min(sector.s_beam * r / x, 1.0)) - arcsine(sector.s_low), 0.0), sector.angle)
 
 
 @inlined_uncounted
 def arcsine(s):
-    """Arcsine from 0 to 1, to 2e-8, in a form that the vector units can take (Abramowitz and Stegun, 4.4.46)."""
+    """Arcsine from 0 to 1, to 2e-8, in a form that the vector units can take (Abramowitz and Stegun 1964, 4.4.46).
+
+    Parameters
+    ----------
+    s : float
+
+    Returns
+    -------
+    float
+        rad.
+    """
     tail = 0.0308918810 + s * (-0.0170881256 + s * (0.0066700901 - s * 0.0012624911))
     series = 1.5707963050 + s * (-0.2145988016 + s * (0.0889789874 + s * (-0.0501743046 + s * tail)))
     return 0.5 * math.pi - math.sqrt(1.0 - s) * series
@@ -105,7 +164,7 @@ def arcsine(s):
 
 @inlined_uncounted
 def _pattern_weight(x, z, r, sector, pattern, law):
-    """Likewise for a beam with a pattern, of a fish that may pitch and roll."""
+    """Factor that a plane's sector puts on an echo, with a tabulated pattern and a fish that pitches and rolls."""
     response = in_plane_response(x / r, z / r, sector, pattern)
     if sector.angle == 0.0 or response == 0.0:
         return response
@@ -114,7 +173,7 @@ def _pattern_weight(x, z, r, sector, pattern, law):
     width = pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_octave)
     if law != LIGHT:
         return response * width
-    # Law `light` averages over all that the beam hears there.
+    # Law `light` averages over all that the beam takes in there.
     level, tip = sector.ahead_level * x / r, sector.ahead_up * z / r
     if widest_extent(pattern) < LINEAR_SINE * level:
         ends = tip - level, tip + level
@@ -126,7 +185,19 @@ def _pattern_weight(x, z, r, sector, pattern, law):
 
 @inlined_uncounted
 def in_plane_response(c, s, sector, pattern):
-    """Sensitivity of the vertical beam along a plane, in the direction (c, s)."""
+    """Two-way response of the vertical beam along a plane.
+
+    Parameters
+    ----------
+    c, s : float
+        Cosine and sine of the launch angle.
+    sector : AzimuthSector
+    pattern : BeamPattern
+
+    Returns
+    -------
+    float
+    """
     if pattern.vertical == EVERY_GRAZING:
         return 1.0
     return vertical_response(pattern, sector.side_x * c + sector.side_z * s, sector.up_x * c + sector.up_z * s)
@@ -134,10 +205,23 @@ def in_plane_response(c, s, sector, pattern):
 
 @inlined_uncounted
 def pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_octave):
-    """Along-track width that a plane of a pattern stands for.
+    """Along-track width that a plane of a tabulated pattern stands for.
 
     Along the plane of azimuth φ, s = cos p cos θ sin φ + sin p sin θ is the part of the direction along the fish's
-    axis; the mean of the pattern over the wedge is its integral over s between the wedge's borders.
+    axis; the mean of the pattern over the sector is its integral over s between the sector's borders.
+
+    Parameters
+    ----------
+    x, z, r : float
+        Ground range, height above the sonar and slant range of the place, m.
+    sector : AzimuthSector
+    centre, extent, integral, first_range, per_octave
+        Of the BeamPattern.
+
+    Returns
+    -------
+    float
+        m, less where the beam is less sensitive.
     """
     level, tip = sector.ahead_level * x / r, sector.ahead_up * z / r
     span = level * (sector.s_high - sector.s_low)

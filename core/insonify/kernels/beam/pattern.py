@@ -1,4 +1,4 @@
-"""The beam's pattern, read from its table, and the azimuths at which to listen to it."""
+"""Beam patterns read from their tables: the response in one direction or over many, and azimuths to sample it at."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SLICES = 16  # of the azimuths over which a pattern is averaged
 
 @inlined_uncounted
 def _table_response(pattern, s, r):
-    """Sensitivity in the directions of s at slant range r: bilinear in s and log r."""
+    """Two-way response in the directions of s at a slant range, bilinear in s and log r."""
     row, share = _row(pattern, r)
     response = _energy(pattern, row, s)
     return response + share * (_energy(pattern, row + 1, s) - response) if share > 0.0 else response
@@ -20,9 +20,22 @@ def _table_response(pattern, s, r):
 
 @inlined_uncounted
 def integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r):
-    """Integral of the sensitivity over s between two values, at slant range r.
+    """Integral of the two-way response over s between two values, at one slant range.
 
     It takes the pattern's parts, for taking one out costs more than a look into the table.
+
+    Parameters
+    ----------
+    centre, extent, integral, first_range, per_octave
+        Of the BeamPattern.
+    s_low, s_high : float
+        Sines of the angles from the plane athwart the fish.
+    r : float
+        Slant range, m.
+
+    Returns
+    -------
+    float
     """
     row, share = _place(extent, first_range, per_octave, r)
     response = _step(centre, extent[row], integral, row, s_low, s_high)
@@ -47,13 +60,13 @@ def _step(centre, extent, integral, row, s_low, s_high):
 
 @inlined_uncounted
 def _row(pattern, r):
-    """Row of the table that a slant range falls in, and how far it is on its way to the next."""
+    """Row of the table for a slant range, and how far that is on its way to the next row."""
     return _place(pattern.extent, pattern.first_range, pattern.per_octave, r)
 
 
 @inlined_uncounted
 def _column(pattern, row, s):
-    """Column of one row that s falls at, whole or not; beyond its ends outside the table."""
+    """Column of one row for a value of s, whole or not; beyond its ends outside the table."""
     extent = pattern.extent[row]
     return (s - pattern.centre + extent) / (2.0 * extent) * (pattern.energy.shape[1] - 1)
 
@@ -83,7 +96,7 @@ def _integral(pattern, row, s):
 
 @inlined_uncounted
 def _energy(pattern, row, s):
-    """Sensitivity of one row at s, nothing beyond its extent."""
+    """Two-way response of one row at s, 0 beyond its extent."""
     columns, place = pattern.energy.shape[1], _column(pattern, row, s)
     if not 0.0 <= place <= columns - 1:
         return 0.0
@@ -93,7 +106,17 @@ def _energy(pattern, row, s):
 
 @inlined_uncounted
 def widest_extent(pattern):
-    """Greatest extent of any row."""
+    """Greatest extent of any row of a pattern.
+
+    Parameters
+    ----------
+    pattern : BeamPattern
+
+    Returns
+    -------
+    float
+        In s, on either hand of the pattern's centre.
+    """
     extent = 0.0
     for row in range(pattern.extent.size):
         extent = max(extent, pattern.extent[row])
@@ -102,10 +125,25 @@ def widest_extent(pattern):
 
 @inlined_uncounted
 def pick_azimuth(pattern, level, tip, r, place):
-    """Pick the azimuth of a ray for a place in [0, 1), and the angle it stands for: (azimuth, angle).
+    """Azimuth of a ray within a beam, and the angle it stands for.
 
-    Over azimuths φ, s = level · sin φ + tip. Half the rays are spread evenly over all that is heard, for the sidelobes;
-    half as the pattern has it at slant range r, for the main lobe. Each stands for one over the density of both.
+    Over azimuths φ, s = level · sin φ + tip. Half the rays are spread evenly over all that the beam takes in, for the
+    sidelobes; half as the pattern has it, for the main lobe. Each stands for one over the density of both.
+
+    Parameters
+    ----------
+    pattern : BeamPattern
+    level, tip : float
+        Parts of s for the ray's elevation and the fish's pitch.
+    r : float
+        Slant range for which the pattern is taken, m.
+    place : float
+        Place of the ray in [0, 1).
+
+    Returns
+    -------
+    tuple of two float
+        Azimuth from athwart and the angle it stands for, rad; both 0 if the beam takes in nothing.
     """
     extent = widest_extent(pattern)
     low = min(max((pattern.centre - extent - tip) / level, -1.0), 1.0)
@@ -130,7 +168,7 @@ def pick_azimuth(pattern, level, tip, r, place):
 
 @inlined_uncounted
 def _where_integral(pattern, row, value):
-    """Find s at which the integral of one row reaches a value."""
+    """Value of s at which the integral of one row reaches a value."""
     low, high = 0, pattern.integral.shape[1] - 1
     while high - low > 1:
         middle = (low + high) // 2
@@ -146,7 +184,7 @@ def _where_integral(pattern, row, value):
 
 @inlined_uncounted
 def _mean_energy(pattern, row, s):
-    """Mean sensitivity of one row over the column that s falls in: the slope of its integral."""
+    """Mean response of one row over the column that s falls in: the slope of its integral."""
     columns, place = pattern.integral.shape[1], _column(pattern, row, s)
     if not 0.0 <= place <= columns - 1:
         return 0.0
@@ -156,7 +194,21 @@ def _mean_energy(pattern, row, s):
 
 @inlined_uncounted
 def azimuthal_response(pattern, level, tip, r):
-    """Integral of the sensitivity over all azimuths of one side at slant range r, where s = level · sin φ + tip."""
+    """Integral of the two-way response over all azimuths of one side, where s = level · sin φ + tip.
+
+    Parameters
+    ----------
+    pattern : BeamPattern
+    level, tip : float
+        Parts of s for the elevation and the fish's pitch.
+    r : float
+        Slant range, m.
+
+    Returns
+    -------
+    float
+        rad.
+    """
     extent = widest_extent(pattern)
     low = math.asin(min(max((pattern.centre - extent - tip) / level, -1.0), 1.0))
     high = math.asin(min(max((pattern.centre + extent - tip) / level, -1.0), 1.0))
@@ -175,7 +227,18 @@ def azimuthal_response(pattern, level, tip, r):
 
 @inlined_uncounted
 def vertical_response(pattern, side, up):
-    """Sensitivity of the vertical beam in a direction with these parts along the fish's own side and up."""
+    """Two-way response of the vertical beam in a direction.
+
+    Parameters
+    ----------
+    pattern : BeamPattern
+    side, up : float
+        Parts of the direction along the fish's own side and up.
+
+    Returns
+    -------
+    float
+    """
     c, s = math.cos(pattern.tilt), math.sin(pattern.tilt)
     # Parts of the direction along the tilted axis, and at right angles to it.
     along, off = side * c - up * s, (up * c + side * s) / pattern.s_vertical
@@ -188,7 +251,27 @@ def vertical_response(pattern, side, up):
 
 @inlined_uncounted
 def two_way_response(pattern, beam, fan, law, dx, dy, dz, r):
-    """Sensitivity of a pattern in a direction of the world; law `light` averages over its azimuths."""
+    """Two-way response of a beam in a direction of the world.
+
+    Parameters
+    ----------
+    pattern : BeamPattern
+    beam : SideBeam
+        Axes of one side of one ping.
+    fan : bool
+        Whether the beam has a width along the track; of a knife the vertical beam alone counts.
+    law : int
+        LIGHT averages over the beam's azimuths, SONAR integrates.
+    dx, dy, dz : float
+        Unit direction.
+    r : float
+        Slant range, m.
+
+    Returns
+    -------
+    float
+        1 on the axis far away; of law LIGHT per radian of azimuth.
+    """
     value = 1.0
     if pattern.vertical != EVERY_GRAZING:
         side = dx * beam.own_x + dy * beam.own_y + dz * beam.own_z
@@ -204,13 +287,31 @@ def two_way_response(pattern, beam, fan, law, dx, dy, dz, r):
 
 @kernel
 def ring_responses(pattern, x, r, out):
-    """Azimuth that a level fish's beam takes in, by its sensitivity, of rings at ground ranges x and slant ranges r."""
+    """Azimuth that a level fish's beam takes in of rings on the bed, weighted by its two-way response.
+
+    Parameters
+    ----------
+    pattern : BeamPattern
+    x, r : ndarray of float64, shape (n,)
+        Ground ranges and slant ranges of the rings, m.
+    out : ndarray of float64, shape (n,)
+        Takes the azimuths, rad.
+    """
     for k in range(x.size):
         out[k] = azimuthal_response(pattern, x[k] / r[k], 0.0, r[k]) if x[k] > 0.0 else 0.0
 
 
 @kernel
 def vertical_responses(pattern, elevation, out):
-    """Sensitivity of the vertical beam of a level fish at elevations above the horizontal, in radians."""
+    """Two-way response of the vertical beam of a level fish at many elevations.
+
+    Parameters
+    ----------
+    pattern : BeamPattern
+    elevation : ndarray of float64, shape (n,)
+        Above the horizontal, rad.
+    out : ndarray of float64, shape (n,)
+        Takes the responses.
+    """
     for k in range(elevation.size):
         out[k] = vertical_response(pattern, math.cos(elevation[k]), math.sin(elevation[k]))

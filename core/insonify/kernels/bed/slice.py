@@ -1,8 +1,9 @@
-"""Cut the bed with a vertical half-plane through the sonar: any grid, any azimuth, out comes one profile.
+"""Profile of the bed along a vertical half-plane through the sonar, of any grid at any azimuth.
 
 Knots lie where the plane crosses *both* families of grid lines, so that every segment belongs to one cell.
 The grid is walked in strips between neighbouring lines of the sparser family; within a strip the knots lie on
-consecutive nodes of two rows of memory, which is what makes the walk cheap at any azimuth.
+consecutive nodes of two rows of memory, which is what makes the walk cheap at any azimuth. Derived in
+docs/theory/sweep.md.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class Profile(NamedTuple):
     across: NDArray[np.float32]  # work space: gradient across the strip, at its knots
     low: NDArray[np.float32]  # work space: heights on the strip's lower border
     high: NDArray[np.float32]  # work space: heights on its upper border
-    range_ratio: NDArray[np.float32]  # in water that bends sound: x of the knots over what it is in truth
+    range_ratio: NDArray[np.float32]  # in water that refracts: apparent ground range of the knots over the true one
     gain: NDArray[np.float32]  # and what their energy must be multiplied by
 
 
@@ -53,7 +54,7 @@ class GridWalk(NamedTuple):
 
 
 class NodeSteps(NamedTuple):
-    """Where a plane passes the nodes of one strip, as linear functions of their number."""
+    """Places at which a plane passes the nodes of one strip, as linear functions of their number."""
 
     x: float  # ground range at the first of them, m
     dx: float  # and between neighbours
@@ -62,26 +63,77 @@ class NodeSteps(NamedTuple):
 
 
 def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
-    """Make room for profiles of up to ``capacity`` knots, in single precision or, to tell what it costs, in double."""
+    """Make room for profiles.
+
+    Parameters
+    ----------
+    capacity : int
+        Knots at most.
+    dtype : dtype
+        Single precision or, to tell what it costs, double.
+
+    Returns
+    -------
+    Profile
+    """
     x, z = np.zeros(capacity), np.zeros(capacity)
     slope, area, across, low, high, range_ratio, gain = (np.zeros(capacity, dtype) for _ in range(7))
     return Profile(x, z, slope, area, np.zeros(capacity, np.int64), across, low, high, range_ratio, gain)
 
 
 def profile_capacity(reach: float, spacing: float) -> int:
-    """Knots that a slice of the given reach can have at most: crossings of both families, halved twice, and room."""
+    """Count the knots that a slice can have at most: crossings of both families, halved twice, and room.
+
+    Parameters
+    ----------
+    reach : float
+        Ground range, m.
+    spacing : float
+        Between nodes of the bed, m.
+
+    Returns
+    -------
+    int
+    """
     return int(8.0 * math.sqrt(2.0) * reach / spacing) + 64
 
 
 @inlined_uncounted
 def padded_count(entries):
-    """Entries that a pass works on for the first so many to be done."""
+    """Count the entries that a vectorised pass works on: up to a whole multiple of what it takes at a time.
+
+    Parameters
+    ----------
+    entries : int
+
+    Returns
+    -------
+    int
+    """
     return (entries + (AT_ONCE - 1)) // AT_ONCE * AT_ONCE if entries > FEW else entries
 
 
 @inlined_uncounted
 def slice_bed(bed, x, y, z, ex, ey, reach, profile):
-    """Fill ``profile`` along azimuth (ex, ey) from (x, y, z) out to ``reach``; return its number of knots."""
+    """Cut the bed with a vertical half-plane.
+
+    Parameters
+    ----------
+    bed : Bed
+    x, y, z : float
+        Where the plane begins, m.
+    ex, ey : float
+        Its azimuth, a unit vector.
+    reach : float
+        Ground range to which it is cut, m.
+    profile : Profile
+        Filled.
+
+    Returns
+    -------
+    int
+        Knots of the profile, 0 beyond a bed that ends.
+    """
     u0, v0 = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
     v_is_y = abs(ey) >= abs(ex)
     nodes = bed.transposed if v_is_y else bed.heights
@@ -126,7 +178,7 @@ def _walk_strips(bed, walk, reach, profile):
 
 @inlined_uncounted
 def _add_strip(bed, walk, column, start, end, count, profile):
-    """Add the knots of one strip: its first (already counted), the nodes within, its last."""
+    """Add the knots of one strip: its first (already counted), the nodes within, its last; return the number of all."""
     nodes, v_is_y, u0, v0, z0, eu, ev = walk
     spacing = bed.spacing
     step = 1 if ev > 0.0 else -1
@@ -163,7 +215,18 @@ def _add_strip(bed, walk, column, start, end, count, profile):
 
 @inlined_uncounted
 def prefetch_strip(bed, x, y, ex, ey, reach):
-    """Ask for the nodes of the strip in which a plane begins; along the grid they are all that it needs."""
+    """Prefetch the nodes of the strip in which a plane begins; along the grid they are all that it needs.
+
+    Parameters
+    ----------
+    bed : Bed
+    x, y : float
+        Where the plane begins, m.
+    ex, ey : float
+        Its azimuth, a unit vector.
+    reach : float
+        Ground range, m.
+    """
     u, v = (x - bed.x0) / bed.spacing, (y - bed.y0) / bed.spacing
     nodes = bed.heights
     if abs(ey) >= abs(ex):
@@ -185,7 +248,7 @@ def prefetch_strip(bed, x, y, ex, ey, reach):
 
 @inlined_uncounted
 def _halving_count(eu, ev):
-    """How often to halve the segments of an oblique plane: along it a twisted cell is bent, not straight."""
+    """How often to halve the segments of an oblique plane: along it a bilinear cell is curved."""
     oblique = abs(eu * ev)
     return (1 if oblique > SLIGHTLY_OBLIQUE else 0) + (1 if oblique > OBLIQUE else 0)
 
@@ -200,19 +263,29 @@ def _halve_segments(x, z, across, eu, segments):
         x0, x1, z0, z1, across0, across1 = x[k - 1], x[k], z[k - 1], z[k], across[k - 1], across[k]
         x[2 * k], z[2 * k], across[2 * k] = x1, z1, across1
         x[2 * k - 1] = 0.5 * (x0 + x1)
+        # docs/theory/sweep.md
         z[2 * k - 1] = 0.5 * (z0 + z1) - 0.25 * eu * (across1 - across0) * (x1 - x0)
         across[2 * k - 1] = across.dtype.type(0.5) * (across0 + across1)
 
 
 @inlined_uncounted
 def snap_to_grid(component):
-    """Direction component with rounding dust removed, so that a track along the grid stays on it."""
+    """Round a direction's component to 0 where it is rounding dust, so that a track along the grid stays on it.
+
+    Parameters
+    ----------
+    component : float
+
+    Returns
+    -------
+    float
+    """
     return 0.0 if abs(component) < 1e-12 else component
 
 
 @inlined_uncounted
 def _wrap_index(index, size):
-    """Index of a node on a bed that repeats; the whole number within [0, size)."""
+    """Index of a node on a bed that repeats: the whole number within [0, size)."""
     if 0 <= index < size:
         return index
     return index % size
@@ -228,7 +301,7 @@ def _interpolate(low, high, node, fv, fu, spacing):
 
 @inlined_uncounted
 def _read_row(row, first, step, out):
-    """Read consecutive nodes of a row, upward or downward, round its end; runs suit the vector units."""
+    """Read consecutive nodes of a row, upward or downward, round its end, in runs that suit the vector units."""
     done = 0
     while done < out.size:
         place = _wrap_index(first + step * done, row.size)
@@ -243,12 +316,14 @@ def _read_row(row, first, step, out):
 
 @inlined_uncounted
 def _copy(source, out):
+    """Copy entries in order."""
     for k in range(out.size):
         out[k] = source[k]
 
 
 @inlined_uncounted
 def _copy_reversed(source, out):
+    """Copy entries in reverse order."""
     last = out.size - 1
     for k in range(out.size):
         # An index that might be negative is not for the vector units.
@@ -257,7 +332,7 @@ def _copy_reversed(source, out):
 
 @inlined_uncounted
 def _place_knots(low, high, steps, z0, spacing, x, z, across):
-    """Ground range, height above the sonar and gradient across the strip, where the plane passes its nodes."""
+    """Ground range, height above the sonar and gradient across the strip of the knots at a strip's nodes."""
     x_behind, per_node, fu, du = steps
     per_spacing = across.dtype.type(1.0 / spacing)
     for k in range(low.size):
@@ -269,7 +344,7 @@ def _place_knots(low, high, steps, z0, spacing, x, z, across):
 
 @inlined_uncounted
 def _fill_segments(segments, x, z, across, eu, per_ev, slope, area):
-    """Slope and area: across the strip the gradient is linear in v, along the plane it is the segment's own slope."""
+    """Slope and area of segments: across the strip the gradient is linear in v, along the plane it is the slope."""
     real = area.dtype.type
     eu, per_ev, half, one = real(eu), real(per_ev), real(0.5), real(1.0)
     for i in range(segments):
@@ -295,7 +370,22 @@ def _fill_materials(materials, v_is_y, column, behind, step, halvings, out):
 
 @inlined_uncounted
 def clip_to_grid(origin, rate, highest, near, far):
-    """Part of [near, far] where origin + t rate lies within [0, highest]."""
+    """Part of an interval on which a coordinate stays within a grid.
+
+    Parameters
+    ----------
+    origin, rate : float
+        The coordinate is origin + t rate.
+    highest : float
+        It must lie within [0, highest].
+    near, far : float
+        The interval of t.
+
+    Returns
+    -------
+    tuple of two float
+        The first exceeds the second if nothing is left.
+    """
     if rate == 0.0:
         return (near, far) if 0.0 <= origin <= highest else (1.0, 0.0)
     one, other = -origin / rate, (highest - origin) / rate
@@ -304,6 +394,6 @@ def clip_to_grid(origin, rate, highest, near, far):
 
 @inlined_uncounted
 def _first_column(u, eu, nu, periodic):
-    """Strip in which a walk from u starts; on a line, the one it goes into."""
+    """Strip in which a walk from u starts; on a grid line, the one it goes into."""
     column = math.floor(u + MERGED) if eu >= 0.0 else math.ceil(u - MERGED) - 1
     return column if periodic else min(max(column, 0), max(nu - 2, 0))

@@ -1,4 +1,4 @@
-"""Patches of a bed: which hashed seed point a place lies nearest to."""
+"""Voronoi patches of a bed: which hashed seed point a place lies nearest to."""
 
 from __future__ import annotations
 
@@ -22,7 +22,21 @@ def _distance_to_square(place, square):
 
 @kernel
 def nearest_seed_hash(seed, stream, u, v, repeat):
-    """Hash of the seed point nearest to (u, v), in lattice squares; the lattice repeats after ``repeat`` (0: never)."""
+    """Hash of the seed point nearest to a place.
+
+    Parameters
+    ----------
+    seed, stream : int
+        What the seed points derive from.
+    u, v : float
+        The place, in squares of a lattice that hold one seed point each.
+    repeat : int
+        Squares after which the lattice repeats; 0 if it never does.
+
+    Returns
+    -------
+    uint64
+    """
     column, row = math.floor(u), math.floor(v)
     nearest, owner_a, owner_b = np.inf, column, row
     for step_v in range(2 * REACH + 1):
@@ -43,7 +57,24 @@ def nearest_seed_hash(seed, stream, u, v, repeat):
 
 @kernel
 def voronoi_materials(seed, stream, u, v, repeat, count):
-    """Index map (v.size, u.size) uint8 of patches that each take one of ``count`` materials."""
+    """Map of Voronoi patches, each of one material.
+
+    Parameters
+    ----------
+    seed, stream : int
+        What the patches derive from.
+    u, v : ndarray of float64
+        Places along both axes, in squares of a lattice that hold one seed point each.
+    repeat : int
+        Squares after which the lattice repeats; 0 if it never does.
+    count : int
+        Materials.
+
+    Returns
+    -------
+    ndarray of uint8, shape (v.size, u.size)
+        Index of the material.
+    """
     indices = np.empty((v.size, u.size), dtype=np.uint8)
     for j in range(v.size):
         for i in range(u.size):

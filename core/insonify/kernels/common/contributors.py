@@ -1,4 +1,4 @@
-"""Who put what into the bins of one side of one ping, contributor by contributor."""
+"""Shares of contributors (materials of the bed, targets) in the energy of every range bin of one side of a ping."""
 
 from __future__ import annotations
 
@@ -9,24 +9,36 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import inlined
 
-# In bins: a piece counts in every bin that it touches within rounding, so that no heard bin is nobody's.
+# In bins: an echo counts in every bin that it touches within rounding, so that every bin with energy has a contributor.
 ROUNDING = 1e-3
 POINT = 1e-6  # in bins; what is shorter lies in one
 
 
 class ContributorTable(NamedTuple):
-    """Who put what into the bins of one side; a row is valid once its contributor was met."""
+    """Energy of every contributor in the range bins of one side; a row is valid once its contributor is present."""
 
     present: NDArray[np.bool_]  # (contributors,)
     energy: NDArray[np.float64]  # (contributors, bins) in fixed-point units
-    strongest: NDArray[np.float64]  # energy of the contributor's strongest piece, below 0 for none
-    x: NDArray[np.float32]  # ground range of that piece, m
+    strongest: NDArray[np.float64]  # energy of the contributor's strongest echo, below 0 for none
+    x: NDArray[np.float32]  # ground range of that echo, m
     cosine: NDArray[np.float32]  # of the incidence there
     hidden: NDArray[np.bool_]  # (bins,) whether bed out of sight spans the bin
 
 
 def empty_contributor_table(count: int, bins: int) -> ContributorTable:
-    """Make room for one side; memory of contributors never met is never touched."""
+    """Make room for one side of a ping; memory of contributors that never occur is never touched.
+
+    Parameters
+    ----------
+    count : int
+        Contributors: materials of the bed, then targets, for every propagation path.
+    bins : int
+        Range bins.
+
+    Returns
+    -------
+    ContributorTable
+    """
     energy, strongest = np.empty((2, count, bins))
     x, cosine = np.empty((2, count, bins), np.float32)
     return ContributorTable(np.zeros(count, np.bool_), energy, strongest, x, cosine, np.zeros(bins, np.bool_))
@@ -34,7 +46,14 @@ def empty_contributor_table(count: int, bins: int) -> ContributorTable:
 
 @inlined
 def open_contributor(contributions, who):
-    """Open a contributor's row."""
+    """Clear a contributor's row if it is not present yet, and mark it present.
+
+    Parameters
+    ----------
+    contributions : ContributorTable
+    who : int
+        Its row.
+    """
     if not contributions.present[who]:
         contributions.present[who] = True
         contributions.energy[who, :] = 0.0
@@ -43,7 +62,24 @@ def open_contributor(contributions, who):
 
 @inlined
 def spanned_bins(near, far, per_bin, bins, margin):
-    """First bin that a stretch of slant range touches, give or take a margin in bins, and the one after its last."""
+    """First range bin that a stretch of slant range touches, and the one after its last.
+
+    Parameters
+    ----------
+    near, far : float
+        Slant ranges, m; NaN, a hole in the bed, touches none.
+    per_bin : float
+        Bins per metre.
+    bins : int
+        Bins of the record.
+    margin : float
+        Bins by which the stretch counts as longer at both ends.
+
+    Returns
+    -------
+    tuple of two int
+        (0, 0) for a stretch beyond the record.
+    """
     if not near * per_bin < bins:  # or NaN, a hole in the bed
         return 0, 0
     return max(int(near * per_bin - margin), 0), int(min(far * per_bin + margin, bins - 1.0)) + 1
@@ -51,7 +87,20 @@ def spanned_bins(near, far, per_bin, bins, margin):
 
 @inlined
 def add_contribution(contributions, who, k, energy, x, cosine):
-    """Enter a piece, or the part of it within bin k."""
+    """Add energy to a contributor's share in one range bin, and keep where its strongest echo comes from.
+
+    Parameters
+    ----------
+    contributions : ContributorTable
+    who : int
+        Row of the contributor, open.
+    k : int
+        Bin.
+    energy : float
+        In fixed-point units.
+    x, cosine : float
+        Ground range of the echo, m, and cosine of its incidence.
+    """
     contributions.energy[who, k] += energy
     if energy > contributions.strongest[who, k]:
         contributions.strongest[who, k], contributions.x[who, k], contributions.cosine[who, k] = energy, x, cosine
@@ -59,7 +108,22 @@ def add_contribution(contributions, who, k, energy, x, cosine):
 
 @inlined
 def spread_contribution(contributions, who, near, far, energy, x, cosine, bin_length):
-    """Enter energy spread evenly between two slant ranges; if they are one, all of it in its bin."""
+    """Add energy that is spread evenly between two slant ranges to a contributor's share in the bins between.
+
+    Parameters
+    ----------
+    contributions : ContributorTable
+    who : int
+        Row of the contributor, open.
+    near, far : float
+        Slant ranges, m; if they are one, its bin takes all.
+    energy : float
+        In fixed-point units.
+    x, cosine : float
+        Ground range of the echo, m, and cosine of its incidence.
+    bin_length : float
+        Slant range of one bin, m.
+    """
     near, far = min(near, far) / bin_length, max(near, far) / bin_length
     first, last = spanned_bins(near, far, 1.0, contributions.hidden.size, ROUNDING)
     if far - near > POINT:

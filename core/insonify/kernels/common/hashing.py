@@ -1,4 +1,4 @@
-"""Random numbers by hashing: every number is a function of what it is for, never of when it was drawn."""
+"""Random numbers by hashing: each is a function of its purpose and place alone, never of the order of execution."""
 
 from __future__ import annotations
 
@@ -19,7 +19,18 @@ UNIT = 2.0**-52
 
 @kernel
 def splitmix64(value):
-    """Return the splitmix64 output that follows the given state, as uint64."""
+    """Return the splitmix64 output that follows a state.
+
+    Parameters
+    ----------
+    value : int
+        State; converted to uint64.
+
+    Returns
+    -------
+    uint64
+        Of Steele, Lea and Flood (2014), *Fast splittable pseudorandom number generators*.
+    """
     mixed = np.uint64(value) + GOLDEN
     mixed = (mixed ^ (mixed >> SHIFTS[0])) * FIRST_MULTIPLIER
     mixed = (mixed ^ (mixed >> SHIFTS[1])) * SECOND_MULTIPLIER
@@ -28,7 +39,21 @@ def splitmix64(value):
 
 @kernel
 def hash_integers(seed, stream, a, b, c):
-    """Hash five integers of any sign to a uint64; a stream is one purpose, so that purposes never share numbers."""
+    """Hash a seed, a stream and three integers to 64 random bits.
+
+    Parameters
+    ----------
+    seed : int
+        Of the scene.
+    stream : int
+        Purpose, one of `insonify.kernels.common.streams`: different purposes are independent.
+    a, b, c : int
+        Of any sign.
+
+    Returns
+    -------
+    uint64
+    """
     key = splitmix64(np.uint64(seed))
     key = splitmix64(key ^ np.uint64(stream))
     key = splitmix64(key ^ np.uint64(a))
@@ -45,16 +70,37 @@ def unit_interval(bits):
 
 @inlined
 def hash_uniform(seed, stream, a, b, c):
-    """Uniform float64 inside (0, 1), a function of five integers alone."""
+    """Hash a seed, a stream and three integers to a uniform number inside (0, 1).
+
+    Parameters
+    ----------
+    seed, stream, a, b, c : int
+        As of `hash_integers`.
+
+    Returns
+    -------
+    float64
+    """
     return unit_interval(hash_integers(seed, stream, a, b, c))
 
 
 @kernel
 def wave_noise(seed, stream, ny, nx, gaussian):
-    """Random coefficients of a real field's waves, one per frequency of ``irfft2``.
+    """Random coefficients of the waves of a real field, one per frequency of ``irfft2``.
 
-    Returns (ny, nx // 2 + 1) complex128 of modulus 1, or complex Gaussian with E|c|² = 1. A coefficient depends on its
-    frequency alone, so any two grids share their common band. The mean and the Nyquist row and column are 0.
+    Parameters
+    ----------
+    seed, stream : int
+        What they derive from.
+    ny, nx : int
+        Shape of the field. A coefficient depends on its frequency alone, so that any two grids share their common band.
+    gaussian : bool
+        Complex Gaussian coefficients with E|c|² = 1; if not, of modulus 1 and random phase.
+
+    Returns
+    -------
+    ndarray of complex128, shape (ny, nx // 2 + 1)
+        The mean and the Nyquist row and column are 0.
     """
     noise = np.zeros((ny, nx // 2 + 1), dtype=np.complex128)
     for fx in range((nx + 1) // 2):

@@ -1,4 +1,4 @@
-"""Ask for memory before it is needed: what a ping reads and writes comes from far while the one before is worked on."""
+"""Prefetch memory before it is needed: what a ping reads and writes is fetched while the ping before is computed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ EVERY_CACHE, DATA = 3, 1  # of LLVM's prefetch: how near to bring it, and that i
 
 
 def _ask(purpose: int, array: Any) -> Any:
-    """Signature and code of LLVM's prefetch of one entry of an array."""
+    """Signature and code of LLVM's prefetch of the cache line of one entry of an array."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         data = make_array(signature.args[0])(context, builder, arguments[0]).data
@@ -33,12 +33,12 @@ def _ask(purpose: int, array: Any) -> Any:
 
 
 def _to_read(typing, array, index):
-    """Ask for the cache line of one entry of a row, which will be read soon."""
+    """Prefetch the cache line of one entry of a row, which will be read soon."""
     return _ask(READ, array)
 
 
 def _to_write(typing, array, index):
-    """Ask for the cache line of one entry of a row, which will be written soon."""
+    """Prefetch the cache line of one entry of a row, which will be written soon."""
     return _ask(WRITE, array)
 
 
@@ -49,6 +49,12 @@ prefetch_write: Any = intrinsic(_to_write)
 
 @inlined_uncounted
 def prefetch_row(row):
-    """Ask for all of a row, which will be written soon."""
+    """Prefetch a whole row that will be written soon.
+
+    Parameters
+    ----------
+    row : ndarray
+        One dimension, contiguous.
+    """
     for k in range(0, row.size, LINE // row.itemsize):
         prefetch_write(row, k)

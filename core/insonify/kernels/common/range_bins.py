@@ -1,6 +1,6 @@
-"""Time bins as a difference array of integers: densities step up and down, a prefix sum turns steps into bins.
+"""Range bins as a difference array of integers: densities step up and down, and a prefix sum turns steps into bins.
 
-Integers cancel exactly: what no piece touches is exactly zero, and the sum is the same in any order. Of each step the
+Integers cancel exactly: a bin without energy is exactly zero, and the sum is the same in any order. Of each step the
 next bin takes its share rounded down, so that the step's own bin has at least what is due to it and none is negative.
 """
 
@@ -17,7 +17,19 @@ FIXED_POINT = float(2**38)  # integers per unit of energy per bin
 
 @inlined_uncounted
 def step_density(bins, position, change, last):
-    """Let the density change by ``change`` at ``position`` (in bins); what lies past the last bin is dropped."""
+    """Change the density of energy from a position on.
+
+    Parameters
+    ----------
+    bins : ndarray of int64
+        Difference array.
+    position : float
+        In bins; what lies past the last bin is dropped.
+    change : int
+        Of the energy per bin, in fixed-point units.
+    last : int
+        Last bin that may take a step, two less than the array's size.
+    """
     if position < last:
         k = int(position)
         late = np.int64(math.floor((position - k) * change))
@@ -27,7 +39,19 @@ def step_density(bins, position, change, last):
 
 @inlined_uncounted
 def spread_energy(bins, near, far, energy, last):
-    """Spread an energy (in fixed-point units) evenly over [near, far), in bins."""
+    """Spread an energy evenly between two positions.
+
+    Parameters
+    ----------
+    bins : ndarray of int64
+        Difference array.
+    near, far : float
+        Positions in bins, in any order; if they are one, its bin takes all.
+    energy : float
+        In fixed-point units.
+    last : int
+        Last bin that may take a step, two less than the array's size.
+    """
     if far < near:
         near, far = far, near
     if far - near > 1e-6:
@@ -42,9 +66,18 @@ def spread_energy(bins, near, far, energy, last):
 
 @inlined_uncounted
 def accumulate_bins(bins, factor, out):
-    """Prefix-sum a difference array into bins and apply what depends on range alone; clear the array.
+    """Prefix-sum a difference array into intensities, apply what depends on range alone, and clear the array.
 
     Weights read between two entries of a table may lie a rounding below zero: no bin does.
+
+    Parameters
+    ----------
+    bins : ndarray of int64, shape (n + 2,)
+        Difference array in fixed-point units; cleared.
+    factor : ndarray of float64, shape (n,)
+        Spreading and absorption at the bins' centres.
+    out : ndarray of float, shape (n,)
+        Takes the intensity.
     """
     # Four stretches side by side, each from the sum of those before it.
     quarter = out.size // 4

@@ -1,7 +1,7 @@
-"""How surfaces scatter: the one home of the Lambert and Phong formulas.
+"""Backscatter of surfaces: the one home of the Lambert and Phong laws, for one place and for many at once.
 
-Sound that leaves and returns along one line, at incidence α to the surface's normal, has the shorter formulas; what
-comes one way and leaves another has `bistatic`.
+Sound that leaves and returns along one line, at incidence α to the surface's normal, has the monostatic formulas; for
+two directions there is `bistatic_strength`. Derived in docs/theory/scattering.md.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ HIGHEST_POWER = 128  # one more than the greatest exponent of a lobe whose power
 
 @inlined_uncounted
 def _phong_lobe(cos_squared, shininess):
-    """Phong's max(0, R·V)ⁿ; monostatic, R·V = cos 2α = 2 cos²α − 1."""
-    return _phong(2.0 * cos_squared - 1.0, shininess)
+    """Phong's lobe for sound that returns the way it came, from cos²α: R·V = cos 2α = 2 cos²α − 1."""
+    return _phong(2.0 * cos_squared - 1.0, shininess)  # docs/theory/scattering.md
 
 
 @inlined_uncounted
 def _phong(mirrored, shininess):
-    """Phong's max(0, R·V)ⁿ, from R·V."""
+    """Phong's lobe max(0, R·V)ⁿ, from R·V."""
     if mirrored <= 0.0:
         return 0.0
     whole = int(shininess)
@@ -41,31 +41,60 @@ def _phong(mirrored, shininess):
 
 @inlined_uncounted
 def _specular_strength(cos_squared, specular, shininess, law):
-    """Phong's part of either law, from cos²α."""
+    """Specular part of the monostatic strength of either law, from cos²α."""
     value = specular * _phong_lobe(cos_squared, shininess)
     return value if law == LIGHT else value * cos_squared * (shininess + 2.0) * (0.5 * INVERSE_PI)
 
 
 @inlined_uncounted
 def _radiance(cos_incidence, diffuse, specular, shininess):
-    """Radiance of law `light`: I = k_d cos α + k_s max(0, R·V)ⁿ (paper, Lambert and Phong)."""
+    """Radiance of law `light`: I = k_d cos α + k_s max(0, R·V)ⁿ."""
     if cos_incidence <= 0.0:
         return 0.0
+    # Lambert (1760) and Phong (1975), as in docs/theory/scattering.md.
     return diffuse * cos_incidence + _specular_strength(cos_incidence * cos_incidence, specular, shininess, LIGHT)
 
 
 @inlined_uncounted
 def backscatter(cos_incidence, diffuse, specular, shininess):
-    """Backscattering cross-section of unit area, law `sonar`: cos²α (k_d/π + k_s (n+2)/(2π) cosⁿ 2α)."""
+    """Backscattering cross-section of unit area, law `sonar`: σ = cos²α (k_d/π + k_s (n+2)/(2π) cosⁿ 2α).
+
+    Parameters
+    ----------
+    cos_incidence : float
+        cos α; a surface seen from behind sends nothing back.
+    diffuse, specular, shininess : float
+        Lambert's share k_d, Phong's share k_s and its exponent n.
+
+    Returns
+    -------
+    float
+        m² per m² and steradian.
+    """
     if cos_incidence <= 0.0:
         return 0.0
     cos_squared = cos_incidence * cos_incidence
+    # docs/theory/scattering.md
     return cos_squared * diffuse * INVERSE_PI + _specular_strength(cos_squared, specular, shininess, SONAR)
 
 
 @inlined_uncounted
 def backscatter_strength(cos_incidence, diffuse, specular, shininess, law):
-    """Radiance or backscattering cross-section, as the law has it."""
+    """Monostatic strength of a surface under either law.
+
+    Parameters
+    ----------
+    cos_incidence : float
+        cos α; a surface seen from behind sends nothing back.
+    diffuse, specular, shininess : float
+        Lambert's share k_d, Phong's share k_s and its exponent n.
+    law : int
+        LIGHT: radiance k_d cos α + k_s max(0, cos 2α)ⁿ; SONAR: `backscatter`.
+
+    Returns
+    -------
+    float
+    """
     if law == LIGHT:
         return _radiance(cos_incidence, diffuse, specular, shininess)
     return backscatter(cos_incidence, diffuse, specular, shininess)
@@ -73,16 +102,30 @@ def backscatter_strength(cos_incidence, diffuse, specular, shininess, law):
 
 @inlined_uncounted
 def bistatic_strength(cos_in, cos_out, mirrored, diffuse, specular, shininess, law):
-    """Radiance or cross-section of unit area between two directions, ``mirrored`` being R·V.
+    """Bistatic strength of a surface between two directions, under either law.
 
-    I = k_d cos α_in + k_s max(0, R·V)ⁿ, or σ = cos α_in cos α_out (k_d/π + k_s (n+2)/(2π) max(0, R·V)ⁿ), which is the
-    same both ways.
+    Parameters
+    ----------
+    cos_in, cos_out : float
+        Cosines of the angles to the normal; a surface seen from behind sends nothing.
+    mirrored : float
+        R·V, cosine of the angle between the mirrored direction and the one out.
+    diffuse, specular, shininess : float
+        Lambert's share k_d, Phong's share k_s and its exponent n.
+    law : int
+        LIGHT: I = k_d cos α_in + k_s max(0, R·V)ⁿ. SONAR: σ = cos α_in cos α_out (k_d/π + k_s (n+2)/(2π) max(0, R·V)ⁿ),
+        which is reciprocal.
+
+    Returns
+    -------
+    float
     """
     if cos_in <= 0.0 or cos_out <= 0.0:
         return 0.0
     shine = specular * _phong(mirrored, shininess)
     if law == LIGHT:
         return diffuse * cos_in + shine
+    # docs/theory/scattering.md
     return cos_in * cos_out * (diffuse + 0.5 * (shininess + 2.0) * shine) * INVERSE_PI
 
 

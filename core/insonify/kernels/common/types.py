@@ -27,7 +27,7 @@ class Bed(NamedTuple):
     x0: float
     y0: float
     spacing: float
-    periodic: bool  # whether node nx is node 0 again, and likewise ny
+    periodic: bool  # whether node nx is node 0 again, and node ny too
     low: float  # lowest height, NaN apart
     high: float  # highest height, NaN apart
     mapped: bool = True  # whether there is more than one material
@@ -47,9 +47,9 @@ class Solids(NamedTuple):
 
 
 class Mesh(NamedTuple):
-    """The triangles of all targets that have any, in the order of the tree of boxes over them.
+    """Triangles of all targets that have any, in the order of the bounding volume hierarchy over them.
 
-    The tree lies in depth-first order: a search that enters node i goes on with i + 1, one that passes it by with
+    The hierarchy lies in depth-first order: a search that enters node i goes on with i + 1, one that passes it by with
     ``skip[i]``; it is over at the number of nodes.
     """
 
@@ -65,15 +65,15 @@ class Mesh(NamedTuple):
 
 
 class BeamPattern(NamedTuple):
-    """How sensitive the beam is by direction, there and back.
+    """Sensitivity of the beam by direction, there and back.
 
-    Directions are told by s, the sine of their angle from the plane athwart the fish, positive towards its bow: lines
+    Directions are given by s, the sine of their angle from the plane athwart the fish, positive towards its bow: lines
     of equal s are cones about its axis. Rows belong to slant ranges, for near a long array the beam is wider.
     """
 
-    tabulated: bool  # whether it differs from a level fish's top-hat about athwart that hears every grazing angle alike
+    tabulated: bool  # whether it differs from a level fish's top-hat about athwart, alike at every grazing angle
     centre: float  # s of the beam's axis: the sine of its squint
-    extent: NDArray[np.float64]  # (rows,) a row spans centre - extent to centre + extent; beyond nothing is heard
+    extent: NDArray[np.float64]  # (rows,) a row spans centre - extent to centre + extent; beyond it the response is 0
     energy: NDArray[np.float64]  # (rows, columns) sensitivity at equal steps of s, 1 on the axis far away
     integral: NDArray[np.float64]  # (rows, columns) its integral over s from the row's beginning
     first_range: float  # slant range of row 0, m
@@ -85,7 +85,7 @@ class BeamPattern(NamedTuple):
 
 
 def plain_pattern() -> BeamPattern:
-    """Return the pattern of a level top-hat or knife, which the half width alone describes."""
+    """Return the pattern of a level top-hat or knife, which its half width alone describes."""
     one = np.ones((1, 1))
     return BeamPattern(False, 0.0, one[0], one, one, 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
 
@@ -104,12 +104,24 @@ class Water(NamedTuple):
 
 
 def still_water(speed: float = 1500.0, surface: float = 0.0) -> Water:
-    """Return water of one speed, in which sound goes straight."""
+    """Return water of one speed, in which sound goes straight.
+
+    Parameters
+    ----------
+    speed : float
+        m/s.
+    surface : float
+        Height of the sea surface above the datum, m.
+
+    Returns
+    -------
+    Water
+    """
     return Water(False, np.zeros(1), np.full((1, 1), speed), np.zeros(1), 1.0, 0.0, speed, surface)
 
 
 class SurfaceMultipath(NamedTuple):
-    """Which ways by the sea surface are heard, and how its waves smear them in range."""
+    """Propagation paths by way of the sea surface that are traced, and how its waves spread their echoes in range."""
 
     enabled: bool  # whether any is
     surface_bottom: bool
@@ -122,12 +134,12 @@ class SurfaceMultipath(NamedTuple):
 
 
 def no_surface_multipath() -> SurfaceMultipath:
-    """Return a sea without a surface."""
+    """Return a sea without a surface: no path leads by it."""
     return SurfaceMultipath(False, False, False, False, False, 0.0, 0.0, np.zeros((2, 1, 4)))
 
 
 class SceneArrays(NamedTuple):
-    """A scene as every tracer takes it."""
+    """A scene as every tracer takes it: the border between declarations and kernels."""
 
     bed: Bed
     solids: Solids

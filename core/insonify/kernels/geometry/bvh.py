@@ -1,4 +1,4 @@
-"""The tree of boxes over triangles, which tells a ray or a plane in few questions what it may meet."""
+"""Bounding volume hierarchy over triangles, built by the surface area heuristic."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from insonify.kernels.common.types import Mesh
 
 LEAF = 4  # triangles at most
 SLABS = 8  # per axis, between which a branch may be cut
-ONE_PLACE = 1e-9  # m, twice the distance of centres that no cut parts
+ONE_PLACE = 1e-9  # m, twice the distance of centres that are not split
 
 
 def build_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target: NDArray[np.int64]) -> Mesh:
-    """Grow the tree over triangles and put them into its order.
+    """Build the bounding volume hierarchy over triangles and put them into its order.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def build_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target
 
 @kernel
 def _build_tree(corners):
-    """Cut branches until they are leaves; return the order of the triangles and the nodes, depth first."""
+    """Split branches until they are leaves; return the order of the triangles and the nodes, depth first."""
     n = corners.shape[0]
     low, high = np.empty((n, 3)), np.empty((n, 3))  # of each triangle
     for i in range(n):
@@ -76,7 +76,7 @@ def _build_tree(corners):
 
 @inlined
 def _enclose(order, low, high, start, stop, box_low, box_high):
-    """Lay the tightest box around some triangles."""
+    """Fit the tightest box around some triangles."""
     box_low[:], box_high[:] = np.inf, -np.inf
     for k in range(start, stop):
         for axis in range(3):
@@ -86,7 +86,7 @@ def _enclose(order, low, high, start, stop, box_low, box_high):
 
 @kernel
 def _split_triangles(order, low, high, start, stop):
-    """Part some triangles in two where rays cost least by the surface areas of both boxes; return the border.
+    """Split some triangles in two where rays cost least by the surface areas of both boxes; return the border.
 
     Wald (2007), *On fast construction of SAH-based bounding volume hierarchies*, with slabs between centres.
     """
@@ -121,7 +121,7 @@ def _split_triangles(order, low, high, start, stop):
 
 @inlined
 def _costs_behind(counts, lows, highs, behind):
-    """Tell for every slab what a box around all the slabs after it costs."""
+    """Cost of a box around all the slabs after each slab."""
     box_low, box_high = np.full(3, np.inf), np.full(3, -np.inf)
     held = 0
     for slab in range(SLABS - 1, 0, -1):
@@ -134,7 +134,7 @@ def _costs_behind(counts, lows, highs, behind):
 
 @inlined
 def _cheapest_split(counts, lows, highs, behind):
-    """Find the slab after which a cut costs least; neither side may be empty."""
+    """Find the slab after which a split costs least; neither side may be empty."""
     box_low, box_high = np.full(3, np.inf), np.full(3, -np.inf)
     held, total = 0, counts.sum()
     best, best_price = 0, np.inf
@@ -152,6 +152,7 @@ def _cheapest_split(counts, lows, highs, behind):
 
 @inlined
 def _half_surface(low, high):
+    """Half the surface area of a box."""
     x, y, z = high[0] - low[0], high[1] - low[1], high[2] - low[2]
     return x * y + y * z + z * x
 

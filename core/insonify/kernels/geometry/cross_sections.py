@@ -1,4 +1,4 @@
-"""Convex bodies cut by one vertical plane: a convex figure, which fills one interval of launch angles."""
+"""Cross-sections of convex bodies by one vertical half-plane: convex figures that fill intervals of launch angles."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ROUNDING = 1e-9  # share of a length by which a point may lie beyond its end
 
 
 class HalfPlane(NamedTuple):
-    """One plane through the sonar."""
+    """A vertical half-plane from the sonar outwards."""
 
     x: float
     y: float
@@ -25,9 +25,9 @@ class HalfPlane(NamedTuple):
 
 
 class Conic(NamedTuple):
-    """A quadric's section by the plane, d being the plane's directions and c the vector to the quadric's centre.
+    """Section of a quadric by a plane: products of the plane's directions e (azimuth), k (up) and of its centre c.
 
-    Components are those of the parts at right angles to the axis; e is the plane's azimuth, k is up.
+    All vectors are taken without their parts along the quadric's axis.
     """
 
     ec: float  # e · c
@@ -40,9 +40,22 @@ class Conic(NamedTuple):
 
 @inlined_uncounted
 def section_solid(solids, k, plane, rim):
-    """Interval of launch angles that body k fills ahead: status 1; 0 if none, -1 if the sonar is inside.
+    """Interval of launch angles that a body's cross-section by a half-plane fills, ahead of the sonar.
 
-    ``rim`` (6) takes the launch angles at which an end of a frustum meets its side, at most four, and NEVER beyond.
+    Parameters
+    ----------
+    solids : Solids
+    k : int
+        Row of the body.
+    plane : HalfPlane
+    rim : ndarray of float64, shape (6,)
+        Takes the launch angles at which an end of a frustum meets its side, at most four, and NEVER beyond them.
+
+    Returns
+    -------
+    tuple
+        Status: 1 if there is an interval, 0 if none, -1 if the sonar is inside the body; and the launch angles at which
+        the interval begins and ends, rad above the horizontal.
     """
     for end in range(rim.size):
         rim[end] = NEVER
@@ -57,7 +70,21 @@ def section_solid(solids, k, plane, rim):
 
 @inlined_uncounted
 def may_cut_solid(solids, k, plane, reach):
-    """Whether a plane may cut body k within reach: asked of a ball around it."""
+    """Whether a half-plane may cut a body within reach, by a ball around the body.
+
+    Parameters
+    ----------
+    solids : Solids
+    k : int
+        Row of the body.
+    plane : HalfPlane
+    reach : float
+        Ground range, m.
+
+    Returns
+    -------
+    bool
+    """
     half = 0.5 * solids.length[k]
     mx = solids.start[k, 0] + half * solids.axis[k, 0] - plane.x
     my = solids.start[k, 1] + half * solids.axis[k, 1] - plane.y
@@ -68,7 +95,7 @@ def may_cut_solid(solids, k, plane, reach):
 
 @kernel_uncounted
 def _sphere_section(along, height, radius_squared):
-    """Interval of a circle, from its centre and squared radius in the plane."""
+    """Interval of launch angles of a circle, from its centre and squared radius in the plane."""
     if radius_squared <= 0.0:
         return 0, 0.0, 0.0
     distance_squared = along * along + height * height
@@ -81,7 +108,7 @@ def _sphere_section(along, height, radius_squared):
 
 @kernel_uncounted
 def _frustum_section(frustum, ex, ey, rim):
-    """Interval of a conic between two end planes: its extremes are tangents and corners."""
+    """Interval of launch angles of a frustum's section, from the tangents to its side and the corners of its ends."""
     cx, cy, cz, ax, ay, az, length, radius, taper = frustum
     # Axial and perpendicular parts of the plane's directions e (azimuth) and k (up), and of the centre.
     ae, ak = ax * ex + ay * ey, az
@@ -144,7 +171,7 @@ def _tangents(ae, ak, ac, length, side, angles, count):
 
 @kernel_uncounted
 def _corners(ae, ak, axial, end, angles, count):
-    """Add the ends of the chord that one end plane cuts from the figure, as angles."""
+    """Add the ends of the chord that one end of a frustum cuts from the conic, as launch angles."""
     ec, kc, ee, ek, kk, cc = end
     norm = ae * ae + ak * ak
     if norm < 1e-18:
@@ -166,7 +193,7 @@ def _corners(ae, ak, axial, end, angles, count):
 
 @kernel_uncounted
 def _forward(centre, low, high):
-    """Part of an interval within the half-plane ahead; angles in (−π, π] about ``centre``."""
+    """Part of an interval of launch angles within the half-plane ahead; angles in (−π, π] about ``centre``."""
     low, high = max(low, DOWN), min(high, UP)
     if high <= low:
         return 0, 0.0, 0.0

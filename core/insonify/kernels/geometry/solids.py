@@ -1,4 +1,4 @@
-"""Rays against analytic convex bodies: where they come in and go out, exactly, and the outward normals there."""
+"""Rays against analytic convex bodies: exact entry and exit, and the outward normals there."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SIDE, FIRST_END, LAST_END = 0, -1, 1
 class FrustumShape(NamedTuple):
     """A cylinder, a cone or a part of one: numbers alone."""
 
-    x: float  # centre of its first end, from where it is looked at
+    x: float  # centre of its first end, from the origin of the line or plane
     y: float
     z: float
     ax: float  # unit vector along its axis
@@ -28,7 +28,23 @@ class FrustumShape(NamedTuple):
 
 @inlined_uncounted
 def intersect_solid(solids, k, x, y, z, dx, dy, dz):
-    """Meet body k from outside along a unit direction: (distance, nx, ny, nz), the distance infinite if missed."""
+    """Intersect a ray with a body from outside.
+
+    Parameters
+    ----------
+    solids : Solids
+    k : int
+        Row of the body.
+    x, y, z : float
+        Origin, m.
+    dx, dy, dz : float
+        Unit direction.
+
+    Returns
+    -------
+    tuple of float
+        Distance, infinite if the body is missed or the origin inside it, and the outward unit normal, 0 if missed.
+    """
     distance, face, _, _ = _cross_solid(solids, k, x, y, z, dx, dy, dz)
     if not 0.0 < distance < MISSED:
         return MISSED, 0.0, 0.0, 0.0
@@ -38,7 +54,23 @@ def intersect_solid(solids, k, x, y, z, dx, dy, dz):
 
 @inlined_uncounted
 def exit_solid(solids, k, x, y, z, dx, dy, dz):
-    """Leave body k from inside: (distance, nx, ny, nz) with the outward normal, the distance infinite if missed."""
+    """Intersect a ray with the far side of a body, from inside it.
+
+    Parameters
+    ----------
+    solids : Solids
+    k : int
+        Row of the body.
+    x, y, z : float
+        Origin, m.
+    dx, dy, dz : float
+        Unit direction.
+
+    Returns
+    -------
+    tuple of float
+        Distance, infinite if the body is missed, and the outward unit normal (0, 0, 0 if missed).
+    """
     _, _, distance, face = _cross_solid(solids, k, x, y, z, dx, dy, dz)
     if not 0.0 < distance < MISSED:
         return MISSED, 0.0, 0.0, 0.0
@@ -48,13 +80,38 @@ def exit_solid(solids, k, x, y, z, dx, dy, dz):
 
 @inlined_uncounted
 def greatest_radius(solids, k):
-    """Greatest radius of body k."""
+    """Greatest radius of a body.
+
+    Parameters
+    ----------
+    solids : Solids
+    k : int
+        Row of the body.
+
+    Returns
+    -------
+    float
+        m.
+    """
     return max(solids.radius[k], solids.radius[k] + solids.taper[k] * solids.length[k])
 
 
 @inlined_uncounted
 def is_inside_solid(solids, k, x, y, z):
-    """Tell whether a point is inside body k."""
+    """Whether a point is inside a body.
+
+    Parameters
+    ----------
+    solids : Solids
+    k : int
+        Row of the body.
+    x, y, z : float
+        Of the point, m.
+
+    Returns
+    -------
+    bool
+    """
     px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
     along = px * solids.axis[k, 0] + py * solids.axis[k, 1] + pz * solids.axis[k, 2]
     if solids.shape[k] != SPHERE and not 0.0 <= along <= solids.length[k]:
@@ -64,7 +121,7 @@ def is_inside_solid(solids, k, x, y, z):
 
 @inlined_uncounted
 def _cross_solid(solids, k, x, y, z, dx, dy, dz):
-    """Where a line comes into body k and goes out of it: (distance, face, distance, face)."""
+    """Distances and faces at which a line enters a body and leaves it: (distance, face, distance, face)."""
     cx, cy, cz = solids.start[k, 0] - x, solids.start[k, 1] - y, solids.start[k, 2] - z
     if solids.shape[k] == SPHERE:
         near, far = intersect_sphere(cx, cy, cz, solids.radius[k], dx, dy, dz)
@@ -76,7 +133,7 @@ def _cross_solid(solids, k, x, y, z, dx, dy, dz):
 
 @inlined_uncounted
 def _normal(solids, k, face, x, y, z):
-    """Outward unit normal of body k at a point of one of its faces."""
+    """Outward unit normal of a body at a point of one of its faces."""
     px, py, pz = x - solids.start[k, 0], y - solids.start[k, 1], z - solids.start[k, 2]
     if solids.shape[k] == SPHERE:
         return px / solids.radius[k], py / solids.radius[k], pz / solids.radius[k]
@@ -86,7 +143,21 @@ def _normal(solids, k, face, x, y, z):
 
 @kernel
 def intersect_sphere(cx, cy, cz, radius, dx, dy, dz):
-    """Distances at which a line comes into a sphere and goes out of it."""
+    """Distances at which a line enters a sphere and leaves it.
+
+    Parameters
+    ----------
+    cx, cy, cz : float
+        Centre, from the line's origin, m.
+    radius : float
+    dx, dy, dz : float
+        Unit direction.
+
+    Returns
+    -------
+    tuple of two float
+        Both infinite if the sphere is missed; negative behind the origin.
+    """
     along = cx * dx + cy * dy + cz * dz
     # The perpendicular, not c² − along², keeps its digits far away.
     px, py, pz = cx - along * dx, cy - along * dy, cz - along * dz
@@ -99,10 +170,22 @@ def intersect_sphere(cx, cy, cz, radius, dx, dy, dz):
 
 @kernel
 def intersect_frustum(frustum, dx, dy, dz):
-    """Where a line comes into a frustum and goes out of it: (distance, face, distance, face).
+    """Distances and faces at which a line enters a frustum and leaves it.
 
     A frustum is what a cone and a slab have in common, and so is the stretch of any line inside it: at the rim no ray
     slips between the side and an end.
+
+    Parameters
+    ----------
+    frustum : FrustumShape
+        From the line's origin.
+    dx, dy, dz : float
+        Unit direction.
+
+    Returns
+    -------
+    tuple
+        Distance and face (SIDE, FIRST_END or LAST_END) of entry, then of exit; distances are infinite if it is missed.
     """
     cx, cy, cz, ax, ay, az, length, radius, taper = frustum
     da = dx * ax + dy * ay + dz * az
@@ -163,7 +246,25 @@ def _inside_cone(ex, ey, ez, px, py, pz, radius, growth):
 
 @kernel
 def frustum_normal(px, py, pz, ax, ay, az, radius, taper, face):
-    """Outward unit normal of a frustum's face at a point counted from the middle of its first end."""
+    """Outward unit normal of a frustum's face.
+
+    Parameters
+    ----------
+    px, py, pz : float
+        The point, from the centre of the first end, m.
+    ax, ay, az : float
+        Unit vector along the axis.
+    radius : float
+        Of the first end, m.
+    taper : float
+        By which the radius grows per metre along the axis.
+    face : int
+        SIDE, FIRST_END or LAST_END.
+
+    Returns
+    -------
+    tuple of three float
+    """
     if face != SIDE:
         return face * ax, face * ay, face * az
     axial = px * ax + py * ay + pz * az

@@ -1,4 +1,4 @@
-"""Rays against triangles: none slips between two that share an edge, and boxes keep far ones out of the way.
+"""Watertight rays against triangles: none slips between two that share an edge, and boxes keep far ones out of the way.
 
 Woop, Benthin and Wald (2013), "Watertight ray/triangle intersection": the corners are sheared so that the ray runs
 along the third axis, and three areas in the plane across it tell whether it passes inside. In plain IEEE arithmetic a
@@ -34,7 +34,19 @@ class Shear(NamedTuple):
 
 @kernel
 def intersect_mesh_bundle(solids, mesh, bundle, reach, hits):
-    """Put the nearest triangle into the hits of all rays that meet one before what they have met."""
+    """Intersect a bundle of rays with all triangles and keep those that lie before what the rays have hit.
+
+    Parameters
+    ----------
+    solids : Solids
+        Triangles count as bodies beyond them.
+    mesh : Mesh
+    bundle : RayBundle
+    reach : float
+        m.
+    hits : Hits
+        Of every ray; overwritten where a triangle is nearer.
+    """
     for k in range(bundle.x.size):
         x, y, z, dx, dy, dz = bundle.x[k], bundle.y[k], bundle.z[k], bundle.dx[k], bundle.dy[k], bundle.dz[k]
         distance, triangle = intersect_mesh(mesh, x, y, z, dx, dy, dz, min(hits.distance[k], reach))
@@ -46,9 +58,22 @@ def intersect_mesh_bundle(solids, mesh, bundle, reach, hits):
 
 @inlined
 def intersect_mesh(mesh, x, y, z, dx, dy, dz, reach):
-    """Meet the nearest triangle nearer than ``reach``, from either side: (distance, triangle), else (reach, −1).
+    """Intersect a ray with the nearest triangle, seen from either side.
 
-    Of triangles at the same distance the first in the tree is met.
+    Parameters
+    ----------
+    mesh : Mesh
+    x, y, z : float
+        Origin, m.
+    dx, dy, dz : float
+        Unit direction.
+    reach : float
+        Distance within which a triangle counts, m.
+
+    Returns
+    -------
+    tuple
+        Distance and row of the triangle, or reach and -1. Of triangles at one distance the first in the tree counts.
     """
     shear = _shear_ray(x, y, z, dx, dy, dz)
     rx, ry, rz = _reciprocal(dx), _reciprocal(dy), _reciprocal(dz)
@@ -71,7 +96,19 @@ def intersect_mesh(mesh, x, y, z, dx, dy, dz, reach):
 
 @inlined
 def facing_normal(mesh, triangle, dx, dy, dz):
-    """Turn the normal of a triangle against a ray."""
+    """Turn the normal of a triangle against a ray.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    triangle : int
+    dx, dy, dz : float
+        Direction of the ray.
+
+    Returns
+    -------
+    tuple of three float
+    """
     nx, ny, nz = mesh.normal[triangle, 0], mesh.normal[triangle, 1], mesh.normal[triangle, 2]
     turned = -1.0 if nx * dx + ny * dy + nz * dz > 0.0 else 1.0
     return turned * nx, turned * ny, turned * nz

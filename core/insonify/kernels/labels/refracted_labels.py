@@ -1,7 +1,7 @@
-"""What bins show of pings that are traced by bent rays: who sends back most of their energy, from where.
+"""Labels of range bins of pings that are traced by refracted rays: greatest contributor and its place.
 
-Every ray's echo, and every one that comes back by another path, is entered as the sweep's pieces are. Where nothing is
-heard though rays would come down there on the mean bed, were nothing in their way, there is shadow.
+Every ray's echo, and every one that comes back by another path, is noted as the sweep's segments are. Where nothing
+returns though rays would come down there on the mean bed, were nothing in their way, there is shadow.
 """
 
 from __future__ import annotations
@@ -22,7 +22,25 @@ from insonify.kernels.refracted_rays.probe_rays import CLOSE
 
 @kernel
 def label_refracted_pings(arrays, poses, rays, contributions, labels):
-    """Tell what every bin of every ping shows, by ``rays`` a side; return 0, or -1 - k if the sonar is in body k."""
+    """Label every range bin of pings with its greatest contributor, by refracted rays.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    poses : Poses
+        n pings.
+    rays : int
+        A side.
+    contributions : ContributorTable
+        Empty, with a row for every contributor.
+    labels : BinLabels
+        Of n pings; takes the result.
+
+    Returns
+    -------
+    int
+        0, or -1 - k if the sonar is inside body k.
+    """
     launch, bundle, hits, arrivals = empty_launch(rays), empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
     weighed, intensity, silence = np.empty(rays), np.empty(arrays.bins), np.zeros(arrays.bins)
     for ping in range(poses.x.size):
@@ -61,7 +79,7 @@ def label_refracted_pings(arrays, poses, rays, contributions, labels):
 
 @kernel
 def _enter(arrays, hits, arrivals, k, b, value, cosine, contributions, intensity):
-    """Enter an echo of what ray k has met."""
+    """Note the echo of what ray k has met."""
     if b < 0 or value <= 0.0:
         return
     body, bodies = hits.body[k], arrays.solids.shape.size
@@ -76,10 +94,10 @@ def _enter(arrays, hits, arrivals, k, b, value, cosine, contributions, intensity
 
 @kernel
 def _mark_landings(landings, bin_length, hidden):
-    """Mark the bins in which the mean bed would be heard; those in which anything is heard are taken out later."""
+    """Mark the bins in which the mean bed would be seen; those that hold an echo are taken out later."""
     for i in range(landings.range.size - 1):
         near, far = landings.range[i], landings.range[i + 1]
-        # Between pilots that close which land far apart there is a jump, and no ray comes down.
+        # Between probe rays that close which land far apart there is a jump, and no ray comes down.
         jump = landings.angle[i + 1] - landings.angle[i] < CLOSE
         if near == near and far == far and not jump:
             first, last = int(min(near, far) / bin_length), int(max(near, far) / bin_length)

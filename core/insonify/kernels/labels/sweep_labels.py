@@ -1,7 +1,8 @@
-"""What every bin of a record shows: who sends back most of its energy, from where, at what incidence; what is hidden.
+"""Labels of range bins as the sweep finds them: greatest contributor, its place and incidence, and what is hidden.
 
-The planes of the sweep are walked once more. Every heard piece adds its energy to the bins it spans, contributor by
-contributor: each material of the bed is one, and so is each target. What is heard at all the sweep's own bins decide.
+The planes of the sweep are walked once more. Every visible segment and facet adds its energy to the bins it spans,
+contributor by contributor: each material of the bed is one, and so is each target. Whether a bin holds an echo at all
+the sweep's own bins decide.
 """
 
 from __future__ import annotations
@@ -46,19 +47,28 @@ from insonify.kernels.targets.primitives import load_primitive
 
 
 class BinLabels(NamedTuple):
-    """What each bin shows, by ping, side and bin."""
+    """Labels of each range bin, by ping, side and bin."""
 
     # A material of the bed, or materials in all + index of a target; the next so many by the next way; or NOBODY.
     contributor: NDArray[np.int32]
     energy: NDArray[np.float32]  # of that contributor, in units of all bins at that range
-    shadow: NDArray[np.bool_]  # whether bed lies there, hidden, and nothing is heard straight
-    ground_range: NDArray[np.float32]  # m, NaN where nothing is heard
-    incidence: NDArray[np.float32]  # rad, NaN where nothing is heard
-    caustic: NDArray[np.bool_]  # whether a ray at a caustic is heard, whose tube counts as wider than it is
+    shadow: NDArray[np.bool_]  # whether bed lies there, hidden, and nothing returns by the direct path
+    ground_range: NDArray[np.float32]  # m, NaN where nothing returns
+    incidence: NDArray[np.float32]  # rad, NaN where nothing returns
+    caustic: NDArray[np.bool_]  # whether a ray at a caustic returns, whose tube counts as wider than it is
 
 
 def empty_labels(pings: int, bins: int) -> BinLabels:
-    """Make room for the pings of a record."""
+    """Make room for the labels of a record.
+
+    Parameters
+    ----------
+    pings, bins : int
+
+    Returns
+    -------
+    BinLabels
+    """
     shape = (pings, 2, bins)
     contributor, shadow = np.empty(shape, np.int32), np.empty(shape, np.bool_)
     caustic = np.zeros(shape, np.bool_)
@@ -67,7 +77,17 @@ def empty_labels(pings: int, bins: int) -> BinLabels:
 
 
 def labels_of_pings(labels: BinLabels, first: int, last: int) -> BinLabels:
-    """Return pings first to last - 1, as views."""
+    """Labels of pings first to last - 1, as views.
+
+    Parameters
+    ----------
+    labels : BinLabels
+    first, last : int
+
+    Returns
+    -------
+    BinLabels
+    """
     contributor, energy, shadow, ground_range, incidence, caustic = (column[first:last] for column in labels)
     return BinLabels(contributor, energy, shadow, ground_range, incidence, caustic)  # type: ignore[arg-type]
 
@@ -130,7 +150,18 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
 
 @kernel
 def label_bins(contributions, straight, by_surface, labels, ping, side):
-    """Name the greatest contributor of each bin, and clear the ledger."""
+    """Label each bin of one side with its greatest contributor, and clear the contributions.
+
+    Parameters
+    ----------
+    contributions : ContributorTable
+        Cleared.
+    straight, by_surface : ndarray of float, shape (bins,)
+        Intensities of the direct path and of those by the sea surface.
+    labels : BinLabels
+        Takes the result.
+    ping, side : int
+    """
     contributor, energy, shadow = labels.contributor[ping, side], labels.energy[ping, side], labels.shadow[ping, side]
     ground_range, incidence = labels.ground_range[ping, side], labels.incidence[ping, side]
     contributor[:], energy[:], ground_range[:], incidence[:] = NO_PRIMITIVE, 0.0, np.nan, np.nan
@@ -204,7 +235,7 @@ def _foot(segment, x_from, x_to):
 
 @kernel
 def _mark_hidden(segment, x_from, x_to, bin_length, hidden):
-    """Mark the bins spanned by a part of a segment that is out of sight, if the beam takes it in."""
+    """Mark the bins spanned by a hidden stretch of a segment, if the beam takes it in."""
     start, stop = slant_range(segment, x_from), slant_range(segment, x_to)
     if x_to > x_from and segment.weight + segment.weight_rate * 0.5 * (x_from + x_to) > 0.0:
         nearest = slant_range(segment, _foot(segment, x_from, x_to))

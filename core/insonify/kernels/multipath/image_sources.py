@@ -1,7 +1,7 @@
-"""Where sound seems to come from that level mirrors have turned: images of the sonar above the sea surface.
+"""Image sources: the sonar mirrored in the level sea surface and in the bed beneath it.
 
 The surface is a perfect mirror at its own height. The bed beneath the sonar is one too, level there, for the second
-bottom echo: of the energy it leaves R0², as its material has it.
+bottom echo: of the energy it leaves R0², as its material has it. Derived in docs/theory/multipath.md.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from insonify.kernels.rays.cell_walk import Ray, meet_bed
 
 DEEPEST = 1e6  # m, for a sonar without a bed beneath it
 
-# Ways of the sound, as truth names them; 0 is the direct one.
+# Propagation paths; 0 is the direct one.
 SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE, SECOND_BOTTOM, SURFACE_ECHO, PATH_COUNT = 1, 2, 3, 4, 5
 
 
@@ -51,14 +51,37 @@ def _sonar_itself():
 
 @kernel
 def surface_image(arrays, z):
-    """Image of a sonar at height z in the sea surface."""
+    """Image of the sonar in the sea surface.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    z : float
+        Height of the sonar, m.
+
+    Returns
+    -------
+    ImageSource
+    """
     up = max(arrays.water.surface - z, 0.0)
     return ImageSource(2.0 * up, True, 1.0, up)
 
 
 @kernel
 def bottom_image(arrays, x, y, z):
-    """Image in the bed beneath the sonar, and of that in the sea surface; without a share if there is no bed."""
+    """Image of the sonar in the bed beneath it, and of that in the sea surface.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    x, y, z : float
+        Of the sonar, m.
+
+    Returns
+    -------
+    ImageSource
+        Without a share of the energy if there is no bed.
+    """
     up = max(arrays.water.surface - z, 0.0)
     down, row, _, _, _ = meet_bed(arrays.bed, Ray(x, y, z, 0.0, 0.0, -1.0), DEEPEST)
     if not down < DEEPEST:
@@ -68,7 +91,21 @@ def bottom_image(arrays, x, y, z):
 
 @kernel
 def image_pair(arrays, path, x, y, z):
-    """Pair of images that makes a way of the sound, and whether it is heard at all."""
+    """Pair of images that makes one propagation path.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    path : int
+        SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE or SECOND_BOTTOM.
+    x, y, z : float
+        Of the sonar, m.
+
+    Returns
+    -------
+    tuple
+        ImagePair, and whether the path is traced at all.
+    """
     multipath, sonar = arrays.multipath, _sonar_itself()
     common = arrays.law, arrays.bin_length, multipath.rms_height, multipath.slope_variance
     if path == SURFACE_BOTTOM:
@@ -82,9 +119,22 @@ def image_pair(arrays, path, x, y, z):
 
 @inlined
 def pair_response(one, other, tabulated, two_way):
-    """Sensitivity of the beam out by one way and back by the other, from those there and back by each.
+    """Two-way response of the beam out by one image and back by the other, from those there and back by each.
 
     A top-hat that takes in the lower of two images takes in the higher one too.
+
+    Parameters
+    ----------
+    one, other : float
+        Responses there and back by the lower and the higher image.
+    tabulated : bool
+        Whether the beam has a pattern.
+    two_way : bool
+        Whether sound passes the beam going and coming.
+
+    Returns
+    -------
+    float
     """
     if not tabulated:
         return one
@@ -93,7 +143,21 @@ def pair_response(one, other, tabulated, two_way):
 
 @inlined
 def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair):
-    """Radiance or cross-section of unit area for a pair of ways, in all its orders, and what mirrors leave of it."""
+    """Bistatic strength of a surface for a pair of images, in all its orders, times what mirrors leave of the energy.
+
+    Parameters
+    ----------
+    cos_one, cos_other : float
+        Cosines of the angles between the normal and the directions to both images.
+    mirrored : float
+        R·V.
+    diffuse, specular, shininess : float
+    pair : ImagePair
+
+    Returns
+    -------
+    float
+    """
     value = bistatic_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair.law)
     if pair.orders == 2:
         value += bistatic_strength(cos_other, cos_one, mirrored, diffuse, specular, shininess, pair.law)
@@ -102,16 +166,44 @@ def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pa
 
 @inlined
 def spreading_ratio(r_one, r_other, law):
-    """Tell what a record's 1/r⁴ lacks of the spreading along two ways, r⁴ / (R² R'²) with r = (R + R') / 2."""
+    """Ratio of the spreading along two ways to the record's own 1/r⁴: r⁴ / (R² R'²) with r = (R + R') / 2.
+
+    Parameters
+    ----------
+    r_one, r_other : float
+        R and R', m.
+    law : int
+        Law LIGHT does not spread.
+
+    Returns
+    -------
+    float
+    """
     if law == LIGHT:
         return 1.0
     r = 0.5 * (r_one + r_other)
-    return (r * r / (r_one * r_other)) ** 2
+    return (r * r / (r_one * r_other)) ** 2  # docs/theory/multipath.md
 
 
 @inlined
 def height_delay(image, drop, r, rms_height):
-    """Slant range that waves add to a leg, rms: η sin θ for a height η, at the grazing angle θ on the surface."""
+    """Slant range that waves of rms height add to a leg: η sin θ for a height η, at the grazing angle θ on the surface.
+
+    Parameters
+    ----------
+    image : ImageSource
+    drop : float
+        Height of the image above the place, m.
+    r : float
+        Distance from the image to the place, m.
+    rms_height : float
+        m.
+
+    Returns
+    -------
+    float
+        m; 0 for the sonar itself.
+    """
     return rms_height * drop / r if image.above > 0.0 else 0.0
 
 
@@ -122,5 +214,20 @@ def tilt_delay(image, drop, r, slope_variance):
     A facet tilted by t mirrors to the same place from 2t / (sin θ (1/r₁ + 1/r₂)) farther along the surface, by a way
     longer by 2 t² r₁ r₂ / (r₁ + r₂), of which slant range counts half; r₁ and r₂ = r − r₁ lead to the surface and on.
     Tilts across the plane are left out: they turn as much sound out of a narrow beam as into it.
+
+    Parameters
+    ----------
+    image : ImageSource
+    drop : float
+        Height of the image above the place, m.
+    r : float
+        Distance from the image to the place, m.
+    slope_variance : float
+        Of the waves, along one direction.
+
+    Returns
+    -------
+    float
+        m; 0 for the sonar itself.
     """
     return slope_variance * image.above * max(drop - image.above, 0.0) * r / (drop * drop)

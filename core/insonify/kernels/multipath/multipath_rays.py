@@ -1,7 +1,7 @@
-"""Ghosts by single rays: sent by the images of the sonar above the sea surface, heard by the image and by the sonar.
+"""Echoes by way of the sea surface, by single rays from the images of the sonar above it.
 
-Images are exact for level mirrors. What a ray of an image meets first is heard by that image straight along the ray;
-the sonar itself hears it if a ray back to it meets nothing. A ray that something high in the water keeps from the
+Images are exact for level mirrors. What a ray of an image meets first returns to that image straight along the ray;
+the sonar itself receives it if a ray back to it meets nothing. A ray that something high in the water keeps from the
 surface is lost.
 """
 
@@ -34,7 +34,19 @@ from insonify.kernels.rays.specular_paths import mixed_echo
 
 @kernel
 def trace_multipath(arrays, poses, rays, out):
-    """Trace the ghosts of all pings with ``rays`` a side and image and add them to ``out`` (pings, 2, bins)."""
+    """Add the echoes by way of the sea surface to the records of pings, ray by ray.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+        Of water without refraction.
+    poses : Poses
+        n pings.
+    rays : int
+        A side and image.
+    out : ndarray of float, shape (n, 2, bins)
+        Added to.
+    """
     multipath, sums = arrays.multipath, np.empty(arrays.bins)
     near = np.empty(arrays.solids.shape.size, np.int64)
     launch, bundle, hits = empty_launch(rays), empty_bundle(rays), empty_hits(rays)
@@ -56,7 +68,7 @@ def trace_multipath(arrays, poses, rays, out):
 
 @kernel
 def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
-    """Sum the ghosts that one image of the sonar brings."""
+    """Sum the echoes that one image of the sonar brings."""
     fan, multipath = arrays.half_width > 0.0, arrays.multipath
     seen_from = _beam_of_image(arrays, beam, image)
     if image.mirrored:
@@ -92,7 +104,7 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
 
 @inlined
 def _beam_of_image(arrays, beam, image):
-    """One side of a ping as its image has it: higher, and in the surface upside down."""
+    """Axes of one side of a ping as its image has them: higher up, and in the surface upside down."""
     turned = -1.0 if image.mirrored else 1.0
     # R + R' <= 2r and R' - R <= the height of the image.
     reach = arrays.bins * arrays.bin_length + 0.5 * image.height
@@ -105,7 +117,7 @@ def _beam_of_image(arrays, beam, image):
 
 @inlined
 def _retro_strength(arrays, fan, weight, path, meeting):
-    """Strength of what returns along a path that has arrived from an image, with the record's 1/r⁴ taken out."""
+    """Strength of what returns along the path that it came by from an image, with the record's 1/r⁴ taken out."""
     cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
     if cosine <= 0.0:
         return 0.0
@@ -128,7 +140,7 @@ def _azimuth_ratio(arrays, beam, path):
 
 @kernel
 def _is_blocked(arrays, beam, image, bundle, hits, k):
-    """Whether sound does not come by the surface, or something keeps it from there where it has set out upwards."""
+    """Whether a ray does not come by the surface, or meets something on its way up to it."""
     if not -bundle.dz[k] * hits.distance[k] > image.above:
         return True
     if not image.mirrored:
@@ -140,7 +152,7 @@ def _is_blocked(arrays, beam, image, bundle, hits, k):
 
 @inlined
 def _add_spread_echo(r, value, rise, tilt, facets, bin_length, sums):
-    """Share what comes at a slant range among the facets of the surface."""
+    """Spread an echo at one slant range over the delays of the facets of the sea surface."""
     share = value / facets.shape[0]
     for f in range(facets.shape[0]):
         start = max(r + rise * facets[f, 0] + tilt * facets[f, 2], 0.0) / bin_length
@@ -154,7 +166,7 @@ def _add_spread_echo(r, value, rise, tilt, facets, bin_length, sums):
 
 @inlined
 def _add_surface_echo(arrays, beam, image, sums):
-    """Add the echo of the surface straight above, 1 / (2d)² with the record's 1/d⁴ taken out."""
+    """Add the echo of the sea surface straight above, 1 / (2d)² with the record's 1/d⁴ taken out."""
     depth, fan = image.above, arrays.half_width > 0.0
     if not 0.0 < depth < arrays.bins * arrays.bin_length:
         return

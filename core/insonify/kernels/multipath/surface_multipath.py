@@ -1,10 +1,11 @@
-"""Ghosts by the sweep: what bed and targets send back by way of the sea surface, and what the surface itself does.
+"""Echoes by way of the sea surface, by the sweep: of bed and targets, and of the surface itself.
 
 Out as from one image of the sonar and back as to another, over R and R', an echo of the area dA comes at slant range
 r = (R + R') / 2 with σ dA / (R² R'²), σ the bistatic strength between the two directions, if both images see it: each
-has its own running horizon along one and the same profile, and its own screen of targets. Two orders count twice.
+has its own running horizon along one and the same profile, and its own z-buffer of targets. Two orders count twice.
 
-What lies higher than the sonar hides bed and targets from an image, but not the surface from the sonar.
+What lies higher than the sonar hides bed and targets from an image, but not the surface from the sonar. Derived in
+docs/theory/multipath.md.
 """
 
 from __future__ import annotations
@@ -177,7 +178,7 @@ def _add_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
     plane, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, straight_grid())
     near_field, per_height = fan.near_field[k], fan.reach[k]
     height = max(plane.z - arrays.bed.low, LOWEST)
-    # A beam that sound passes but once hears what the higher image's takes in, which is farther out; others do not.
+    # If sound passes the beam but once, the higher image's beam counts, which takes in what lies farther out.
     one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
     highest = pair.other.height if one_way else pair.one.height
     reach = min(per_height * (height + highest), arrays.bins * arrays.bin_length)
@@ -305,7 +306,7 @@ def _range_rate(segment, x):
 
 @kernel
 def _list_stretch(segment, pair, x_from, x_to, echoes, n):
-    """List a stretch of a segment that both images see."""
+    """List the echo of a stretch of a segment that both images see; return the number of echoes."""
     if not x_to > x_from:
         return n
     near, far, slope = _echo_range(segment, x_from), _echo_range(segment, x_to), segment.one.slope
@@ -319,7 +320,7 @@ def _list_stretch(segment, pair, x_from, x_to, echoes, n):
 
 @kernel
 def _nearest_ground_range(segment, x_from, x_to):
-    """Ground range at which a segment is heard nearest; slant range falls towards it and grows beyond."""
+    """Ground range at which the echo of a segment comes from nearest; slant range falls towards it and grows beyond."""
     if _range_rate(segment, x_from) >= 0.0:
         return x_from
     if _range_rate(segment, x_to) <= 0.0:
@@ -373,7 +374,7 @@ def _list_part(segment, pair, x_from, x_to, near, far, echoes, n):
 
 @kernel
 def _add_surface_echo(arrays, poses, ping, side, echoes, sink):
-    """Add the echo of the surface straight above: that of an image of the source, twice as far away as the surface.
+    """Add the echo of the sea surface straight above: of an image source twice as far away as the surface.
 
     It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; in law `light`, a lamp in a mirror.
     """

@@ -1,4 +1,4 @@
-"""What targets send back out by one image of the sonar and back by another."""
+"""Echoes of targets out by one image of the sonar and back by another."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.apparent_targets import load_apparent_source
 from insonify.kernels.targets.primitives import TRIANGLE, Primitive, intersect_primitive, load_primitive
 
-BEFORE = 1e-4  # share of a distance by which another part must come nearer to hide a place
+BEFORE = 1e-4  # share of a distance by which another primitive must come nearer to hide a place
 
 
 @kernel
@@ -141,7 +141,7 @@ def _list_facet(pattern, pair, facet, cos_other, numbers, sectors, contributor, 
     if law == LIGHT:
         first, second = value * abs(middle - near) / pair.bin_length, value * abs(far - middle) / pair.bin_length
     else:
-        # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
+        # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
         first = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6)
         second = first
     rms, variance = pair.rms_height, pair.slope_variance

@@ -1,4 +1,4 @@
-"""What the receiver does to the mean echo: a pulse spreads it, the water shifts it.
+"""Pulse and delay of the mean echo: the pulse spreads it over range, fluctuations of the water shift it.
 
 Beyond the last bin the echo is taken to go on as it is there, so that an even bed is even to the end.
 """
@@ -12,7 +12,18 @@ from insonify.kernels.common.jit import kernel
 
 @kernel
 def convolve_pulse(record, taps, before, out):
-    """Convolve every line with the pulse's taps, of which so many lie before the echo's own bin."""
+    """Convolve every side of every ping with the energy of the pulse.
+
+    Parameters
+    ----------
+    record : ndarray of float32, shape (n, 2, bins)
+    taps : ndarray of float32
+        Weights of the pulse.
+    before : int
+        How many of the taps lie before the echo's own bin.
+    out : ndarray of float32, shape (n, 2, bins)
+        Added to.
+    """
     pings, sides, bins = record.shape
     for ping in range(pings):
         for side in range(sides):
@@ -28,7 +39,16 @@ def convolve_pulse(record, taps, before, out):
 
 @kernel
 def delay_pings(record, bins_late, out):
-    """Let every ping come later by its own number of bins, whole or not; energy in between is shared."""
+    """Delay every ping by its own number of bins; energy in between is shared.
+
+    Parameters
+    ----------
+    record : ndarray of float32, shape (n, 2, bins)
+    bins_late : ndarray of float64, shape (n,)
+        Whole or not, of any sign.
+    out : ndarray of float32, shape (n, 2, bins)
+        Takes the result.
+    """
     pings, sides, bins = record.shape
     for ping in range(pings):
         whole = math.floor(bins_late[ping])

@@ -1,8 +1,9 @@
-"""Random fields over pings and bins that any block of pings sees alike.
+"""Random fields over pings and range bins of which any block of pings sees its own part.
 
 White noise is hashed at nodes, one node a ping or, for a field that changes more slowly, every 2, 4, 8 ... pings, and
 smoothed along the track by a triangle: at most eight nodes a ping, however slowly the field changes. The weights'
-squares are made to sum to 1, so that every value keeps its distribution exactly.
+squares are made to sum to 1, so that every value keeps its distribution exactly. Derived in
+docs/theory/speckle.md.
 """
 
 from __future__ import annotations
@@ -25,9 +26,21 @@ LN_2, TURN = np.float32(math.log(2.0)), np.float32(2.0 * math.pi)
 
 @kernel
 def fill_white_noise(seed, stream, nodes, octave, first, real, imaginary):
-    """Fill (nodes, 2, n) with complex Gaussians of E|c|² = 1; each belongs to its node, octave, side and bin alone.
+    """Complex Gaussian white noise with E|c|² = 1, a function of node, octave, side and bin alone.
 
-    Half of a hash makes the modulus, half the phase (Box and Muller), in passes that suit the vector units.
+    Half of a hash makes the modulus, half the phase (Box and Muller 1958), in passes that suit the vector units.
+
+    Parameters
+    ----------
+    seed, stream : int
+        What it derives from.
+    nodes : ndarray of int64, shape (nodes,)
+    octave : int
+        Of the spacing of the nodes.
+    first : int
+        Bin of the first column, of any sign.
+    real, imaginary : ndarray of float32, shape (nodes, 2, n)
+        Filled.
     """
     bins = real.shape[2]
     uniform, turns, modulus = np.empty(bins, np.float32), np.empty(bins, np.float32), np.empty(bins, np.float32)
@@ -79,7 +92,7 @@ def _log_of_mantissa(mantissa):
 
 @inlined
 def _sine_of_turns(turns):
-    """Sine of up to a quarter of a turn either way, to float32: Taylor's series."""
+    """Sine of up to a quarter of a turn either way, to float32, by Taylor's series."""
     f = np.float32
     x = TURN * turns
     z = x * x
@@ -92,9 +105,25 @@ def _sine_of_turns(turns):
 
 @kernel
 def smooth_noise(pings, spacing, nodes, start, per_bin, first, noise, out):
-    """Smooth noise at nodes to noise at pings, in bins from ``first`` on that share a spacing of nodes.
+    """Smooth white noise at nodes to noise at pings, in bins that share a spacing of nodes.
 
-    ``start`` is each ping's first row of nodes, ``per_bin`` the triangle's steepness in every bin, 1 / half width.
+    Parameters
+    ----------
+    pings : ndarray of int64, shape (n,)
+    spacing : int
+        Pings between nodes.
+    nodes : ndarray of int64
+        Those that the noise is given at, ascending.
+    start : ndarray of int64, shape (n,)
+        Each ping's first row of nodes.
+    per_bin : ndarray of float32, shape (bins,)
+        Steepness of the triangle in every bin, 1 / half width.
+    first : int
+        Column of ``out`` for the first bin.
+    noise : tuple of two ndarray of float32, shape (nodes, 2, bins)
+        Real and imaginary parts.
+    out : tuple of two ndarray of float32, shape (n, 2, ...)
+        Takes both parts.
     """
     real, imaginary, out_real, out_imaginary = noise[0], noise[1], out[0], out[1]
     bins = per_bin.size
@@ -120,9 +149,16 @@ def smooth_noise(pings, spacing, nodes, start, per_bin, first, noise, out):
 
 @kernel
 def add_filtered_energy(real, imaginary, taps, share, out):
-    """Filter complex noise along range and add its energy times a share to (n, 2, bins).
+    """Filter complex noise along range and add its energy times a share.
 
-    The noise begins so many bins before the record as the filter looks back.
+    Parameters
+    ----------
+    real, imaginary : ndarray of float32, shape (n, 2, taps - 1 + bins)
+        The noise begins so many bins before the record as the filter looks back.
+    taps : ndarray of float32
+    share : float
+    out : ndarray of float32, shape (n, 2, bins)
+        Added to.
     """
     pings, sides, bins = out.shape
     line_re, line_im = np.empty(bins, np.float32), np.empty(bins, np.float32)
@@ -143,7 +179,18 @@ def add_filtered_energy(real, imaginary, taps, share, out):
 def transform_distribution(field, table, first, per_octave, place):
     """Give an exponential field another distribution, by a table of log₂ of the new value over log₂ of the old one.
 
-    ``place`` (n, 2, bins) is the row of the table, whole or not. Below the table its first slope goes on.
+    Parameters
+    ----------
+    field : ndarray of float32, shape (n, 2, bins)
+        Transformed in place.
+    table : ndarray of float32, shape (rows, columns)
+        log₂ of the new value; below the table its first slope goes on.
+    first : float
+        log₂ of the old value in the first column.
+    per_octave : float
+        Columns per doubling of the old value.
+    place : ndarray of float32, shape (n, 2, bins)
+        Row of the table for each value, whole or not.
     """
     pings, sides, bins = field.shape
     columns = table.shape[1]
@@ -162,7 +209,20 @@ def transform_distribution(field, table, first, per_octave, place):
 
 @kernel
 def fill_slow_normals(seed, stream, pings, half_width, spacing, out):
-    """Fill (n,) with standard normal numbers that change as slowly as a triangle of that half width, in pings."""
+    """Fill an array with standard normal numbers that change slowly from ping to ping.
+
+    Parameters
+    ----------
+    seed, stream : int
+        What they derive from.
+    pings : ndarray of int64, shape (n,)
+    half_width : float
+        Of the triangle that smooths them, in pings.
+    spacing : int
+        Pings between nodes.
+    out : ndarray of float64, shape (n,)
+        Filled.
+    """
     for row in range(pings.size):
         total, squares = 0.0, 0.0
         first = math.ceil((pings[row] - half_width) / spacing)
@@ -176,6 +236,6 @@ def fill_slow_normals(seed, stream, pings, half_width, spacing, out):
 
 @inlined
 def _normal(seed, stream, node, spacing):
-    """One standard normal number (Box and Muller)."""
+    """One standard normal number (Box and Muller 1958)."""
     modulus = math.sqrt(-2.0 * math.log(hash_uniform(seed, stream, node, spacing, 0)))
     return modulus * math.cos(2.0 * math.pi * hash_uniform(seed, stream, node, spacing, 1))

@@ -1,9 +1,10 @@
-"""Echoes of single scatterers, added up as waves: speckle by what makes it.
+"""Coherent speckle: echoes of single scatterers, added up as waves.
 
-Scatterers lie on the bed and on bodies at hashed places, as many in each lot as a Poisson number says, and scatter with
-circular Gaussian amplitudes. Each in sight of the sonar adds its wave, of the energy that its share of the area sends
-back on average, to a line of slant range that is finer than the pulse. What a pulse hears of the line at once is one
-sample; its energy is the record. The mean over all scatterers that might have been is the sweep's own record.
+Scatterers lie on the bed and on targets at hashed places, as many in each lot as a Poisson number says, and scatter
+with circular Gaussian amplitudes. Each that the sonar sees adds its wave, of the energy that its share of the area
+sends back on average, to a signal over slant range that is finer than the pulse. What a pulse takes in of the signal at
+once is one sample; its energy is the record. The mean over all scatterers that might have been is the sweep's own
+record. Derived in docs/theory/speckle.md.
 """
 
 from __future__ import annotations
@@ -24,18 +25,17 @@ from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import intersect_mesh
 from insonify.kernels.rays.cell_walk import Ray, cell_normal, load_cell, meet_bed
 from insonify.kernels.rays.launch import beam_touches_ball, find_enclosing_solid, list_solids_in_beam, orient_beam
+from insonify.kernels.speckle.footprint import beam_footprint, lattice_columns, lattice_rows
 from insonify.kernels.speckle.surface_patches import FACE, SurfacePatches, load_patch, sample_patch
 from insonify.kernels.sweep.visible_stretches import find_visible_bed, is_bed_visible
 
 LOT = 4.0  # scatterers that a lot has on average, at most
-STEEPEST = 0.999  # sine from athwart beyond which a beam is taken to hear all ahead
-GRAZED = 1e-6  # share of its distance by which a scatterer on a body's skin may lie below it
-EMPTY = 1e300
+GRAZED = 1e-6  # share of its distance by which a scatterer on a body's surface may lie below it
 HALF, LOW_HALF, UNIT = np.uint64(32), np.uint64(0xFFFFFFFF), 2.0**-32
 
 
 class Scatterers(NamedTuple):
-    """How scatterers are strewn, and how waves tell them apart."""
+    """How scatterers are strewn, and how slant range turns their phases."""
 
     seed: int
     density: float  # per m², on average
@@ -44,7 +44,7 @@ class Scatterers(NamedTuple):
 
 
 class PulseTaps(NamedTuple):
-    """What a sample hears of the line."""
+    """What one sample takes in of the coherent signal."""
 
     samples: int  # per bin, the mean of whose energies the bin holds
     cells: int  # of the line, per sample
@@ -53,7 +53,7 @@ class PulseTaps(NamedTuple):
 
 
 class CoherentSignal(NamedTuple):
-    """Waves by slant range."""
+    """Sum of waves by slant range, in cells finer than the pulse."""
 
     real: NDArray[np.float64]
     imaginary: NDArray[np.float64]
@@ -69,7 +69,7 @@ class NodeGrid(NamedTuple):
 
 
 class WaveScale(NamedTuple):
-    """How a scatterer's place becomes a wave's."""
+    """How a scatterer's slant range becomes a place and a phase of the signal."""
 
     share: float  # area of one scatterer, m²
     per_wave: float  # turns per metre
@@ -79,9 +79,9 @@ class WaveScale(NamedTuple):
 
 
 class ScattererEcho(NamedTuple):
-    """A scatterer as the sonar meets it."""
+    """A scatterer as the sonar sees it."""
 
-    response: float  # what the beam leaves of its energy; 0 if it is not heard at all
+    response: float  # two-way response of the beam; 0 if it does not take it in
     cosine: float  # of the incidence
     r: float  # slant range, m
     dx: float  # direction to it
@@ -92,16 +92,49 @@ class ScattererEcho(NamedTuple):
 
 
 def empty_signal(bins: int, pulse: PulseTaps) -> CoherentSignal:
-    """Make room for so many bins and what a pulse hears before and after them."""
+    """Make room for the coherent signal of a record.
+
+    Parameters
+    ----------
+    bins : int
+        Of the record, with what a pulse takes in before and after them.
+    pulse : PulseTaps
+
+    Returns
+    -------
+    CoherentSignal
+    """
     size = bins * pulse.samples * pulse.cells + pulse.taps.size
     return CoherentSignal(*np.zeros((2, size)))
 
 
 @kernel
 def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed, signal, out):
-    """Trace all pings into ``out`` (pings, 2, bins); return -1 - k if the sonar is inside body k, else 0.
+    """Record pings as the coherent sum of single scatterers.
 
-    The problem may have more bins than the record: what a pulse hears beyond its end.
+    Parameters
+    ----------
+    arrays : SceneArrays
+        May have more bins than the record: what a pulse takes in beyond its end.
+    poses : Poses
+        n pings.
+    fan : AzimuthFan
+        Planes that tell what of the bed is visible, their azimuths ascending.
+    scatterers : Scatterers
+    pulse : PulseTaps
+    profile : Profile
+        Work space.
+    visible_bed : VisibleBed
+        Work space.
+    signal : CoherentSignal
+        Work space.
+    out : ndarray of float32, shape (n, 2, bins)
+        Takes the intensity.
+
+    Returns
+    -------
+    int
+        0, or -1 - k if the sonar is inside body k.
     """
     near = np.empty(arrays.solids.shape.size, np.int64)
     for ping in range(poses.x.size):
@@ -121,7 +154,7 @@ def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed
 
 @kernel
 def _sample_pulse(real, imaginary, pulse, out):
-    """Let every bin hold the mean energy of its samples."""
+    """Mean energy of each bin's samples of the signal."""
     taps, middle, sample = pulse.taps, pulse.cells // 2, 0
     for k in range(out.size):
         total = 0.0
@@ -138,8 +171,8 @@ def _sample_pulse(real, imaginary, pulse, out):
 
 @kernel
 def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
-    """Add what the bed's scatterers send back: lots are the squares of a lattice fixed to the world."""
-    # Taking an array out of the problem costs more than a scatterer: out of the loop with them.
+    """Add the waves of the bed's scatterers: lots are the squares of a lattice fixed to the world."""
+    # Arrays are taken out of their tuples before the loop: doing so costs more than a scatterer.
     bed, table, factor, pattern = arrays.bed, arrays.reflectivity, arrays.range_factor, arrays.pattern
     heights, materials, real, imaginary = bed.heights, bed.materials, signal.real, signal.imaginary
     borders, reach, edges, edge_count = (
@@ -151,10 +184,10 @@ def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
     grid, waves = NodeGrid(bed.x0, bed.y0, bed.spacing, bed.periodic), _wave_scale(arrays, scatterers, pulse)
     bodies = near.size > 0 or arrays.mesh.skip.size > 0
     pitch = math.sqrt(LOT / scatterers.density)
-    none, corners = math.exp(-LOT), _footprint(beam, bed.low, bed.high)
-    first, last = _lattice_rows(beam, corners, pitch)
+    none, corners = math.exp(-LOT), beam_footprint(beam, bed.low, bed.high)
+    first, last = lattice_rows(beam, corners, pitch)
     for row in range(first, last):
-        begin, end = _lattice_columns(beam, corners, pitch, row)
+        begin, end = lattice_columns(beam, corners, pitch, row)
         for column in range(begin, end):
             key = hash_integers(scatterers.seed, BED_SCATTERERS, column, row, 0)
             for member in range(_poisson(key, LOT, none)):
@@ -172,13 +205,14 @@ def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
 
 @inlined
 def _wave_scale(arrays, scatterers, pulse):
+    """Scale of places and phases for a record."""
     cells = pulse.samples * pulse.cells
     return WaveScale(1.0 / scatterers.density, scatterers.per_wave, arrays.bin_length, cells, pulse.before)
 
 
 @kernel
 def _add_targets(arrays, beam, scatterers, near, pulse, signal):
-    """Add what the scatterers on bodies send back: every patch of skin has lots of its own."""
+    """Add the waves of the scatterers on targets: every patch of their surfaces has lots of its own."""
     patches, waves = scatterers.patches, _wave_scale(arrays, scatterers, pulse)
     for row in range(patches.kind.size):
         cx, cy, cz = patches.centre[row, 0] - beam.x, patches.centre[row, 1] - beam.y, patches.centre[row, 2] - beam.z
@@ -192,13 +226,13 @@ def _add_targets(arrays, beam, scatterers, near, pulse, signal):
 
 @kernel
 def _add_lot(patch, material, key, mean, arrays, beam, near, waves, signal):
-    """Add what one lot of a patch sends back."""
+    """Add the waves of one lot of a patch."""
     for member in range(_poisson(key, mean, math.exp(-mean))):
         bits, more = _random_bits(key, member)
         place = sample_patch(patch, _upper_uniform(bits), _lower_uniform(bits))
         echo = _observe(beam, arrays.pattern, place.x, place.y, place.z, place.nx, place.ny, place.nz)
         if patch.kind == FACE and echo.cosine < 0.0:
-            # Sheets are heard from both sides.
+            # Triangles send back from both sides.
             echo = _observe(beam, arrays.pattern, place.x, place.y, place.z, -place.nx, -place.ny, -place.nz)
         if echo.response > 0.0 and not _is_behind_targets(arrays.solids, arrays.mesh, near, beam, echo):
             bed, _, _, _, _ = meet_bed(arrays.bed, Ray(beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz), echo.r)
@@ -209,7 +243,7 @@ def _add_lot(patch, material, key, mean, arrays, beam, near, waves, signal):
 
 @inlined
 def _observe(beam, pattern, x, y, z, nx, ny, nz):
-    """Meet a place of the world with its outward normal; NaN, where there is no bed, is not heard."""
+    """See a place of the world with its outward normal; NaN, where there is no bed, is not seen."""
     x, y, z = x - beam.x, y - beam.y, z - beam.z
     r = math.sqrt(x * x + y * y + z * z)
     dx, dy, dz = x / r, y / r, z / r
@@ -225,7 +259,7 @@ def _observe(beam, pattern, x, y, z, nx, ny, nz):
 
 @inlined
 def _mean_energy(table, material, echo):
-    """Mean energy of the echo per m² of its surface."""
+    """Mean energy of an echo per m² of its surface."""
     diffuse, specular, shininess = table[material, 0], table[material, 1], table[material, 2]
     return echo.response * backscatter(echo.cosine, diffuse, specular, shininess)
 
@@ -235,7 +269,7 @@ def _add_wave(energy, r, bits, waves, factor, real, imaginary):
     """Add the wave of one scatterer whose share of the area sends back that energy per m² on average."""
     place = r / waves.bin_length
     energy *= waves.share * factor[min(int(place), factor.size - 1)]
-    # Circular Gaussian: the energy is exponential, the phase anything (Box and Muller).
+    # Circular Gaussian: exponential energy, uniform phase (Goodman 2007, *Speckle phenomena in optics*, ch. 2).
     modulus = math.sqrt(-energy * math.log(_upper_uniform(bits) + 0.5 * UNIT))
     turns = r * waves.per_wave + _lower_uniform(bits)
     phase = 2.0 * math.pi * (turns - math.floor(turns))
@@ -246,7 +280,7 @@ def _add_wave(energy, r, bits, waves, factor, real, imaginary):
 
 @kernel
 def _is_behind_targets(solids, mesh, near, beam, echo):
-    """Whether any body lies nearer than a scatterer in its direction."""
+    """Whether any target lies nearer than a scatterer in its direction."""
     r = echo.r * (1.0 - GRAZED)
     for m in range(near.size):
         distance, _, _, _ = intersect_solid(solids, near[m], beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz)
@@ -274,72 +308,8 @@ def _bed_at(heights, materials, grid, x, y):
 
 
 @inlined
-def _lattice_rows(beam, corners, pitch):
-    """First row of the lattice that a trapezoid meets within reach, and the one after its last."""
-    low, high = max(corners[:, 1].min(), beam.y - beam.reach), min(corners[:, 1].max(), beam.y + beam.reach)
-    return math.floor(low / pitch), math.floor(high / pitch) + 1
-
-
-@inlined
-def _lattice_columns(beam, corners, pitch, row):
-    """Likewise the columns, in one row."""
-    low, high = _extent_in_x(corners, row * pitch, (row + 1) * pitch)
-    low, high = max(low, beam.x - beam.reach), min(high, beam.x + beam.reach)
-    return math.floor(low / pitch), math.floor(high / pitch) + 1
-
-
-@inlined
-def _footprint(beam, lowest, highest):
-    """Corners (4, 2) of a trapezoid that holds all the bed one side can hear, in turn."""
-    depth = max(abs(lowest - beam.z), abs(highest - beam.z))
-    corners = np.empty((4, 2))
-    for k in range(4):
-        across = 0.0 if k == 0 or k == 3 else beam.reach
-        if k < 2:
-            along = -_foremost(beam, -beam.s_low, depth, across)
-        else:
-            along = _foremost(beam, beam.s_high, depth, across)
-        corners[k, 0] = beam.x + across * beam.side_x + along * beam.ahead_x
-        corners[k, 1] = beam.y + across * beam.side_y + along * beam.ahead_y
-    return corners
-
-
-@inlined
-def _foremost(beam, sine, depth, across):
-    """How far ahead, at most, the bed so far across can be heard: a·cos p + z·sin p = s·√(x² + a² + z²).
-
-    The way grows ever faster with the range, so that a straight line over its ends holds all between.
-    """
-    cos_pitch = math.sqrt(1.0 - beam.axis_z * beam.axis_z)
-    s, tip = min(sine / cos_pitch, STEEPEST), abs(beam.axis_z) * depth / cos_pitch
-    if s <= 0.0:
-        return s * across + tip
-    open_to = 1.0 - s * s
-    return (tip + s * math.sqrt(tip * tip + open_to * (across * across + depth * depth))) / open_to
-
-
-@inlined
-def _extent_in_x(corners, low, high):
-    """Least and greatest x of a convex figure between two values of y."""
-    least, greatest = EMPTY, -EMPTY
-    for k in range(4):
-        x, y = corners[k, 0], corners[k, 1]
-        dx, dy = corners[(k + 1) % 4, 0] - x, corners[(k + 1) % 4, 1] - y
-        start, stop = 0.0, 1.0
-        if dy != 0.0:
-            one, other = (low - y) / dy, (high - y) / dy
-            start, stop = max(start, min(one, other)), min(stop, max(one, other))
-        elif not low <= y <= high:
-            continue
-        if start <= stop:
-            least = min(least, x + start * dx, x + stop * dx)
-            greatest = max(greatest, x + start * dx, x + stop * dx)
-    return least, greatest
-
-
-@inlined
 def _poisson(key, mean, none):
-    """Draw the number of scatterers in a lot, by inversion; ``none`` is exp(-mean)."""
+    """Poisson number of scatterers in a lot, by inversion; ``none`` is exp(-mean)."""
     uniform, count, chance = _upper_uniform(key), 0, none
     while uniform > chance and none > 0.0:
         count += 1
@@ -357,11 +327,11 @@ def _random_bits(key, member):
 
 @inlined
 def _upper_uniform(bits):
-    """Uniform number in [0, 1) from one half of 64 bits."""
+    """Uniform number in [0, 1) from the upper half of 64 bits."""
     return np.float64(bits >> HALF) * UNIT
 
 
 @inlined
 def _lower_uniform(bits):
-    """And from the other."""
+    """Uniform number in [0, 1) from the lower half of 64 bits."""
     return np.float64(bits & LOW_HALF) * UNIT

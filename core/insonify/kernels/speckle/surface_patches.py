@@ -1,4 +1,4 @@
-"""The skin of bodies as small patches, each a surface on which places are picked evenly."""
+"""Patches of targets' surfaces, each sampled evenly over its area."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class SurfacePatch(NamedTuple):
 
 
 class SurfacePoint(NamedTuple):
-    """A place on a skin and the outward normal there."""
+    """A point of a surface and the outward normal there."""
 
     x: float
     y: float
@@ -65,7 +65,20 @@ class SurfacePoint(NamedTuple):
 
 @kernel
 def load_patch(patches, row, solids, mesh):
-    """Take out of the tables what a patch is like, and its row of the reflectivity table."""
+    """Load a patch from the tables.
+
+    Parameters
+    ----------
+    patches : SurfacePatches
+    row : int
+    solids : Solids
+    mesh : Mesh
+
+    Returns
+    -------
+    tuple
+        SurfacePatch, and its row of the reflectivity table.
+    """
     kind, body = patches.kind[row], patches.body[row]
     if kind == FACE:
         x, y, z = patches.corners[row, 0]
@@ -84,7 +97,18 @@ def load_patch(patches, row, solids, mesh):
 
 @inlined
 def sample_patch(patch, u, v):
-    """Place of a patch for two numbers in [0, 1), even over its area."""
+    """Point of a patch for two numbers, even over its area.
+
+    Parameters
+    ----------
+    patch : SurfacePatch
+    u, v : float
+        In [0, 1).
+
+    Returns
+    -------
+    SurfacePoint
+    """
     if patch.kind == FACE:
         # √u makes it even (Osada et al. 2002, *Shape distributions*).
         b, c = math.sqrt(u) * (1.0 - v), math.sqrt(u) * v
@@ -105,6 +129,7 @@ def sample_patch(patch, u, v):
 
 @inlined
 def _sample_frustum(patch, u, cos_turn, sin_turn):
+    """Point of a frustum's side or end for a number in [0, 1) and a direction round the axis."""
     face, ax, ay, az = SIDE, patch.ax, patch.ay, patch.az
     if patch.kind == ROUND:
         # Both on the side of a cone and on a disc the area within grows as the square of the radius.

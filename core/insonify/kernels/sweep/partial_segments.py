@@ -1,4 +1,4 @@
-"""Pieces of the bed that are not heard whole: cut at the horizon and at targets, halved where they come nearest."""
+"""Echoes of bed segments that are visible in part: cut at the horizon and at targets, split where they come nearest."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT
 
-FINE = 0.02  # longest piece, as a share of its range, whose energy spreads evenly over its bins
+FINE = 0.02  # longest part, as a share of its range, whose energy spreads evenly over its bins
 MOST_PARTS = 4096
 
 
@@ -29,7 +29,19 @@ class BedSegment(NamedTuple):
 
 @kernel
 def deposit_partial_segment(segment, x_from, x_to, law, bin_length, bins):
-    """Put the part of a segment between two ground ranges into the bins."""
+    """Spread the echo of a stretch of a segment over the range bins.
+
+    Parameters
+    ----------
+    segment : BedSegment
+    x_from, x_to : float
+        Ground ranges at which the stretch begins and ends, m.
+    law : int
+    bin_length : float
+        Slant range of one bin, m.
+    bins : ndarray of int64
+        Difference array, in fixed-point units.
+    """
     near, far = slant_range(segment, x_from), slant_range(segment, x_to)
     tilt = 1.0 + segment.slope * segment.slope
     squared = (x_to - x_from) * (x_to - x_from) * tilt
@@ -46,7 +58,7 @@ def deposit_partial_segment(segment, x_from, x_to, law, bin_length, bins):
 
 @kernel
 def _deposit_monotone(segment, x_from, x_to, law, bin_length, bins):
-    """Deposit a piece along which slant range grows or falls, in parts short against their range."""
+    """Deposit a stretch along which slant range grows or falls, in parts short against their range."""
     if x_to <= x_from:
         return
     nearest = max(min(slant_range(segment, x_from), slant_range(segment, x_to)), bin_length)
@@ -67,7 +79,7 @@ def _deposit_part(segment, x_from, x_to, near, far, law, bin_length, bins):
     per_bin, stretch = 1.0 / bin_length, math.sqrt(segment.area)
     x = 0.5 * (x_from + x_to)
     middle = slant_range(segment, x)
-    cos_incidence = -segment.offset / (middle * stretch)
+    cos_incidence = -segment.offset / (middle * stretch)  # docs/theory/sweep.md
     value = backscatter_strength(cos_incidence, segment.diffuse, segment.specular, segment.shininess, law)
     value *= segment.weight + segment.weight_rate * x
     if law == LIGHT:
@@ -79,6 +91,18 @@ def _deposit_part(segment, x_from, x_to, near, far, law, bin_length, bins):
 
 @inlined
 def slant_range(segment, x):
-    """Slant range of a segment at ground range x."""
+    """Slant range of a segment at a ground range.
+
+    Parameters
+    ----------
+    segment : BedSegment
+    x : float
+        Ground range, m.
+
+    Returns
+    -------
+    float
+        m.
+    """
     z = segment.offset + segment.slope * x
     return math.sqrt(x * x + z * z)

@@ -1,9 +1,10 @@
-"""Walk a profile outward from nadir with one running horizon; put what is heard into the bins it spans.
+"""The sweep: every plane is walked outward from nadir with one running horizon, its echoes spread over range bins.
 
-Each heard piece of a segment spreads its energy evenly over the slant range it covers: a density that steps up where
-the piece begins and down where it ends. The steps go into a difference array of integers, one event per knot, and a
-prefix sum turns them into bins. Integers cancel exactly, so what no piece touches is exactly zero and the sum is
-the same in any order. Spreading and absorption depend on range alone and multiply afterwards.
+Each visible stretch of a segment spreads its energy evenly over the slant range it covers: a density that steps up
+where the stretch begins and down where it ends. The steps go into a difference array of integers, one event per knot,
+and a prefix sum turns them into bins. Integers cancel exactly, so that a bin without energy is exactly zero and the sum
+is the same in any order. Spreading and absorption depend on range alone and multiply afterwards. Derived in
+docs/theory/sweep.md.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ LOWEST = 1e-3  # m, for a height of a sonar that is below all of the bed
 
 
 class AzimuthFan(NamedTuple):
-    """The planes of a beam, one entry each, mirrored to both sides."""
+    """Planes of a beam, one entry each, mirrored to both sides."""
 
     azimuth: NDArray[np.float64]  # from athwart towards the bow, rad
     s_low: NDArray[np.float64]
@@ -53,7 +54,7 @@ class AzimuthFan(NamedTuple):
     angle: NDArray[np.float64]
     far_angle: NDArray[np.float64]
     near_field: NDArray[np.float64]  # per metre of the sonar's height above the lowest bed
-    reach: NDArray[np.float64]  # ground range to which the beam hears anything of the plane, likewise
+    reach: NDArray[np.float64]  # ground range to which the beam takes in anything of the plane, likewise per metre
 
 
 class SweepWorkspace(NamedTuple):
@@ -68,7 +69,19 @@ class SweepWorkspace(NamedTuple):
 def empty_sweep_workspace(
     arrays: SceneArrays, apparent: ApparentTables, dtype: DTypeLike = np.float32
 ) -> SweepWorkspace:
-    """Make room for the planes of a scene, in single precision or, to tell what it costs, in double."""
+    """Make room for the planes of a scene.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    apparent : ApparentTables
+    dtype : dtype
+        Single precision or, to tell what it costs, double.
+
+    Returns
+    -------
+    SweepWorkspace
+    """
     capacity = profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing)
     profile, echoes = empty_profile(capacity, dtype), empty_segment_echoes(capacity, dtype)
     return SweepWorkspace(profile, echoes, empty_zbuffer(arrays.solids, arrays.mesh), empty_table(apparent))
@@ -76,9 +89,9 @@ def empty_sweep_workspace(
 
 @inlined_uncounted
 def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
-    """Put the energy of all heard pieces of a profile into the difference array ``bins``.
+    """Spread the echoes of all visible segments of a profile over the range bins.
 
-    Neighbours heard whole share one event at their common knot.
+    Neighbours that are visible whole share one event at their common knot.
     """
     last, per_bin = bins.size - 2.0, 1.0 / arrays.bin_length
     # Energies become whole numbers first, so that what a knot adds its neighbour takes away exactly.
@@ -86,12 +99,12 @@ def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bi
     _density_steps(knots, echoes.energy, echoes.early)
     _share_steps(knots, echoes.r, per_bin, last, echoes.early, echoes.late, echoes.place)
     _add_steps(count, echoes.place, echoes.early, echoes.late, bins)
-    # Taking an array out of a tuple of them costs as much as a piece: out of the loops with them.
+    # Arrays are taken out of their tuples before the loops: doing so costs as much as a segment.
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
     weights, launch, horizon, cut = echoes.weight, echoes.launch, echoes.horizon, echoes.cut
     table, law, bin_length = arrays.reflectivity, arrays.law, arrays.bin_length
     if cells == 0:
-        # Few are marked: look at whole words of marks.
+        # Few segments are marked, so that whole words of marks are tested at once.
         words = cut[: (count - 1 + WORD - 1) // WORD * WORD].view(np.int64)
         for word in range(words.size):
             if words[word] != 0:
@@ -106,7 +119,7 @@ def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bi
 
 @kernel
 def _deposit_behind_targets(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
-    """Deposit what bodies leave open of the segments that must be cut."""
+    """Spread the echoes of the segments that must be cut, less what targets hide of them."""
     occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
     weights, launch, horizon, cut = echoes.weight, echoes.launch, echoes.horizon, echoes.cut
@@ -120,7 +133,23 @@ def _deposit_behind_targets(profile, count, arrays, sector, zbuffer, cells, echo
 
 @inlined_uncounted
 def load_segment(i, x, z, slope, area, material, weights, table, sector):
-    """Segment i of a profile by itself."""
+    """Load segment i of a profile.
+
+    Parameters
+    ----------
+    i : int
+    x, z, slope, area, material : ndarray
+        Of the Profile.
+    weights : ndarray of float32
+        What the plane stands for at the knots.
+    table : ndarray of float64, shape (materials, 3)
+        Reflectivity.
+    sector : AzimuthSector
+
+    Returns
+    -------
+    BedSegment
+    """
     row, rise = material[i], slope[i]
     at_nadir, rate = 1.0, 0.0
     if sector.angle > 0.0 or sector.tabulated or sector.bent:
@@ -131,7 +160,21 @@ def load_segment(i, x, z, slope, area, material, weights, table, sector):
 
 @inlined_uncounted
 def visible_from(segment, x_from, x_to, launch, horizon):
-    """Ground range from which a segment rises above the horizon: offset / x + slope = horizon."""
+    """Ground range from which a segment rises above the horizon: offset / x + slope = horizon.
+
+    Parameters
+    ----------
+    segment : BedSegment or SegmentLine
+    x_from, x_to : float
+        Ground ranges of its ends, m.
+    launch, horizon : float
+        Launch slope of its nearer end, and greatest one up to there.
+
+    Returns
+    -------
+    float
+        m.
+    """
     if horizon > launch:
         return min(max(segment.offset / (horizon - segment.slope), x_from), x_to)
     return x_from
@@ -139,7 +182,7 @@ def visible_from(segment, x_from, x_to, launch, horizon):
 
 @inlined_uncounted
 def _density_steps(count, energy, change):
-    """By how much the density changes at each knot; beyond the last one there is no energy."""
+    """Change of the density of energy at each knot; beyond the last one there is no energy."""
     change[0] = np.int64(energy[0])
     for i in range(1, count):
         change[i] = np.int64(energy[i]) - np.int64(energy[i - 1])
@@ -269,7 +312,24 @@ def _prefetch_next(arrays, poses, ping, side):
 
 @inlined_uncounted
 def aim_plane(arrays, poses, ping, side, fan, k, grid):
-    """Where one plane of a ping's beam lies, what it stands for, and how far the ping hears anything of it."""
+    """Orient one plane of a ping's beam.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    poses : Poses
+    ping, side : int
+    fan : AzimuthFan
+    k : int
+        Plane of the fan.
+    grid : TableGrid
+        Of the water, for the ping.
+
+    Returns
+    -------
+    tuple
+        The HalfPlane, its AzimuthSector, and the ground range to which the beam takes in anything of it, m.
+    """
     height = max(poses.z[ping] - arrays.bed.low, LOWEST)
     ahead_x, ahead_y = snap_to_grid(math.cos(poses.heading[ping])), snap_to_grid(math.sin(poses.heading[ping]))
     abeam = 1.0 if side == PORT else -1.0

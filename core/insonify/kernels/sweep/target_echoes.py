@@ -1,4 +1,4 @@
-"""What targets send back, and what they leave open of the bed behind them."""
+"""Echoes of targets, facet by facet, and of the bed that targets leave visible behind them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,20 @@ HALVINGS = 10  # that find where a facet comes out of the bed
 
 @kernel_uncounted
 def deposit_visible_stretches(segment, x_from, x_to, occlusion, law, bin_length, bins):
-    """Deposit what no body hides of a segment of the bed, between two ground ranges."""
+    """Spread the echo of what no target hides of a segment of the bed over the range bins.
+
+    Parameters
+    ----------
+    segment : BedSegment
+    x_from, x_to : float
+        Ground ranges between which it rises above the horizon, m.
+    occlusion : Occlusion
+    law : int
+    bin_length : float
+        Slant range of one bin, m.
+    bins : ndarray of int64
+        Difference array, in fixed-point units.
+    """
     low, high = launch_angle(segment, x_from), launch_angle(segment, x_to)
     while low < high:
         opened, closed = next_visible(occlusion, segment, low, high)
@@ -40,13 +53,37 @@ def deposit_visible_stretches(segment, x_from, x_to, occlusion, law, bin_length,
 
 @inlined_uncounted
 def launch_angle(segment, x):
-    """Launch angle to a segment at ground range x."""
+    """Launch angle to a segment at a ground range.
+
+    Parameters
+    ----------
+    segment : BedSegment or SegmentLine
+    x : float
+        Ground range, m.
+
+    Returns
+    -------
+    float
+        rad above the horizontal.
+    """
     return math.atan2(segment.offset + segment.slope * x, x)
 
 
 @inlined_uncounted
 def ground_range_at(segment, angle):
-    """Ground range at which a launch angle meets a segment's line."""
+    """Ground range at which a launch angle meets a segment's line.
+
+    Parameters
+    ----------
+    segment : BedSegment or SegmentLine
+    angle : float
+        rad above the horizontal.
+
+    Returns
+    -------
+    float
+        m.
+    """
     return segment.offset / (math.tan(angle) - segment.slope)
 
 
@@ -94,7 +131,7 @@ def deposit_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cel
     bins : ndarray of int64
         Difference array, in fixed-point units.
     """
-    # Taking an array out of a tuple costs more than a facet: out of the loop with them.
+    # Arrays are taken out of their tuples before the loop: doing so costs more than a facet.
     solids, mesh, table, pattern = arrays.solids, arrays.mesh, arrays.reflectivity, arrays.pattern
     law, bin_length, nearest = arrays.law, arrays.bin_length, zbuffer.nearest
     edge, cosine, sine = zbuffer.edge, zbuffer.cosine, zbuffer.sine
@@ -125,7 +162,18 @@ def deposit_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cel
 
 @inlined_uncounted
 def count_facets(zbuffer, cell):
-    """Into how many facets a cell is divided, and the ground range of its middle."""
+    """Into how many facets a cell of a z-buffer is divided, and the ground range of its middle.
+
+    Parameters
+    ----------
+    zbuffer : AngularZbuffer
+    cell : int
+
+    Returns
+    -------
+    tuple
+        Facets, and ground range in metres.
+    """
     cosine, sine = zbuffer.cosine, zbuffer.sine
     c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
     low, high, distance = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.distance[cell]
@@ -201,7 +249,16 @@ def _intersect_facet(primitive, low, high):
 
 @inlined_uncounted
 def is_facet_met(facet):
-    """Whether there is anything of a facet, all of it met."""
+    """Whether there is anything of a facet, all of it met.
+
+    Parameters
+    ----------
+    facet : Facet
+
+    Returns
+    -------
+    bool
+    """
     return facet.low < facet.high and max(facet.near, facet.far, facet.centre) < NEVER
 
 
@@ -218,7 +275,20 @@ def _deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins
 
 @inlined_uncounted
 def primitive_material(solids, mesh, zbuffer, p):
-    """Row of the reflectivity table that primitive p is made of."""
+    """Row of the reflectivity table that a primitive is made of.
+
+    Parameters
+    ----------
+    solids : Solids
+    mesh : Mesh
+    zbuffer : AngularZbuffer
+    p : int
+        The primitive.
+
+    Returns
+    -------
+    int
+    """
     body, bodies = zbuffer.body[p], solids.shape.size
     return solids.material[body] if body < bodies else mesh.material[body - bodies]
 
@@ -251,14 +321,28 @@ def facet_energies(facet, gain, material, sector, pattern, law, bin_length):
     if law == LIGHT:
         density = value / bin_length * FIXED_POINT
         return density * abs(facet.centre - facet.near), density * abs(facet.far - facet.centre)
-    # The strip seen along the ray: width · r dθ, laid out on the surface: / cos of the incidence.
+    # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
     half = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6) * FIXED_POINT
     return half, half
 
 
 @inlined_uncounted
 def knot_before(bed, x, i):
-    """Last knot at or before ground range x, looked for from knot i on; -1 if there is none."""
+    """Last knot at or before a ground range.
+
+    Parameters
+    ----------
+    bed : BedHorizon
+    x : float
+        Ground range, m.
+    i : int
+        Knot from which it is looked for.
+
+    Returns
+    -------
+    int
+        -1 if there is none.
+    """
     while i + 1 < bed.knots and bed.x[i + 1] <= x:
         i += 1
     while i >= 0 and bed.x[i] > x:
@@ -268,7 +352,20 @@ def knot_before(bed, x, i):
 
 @inlined_uncounted
 def horizon_at(bed, i, x):
-    """Greatest launch slope of the bed up to ground range x, which lies beyond knot i and not beyond the next."""
+    """Greatest launch slope of the bed up to a ground range.
+
+    Parameters
+    ----------
+    bed : BedHorizon
+    i : int
+        Last knot at or before the ground range.
+    x : float
+        Ground range, m.
+
+    Returns
+    -------
+    float
+    """
     if i < 0:
         return -NEVER
     ridge = bed.slope[i]

@@ -1,4 +1,4 @@
-"""Tell, along a profile walked outward from nadir with one running horizon, what is heard and how loud.
+"""Visibility along a profile: which segments rise above one running horizon, and how much energy they send back.
 
 Every pass touches few arrays, so that the compiler can use its vector units.
 """
@@ -30,7 +30,7 @@ WORD = 8  # marks in an int64
 
 
 class SegmentEchoes(NamedTuple):
-    """Work space of one profile; one entry a knot, or a segment."""
+    """Echoes of one profile's segments, before they are spread over range bins; one entry a knot, or a segment."""
 
     r: NDArray[np.float64]  # slant range of the knots, m
     launch: NDArray[np.float32]  # tan of the launch angle above the horizontal, knots
@@ -38,15 +38,27 @@ class SegmentEchoes(NamedTuple):
     weight: NDArray[np.float32]  # what the plane stands for there, knots
     cos_squared: NDArray[np.float32]  # of the incidence, segments
     scale: NDArray[np.float32]  # what turns a scattering strength into energy per bin, segments
-    energy: NDArray[np.float32]  # per bin in fixed-point units, of segments heard whole
-    cut: NDArray[np.bool_]  # segments heard in part, or too long for one density; a word beyond them is unmarked
+    energy: NDArray[np.float32]  # per bin in fixed-point units, of segments visible whole
+    cut: NDArray[np.bool_]  # segments visible in part, or too long for one density; a word beyond them is unmarked
     early: NDArray[np.int64]  # step of the density at a knot: what its own bin takes
     late: NDArray[np.int64]  # and what the next bin takes
     place: NDArray[np.int32]  # that bin
 
 
 def empty_segment_echoes(capacity: int, dtype: DTypeLike = np.float32) -> SegmentEchoes:
-    """Make room for profiles of up to ``capacity`` knots, in single precision or, to tell what it costs, in double."""
+    """Make room for the echoes of profiles.
+
+    Parameters
+    ----------
+    capacity : int
+        Knots at most.
+    dtype : dtype
+        Single precision or, to tell what it costs, double.
+
+    Returns
+    -------
+    SegmentEchoes
+    """
     launch, horizon, weight, cos_squared, scale, energy = np.zeros((6, capacity), dtype)
     r, cut = np.zeros(capacity), np.zeros(capacity + WORD, np.bool_)
     early, late = np.zeros((2, capacity), np.int64)
@@ -56,10 +68,20 @@ def empty_segment_echoes(capacity: int, dtype: DTypeLike = np.float32) -> Segmen
 
 @inlined_uncounted
 def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, echoes):
-    """Tell which segments of a profile are heard whole, and how loud, and which must be cut first.
+    """Find which segments of a profile are visible whole, their energy, and which must be cut first.
 
-    Targets may hide the bed between the launch slopes ``hidden_from`` and ``hidden_to``; segments that meet them are
-    cut.
+    Parameters
+    ----------
+    profile : Profile
+    count : int
+        Knots.
+    arrays : SceneArrays
+    sector : AzimuthSector
+        What the profile's plane stands for.
+    hidden_from, hidden_to : float
+        Launch slopes between which targets may hide the bed; segments that meet them are cut.
+    echoes : SegmentEchoes
+        Filled.
     """
     x, z, area, knots = profile.x, profile.z, profile.area, padded_count(count)
     _slant_ranges(knots, x, z, echoes.r)
@@ -67,7 +89,7 @@ def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, 
     _running_horizon(count, echoes.launch, echoes.horizon)
     _measure_segments(knots, profile, echoes, arrays.law, arrays.bin_length)
     if sector.angle > 0.0 or sector.tabulated or sector.bent:
-        # A place in a pattern's table is not to be looked up by rubbish.
+        # Padding past the last knot may hold any number, which must not index a pattern's table.
         weigh_knots(
             x[: count if sector.tabulated else knots], z, echoes.r, sector, arrays.pattern, arrays.law, echoes.weight
         )
@@ -83,12 +105,14 @@ def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, 
 
 @inlined_uncounted
 def _slant_ranges(count, x, z, r):
+    """Slant range of each knot."""
     for i in range(count):
         r[i] = math.sqrt(x[i] * x[i] + z[i] * z[i])
 
 
 @inlined_uncounted
 def _launch_slopes(count, x, z, launch):
+    """Launch slope of each knot, z / x."""
     real = launch.dtype.type
     for i in range(count):
         launch[i] = real(z[i]) / real(x[i])
@@ -98,7 +122,7 @@ def _launch_slopes(count, x, z, launch):
 
 @inlined_uncounted
 def _running_horizon(count, launch, horizon):
-    """Greatest launch slope so far: along four stretches side by side, each then lifted to the end of those before it.
+    """Greatest launch slope up to each knot: along four stretches side by side, each then raised to those before it.
 
     NaN, a hole in the bed, compares false and hides nothing.
     """
@@ -121,18 +145,18 @@ def _running_horizon(count, launch, horizon):
 
 @inlined_uncounted
 def _raise_horizon(horizon, least):
+    """Raise a stretch of the horizon to the greatest launch slope before it."""
     for i in range(horizon.size):
         horizon[i] = horizon[i] if horizon[i] > least else least
 
 
 @inlined_uncounted
 def _measure_segments(segments, profile, echoes, law, bin_length):
-    """Tell the incidence of segments and how energetic they are, and which are too long to be of one density.
+    """Incidence of segments and their energy per strength, and which are too long to be of one density.
 
     The incidence, its cosine squared, is that at the middle, from the height of the segment's line over nadir. Law
     `light`: a bin takes the radiance itself. Law `sonar`: area over slant range, of a strip 1 m wide. Both are negative
-    where a segment comes nearer outwards. Too long is what is so against its range, or near the foot of its
-    perpendicular.
+    where a segment comes nearer outwards. A segment is too long against its range, or near its perpendicular's foot.
     """
     x, z, slope, area, r = profile.x, profile.z, profile.slope, profile.area, echoes.r
     cos_squared, scale, uneven = echoes.cos_squared, echoes.scale, echoes.cut
@@ -141,7 +165,7 @@ def _measure_segments(segments, profile, echoes, law, bin_length):
     for i in range(segments):
         run, rise, middle = real(x[i + 1] - x[i]), real(r[i + 1] - r[i]), real(0.5 * (r[i] + r[i + 1]))
         offset, middle_squared = real(z[i] - slope[i] * x[i]), middle * middle
-        cos_squared[i] = offset * offset / (middle_squared * area[i])
+        cos_squared[i] = offset * offset / (middle_squared * area[i])  # docs/theory/sweep.md
         if law == LIGHT:
             scale[i] = unit if rise >= 0 else -unit
         else:
@@ -152,7 +176,18 @@ def _measure_segments(segments, profile, echoes, law, bin_length):
 
 @inlined_uncounted
 def weigh_knots(x, z, r, sector, pattern, law, out):
-    """Tell what the plane stands for at each knot."""
+    """Factor that a plane's sector puts on the echo of each knot, as `sector_weight` has it for one place.
+
+    Parameters
+    ----------
+    x, z, r : ndarray of float64
+        Ground range, height above the sonar and slant range of the knots, m; as many as x has.
+    sector : AzimuthSector
+    pattern : BeamPattern
+    law : int
+    out : ndarray
+        Takes the factors.
+    """
     if sector.angle == 0.0 and not sector.tabulated:
         for i in range(x.size):
             out[i] = 1.0  # a knife
@@ -178,19 +213,21 @@ def weigh_knots(x, z, r, sector, pattern, law, out):
 
 @inlined_uncounted
 def _weigh_pattern(x, z, r, sector, parts, out):
+    """Along-track width of a tabulated pattern at each knot."""
     for i in range(x.size):
         out[i] = pattern_width(x[i], z[i], r[i], sector, *parts)
 
 
 @inlined_uncounted
 def _apply_gain(count, gain, weights):
+    """Multiply the weights of knots by what refraction makes of their energy."""
     for i in range(count):
         weights[i] *= gain[i]
 
 
 @inlined_uncounted
 def _apply_weights(segments, weights, scale):
-    """Apply the mean weight of each segment's two knots."""
+    """Multiply the energy of each segment by the mean weight of its two knots."""
     half = scale.dtype.type(0.5)
     for i in range(segments):
         scale[i] *= half * (weights[i] + weights[i + 1])
@@ -198,9 +235,9 @@ def _apply_weights(segments, weights, scale):
 
 @inlined_uncounted
 def _mark_cut(segments, launch, horizon, area, hidden_from, hidden_to, cut, energy):
-    """Leave marked what is in sight and uneven, emerges above the horizon or may be hidden by a target.
+    """Mark visible segments that are uneven, rise above the horizon or may be hidden by a target; clear their energy.
 
-    Energy is left only to segments heard whole. Across a hole in the bed the area is NaN, which is not itself.
+    Energy is left only to segments visible whole. Across a hole in the bed the area is NaN, which is not itself.
     """
     real = launch.dtype.type
     hidden_from, hidden_to, nothing = real(hidden_from), real(hidden_to), real(0.0)

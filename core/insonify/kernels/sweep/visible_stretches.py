@@ -1,4 +1,4 @@
-"""Which of the bed is in sight: stretches of ground range in the planes of a beam."""
+"""Visible stretches of the bed in the planes of a beam, and whether a place lies in one."""
 
 from __future__ import annotations
 
@@ -15,16 +15,28 @@ from insonify.kernels.sweep.visibility import NADIR
 
 
 class VisibleBed(NamedTuple):
-    """What the planes of one side see, one row each, from the sternmost to the foremost."""
+    """Stretches of the bed that the planes of one side see, one row a plane, from the sternmost to the foremost."""
 
     borders: NDArray[np.float64]  # (planes - 1,) sines of the azimuths between neighbours
-    reach: NDArray[np.float64]  # (planes,) ground range to which the beam hears anything of each, m
+    reach: NDArray[np.float64]  # (planes,) ground range to which the beam takes in anything of each, m
     edges: NDArray[np.float64]  # (planes, n) ground ranges at which the bed comes into sight and goes out, by turns
     edge_count: NDArray[np.int64]  # (planes,) how many edges there are
 
 
 def empty_visible_bed(azimuth: NDArray[np.float64], capacity: int) -> VisibleBed:
-    """Make room for what planes at these azimuths, in ascending order, see of profiles of up to so many knots."""
+    """Make room for the visible stretches of a fan's planes.
+
+    Parameters
+    ----------
+    azimuth : ndarray of float64, shape (planes,)
+        Of the planes, ascending, rad.
+    capacity : int
+        Knots of a profile at most.
+
+    Returns
+    -------
+    VisibleBed
+    """
     planes = azimuth.size
     borders = np.sin(0.5 * (azimuth[1:] + azimuth[:-1]))
     return VisibleBed(borders, np.zeros(planes), np.zeros((planes, capacity + 2)), np.zeros(planes, np.int64))
@@ -32,7 +44,20 @@ def empty_visible_bed(azimuth: NDArray[np.float64], capacity: int) -> VisibleBed
 
 @kernel
 def find_visible_bed(arrays, poses, ping, side, planes, profile, visible_bed):
-    """Let all planes of one side look out."""
+    """Find the visible stretches of the bed in all planes of one side of one ping.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    poses : Poses
+    ping, side : int
+    planes : AzimuthFan
+        Their azimuths ascending.
+    profile : Profile
+        Work space.
+    visible_bed : VisibleBed
+        Filled.
+    """
     for k in range(planes.azimuth.size):
         plane, _, reach = aim_plane(arrays, poses, ping, side, planes, k, straight_grid())
         knots = slice_bed(arrays.bed, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
@@ -42,7 +67,7 @@ def find_visible_bed(arrays, poses, ping, side, planes, profile, visible_bed):
 
 @inlined
 def _mark_visible(knots, x, z, area, edges):
-    """Walk a profile outward with one running horizon; return how many edges what is in sight has."""
+    """Walk a profile outward with one running horizon; return how many edges its visible stretches have."""
     count, horizon = 0, NADIR
     for i in range(knots - 1):
         # Straight down it is, whatever the knot's height. NaN, a hole in the bed, compares false and hides nothing.
@@ -62,9 +87,23 @@ def _mark_visible(knots, x, z, area, edges):
 
 @inlined
 def is_bed_visible(borders, reach, edges, edge_count, sine, x):
-    """Whether the bed at ground range x is in sight in the plane nearest to the azimuth of that sine."""
+    """Whether the bed is visible at a ground range, in the plane nearest to an azimuth.
+
+    Parameters
+    ----------
+    borders, reach, edges, edge_count : ndarray
+        Of the VisibleBed.
+    sine : float
+        Of the azimuth, towards the bow.
+    x : float
+        Ground range, m.
+
+    Returns
+    -------
+    bool
+    """
     k, longest = np.searchsorted(borders, sine), np.argmax(reach)
-    # Where the beam hears nothing of a plane any more, the next one inwards stands for what little is left.
+    # Where the beam takes in nothing of a plane any more, the next one inwards stands for what little is left.
     while x > reach[k] and k != longest:
         k += 1 if k < longest else -1
     return np.searchsorted(edges[k, : edge_count[k]], x) % 2 == 1

@@ -1,7 +1,8 @@
-"""Targets as one plane shows them to the sonar: a row of cells of launch angle, each with what is nearest in it.
+"""Angular z-buffer of one plane: cells of launch angle, each with the target that is nearest in it.
 
-A plane cuts a convex body in one figure and a triangle in one straight line, its *parts*. Between neighbouring ends of
-parts the same parts lie before and behind one another, so that asking in the middle of a cell answers for all of it.
+A plane cuts a convex body in one figure and a triangle in one straight line, its *primitives*. Between neighbouring
+ends of primitives the same ones lie before and behind one another, so that the nearest in the middle of a cell is the
+nearest in all of it.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncoun
 from insonify.kernels.common.types import Mesh, Solids
 from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid
 from insonify.kernels.targets.apparent_targets import FIELDS, apply_apparent_sources, load_apparent_source
+from insonify.kernels.targets.mesh_sections import SAME, cut_mesh
 from insonify.kernels.targets.primitives import (
     intersect_primitive,
     load_primitive,
@@ -26,22 +28,21 @@ from insonify.kernels.targets.primitives import (
 FACETS = 64  # cells of a convex body alone in its plane, closer together towards its edges
 RIMS = 6  # rims that a plane cuts of one body, at most four, and room to find them
 EDGE = 1e-9  # share of an interval by which the outermost cells of a body end inside it, to be sure to meet it
-CROSSED = 1e-5  # share of a distance by which a part must come before another to cross it
-SAME = 1e-9  # rad; ends of parts closer together are one
+CROSSED = 1e-5  # share of a distance by which a primitive must come before another to cross it
 SPREAD = np.cos(np.pi * np.arange(FACETS + 1) / FACETS)
 NO_PRIMITIVE = -1
 
 
 class AngularZbuffer(NamedTuple):
-    """Parts, then cells; arrays are longer than their numbers."""
+    """Primitives of one plane, then cells of launch angle; arrays are longer than their numbers."""
 
-    body: NDArray[np.int64]  # row of the solids, or beyond them the triangle, of each part
-    low: NDArray[np.float64]  # launch angle above the horizontal at which the part begins, rad
+    body: NDArray[np.int64]  # row of the solids, or beyond them the triangle, of each primitive
+    low: NDArray[np.float64]  # launch angle above the horizontal at which the primitive begins, rad
     high: NDArray[np.float64]  # and ends
-    line: NDArray[np.float64]  # (parts, 4) of a triangle's part: ground range and height above the sonar of its ends
-    source: NDArray[np.float64]  # (parts, 11) what the water makes of a part, if it bends sound
-    rim: NDArray[np.float64]  # (bodies, 6) of a body's part: launch angles at which one face ends and another begins
-    first: NDArray[np.int64]  # cell in which a part begins
+    line: NDArray[np.float64]  # (primitives, 4) of a triangle: ground range and height above the sonar of its ends
+    source: NDArray[np.float64]  # (primitives, 11) apparent sources, in water that refracts
+    rim: NDArray[np.float64]  # (bodies, 6) of a body: launch angles at which one face ends and another begins
+    first: NDArray[np.int64]  # cell in which a primitive begins
     edge: NDArray[np.float64]  # launch angles at which cells begin; the last one ends the last cell
     cosine: NDArray[np.float64]  # of the edges
     sine: NDArray[np.float64]
@@ -57,7 +58,17 @@ class AngularZbuffer(NamedTuple):
 
 
 def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
-    """Make room for all that a plane may cut of a scene."""
+    """Make room for all that a plane may cut of a scene.
+
+    Parameters
+    ----------
+    solids : Solids
+    mesh : Mesh
+
+    Returns
+    -------
+    AngularZbuffer
+    """
     bodies, triangles = solids.shape.size, mesh.target.size
     primitives, cells = bodies + triangles, bodies * (FACETS + 3 + RIMS) + 5 * triangles + 1
     low, high = np.zeros((2, primitives))
@@ -72,13 +83,34 @@ def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
 
 @inlined_uncounted
 def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
-    """Collect what a plane cuts; return the number of cells, -1 - k if the sonar is inside body k."""
+    """Collect the primitives that a plane cuts and find the nearest for every launch angle.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    plane : HalfPlane
+    sector : AzimuthSector
+        What the plane stands for.
+    reach : float
+        Ground range, m.
+    grid : TableGrid
+        How to read the table.
+    table : ndarray of float32
+        Apparent positions, in water that refracts.
+    zbuffer : AngularZbuffer
+        Filled.
+
+    Returns
+    -------
+    int
+        Cells, 0 if nothing is cut, or -1 - k if the sonar is inside body k.
+    """
     primitives = _cut_solids(arrays.solids, plane, reach, zbuffer)
     if primitives < 0:
         return primitives
     solid_primitives = primitives
     if arrays.mesh.target.size > 0:
-        primitives = _cut_mesh(arrays.mesh, arrays.solids.shape.size, plane, reach, zbuffer, primitives)
+        primitives = cut_mesh(arrays.mesh, arrays.solids.shape.size, plane, reach, zbuffer, primitives)
     if sector.bent and primitives > 0:
         solid_primitives, primitives = apply_apparent_sources(
             arrays, plane, sector.angle == 0.0, table, grid, zbuffer, solid_primitives, primitives
@@ -90,6 +122,7 @@ def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
 
 @inlined_uncounted
 def _cut_solids(solids, plane, reach, zbuffer):
+    """Add the cross-sections of convex bodies; return the primitives, or -1 - k if the sonar is inside body k."""
     primitives = 0
     for k in range(solids.shape.size):
         if may_cut_solid(solids, k, plane, reach):
@@ -100,80 +133,6 @@ def _cut_solids(solids, plane, reach, zbuffer):
                 zbuffer.body[primitives], zbuffer.low[primitives], zbuffer.high[primitives] = k, low, high
                 primitives += 1
     return primitives
-
-
-@kernel_uncounted
-def _cut_mesh(mesh, first_body, plane, reach, zbuffer, primitives):
-    """Add the lines in which a plane cuts the triangles ahead of the sonar; return the number of parts."""
-    node = 0
-    while node < mesh.skip.size:
-        if not _may_cut_box(mesh.low[node], mesh.high[node], plane, reach):
-            node = mesh.skip[node]
-            continue
-        for k in range(mesh.first[node], mesh.first[node] + mesh.held[node]):
-            primitives = _cut_triangle(mesh.corners[k], first_body + k, plane, zbuffer, primitives)
-        node += 1
-    return primitives
-
-
-@inlined_uncounted
-def _may_cut_box(low, high, plane, reach):
-    """Whether a plane may cut a box ahead of the sonar, within reach."""
-    cx, cy = 0.5 * (low[0] + high[0]) - plane.x, 0.5 * (low[1] + high[1]) - plane.y
-    hx, hy = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])
-    wide, long = hx * abs(plane.ey) + hy * abs(plane.ex), hx * abs(plane.ex) + hy * abs(plane.ey)
-    across, along = cx * plane.ey - cy * plane.ex, cx * plane.ex + cy * plane.ey
-    return abs(across) <= wide and -long <= along <= reach + long
-
-
-@inlined_uncounted
-def _cut_triangle(corners, body, plane, zbuffer, primitives):
-    """Add the line in which the plane cuts one triangle, if it does."""
-    ends = 0
-    for k in range(3):
-        following = k + 1 if k < 2 else 0
-        here, there = _signed_distance(corners[k], plane), _signed_distance(corners[following], plane)
-        if (here < 0.0) == (there < 0.0):
-            continue
-        # From the negative side to the positive: both triangles at an edge find the same point to the last bit.
-        a, b = (k, following) if here < 0.0 else (following, k)
-        below, above = min(here, there), max(here, there)
-        share = below / (below - above)
-        px = corners[a, 0] + (corners[b, 0] - corners[a, 0]) * share - plane.x
-        py = corners[a, 1] + (corners[b, 1] - corners[a, 1]) * share - plane.y
-        zbuffer.line[primitives, 2 * ends] = px * plane.ex + py * plane.ey
-        zbuffer.line[primitives, 2 * ends + 1] = corners[a, 2] + (corners[b, 2] - corners[a, 2]) * share - plane.z
-        ends += 1
-        if ends == 2:
-            break
-    if ends < 2 or not _clip_ahead(zbuffer.line[primitives]):
-        return primitives
-    line = zbuffer.line[primitives]
-    one, other = math.atan2(line[1], line[0]), math.atan2(line[3], line[2])
-    if abs(one - other) <= SAME:
-        return primitives  # seen edge-on
-    zbuffer.body[primitives], zbuffer.low[primitives], zbuffer.high[primitives] = body, min(one, other), max(one, other)
-    return primitives + 1
-
-
-@inlined_uncounted
-def _signed_distance(corner, plane):
-    """Signed distance of a corner from the plane."""
-    return (corner[0] - plane.x) * plane.ey - (corner[1] - plane.y) * plane.ex
-
-
-@inlined_uncounted
-def _clip_ahead(line):
-    """Cut off what lies behind the sonar; whether anything is left."""
-    if line[0] <= 0.0 and line[2] <= 0.0:
-        return False
-    if line[0] < 0.0:
-        line[1] -= line[0] * (line[3] - line[1]) / (line[2] - line[0])
-        line[0] = 0.0
-    elif line[2] < 0.0:
-        line[3] -= line[2] * (line[1] - line[3]) / (line[0] - line[2])
-        line[2] = 0.0
-    return True
 
 
 @kernel_uncounted
@@ -348,7 +307,18 @@ def _fit_nearness(cells, zbuffer):
 
 @inlined_uncounted
 def bisect_directions(c_from, s_from, c_to, s_to):
-    """Direction (cosine, sine) halfway between two others."""
+    """Direction halfway between two others.
+
+    Parameters
+    ----------
+    c_from, s_from, c_to, s_to : float
+        Cosines and sines of the two directions.
+
+    Returns
+    -------
+    tuple of two float
+        Cosine and sine.
+    """
     c, s = c_from + c_to, s_from + s_to
     per_norm = 1.0 / math.sqrt(c * c + s * s)
     return c * per_norm, s * per_norm

@@ -1,9 +1,9 @@
-"""Targets as they seem through layered water.
+"""Apparent positions of targets in layered water: each primitive as a source in even water would show it.
 
-Near a target the rays of one plane are nearly those of a source in even water: straight, from where their wavefront's
-centre seems to be, the *apparent source*. What a plane cuts of a convex body is asked from there, and directions and
-distances are turned into launch angles and slant ranges. A triangle's straight line stays one between its ends, each
-put where it seems to be.
+Near a target the rays of one plane are nearly those of a source in even water: straight, from the centre of their
+wavefront, the *apparent source*. The cross-section of a convex body is taken from there, and directions and distances
+are turned into launch angles and slant ranges. A triangle's straight line stays one between its ends, each put at its
+apparent position. Derived in docs/theory/refraction.md.
 """
 
 from __future__ import annotations
@@ -20,29 +20,41 @@ SECANT = 0.5  # m, to either side of a body's middle, where its slant ranges are
 LEAST_OPENING, MOST_OPENING = 0.05, 5.0
 NEAREST = 1e-3  # m, that a body's middle may come to the sonar
 SAME = 1e-9  # rad; a line that fills less is seen edge-on
-FIELDS = 11  # numbers of a lens
+FIELDS = 11  # numbers of an apparent source
 
 
 class ApparentSource(NamedTuple):
-    """What the water makes of one part of a screen."""
+    """Source in even water that stands for the refraction of the rays to one primitive."""
 
     bent: bool
-    launch_cosine: float  # of the ray to the part's middle
+    launch_cosine: float  # of the ray to the primitive's middle
     launch_sine: float
-    arrival_cosine: float  # of it there; of a triangle, of the angle by which it has turned
+    arrival_cosine: float  # of its arrival there; of a triangle, of the angle by which it has turned
     arrival_sine: float
     opening: float  # change of the direction of arrival with that of launch
     offset: float  # slant range is offset + gauge · distance from the apparent source
     gauge: float
-    gain: float  # what the part's energy must be multiplied by
-    level: float  # x over what it is in truth
+    gain: float  # what the primitive's energy must be multiplied by
+    level: float  # apparent ground range over the true one
     source_x: float  # ground range and height of the apparent source
     source_z: float
 
 
 @inlined_uncounted
 def load_apparent_source(bent, row):
-    """Take the lens of a part out of its row of the screen; without one, nothing bends."""
+    """Apparent source of a primitive.
+
+    Parameters
+    ----------
+    bent : bool
+        Whether the water refracts; if not, the source is the sonar itself.
+    row : ndarray of float64, shape (11,)
+        Of the z-buffer's table of sources.
+
+    Returns
+    -------
+    ApparentSource
+    """
     if not bent:
         return ApparentSource(False, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0)
     return ApparentSource(True, row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10])
@@ -50,20 +62,28 @@ def load_apparent_source(bent, row):
 
 @inlined_uncounted
 def _store_apparent_source(source, row):
-    """Put a lens into its row of the screen."""
-    row[0], row[1], row[2], row[3] = (
-        source.launch_cosine,
-        source.launch_sine,
-        source.arrival_cosine,
-        source.arrival_sine,
-    )
+    """Store an apparent source in its row of the z-buffer."""
+    row[0], row[1] = source.launch_cosine, source.launch_sine
+    row[2], row[3] = source.arrival_cosine, source.arrival_sine
     row[4], row[5], row[6], row[7] = source.opening, source.offset, source.gauge, source.gain
     row[8], row[9], row[10] = source.level, source.source_x, source.source_z
 
 
 @inlined_uncounted
 def arrival_direction(source, c, s):
-    """Direction in which the ray launched at (c, s) comes to the part: tan ψ = opening · tan θ, from the middle's."""
+    """Direction in which a ray arrives at a primitive: tan ψ = opening · tan θ, both from the middle ray's directions.
+
+    Parameters
+    ----------
+    source : ApparentSource
+    c, s : float
+        Cosine and sine of the launch angle.
+
+    Returns
+    -------
+    tuple of two float
+        Cosine and sine of the angle of arrival.
+    """
     along = c * source.launch_cosine + s * source.launch_sine
     across = source.opening * (s * source.launch_cosine - c * source.launch_sine)
     per_norm = 1.0 / math.sqrt(along * along + across * across)
@@ -76,7 +96,7 @@ def arrival_direction(source, c, s):
 
 @inlined_uncounted
 def _launch_from_arrival(source, angle):
-    """Launch angle of the ray that comes to the part at an angle."""
+    """Launch angle of the ray that arrives at a primitive at an angle."""
     turned = angle - math.atan2(source.arrival_sine, source.arrival_cosine)
     launch = math.atan2(source.launch_sine, source.launch_cosine)
     return launch + math.atan2(math.sin(turned), source.opening * math.cos(turned))
@@ -84,14 +104,44 @@ def _launch_from_arrival(source, angle):
 
 @inlined_uncounted
 def plane_from_source(source, plane):
-    """Return the plane as seen from a body's apparent source."""
+    """Half-plane from a primitive's apparent source instead of the sonar.
+
+    Parameters
+    ----------
+    source : ApparentSource
+    plane : HalfPlane
+
+    Returns
+    -------
+    HalfPlane
+    """
     x, y = plane.x + source.source_x * plane.ex, plane.y + source.source_x * plane.ey
     return HalfPlane(x, y, plane.z + source.source_z, plane.ex, plane.ey)
 
 
 @kernel_uncounted
 def apply_apparent_sources(arrays, plane, one_wide, table, grid, zbuffer, bodies, primitives):
-    """Show the parts of a screen as they seem, the first ones those of bodies; return how many are left of both."""
+    """Put the primitives of a z-buffer to their apparent positions, in place, and drop those seen edge-on.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    plane : HalfPlane
+    one_wide : bool
+        Whether the plane stands for a strip of one width everywhere, not for a sector of azimuths.
+    table : ndarray of float32
+        Apparent positions.
+    grid : TableGrid
+        How to read the table.
+    zbuffer : AngularZbuffer
+    bodies, primitives : int
+        Primitives of convex bodies, which come first, and all primitives.
+
+    Returns
+    -------
+    tuple of two int
+        The same numbers of those that are left.
+    """
     loud = arrays.law != LIGHT
     kept = 0
     for p in range(bodies):
@@ -101,14 +151,8 @@ def apply_apparent_sources(arrays, plane, one_wide, table, grid, zbuffer, bodies
         if status > 0:
             for end in range(rim.size):
                 rim[end] = _launch_from_arrival(source, rim[end]) if abs(rim[end]) <= math.pi else rim[end]
-            kept = _keep_primitive(
-                zbuffer,
-                kept,
-                k,
-                source,
-                max(_launch_from_arrival(source, low), DOWN),
-                min(_launch_from_arrival(source, high), UP),
-            )
+            low, high = _launch_from_arrival(source, low), _launch_from_arrival(source, high)
+            kept = _keep_primitive(zbuffer, kept, k, source, max(low, DOWN), min(high, UP))
     bodies_kept = kept
     for p in range(bodies, primitives):
         source = _apparent_source_of_line(zbuffer.line[p], one_wide, loud, table, grid)
@@ -122,7 +166,7 @@ def apply_apparent_sources(arrays, plane, one_wide, table, grid, zbuffer, bodies
 
 @inlined_uncounted
 def _keep_primitive(zbuffer, kept, body, source, low, high):
-    """Enter a part after so many others, if it is not seen edge-on; return their number."""
+    """Enter a primitive after those that are kept, if it is not seen edge-on; return their number."""
     if high - low <= SAME:
         return kept
     zbuffer.body[kept], zbuffer.low[kept], zbuffer.high[kept] = body, low, high
@@ -132,7 +176,7 @@ def _keep_primitive(zbuffer, kept, body, source, low, high):
 
 @inlined_uncounted
 def _energy_gain(wide, tube, one_wide, loud):
-    """Tell what energy must be multiplied by, as `bend_profile` has it; law `light` does not spread."""
+    """Factor that refraction puts on a primitive's energy, as on a profile's; law LIGHT spreads nothing."""
     if not loud:
         return 1.0
     return (wide * wide if one_wide else wide) / tube
@@ -140,7 +184,7 @@ def _energy_gain(wide, tube, one_wide, loud):
 
 @inlined_uncounted
 def _apparent_source_of_line(line, one_wide, loud, table, grid):
-    """Put the ends of a triangle's line where they seem to be; return its lens."""
+    """Put the ends of a triangle's line at their apparent positions; return what else refraction does to it."""
     x, z = 0.5 * (line[0] + line[2]), 0.5 * (line[1] + line[3])
     wide, _, tube, turn = look_up_position(table, grid, x, z)
     for end in range(0, 4, 2):
@@ -153,7 +197,7 @@ def _apparent_source_of_line(line, one_wide, loud, table, grid):
 
 @inlined_uncounted
 def _apparent_source_of_solid(solids, k, plane, one_wide, loud, table, grid):
-    """Lens of a convex body, from the ray to the middle of what the plane cuts of it."""
+    """Apparent source of a convex body, from the ray to the middle of its cross-section."""
     x, z = _middle_of_section(solids, k, plane)
     wide, rise, tube, turn = look_up_position(table, grid, x, z)
     seen_x, seen_z = x * (1.0 + wide), z + rise
@@ -165,7 +209,7 @@ def _apparent_source_of_solid(solids, k, plane, one_wide, loud, table, grid):
     far_r, far_q = _wavefront(x + ahead * c, z + ahead * s, table, grid)
     opening = min(max((far_q - near_q) / (2.0 * ahead), LEAST_OPENING), MOST_OPENING)
     gauge = (far_r - near_r) / (2.0 * ahead)
-    away = (1.0 + tube) * r / opening  # radius of the wavefront
+    away = (1.0 + tube) * r / opening  # radius of the wavefront: docs/theory/refraction.md
     return ApparentSource(
         True,
         math.cos(launch),
@@ -193,7 +237,7 @@ def _wavefront(x, z, table, grid):
 
 @inlined_uncounted
 def _middle_of_section(solids, k, plane):
-    """Ground range and height above the sonar of the middle of what a plane cuts of a body."""
+    """Ground range and height above the sonar of the middle of a body's cross-section."""
     x, y, z = solids.start[k, 0] - plane.x, solids.start[k, 1] - plane.y, solids.start[k, 2] - plane.z
     if solids.shape[k] == SPHERE:
         return x * plane.ex + y * plane.ey, z

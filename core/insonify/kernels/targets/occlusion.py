@@ -1,4 +1,4 @@
-"""What targets hide of the bed behind them, as one plane shows it."""
+"""Occlusion of the bed by targets, in the launch angles of one plane."""
 
 from __future__ import annotations
 
@@ -15,7 +15,18 @@ from insonify.kernels.targets.angular_zbuffer import EDGE
 
 @inlined_uncounted
 def occluded_slopes(zbuffer, cells):
-    """Slopes between which any body may hide the bed."""
+    """Launch slopes between which any target may hide the bed.
+
+    Parameters
+    ----------
+    zbuffer : AngularZbuffer
+    cells : int
+
+    Returns
+    -------
+    tuple of two float
+        The first exceeds the second without cells.
+    """
     if cells <= 0:
         return NEVER, -NEVER
     low, high = zbuffer.edge[0], zbuffer.edge[cells]
@@ -27,7 +38,7 @@ def occluded_slopes(zbuffer, cells):
 
 
 class Occlusion(NamedTuple):
-    """What of a screen the bed behind it needs to know."""
+    """Cells of a z-buffer as the bed behind them needs them."""
 
     edge: NDArray[np.float64]  # (cells + 1,), empty without cells
     nearness_cosine: NDArray[np.float64]
@@ -36,14 +47,39 @@ class Occlusion(NamedTuple):
 
 @inlined
 def occlusion_of(zbuffer, cells):
-    """Return what hides the bed; without cells, nothing does."""
+    """Cells of a z-buffer that hide the bed.
+
+    Parameters
+    ----------
+    zbuffer : AngularZbuffer
+    cells : int
+
+    Returns
+    -------
+    Occlusion
+        Empty without cells: nothing is hidden.
+    """
     n = cells + 1 if cells > 0 else 0
     return Occlusion(zbuffer.edge[:n], zbuffer.nearness_cosine[:n], zbuffer.nearness_sine[:n])
 
 
 @inlined_uncounted
 def next_visible(occlusion, segment, start, stop):
-    """Return the first stretch of launch angles in [start, stop] in which a segment of the bed is not hidden."""
+    """First stretch of launch angles in which targets leave a segment of the bed visible.
+
+    Parameters
+    ----------
+    occlusion : Occlusion
+    segment : BedSegment or SegmentLine
+        Its line z = offset + slope·x.
+    start, stop : float
+        Launch angles between which to look, rad.
+
+    Returns
+    -------
+    tuple of two float
+        Launch angles at which the stretch begins and ends; both ``stop`` if there is none.
+    """
     edge, nearness_cosine, nearness_sine = occlusion.edge, occlusion.nearness_cosine, occlusion.nearness_sine
     cell = np.searchsorted(edge, start, side="right") - 1
     opened, closed = stop, stop
@@ -62,10 +98,11 @@ def next_visible(occlusion, segment, start, stop):
 
 @inlined_uncounted
 def _visible_part(edge, nearness_cosine, nearness_sine, cell, segment, start, end):
-    """Part of a stretch of launch angles within one cell in which the bed is nearer than what is nearest there."""
+    """Part of a stretch of launch angles within one cell in which the bed is nearer than the target there."""
     if cell < 0 or cell >= edge.size - 1:
         return start, end
-    # The bed's own nearness is (sin θ − slope · cos θ) / offset, and offset < 0 where it is in sight.
+    # The bed's own nearness is (sin θ − slope · cos θ) / offset, and offset < 0 where it is in sight:
+    # docs/theory/sweep.md
     constant, rate = nearness_cosine[cell] * segment.offset + segment.slope, nearness_sine[cell] * segment.offset - 1.0
     if rate == 0.0:
         return (start, end) if constant >= 0.0 else (end, end)

@@ -1,4 +1,4 @@
-"""One part of a screen by itself: a convex body or a triangle, as one plane cuts it."""
+"""Primitives: what one plane cuts of a convex body or a triangle, and where rays of the plane meet it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TINY = 1e-300
 
 
 class Primitive(NamedTuple):
-    """One part by itself: numbers alone, for tables handed from function to function cost more than the geometry."""
+    """One primitive by itself: numbers alone, for tables handed between functions cost more than the geometry."""
 
     kind: int  # SPHERE, FRUSTUM or TRIANGLE
     x: float  # centre of a sphere, or of a frustum's first end, from the sonar; of a triangle's line
@@ -34,7 +34,24 @@ class Primitive(NamedTuple):
 
 @inlined_uncounted
 def load_primitive(solids, mesh, plane, body, line, source):
-    """Take out of the tables what a part is like, from where the sonar stands or seems to."""
+    """Load a primitive from the tables, as seen from the sonar or its apparent source.
+
+    Parameters
+    ----------
+    solids : Solids
+    mesh : Mesh
+    plane : HalfPlane
+        From the sonar.
+    body : int
+        Row of the solids, or beyond them the triangle.
+    line : ndarray of float64, shape (4,)
+        Of a triangle: ground range and height above the sonar of its ends in the plane.
+    source : ApparentSource
+
+    Returns
+    -------
+    Primitive
+    """
     k = body - solids.shape.size
     if k >= 0:
         level, up = mesh.normal[k, 0] * plane.ex + mesh.normal[k, 1] * plane.ey, mesh.normal[k, 2]
@@ -65,7 +82,19 @@ def load_primitive(solids, mesh, plane, body, line, source):
 
 @inlined_uncounted
 def intersect_primitive(primitive, c, s):
-    """Slant range of a part in the direction (c, s), and the cosine of the incidence there; infinite if missed."""
+    """Slant range of a primitive along a ray of its plane, and the cosine of the incidence there.
+
+    Parameters
+    ----------
+    primitive : Primitive
+    c, s : float
+        Cosine and sine of the launch angle.
+
+    Returns
+    -------
+    tuple of two float
+        Slant range in metres, infinite if the ray misses, and the cosine.
+    """
     through = primitive.source.bent and primitive.kind != TRIANGLE
     if through:
         c, s = arrival_direction(primitive.source, c, s)
@@ -75,10 +104,10 @@ def intersect_primitive(primitive, c, s):
 
 @inlined_uncounted
 def _intersect_straight(primitive, c, s):
-    """Likewise, from where the sonar seems to be."""
+    """Distance of a primitive along a straight ray from its apparent source, and the cosine of the incidence."""
     if primitive.kind == TRIANGLE:
         distance = (primitive.x * primitive.az - primitive.z * primitive.ax) / (c * primitive.az - s * primitive.ax)
-        # Sheets are heard from both sides.
+        # Triangles send back from both sides.
         return (distance if distance > 0.0 else math.inf), abs(c * primitive.level_x + s * primitive.level_y)
     dx, dy = c * primitive.level_x, c * primitive.level_y
     if primitive.kind == SPHERE:
@@ -101,14 +130,36 @@ def _intersect_straight(primitive, c, s):
 
 @inlined_uncounted
 def perpendicular_angle(line):
-    """Launch angle at right angles to the line of a triangle's part."""
+    """Launch angle at right angles to a triangle's line.
+
+    Parameters
+    ----------
+    line : ndarray of float64, shape (4,)
+        Ground range and height of its ends, m.
+
+    Returns
+    -------
+    float
+        rad.
+    """
     dx, dz = line[2] - line[0], line[3] - line[1]
     return math.atan2(-dx, dz) if dz >= 0.0 else math.atan2(dx, -dz)
 
 
 @inlined_uncounted
 def nearest_distance(line):
-    """Distance to the nearest point of a triangle's part."""
+    """Distance to the nearest point of a triangle's line.
+
+    Parameters
+    ----------
+    line : ndarray of float64, shape (4,)
+        Ground range and height of its ends, m.
+
+    Returns
+    -------
+    float
+        m.
+    """
     ax, az, dx, dz = line[0], line[1], line[2] - line[0], line[3] - line[1]
     share = -(ax * dx + az * dz) / max(dx * dx + dz * dz, TINY)
     share = min(max(share, 0.0), 1.0)
