@@ -1,4 +1,4 @@
-"""Where a tow pauses by itself."""
+"""Automatic pause of the tow: at the end of a measured bed, and before the targets leave the record."""
 
 from __future__ import annotations
 
@@ -15,49 +15,50 @@ if TYPE_CHECKING:
     from insonify.simulation import Simulation
     from insonify.terrain.ground import Ground
 
-MARGIN = 1 / 32  # of the screen, left below the first target
-GLIMPSE = 1 / 8  # of the screen, towed at least
+MARGIN = 1 / 32  # of the record on screen, left below the first target
+GLIMPSE = 1 / 8  # of the record on screen, towed at least
 
 
-class Stop(NamedTuple):
-    """A ping at which the tow pauses, and why, in a sentence."""
+class AutoPause(NamedTuple):
+    """The ping at which the tow pauses, and a sentence that says why."""
 
     ping: int
     why: str
 
 
-def next_stop(simulation: Simulation, before: int, newest: int, held: int) -> Stop | None:
-    """Tell whether a tow pauses on its way between two pings.
+def next_pause(simulation: Simulation, before: int, newest: int, held: int) -> AutoPause | None:
+    """Find the ping between two others at which the tow pauses by itself.
 
     Parameters
     ----------
     simulation : Simulation
         Prepared scene.
     before, newest : int
-        Newest pings so far, and now.
+        The newest ping before and after an advance of the tow.
     held : int
-        Pings on screen.
+        Number of pings on screen.
 
     Returns
     -------
-    Stop or None
-        It pauses where a measured bed ends, and once before the first target leaves the screen; over a bed without an
-        end, with nothing on it, it goes on for ever.
+    AutoPause or None
+        The tow pauses where a measured bed ends, and once before the first target leaves the screen. Over other beds
+        without targets it never pauses.
     """
     ground = simulation.ground
     if not (isinstance(ground, EndlessGround) or ground.periodic):
         pose = simulation.poses(np.array([newest - 1, newest], dtype=np.int64))
         left = leaves(ground, pose)
-        return Stop(newest, "the tow has left the measured bed and is paused") if left else None
+        return AutoPause(newest, "the tow has left the measured bed and is paused") if left else None
     first = _first_abeam(simulation)
     if first is None:
         return None
     last = max(first + held - 1 - round(MARGIN * held), held - 1 + round(GLIMPSE * held))
-    return Stop(last, "paused before the targets leave the record; Space tows on") if before < last <= newest else None
+    why = "paused before the targets leave the record; Space tows on"
+    return AutoPause(last, why) if before < last <= newest else None
 
 
 def leaves(ground: Ground, poses: Poses) -> bool:
-    """Tell whether the second of two poses lies off the grid, and farther off than the first."""
+    """Whether the second of two poses lies off the grid, and farther off than the first."""
     ny, nx = ground.heights.shape
     middle = np.array([ground.x0 + (nx - 1) * ground.spacing / 2.0, ground.y0 + (ny - 1) * ground.spacing / 2.0])
     half = np.array([nx - 1, ny - 1]) * ground.spacing / 2.0
@@ -67,7 +68,7 @@ def leaves(ground: Ground, poses: Poses) -> bool:
 
 @lru_cache(maxsize=1)
 def _first_abeam(simulation: Simulation) -> int | None:
-    """Return the first ping of the declared track that has part of a target abeam, None if none has."""
+    """First ping of the declared track that has a part of a target abeam; None without targets within range."""
     line = simulation.line(np.arange(simulation.scene.track.pings, dtype=np.int64))
     arrays = simulation.arrays
     reach = arrays.bins * arrays.bin_length
@@ -80,7 +81,7 @@ def _first_abeam(simulation: Simulation) -> int | None:
 
 
 def _ends(solids: Solids, mesh: Mesh) -> NDArray[np.float64]:
-    """Level places of the ends of bodies and of the corners of triangles, the outermost alone where there are many."""
+    """Horizontal positions of solids' ends and of mesh corners; only the outermost if there are many, (n, 2)."""
     places = np.concatenate(
         [solids.start, solids.start + solids.length[:, None] * solids.axis, mesh.corners.reshape(-1, 3)]
     )[:, :2]

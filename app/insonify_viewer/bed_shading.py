@@ -1,4 +1,4 @@
-"""The bed as an image: colours of its materials, shaded by its slopes, fading into the water."""
+"""Image of the bed from above: colours of the materials, shaded by the slopes, fading into the water."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ if TYPE_CHECKING:
 
 FOG = (0.345, 0.570, 0.655)
 LAMP = np.array([-0.50, 0.55, 0.67]) / np.linalg.norm([-0.50, 0.55, 0.67])
-LIT = 1.3  # of targets, which stand out from the bed
+LIT = 1.3  # brightness of targets over the bed, so that they stand out
 SLOPE_SHOWN = 0.42
 EXAGGERATION = (0.5, 15.0)
 FADE = (0.55, 0.98)
 DARK = 1e-6  # diffuse share below which a material counts as black
-TONES = (0.3, 2.5)  # of diffuse shares over the usual, shown
+TONES = (0.3, 2.5)  # limits of shown brightness: diffuse share over that of the named material
 
 
 def target_colours(scene: Scene) -> NDArray[np.uint8]:
-    """Return the colours of a scene's targets by their materials' names, (targets, 3) uint8."""
+    """Colours of the targets by their materials, (targets, 3) uint8."""
     colours = np.array([MATERIALS[target.material.name].colour for target in scene.targets]).reshape(-1, 3)
     return np.asarray(255.0 * np.minimum(colours * LIT, 1.0), dtype=np.uint8)
 
@@ -66,7 +66,7 @@ def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: in
 
 
 def _colours(ground: Ground) -> NDArray[np.float32]:
-    """Colour of each row of the material table, (n, 3): its name's, lighter or darker as its numbers have it."""
+    """Colours of the rows of the material table, (n, 3): that of the name, lighter or darker by the diffuse share."""
     named = [shares_of(name) for name in ground.names]
     colours = np.array([mixed_colour(shares) for shares in named])
     usual = np.array([sum(share * MATERIALS[name].diffuse for name, share in shares) for shares in named])
@@ -76,7 +76,7 @@ def _colours(ground: Ground) -> NDArray[np.float32]:
 
 
 def sampled(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float32]:
-    """Bilinear heights on a grid along the axes, one axis after the other.
+    """Bilinear heights on a grid along the axes.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def sampled(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.floa
     x : (nx,) float array
         Local coordinates, in metres.
     y : (ny,) float array
-        Likewise.
+        Local coordinates, in metres.
 
     Returns
     -------
@@ -103,7 +103,7 @@ def sampled(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.floa
 def _nodes(
     place: NDArray[Any], first: float, spacing: float, nodes: int, *, periodic: bool
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Node before each place, and the part of the cell beyond it; NaN for a place outside."""
+    """Index of the node before each coordinate, and the fraction of the cell after it; NaN outside the grid."""
     u = (np.asarray(place, dtype=np.float64) - first) / spacing
     low = np.floor(u).astype(np.int64)
     part = (u - low).astype(np.float32)
@@ -114,7 +114,7 @@ def _nodes(
 
 
 def _shade(z: NDArray[np.float32], spacing: float) -> NDArray[np.float32]:
-    """Light on every pixel, about 1 on the level, with slopes scaled to a visible size."""
+    """Hillshade of every pixel, about 1 on level bed, with slopes scaled to be visible."""
     slope_y, slope_x = np.gradient(z, np.float32(spacing))
     square = slope_x**2 + slope_y**2
     spread = float(np.sqrt(np.nanmean(square))) if np.isfinite(square).any() else 0.0
@@ -125,7 +125,7 @@ def _shade(z: NDArray[np.float32], spacing: float) -> NDArray[np.float32]:
 
 
 def _materials(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.uint8]:
-    """Material of the cell at each place of a grid along the axes, (ny, nx)."""
+    """Material index at each point of a grid along the axes, (ny, nx)."""
     ny, nx = ground.materials.shape
     j, _ = _nodes(y, ground.y0, ground.spacing, ny, periodic=ground.periodic)
     i, _ = _nodes(x, ground.x0, ground.spacing, nx, periodic=ground.periodic)

@@ -1,4 +1,4 @@
-"""What the viewer adds to the ``insonify`` command; libraries that draw are imported only when it runs."""
+"""``insonify view``: open the viewer, or draw its window into a picture."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def register(subparsers: Any) -> None:
     """Add ``view`` to the sub-commands of ``insonify``."""
     parser = subparsers.add_parser("view", help="open the viewer", description="Open the viewer on a scene.")
     add_scene(parser, optional=True)
-    parser.add_argument("--snapshot", metavar="PNG", help="draw the window into a picture instead of opening it")
+    parser.add_argument("--snapshot", metavar="PNG", help="draw the window into this picture instead of opening it")
     parser.set_defaults(run=run)
 
 
@@ -27,7 +27,7 @@ def run(arguments: argparse.Namespace) -> int:
     Parameters
     ----------
     arguments : Namespace
-        The scene with its settings, and ``snapshot``.
+        Scene, settings and ``snapshot``.
 
     Returns
     -------
@@ -37,19 +37,19 @@ def run(arguments: argparse.Namespace) -> int:
     scene = chosen_scene(arguments)
     reason = why_no_window()
     if arguments.snapshot is None and not reason:
-        # lazy: Qt, only when a window or a picture of it is asked for
+        # lazy: loads Qt, which no other command needs
         from insonify_viewer.application import open_window
 
         return open_window(scene)
     path = check_output(arguments.snapshot or FALLBACK, (".png",), "--snapshot")
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
     if reason and sys.platform.startswith("linux"):
-        # Else VTK would look for the display first, and complain.
+        # Without this, VTK tries the display first and prints an error.
         os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-    # lazy: Qt, only when a window or a picture of it is asked for
+    # lazy: loads Qt, which no other command needs
     from insonify_viewer.application import draw_window
 
     draw_window(scene, path)
     if arguments.snapshot is None:
-        sys.stdout.write(f"No window can be opened ({reason}), so it was drawn into {path}.\n")
+        sys.stdout.write(f"No window can be opened ({reason}); the window was drawn into {path}.\n")
     return 0

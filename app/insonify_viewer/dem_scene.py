@@ -1,4 +1,4 @@
-"""A measured bed under a scene: a track that crosses it, at a height and range that suit it."""
+"""A scene over a measured bed, with a track across it and a range that suits its size."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ LONGEST_RANGE = 1000.0
 
 
 def scene_over_dem(scene: Scene, path: str) -> Scene:
-    """Lay a scene's bed after a grid of heights, and its track across the middle of it.
+    """Replace the bed of a scene by a grid of heights, and lay the track across its middle.
 
     Parameters
     ----------
     scene : Scene
-        Scene whose sonar, water and material stay; its targets go.
+        Its sonar, water and material are kept; its targets are removed.
     path : str
         File of heights.
 
@@ -36,13 +36,13 @@ def scene_over_dem(scene: Scene, path: str) -> Scene:
     SceneError
         If the file cannot be read as a grid of heights.
     """
-    # lazy: the window is there before Numba is
+    # lazy: the window opens before Numba is loaded
     from insonify.acoustics.water import speed_at_sonar
     from insonify.terrain import EndlessGround, build_ground
 
     bare = edit(scene, {"seabed.relief": {"kind": "dem", "path": path}, "targets": []})
     ground = build_ground(bare)
-    assert not isinstance(ground, EndlessGround)  # measured beds end
+    assert not isinstance(ground, EndlessGround)  # a measured bed is finite
     x, y, length = _crossing(ground)
     reach = _two_digits(min(SHARE * min(ground.heights.shape) * ground.spacing, LONGEST_RANGE))
     rate = min(scene.sonar.ping_rate, _two_digits(0.95 * speed_at_sonar(bare, ground.datum) / (2.0 * reach)))
@@ -63,7 +63,7 @@ def scene_over_dem(scene: Scene, path: str) -> Scene:
 
 
 def _crossing(ground: Ground) -> tuple[float, float, float]:
-    """Start and length of the line along +x that has most bed under it, of the middle rows."""
+    """Start and length of the line along +x, among the middle rows, with most bed below it."""
     ny = len(ground.heights)
     rows = np.arange(ny // 4, max(3 * ny // 4, ny // 4 + 1))
     finite = np.isfinite(ground.heights[rows])
@@ -75,6 +75,6 @@ def _crossing(ground: Ground) -> tuple[float, float, float]:
 
 
 def _two_digits(value: float) -> float:
-    """Round down to two digits."""
+    """Round down to two significant digits."""
     step = 10.0 ** (math.floor(math.log10(value)) - 1)
     return round(math.floor(value / step + 1e-9) * step, 12)

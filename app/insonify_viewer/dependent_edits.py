@@ -1,4 +1,4 @@
-"""Changes that a change entails, so that one slider moves what has to move with it."""
+"""Dependent edits: the other fields that an edit must change to keep the scene valid and meaningful."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from insonify.scene.materials import MATERIAL_MAPS, MATERIALS, Material, Materia
 from insonify.scene.materials.pattern import PatternMap
 from insonify.scene.motions.straight import Straight
 from insonify.scene.motions.sum import SumOfMotions
-from insonify.scene.reliefs.mimic import Mimic
+from insonify.scene.reliefs.mimic import Mimic, mean_diffuse
 from insonify_viewer.dependent_relief_edits import endless, parts, spectrum, together
 
 Changes = dict[str, Any]
-SLOWEST = 1e-3  # Hz, a rate of pings that any range allows
+SLOWEST = 1e-3  # Hz, a ping rate that any range allows
 SWINGS = ("sway", "heave", "yaw", "pitch", "roll")
 
 
 def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Add what the changes entail.
+    """Add the dependent edits to an edit.
 
     Parameters
     ----------
     scene : Scene
-        Scene that the changes are meant for.
+        Scene to edit.
     changes : mapping of str to object
         New values by dotted path.
 
     Returns
     -------
     changes : dict
-        The changes and what they entail; a change asked for is never overruled.
+        The edit and its dependent edits; a value that was asked for is never overruled.
     remark : str
-        One sentence on what else moved, empty if there is nothing to say.
+        One sentence that names the dependent edits, empty if there is nothing to say.
     """
     complete: Changes = {}
     remarks = []
@@ -61,20 +61,20 @@ def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
 
 
 def _ping_rate(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Leave echoes from the full range the time to return."""
+    """Lower the ping rate so that echoes from the full range arrive before the next ping."""
     if not any(path.startswith(("sonar.range", "water", "track")) for path in changes):
         return {}, ""
     try:
         after = edit(scene, {**changes, "sonar.ping_rate": SLOWEST})
         reach, fastest = after.sonar.range, speed_at_sonar(after) / (2.0 * after.sonar.range)
     except SceneError:
-        return {}, ""  # which the change itself will say
+        return {}, ""  # the edit itself reports the error
     if scene.sonar.ping_rate <= fastest:
         return {}, ""
-    # Three digits, never rounded up.
+    # Three significant digits, rounded down.
     step = 10.0 ** (math.floor(math.log10(fastest)) - 2)
     rate = round(math.floor(fastest / step) * step, 12)
-    return {"sonar.ping_rate": rate}, f"ping rate lowered to {rate:g} Hz: echoes from {reach:.4g} m need the time"
+    return {"sonar.ping_rate": rate}, f"ping rate lowered to {rate:g} Hz: echoes from {reach:.4g} m take that long"
 
 
 def _positive(value: Any) -> bool:
@@ -82,7 +82,7 @@ def _positive(value: Any) -> bool:
 
 
 def _sonar_height(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Altitude and depth are two ways to say one thing; the one moved last holds."""
+    """Clear the depth when the altitude is set, and the altitude when the depth is set."""
     if "track.altitude" in changes and scene.track.depth is not None:
         return {"track.depth": None}, ""
     if "track.depth" in changes and scene.track.terrain_following:
@@ -98,14 +98,14 @@ def _sonar_height(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, st
 
 
 def _named_numbers(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Let a material just named show its own numbers."""
+    """Clear the numbers of a material when its name changes, so that those of the name apply."""
     owners = [path.removesuffix(".name") for path in changes if path.endswith(".name")]
     of_beds = {f"{owner}.{number}": None for owner in owners if "material" in owner for number in Reflectivity._fields}
     return of_beds | {f"{owner}.diffuse": None for owner in owners if owner.startswith("seabed.relief.of")}, ""
 
 
 def _shares(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Let the specular share make room for the diffuse one, and the other way round."""
+    """Lower the specular share when the diffuse one grows, or the other way round, so that their sum is at most 1."""
     for path, share in changes.items():
         owner, _, name = path.rpartition(".")
         if name not in ("diffuse", "specular") or not _positive(share) or share > 1.0:
@@ -119,7 +119,7 @@ def _shares(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
 
 
 def _at(scene: Scene, path: str) -> Any:
-    """Part of a scene by its dotted path, None where there is none."""
+    """Part of a scene at a dotted path; None if there is none."""
     place: Any = scene
     for step in path.split("."):
         is_position = isinstance(place, tuple) and step.isdigit() and int(step) < len(place)
@@ -128,14 +128,14 @@ def _at(scene: Scene, path: str) -> Any:
 
 
 def _law(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Leave out what light does not know."""
+    """Turn reverberation off under the law of light, which has no volume scattering."""
     if changes.get("sonar.law") != "light" or scene.receiver.reverberation.kind == "none":
         return {}, ""
-    return {"receiver.reverberation": "none"}, "reverberation left out: light knows no water"
+    return {"receiver.reverberation": "none"}, "reverberation is off: the law of light has no scattering in the water"
 
 
 def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Give a map the two materials it needs, and a single material the map's first."""
+    """Give a new map of materials the two materials that it needs, and a uniform bed the first one of the map."""
     kind = changes.get("seabed.material.kind")
     material = scene.seabed.material
     if kind is None or kind == material.kind:
@@ -151,7 +151,7 @@ def _material_map(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, st
 
 
 def _sum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Add every swing to the motion there is, for sliders can only turn what is there."""
+    """Start a sum of motions with the present motion and every oscillation, so that each has its sliders."""
     motion = scene.track.motion
     if changes.get("track.motion.kind") != "sum" or isinstance(motion, SumOfMotions):
         return {}, ""
@@ -160,12 +160,9 @@ def _sum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
 
 
 def _dunes(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Let dunes pass for the pattern there was, or for one of their own, before this sonar."""
+    """Make dunes that imitate the present pattern of materials for this sonar, on a bed of uniform material."""
     if changes.get("seabed.relief.kind") != "mimic" or isinstance(scene.seabed.relief, Mimic):
         return {}, ""
-    # lazy: the kernels of relief, which few edits need
-    from insonify.scene.reliefs.mimic import mean_diffuse
-
     dunes = Mimic(altitude=scene.altitude, reach=scene.sonar.range, law=scene.sonar.law)
     if isinstance(scene.seabed.material, PatternMap):
         dunes = dunes.model_copy(update={"of": scene.seabed.material})
@@ -173,4 +170,4 @@ def _dunes(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     return {
         "seabed.relief": dunes.model_dump(exclude_none=True),
         "seabed.material": {"diffuse": mean, "specular": 0.0},
-    }, f"the bed is of one material now, which scatters {mean:.4g} evenly"
+    }, f"the bed now has one material, with a diffuse share of {mean:.4g}"

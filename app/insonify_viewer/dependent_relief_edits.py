@@ -1,4 +1,4 @@
-"""Changes that a change of the relief entails."""
+"""Dependent edits of the relief."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ SMOOTH = ("isotropic", "elliptic")
 
 
 def spectrum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """One exponent for an isotropic decay, two for the others."""
-    entailed: Changes = {}
+    """Give an isotropic decay one exponent, and the others two."""
+    edits: Changes = {}
     for path, part in _parts(scene):
         decay = changes.get(f"{path}.decay")
         if decay is None or not isinstance(part, Fractal):
@@ -25,40 +25,40 @@ def spectrum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
         along, across = part.exponents
         one = {"beta": along, "beta_x": None, "beta_y": None}
         two = {"beta": None, "beta_x": along, "beta_y": across}
-        entailed |= {f"{path}.{name}": value for name, value in (one if decay == "isotropic" else two).items()}
-    return entailed, ""
+        edits |= {f"{path}.{name}": value for name, value in (one if decay == "isotropic" else two).items()}
+    return edits, ""
 
 
 def endless(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Let a fractal relief that is to have no end be of a kind that can."""
+    """Give an endless fractal relief the options that it needs."""
     was = scene.seabed.endless
     kind = changes.get(f"{RELIEF}.kind")
     is_to_be = "endless" in [changes.get(f"{path}.extent") for path, _ in _parts(scene)]
-    entailed: Changes = {}
+    edits: Changes = {}
     if kind == "fractal" and was:
-        entailed = _soft(RELIEF, "isotropic")
+        edits = _soft(RELIEF, "isotropic")
     for path, part in _parts(scene):
         if is_to_be and isinstance(part, Fractal):
-            entailed |= _soft(path, part.decay)
+            edits |= _soft(path, part.decay)
             if part.decay not in SMOOTH:
-                entailed |= {f"{path}.beta": part.exponents[0], f"{path}.beta_x": None, f"{path}.beta_y": None}
-    return entailed, "an endless relief levels off softly and is Gaussian" if entailed else ""
+                edits |= {f"{path}.beta": part.exponents[0], f"{path}.beta_x": None, f"{path}.beta_y": None}
+    return edits, "an endless relief has a soft clamp and Gaussian coefficients" if edits else ""
 
 
 def together(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Let the parts of a sum repeat together."""
+    """Give all parts of a sum the same period and extent."""
     places = _parts(scene)
-    entailed: Changes = {}
+    edits: Changes = {}
     for name in ("period", "extent"):
         moved = [changes[f"{path}.{name}"] for path, _ in places if f"{path}.{name}" in changes]
         others = [f"{path}.{name}" for path, part in places if hasattr(part, name)]
         if moved and len(places) > 1:
-            entailed |= dict.fromkeys(others, moved[-1])
-    return entailed, ""
+            edits |= dict.fromkeys(others, moved[-1])
+    return edits, ""
 
 
 def parts(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
-    """Let a sum begin with the relief there was, and ripples in patches over it."""
+    """Start a sum with the present relief, and add ripples in patches."""
     relief = scene.seabed.relief
     if changes.get(f"{RELIEF}.kind") != "sum" or isinstance(relief, SumOfReliefs):
         return {}, ""
@@ -70,7 +70,7 @@ def parts(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
 
 
 def _parts(scene: Scene) -> list[tuple[str, Any]]:
-    """Reliefs that add up to the bed, by their paths."""
+    """Reliefs that add up to the bed, with their paths."""
     relief = scene.seabed.relief
     if isinstance(relief, SumOfReliefs):
         return [(f"{RELIEF}.of.{number}", part) for number, part in enumerate(relief.of)]
@@ -78,7 +78,7 @@ def _parts(scene: Scene) -> list[tuple[str, Any]]:
 
 
 def _soft(path: str, decay: str) -> Changes:
-    """Set what an endless fractal needs."""
+    """Options of an endless fractal relief."""
     kept = decay if decay in SMOOTH else "isotropic"
     values = {"clamp": "soft", "coefficients": "gaussian", "combine": "rms", "decay": kept}
     return {f"{path}.{name}": value for name, value in values.items()}

@@ -1,4 +1,4 @@
-"""Fields as a person edits them: a number on a slider, a choice among names, a file. No widgets."""
+"""Descriptions of editable fields, without widgets: a number on a slider, a choice among names, a file."""
 
 from __future__ import annotations
 
@@ -6,27 +6,27 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Number:
-    """A number with a slider, or without one where the field declares no useful range.
+class NumberField:
+    """A number with a slider, or without one if the field declares no slider range.
 
     Attributes
     ----------
     path : str
         Dotted path of the field, as ``insonify.scene.edit`` takes it.
     label, tooltip, unit : str
-        What is printed.
+        Texts to show.
     indent : int
-        Depth below the section.
+        Nesting depth within the section.
     value : float
-        Value that applies, also where the scene leaves it open.
+        Value that applies, also if the scene leaves the field open.
     slider : (float, float) or None
         Ends of the slider.
     log : bool
-        Whether the slider moves in equal ratios.
+        Whether the slider is logarithmic.
     integer : bool
-        Whether only whole numbers fit.
+        Whether the number is an integer.
     idle : str
-        Why it changes nothing at present, empty if it does.
+        Why the number has no effect at present; empty if it has.
     """
 
     path: str
@@ -42,8 +42,8 @@ class Number:
 
 
 @dataclass(frozen=True)
-class Choice:
-    """One of several names; see `Number` for what the fields mean."""
+class ChoiceField:
+    """A choice among names; `NumberField` explains the attributes."""
 
     path: str
     label: str
@@ -54,8 +54,8 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class File:
-    """The name of a file; see `Number` for what the fields mean."""
+class FileField:
+    """A file; `NumberField` explains the attributes."""
 
     path: str
     label: str
@@ -64,4 +64,4 @@ class File:
     value: str
 
 
-Parameter = Number | Choice | File
+Parameter = NumberField | ChoiceField | FileField

@@ -1,33 +1,33 @@
-"""How a scene is to be modelled: what a plan may miss, and the choices that are not left to it."""
+"""How a scene is modelled: the tolerance of its plan, and the choices that are forced."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
 USUAL = 0.03  # share of the record
-# While a slider moves, the beam's own detail along the track is left out, by which a fan of 1° misses 17 % of the
-# record, and so is what a finer method would find.
+# While a slider moves, one plane stands for the beam, which is 17 % of the record wrong for a fan of 1°. Finer
+# methods would add nothing to that.
 COARSE = 0.2
 OF_FINENESS = ("method", "planes", "rays", "step")
 
 
 @dataclass(frozen=True)
 class Modelling:
-    """What a plan is asked for.
+    """The tolerance of a plan, and its forced choices.
 
     Attributes
     ----------
     tolerance : float
         Greatest error beyond 1.4 altitudes, as a share of the record.
     forced : tuple of (str, str)
-        Choices that are forced, by the subjects of the plan's entries, each at most once.
+        Subject and choice of the plan's entries that are forced; each subject at most once.
     """
 
     tolerance: float = USUAL
     forced: tuple[tuple[str, str], ...] = ()
 
     def forcing(self, subject: str, choice: str | None) -> Modelling:
-        """Return a copy in which a choice is forced, or left to the plan again."""
+        """Return a copy in which the choice of a subject is forced, or with None left to the plan again."""
         others = tuple(pair for pair in self.forced if pair[0] != subject)
         return replace(self, forced=others if choice is None else (*others, (subject, choice)))
 
@@ -42,6 +42,6 @@ class Modelling:
 
     @property
     def coarse(self) -> Modelling:
-        """What stands for it while a slider moves."""
+        """The coarse modelling that replaces it while a slider moves."""
         kept = tuple(pair for pair in self.forced if pair[0] not in OF_FINENESS)
         return Modelling(max(self.tolerance, COARSE), (*kept, ("planes", "1")))

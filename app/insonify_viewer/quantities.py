@@ -1,4 +1,4 @@
-"""Numbers as people read and write them, and as sliders hold them."""
+"""Numbers as text with units, and as positions of sliders."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ LONGEST_UNIT = 5
 
 
 def shown(value: float, unit: str) -> str:
-    """Print a value with its unit, four digits at most: ``400 kHz``, ``0.1 ms``, ``12.5 m``."""
+    """Write a value with its unit and at most four digits: ``400 kHz``, ``0.1 ms``, ``12.5 m``."""
     if unit in PREFIXED and value != 0.0:
         for prefix, scale in (("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("µ", 1e-6)):
             if abs(value) >= 0.1 * scale and (abs(value) >= scale or prefix in ("", "m", "µ")):
@@ -22,12 +22,12 @@ def shown(value: float, unit: str) -> str:
 
 
 def span(seconds: float) -> str:
-    """Print how long a ping takes, three digits: ``245 µs``, ``1.29 ms``."""
+    """Write a duration with three digits: ``245 µs``, ``1.29 ms``."""
     return f"{1e6 * seconds:.3g} µs" if seconds < 9.995e-4 else f"{1e3 * seconds:.3g} ms"
 
 
 def read(text: str, unit: str) -> float | None:
-    """Read a number with or without its unit and prefix; None for anything else."""
+    """Read a number with or without its unit and prefix; return None for anything else."""
     number = text.strip().replace(",", ".").removesuffix(unit).strip() if unit else text.strip().replace(",", ".")
     scale = 1.0
     if unit in PREFIXED and number[-1:] in PREFIXES:
@@ -40,19 +40,19 @@ def read(text: str, unit: str) -> float | None:
 
 
 def fraction(value: float, ends: tuple[float, float], *, log: bool) -> float:
-    """Place of a value between the ends of a slider, 0 to 1."""
+    """Position of a value on a slider, from 0 to 1."""
     low, high = ends
     inside = min(max(value, low), high)
     return math.log(inside / low) / math.log(high / low) if log else (inside - low) / (high - low)
 
 
 def at_fraction(part: float, ends: tuple[float, float], *, log: bool, integer: bool) -> float:
-    """Value at a place of a slider, rounded to what a person would have typed."""
+    """Value at a position of a slider, rounded to few digits."""
     low, high = ends
     value = low * (high / low) ** part if log else low + part * (high - low)
     if integer:
         return float(round(value))
-    # A thousandth of the slider, in round decimals.
+    # A thousandth of the slider, as a power of ten.
     step = abs(value) / 200.0 if log else (high - low) / 1000.0
     digits = -math.floor(math.log10(step)) if step > 0.0 else 3
     return min(max(round(value, digits), low), high)

@@ -1,4 +1,4 @@
-"""The pings on screen: a ring of amplitudes in which a ping keeps its row for as long as it is held."""
+"""Ring buffer of the pings on screen; a ping keeps its row as long as it is held."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ Rows = NDArray[np.int64]
 
 
 class Record:
-    """The last pings of a tow.
+    """Ring buffer of the last pings of a tow.
 
     Rows run against the ping numbers, so that the newest is the upper one; columns run from far port over nadir to
     far starboard, as the record is read.
@@ -24,11 +24,11 @@ class Record:
     Attributes
     ----------
     amplitude : (pings, 2 bins) float32
-        Amplitudes relative to a level bed; 0 where nothing was heard or nothing is held.
+        Amplitudes relative to a level bed; 0 without echo, or where no ping is held.
     ping : (pings,) int64
         Number of the ping in each row, -1 for none.
     stamp : (pings,) int64
-        What the row was traced for; see `missing`.
+        Stamp of the request that each row was traced for; see `missing`.
     """
 
     def __init__(self, pings: int, bins: int) -> None:
@@ -47,11 +47,11 @@ class Record:
         return self.amplitude.shape[1] // 2
 
     def rows(self, pings: Rows) -> Rows:
-        """Rows in which these pings are or would be held."""
+        """Rows that hold these pings, or would hold them."""
         return self.pings - 1 - pings % self.pings
 
     def put(self, pings: Rows, amplitude: NDArray[np.float32], stamp: int) -> Rows:
-        """Hold traced pings.
+        """Store traced pings.
 
         Parameters
         ----------
@@ -60,7 +60,7 @@ class Record:
         amplitude : (n, 2, bins) float32
             Port and starboard, near to far.
         stamp : int
-            What they were traced for.
+            Stamp of the request that they were traced for.
 
         Returns
         -------
@@ -75,22 +75,22 @@ class Record:
         return rows
 
     def shown(self, newest: int) -> Rows:
-        """Numbers of the pings on screen when this one is on top, newest first; the tow starts at ping 0."""
+        """Numbers of the pings on screen below the given newest one, newest first; the tow starts at ping 0."""
         return np.arange(newest, max(newest - self.pings, -1), -1, dtype=np.int64)
 
     def missing(self, newest: int, stamp: int) -> Rows:
-        """Pings that should be on screen and are not, or were traced for something older than ``stamp``."""
+        """Pings on screen that the record lacks, or that were traced for a request older than ``stamp``."""
         pings = self.shown(newest)
         rows = self.rows(pings)
         return pings[(self.ping[rows] != pings) | (self.stamp[rows] < stamp)]
 
     def blank(self, newest: int) -> int:
-        """How many pings should be on screen of which nothing is held, however old."""
+        """Count the pings on screen that the record lacks altogether."""
         pings = self.shown(newest)
         return int((self.ping[self.rows(pings)] != pings).sum())
 
     def amplitude_at(self, ping: int, side: int, range_bin: int) -> float | None:
-        """Amplitude of one bin (side 0 is port), None where the ping is not held."""
+        """Amplitude of one bin (side 0 is port); None if the ping is not held."""
         row = int(self.rows(np.array([ping]))[0])
         if self.ping[row] != ping or not 0 <= range_bin < self.bins:
             return None

@@ -1,4 +1,4 @@
-"""Whether there is a screen, asked before Qt, which would end the process without one."""
+"""Check for a screen before Qt is started, which would end the process without one."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ WINDOW_LIBRARIES = (
 
 
 def why_no_window() -> str:
-    """Say why no window can be opened, in half a sentence; empty if one can."""
+    """Return the reason why no window can be opened, as a clause; empty if one can."""
     if os.environ.get("QT_QPA_PLATFORM", "").startswith(("offscreen", "minimal")):
         return "QT_QPA_PLATFORM asks for no window"
     if not sys.platform.startswith("linux") or os.environ.get("WAYLAND_DISPLAY"):
@@ -31,7 +31,7 @@ def why_no_window() -> str:
         return "there is no display"
     missing = [name for name in WINDOW_LIBRARIES if _library(name) is None]
     if missing:
-        return f"the system lacks {missing[0]}; mend with: {APT}"
+        return f"the system lacks {missing[0]}; install it with: {APT}"
     return "" if _answers() else f"display {os.environ['DISPLAY']} does not answer"
 
 

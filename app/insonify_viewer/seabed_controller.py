@@ -1,4 +1,4 @@
-"""Feeds the three-dimensional view: what is slow is baked on the worker."""
+"""Controller of the three-dimensional view; meshes and textures are made on the worker."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 
 
 class SeabedController:
-    """Holds the view once its libraries are there, and tells it only what has changed.
+    """Loads the view and its libraries, and passes on only what has changed.
 
     Parameters
     ----------
     simulator : Simulator
-        Whose worker bakes the bed.
+        The worker that makes meshes and textures.
     accelerated : bool
         Whether OpenGL widgets work here.
     """
@@ -44,24 +44,24 @@ class SeabedController:
 
     @property
     def view(self) -> SeabedView | None:
-        """The view, None until it is loaded."""
+        """The view; None until it is loaded."""
         return self._view
 
     @property
     def complete(self) -> bool:
-        """Whether the view shows what it was last told."""
+        """Whether the view shows the present bed and targets."""
         return self._view is not None and self._bed is not None and self._baking == 0
 
     def load(self, put: Callable[[SeabedView], None]) -> None:
-        """Import the libraries on the worker, then build the view here and hand it over."""
+        """Import the libraries on the worker, then make the view on the main thread and hand it to ``put``."""
         self._simulator.send(self._import, lambda _: self._build(put))
 
     def show_sonar(self, simulation: Simulation, ping: int, tones: NDArray[np.float32]) -> None:
-        """Follow the sonar to a ping; bed and targets follow if they are no longer the same."""
+        """Move the sonar to a ping; update bed and targets if they have changed."""
         self._latest = (simulation, ping, tones)
         if self._view is None:
             return
-        # lazy: the window is there before PyVista is
+        # lazy: the window opens before PyVista is loaded
         from insonify_viewer.bed_shading import target_colours
         from insonify_viewer.views.pv_meshes import path_pings, window_centre
 
@@ -79,29 +79,29 @@ class SeabedController:
         self._view.show_path(simulation.poses(path_pings(ping, step, reach)))
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
-        """Mark a point of the bed, or none."""
+        """Mark a point of the bed; None removes the mark."""
         if self._view is not None:
             self._view.show_mark(place)
 
     def reset_camera(self) -> None:
-        """Look from behind and above again."""
+        """Reset the camera to its place behind and above the fish."""
         if self._view is not None:
             self._view.reset_camera()
 
     def draw_now(self) -> None:
-        """Draw at once, for a picture of the window."""
+        """Draw immediately, for a picture of the window."""
         if self._view is not None:
             self._view.draw_now()
 
     def close(self) -> None:
-        """Give the drawing resources back."""
+        """Release the drawing resources."""
         if self._view is not None:
             self._view.close_view()
             self._view = None
 
     def _import(self) -> None:
-        # A second or two of imports, off the main thread.
-        # lazy: the window is there before PyVista is
+        # These imports take a second or two.
+        # lazy: the window opens before PyVista is loaded
         from insonify_viewer.views.seabed_view import load_libraries
 
         load_libraries(accelerated=self._accelerated)
@@ -116,13 +116,13 @@ class SeabedController:
             self.show_sonar(*self._latest)
 
     def _bake(self, bed: _Bed, bodies: _Bodies) -> None:
-        """Work bed and targets out on the worker."""
-        # lazy: the window is there before PyVista is
+        """Make the meshes of bed and targets on the worker."""
+        # lazy: the window opens before PyVista is loaded
         from insonify_viewer.views.pv_meshes import bed_patch, targets_mesh
 
         self._baking += 1
         number = self._baking
-        # The first bed is wanted before the kernels compile, a later one gives way to the record.
+        # The first bed appears before the kernels are compiled; later ones wait for the record.
         send = self._simulator.send_patiently if self._laid else self._simulator.send
         send(lambda: (bed_patch(*bed), targets_mesh(*bodies)), lambda baked: self._lay(number, baked))
 
@@ -136,7 +136,7 @@ class SeabedController:
 
 
 def _same(first: _Bodies | None, second: _Bodies) -> bool:
-    """Whether two sets of targets look the same."""
+    """Whether two sets of targets have the same shapes and colours."""
     if first is None or first[0] is second[0]:
         return first is not None
     bodies = [*zip(first[0], second[0]), *zip(first[1], second[1])]

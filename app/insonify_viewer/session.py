@@ -1,4 +1,4 @@
-"""What the person looks at: the scene, how it is modelled, the way back, the marked point. No widgets."""
+"""Session: the scene, its modelling, the history of both, and the marked point; without widgets."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ UNDO_DEPTH = 200
 
 
 class Event:
-    """Callbacks to call when something happened."""
+    """A list of callbacks that are called together."""
 
     def __init__(self) -> None:
         self._listeners: list[Callable[..., None]] = []
@@ -31,7 +31,7 @@ class Event:
 
 @dataclass(frozen=True)
 class Mark:
-    """A point of the record.
+    """A bin of the record.
 
     Attributes
     ----------
@@ -55,10 +55,10 @@ class _State:
 
 
 class Session:
-    """The scene being looked at, how it is to be modelled, and both before.
+    """The scene on screen, its modelling, and the history of both.
 
     An edit under way (a slider being dragged) is provisional: every move starts from the last settled scene, so that
-    what a move entails is taken back when the slider returns; settling makes one step of undo of the whole drag.
+    the dependent edits of a move vanish when the slider returns. Settling makes one step of undo of the whole drag.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class Session:
 
     @property
     def modelling(self) -> Modelling:
-        """How it is to be modelled."""
+        """The modelling of the scene."""
         return self._settled.modelling
 
     @property
@@ -99,16 +99,16 @@ class Session:
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is anything to go back to."""
+        """Whether there is a step to undo."""
         return bool(self._past)
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is anything to go forward to."""
+        """Whether there is a step to redo."""
         return bool(self._future)
 
     def drag(self, changes: Mapping[str, Any]) -> bool:
-        """Try changes provisionally, from the last settled scene; return whether they were accepted."""
+        """Apply changes provisionally to the last settled scene; return whether they are valid."""
         scene = self._edited(changes)
         if scene is None:
             return False
@@ -118,21 +118,21 @@ class Session:
         return True
 
     def settle(self, changes: Mapping[str, Any] | None = None) -> bool:
-        """Make changes final, or those of the drag under way; return whether they were accepted."""
+        """Apply changes finally, or those of the drag under way; return whether they are valid."""
         scene = self._scene if changes is None else self._edited(changes)
         if scene is None:
-            # The widget that asked has to fall back to what holds.
+            # The widget that asked must return to the valid value.
             self.changed.emit(self._scene, True)
             return False
         self._turn_to(_State(scene, self.modelling))
         return True
 
     def open(self, scene: Scene) -> None:
-        """Turn to another scene, of which nothing is forced, as one step of undo."""
+        """Replace the scene, with no choice forced, as one step of undo."""
         self._turn_to(_State(scene, self.modelling.automatic))
 
     def model(self, modelling: Modelling) -> None:
-        """Let the scene be modelled in another way, as one step of undo."""
+        """Change the modelling, as one step of undo."""
         self._turn_to(_State(self._settled.scene, modelling))
 
     def undo(self) -> None:
@@ -143,7 +143,7 @@ class Session:
             self._show(self._past.pop())
 
     def take_back(self) -> None:
-        """Return from what turned out not to work; there is no way forward to it."""
+        """Return from a scene that cannot be simulated, without a step to redo."""
         if self._scene == self._settled.scene and self._past:
             self._settled = self._past.pop()
         self._show(self._settled)
@@ -172,7 +172,7 @@ class Session:
         self.changed.emit(state.scene, True)
 
     def _edited(self, changes: Mapping[str, Any]) -> Scene | None:
-        """Edit the settled scene; a refusal is said, and None returned."""
+        """Edit the settled scene; report an invalid edit and return None for it."""
         try:
             complete, remark = completed(self._settled.scene, changes)
             scene = edit(self._settled.scene, complete)

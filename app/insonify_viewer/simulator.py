@@ -1,4 +1,4 @@
-"""One worker thread between the window and the core: numbered requests, the latest wins."""
+"""Worker thread between the window and the core; requests are numbered, and the newest wins."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from insonify.simulation import Simulation
 
 BLOCK = 64
-COARSE_TIME = 0.01  # s, to trace a screen while a slider moves
+COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
 MAX_STRIDE = 16
-QUIET, PATIENCE = 0.1, 0.7  # s without a request before a patient errand, and how long it waits for that at most
+QUIET, PATIENCE = 0.1, 0.7  # s without requests before a patient errand, and its longest wait
 
 
 @dataclass(frozen=True)
@@ -33,15 +33,15 @@ class Request:
     Attributes
     ----------
     number : int
-        Number of the scene's change that asks.
+        Number of the edit that the request is for.
     scene : Scene
         Scene to trace.
     modelling : Modelling
-        How.
+        Its modelling.
     pings : (n,) int64
         Pings wanted, the most urgent first.
     fine : bool
-        Whether to trace as it is to be modelled, or every few pings with a single plane at once.
+        Whether to trace by the modelling; else one plane traces every few pings.
     """
 
     number: int
@@ -58,21 +58,21 @@ class Answer:
     Attributes
     ----------
     number, fine
-        As asked for.
+        As in the request.
     pings : (n,) int64
         Their numbers.
     amplitude : (n, 2, bins) float32
         Amplitude relative to the level bed's.
     level : LevelBed
-        Intensities that stand for amplitude 1.
+        Intensities of a level bed, at which the amplitude is 1.
     simulation : Simulation
-        What traced them.
+        The simulation that traced them.
     seconds : float
-        That it took.
+        Time that tracing took.
     alike : int
-        How many pings in succession have the amplitudes of the first of them.
+        Number of successive pings that share the amplitudes of the first of them.
     reach : (bins,) float64, optional
-        Pings that the beam takes in, where the amplitudes are still to be averaged over them.
+        Number of pings that the beam covers, over which the view still has to average.
     """
 
     number: int
@@ -87,15 +87,15 @@ class Answer:
 
 
 class Simulator(QObject):
-    """Traces what it was last asked for, off the main thread.
+    """Traces the pings of the newest request on a thread of its own.
 
-    A new request takes the place of one that waits. One under way goes on to the end of its block, so that a slider
-    moved without rest still shows a picture for every block; what is left of it is for the asker to ask for again.
+    A new request replaces one that waits. A request under way runs to the end of its block, so that a slider that moves
+    all the time still shows pings; the rest of it must be requested again.
 
     Parameters
     ----------
     prepare : callable
-        Makes a `Simulation`, called as the core's `prepare`, for which a test may put another.
+        Makes a `Simulation` like `insonify.simulation.prepare`, which it replaces in tests.
     parent : QObject, optional
         Owner.
     """
@@ -112,7 +112,7 @@ class Simulator(QObject):
         self._patient: _Errand | None = None
         self._latest_start = 0.0
         self._closing = False
-        self._cost = 1e-4  # s a coarse ping
+        self._cost = 1e-4  # s, of a coarse ping
         self._changed = threading.Condition()
         self._last: dict[bool, tuple[Scene, Modelling, Simulation, LevelBed]] = {}
         self._called_back.connect(self._call_back, Qt.ConnectionType.QueuedConnection)
@@ -120,26 +120,26 @@ class Simulator(QObject):
         self._thread.start()
 
     def ask(self, request: Request) -> None:
-        """Trace these pings next, instead of any that still wait."""
+        """Trace these pings next, instead of a request that still waits."""
         with self._changed:
             self._waiting = request
             self._changed.notify()
 
     def prepare(self, scene: Scene, modelling: Modelling, receive: Callable[[Any], None]) -> None:
-        """Make a scene ready without tracing it, and hand its `Simulation` or a `SceneError` to the main thread."""
+        """Prepare a scene without tracing it, and pass its `Simulation` or a `SceneError` to the main thread."""
         self.send(lambda: self._prepared(scene, modelling, fine=True)[0], receive)
 
     def send(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
-        """Run something on the worker, before any request, and hand its result to the main thread.
+        """Run an errand on the worker, before any request, and pass its result to the main thread.
 
-        What goes wrong with the errand is handed over as a `SceneError`.
+        An exception of the errand is passed on as a `SceneError`.
         """
         with self._changed:
             self._errands.append((errand, receive))
             self._changed.notify()
 
     def send_patiently(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
-        """Run something once the worker has been quiet for a moment; one that still waits is forgotten for it."""
+        """Run an errand once no request came for a moment; it replaces a patient errand that still waits."""
         with self._changed:
             if self._patient is None:
                 self._latest_start = time.perf_counter() + PATIENCE
@@ -147,7 +147,7 @@ class Simulator(QObject):
             self._changed.notify()
 
     def call_later(self, receive: Callable[[Any], None], result: Any) -> None:
-        """Hand a result of any thread to the main thread; it is dropped once the viewer closes."""
+        """Pass a result from any thread to the main thread; it is dropped once the viewer closes."""
         self._called_back.emit(receive, result)
 
     def close(self) -> None:
@@ -161,7 +161,7 @@ class Simulator(QObject):
         while not self._closing:
             with self._changed:
                 self._changed.wait_for(lambda: self._patient or self._is_wanted())
-                # A patient errand lets the next move of a slider go first.
+                # A patient errand gives precedence to the next move of a slider.
                 self._changed.wait_for(self._is_wanted, timeout=QUIET)
                 errands, self._errands = self._errands, []
                 request, self._waiting = self._waiting, None
@@ -184,11 +184,11 @@ class Simulator(QObject):
                     return
         except SceneError as error:
             self._called_back.emit(refuse, str(error))
-        except Exception as error:  # a worker that dies would freeze the picture without a word
+        except Exception as error:  # an exception that ends the thread would freeze the picture silently
             self._called_back.emit(refuse, f"this scene cannot be simulated ({type(error).__name__}: {error})")
 
     def _trace(self, request: Request) -> Iterator[Answer]:
-        # lazy: on the worker; the window is there before Numba is
+        # lazy: loaded on the worker; the window opens before Numba is loaded
         from insonify.display.picture import normalise
 
         modelling = request.modelling if request.fine else request.modelling.coarse
@@ -209,15 +209,15 @@ class Simulator(QObject):
             yield Answer(request.number, request.fine, block, amplitude, level, simulation, seconds, stride, reach)
 
     def _stride(self, pings: int) -> int:
-        """Thin the pings as far as the last coarse ones' cost demands."""
+        """Stride over the pings by which a coarse trace of them takes about `COARSE_TIME`."""
         stride = 1
         while stride < MAX_STRIDE and pings * self._cost > COARSE_TIME * stride:
             stride *= 2
         return stride
 
     def _prepared(self, scene: Scene, modelling: Modelling, *, fine: bool) -> tuple[Simulation, LevelBed]:
-        """Prepare a scene, or take the last one if it is the same."""
-        # lazy: on the worker; the window is there before Numba is
+        """Prepare a scene; reuse the last simulation if the scene is the same."""
+        # lazy: loaded on the worker; the window opens before Numba is loaded
         from insonify.display.picture import LevelBed
 
         last = self._last.get(fine)
@@ -227,7 +227,7 @@ class Simulator(QObject):
         return last[2:]
 
     def _call_back(self, receive: Callable[[Any], None], result: Any) -> None:
-        if not self._closing:  # else it was on its way when the window closed
+        if not self._closing:  # a result may still be queued when the window closes
             receive(result)
 
 
@@ -235,15 +235,15 @@ _Errand = tuple[Callable[[], Any], Callable[[Any], None]]
 
 
 def _prepare(scene: Scene, **how: Any) -> Simulation:
-    # lazy: on the worker; the window is there before Numba is
+    # lazy: loaded on the worker; the window opens before Numba is loaded
     from insonify.simulation import prepare
 
     return prepare(scene, **how)
 
 
 def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
-    """Tell over how many pings a beam spreads what one plane hears; None where random numbers would spread too."""
-    # lazy: on the worker; the window is there before Numba is
+    """Count the pings that the beam covers, by range bin; None if averaging would also blur speckle or noise."""
+    # lazy: loaded on the worker; the window opens before Numba is loaded
     from insonify.acoustics.resolution_cell import bin_centres, coherence_angle
 
     scene, arrays = simulation.scene, simulation.arrays
@@ -260,4 +260,4 @@ def _result(errand: Callable[[], Any]) -> Any:
     except SceneError as error:
         return error
     except Exception as error:
-        return SceneError(f"this cannot be shown ({type(error).__name__}: {error}); go back to another scene")
+        return SceneError(f"this cannot be shown ({type(error).__name__}: {error}); open another scene")

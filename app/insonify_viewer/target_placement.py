@@ -1,4 +1,4 @@
-"""Where a new target goes: abeam of where the fish has just been, so that it is seen and heard at once."""
+"""Placement of a new target: abeam of the pings on screen, so that it shows at once."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from insonify.scene.targets import TARGETS, Target
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
 
-BEHIND = (0.15, 0.3, 0.45, 0.6)  # shares of what is on screen
+BEHIND = (0.15, 0.3, 0.45, 0.6)  # shares of the pings on screen, from the newest
 ABEAM = (-0.45, 0.45, -0.7, 0.7, -0.25, 0.25)  # of the farthest ground range, port positive
 APART = 0.15  # from other targets, in slant ranges
-ASKEW = 30.0  # degrees from the track, so that a shape shows
+ASKEW = 30.0  # degrees between the track and the target, so that its shape shows
 
 
 def target_menu() -> dict[str, str]:
@@ -31,14 +31,14 @@ def needs_file(kind: str) -> bool:
 
 
 def new_target(simulation: Simulation, scene: Scene, kind: str, top: int, path: str = "") -> dict[str, Any]:
-    """Describe a target that is not there yet.
+    """Declare a new target at a free place.
 
     Parameters
     ----------
     simulation : Simulation
-        Where the fish and the bed are.
+        Simulation on screen, with its bed and poses.
     scene : Scene
-        Scene to put it into, which may be newer.
+        Scene that receives the target; it may be newer.
     kind : str
         Kind of the target.
     top : int
@@ -49,7 +49,7 @@ def new_target(simulation: Simulation, scene: Scene, kind: str, top: int, path: 
     Returns
     -------
     dict
-        Plain values of the target.
+        Declaration of the target as plain values.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def new_target(simulation: Simulation, scene: Scene, kind: str, top: int, path: 
 
 
 def _free_place(simulation: Simulation, scene: Scene, top: int) -> tuple[float, float, float]:
-    """Find a place on the bed that keeps clear of other targets if any does: x, y and the heading of the track."""
+    """Find a place on the bed, clear of other targets if possible; return x, y and the heading of the track."""
     pings = np.array([top - round(share * _pings_in_view(scene)) for share in BEHIND], dtype=np.int64)
     poses = simulation.poses(pings)
     reach = math.sqrt(max(scene.sonar.range**2 - float(poses.z[0]) ** 2, 0.0))
@@ -86,7 +86,7 @@ def _free_place(simulation: Simulation, scene: Scene, top: int) -> tuple[float, 
 
 
 def _pings_in_view(scene: Scene) -> int:
-    """Count the pings of one slant range of track, which both views show."""
+    """Count the pings along one slant range of track, which both views show."""
     return min(scene.track.pings, round(scene.sonar.range * scene.sonar.ping_rate / scene.track.speed))
 
 

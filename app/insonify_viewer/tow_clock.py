@@ -1,4 +1,4 @@
-"""The clock of the tow: which ping is the newest, and which one the person looks at."""
+"""Clock of the tow: the newest ping, and the ping on top of the screen."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 
 class TowClock:
-    """Counts pings at the sonar's rate times a speed, and can be paused and looked back along.
+    """Counts pings at the ping rate times a speed; a paused clock can look back.
 
     Parameters
     ----------
@@ -16,9 +16,9 @@ class TowClock:
     Attributes
     ----------
     running : bool
-        Whether pings are counted.
+        Whether the clock counts.
     speed : float
-        How much faster than life.
+        Factor on the ping rate.
     """
 
     def __init__(self, newest: int) -> None:
@@ -34,11 +34,11 @@ class TowClock:
 
     @property
     def top(self) -> int:
-        """Ping on top of the screen: the newest, or one before it when looking back."""
+        """Ping on top of the screen: the newest, or an earlier one when looking back."""
         return self.newest - self._back
 
     def advance(self, seconds: float, ping_rate: float) -> bool:
-        """Let time pass; return whether a new ping was sent."""
+        """Count the pings of some seconds; return whether a new ping was sent."""
         if not self.running:
             return False
         before = self.newest
@@ -46,16 +46,16 @@ class TowClock:
         return self.newest > before
 
     def run(self, running: bool) -> None:
-        """Go on, from the newest ping, or pause."""
+        """Run on from the newest ping, or pause."""
         self.running = running
         if running:
             self._back = 0
 
     def look_back(self, pings: int, held: int) -> None:
-        """Move the paused screen of ``held`` pings back by so many pings, within what was sent."""
+        """Move the paused screen of ``held`` pings back by some pings, within those that were sent."""
         if not self.running:
             self._back = min(max(self._back + pings, 0), max(self.newest - held + 1, 0))
 
     def restart(self, newest: int) -> None:
-        """Begin anew at a ping."""
+        """Start again at a ping."""
         self._position, self._back = float(newest), 0

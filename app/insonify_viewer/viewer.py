@@ -12,7 +12,7 @@ from PySide6.QtGui import QGuiApplication
 
 from insonify.display.picture import PALETTES, choose_contrast, load_palette
 from insonify.scene import Scene, SceneError
-from insonify_viewer.auto_pause import next_stop
+from insonify_viewer.auto_pause import next_pause
 from insonify_viewer.marked_point import MarkedPoint, marked_point
 from insonify_viewer.panels import find_panels
 from insonify_viewer.panels.panel import Panel, RecordGrowth, Workbench
@@ -28,10 +28,10 @@ from insonify_viewer.views.main_window import MainWindow
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
 
-MAX_PINGS, MAX_CELLS = 2048, 2**26  # on screen
+MAX_PINGS, MAX_CELLS = 2048, 2**26  # limits of the record on screen
 TICK = 25  # ms
-BEHIND = 48  # pings that may be blank while the tow goes on
-LEAP = 0.2  # s, the most by which it goes on at once when the window was held up
+BEHIND = 48  # blank pings on screen at which the tow waits
+LEAP = 0.2  # s, greatest advance of the tow in one tick, after the window was blocked
 FIRST_START = "preparing; the first start compiles the kernels and takes a while …"
 
 
@@ -45,7 +45,7 @@ class Viewer(QObject):
     accelerated : bool
         Whether OpenGL widgets work here.
     prepare : callable, optional
-        Stands in for the core's `prepare`, in tests.
+        Replaces `insonify.simulation.prepare` in tests.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Viewer(QObject):
     panels : dict of str to Panel
         The panels of the window, by name.
     failure : str
-        Why nothing could be simulated, before the first picture.
+        Why the first scene cannot be simulated; empty if it can.
     """
 
     def __init__(self, scene: Scene, *, accelerated: bool, prepare: Any = None) -> None:
@@ -88,17 +88,17 @@ class Viewer(QObject):
 
     @property
     def complete(self) -> bool:
-        """Whether everything asked for is on screen."""
+        """Whether record, seabed and panels show the present scene."""
         shown = self._answer is not None and not self._missing().size
         return shown and self._seabed.complete and all(panel.complete for panel in self.panels.values())
 
     @property
     def seabed(self) -> SeabedController:
-        """The three-dimensional side."""
+        """Controller of the three-dimensional view."""
         return self._seabed
 
     def start(self) -> None:
-        """Set the worker going, once the window is there."""
+        """Start the worker and the clock; the window shows by now."""
         self.window.show_busy(FIRST_START)
         self._seabed.load(self.window.put_seabed)
         self.simulator.prepare(self.session.scene, self.session.modelling, self._show_first)
@@ -126,13 +126,13 @@ class Viewer(QObject):
         self._show_sonar()
 
     def find_levels(self) -> None:
-        """Set the contrast by what is on screen, without gain."""
+        """Set the contrast from the record on screen, without gain."""
         self.window.gain.setValue(0)
         self._levels_due = True
         self._settle_levels()
 
     def open(self, scene: Scene) -> None:
-        """Turn to another scene, at the start of its track; a tow that paused by itself goes on."""
+        """Open another scene at the start of its track; a tow that paused by itself runs on."""
         self.tow.restart(_pings_held(scene) - 1)
         if self._stopped:
             self.run(True)
@@ -142,7 +142,7 @@ class Viewer(QObject):
         self.window.say(scene.title)
 
     def run(self, running: bool) -> None:
-        """Let the tow go on, or pause it."""
+        """Run or pause the tow."""
         self._stopped = False
         self.tow.run(running)
         self.window.show_running(running)
@@ -159,7 +159,7 @@ class Viewer(QObject):
         self._show_sonar()
 
     def close(self) -> None:
-        """Stop clock and worker."""
+        """Stop clock, panels and worker."""
         self._clock.stop()
         for panel in self.panels.values():
             panel.closing()
@@ -232,34 +232,34 @@ class Viewer(QObject):
     def _tick(self) -> None:
         now = time.perf_counter()
         seconds, self._ticked = min(now - self._ticked, LEAP), now
-        # Nothing is missed while the kernels compile, or where pings take long: the tow waits.
+        # The tow waits while the kernels compile, and for pings that take long.
         if self._answer is None or self.record.blank(self.tow.top) > BEHIND:
             return
         before = self.tow.newest
         if self.tow.advance(seconds, self.session.scene.sonar.ping_rate):
-            if stop := next_stop(self._answer.simulation, before, self.tow.newest, self.record.pings):
-                self.tow.restart(stop.ping)
+            if pause := next_pause(self._answer.simulation, before, self.tow.newest, self.record.pings):
+                self.tow.restart(pause.ping)
                 self.run(False)
                 self._stopped = True
-                self.window.say(stop.why)
+                self.window.say(pause.why)
             self._ask()
 
     def _missing(self) -> NDArray[np.int64]:
-        """Pings that ought to be on screen and are not."""
+        """Pings on screen that are not yet traced for the present scene."""
         return self.record.missing(self.tow.top, 2 * self._number + self._fine)
 
     def _holds(self, scene: Scene) -> bool:
         return (self.record.pings, self.record.bins) == (_pings_held(scene), scene.sonar.bins)
 
     def _ask(self) -> None:
-        """Ask for what is missing; a scene that was refused is not tried again."""
+        """Request the missing pings, unless the scene was refused."""
         missing = self._missing()
         if missing.size and self._prepared and self._refused != self._number:
             request = Request(self._number, self.session.scene, self.session.modelling, missing, self._fine)
             self.simulator.ask(request)
 
     def _take(self, answer: Answer) -> None:
-        """Take traced pings over, also of a scene that a slider has since left: they are nearer than none."""
+        """Take traced pings over, even of a scene that a slider has since left."""
         scene = answer.simulation.scene
         if not self._holds(scene):
             return
@@ -275,7 +275,7 @@ class Viewer(QObject):
         self.window.waterfall.show_rows(rows, answer.alike if on_screen.all() else 1, answer.reach)
         self.window.waterfall.show_top(self._newest_held())
         if not answer.fine:
-            self.window.waterfall.repaint()  # at once: whoever drags a slider looks there
+            self.window.waterfall.repaint()  # immediately, because the person who drags a slider watches the record
         self._show_sonar()
         self._show_mark(self.session.mark)
         self._tell_growth(answer)
@@ -297,11 +297,11 @@ class Viewer(QObject):
             panel.record_grown(growth)
 
     def _newest_held(self) -> int:
-        """Ping for the top: while the tow runs, the newest that has arrived."""
+        """Ping to show on top: while the tow runs, the newest that has arrived."""
         return min(self.tow.top, int(self.record.ping.max())) if self.tow.running else self.tow.top
 
     def _refuse(self, number: int, sentence: str) -> None:
-        """Go back to the scene before one that the core refused."""
+        """Return from a scene that the core refused to the one before it."""
         if number != self._number:
             return
         self._refused = number
@@ -315,7 +315,7 @@ class Viewer(QObject):
         self.window.say(sentence)
 
     def _settle_levels(self) -> None:
-        """Choose the contrast anew if a scene was opened, until its screen is full."""
+        """Set the contrast of a newly opened scene, until its record fills the screen."""
         if self._levels_due and self._answer is not None:
             held = self.record.amplitude[self.record.ping >= 0]
             self._levels = choose_contrast(held[::4])
@@ -338,7 +338,7 @@ class Viewer(QObject):
         self._seabed.show_mark(None if point is None else point.position)
 
     def _show_sonar(self) -> None:
-        """Move fish and fan to the ping on top, with its colours."""
+        """Move fish and fan to the ping on top, and colour the scan line by its amplitudes."""
         if self._answer is None:
             return
         top = self.window.waterfall.top

@@ -72,7 +72,7 @@ def test_why_no_window(monkeypatch: pytest.MonkeyPatch) -> None:
     assert screen_check.why_no_window() == ""
     monkeypatch.setattr(screen_check, "WINDOW_LIBRARIES", (screen_check.WINDOW_LIBRARIES[0], "libnowhere.so.1"))
     assert screen_check.why_no_window().startswith(
-        "the system lacks libnowhere.so.1; mend with: apt-get install libegl1"
+        "the system lacks libnowhere.so.1; install it with: apt-get install libegl1"
     )
     monkeypatch.setattr(screen_check, "WINDOW_LIBRARIES", screen_check.WINDOW_LIBRARIES[:1])
     monkeypatch.setenv("DISPLAY", ":4711")

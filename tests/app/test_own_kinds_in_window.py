@@ -12,7 +12,8 @@ from insonify.scene import Scene, edit
 from insonify.simulation import prepare
 from insonify_viewer.bed_shading import target_colours
 from insonify_viewer.dependent_edits import completed
-from insonify_viewer.panels.parameters.sections import Choice, Number, sections_of
+from insonify_viewer.fields import ChoiceField, NumberField
+from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.target_placement import target_menu
 from insonify_viewer.views.pv_meshes import targets_mesh
 from own_kinds import own_kinds, ring_scene
@@ -50,11 +51,11 @@ def test_the_panel_has_its_sliders_and_the_material_in_its_list() -> None:
     assert ring.title == "Torus 1"
     rows = {row.path.removeprefix("targets.0."): row for row in ring.parameters}
     tube = rows["tube"]
-    assert isinstance(tube, Number)
+    assert isinstance(tube, NumberField)
     assert (tube.slider, tube.unit, tube.log) == ((0.05, 2.0), "m", True)
     assert {"radius", "heading", "pitch", "roll", "gap"} <= rows.keys()
     material = rows["material.name"]
-    assert isinstance(material, Choice)
+    assert isinstance(material, ChoiceField)
     assert "coral" in material.options
 
 

@@ -8,7 +8,7 @@ from insonify.scene import Scene, edit, load_scene
 from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.seabed import Seabed
 from insonify_viewer.dependent_edits import completed
-from insonify_viewer.fields import Number
+from insonify_viewer.fields import NumberField
 from insonify_viewer.panels.parameters.sections import sections_of
 
 KINDS = [kind_name(model) for model in models_of(Seabed, "relief") if kind_name(model) != "dem"]
@@ -50,7 +50,7 @@ def test_any_kind_follows_an_endless_one(scene, first, second):
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("flat", "mimic")])
 def test_every_slider_of_a_kind_may_be_pushed_to_either_end(scene, kind):
     chosen = changed(scene, kind=kind)
-    sliders = {path: p for path, p in shown(chosen).items() if isinstance(p, Number) and p.slider is not None}
+    sliders = {path: p for path, p in shown(chosen).items() if isinstance(p, NumberField) and p.slider is not None}
     assert sliders
     for path, number in sliders.items():
         for end in number.slider:

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
-from insonify_viewer.fields import Choice, Number
+from insonify_viewer.fields import ChoiceField, NumberField
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.quantities import at_fraction, fraction, read, shown, span
 from insonify_viewer.record import Record
 from insonify_viewer.session import Mark, Session
 from insonify_viewer.tow_clock import TowClock
-from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
+from insonify_viewer.views.pixels import colour_table, colours, column_means, round_steps
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_every_wanted_parameter_has_a_slider(default: Scene) -> None:
         "targets.0.gap.2.1",
         "targets.1.position.1",
     ):
-        assert isinstance(found[path], Number), path
+        assert isinstance(found[path], NumberField), path
         assert found[path].slider is not None, path
 
 
@@ -66,13 +66,13 @@ def test_every_parameter_can_be_set_to_what_it_shows(name: str) -> None:
     scene = load_scene(name)
     for path, parameter in parameters(scene).items():
         session = Session(scene)
-        value = int(parameter.value) if isinstance(parameter, Number) and parameter.integer else parameter.value
+        value = int(parameter.value) if isinstance(parameter, NumberField) and parameter.integer else parameter.value
         assert session.settle({path: value}), path
 
 
 def test_every_choice_can_be_made(default: Scene) -> None:
     for path, parameter in parameters(default).items():
-        if isinstance(parameter, Choice) and path != "seabed.relief.kind":
+        if isinstance(parameter, ChoiceField) and path != "seabed.relief.kind":
             for option in parameter.options:
                 if option in ("recorded", "image", "cast"):
                     continue  # which need a file
@@ -172,7 +172,7 @@ def test_sliders_end_where_the_scene_does(default: Scene) -> None:
     assert found["track.altitude"].slider == (2.0, 30.0)
     assert found["targets.0.gap.1.0"].slider == pytest.approx((-27.78, -6.22))
     for path, parameter in found.items():
-        if isinstance(parameter, Number) and parameter.slider and path not in ("seabed.depth", "seabed.spacing"):
+        if isinstance(parameter, NumberField) and parameter.slider and path not in ("seabed.depth", "seabed.spacing"):
             for end in parameter.slider:
                 if path not in ("seabed.relief.period", "seabed.relief.peaks.0.0"):
                     value = int(end) if parameter.integer else end
@@ -312,9 +312,9 @@ def test_colours_run_from_low_to_high() -> None:
 
 
 def test_ticks_are_round() -> None:
-    assert ticks(50.0, 3) == [0.0, 20.0, 40.0]
-    assert ticks(0.7, 3) == pytest.approx([0.0, 0.5])
-    assert ticks(1.0, 1) == [0.0, 1.0]
+    assert round_steps(0.0, 50.0, 3) == [0.0, 20.0, 40.0]
+    assert round_steps(0.0, 0.7, 3) == pytest.approx([0.0, 0.5])
+    assert round_steps(0.0, 1.0, 1) == [0.0, 1.0]
 
 
 def test_mark_is_announced_once(default: Scene) -> None:

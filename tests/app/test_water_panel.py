@@ -9,8 +9,8 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QFileDialog
 
 from insonify.scene import Scene, edit
-from insonify_viewer.panels.water.view.plot_scales import round_steps
 from insonify_viewer.session import Session
+from insonify_viewer.views.pixels import round_steps
 
 PROFILE = {"kind": "profile", "depth": [0.0, 10.0, 20.0, 30.0], "sound_speed": [1520.0, 1518.0, 1500.0, 1502.0]}
 

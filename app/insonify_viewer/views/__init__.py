@@ -1,1 +1,1 @@
-"""The widgets; they show and announce, and never edit a scene themselves."""
+"""Main window, its views, and widgets that panels share; they show and signal, and never edit the scene."""

@@ -1,4 +1,4 @@
-"""A beam's blur along the track, of a picture."""
+"""Along-track blur of a record by the width of the beam."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from numpy.typing import NDArray
 
 
 def smeared(columns: NDArray[np.float32], reach: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Average energies along the track over as many pings as a beam takes in.
+    """Average energy over the number of successive pings that the beam covers.
 
     Parameters
     ----------
     columns : (n, width) float32
-        Amplitudes of pings in succession, from far port over nadir to far starboard.
+        Amplitudes of successive pings, from far port over nadir to far starboard.
     reach : (bins,) float64
-        Pings that the beam takes in, by range bin; less than one is one.
+        Number of pings that the beam covers, by range bin; less than one counts as one.
 
     Returns
     -------
     (n, width) float32
-        Beyond the ends the first ping and the last are taken to go on.
+        Blurred amplitudes; the first and the last ping are repeated beyond the ends.
     """
     half = _half(reach, columns.shape[1])
     margin = int(half.max() + 0.5) + 1
@@ -32,7 +32,7 @@ def smeared(columns: NDArray[np.float32], reach: NDArray[np.float64]) -> NDArray
     whole = np.floor(half + 0.5).astype(np.int64)
     part = (half + 0.5 - whole).astype(np.float32)
     ends = np.flatnonzero(np.diff(whole, prepend=-1, append=-1))
-    # Between two ends the averages begin and end in the same rows, further out in later ones.
+    # The columns of a run average over the same rows.
     for run in (slice(first, end) for first, end in pairwise(ends) if whole[first] > 0):
         far, near = margin + int(whole[run.start]), margin + 1 - int(whole[run.start])
         above, below = total[:, run], part[run]
@@ -40,11 +40,11 @@ def smeared(columns: NDArray[np.float32], reach: NDArray[np.float64]) -> NDArray
         summed = above[far : far + n] - above[near : near + n]
         summed += below * (energy[far : far + n, run] + energy[near - 1 : near - 1 + n, run])
         summed /= (2.0 * half[run]).astype(np.float32)
-        out[:, run] = np.sqrt(np.maximum(summed, 0.0))  # sums may round below what they are the difference of
+        out[:, run] = np.sqrt(np.maximum(summed, 0.0))  # rounding may make the difference of two sums negative
     return out
 
 
 def _half(reach: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Half of what is averaged in every column, in pings."""
+    """Half of the averaging length of every column, in pings."""
     across = np.abs(2.0 * (np.arange(width) + 0.5) / width - 1.0)
     return 0.5 * np.maximum(reach[np.minimum((across * reach.size).astype(np.int64), reach.size - 1)], 1.0)

@@ -1,4 +1,4 @@
-"""One row of the panel for one parameter: a slider with its number, or a combo box."""
+"""Rows of widgets for one field each: a slider with a number, a combo box, or a file button."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QPushButton, QSizePolicy, QSlider
 
-from insonify_viewer.fields import Choice, File, Number
+from insonify_viewer.fields import ChoiceField, FileField, NumberField
 from insonify_viewer.quantities import at_fraction, fraction, read, shown
 
 STEPS = 1000
@@ -19,7 +19,7 @@ Change = Callable[[str, Any], None]
 
 
 class _Slider(QSlider):
-    """A slider that leaves the wheel to the panel unless it was clicked on."""
+    """A slider that ignores the mouse wheel unless it has the focus, so that the panel scrolls."""
 
     def __init__(self) -> None:
         super().__init__(Qt.Orientation.Horizontal)
@@ -35,25 +35,25 @@ class _Slider(QSlider):
 
 
 class Combo(QComboBox):
-    """A combo box that leaves the wheel to the panel."""
+    """A combo box that ignores the mouse wheel, so that the panel scrolls."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Let the panel scroll."""
+        """Ignore the wheel."""
         event.ignore()
 
 
 class NumberRow:
-    """A number: name, slider, and a field to type into.
+    """Row of a number: its name, a slider, and a text field.
 
     Parameters
     ----------
     number : Number
-        What to show.
+        Field to show.
     dragged, settled : callable
         Called with (path, value) while the slider is held, and when a value is final.
     """
 
-    def __init__(self, number: Number, dragged: Change, settled: Change) -> None:
+    def __init__(self, number: NumberField, dragged: Change, settled: Change) -> None:
         self._number, self._dragged, self._settled = number, dragged, settled
         self._showing = False
         self.label = _label(number.label, number.indent, number.tooltip, number.unit)
@@ -68,7 +68,7 @@ class NumberRow:
         self.slider.sliderReleased.connect(self._released)
         self.field.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.field.editingFinished.connect(self._typed)
-        # The keyboard goes back to the window, where Space pauses.
+        # The keyboard focus returns to the window, where Space pauses.
         self.field.returnPressed.connect(self.field.clearFocus)
         self.show_value(number)
 
@@ -78,8 +78,8 @@ class NumberRow:
         grid.addWidget(self.slider, row, 1)
         grid.addWidget(self.field, row, 2)
 
-    def show_value(self, number: Number) -> None:
-        """Show another value, unless the slider is in the person's hand."""
+    def show_value(self, number: NumberField) -> None:
+        """Show another value, unless the slider is held."""
         self._number = number
         self._let_be(number.idle)
         if not self.field.hasFocus() or not self.field.isModified():
@@ -91,7 +91,7 @@ class NumberRow:
             self._showing = False
 
     def _let_be(self, idle: str) -> None:
-        """Put the row aside while it changes nothing, and say why."""
+        """Disable the row while its number has no effect, with the reason as tooltip."""
         for widget in (self.label, self.slider, self.field):
             widget.setEnabled(not idle)
             widget.setToolTip(f"{self._tooltip}; {idle}" if idle else self._tooltip)
@@ -101,7 +101,7 @@ class NumberRow:
             return
         number = self._number
         value = at_fraction(position / STEPS, self._number.slider, log=number.log, integer=number.integer)
-        # Arrow keys and clicks beside the handle are final at once.
+        # Arrow keys and clicks beside the handle make final edits.
         change = self._dragged if self.slider.isSliderDown() else self._settled
         change(number.path, int(value) if number.integer else value)
 
@@ -121,17 +121,17 @@ class NumberRow:
 
 
 class ChoiceRow:
-    """A choice: name and combo box.
+    """Row of a choice: its name and a combo box.
 
     Parameters
     ----------
     choice : Choice
-        What to show.
+        Field to show.
     settled : callable
         Called with (path, value) when another entry is picked.
     """
 
-    def __init__(self, choice: Choice, settled: Change) -> None:
+    def __init__(self, choice: ChoiceField, settled: Change) -> None:
         self._choice, self._settled = choice, settled
         self.label = _label(choice.label, choice.indent, choice.tooltip, "")
         self.combo = Combo()
@@ -147,7 +147,7 @@ class ChoiceRow:
         grid.addWidget(self.label, row, 0)
         grid.addWidget(self.combo, row, 1, 1, 2)
 
-    def show_value(self, choice: Choice) -> None:
+    def show_value(self, choice: ChoiceField) -> None:
         """Show another value."""
         self._choice = choice
         self.combo.setCurrentIndex(choice.options.index(choice.value))
@@ -159,22 +159,22 @@ class ChoiceRow:
 
 
 class FileRow:
-    """A file: a button with its name, which asks for another.
+    """Row of a file: a button with its name, which asks for another.
 
     Parameters
     ----------
     file : File
-        What to show.
+        Field to show.
     asked : callable
         Called with the path of the field when the person wants another file.
     """
 
-    def __init__(self, file: File, asked: Callable[[str], None]) -> None:
+    def __init__(self, file: FileField, asked: Callable[[str], None]) -> None:
         self.label = _label(file.label, file.indent, file.tooltip, "")
         self.button = QPushButton()
         self.button.setObjectName("file")
         self.button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # a long name is cut off
+        self.button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # a long name is clipped
         self.button.clicked.connect(lambda: asked(file.path))
         self.show_value(file)
 
@@ -183,7 +183,7 @@ class FileRow:
         grid.addWidget(self.label, row, 0)
         grid.addWidget(self.button, row, 1, 1, 2)
 
-    def show_value(self, file: File) -> None:
+    def show_value(self, file: FileField) -> None:
         """Show another name."""
         self.button.setText(f"{Path(file.value).name} …")
         self.button.setToolTip(file.value)

@@ -1,4 +1,4 @@
-"""What is opened and saved: scenes, measured beds, pictures."""
+"""File dialogs: scenes, measured beds, casts, navigation, meshes, pictures."""
 
 from __future__ import annotations
 
@@ -23,18 +23,18 @@ MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 
 
 class Files:
-    """Asks for files and hands over what is in them; a mistake is said in one sentence.
+    """Asks for files, opens them, and reports errors in one sentence.
 
     Parameters
     ----------
     window : QWidget
         Owner of the dialogs.
     simulator : Simulator
-        Whose worker reads measured beds.
+        The worker that reads measured beds.
     opened : callable
-        Takes a scene that was opened.
+        Receives a scene that was opened.
     say : callable
-        Takes a sentence.
+        Receives a sentence.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class Files:
         return self._ask("Open recorded navigation", "Recorded navigation", NAVIGATION)
 
     def ask_for_map(self) -> str:
-        """Let the person pick a picture to lay on the bed; return its path, empty if none was picked."""
+        """Let the person pick a map of materials; return its path, empty if none was picked."""
         return QFileDialog.getOpenFileName(self._window, "Open a map of materials", "", MAPS)[0]
 
     def ask_for_cast(self) -> str:
@@ -75,7 +75,7 @@ class Files:
         return self._ask("Open a measured cast", "Measured casts", CASTS)
 
     def ask_for_mesh(self) -> str:
-        """Let the person pick a mesh; return its path, or its name if it is a bundled one, or nothing."""
+        """Let the person pick a mesh; return its path, the name of a bundled one, or an empty string."""
         path = self._ask("Open a mesh", "Meshes", MESHES, self._meshes)
         if path:
             self._meshes = str(Path(path).parent)
@@ -108,7 +108,7 @@ class Files:
         self._opened(scene)
 
     def open_dem(self, scene: Scene, path: str) -> None:
-        """Lay a scene over a measured bed, read on the worker."""
+        """Lay a scene over a measured bed, which the worker reads."""
         self._say(f"reading {Path(path).name} …")
         self._simulator.send(lambda: scene_over_dem(scene, path), self._read)
 
@@ -120,12 +120,12 @@ class Files:
 
 
 def save_picture(window: QWidget, path: Path) -> None:
-    """Write a picture of the window beside the name, then put it in place.
+    """Write a picture of the window to a temporary file, then rename it.
 
     Raises
     ------
     OSError
-        If that fails; an older picture stays as it was.
+        If writing fails; an older picture is kept.
     """
     beside = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:

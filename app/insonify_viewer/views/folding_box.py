@@ -1,4 +1,4 @@
-"""A heading that folds away what is under it."""
+"""A box that folds under its heading."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from PySide6.QtWidgets import QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout
 
 
 class FoldingBox(QWidget):
-    """A heading and a body.
+    """A heading, and a body that it hides or shows.
 
     Parameters
     ----------
     title : str
-        Of the heading.
+        Text of the heading.
     body : QWidget
-        What folds away.
+        Widget below the heading.
     unfolded : bool
-        Whether it is to be seen at first.
+        Whether the body shows at first.
     beside : QWidget, optional
-        What stands to the right of the heading.
+        Widget at the right of the heading.
     """
 
     def __init__(self, title: str, body: QWidget, *, unfolded: bool, beside: QWidget | None = None) -> None:
@@ -46,11 +46,11 @@ class FoldingBox(QWidget):
 
     @property
     def unfolded(self) -> bool:
-        """Whether the body is to be seen."""
+        """Whether the body shows."""
         return self._heading.isChecked()
 
     def unfold(self, unfolded: bool) -> None:
-        """Let the body be seen or not."""
+        """Show or hide the body."""
         self._heading.setChecked(unfolded)
 
     def entitle(self, title: str) -> None:

@@ -41,7 +41,7 @@ class MainWindow(QMainWindow):
     native : bool
         Whether the record needs a native window of its own.
     palettes : tuple of str
-        Names of the palettes on offer.
+        Names of the palettes to choose from.
     """
 
     gain_changed = Signal(float)
@@ -73,7 +73,7 @@ class MainWindow(QMainWindow):
         self.waterfall.setFocus()
 
     def mount(self, panels: Sequence[Panel]) -> None:
-        """Put panels into their places, in this order."""
+        """Mount panels at their places, in this order."""
         self._panels = {panel.name: panel for panel in panels}
         self._mount_side([panel for panel in panels if panel.place is Place.SIDE])
         for panel in panels:
@@ -109,13 +109,13 @@ class MainWindow(QMainWindow):
         self._sentence.setToolTip(sentence)
 
     def show_busy(self, what: str) -> None:
-        """Say what is being waited for, empty for nothing."""
+        """Show a progress bar and what it waits for; an empty text hides the bar."""
         self._progress.setVisible(bool(what))
         if what:
             self.say(what)
 
     def show_running(self, running: bool) -> None:
-        """Let the pause button agree with the tow."""
+        """Set the pause button."""
         self.pause.setChecked(not running)
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -190,14 +190,14 @@ class MainWindow(QMainWindow):
         self.addAction(self.open_scene)
         self.scenes = SceneMenu(self.open_scene)
         bar.addWidget(self.scenes)
-        self.open_dem = self._tool(bar, "DEM…", "Take the bed from a grid of measured heights", QKeySequence("Ctrl+D"))
+        self.open_dem = self._tool(bar, "DEM…", "Replace the bed by a grid of measured heights", QKeySequence("Ctrl+D"))
         self._add_targets(bar)
         self.save = self._tool(bar, "Save…", "Save the window as a picture", QKeySequence(key.Save))
         bar.addSeparator()
-        self.undo = self._tool(bar, "Undo", "Take the last edit back", QKeySequence(key.Undo))
-        self.redo = self._tool(bar, "Redo", "Make it again", QKeySequence(key.Redo))
+        self.undo = self._tool(bar, "Undo", "Undo the last edit", QKeySequence(key.Undo))
+        self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", QKeySequence(key.Redo))
         bar.addSeparator()
-        self.pause = self._tool(bar, "Pause", "Pause the tow; the wheel then looks back", QKeySequence("Space"))
+        self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", QKeySequence("Space"))
         self.pause.setCheckable(True)
         self.pause.toggled.connect(lambda paused: self.running_changed.emit(not paused))
         self.speed = _combo([(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS])
@@ -213,10 +213,10 @@ class MainWindow(QMainWindow):
         self._add_gain(bar)
 
     def _add_targets(self, bar: QToolBar) -> None:
-        """Offer every kind of target."""
+        """Add the menu with every kind of target."""
         self.targets = QToolButton()
         self.targets.setText("Target ▾")
-        self.targets.setToolTip("Put a target on the bed, abeam of the tow")
+        self.targets.setToolTip("Add a target on the bed, abeam of the track")
         self.targets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.targets.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         menu = QMenu(self.targets)
@@ -240,7 +240,7 @@ class MainWindow(QMainWindow):
         bar.addWidget(QLabel("gain"))
         bar.addWidget(self.gain)
         bar.addWidget(self._gain_text)
-        self.levels = self._tool(bar, "Auto", "Set gain and contrast by what is on screen", QKeySequence("A"))
+        self.levels = self._tool(bar, "Auto", "Set gain and contrast from the record on screen", QKeySequence("A"))
 
     def _gain_moved(self, tenths: int) -> None:
         self._gain_text.setText(f"{tenths / 10:g} dB")
@@ -250,7 +250,7 @@ class MainWindow(QMainWindow):
         status = self.statusBar()
         status.setSizeGripEnabled(False)
         self._sentence = QLabel()
-        self._sentence.setMinimumWidth(1)  # a long sentence must not widen the window
+        self._sentence.setMinimumWidth(1)  # so that a long sentence does not widen the window
         self._progress = QProgressBar()
         self._progress.setRange(0, 0)
         self._progress.setTextVisible(False)
@@ -272,7 +272,7 @@ class MainWindow(QMainWindow):
 
 def _combo(entries: list[tuple[str, object]]) -> QComboBox:
     combo = QComboBox()
-    # The keyboard stays with the window: Space pauses.
+    # The window keeps the keyboard focus: Space pauses.
     combo.setFocusPolicy(Qt.FocusPolicy.NoFocus)
     for text, data in entries:
         combo.addItem(text, data)

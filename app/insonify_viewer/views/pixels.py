@@ -1,4 +1,4 @@
-"""From amplitudes to pixels: display columns, colours, ticks."""
+"""Pixels of a record: display columns, colours, and round values for rulers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def column_means(amplitude: NDArray[np.float32], width: int) -> NDArray[np.float
     Returns
     -------
     (n, width) float32
-        Every bin counts in one column, so that no echo is dropped.
+        Means; every bin counts in one column, so that no echo is lost.
     """
     bins = amplitude.shape[1]
     edges = np.arange(width + 1) * bins // width
@@ -44,9 +44,9 @@ def colours(amplitude: NDArray[np.float32], low: float, high: float, table: NDAr
     return np.asarray(table[np.clip(index, 0.0, 255.0).astype(np.uint8)])
 
 
-def ticks(end: float, count: int) -> list[float]:
-    """Round values from 0 to ``end``, about ``count`` apart from 0."""
-    raw = end / max(count, 1)
-    power = 10.0 ** math.floor(math.log10(raw))
-    step = next(power * factor for factor in (1.0, 2.0, 5.0, 10.0) if power * factor >= raw * (1.0 - 1e-9))
-    return [step * i for i in range(int(end / step + 1e-9) + 1)]
+def round_steps(low: float, high: float, most: int) -> list[float]:
+    """Multiples of 1, 2 or 5 times a power of ten between two numbers, in at most ``most`` steps."""
+    rough = (high - low) / max(most, 1)
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(power * unit for unit in (1.0, 2.0, 5.0, 10.0) if power * unit >= rough * (1.0 - 1e-9))
+    return [step * k for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]

@@ -1,4 +1,4 @@
-"""A scene as PyVista data: bed, targets, fish and fan. No window, no plotter."""
+"""PyVista meshes of a scene: bed, targets, fish, track and scan line; without window or plotter."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ LINE_POINTS = 96  # per side, of the current scan line
 MAX_SOLIDS = 400
 ROUND = 28  # corners of a circle
 WINDOW = 3.6  # side of the bed shown, in slant ranges
-BEHIND = 0.55  # its middle lies so far behind the fish, for what was heard is what one wants to see
+BEHIND = 0.55  # distance of its middle behind the fish, in slant ranges: recorded bed matters most
 PATH_POINTS = 160
-PATH = (1.7, 0.5)  # of the fish's way shown behind and ahead, in slant ranges
+PATH = (1.7, 0.5)  # of the track, shown behind and ahead, in slant ranges
 STEPS = 16  # of the window, per slant range
 
 
 @dataclass(frozen=True, eq=False)
 class BedPatch:
-    """The bed around the fish, baked.
+    """Mesh and texture of the bed around the fish.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class BedPatch:
 
 
 def window_centre(line: TowLine, reach: float) -> tuple[float, float]:
-    """Place the window about a place of the line, in the steps in which it follows the tow."""
+    """Centre of the window around a point of the track; it moves with the tow in steps."""
     step, behind = reach / STEPS, BEHIND * reach
     x = float(line.x[0]) - behind * math.cos(float(line.heading[0]))
     y = float(line.y[0]) - behind * math.sin(float(line.heading[0]))
@@ -58,7 +58,7 @@ def window_centre(line: TowLine, reach: float) -> tuple[float, float]:
 
 
 def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float) -> BedPatch:
-    """Bake the bed within a window.
+    """Sample and shade the bed within a window.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float) -> BedP
     Returns
     -------
     BedPatch
-        A place without a bed lies at the lowest height, in the colour of the water.
+        Nodes without bed lie at the lowest height, in the colour of the water.
     """
     half = WINDOW * reach / 2.0
     ground = bed.around(centre, half)
@@ -96,14 +96,14 @@ def bed_mesh() -> Any:
 
 
 def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:
-    """Return the targets as one surface; far more of them than one can see are left out.
+    """Return the targets as one surface; solids beyond `MAX_SOLIDS` are left out.
 
     Parameters
     ----------
     solids, mesh : Solids, Mesh
-        What they are made of.
+        Solids and triangles of the targets.
     colours : (targets, 3) uint8
-        Of each target.
+        Colour of each target.
 
     Returns
     -------
@@ -129,7 +129,7 @@ def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:
 
 
 def frustum_mesh(first: NDArray[np.float64], last: NDArray[np.float64], radius: float, last_radius: float) -> Any:
-    """Return a cylinder, a cone or a part of one, from the middles of its ends and the radii there."""
+    """Return a cylinder, a cone or a frustum from the centres and radii of its ends."""
     axis = (last - first) / np.linalg.norm(last - first)
     aside = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[2]) > 0.7 else [0.0, 0.0, 1.0])
     aside /= np.linalg.norm(aside)
@@ -144,7 +144,7 @@ def frustum_mesh(first: NDArray[np.float64], last: NDArray[np.float64], radius: 
 
 
 def fish_mesh(length: float) -> Any:
-    """Return a tow fish that heads for +x, of this length in metres."""
+    """Return a towfish of a length in metres that heads for +x."""
     radius = 0.085 * length
     body = pv.Cylinder(center=(-0.02 * length, 0, 0), direction=(1, 0, 0), radius=radius, height=0.76 * length)
     nose = pv.Sphere(center=(0.36 * length, 0, 0), radius=radius)
@@ -157,14 +157,14 @@ def fish_mesh(length: float) -> Any:
 
 
 def cable_mesh(length: float) -> Any:
-    """Return the tow cable of a fish at the origin, running up and ahead."""
+    """Return the tow cable of a fish at the origin, which runs up and ahead."""
     s = np.linspace(0.0, 1.0, 24)
     ahead, up = 0.03 + 22.0 * s, 0.08 + 13.0 * s**1.2
     return pv.MultipleLines(length * np.column_stack([ahead, np.zeros(24), up]))
 
 
 def path_mesh() -> Any:
-    """Return a line through `PATH_POINTS` places, to be filled with those of the fish."""
+    """Return a line of `PATH_POINTS` points, to be filled with the track."""
     return pv.MultipleLines(np.zeros((PATH_POINTS, 3)))
 
 
@@ -175,7 +175,7 @@ def path_pings(ping: int, step: float, reach: float) -> NDArray[np.int64]:
 
 
 def placed(pose: Poses, length: float, *, level: bool = False) -> NDArray[np.float64]:
-    """Place what heads for +x at a pose, in this length and in the fish's own attitude, or level; (4, 4) float64."""
+    """Matrix that scales a mesh along +x and moves it to a pose, with its pitch and roll or level; (4, 4) float64."""
     pitch, roll = (0.0, 0.0) if level else (math.degrees(pose.pitch[0]), math.degrees(pose.roll[0]))
     matrix = np.eye(4)
     matrix[:3, :3] = length * rotation_matrix(math.degrees(pose.heading[0]), pitch, roll)
@@ -183,8 +183,8 @@ def placed(pose: Poses, length: float, *, level: bool = False) -> NDArray[np.flo
     return matrix
 
 
-class Fan:
-    """What the sonar hears just now: a sheet from the fish to the bed, and its footprint.
+class ScanFan:
+    """The current scan: a sheet from the fish to the bed, and its footprint.
 
     Attributes
     ----------
@@ -202,14 +202,14 @@ class Fan:
         self.footprint.point_data["colour"] = np.full((2 * n, 3), 255, np.uint8)
 
     def move(self, ground: AnyGround, arrays: SceneArrays, pose: Poses, tones: NDArray[np.float32]) -> None:
-        """Follow the sonar.
+        """Move sheet and footprint to a pose.
 
         Parameters
         ----------
         ground : AnyGround
-            Where the fan meets the bed.
+            The bed.
         problem : Problem
-            For range and beam width.
+            Packed scene, for range and beam width.
         pose : Poses
             One pose.
         tones : (2 bins,) float32
@@ -231,13 +231,13 @@ class Fan:
 
 
 def heard_colours(tones: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Colour the scan line: from the dark of a shadow to a cold white, apart from any sand."""
+    """Colours of the scan line, from dark for shadow to a cold white, distinct from sand."""
     dark, bright = np.array([8.0, 30.0, 48.0]), np.array([214.0, 250.0, 255.0])
     return np.asarray((dark + tones[:, None] * (bright - dark)).astype(np.uint8))
 
 
 def scan_line(ground: AnyGround, arrays: SceneArrays, pose: Poses) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Points of the bed across the track, far port to far starboard, and their slant ranges.
+    """Points of the bed under the beam, far port to far starboard, and their slant ranges.
 
     Returns
     -------
@@ -261,7 +261,7 @@ def scan_line(ground: AnyGround, arrays: SceneArrays, pose: Poses) -> tuple[NDAr
 
 
 def _ahead(distance: NDArray[np.float64], height: float, pitch: float, squint: float) -> NDArray[np.float64]:
-    """How far ahead of the fish its beam meets a level bed, given the distance athwart.
+    """Distance ahead of the fish at which its beam meets a level bed, given the distance athwart.
 
     With x ahead, the bow's direction (cos p, sin p) and d the distance athwart, the cone is
     x cos p − h sin p = s √(x² + d²); of the two roots of its square the one on the side of s.
@@ -272,6 +272,6 @@ def _ahead(distance: NDArray[np.float64], height: float, pitch: float, squint: f
 
 
 def bed_below(ground: AnyGround, pose: Poses) -> float:
-    """Height of the bed under the sonar; the mean where there is none."""
+    """Height of the bed under the sonar; the mean if there is no bed."""
     height = float(ground.height_at(pose.x[:1], pose.y[:1])[0])
     return 0.0 if math.isnan(height) else height

@@ -1,4 +1,4 @@
-"""The menu of scenes: those that come with the program, and any other from a file."""
+"""Menu of the bundled scenes, and of scene files."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from PySide6.QtWidgets import QMenu, QToolButton, QWidget
 
 from insonify.scene import bundled_scenes, load_scene
 
-FAILURE = "breaks-"  # begins the name of a scene on which some method fails
+FAILURE = "breaks-"  # prefix of scenes on which a method fails
 
 
 class SceneMenu(QToolButton):
-    """Announces the scene that the person wants.
+    """Signals the scene that the person picks.
 
     Parameters
     ----------
     from_file : QAction
-        Asks for a file instead.
+        Opens a scene file instead.
     parent : QWidget, optional
         Owner.
     """
@@ -40,7 +40,7 @@ class SceneMenu(QToolButton):
         self.setMenu(menu)
 
     def fill(self) -> None:
-        """List what there is, which takes a moment the first time."""
+        """Fill the menu when it first opens, which takes a moment."""
         menu = self.menu()
         if menu.actions():
             return
@@ -52,7 +52,7 @@ class SceneMenu(QToolButton):
             scene = load_scene(path)
             action = QAction(f"{name}\t{scene.title}", menu)
             action.setData(str(path))
-            action.setToolTip(f"<p>{html.escape(scene.description)}</p>")  # as a paragraph it is wrapped
+            action.setToolTip(f"<p>{html.escape(scene.description)}</p>")  # Qt wraps a paragraph
             (failures if name.startswith(FAILURE) else menu).addAction(action)
         menu.addSeparator()
         menu.addMenu(failures)

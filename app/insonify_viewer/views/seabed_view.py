@@ -1,4 +1,4 @@
-"""The scene in three dimensions: bed, targets, fish and what it hears just now."""
+"""Three-dimensional view of bed, targets, towfish and scan line."""
 
 from __future__ import annotations
 
@@ -15,37 +15,37 @@ from PySide6.QtGui import QImage, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify_viewer.views import pv_meshes
-from insonify_viewer.views.pv_meshes import BedPatch, Fan
+from insonify_viewer.views.pv_meshes import BedPatch, ScanFan
 from insonify_viewer.views.theme import MARK
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Poses, SceneArrays
     from insonify.terrain import AnyGround
 
-# Untyped calls everywhere: PyVista is taken as it comes.
+# PyVista is untyped.
 pv: Any = pyvista
 
 WATER = ("#2f6b84", "#629db2")  # below and above; the far bed fades into the latter
 CAMERA = (-1.85, -0.12, 1.15)  # ahead, to port, up; in slant ranges, for a square view
 FOCUS = (-0.22, 0.0, -0.20)
 VIEW_ANGLE = 54.0
-FISH = 0.075  # length in slant ranges: larger than life, to be seen
-REST = 4.0  # between two drawings, in drawing times: the window has other things to do
+FISH = 0.075  # length in slant ranges: larger than life, so that it shows
+REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
 
 def load_libraries(*, accelerated: bool) -> None:
-    """Import what a view needs beyond this module, so that building it is quick."""
+    """Import the libraries of the view in advance, so that it is made quickly."""
     if accelerated:
         import_module("pyvistaqt")
 
 
 class SeabedView(QWidget):
-    """Shows what it is told to; drawing is put off and merged, for it may be slow.
+    """Shows bed, targets and sonar; drawings are delayed and merged, because they may be slow.
 
     Parameters
     ----------
     accelerated : bool
-        Whether there is OpenGL for an interactive view; else pictures are drawn off-screen.
+        Whether OpenGL widgets work; else pictures are drawn off-screen.
     parent : QWidget, optional
         Owner.
     """
@@ -60,7 +60,7 @@ class SeabedView(QWidget):
         self._reach = 0.0
         self._fish_at: NDArray[np.float64] | None = None
         self._heading = 0.0
-        self._fan = Fan()
+        self._fan = ScanFan()
         self._path = pv_meshes.path_mesh()
         self._bed = pv_meshes.bed_mesh()
         self._furnish()
@@ -70,7 +70,7 @@ class SeabedView(QWidget):
         self._due.timeout.connect(self.draw_now)
 
     def show_bed(self, patch: BedPatch) -> None:
-        """Lay the bed."""
+        """Show another bed."""
         self._bed.points = patch.points
         texture = pv.Texture(patch.image)
         texture.interpolate = texture.mipmap = True
@@ -79,7 +79,7 @@ class SeabedView(QWidget):
         self._later()
 
     def show_targets(self, mesh: Any) -> None:
-        """Put the targets in place, as one surface."""
+        """Show other targets."""
         self._targets_actor.visibility = mesh.n_points > 0
         if mesh.n_points:
             self._targets_actor.mapper.SetInputData(mesh)
@@ -88,7 +88,7 @@ class SeabedView(QWidget):
     def show_sonar(
         self, ground: AnyGround, arrays: SceneArrays, pose: Poses, heading: float, tones: NDArray[np.float32]
     ) -> None:
-        """Move fish and fan; the camera goes along and turns with the heading of the line."""
+        """Move fish and fan; the camera follows and turns with the heading of the track."""
         reach = arrays.bins * arrays.bin_length
         self._fish_actor.user_matrix = pv_meshes.placed(pose, FISH * reach)
         self._cable_actor.user_matrix = pv_meshes.placed(pose, FISH * reach, level=True)
@@ -99,13 +99,13 @@ class SeabedView(QWidget):
         self._later()
 
     def show_path(self, path: Poses) -> None:
-        """Draw the way of the fish, `PATH_POINTS` places of it."""
+        """Draw the track through `PATH_POINTS` poses."""
         self._path.points = np.column_stack([path.x, path.y, path.z]).astype(np.float32)
         self._path_actor.visibility = True
         self._later()
 
     def show_mark(self, place: tuple[float, float, float] | None) -> None:
-        """Mark a point of the bed, or none."""
+        """Mark a point of the bed; None removes the mark."""
         self._mark_actor.visibility = place is not None
         if place is not None:
             self._mark_actor.position = place
@@ -113,11 +113,11 @@ class SeabedView(QWidget):
         self._later()
 
     def reset_camera(self) -> None:
-        """Look from behind and above again."""
+        """Reset the camera to its place behind and above the fish."""
         self._reach = 0.0
 
     def close_view(self) -> None:
-        """Give the drawing resources back."""
+        """Release the drawing resources."""
         self._due.stop()
         self._canvas.close()
 
@@ -143,14 +143,14 @@ class SeabedView(QWidget):
             actor.visibility = False
 
     def _follow(self, place: NDArray[np.float64], heading: float, reach: float) -> None:
-        """Keep the camera's view of the fish, however it was turned; start anew for another range."""
+        """Move the camera with the fish, however the person turned it; reset it for another range."""
         camera = self._canvas.plotter.camera
         if self._fish_at is None or reach != self._reach:
             turn = _about_z(heading)
             camera.up = (0.0, 0.0, 1.0)
             camera.view_angle = VIEW_ANGLE
             focus = place + turn @ FOCUS * reach
-            # A narrow view steps back, so that both ends of the fan stay in sight.
+            # A narrow view moves back, so that both ends of the fan are visible.
             back = min(max(0.85 * self.height() / max(self.width(), 1), 0.8), 1.25)
             position = focus + turn @ (np.array(CAMERA) - FOCUS) * back * reach
             self._reach = reach
@@ -164,13 +164,13 @@ class SeabedView(QWidget):
         camera.clipping_range = (0.02 * distance, distance + 6.0 * reach)
 
     def _later(self) -> None:
-        """Ask for a drawing, with a rest after the last one."""
+        """Schedule a drawing, with a pause after the last one."""
         if not self._due.isActive():
             rest = self._drawn + REST * self._took - time.perf_counter()
             self._due.start(max(int(1000 * rest), 15))
 
     def draw_now(self) -> None:
-        """Draw without waiting for a rest."""
+        """Draw immediately."""
         self._due.stop()
         self._canvas.draw()
         self._took = max(self._canvas.draw_time(), 0.01)
@@ -183,20 +183,20 @@ class SeabedView(QWidget):
 
 
 def _about_z(angle: float) -> NDArray[np.float64]:
-    """Rotation by an angle in radians."""
+    """Rotation matrix about z by an angle in radians."""
     cos, sin = math.cos(angle), math.sin(angle)
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 
 
 def _pin() -> Any:
-    """Return a marker for a slant range of 1: a ball on a needle."""
+    """Return a marker, a ball on a needle, for a slant range of 1."""
     ball = pv.Sphere(center=(0, 0, 0.07), radius=0.011)
     needle = pv.Cylinder(center=(0, 0, 0.035), direction=(0, 0, 1), radius=0.002, height=0.07)
     return pv.merge([ball, needle]).extract_surface(algorithm=None)
 
 
 class _Interactive:
-    """An OpenGL widget to turn with the mouse."""
+    """An OpenGL widget that the mouse turns."""
 
     def __init__(self, parent: QWidget) -> None:
         from pyvistaqt import QtInteractor
@@ -204,7 +204,7 @@ class _Interactive:
         make: Any = QtInteractor
         self.plotter: Any = make(parent, auto_update=False, multi_samples=0)
         self.plotter.enable_terrain_style(mouse_wheel_zooms=True)
-        # The keys belong to the window; VTK's own would close the view, or turn it into stereo.
+        # VTK's keys would close the view or turn on stereo; the keys belong to the window.
         for event in ("CharEvent", "KeyPressEvent", "KeyReleaseEvent"):
             self.plotter.iren.interactor.RemoveObservers(event)
         self.widget: QWidget = self.plotter
@@ -217,8 +217,8 @@ class _Interactive:
 
     def close(self) -> None:
         self.plotter.close()
-        # The plotter lives until it is collected, and with it its name for a surface that Qt deletes with the window:
-        # whatever Qt next makes in that place would be taken for the surface.
+        # The plotter lives until it is collected. Its reference to a surface, which Qt deletes with the window, would
+        # then point to whatever object Qt makes at the same address.
         self.plotter._cleanup_context()
 
 
@@ -227,11 +227,11 @@ def _interactive(parent: QWidget) -> _Interactive:
 
 
 class _OffScreen:
-    """Pictures drawn in memory, where there is no OpenGL for a widget."""
+    """Pictures drawn in memory, without an OpenGL widget."""
 
     def __init__(self, parent: QWidget) -> None:
         self.plotter: Any = pv.Plotter(off_screen=True, window_size=[640, 480])
-        self.widget = _Picture(self._resize, parent)
+        self.widget = _PixelsWidget(self._resize, parent)
         self._took = 0.0
 
     def _resize(self, width: int, height: int) -> None:
@@ -251,7 +251,7 @@ class _OffScreen:
         self.plotter.close()
 
 
-class _Picture(QWidget):
+class _PixelsWidget(QWidget):
     """A widget that shows an array of pixels."""
 
     def __init__(self, resized: Any, parent: QWidget) -> None:

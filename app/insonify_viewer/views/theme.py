@@ -1,4 +1,4 @@
-"""Colours and style of the window: the dark of a sonar room, one copper accent."""
+"""Colours and style sheet of the window: dark, with one copper accent."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QApplication
 
 GROUND, RAISED, EDGE = "#121a22", "#1b2631", "#2d3c4a"
 TEXT, QUIET, ACCENT = "#dbe3ea", "#8ea0b1", "#e2a458"
-MARK = "#38d6ff"  # apart from sand and from every palette
+MARK = "#38d6ff"  # distinct from sand and from every palette
 
 STYLE = f"""
 QMainWindow, QDockWidget, QScrollArea, QWidget#panel {{ background: {GROUND}; }}
@@ -71,7 +71,7 @@ QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {EDGE}; paddi
 
 
 def dress(application: QApplication) -> None:
-    """Give the application its style."""
+    """Set style, colours and style sheet of the application."""
     application.setStyle("Fusion")
     palette = QPalette()
     role = QPalette.ColorRole

@@ -1,4 +1,4 @@
-"""The scrolling record: port left, starboard right, newest ping on top, with its rulers."""
+"""Scrolling record with rulers: port left, starboard right, newest ping on top."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.session import Mark
 from insonify_viewer.views.along_track_blur import smeared
-from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
+from insonify_viewer.views.pixels import colour_table, colours, column_means, round_steps
 from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
 
 LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 12
@@ -20,12 +20,12 @@ EMPTY = 0xFF0B1118
 
 
 class WaterfallView(QWidget):
-    """Draws a `Record`; the colours of a row are worked out once, when it arrives.
+    """Draws a `Record`; a row is coloured once, when it arrives.
 
     Parameters
     ----------
     native : bool
-        Whether to own a native window: beside an OpenGL widget every other one is drawn several times slower.
+        Whether the widget owns a native window; beside an OpenGL widget others are drawn several times slower.
     parent : QWidget, optional
         Owner.
     """
@@ -63,7 +63,7 @@ class WaterfallView(QWidget):
         return self._top
 
     def show_record(self, record: Record, slant_range: float, ping_step: float) -> None:
-        """Turn to another record: its last slant range and the distance between pings, in metres."""
+        """Show another record, given its last slant range and the distance between pings in metres."""
         known, self._record, self._range, self._step = self._record, record, slant_range, ping_step
         if record is known:
             self.update()
@@ -71,16 +71,16 @@ class WaterfallView(QWidget):
             self._fit()
 
     def show_rows(self, rows: Rows, alike: int = 1, reach: NDArray[np.float64] | None = None) -> None:
-        """Take over rows that the record has just received.
+        """Update rows that the record has just received.
 
         Parameters
         ----------
         rows : (n,) int64
-            Of pings in succession.
+            Rows of successive pings.
         alike : int
-            How many of them in succession are the same.
+            Number of successive pings that are the same.
         reach : (bins,) float64, optional
-            Pings over which their energies are to be averaged, as a beam does.
+            Number of pings that the beam covers, over which energy is averaged.
         """
         means = column_means(self._record.amplitude[rows[::alike]], self._columns.shape[1])
         if reach is not None and rows.size:
@@ -89,7 +89,7 @@ class WaterfallView(QWidget):
         self._paint_rows(rows)
 
     def show_top(self, ping: int) -> None:
-        """Put a ping on top; rows that hold another ping than the one to be seen there are blanked."""
+        """Put a ping on top; blank the rows whose ping is missing."""
         if ping == self._top:
             return
         self._top = ping
@@ -104,7 +104,7 @@ class WaterfallView(QWidget):
         self._paint_rows(np.arange(self._record.pings))
 
     def show_levels(self, levels: tuple[float, float], gain: float) -> None:
-        """Set the amplitudes that stand for the ends of the palette, and a factor on all amplitudes."""
+        """Set the amplitudes at the ends of the palette, and a factor on all amplitudes."""
         if (levels, gain) != (self._levels, self._gain):
             self._levels, self._gain = levels, gain
             self._paint_rows(np.arange(self._record.pings))
@@ -119,7 +119,7 @@ class WaterfallView(QWidget):
         return np.asarray(self._pixels[self._record.rows(self._record.shown(self._top))])
 
     def mark_at(self, place: QPoint) -> Mark | None:
-        """Tell which ping, side and bin lies under a place of the widget."""
+        """Find the bin at a position of the widget; None outside the record."""
         plot = self._plot()
         if not plot.contains(place):
             return None
@@ -130,7 +130,7 @@ class WaterfallView(QWidget):
         return Mark(ping, side, column - record.bins if side else record.bins - 1 - column) if ping >= 0 else None
 
     def place_of(self, mark: Mark) -> QPoint:
-        """Tell where a point of the record is drawn."""
+        """Position of a bin in the widget."""
         plot, record = self._plot(), self._record
         column = record.bins + mark.bin if mark.side else record.bins - 1 - mark.bin
         return QPoint(
@@ -142,12 +142,12 @@ class WaterfallView(QWidget):
         return self.rect().adjusted(LEFT, TOP, -RIGHT, -BOTTOM)
 
     def _fit(self) -> None:
-        """Work every row out for the present width."""
+        """Compute the display columns of every row for the present width."""
         width = max(int(self._plot().width() * self.devicePixelRatioF()), 2)
         rows = np.arange(self._record.pings)
         self._columns = column_means(self._record.amplitude, width)
         self._pixels = np.full((self._record.pings, width), EMPTY, dtype=np.uint32)
-        # The image looks into the array; both live as long as the widget does.
+        # The image shares the memory of the array; both live as long as the widget.
         self._image = QImage(self._pixels.data, width, len(rows), 4 * width, QImage.Format.Format_RGB32)
         self._paint_rows(rows)
 
@@ -159,7 +159,7 @@ class WaterfallView(QWidget):
         self.update()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Bin the columns anew."""
+        """Compute the display columns for the new width."""
         self._fit()
         super().resizeEvent(event)
 
@@ -190,9 +190,9 @@ class WaterfallView(QWidget):
             painter.drawImage(lower, self._image, QRect(0, 0, width, first))
 
     def _draw_slant_ruler(self, painter: QPainter, plot: QRect) -> None:
-        """Metres of slant range from nadir to both sides."""
+        """Draw metres of slant range from nadir to both sides."""
         middle, base = plot.left() + plot.width() / 2.0, plot.bottom() + 1
-        for value in ticks(self._range, max(plot.width() // 130, 1)):
+        for value in round_steps(0.0, self._range, max(plot.width() // 130, 1)):
             for x in {
                 middle - value / self._range * plot.width() / 2.0,
                 middle + value / self._range * plot.width() / 2.0,
@@ -210,9 +210,9 @@ class WaterfallView(QWidget):
         painter.drawText(line, Qt.AlignmentFlag.AlignRight, "starboard")
 
     def _draw_ping_ruler(self, painter: QPainter, plot: QRect) -> None:
-        """Ping numbers, and under each the metres towed."""
+        """Draw ping numbers, each with the metres towed."""
         pings = self._record.pings
-        steps = ticks(pings, max(plot.height() // 70, 1))
+        steps = round_steps(0.0, pings, max(plot.height() // 70, 1))
         step = max(int(steps[1]), 1) if len(steps) > 1 else pings
         for ping in range(max(self._top - pings + 1, 0) // step * step, self._top + 1, step):
             y = plot.top() + int((self._top - ping + 0.5) / pings * plot.height())
@@ -236,19 +236,19 @@ class WaterfallView(QWidget):
                     painter.drawLine(place + QPoint(5 * dx, 5 * dy), place + QPoint(14 * dx, 14 * dy))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Announce the point under the mouse."""
+        """Signal the bin under the mouse."""
         self.hovered.emit(self.mark_at(event.position().toPoint()))
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Announce that the mouse is elsewhere."""
+        """Signal that the mouse has left."""
         self.hovered.emit(None)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Announce how far to look back; touchpads send fractions of a notch."""
+        """Signal by how many pings to look back; touchpads send fractions of a notch."""
         self._notches += event.angleDelta().y()
         pings = int(self._notches * PINGS_A_NOTCH / 120)
         if pings:
             self._notches = 0
-            # Wheel down pulls the older pings up.
+            # Wheel down moves to older pings.
             self.scrolled.emit(-pings)
         event.accept()

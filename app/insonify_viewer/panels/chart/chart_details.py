@@ -89,11 +89,11 @@ class RowDetails:
     Attributes
     ----------
     row : Row
-        Of the chart.
+        Row of the chart.
     record, reference : (pings, 2 bins) float32
         Amplitudes over those of a level bed, from far port over nadir to far starboard, newest ping first.
     rays : int
-        Per side, of the reference.
+        Rays per side of the reference.
     similarity : float
         SSIM of the two as pictures.
     reach : float

@@ -1,4 +1,4 @@
-"""Sliders and combo boxes described from the scene's own field metadata; no widgets here."""
+"""Sections of editable fields, described from the field metadata of the scene; without widgets."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from insonify.scene.speckles.k import K
 from insonify.scene.speckles.none import NoSpeckle
 from insonify.scene.targets import Target
 from insonify.scene.waters import WaterKind
-from insonify_viewer.fields import Choice, File, Number, Parameter
+from insonify_viewer.fields import ChoiceField, FileField, NumberField, Parameter
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
 PAIR_NAMES = {
@@ -39,17 +39,17 @@ PAIR_NAMES = {
     "start": ("x", "y"),
 }
 SIDES = ("length", "width", "height")
-# Fields of a target in the order they are shown, after what tells its shape.
+# Order of the pose fields of a target, after those of its shape.
 POSED_LAST = ("heading", "pitch", "roll", "gap", "material")
-# Fields of all made relief, after its own.
+# Order of the fields that all generated reliefs share, after their own.
 OF_ALL_RELIEF = ("period", "extent", "mask")
 PLACE_REACH = 100.0
-USUAL_SPEED = 1500.0  # m/s, while a cast cannot be read
+USUAL_SPEED = 1500.0  # m/s, if a cast cannot be read
 
 
 @dataclass(frozen=True)
 class Section:
-    """Parameters shown under one heading; a target's may be removed."""
+    """Fields under one heading; the section of a target can be removed."""
 
     key: str
     title: str
@@ -58,19 +58,19 @@ class Section:
 
     @property
     def structure(self) -> tuple[Any, ...]:
-        """What the widgets depend on apart from the values."""
+        """Everything that the widgets depend on, except the values."""
         return tuple((type(p), p.path, p.label, _widgets(p)) for p in self.parameters)
 
 
 def _widgets(parameter: Parameter) -> Any:
-    """Tell what the widgets of one row depend on."""
-    if isinstance(parameter, Choice):
+    """Everything that the widgets of one row depend on, except the value."""
+    if isinstance(parameter, ChoiceField):
         return parameter.options
-    return isinstance(parameter, Number) and parameter.slider is None
+    return isinstance(parameter, NumberField) and parameter.slider is None
 
 
 def sections_of(scene: Scene) -> tuple[Section, ...]:
-    """Describe every parameter of a scene that a person may turn.
+    """Describe every editable field of a scene.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
     Returns
     -------
     tuple of Section
-        In the order they are shown; sections without parameters are left out.
+        In display order; sections without fields are left out.
     """
     found = []
     for name in SECTIONS:
@@ -99,17 +99,17 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
 
 
 def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Parameter, ...]:
-    """All parameters of one declaration."""
+    """Fields of one declaration."""
     names = [name for name in type(part).model_fields if name != "kind" and not _stands_aside(scene, part, name, path)]
     last = POSED_LAST if isinstance(part, Target) else OF_ALL_RELIEF if isinstance(part, RandomRelief) else ()
     names.sort(key=lambda name: last.index(name) if name in last else -1)
     if isinstance(part, WaterKind):
-        names.sort(key=lambda name: name in WaterKind.model_fields)  # its speed first
+        names.sort(key=lambda name: name in WaterKind.model_fields)  # the speed first
     return tuple(parameter for name in names for parameter in _of_field(scene, part, name, path, indent))
 
 
 def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
-    """Parameters of one field: of itself, or of what it holds."""
+    """Rows of one field: itself, or the fields of the declaration that it holds."""
     field = type(part).model_fields[name]
     value = getattr(part, name)
     path = f"{path}.{name}" if path else name
@@ -118,17 +118,17 @@ def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) 
     if isinstance(value, BaseModel):
         yield from _of_declaration(scene, part, name, path, indent)
     elif isinstance(part, Material) and name == "name":
-        yield Choice(path, label if indent else "material", tooltip, indent, value, tuple(MATERIALS))
+        yield ChoiceField(path, label if indent else "material", tooltip, indent, value, tuple(MATERIALS))
     elif get_origin(field.annotation) is Literal:
         options = get_args(field.annotation)
         if len(options) > 1:
-            yield Choice(path, label, tooltip, indent, value, options)
+            yield ChoiceField(path, label, tooltip, indent, value, options)
     elif isinstance(value, bool):
-        yield Choice(path, label, tooltip, indent, value, (False, True))
+        yield ChoiceField(path, label, tooltip, indent, value, (False, True))
     elif isinstance(value, tuple):
         yield from _of_tuple(scene, field, value, name, path, indent)
     elif name == "path":
-        yield File(path, "file", tooltip, indent, value)
+        yield FileField(path, "file", tooltip, indent, value)
     elif not isinstance(value, str):
         applies = _value_that_applies(scene, part, name) if value is None else value
         if applies is not None:
@@ -137,27 +137,27 @@ def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) 
 
 
 def _of_declaration(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
-    """Parameters of a nested declaration, led by its kind where there are several."""
+    """Rows of a nested declaration, after its kind if there are several."""
     value: BaseModel = getattr(part, name)
     kinds = tuple(kind for kind in map(kind_name, models_of(type(part), name)) if kind)
     label = name.replace("_", " ")
     if len(kinds) > 1:
         tooltip = type(part).model_fields[name].description or ""
-        yield Choice(f"{path}.kind", label, tooltip, indent, kind_name(type(value)) or "", kinds)
+        yield ChoiceField(f"{path}.kind", label, tooltip, indent, kind_name(type(value)) or "", kinds)
     yield from _inside(scene, value, path, indent + 1 if len(kinds) > 1 else indent)
 
 
 def _of_tuple(
     scene: Scene, field: FieldInfo, value: tuple[Any, ...], name: str, path: str, indent: int
 ) -> Iterator[Parameter]:
-    """Parameters of a list of declarations, of pairs, or of coordinates."""
+    """Rows of a list of declarations, of pairs, or of coordinates."""
     single = name.removesuffix("s")
     axes = PAIR_NAMES.get(name, tuple(str(i + 1) for i in range(len(value))))
     for index, item in enumerate(value):
         place = f"{path}.{index}"
         if isinstance(item, BaseModel):
             for parameter in _inside(scene, item, place, indent + 1):
-                is_name = isinstance(parameter, Choice) and parameter.path.endswith(".name")
+                is_name = isinstance(parameter, ChoiceField) and parameter.path.endswith(".name")
                 what = "" if isinstance(item, Material) else f"{kind_name(type(item))} "
                 yield (
                     replace(parameter, label=f"material {index + 1}", indent=indent)
@@ -185,12 +185,12 @@ def _number(
     *,
     ends: tuple[float, float] | None = None,
     most: float = math.inf,
-) -> Number:
-    """Describe one number by its field's metadata; ``ends`` stand for its slider's, ``most`` caps the upper one."""
+) -> NumberField:
+    """Describe a number by its field's metadata; ``ends`` replaces the slider range, ``most`` limits its upper end."""
     extra = field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     useful: Any = ends or extra.get("slider")
     slider = None if useful is None else (float(useful[0]), max(min(float(useful[1]), most), float(useful[0]) * 1.001))
-    return Number(
+    return NumberField(
         path=path,
         label=label,
         tooltip=field.description or "",
@@ -204,7 +204,7 @@ def _number(
 
 
 def _neighbours(stations: tuple[tuple[float, float], ...], index: int) -> tuple[float, float]:
-    """Room of a station between those before and after it, which it may not pass."""
+    """Slider range of a station between its neighbours, which it must not pass."""
     low = stations[index - 1][0] if index else min(-PLACE_REACH, stations[0][0])
     high = stations[index + 1][0] if index + 1 < len(stations) else max(PLACE_REACH, stations[-1][0])
     margin = 0.01 * (high - low)
@@ -220,17 +220,17 @@ def _most(scene: Scene, path: str) -> float:
 
 
 def _idle(scene: Scene, path: str) -> str:
-    """Tell why a number changes nothing as the rest of the scene is, empty if it does."""
+    """Reason why a number has no effect in this scene; empty if it has."""
     if path != "sonar.frequency":
         return ""
     heard = isinstance(scene.sonar.beam, LineArray) or isinstance(scene.water.absorption, FrancoisGarrison)
     if heard or not isinstance(scene.receiver.speckle, NoSpeckle):
         return ""
-    return "changes nothing as long as the beam is no array, absorption no Francois-Garrison, and there is no speckle"
+    return "has no effect without a line-array beam, Francois-Garrison absorption or speckle"
 
 
 def known_speed(scene: Scene) -> float:
-    """Speed of sound at the sonar in m/s, or a usual one while the water is of a cast that cannot be read."""
+    """Speed of sound at the sonar in m/s; a usual value if the cast of the water cannot be read."""
     try:
         return speed_at_sonar(scene)
     except SceneError:
@@ -238,18 +238,18 @@ def known_speed(scene: Scene) -> float:
 
 
 def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
-    """Whether a field has no say with the others as they are, or is a column of a table that is shown as a curve."""
+    """Whether a field is hidden: the others make it meaningless, or it is a column that is shown as a curve."""
     if isinstance(part, WaterKind) and name in part.table and isinstance(getattr(part, name), tuple):
         return True
     if path.startswith("seabed.relief.of") and isinstance(part, PatternMap | Material):
-        # Dunes lie along the track and pass for what scatters evenly.
+        # Dunes lie along the track and imitate a material without specular share.
         return name == "heading" or (isinstance(part, Material) and name not in ("name", "diffuse"))
     if isinstance(part, Material) and name in ("reflection", "speed_ratio"):
         return scene.sonar.bounces == 0
     if isinstance(part, Material) and name == "speckle_shape":
         return not isinstance(scene.receiver.speckle, K)
     if isinstance(part, RandomRelief) and name == "period":
-        return part.endless and not isinstance(part, Fractal | PowerLaw)  # which level off there
+        return part.endless and not isinstance(part, Fractal | PowerLaw)  # these level off at the period
     if isinstance(part, Fractal):
         isotropic = part.decay == "isotropic"
         return (name == "beta" and not isotropic) or (name in ("beta_x", "beta_y") and isotropic)
@@ -257,7 +257,7 @@ def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
 
 
 def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None:
-    """Value of a field that the scene leaves open."""
+    """Value that applies to a field that the scene leaves open."""
     if isinstance(part, Fractal):
         return part.exponents[1 if name == "beta_y" else 0]
     if isinstance(part, PowerTvg):

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify_viewer.fields import Choice, Number, Parameter
+from insonify_viewer.fields import ChoiceField, NumberField, Parameter
 from insonify_viewer.panels.parameters.sections import Section
 from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
@@ -183,9 +183,9 @@ def _nothing() -> None:
 
 def _row(parameter: Parameter, panel: ParametersView) -> Row:
     """Make the row of a field."""
-    if isinstance(parameter, Number):
+    if isinstance(parameter, NumberField):
         return NumberRow(parameter, panel.dragged.emit, panel.settled.emit)
-    if isinstance(parameter, Choice):
+    if isinstance(parameter, ChoiceField):
         return ChoiceRow(parameter, panel.settled.emit)
     return FileRow(parameter, panel.file_asked.emit)
 

@@ -1,4 +1,4 @@
-"""What another way to model a scene changes: in the record, and in the time it takes."""
+"""Comparison of two modellings of a scene: difference of the records, and ratio of the times."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ if TYPE_CHECKING:
     from insonify.scene import Scene
     from insonify_viewer.record import Record
 
-FEWEST = 16  # pings that two records must share
+FEWEST = 16  # pings that two records must have in common
 
 
 @dataclass(frozen=True, eq=False)
 class RecordSnapshot:
-    """A record as it was heard of a scene modelled in one way.
+    """Copy of the record of a scene under one modelling.
 
     Attributes
     ----------
     scene, modelling
-        Of what, and how.
+        Its scene and modelling.
     ping : (n,) int64
         Numbers of the pings.
     intensity : (n, 2 bins) float32
         Relative to a level bed, from far port to far starboard.
     seconds : float
-        That tracing a ping took.
+        Time to trace a ping.
     """
 
     scene: Scene
@@ -42,24 +42,24 @@ class RecordSnapshot:
 
     @classmethod
     def of(cls, record: Record, scene: Scene, modelling: Modelling, seconds: float) -> RecordSnapshot:
-        """Copy what a record holds."""
+        """Copy the pings of a record."""
         held = record.ping >= 0
         return cls(scene, modelling, record.ping[held], np.square(record.amplitude[held]), seconds)
 
 
 def relative_difference(before: RecordSnapshot, after: RecordSnapshot) -> float | None:
-    """Tell by how much two records of one scene differ.
+    """Relative difference of two records of one scene.
 
     Parameters
     ----------
     before, after : Heard
-        Of the same bins.
+        Records with the same bins.
 
     Returns
     -------
     float or None
         rms of the difference over that of the record before, beyond 1.4 altitudes, as the error of a method is told;
-        None if they share too few pings.
+        None if they have too few pings in common.
     """
     _, ours, theirs = np.intersect1d(before.ping, after.ping, assume_unique=True, return_indices=True)
     if ours.size < FEWEST:
@@ -76,13 +76,13 @@ def relative_difference(before: RecordSnapshot, after: RecordSnapshot) -> float 
 
 
 def changed_subject(before: Modelling, after: Modelling) -> str:
-    """Return the one subject by which two ways to model differ; empty if there are several, or none."""
+    """Subject by which two modellings differ; empty if there are several, or none."""
     subjects = {subject for subject, _ in {*before.forced} ^ {*after.forced}}
     return subjects.pop() if len(subjects) == 1 and before.tolerance == after.tolerance else ""
 
 
 def difference_in_words(share: float | None, times: float) -> str:
-    """Say a difference and a ratio of times: "changes the record by 0.4 %, takes 1.8 × the time"."""
+    """Write a difference and a ratio of times: "changes the record by 0.4 %, takes 1.8 × the time"."""
     record = (
         "changes nothing of the record" if share == 0.0 else f"changes the record by {100.0 * (share or 0.0):.2g} %"
     )

@@ -1,4 +1,4 @@
-"""The plan's panel: what is modelled and what is left out, each with its reason and a way to force it."""
+"""Entries of the plan, modelled or left out, each with its reason and a combo box that forces it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from insonify_viewer.fields import Number
+from insonify_viewer.fields import NumberField
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.quantities import span
 from insonify_viewer.views.field_rows import Combo, NumberRow
@@ -33,7 +33,7 @@ TOLERANCES = (0.2, 50.0)  # %
 
 
 class PlanView(QScrollArea):
-    """Shows a plan, and announces what the person wants to be modelled otherwise."""
+    """Shows a plan, and signals choices that the person forces."""
 
     forced = Signal(str, object)  # subject, and a choice or None
     tolerated = Signal(float)
@@ -73,7 +73,7 @@ class PlanView(QScrollArea):
         self.show_change("", "")
 
     def show_plan(self, plan: Plan, modelling: Modelling) -> None:
-        """Show a plan, and what of it was asked for."""
+        """Show a plan, with its tolerance and forced choices."""
         self._tolerance.show_share(modelling.tolerance)
         self.automatic.setEnabled(bool(modelling.forced))
         self._predicted = f"predicted: misses {_share(plan.error)}, {span(plan.cost)} a ping on one thread"
@@ -85,11 +85,11 @@ class PlanView(QScrollArea):
             )
 
     def show_measured(self, seconds: float) -> None:
-        """Say what a ping takes here, beside what was predicted."""
+        """Show the measured time of a ping below the predicted one."""
         self._totals.setText(f"{self._predicted}\nmeasured: {span(seconds)} a ping on all threads")
 
     def show_change(self, subject: str, words: str) -> None:
-        """Say what the last change did; beside the choice if one subject alone changed."""
+        """Show the effect of the last change; beside its line if one subject changed."""
         for group in self._groups.values():
             for name, line in group.lines.items():
                 line.say(words if name == subject else "")
@@ -107,7 +107,7 @@ class PlanView(QScrollArea):
 
 
 class PlanGroup(FoldingBox):
-    """The lines of what is modelled, or of what is left out."""
+    """The lines of all entries that are modelled, or of all that are left out."""
 
     def __init__(self, title: str) -> None:
         self.lines: dict[str, PlanLine] = {}
@@ -119,7 +119,7 @@ class PlanGroup(FoldingBox):
         self.hide()
 
     def show_entries(self, entries: list[PlanEntry], forced: dict[str, str], force: Force) -> None:
-        """Show these entries; lines of the same subjects in the same order stay what they are."""
+        """Show these entries; keep the lines if the subjects are the same."""
         names = _names(entries)
         if names != list(self.lines):
             for line in self.lines.values():
@@ -135,12 +135,12 @@ class PlanGroup(FoldingBox):
 
 
 class PlanLine(QWidget):
-    """One choice of the plan.
+    """One entry of the plan.
 
     Attributes
     ----------
     combo : QComboBox
-        What it can be forced to, led by "automatic"; hidden where there is no choice.
+        Choices that can be forced, after "automatic"; hidden if there is none.
     """
 
     def __init__(self, force: Force) -> None:
@@ -181,13 +181,13 @@ class PlanLine(QWidget):
         self.combo.setToolTip(f"Force {entry.subject}, or leave it to the plan")
 
     def say(self, words: str) -> None:
-        """Say what forcing it changed."""
+        """Show the effect of the forced choice."""
         self._change.setText(words)
         self._change.setVisible(bool(words))
 
 
 class ToleranceRow(QWidget):
-    """The slider of what may be missed; final when it is let go."""
+    """Slider of the tolerance; final when it is released."""
 
     def __init__(self, settled: Callable[[float], None]) -> None:
         super().__init__()
@@ -216,13 +216,13 @@ class ToleranceRow(QWidget):
             self.show_share(self._value / 100.0)
 
 
-def _number(percent: float) -> Number:
-    tooltip = "Greatest error beyond 1.4 altitudes that the plan may leave"
-    return Number("tolerance", "may miss", tooltip, "%", 0, percent, TOLERANCES, log=True, integer=False)
+def _number(percent: float) -> NumberField:
+    tooltip = "Greatest error of the plan beyond 1.4 altitudes"
+    return NumberField("tolerance", "may miss", tooltip, "%", 0, percent, TOLERANCES, log=True, integer=False)
 
 
 def _names(entries: list[PlanEntry]) -> list[str]:
-    """Subjects, each told apart from the same one before it."""
+    """Names of the lines: the subjects, numbered if they repeat."""
     names: list[str] = []
     for entry in entries:
         names.append(entry.subject if entry.subject not in names else f"{entry.subject} {len(names)}")

@@ -107,7 +107,7 @@ class WaterPanel(Panel):
 
 
 def _diagram(scene: Scene, target: Target, fine: bool) -> RayDiagram:
-    # lazy: on the worker; the window is there before Numba is
+    # lazy: loaded on the worker; the window opens before Numba is loaded
     from insonify.display.ray_diagram.tracing import ACROSS, trace_ray_diagram
     from insonify.terrain import build_ground
 

@@ -151,7 +151,7 @@ class _ChartPictureView(QWidget):
     def show_chart(self, chart_picture: ChartPicture) -> None:
         height, width = chart_picture.pixels.shape[:2]
         self._chart_picture, self._chosen = chart_picture, None
-        # The image looks into the array, which lives as long as the chart is shown.
+        # The image shares the memory of the array, which lives as long as the chart is shown.
         self._image = QImage(chart_picture.pixels.data, width, height, 4 * width, QImage.Format.Format_RGBA8888)
         self.update()
 

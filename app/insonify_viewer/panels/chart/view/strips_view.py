@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from insonify.display.picture import PALETTES, choose_contrast, load_palette
 from insonify_viewer.panels.chart.chart_details import RowDetails
-from insonify_viewer.views.pixels import colour_table, colours, column_means, ticks
+from insonify_viewer.views.pixels import colour_table, colours, column_means, round_steps
 from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
 
 LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
@@ -91,10 +91,10 @@ class StripsView(QWidget):
         return QRect(LEFT, top, max(self.width() - LEFT - RIGHT, 2), max(round((number + 1) * tall) - top - 2, 1))
 
     def _draw_ruler(self, painter: QPainter, reach: float) -> None:
-        """Metres of slant range from nadir to both sides."""
+        """Draw metres of slant range from nadir to both sides."""
         last = self._place(2)
         middle, base = last.left() + last.width() / 2.0, last.bottom() + 2
-        for value in ticks(reach, max(last.width() // 160, 1)):
+        for value in round_steps(0.0, reach, max(last.width() // 160, 1)):
             for x in {middle - value / reach * last.width() / 2.0, middle + value / reach * last.width() / 2.0}:
                 painter.setPen(QColor(EDGE))
                 painter.drawLine(int(x), base, int(x), base + 4)

@@ -1,4 +1,4 @@
-"""Paints a ray diagram in the dark of the window."""
+"""Painting of a ray diagram in the colours of the window."""
 
 from __future__ import annotations
 
@@ -8,20 +8,21 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
 from insonify.display.ray_diagram.diagram import RayDiagram, describe_eigenray, place_along_axis
-from insonify_viewer.panels.water.view.plot_scales import PlotScales, round_steps
+from insonify_viewer.panels.water.view.plot_scales import PlotScales
+from insonify_viewer.views.pixels import round_steps
 from insonify_viewer.views.theme import ACCENT, GROUND, MARK, QUIET, TEXT
 
-# From slow to fast, as the figure has it by day.
+# Colours of sound speed, from slow to fast.
 NIGHT = np.array([(28, 70, 108), (38, 62, 84), (62, 59, 56), (106, 80, 46)], dtype=np.float64)
 RAY, BED, BED_EDGE, SHADE = "#9cc3e2", "#4b3f2d", "#8a7450", (2, 4, 7, 190)
 EIGENRAYS = (ACCENT, "#7bd389", "#f26d6d", "#c792ea")
-ROWS, COLUMNS = 128, 64  # of the picture of the speed
-LABEL = 34.0  # px that the angle of a ray needs for itself
+ROWS, COLUMNS = 128, 64  # size of the sound-speed picture
+LABEL = 34.0  # px, least distance of two angle labels
 HANDLE = 4.5  # px, radius of a point that can be dragged
 
 
 def water_picture(diagram: RayDiagram, slowest: float, fastest: float) -> QImage:
-    """Colour the water by its speed."""
+    """Picture of the water, coloured by sound speed."""
     x, depth = np.linspace(0.0, diagram.reach, COLUMNS), np.linspace(0.0, diagram.bottom, ROWS)
     speed = diagram.layers.speed_at(*place_along_axis(diagram.layers, x[None, :]), depth[:, None])
     share = (np.broadcast_to(speed, (ROWS, COLUMNS)) - slowest) / (fastest - slowest)
@@ -30,7 +31,7 @@ def water_picture(diagram: RayDiagram, slowest: float, fastest: float) -> QImage
 
 
 def shadow_picture(diagram: RayDiagram) -> QImage:
-    """Darken what no direct ray comes to."""
+    """Picture of the shadow zones, which no direct ray reaches."""
     shade = np.zeros((*diagram.shadow.shape, 4), dtype=np.uint8)
     shade[diagram.shadow] = SHADE
     return _image(shade, "RGBA8888")
@@ -43,7 +44,7 @@ def _image(pixels: NDArray[np.uint8], name: str) -> QImage:
 
 
 def paint_water(painter: QPainter, diagram: RayDiagram, frame: PlotScales, water: QImage, shadow: QImage) -> None:
-    """Paint all but the profile."""
+    """Paint water, rays, bed, labels and scales."""
     painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
     painter.drawImage(frame.water, water)
     painter.drawImage(frame.water, shadow)
@@ -77,7 +78,7 @@ def paint_water(painter: QPainter, diagram: RayDiagram, frame: PlotScales, water
 def paint_profile(
     painter: QPainter, diagram: RayDiagram, frame: PlotScales, points: list[QPointF], held: int | None
 ) -> None:
-    """Paint the speed over depth, and the points of it that can be dragged."""
+    """Paint sound speed over depth, with the points that can be dragged."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     area = frame.profile
     painter.fillRect(area, QColor("#17212b"))
@@ -107,7 +108,7 @@ def _paint_bed(painter: QPainter, frame: PlotScales, area: QRectF) -> None:
 
 
 def _label_rays(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
-    """Launch angles where rays end, the roundest first, where there is room."""
+    """Label ray ends with launch angles, the roundest first, where there is room."""
     painter.setPen(QColor(RAY))
     taken: list[QPointF] = []
     by_roundness = sorted(diagram.rays, key=lambda path: (path.angle % 10.0 != 0.0, path.angle % 5.0 != 0.0))
@@ -144,10 +145,10 @@ def _label_scales(painter: QPainter, frame: PlotScales) -> None:
 
 
 def _say(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
-    """Describe the eigenrays over the water, or say that there is none."""
+    """Describe the eigenrays, and where no sound reaches the bed."""
     lines = [(EIGENRAYS[k % len(EIGENRAYS)], describe_eigenray(path)) for k, path in enumerate(diagram.eigenrays)]
     if diagram.target is not None and not lines:
-        lines = [(TEXT, "no direct ray comes to this point: it lies in a shadow zone")]
+        lines = [(TEXT, "no direct ray reaches this point: it lies in a shadow zone")]
     for begin, end in diagram.dark:
         place = f"beyond {begin:.1f} m" if end >= diagram.reach else f"from {begin:.1f} to {end:.1f} m"
         lines.append((QUIET, f"no sound on the bed {place}"))

@@ -1,8 +1,7 @@
-"""Where the parts of the water's panel lie in its widget."""
+"""Scales of the profile and the ray diagram in the water panel."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from PySide6.QtCore import QPointF, QRectF
@@ -11,17 +10,17 @@ from insonify.display.ray_diagram.diagram import RayDiagram, compute_speed_limit
 
 LEFT, GAP, RIGHT, TOP, BOTTOM = 46.0, 14.0, 34.0, 24.0, 30.0  # px around and between the two plots
 SHARE, NARROWEST, WIDEST = 0.18, 110.0, 220.0  # of the profile: share of the width, px
-BED = 0.10  # of the height, that is bed
+BED = 0.10  # of the height, filled by the bed
 
 
 @dataclass(frozen=True)
 class PlotScales:
-    """Scales of the two plots, which share that of depth.
+    """Scales of the two plots, with a common depth axis.
 
     Attributes
     ----------
     profile, rays : QRectF
-        Where the plots lie, the bed included, in pixels.
+        Rectangles of the plots, with the bed, in pixels.
     slowest, fastest : float
         Ends of the profile's scale, in m/s.
     bottom, reach : float
@@ -37,7 +36,7 @@ class PlotScales:
 
     @classmethod
     def of(cls, diagram: RayDiagram, width: float, height: float) -> PlotScales:
-        """Fit a diagram into a widget of that many pixels."""
+        """Fit a diagram into a widget of a width and height in pixels."""
         narrow = min(max(SHARE * width, NARROWEST), WIDEST)
         tall = max(height - TOP - BOTTOM, 1.0)
         begin = LEFT + narrow + GAP
@@ -80,11 +79,3 @@ class PlotScales:
         """Speed of sound of a pixel in m/s."""
         share = (place.x() - self.profile.left()) / self.profile.width()
         return self.slowest + share * (self.fastest - self.slowest)
-
-
-def round_steps(low: float, high: float, most: int) -> list[float]:
-    """Round numbers between two others, at most so many."""
-    rough = (high - low) / max(most, 1)
-    power = 10.0 ** math.floor(math.log10(rough))
-    step = next(power * unit for unit in (1.0, 2.0, 5.0, 10.0) if power * unit >= rough * (1.0 - 1e-9))
-    return [step * k for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]

@@ -1,4 +1,4 @@
-"""The water's panel: its profile, with points to drag, beside rays bent by it."""
+"""Sound-speed profile with points to drag, beside the rays that it bends."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from insonify_viewer.panels.water.view.painting import paint_profile, paint_wate
 from insonify_viewer.panels.water.view.plot_scales import PlotScales
 from insonify_viewer.views.theme import GROUND, QUIET
 
-GRASP = 9.0  # px within which a point is taken hold of
-HINT = "Drag the points of the profile; click into the water for the rays that come to that point."
+GRASP = 9.0  # px, greatest distance at which a point is grasped
+HINT = "Drag the points of the profile. Click into the water to find the rays that reach that point."
 
 
 class WaterView(QWidget):
-    """Shows a diagram, and announces what the person does to it."""
+    """Shows a ray diagram, and signals drags and clicks."""
 
     point_dragged = Signal(int, float, float)
     point_settled = Signal()
@@ -32,7 +32,7 @@ class WaterView(QWidget):
         self._pictures: tuple[QImage, QImage] | None = None
         self._rays: QPixmap | None = None
         self._held: int | None = None
-        self._scale: PlotScales | None = None  # kept while a point is dragged, for the scale not to slip away
+        self._scale: PlotScales | None = None  # fixed while a point is dragged
 
     def show_diagram(self, diagram: RayDiagram, points: tuple[tuple[float, float], ...]) -> None:
         """Show a diagram; ``points`` are those of the profile that can be dragged, depth and speed each."""
@@ -53,7 +53,7 @@ class WaterView(QWidget):
         return self._frame().of_speed(speed, depth)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Paint the rays once, the profile anew each time."""
+        """Paint the rays once, and the profile every time."""
         del event
         painter = QPainter(self)
         if self._diagram is None:
@@ -68,12 +68,12 @@ class WaterView(QWidget):
         paint_profile(painter, self._diagram, frame, points, self._held)
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Fit the rays anew."""
+        """Fit the rays to the new size."""
         self._rays = self._scale = None
         super().resizeEvent(event)
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Take hold of a point of the profile, or ask for the rays to a point of the water."""
+        """Grasp a point of the profile, or signal a point of the water."""
         if self._diagram is None or event.button() != Qt.MouseButton.LeftButton:
             return
         place, frame = event.position(), self._frame()
@@ -85,7 +85,7 @@ class WaterView(QWidget):
         self.update()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag the point that is held; show what could be."""
+        """Drag the grasped point; change the cursor over others."""
         if self._held is not None:
             frame = self._frame()
             self.point_dragged.emit(self._held, frame.depth_at(event.position()), frame.speed_at(event.position()))
@@ -94,7 +94,7 @@ class WaterView(QWidget):
             self.setCursor(Qt.CursorShape.OpenHandCursor if over else Qt.CursorShape.ArrowCursor)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let the point go."""
+        """Release the grasped point."""
         del event
         if self._held is not None:
             self._held = self._scale = None
