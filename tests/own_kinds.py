@@ -1,4 +1,4 @@
-"""Kinds that a package of somebody else may bring: a torus, a map in halves and a material."""
+"""Kinds that a package of somebody else may bring: two shapes, a map in halves and a material."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.base import parameter
 from insonify.scene.materials import MATERIAL_MAPS, MATERIALS, Cells, CompositeMap
-from insonify.scene.targets import TARGETS, Posed
-from insonify.scene.targets.shape import Shape
+from insonify.scene.targets import TARGETS, Body, Posed
+from insonify.scene.targets.shape import Shape, ball, frustum
 
 OWN_MATERIALS = Path(__file__).parent / "own_materials"
 AROUND, ACROSS = 96, 32
@@ -22,10 +22,28 @@ AROUND, ACROSS = 96, 32
 @contextmanager
 def own_kinds() -> Iterator[None]:
     """Know the kinds within the block."""
-    with TARGETS.without("torus"), MATERIAL_MAPS.without("halves"), MATERIALS.including(OWN_MATERIALS):
+    shapes, maps = TARGETS.without("dumbbell", "torus"), MATERIAL_MAPS.without("halves")
+    with shapes, maps, MATERIALS.including(OWN_MATERIALS):
+        declare_dumbbell()
         declare_torus()
         declare_halves()
         yield
+
+
+def declare_dumbbell() -> None:
+    """Declare a shape by its fields, balls and frustums alone."""
+
+    class Dumbbell(Body):
+        """Two balls on a bar along x."""
+
+        kind: Literal["dumbbell"] = "dumbbell"
+        radius: float = parameter(0.6, unit="m", description="of the balls", gt=0.0, slider=(0.05, 2.0))
+        length: float = parameter(3.0, unit="m", description="between the balls", gt=0.0, slider=(0.1, 10.0))
+
+        def shape(self) -> Shape:
+            end = np.array([0.5 * self.length, 0.0, 0.0])
+            bar = frustum(-end, end, 0.5 * self.radius, 0.3 * self.radius)
+            return Shape((ball(self.radius, -end), bar, ball(self.radius, end)))
 
 
 def declare_torus() -> None:
@@ -61,8 +79,8 @@ def declare_halves() -> None:
             return np.repeat((y % cells.size[1] > self.border)[:, None], cells.shape[1], axis=1).astype(np.uint8)
 
 
-def ring_scene() -> Scene:
-    """A torus of coral on a level bed."""
-    ring = {"kind": "torus", "position": [5.0, 18.0], "material": "coral"}
-    changes = {"targets": [ring], "seabed.relief": "flat", "sonar.range": 40.0, "sonar.bins": 200, "track.pings": 80}
+def own_scene(kind: str = "torus") -> Scene:
+    """A shape of coral on a level bed."""
+    target = {"kind": kind, "position": [5.0, 18.0], "material": "coral"}
+    changes = {"targets": [target], "seabed.relief": "flat", "sonar.range": 40.0, "sonar.bins": 200, "track.pings": 80}
     return edit(load_scene("default"), changes)

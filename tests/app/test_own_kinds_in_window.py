@@ -16,7 +16,7 @@ from insonify_viewer.fields import ChoiceField, NumberField
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.target_placement import target_menu
 from insonify_viewer.views.pv_meshes import targets_mesh
-from own_kinds import own_kinds, ring_scene
+from own_kinds import own_kinds, own_scene
 
 
 @pytest.fixture(autouse=True)
@@ -39,7 +39,7 @@ def test_the_menu_puts_a_torus_on_the_bed(open_viewer: Any, small: Scene, qtbot:
 
 
 def test_it_is_shown_in_its_own_colour() -> None:
-    arrays, colours = prepare(ring_scene()).arrays, target_colours(ring_scene())
+    arrays, colours = prepare(own_scene()).arrays, target_colours(own_scene())
     shown = targets_mesh(arrays.solids, arrays.mesh, colours)
     np.testing.assert_allclose(np.reshape(shown.bounds, (3, 2)), [[2.5, 7.5], [15.5, 20.5], [0.0, 1.0]], atol=1e-6)
     np.testing.assert_array_equal(np.unique(shown.cell_data["colour"], axis=0), colours)
@@ -47,7 +47,7 @@ def test_it_is_shown_in_its_own_colour() -> None:
 
 
 def test_the_panel_has_its_sliders_and_the_material_in_its_list() -> None:
-    ring = next(section for section in sections_of(ring_scene()) if section.key == "targets.0")
+    ring = next(section for section in sections_of(own_scene()) if section.key == "targets.0")
     assert ring.title == "Torus 1"
     rows = {row.path.removeprefix("targets.0."): row for row in ring.parameters}
     tube = rows["tube"]
@@ -60,8 +60,8 @@ def test_the_panel_has_its_sliders_and_the_material_in_its_list() -> None:
 
 
 def test_a_map_of_somebody_elses_is_switched_to() -> None:
-    changes, _ = completed(ring_scene(), {"seabed.material.kind": "halves"})
-    scene = edit(ring_scene(), changes)
+    changes, _ = completed(own_scene(), {"seabed.material.kind": "halves"})
+    scene = edit(own_scene(), changes)
     assert [one.name for one in scene.seabed.material.materials] == ["medium_sand", "rock"]
     paths = [row.path for section in sections_of(scene) for row in section.parameters]
     assert "seabed.material.border" in paths

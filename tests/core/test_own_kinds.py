@@ -21,7 +21,7 @@ from insonify.scene.materials.catalogue import Catalogue, read_materials
 from insonify.simulation import prepare
 from insonify.terrain import build_ground
 from insonify.tracers import rays, sweep
-from own_kinds import OWN_MATERIALS, own_kinds, ring_scene
+from own_kinds import OWN_MATERIALS, own_kinds, own_scene
 
 CORAL = (OWN_MATERIALS / "coral.toml").read_text()
 
@@ -33,7 +33,7 @@ def _known():
 
 
 def test_a_torus_is_placed_and_measured():
-    scene = ring_scene()
+    scene = own_scene()
     mesh = prepare(scene).arrays.mesh
     low, high = mesh.corners.min(axis=(0, 1)), mesh.corners.max(axis=(0, 1))
     np.testing.assert_allclose([low, high], [[2.5, 15.5, 0.0], [7.5, 20.5, 1.0]], atol=1e-9)
@@ -45,19 +45,32 @@ def test_a_torus_is_placed_and_measured():
     assert outline.faces[2] == pytest.approx(math.pi * (2.5**2 - 1.5**2), rel=0.01)
 
 
-def test_sweep_and_rays_hear_the_same_torus():
-    simulation = prepare(ring_scene())
+def test_a_dumbbell_is_placed_and_measured():
+    scene = own_scene("dumbbell")
+    solids = prepare(scene).arrays.solids
+    np.testing.assert_allclose(solids.start[:, :2] - [5.0, 18.0], [[-1.5, 0.0], [-1.5, 0.0], [1.5, 0.0]])
+    np.testing.assert_allclose(solids.start[:, 2], 0.6)
+    outline = outline_of(scene, 0)
+    assert outline.radius == pytest.approx(2.1)
+    assert [outline.extent(axis) for axis in np.eye(3)] == pytest.approx([2.1, 0.6, 0.6])
+    balls, bar = 2.0 * math.pi * 0.6**2, 3.0 * (0.3 + 0.18)
+    assert outline.faces == pytest.approx((balls + math.pi * 0.3**2, balls + bar, balls + bar))
+
+
+@pytest.mark.parametrize("kind", ["torus", "dumbbell"])
+def test_sweep_and_rays_hear_the_same(kind):
+    simulation = prepare(own_scene(kind))
     poses = simulation.poses(np.array([20, 25, 32]))
     swept = sweep.trace(simulation.arrays, poses, planes=64)
     traced = rays.trace(simulation.arrays, poses, rays=60000)
     assert compare_records(simulation.arrays, poses, swept, traced).beyond < 0.05
-    bare = prepare(edit(ring_scene(), {"targets": []}))
+    bare = prepare(edit(own_scene(kind), {"targets": []}))
     without = sweep.trace(bare.arrays, poses, planes=64)
     assert compare_records(simulation.arrays, poses, without, swept).beyond > 0.3
 
 
 def test_the_plan_takes_it_into_account():
-    scene = ring_scene()
+    scene = own_scene()
     chosen = insonify.plan(scene)
     targets = next(entry for entry in chosen.entries if entry.subject == "targets")
     assert "with 6,144 triangles" in targets.reason
@@ -67,7 +80,7 @@ def test_the_plan_takes_it_into_account():
 
 
 def test_it_is_written_read_and_set_from_the_command_line(tmp_path):
-    scene = ring_scene()
+    scene = own_scene()
     assert scene_from_toml(scene_to_toml(scene)) == scene
     file = tmp_path / "ring.toml"
     file.write_text(scene_to_toml(scene))
@@ -81,7 +94,7 @@ def test_it_is_written_read_and_set_from_the_command_line(tmp_path):
 
 
 def test_truth_tells_it_and_its_material():
-    truth = insonify.simulate(ring_scene(), truth=True)
+    truth = insonify.simulate(own_scene(), truth=True)
     assert "torus_0" in truth.target_id.attrs["flag_meanings"]
     assert "coral" in truth.material.attrs["flag_meanings"]
 
@@ -91,7 +104,7 @@ def test_truth_tells_it_and_its_material():
 )
 def test_a_map_is_laid_on_every_kind_of_bed(relief):
     material = {"kind": "halves", "of": ["silt", "coral"], "border": 3.0}
-    scene = edit(ring_scene(), {"seabed.relief": {"kind": "fractal"} | relief, "seabed.material": material})
+    scene = edit(own_scene(), {"seabed.relief": {"kind": "fractal"} | relief, "seabed.material": material})
     ground = build_ground(scene)
     assert ground.names == ("silt", "coral")
     near = ground.around((0.0, 6.0), 5.0)

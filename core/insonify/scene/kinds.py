@@ -53,12 +53,13 @@ class Family:
             rebuild_declarations()
 
     @contextmanager
-    def without(self, kind: str) -> Iterator[None]:
-        """Forget a kind after the block, for tests that declare one."""
+    def without(self, *kinds: str) -> Iterator[None]:
+        """Forget kinds after the block, for tests that declare them."""
         try:
             yield
         finally:
-            self._models.pop(kind, None)
+            for kind in kinds:
+                self._models.pop(kind, None)
             rebuild_declarations()
 
     def models(self, base: type[Model]) -> dict[str, type[Model]]:
