@@ -1,4 +1,4 @@
-"""Declarations become heights and materials."""
+"""Terrain: heights and materials of the bed that a scene declares."""
 
 from insonify.terrain.build import build_ground
 from insonify.terrain.endless_ground import AnyGround, EndlessGround

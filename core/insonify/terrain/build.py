@@ -1,4 +1,4 @@
-"""Build the ground that a scene declares."""
+"""Build the ground of a scene from its declarations: heights, materials and the grid they lie on."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ from insonify.terrain.lattice import Lattice, Map
 from insonify.terrain.materials import endless_materials, material_indices
 from insonify.terrain.periodic_relief import periodic_heights
 
-# A level bed has no period of its own: a few cells will do unless a map of materials needs room.
+# A level bed has no period of its own: a few cells suffice unless a map of materials needs more.
 FLAT_CELLS = 4
 FLAT_CELLS_AT_MOST = 4096
-FEWEST_CELLS = 3  # that hold a wave short of the Nyquist frequency
+FEWEST_CELLS = 3  # of a period, so that it holds a wave below the Nyquist frequency
 
 # Heights above the datum, their lattice, and the datum.
 Heights = tuple[NDArray[np.float32], Lattice, float]
 
 
 def build_ground(scene: Scene) -> AnyGround:
-    """Heights and materials of a scene's bed.
+    """Heights and materials of the bed of a scene.
 
-    Node (0, 0) of a made bed lies at the local (0, 0), so that the landscape does not depend on the track. Grounds
-    share arrays that are kept for the next call: read them, never write to them.
+    Node (0, 0) of a synthetic bed lies at the local (0, 0), so that the landscape does not depend on the track. Grounds
+    share arrays that are kept for the next call and must not be written to.
 
     Raises
     ------
     SceneError
-        If a file cannot be read, a period cannot hold a wave, or no relief can pass for a pattern.
+        If a file cannot be read, a period holds no wave, or no relief gives the record of a pattern.
     """
     seabed = scene.seabed
     material = seabed.material
@@ -68,12 +68,12 @@ def build_ground(scene: Scene) -> AnyGround:
 
 
 def cells_of_period(period: float, spacing: float) -> int:
-    """Cells a side of one period of made relief.
+    """Return the number of cells along one side of a period of relief.
 
     Raises
     ------
     SceneError
-        If they are too few to hold a wave.
+        If they are too few for a wave.
     """
     cells = round(period / spacing)
     if cells < FEWEST_CELLS:
@@ -105,7 +105,7 @@ def _kept_made(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tu
     period = parts[0].period
     cells = cells_of_period(period, spacing)
     shape = (cells, cells)
-    # The period is kept to the letter; where it is no whole number of cells, the spacing gives way.
+    # The period is exact; where it is no whole number of cells, the spacing is adjusted.
     return periodic_heights(parts, shape, shape, seed).astype(np.float32), Lattice(shape, period / cells)
 
 
@@ -113,7 +113,7 @@ def _kept_made(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tu
 def _kept_samples(
     relief: ReliefKind, version: tuple[int, int] | None, spacing: float, origin: tuple[float, float] | None, mean: float
 ) -> Heights:
-    del version  # part of the key alone: a file written anew is read anew
+    del version  # part of the key alone: a changed file is read again
     grid = relief.sample(spacing, origin)
     ny, nx = grid.heights.shape
     lattice = Lattice((ny, nx), grid.spacing, grid.x0, grid.y0, periodic=not relief.measured)

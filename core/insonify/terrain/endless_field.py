@@ -1,13 +1,13 @@
-"""Endless Gaussian fields: no period, no seam, the same whatever way one came.
+"""Endless Gaussian fields without period or seam, each tile a function of its place alone.
 
-A spectrum is cut into bands by frequency, half as wide from each to the next, that overlap over an octave as sin² and
-cos² of its logarithm. The waves of a band are white noise, hashed on a lattice of its own that is as coarse as the band
-lets it be, convolved with the square root of the band by overlap and save; the sum of all coarser ones is doubled onto
-each lattice by a half-band filter. The coarsest takes what is left, down to frequency 0.
+A spectrum is split into octave bands that overlap over an octave as sin² and cos² of the logarithm of frequency. The
+waves of a band are hashed white noise on the coarsest lattice that samples the band, convolved with the square root of
+the band by overlap-save. The sum of all coarser bands is interpolated onto each lattice by a half-band filter. The
+coarsest band reaches down to frequency 0.
 
-A narrow band about a wave, of which a lattice fine enough for the wave would need filters of thousands of taps, is
-made about 0 as two such fields a and b, and moved: a cos − b sin has the density ½ S(f − p) + ½ S(f + p) if a and b
-have S. What of it lies too near the Nyquist frequency to be moved there whole is made on the finest lattice in place.
+A narrow band around a wave p would need filters of thousands of taps on a lattice fine enough for the wave. It is made
+around frequency 0 as two fields a and b of density S and modulated: a cos − b sin has the density
+½ S(f − p) + ½ S(f + p). The part too near the Nyquist frequency to be modulated is made on the finest lattice.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from insonify.terrain.lattice_noise import lattice_noise
 Field = NDArray[np.float64]
 ComplexField = NDArray[np.complex128]
 
-TILE = 512  # nodes a side, of every lattice
-TAPS = 128  # of a band's filter, a side
-HIGHEST = 0.75  # of its Nyquist frequency, to which the waves of a lattice reach that is doubled
+TILE = 512  # nodes along a side of a tile, on every lattice
+TAPS = 128  # along a side of the filter of a band
+HIGHEST = 0.75  # share of its Nyquist frequency that the waves of an interpolated lattice reach
 FEATURE = 6.0  # steps of the coarsest filter's spectrum in the finest feature of the density
-FAINT = 1e-9  # share of the variance that may be left out
-HALF_BAND = 12  # pairs of taps between two samples
-KAISER = 9.0  # shape of their window: images 90 dB down
+FAINT = 1e-9  # share of the variance that may be neglected
+HALF_BAND = 12  # pairs of taps of the half-band filter
+KAISER = 9.0  # shape of its window: images are 90 dB down
 KEPT_TILES = 40  # of one pyramid, 2 MB each
 
 
@@ -44,11 +44,11 @@ class EndlessField:
     Parameters
     ----------
     bands : tuple of Band
-        They add up.
+        Parts of the spectrum, which add.
     spacing : float
         Metres between nodes. Fields on lattices of half the spacing share all but the finest waves.
     seed, stream : int
-        What it derives from.
+        Seed and stream of the hash.
     """
 
     def __init__(self, bands: tuple[Band, ...], spacing: float, seed: int, stream: int) -> None:
@@ -77,7 +77,7 @@ class EndlessField:
         Parameters
         ----------
         row, column : int
-            Which: its nodes are (row · TILE + j, column · TILE + i), node (0, 0) at the origin.
+            The nodes of the tile are (row · TILE + j, column · TILE + i), node (0, 0) at the origin.
 
         Returns
         -------
@@ -89,7 +89,7 @@ class EndlessField:
         return total
 
     def complex_tile(self, row: int, column: int) -> ComplexField:
-        """Values on one tile with their waves a quarter on as the imaginary part, without what cannot be moved."""
+        """Analytic signal on one tile: the imaginary part is the Hilbert transform; without the part made in place."""
         total = np.zeros((TILE, TILE), dtype=np.complex128)
         for band, pyramids in zip(self._bands, self._moved):
             if pyramids[0].variance <= FAINT * self.variance:
@@ -107,7 +107,7 @@ class EndlessField:
         return np.asarray(np.exp(2j * math.pi * wave[1] * y)[:, np.newaxis] * np.exp(2j * math.pi * wave[0] * x))
 
     def _above(self, fx: Field, fy: Field) -> Field:
-        """Density of all that is made in place."""
+        """Density of the part that is made on the finest lattice."""
         total = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
         for band in self._bands:
             for sign in (0.0,) if band.wave is None else (1.0, -1.0):
@@ -118,11 +118,11 @@ class EndlessField:
 
 
 class _Pyramid:
-    """The waves of one band that fit lattices from some level on, each of twice the spacing of the one before."""
+    """Lattices of one band, each of twice the spacing of the one before, summed by interpolation."""
 
     def __init__(self, band: Band, spacing: float, first: int, seed: int, stream: int) -> None:
         last = max(first, math.ceil(math.log2(FEATURE / (TAPS * spacing * band.feature))))
-        # Two fields make one moved band, each with half of either sign's waves.
+        # Two fields make one modulated band, each with half of the waves of either sign.
         share = 1.0 if band.wave is None else 2.0
         self._lattices = {
             level: _Lattice(
@@ -148,25 +148,25 @@ class _Pyramid:
         return sum(lattice.variance for lattice in self._lattices.values())
 
     def doubled(self, row: int, column: int) -> Field:
-        """Tile of the finest of all lattices, on which no waves of the pyramid's own lie."""
+        """Tile of the whole pyramid, interpolated onto the finest lattice."""
         return self._from_coarser(0, row, column)
 
     def _made_tile(self, level: int, row: int, column: int) -> Field:
         lattice = self._lattices.get(level)
-        heard = lattice is not None and lattice.variance > FAINT * self.variance
-        own = lattice.tile(row, column) if lattice is not None and heard else np.zeros((TILE, TILE))
+        counts = lattice is not None and lattice.variance > FAINT * self.variance
+        own = lattice.tile(row, column) if lattice is not None and counts else np.zeros((TILE, TILE))
         return own + self._from_coarser(level, row, column) if level < self._last else own
 
     def _from_coarser(self, level: int, row: int, column: int) -> Field:
-        """Double the next coarser lattice onto one tile."""
+        """Sum of the coarser lattices, interpolated onto one tile."""
         half = TILE // 2
         first = row * half - HALF_BAND, column * half - HALF_BAND
         around = gather_tiles(lambda j, i: self._tile(level + 1, j, i), first, (half + 2 * HALF_BAND,) * 2)
-        return _twice(np.ascontiguousarray(_twice(around).T)).T
+        return _interpolate(np.ascontiguousarray(_interpolate(around).T)).T
 
 
 class _Lattice:
-    """White noise of one lattice, filtered."""
+    """Filtered white noise on one lattice."""
 
     def __init__(self, density: Density, spacing: float, taps: int, seed: int, stream: int) -> None:
         self._spacing, self._taps, self._seed, self._stream = spacing, taps, seed, stream
@@ -174,12 +174,12 @@ class _Lattice:
         # Noise of unit variance has the density spacing².
         response = np.sqrt(density(fx, fy)) / spacing
         self._filter = scipy.fft.irfft2(response, s=(taps, taps))
-        # The taps half a side away have no mates on the other hand.
+        # Taps half a side away have no counterpart on the other side.
         self._filter[taps // 2], self._filter[:, taps // 2] = 0.0, 0.0
         self.variance = float((self._filter**2).sum())
 
     def tile(self, row: int, column: int) -> Field:
-        """Filter by overlap and save: the margin that wraps round is left out."""
+        """Filter the noise of one tile by overlap-save: the margin that wraps around is discarded."""
         side, margin = TILE + self._taps, self._taps // 2
         rows, columns = (range(place * TILE - margin, place * TILE - margin + side) for place in (row, column))
         noise = lattice_noise(self._seed, self._stream, self._spacing, rows, columns)
@@ -189,7 +189,7 @@ class _Lattice:
 
     @cached_property
     def _transfer(self) -> Field:
-        """Transform of the filter over one block; real, for the filter is even."""
+        """Transform of the filter over one block; real, because the filter is even."""
         half = self._taps // 2
         block = np.zeros((TILE + self._taps,) * 2)
         block[: self._taps, : self._taps] = np.roll(self._filter, (half, half), axis=(0, 1))
@@ -199,12 +199,12 @@ class _Lattice:
 def gather_tiles(
     tile: Callable[[int, int], NDArray[Any]], first: tuple[int, int], shape: tuple[int, int]
 ) -> NDArray[Any]:
-    """Put a rectangle of nodes together from tiles.
+    """Rectangle of nodes put together from tiles.
 
     Parameters
     ----------
     tile : callable
-        Makes the tile of a row and a column.
+        Tile of a row and a column.
     first : (int, int)
         Lowest node along y and x.
     shape : (ny, nx)
@@ -213,7 +213,7 @@ def gather_tiles(
     Returns
     -------
     (ny, nx) array
-        Of the tiles' type.
+        Of the type of the tiles.
     """
     rows, columns = (_pieces(low, count) for low, count in zip(first, shape))
     whole = np.empty(shape, dtype=tile(rows[0].tile, columns[0].tile).dtype)
@@ -232,7 +232,7 @@ class _Piece(NamedTuple):
 
 
 def _pieces(first: int, count: int) -> list[_Piece]:
-    """Cut a row of nodes where one tile ends and the next begins."""
+    """Split a row of nodes at the borders of tiles."""
     tiles = range(first // TILE, (first + count - 1) // TILE + 1)
     runs = [(k, max(first, k * TILE), min(first + count, (k + 1) * TILE)) for k in tiles]
     return [
@@ -240,8 +240,8 @@ def _pieces(first: int, count: int) -> list[_Piece]:
     ]
 
 
-def _twice(coarse: Field) -> Field:
-    """Put a node between every two along the first axis, with `HALF_BAND` nodes to spare at either end."""
+def _interpolate(coarse: Field) -> Field:
+    """Field of half the spacing along the first axis; `HALF_BAND` nodes at either end are used up."""
     count = len(coarse) - 2 * HALF_BAND
     fine = np.empty((2 * count, coarse.shape[1]))
     fine[0::2] = coarse[HALF_BAND : HALF_BAND + count]
@@ -255,14 +255,14 @@ def _twice(coarse: Field) -> Field:
 
 @lru_cache(maxsize=1)
 def _half_band() -> tuple[float, ...]:
-    """Taps between two samples, from the middle outwards: a sinc under a Kaiser window, of unit sum."""
+    """Taps of the half-band filter from the middle outwards: a sinc with a Kaiser window, of unit sum."""
     place = np.arange(HALF_BAND) + 0.5
     taps = np.sinc(place) * np.i0(KAISER * np.sqrt(1.0 - (place / HALF_BAND) ** 2))
     return tuple(float(tap) for tap in taps / (2.0 * taps.sum()))
 
 
 def _crossing(spacing: float, level: int) -> float:
-    """Frequency from which, over an octave, waves go over from the lattice of the next level to that of this one."""
+    """Lower end of the octave over which waves pass from the lattice of the next level to that of this level."""
     return 0.5 * HIGHEST * 0.5 / (spacing * 2.0 ** (level + 1))
 
 
@@ -273,7 +273,7 @@ def _above(frequency: Field, crossing: float) -> Field:
 
 
 def _between(density: Density, share: float, low: float, high: float) -> Density:
-    """Part of a density between two crossings; from 0 on if the lower is 0."""
+    """Part of a density between two crossings, or below the higher where the lower is 0."""
 
     def band(fx: Field, fy: Field) -> Field:
         frequency = np.hypot(fx, fy)

@@ -1,4 +1,4 @@
-"""Ground without an end: windows of it are made where they are wanted."""
+"""Endless ground: tiles and windows of it are computed where they are needed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from insonify.scene.materials import Reflectivity
 from insonify.terrain.endless_field import TILE, gather_tiles
-from insonify.terrain.ground import Ground
+from insonify.terrain.ground import Ground, bilinear
 
 Column = NDArray[np.float64]
 Tiles = Callable[[int, int], NDArray[Any]]
@@ -26,16 +26,17 @@ WORKERS = 2
 
 @dataclass(frozen=True, eq=False)
 class EndlessGround:
-    """Heights and materials of a bed that neither repeats nor ends.
+    """Heights and materials of a bed without period or end.
 
     Attributes
     ----------
     heights, materials : callable
-        Tiles of a row and a column, (TILE, TILE) float32 and uint8; node (0, 0) lies at the local origin.
+        Functions of the row and column of a tile, which return (TILE, TILE) float32 and uint8. Node (0, 0) lies at the
+        local origin.
     names : tuple of str
         Names of the materials.
     reflectivities : tuple of Reflectivity
-        Their numbers.
+        Scattering parameters of the materials.
     spacing : float
         Metres between nodes.
     datum : float
@@ -50,25 +51,25 @@ class EndlessGround:
     datum: float
 
     def cell(self, x: Column, y: Column) -> NDArray[np.int64]:
-        """Window that each place lies in, (n, 2) rows and columns: a function of the place alone."""
+        """Row and column of the window that holds each place, (n, 2)."""
         side = TILE * self.spacing
         return np.stack([np.floor(y / side), np.floor(x / side)], axis=-1).astype(np.int64)
 
     def window(self, row: int, column: int, reach: float) -> Ground:
-        """Ground around one cell.
+        """Ground of one window and its surroundings.
 
         Parameters
         ----------
         row, column : int
-            Which, as `cell` counts them.
+            Window, as numbered by `cell`.
         reach : float
-            Metres of ground to hold on every side of it.
+            Metres of ground around the window.
 
         Returns
         -------
         Ground
-            A torus: node (j, i) of the world lies at (j mod ny, i mod nx), so that those who wrap indices find every
-            node within reach where it is in the world. It says nothing of what lies farther off.
+            A torus: node (j, i) of the world is stored at (j mod ny, i mod nx), so that code which wraps indices finds
+            every node within reach at its place in the world. Nodes beyond are not held.
         """
         margin = math.ceil(reach / self.spacing) + 2
         first, side = (row * TILE - margin, column * TILE - margin), TILE + 2 * margin + 1
@@ -85,12 +86,12 @@ class EndlessGround:
         )
 
     def around(self, centre: tuple[float, float], half: float) -> Ground:
-        """Ground that holds a square about a place, as `window`."""
+        """Ground that holds a square around a place, as `window`."""
         (cell,) = self.cell(np.array(centre[:1]), np.array(centre[1:]))
         return self.window(int(cell[0]), int(cell[1]), half)
 
     def thinned(self, every: int) -> EndlessGround:
-        """Return the bed of every so many nodes along each axis, node (0, 0) among them."""
+        """Return the bed thinned to every n-th node along each axis, with node (0, 0)."""
         return self if every == 1 else _thinned(self, every)
 
     def height_at(self, x: Column, y: Column) -> Column:
@@ -109,16 +110,14 @@ class EndlessGround:
         u, v = np.asarray(x, dtype=np.float64) / self.spacing, np.asarray(y, dtype=np.float64) / self.spacing
         i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
         fu, fv = u - i, v - j
-        low = self._at(j, i) * (1 - fu) + self._at(j, i + 1) * fu
-        high = self._at(j + 1, i) * (1 - fu) + self._at(j + 1, i + 1) * fu
-        return np.asarray(low * (1 - fv) + high * fv)
+        return bilinear(lambda k, m: self._at(j + k, i + m), fu, fv)
 
     def height_near(self, x: Column, y: Column) -> Column:
-        """Height as `height_at` has it, for there is ground everywhere."""
+        """Height as in `height_at`, because there is ground everywhere."""
         return self.height_at(x, y)
 
     def _at(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> Column:
-        """Heights of nodes."""
+        """Heights of nodes of the given rows and columns."""
         heights = np.empty(row.shape)
         tiles = np.stack([row // TILE, column // TILE], axis=-1).reshape(-1, 2)
         which, inverse = np.unique(tiles, axis=0, return_inverse=True)
@@ -134,13 +133,13 @@ AnyGround = Ground | EndlessGround
 
 
 def keep_tiles(tile: Tiles) -> Tiles:
-    """Keep the tiles that were last asked for."""
+    """Return the function of tiles with its last results kept."""
     return lru_cache(maxsize=KEPT_TILES)(tile)
 
 
 @lru_cache(maxsize=KEPT_WINDOWS)
 def _thinned(ground: EndlessGround, every: int) -> EndlessGround:
-    """Keep every so many nodes of an endless bed."""
+    """Endless bed thinned to every n-th node."""
     side = every * TILE
 
     def of(tiles: Tiles) -> Tiles:
@@ -153,7 +152,7 @@ def _thinned(ground: EndlessGround, every: int) -> EndlessGround:
 
 @lru_cache(maxsize=KEPT_WINDOWS)
 def _torus(tiles: Tiles, first: tuple[int, int], side: int) -> NDArray[Any]:
-    """Gather a square of nodes and lay it where their indices wrap to."""
+    """Square of nodes, each stored where its wrapped indices point."""
     rows, columns = (range(low // TILE, (low + side - 1) // TILE + 1) for low in first)
     places = [(row, column) for row in rows for column in columns]
     if len(places) <= KEPT_TILES:

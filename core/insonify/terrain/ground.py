@@ -1,9 +1,11 @@
-"""The ground of a scene: heights and materials on one grid, whatever they were declared as."""
+"""The ground of a scene: heights and materials on one grid."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +26,7 @@ class Ground:
     names : tuple of str
         Names of the materials.
     reflectivities : tuple of Reflectivity
-        Their numbers.
+        Scattering parameters of the materials.
     x0, y0 : float
         Local coordinates of node (0, 0), in metres.
     spacing : float
@@ -46,17 +48,17 @@ class Ground:
     datum: float
 
     def around(self, centre: tuple[float, float], half: float) -> Ground:
-        """Ground that holds a square about a place: all of it, as this one is held whole."""
+        """Ground that holds a square around a place: this ground itself, which is held as a whole."""
         del centre, half
         return self
 
     def thinned(self, every: int) -> Ground:
-        """Return the bed of every so many nodes along each axis, node (0, 0) among them; of a level one, wider cells.
+        """Return the bed thinned to every n-th node along each axis, with node (0, 0); a level bed gets wider cells.
 
         Parameters
         ----------
         every : int
-            Of a bed that repeats a divisor of its nodes along either axis.
+            n; for a periodic bed a divisor of its number of nodes along either axis.
         """
         if every == 1:
             return self
@@ -100,12 +102,10 @@ class Ground:
             fu, fv = np.where(inside, u - i, 0.0), np.where(inside, v - j, 0.0)
             rows, columns = (j, np.minimum(j + 1, ny - 1)), (i, np.minimum(i + 1, nx - 1))
         z = self.heights
-        low = z[rows[0], columns[0]] * (1 - fu) + z[rows[0], columns[1]] * fu
-        high = z[rows[1], columns[0]] * (1 - fu) + z[rows[1], columns[1]] * fu
-        return np.where(inside, low * (1 - fv) + high * fv, np.nan)
+        return np.where(inside, bilinear(lambda k, m: z[rows[k], columns[m]], fu, fv), np.nan)
 
     def height_near(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Bilinear height above the datum of the bed there or, where there is none, of the nearest; continuous.
+        """Bilinear height above the datum, where there is no bed that of the nearest bed; continuous.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class Ground:
 
     @cached_property
     def _whole(self) -> Ground:
-        """The same ground with its holes filled by the nearest heights."""
+        """The same ground with holes filled by the nearest heights."""
         holes = np.isnan(self.heights)
         if not holes.any():
             return self
@@ -133,3 +133,22 @@ class Ground:
 
         rows, columns = distance_transform_edt(holes, return_distances=False, return_indices=True)
         return replace(self, heights=self.heights[rows, columns])
+
+
+def bilinear(corner: Callable[[int, int], NDArray[Any]], fu: NDArray[Any], fv: NDArray[Any]) -> NDArray[Any]:
+    """Bilinear interpolation within cells.
+
+    Parameters
+    ----------
+    corner : callable
+        Values at the lower or upper row (0 or 1) and the lower or upper column.
+    fu, fv : float64 arrays
+        Position within the cell along columns and rows, from 0 to 1.
+
+    Returns
+    -------
+    float64 array
+    """
+    low = corner(0, 0) * (1 - fu) + corner(0, 1) * fu
+    high = corner(1, 0) * (1 - fu) + corner(1, 1) * fu
+    return np.asarray(low * (1 - fv) + high * fv)

@@ -14,21 +14,21 @@ from insonify.terrain.endless_ground import EndlessGround
 from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.periodic_relief import periodic_heights
 
-SHOWN = 1024  # nodes a side, of a bed without an end
+SHOWN = 1024  # nodes along a side of endless ground
 
 
 def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 1) -> Field:
-    """Heights of a seabed about its mean.
+    """Heights of a seabed above its mean.
 
     Parameters
     ----------
     seabed : Seabed
         Depth, spacing and relief.
     shape : (ny, nx), optional
-        Samples of one period along y and x; the seabed's own grid when left out. The same seed makes the same
-        landscape on every shape; its rms is exact on the seabed's own grid. Of endless ground, nodes from the origin.
+        Samples of one period along y and x, of endless ground nodes from the origin; the grid of the seabed when left
+        out. The same seed gives the same landscape on every shape; its rms is exact on the grid of the seabed.
     seed : int
-        What the landscape derives from.
+        Seed of the landscape.
 
     Returns
     -------
@@ -38,7 +38,7 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
     Raises
     ------
     SceneError
-        If a shape is asked of a measured bed, which has its own, if it has no nodes, or if the bed cannot be made.
+        If a shape is given for a measured bed, which has its own, if it has no nodes, or if the bed cannot be built.
     """
     if shape is not None and min(shape) < 1:
         raise SceneError(f"shape: {shape} has no nodes; give at least (1, 1)")
@@ -55,18 +55,18 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
 
 
 def relief_picture(scene: Scene) -> NDArray[np.uint8]:
-    """Heights of a scene's bed scaled to 0..255.
+    """Heights of the bed of a scene as grey levels.
 
     Parameters
     ----------
     scene : Scene
-        What to picture.
+        Gives the bed.
 
     Returns
     -------
     (ny, nx) uint8
         The lowest height is 0, the highest 255; the first row is the northernmost. 0 also where there is no bed or
-        no relief. A bed that is even along x is shown 256 nodes wide, one without an end 1024 nodes from the origin.
+        no relief. A bed that does not vary along x is drawn 256 nodes wide, endless ground 1024 nodes from the origin.
     """
     ground = build_ground(scene)
     if isinstance(ground, EndlessGround):

@@ -1,4 +1,4 @@
-"""The grid of a bed, apart from what lies on it."""
+"""The grid of a bed: its cells, their size and place."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Map = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class Lattice:
-    """Where the cells of a bed lie.
+    """Number, spacing and place of the cells of a bed.
 
     Attributes
     ----------
@@ -34,11 +34,11 @@ class Lattice:
 
     @property
     def size(self) -> tuple[float, float]:
-        """Extent along x and y, in metres: the periods of a bed that repeats."""
+        """Extent along x and y in metres, the periods of a periodic bed."""
         return self.shape[1] * self.spacing, self.shape[0] * self.spacing
 
     def centres(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Local x and y of the cells' middles, (nx,) and (ny,), in metres."""
+        """Local x and y of the centres of the cells, (nx,) and (ny,), in metres."""
         ny, nx = self.shape
         x = self.x0 + (np.arange(nx, dtype=np.float64) + 0.5) * self.spacing
         y = self.y0 + (np.arange(ny, dtype=np.float64) + 0.5) * self.spacing

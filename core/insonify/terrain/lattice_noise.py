@@ -1,4 +1,4 @@
-"""White noise of an endless lattice: every value a hash of its place."""
+"""White noise on an endless lattice: every value is a hash of its place."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ TINY = np.float32(2.0**-33)  # keeps a logarithm finite
 
 
 def lattice_noise(seed: int, stream: int, spacing: float, rows: range, columns: range) -> Field:
-    """Independent Gaussian numbers of unit variance.
+    """White Gaussian noise of unit variance on a rectangle of an endless lattice.
 
     Parameters
     ----------
     seed, stream : int
-        What they derive from.
+        Seed and stream of the hash.
     spacing : float
-        That of the lattice; another lattice has other numbers.
+        Spacing of the lattice; lattices of different spacings have different numbers.
     rows, columns : range
-        Places, of any sign; the first column and their number are even.
+        Places, of any sign; first column and number of columns are even.
 
     Returns
     -------
@@ -37,8 +37,8 @@ def lattice_noise(seed: int, stream: int, spacing: float, rows: range, columns: 
     """
     key = splitmix64(splitmix64(splitmix64(np.uint64(seed)) ^ np.uint64(stream)) ^ np.float64(spacing).view(np.uint64))
     keys = _mixed(np.uint64(key) ^ np.array(rows, dtype=np.int64).view(np.uint64))
-    # One hash makes the two numbers of a pair of neighbours (Box and Muller 1958); that they have but 24 bits is lost
-    # in the sums that filters make of them.
+    # One hash gives the two numbers of a pair of neighbours (Box and Muller 1958). Their 24 bits suffice, because
+    # filters sum many of them.
     pairs = np.arange(columns.start // 2, columns.stop // 2, dtype=np.int64).view(np.uint64)
     bits = _mixed(keys[:, np.newaxis] ^ pairs)
     modulus = np.sqrt(np.float32(-2.0) * np.log((bits >> HALF).astype(np.float32) * UNIT + TINY))
@@ -50,7 +50,7 @@ def lattice_noise(seed: int, stream: int, spacing: float, rows: range, columns: 
 
 
 def _mixed(value: Bits) -> Bits:
-    """splitmix64, as the kernels have it, over an array."""
+    """Apply splitmix64, as in `insonify.kernels.common.hashing`, to an array."""
     mixed = value + GOLDEN
     mixed = (mixed ^ (mixed >> SHIFTS[0])) * FIRST_MULTIPLIER
     mixed = (mixed ^ (mixed >> SHIFTS[1])) * SECOND_MULTIPLIER

@@ -50,7 +50,7 @@ def unmasked_heights(relief: RandomRelief, shape: Shape, reference: Shape, seed:
     reference : (ny, nx)
         Grid on which the rms holds exactly.
     seed, stream : int
-        What the random coefficients derive from.
+        Seed and stream of the random coefficients.
 
     Returns
     -------

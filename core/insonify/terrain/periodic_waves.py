@@ -1,7 +1,7 @@
 """Random waves of one period of a bed.
 
-Frequencies are whole cycles per period. A wave's coefficient is a hash of the seed and its frequency, so the same seed
-makes the same landscape on every grid; the heights of one wave never depend on how finely the grid samples it.
+Frequencies are whole cycles per period. The coefficient of a wave is a hash of the seed and its frequency, so that the
+same seed gives the same landscape on every grid.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from insonify.scene.reliefs.spectrum import Density, Field, Waves
 
 Shape = tuple[int, int]
 
-# Noise larger than this is made anew rather than kept: 2048 squared takes 34 MB.
+# Largest noise that is kept for the next call: 2048 squared takes 34 MB.
 KEPT_CELLS = 2048**2
 WORKERS = 2
-# Rows filtered at once, so that what lies between stays in the cache: half the time of the whole at once.
+# Rows filtered together, so that intermediate arrays stay in the processor cache, which halves the time.
 ROWS = 64
 
 
@@ -32,14 +32,14 @@ class WaveGrid:
     shape : (ny, nx)
         Samples per period along y and x.
     seed, stream : int
-        What the random coefficients derive from.
+        Seed and stream of the random coefficients.
     """
 
     def __init__(self, shape: Shape, seed: int, stream: int) -> None:
         self.shape, self._seed, self._stream = shape, seed, stream
 
     def noise(self, *, gaussian: bool = True) -> Waves:
-        """Coefficients of unit variance, (ny, nx // 2 + 1), kept: a change of the spectrum costs the filter alone."""
+        """Coefficients of unit variance, (ny, nx // 2 + 1), kept so that a new spectrum costs only the filter."""
         return wave_coefficients(self._seed, self._stream, self.shape, gaussian=gaussian)
 
     def filtered(self, amplitude: Density, *, gaussian: bool = True) -> Waves:
@@ -61,13 +61,13 @@ class WaveGrid:
         return frequencies(self.shape)
 
     def variance(self, waves: Waves) -> float:
-        """Variance of the field that waves make, by Parseval: all but the first column stand for ±f."""
-        # Products are summed as they are made: arrays of them would take ten times as long.
+        """Variance of the sum of waves by Parseval's theorem: all columns but the first stand for ±f."""
+        # einsum sums products without storing them, ten times as fast as an array of products.
         every, first = waves.view(np.float64).ravel(), np.ascontiguousarray(waves[:, 0]).view(np.float64)
         return float(2.0 * np.einsum("i,i", every, every) - np.einsum("i,i", first, first))
 
     def field(self, waves: Waves) -> Field:
-        """Field that waves make, (ny, nx); the waves are used up, which takes half the time of keeping them."""
+        """Sum of waves, (ny, nx); the array of waves is overwritten, which halves the time."""
         columns = scipy.fft.ifft(waves, axis=0, norm="forward", workers=WORKERS, overwrite_x=True)
         return np.asarray(scipy.fft.irfft(columns, n=self.shape[1], axis=1, norm="forward", workers=WORKERS))
 
@@ -84,7 +84,7 @@ def frequencies(shape: Shape) -> tuple[Field, Field]:
 
 
 def wave_coefficients(seed: int, stream: int, shape: Shape, *, gaussian: bool) -> Waves:
-    """Coefficients before the filter, kept so that a change of the spectrum costs the filter alone."""
+    """Coefficients before the filter, kept so that a new spectrum costs only the filter."""
     make = _kept_noise if shape[0] * shape[1] <= KEPT_CELLS else _kept_noise.__wrapped__
     return make(seed, stream, shape, gaussian)
 

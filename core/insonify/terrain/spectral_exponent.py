@@ -1,4 +1,4 @@
-"""The exponent of a field's spectrum, measured from the field alone."""
+"""Estimate of the spectral exponent of a field from one period of it."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from insonify.scene import SceneError
 from insonify.terrain.periodic_waves import frequencies
 
-LOWEST = 4.0  # cycles per period; below are too few waves, and the clamp
-FEWEST = 16.0  # cycles per period between the lowest and the highest
+LOWEST = 4.0  # cycles per period; lower frequencies have few waves and are clamped
+FEWEST = 16.0  # cycles per period between the lowest and the highest frequency
 
 
 def amplitude_exponent(heights: NDArray[np.floating]) -> float:
-    """Fit β of an amplitude spectrum f^−β to one period of a field, by Whittle's likelihood.
+    """Exponent β of the amplitude spectrum f^−β of a field, by maximum likelihood.
 
     Parameters
     ----------

@@ -53,17 +53,19 @@ class Dem(ReliefKind):
 
 
 def _on_earth(dem: Dem, heights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Refuse heights that no bed has: a number that was to say "none", or another unit."""
+    """World heights, refused where no bed can lie: an undeclared nodata value, or another unit."""
     low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
     if not -HIGHEST <= low <= high <= HIGHEST:
         raise BATHYMETRY.refusal(
-            dem.path, f"has heights from {low:g} to {high:g} m", "declare its nodata value, or turn its unit by scale"
+            dem.path,
+            f"has heights from {low:g} to {high:g} m",
+            "declare its nodata value, or convert its unit with scale",
         )
     return heights
 
 
 def _squared(grid: Grid, spacing: float) -> Grid:
-    """Bring a grid of oblong cells to the finer of its two spacings."""
+    """Grid with square cells of the finer of its two spacings."""
     dx, dy = grid.spacing or (spacing, spacing)
     if abs(dx - dy) <= SQUARE * min(dx, dy):
         return grid
@@ -73,7 +75,7 @@ def _squared(grid: Grid, spacing: float) -> Grid:
 
 
 def _resampled(heights: NDArray[np.float64], ratio: float) -> NDArray[np.float64]:
-    """Interpolate along the last axis to ``ratio`` times as many nodes; a gap stays a gap."""
+    """Heights interpolated along the last axis to ``ratio`` times as many nodes; gaps stay gaps."""
     if ratio <= 1.0 + SQUARE:
         return heights
     last = heights.shape[1] - 1

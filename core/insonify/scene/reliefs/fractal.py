@@ -187,8 +187,8 @@ def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
     float64
         Of the broadcast shape.
     """
-    # A real field has as much power at −f as at f, so that every peak stands at −(fx, fy) too. Places that fall
-    # together, as those of a peak at zero frequency do, count as often as they are named.
+    # A real field has the same power at −f as at f, so that every peak has an image at −(fx, fy). Peaks and images that
+    # coincide, as at zero frequency, count as often as they occur.
     places = Counter(place for peak in fractal.peaks for place in _places(peak, fractal.quadrants))
     power: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
     for place, times in places.items():
@@ -201,18 +201,18 @@ def power_spectrum(fractal: Fractal, fx: Field, fy: Field) -> Field:
 
 
 def half_plane(peak: tuple[float, float], quadrants: int) -> list[tuple[float, float]]:
-    """Where one declared peak stands, but for its mirror images through zero frequency."""
+    """Places of a declared peak without its images through zero frequency."""
     x, y = peak
     return [(x, y)] if quadrants == 1 else [(x, y), (x, -y)]
 
 
 def _places(peak: tuple[float, float], quadrants: int) -> list[tuple[float, float]]:
-    """Where one declared peak stands in the whole plane."""
+    """Places of a declared peak and its images in the whole plane."""
     return [(sign * x + 0.0, sign * y + 0.0) for x, y in half_plane(peak, quadrants) for sign in (1.0, -1.0)]
 
 
 def decay_about(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float]) -> Field:
-    """Power left of one peak at frequencies in cycles per period."""
+    """Power of one peak at frequencies in cycles per period, 1 at the peak."""
     dx, dy = fx - peak[0], fy - peak[1]
     beta_x, beta_y = fractal.exponents
     hard = fractal.clamp == "hard"
@@ -227,12 +227,12 @@ def decay_about(fractal: Fractal, fx: Field, fy: Field, peak: tuple[float, float
 
 
 def _level(squared: Field, hard: bool) -> Field:
-    """Keep a squared distance from reaching zero, in cycles per period."""
+    """Squared distance in cycles per period, kept at least 1 (hard) or increased by 1 (soft)."""
     return np.maximum(squared, 1.0) if hard else 1.0 + squared
 
 
 def _along_peak(dx: Field, dy: Field, peak: tuple[float, float]) -> tuple[Field, Field]:
-    """Distances along the line from a peak to zero frequency, and at right angles to it."""
+    """Distances along the direction of a peak as seen from zero frequency, and across it."""
     length = math.hypot(*peak)
     cosine, sine = (peak[0] / length, peak[1] / length) if length > 0.0 else (1.0, 0.0)
     return cosine * dx + sine * dy, cosine * dy - sine * dx

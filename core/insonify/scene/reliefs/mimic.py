@@ -1,20 +1,19 @@
-"""Relief that records as a pattern does: one trace, two interpretations.
+"""Relief of one material with the record of a level pattern of materials: one record, two interpretations.
 
-A level bed of changing reflectivity k(x), heard from the height H, returns at slant range r = √(H² + x²) what its
-incidence α, cos α = H/r, makes of k(x). Dunes of the mean reflectivity return the same at the same r if their
-incidence β there obeys
+A level bed of reflectivity k(x) below a sonar of altitude H returns k(x) at slant range r = √(H² + x²) under the
+incidence α, cos α = H/r. Dunes of the mean reflectivity return the same at the same r if their incidence β obeys
 
 - law `light`, radiance k cos β:                             cos β = κ H/r
 - law `sonar`, k cos² β times the area of a step of range:   cos² β / sin β = κ (H/r)² / (x/r)
 
-with κ = k(x) over the mean. A strip of the bed between r and r + dr has the area dr / sin β, for a ray meets it at the
-angle π/2 − β. In polar coordinates about the sonar, ψ from nadir, the dunes are a curve ψ(r) that a ray meets at
-cot β = r dψ/dr. As β is known at every r, ψ is an integral over r and a constant: no equation is solved step by step,
-nothing is unstable, and r grows all along the dunes, so that none hides another. The integral is taken over x,
-r dr = x dx, for at nadir dψ/dr is infinite and dψ/dx is not.
+with κ = k(x) over the mean. A strip of the bed between r and r + dr has the area dr / sin β, because a ray meets it at
+the angle π/2 − β. In polar coordinates around the sonar, ψ from nadir, the dunes are a curve ψ(r) with
+cot β = r dψ/dr. Since β is known at every r, ψ is an integral over r plus a constant, which is stable, and r increases
+along the dunes, so that none hides another. The integral is taken over x, r dr = x dx, because dψ/dr is infinite at
+nadir and dψ/dx is not.
 
-The constant turns the dunes about the sonar, which hears no difference: they are turned to lie about the level. Near
-nadir, where the level bed faces the sonar, no slope is brighter; there the dunes grow from nothing.
+The constant rotates the dunes around the sonar, which does not change the record: they are rotated to lie around the
+level bed. Near nadir the level bed faces the sonar and no slope is brighter; there the dunes rise from height 0.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ from insonify.scene.reliefs.random_relief import MOST_CELLS
 
 Curve = NDArray[np.float64]
 
-FROM = 1.4  # altitudes of slant range from which dunes pass
+FROM = 1.4  # slant range over altitude from which the records agree
 STEPS_A_CELL = 8
 FEWEST_CELLS = 4
 MEAN_OF = 1 << 14  # samples
@@ -93,7 +92,7 @@ class Mimic(ReliefKind):
         return HeightGrid(np.tile(heights[:, np.newaxis], (1, width)), 2.0 * self.reach / cells)
 
     def dunes(self, cells: int) -> Curve:
-        """Heights of dunes that pass for a pattern.
+        """Heights of dunes with the record of a pattern.
 
         Parameters
         ----------
@@ -108,7 +107,7 @@ class Mimic(ReliefKind):
         Raises
         ------
         SceneError
-            If the pattern's brightest material is too bright against the mean.
+            If the brightest material of the pattern is too bright compared with the mean.
         """
         y = np.arange(cells, dtype=np.float64) * (2.0 * self.reach / cells)
         port = y <= self.reach
@@ -130,12 +129,12 @@ class Mimic(ReliefKind):
 
 
 def mean_diffuse(pattern: PatternMap) -> float:
-    """Mean diffuse share of stripes or waves: that of the dunes that pass for them."""
+    """Mean diffuse share of a pattern, which is that of its dunes."""
     return float(_diffuse(pattern, (np.arange(MEAN_OF) + 0.5) / MEAN_OF).mean())
 
 
 def equivalent_profile(ratio: Curve, altitude: float, step: float, law: str) -> tuple[Curve, Curve]:
-    """Profile that records as a level bed of changing reflectivity does, beyond 1.4 times the altitude.
+    """Profile with the record of a level bed of varying reflectivity, beyond 1.4 times the altitude.
 
     Parameters
     ----------
@@ -143,28 +142,28 @@ def equivalent_profile(ratio: Curve, altitude: float, step: float, law: str) -> 
         Reflectivity of the level bed over that of the profile, in the middle of equal steps of ground range from nadir.
         Under law `light` it must stay below 1.4.
     altitude : float
-        Of the sonar, in metres.
+        Altitude of the sonar, in metres.
     step : float
         Length of a step, in metres.
     law : {"light", "sonar"}
-        What the record holds.
+        Law of scattering.
 
     Returns
     -------
     x, z : (n + 1,) float64
-        Ground range and height above the level bed of the profile, in metres. Its points lie at the slant ranges of
-        the steps' ends. With a ratio of 1 it is level.
+        Ground range and height above the level bed of the profile, in metres, at the slant ranges of the ends of the
+        steps. A ratio of 1 gives a level profile.
     """
     x = (np.arange(ratio.size) + 0.5) * step
     r = np.hypot(x, altitude)
-    # Grown this way, 1 + (κ − 1) t² stays below r/H = 1 + (FROM − 1) t for every κ below FROM.
+    # With this growth 1 + (κ − 1) t² stays below r/H = 1 + (FROM − 1) t for every κ below FROM.
     grown = np.minimum((r / altitude - 1.0) / (FROM - 1.0), 1.0) ** 2
     cotangent = _cotangent(1.0 + (ratio - 1.0) * grown, x / r, altitude / r, law)
     angle = np.concatenate([[0.0], np.cumsum(cotangent * x / r**2) * step])
     knots = np.arange(ratio.size + 1) * step
     ends = np.hypot(knots, altitude)
     height = altitude - ends * np.cos(angle)
-    # A turn by δ lifts the profile by x δ: the one that leaves least of z in the mean square.
+    # A rotation by δ lifts the profile by x δ; this one minimises the mean square of z.
     turn = -np.sum(height * knots) / np.sum(knots**2)
     share = np.clip(knots / (altitude * np.sqrt(FROM**2 - 1.0)), 0.0, 1.0)
     angle += turn * share**2 * (3.0 - 2.0 * share)
@@ -184,7 +183,7 @@ def _cotangent(ratio: Curve, sine: Curve, cosine: Curve, law: str) -> Curve:
 
 def _one_side(mimic: Mimic, y: Curve, side: float, cells: int) -> Curve:
     """Heights at distances from the track, towards +y (side 1) or −y (−1)."""
-    # Whole steps between the borders of stripes, so that none falls within a step.
+    # A whole number of steps between the borders of stripes, so that no border falls within a step.
     border = mimic.of.period / len(mimic.of.of)
     step = border / np.ceil(STEPS_A_CELL * border * cells / (2.0 * mimic.reach))
     count = int(np.ceil(1.5 * mimic.reach / step))

@@ -22,17 +22,17 @@ LONGEST_WAVES = 0.35  # cycles per period that a band spreads at least, so that 
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """Part of a spectrum about one wave.
+    """Part of a spectrum around one wave.
 
     Attributes
     ----------
     density : Density
         Spectral density S about zero, of both signs.
     feature : float
-        Frequency over which it changes at its finest, cycles a metre.
+        Frequency over which the density varies at its finest, cycles a metre.
     wave : (float, float), optional
-        Cycles a metre along x and y by which it is moved: the spectrum is S(f − wave) + S(f + wave), and S(f) where
-        there is none.
+        Cycles a metre along x and y by which the band is shifted: the spectrum is S(f − wave) + S(f + wave), and S(f)
+        without a wave.
     """
 
     density: Density
