@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import math
-
-from insonify.scene.absorptions import AbsorptionKind
-
-NEPER_PER_DB = math.log(10.0) / 20.0
+from insonify.scene.absorptions import NEPER_PER_DB, AbsorptionKind
 
 
 def absorption_coefficient(absorption: AbsorptionKind, frequency: float, depth: float) -> float:

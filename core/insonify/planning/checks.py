@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from insonify.scene import Scene, SceneError
-from insonify.scene.speckles.coherent import Coherent
-from insonify.scene.waters.section import SectionWater
 
 
 def check_method(scene: Scene, method: str, bounces: int) -> None:
@@ -26,7 +24,7 @@ def check_method(scene: Scene, method: str, bounces: int) -> None:
     surface = scene.water.surface
     if bounces > 0 and method in ("sweep", "march"):
         raise SceneError(f"sonar.bounces: the {method} does not follow {bounces} of them; set it to 0 or use rays")
-    if not isinstance(scene.receiver.speckle, Coherent):
+    if not scene.receiver.speckle.interferes:
         return
     if bounces > 0 or method in ("march", "rays"):
         other = f"bounces, of which sonar.bounces asks for {bounces}" if bounces > 0 else f"the method {method!r}"
@@ -47,12 +45,12 @@ def check_refraction(scene: Scene, method: str) -> None:
         One sentence with the field, the value and the remedy.
     """
     surface = scene.water.surface
-    if isinstance(scene.receiver.speckle, Coherent):
+    if scene.receiver.speckle.interferes:
         raise SceneError(
             "receiver.speckle: 'coherent' adds waves that go straight, and in this water sound bends; take another "
             "speckle, or water.kind 'uniform'"
         )
-    if isinstance(scene.water, SectionWater) and method == "sweep":
+    if scene.water.varies_along and method == "sweep":
         raise SceneError(
             "method: 'sweep' hears water that differs by depth alone, and this differs along a 'section'; take rays"
         )

@@ -24,7 +24,6 @@ from insonify.planning.plane_count import (
 from insonify.planning.relevance import bound_echo_advance, find_multipaths_in_reach, find_targets_in_reach
 from insonify.planning.scene_summary import SceneSummary
 from insonify.scene import Scene
-from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.surfaces import WAYS
 
 Field = NDArray[np.float64]
@@ -91,7 +90,7 @@ class PredictedErrors:
                 bed = self.echo.of_planes()
                 if self._louder(ways):
                     bed = np.hypot(self.ghosts.direct * bed, self.ghosts.of_planes())
-            if isinstance(self._scene.receiver.speckle, Coherent):
+            if self._scene.receiver.speckle.interferes:
                 bed[0] = 1.0  # scatterers are heard one by one, each in the part of the beam where it lies
             most = fitted_laws.MOST_OF_PATTERNS if is_patterned(self._scene) else fitted_laws.MOST_PLANES
             self._planes[ways] = PlaneErrors(bed, self.demand, most)

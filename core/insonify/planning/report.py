@@ -15,8 +15,6 @@ from insonify.planning.predicted_errors import PredictedErrors
 from insonify.planning.scene_summary import SceneSummary
 from insonify.planning.target_errors import outline_of
 from insonify.scene import Scene
-from insonify.scene.speckles.coherent import Coherent
-from insonify.scene.waters.section import SectionWater
 
 
 class ChosenModel(NamedTuple):
@@ -73,7 +71,7 @@ def _method(told: ChosenModel) -> Iterator[PlanEntry]:
     else:
         reason = "a height field and first echoes: nothing needs single rays"
     plain = Candidate(draft.method, rays=draft.rays, step=draft.step, every=draft.every)
-    options = () if isinstance(scene.receiver.speckle, Coherent) else METHODS[1:]
+    options = () if scene.receiver.speckle.interferes else METHODS[1:]
     error = told.errors.tracer(draft) if draft.method == "sweep" else 0.0
     whole = told.entry("method", draft.method, reason, options, error=error)
     yield replace(whole, cost=predict_cost(told.view, plain))
@@ -146,7 +144,7 @@ def _sound(told: ChosenModel) -> Iterator[PlanEntry]:
     )
     if not draft.bent:
         reason = f"bending is left out; {reason}: error about {100.0 * told.errors.straight:.2g} %"
-    elif draft.method != "sweep" or isinstance(told.scene.water, SectionWater):
+    elif draft.method != "sweep" or told.scene.water.varies_along:
         reason = f"along arcs; {reason}"
     else:
         ways = f"pings that hear a place along several ways or none go to {draft.rays} rays a side"
@@ -229,7 +227,7 @@ def _precision(told: ChosenModel) -> Iterator[PlanEntry]:
 def _remarks(told: ChosenModel) -> Iterator[PlanEntry]:
     """Tell what leaves no choice but should be known."""
     scene, view = told.scene, told.view
-    if isinstance(scene.receiver.speckle, Coherent):
+    if scene.receiver.speckle.interferes:
         reason = "coherent speckle adds up every one in the beam, which takes most of the time"
         yield told.entry("speckle", "scatterers", reason)
     if scene.track.kinds:

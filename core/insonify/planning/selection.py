@@ -18,7 +18,6 @@ from insonify.planning.report import ChosenModel, describe_model
 from insonify.planning.scene_summary import SceneSummary, summarise_scene
 from insonify.scene import Scene, SceneError
 from insonify.scene.surfaces import WAYS
-from insonify.scene.waters.section import SectionWater
 
 FEWEST_CELLS = 8  # that a period of the bed keeps
 THINNED = (1, 2, 4, 8, 16, 32)
@@ -151,7 +150,7 @@ def _method(scene: Scene, asked: str, draft: Candidate) -> str:
     """Pick the tracer."""
     if asked != "auto":
         return asked
-    return "rays" if draft.bounces > 0 or (draft.bent and isinstance(scene.water, SectionWater)) else "sweep"
+    return "rays" if draft.bounces > 0 or (draft.bent and scene.water.varies_along) else "sweep"
 
 
 def _bounces(scene: Scene, budget: PlanRequest) -> tuple[int, ...]:

@@ -13,7 +13,6 @@ from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.receiver.pulse import delay_pings
 from insonify.kernels.speckle.random_fields import fill_slow_normals
 from insonify.scene import Scene
-from insonify.scene.fluctuations.none import NoFluctuation
 
 # White noise smoothed by a triangle of half width 1 is correlated by the cubic B-spline, which is 1/e at this lag.
 CORRELATION_LAG = 0.85972
@@ -63,13 +62,13 @@ class Fluctuation:
 
 def make_fluctuation(scene: Scene, arrays: SceneArrays) -> Fluctuation | None:
     """Fluctuation that a scene declares, None where it declares none."""
-    declared = scene.receiver.fluctuation
-    if isinstance(declared, NoFluctuation):
+    statistics = scene.receiver.fluctuation.statistics
+    if statistics is None:
         return None
-    pings = declared.correlation_time * scene.sonar.ping_rate  # type: ignore[attr-defined]
+    pings = statistics.correlation_time * scene.sonar.ping_rate
     return Fluctuation(
         seed=scene.seed,
         half_width=max(pings / CORRELATION_LAG, 0.5),
-        spread=declared.level * math.log(10.0) / 10.0,  # type: ignore[attr-defined]
-        delay=0.5 * arrays.water.reference * declared.travel_time / arrays.bin_length,  # type: ignore[attr-defined]
+        spread=statistics.level * math.log(10.0) / 10.0,
+        delay=0.5 * arrays.water.reference * statistics.travel_time / arrays.bin_length,
     )

@@ -19,7 +19,6 @@ from insonify.receiver.levels import crosstalk, noise_level, power, reverberatio
 from insonify.receiver.random_fields import ExponentialField, make_field
 from insonify.receiver.speckle import Speckle, divide_by_shape, make_speckle
 from insonify.scene import Scene
-from insonify.scene.speckles.coherent import Coherent
 
 Record = NDArray[np.float32]
 Curve = NDArray[np.float64]
@@ -105,7 +104,7 @@ def make_reception(
         fluctuation=make_fluctuation(scene, arrays),
         speckle=make_speckle(scene, arrays),
         divided_by_shape=divide_by_shape(scene, arrays, k_shapes),
-        coherent=isinstance(scene.receiver.speckle, Coherent),
+        coherent=scene.receiver.speckle.interferes,
         crosstalk=crosstalk(scene),
         source=source,
         noise=noise,

@@ -18,9 +18,6 @@ from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.speckle.random_fields import transform_distribution
 from insonify.receiver.random_fields import ExponentialField, make_field
 from insonify.scene import Scene
-from insonify.scene.speckles.coherent import Coherent
-from insonify.scene.speckles.k import K
-from insonify.scene.speckles.none import NoSpeckle
 
 SMALLEST_SHAPE, LARGEST_SHAPE = 0.05, 1e4
 ROWS = 8  # of the table of quantiles, per doubling of the shape
@@ -99,24 +96,23 @@ def make_speckle(scene: Scene, arrays: SceneArrays) -> Speckle | None:
     as resolution cells overlap, rθ along the track.
     """
     declared = scene.receiver.speckle
-    if isinstance(declared, NoSpeckle):
+    if not declared.speckled:
         return None
     speed, pulse = arrays.water.reference, scene.sonar.pulse
     taps = coherent_taps(pulse, speed, arrays.bin_length)
     advance = scene.track.speed / scene.sonar.ping_rate
     wavelength = speed / scene.sonar.frequency
     field = make_field(scene.seed, SPECKLE, taps, 0.5 * wavelength / coherence_angle(arrays) / advance)
-    if isinstance(declared, Coherent):
-        return Speckle(
-            field, 1, None
-        )  # of the reverberation; the scatterers of the bed interfere one by one in the tracer
-    if not isinstance(declared, K):
-        return Speckle(field, declared.looks, None)  # type: ignore[attr-defined]
+    # Where scatterers interfere in the tracer, these are the factors of the reverberation alone.
+    looks, declared_texture = declared.independent_records, declared.texture
+    if declared_texture is None:
+        return Speckle(field, looks, None)
+    shape, cell = declared_texture
     width = along_track_angle(arrays) * bin_centres(arrays)
     length = float(pulse_taps(pulse, speed, arrays.bin_length).weights.sum()) * arrays.bin_length
-    growth = np.ones(arrays.bins) if declared.cell is None else width * length / declared.cell
-    texture = BedTexture(make_field(scene.seed, TEXTURE, taps, width / advance), declared.shape, growth)
-    return Speckle(field, declared.looks, texture)
+    growth = np.ones(arrays.bins) if cell is None else width * length / cell
+    texture = BedTexture(make_field(scene.seed, TEXTURE, taps, width / advance), shape, growth)
+    return Speckle(field, looks, texture)
 
 
 def divide_by_shape(scene: Scene, arrays: SceneArrays, k_shapes: Sequence[float | None]) -> NDArray[np.float64] | None:
@@ -136,10 +132,10 @@ def divide_by_shape(scene: Scene, arrays: SceneArrays, k_shapes: Sequence[float 
     (materials, 3) float64 or None
         None where no material has a shape of its own. The exponent of the lobe stays as it is.
     """
-    speckle = scene.receiver.speckle
-    if not isinstance(speckle, K) or all(shape is None for shape in k_shapes):
+    texture = scene.receiver.speckle.texture
+    if texture is None or all(shape is None for shape in k_shapes):
         return None
-    shapes = np.array([shape or speckle.shape for shape in k_shapes])
+    shapes = np.array([shape or texture.shape for shape in k_shapes])
     divided: NDArray[np.float64] = arrays.reflectivity / np.stack([shapes, shapes, np.ones(shapes.size)], axis=1)
     return divided
 

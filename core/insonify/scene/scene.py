@@ -11,7 +11,6 @@ from insonify.scene.base import Declaration, Place, parameter
 from insonify.scene.receiver import Receiver
 from insonify.scene.seabed import Seabed
 from insonify.scene.sonar import Sonar
-from insonify.scene.speckles.coherent import Coherent
 from insonify.scene.targets import AnyTarget
 from insonify.scene.track import Track
 from insonify.scene.waters import AnyWater
@@ -50,9 +49,9 @@ class Scene(Declaration):
     @model_validator(mode="after")
     def _ping_rate_fits_the_range(self) -> Scene:
         # Other waters tell their speed once they are laid out.
-        if isinstance(self.water, UniformWater):
-            self.sonar.refuse_haste(self.water.sound_speed)
-            self.sonar.refuse_long_pulse(self.water.sound_speed)
+        if self.water.only_speed is not None:
+            self.sonar.refuse_haste(self.water.only_speed)
+            self.sonar.refuse_long_pulse(self.water.only_speed)
         return self
 
     @model_validator(mode="after")
@@ -101,7 +100,7 @@ class Scene(Declaration):
 
     @model_validator(mode="after")
     def _scatterers_interfere(self) -> Scene:
-        if not isinstance(self.receiver.speckle, Coherent):
+        if not self.receiver.speckle.interferes:
             return self
         if self.sonar.law == "light":
             raise ValueError(

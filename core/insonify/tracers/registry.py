@@ -8,7 +8,6 @@ from typing import Protocol
 
 from insonify.kernels.common.types import SceneArrays
 from insonify.scene import Scene
-from insonify.scene.speckles.coherent import Coherent
 from insonify.tracers import march, rays, scatterers, sweep
 from insonify.tracers.blocks import Record
 
@@ -70,5 +69,5 @@ def make_tracer(method: str, scene: Scene, arrays: SceneArrays) -> Tracer:
     SceneError
         If the scene is too large for its tracer.
     """
-    coherent = isinstance(scene.receiver.speckle, Coherent)
+    coherent = scene.receiver.speckle.interferes
     return TRACERS["scatterers" if coherent else method](scene, arrays)

@@ -23,7 +23,6 @@ from insonify.packing.navigation import take_poses
 from insonify.packing.surface_patches import make_surface_patches
 from insonify.scene import Scene, SceneError
 from insonify.scene.pulses import PulseKind as DeclaredPulse
-from insonify.scene.speckles.coherent import Coherent
 from insonify.tracers.azimuth_fan import lay_planes
 from insonify.tracers.blocks import Record, empty_record, trace_blocks
 
@@ -116,12 +115,10 @@ def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
     SceneError
         If there are more of them than can be heard one by one.
     """
-    declared = scene.receiver.speckle
-    assert isinstance(declared, Coherent)
     speed, pulse = arrays.water.reference, scene.sonar.pulse
     width = along_track_angle(arrays) * bin_centres(arrays)
     length = float(pulse_taps(pulse, speed, arrays.bin_length).weights.sum()) * arrays.bin_length
-    density = declared.density or IN_A_CELL / (float(width[arrays.bins // 2]) * length)
+    density = scene.receiver.speckle.scatterer_density or IN_A_CELL / (float(width[arrays.bins // 2]) * length)
     count = 2.0 * density * float(width.sum()) * arrays.bin_length
     if count > MOST:
         raise SceneError(

@@ -10,9 +10,10 @@ from typing import Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from insonify.acoustics.absorption import NEPER_PER_DB, absorption_coefficient
+from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError
+from insonify.scene.absorptions import NEPER_PER_DB
 from insonify.scene.absorptions.francois_garrison import FrancoisGarrison
 from insonify.scene.base import Declaration
 from insonify.scene.beams.line_array import LineArray

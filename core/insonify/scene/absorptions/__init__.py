@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 from insonify.scene.base import Choice
 from insonify.scene.kinds import Family
 
 ABSORPTIONS = Family("absorptions", "insonify.scene.absorptions")
+NEPER_PER_DB = math.log(10.0) / 20.0
 
 
 class AbsorptionKind(Choice):

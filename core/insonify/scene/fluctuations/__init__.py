@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from insonify.scene.base import Choice
 from insonify.scene.kinds import Family
 
 FLUCTUATIONS = Family("fluctuations", "insonify.scene.fluctuations")
 
 
+class LevelStatistics(NamedTuple):
+    """Lognormal levels and normal delays: standard deviations (dB, s) and the time (s) after which 1/e is left."""
+
+    level: float
+    correlation_time: float
+    travel_time: float
+
+
 class FluctuationKind(Choice):
     """How pings differ in loudness."""
 
     family = FLUCTUATIONS
+
+    @property
+    def statistics(self) -> LevelStatistics | None:
+        """How levels and delays are distributed; None where pings do not differ."""
+        return None

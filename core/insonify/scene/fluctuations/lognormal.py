@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.fluctuations import FluctuationKind
+from insonify.scene.fluctuations import FluctuationKind, LevelStatistics
 
 
 class Lognormal(FluctuationKind):
@@ -33,3 +33,8 @@ class Lognormal(FluctuationKind):
         le=0.01,
         slider=(0.0, 1e-3),
     )
+
+    @property
+    def statistics(self) -> LevelStatistics:
+        """How levels and delays are distributed."""
+        return LevelStatistics(self.level, self.correlation_time, self.travel_time)

@@ -12,3 +12,8 @@ class NoiseKind(Choice):
     """What is heard without any echo."""
 
     family = NOISES
+
+    @property
+    def mean_level(self) -> float | None:
+        """Mean level in dB of noise of exponential intensity; None for silence."""
+        return None

@@ -21,3 +21,8 @@ class AmbientNoise(NoiseKind):
         le=200.0,
         slider=(-150.0, 120.0),
     )
+
+    @property
+    def mean_level(self) -> float:
+        """Mean level, in dB."""
+        return self.level

@@ -12,3 +12,13 @@ class ReverberationKind(Choice):
     """Echoes of the water and its surface."""
 
     family = REVERBERATIONS
+
+    @property
+    def of_volume(self) -> float | None:
+        """Backscattering strength of a cubic metre of water, in dB; None where it does not echo."""
+        return None
+
+    @property
+    def of_surface(self) -> float | None:
+        """Backscattering strength of a square metre of the sea surface, in dB; None where it does not echo."""
+        return None

@@ -16,3 +16,13 @@ class WholeReverberation(ReverberationKind):
     kind: Literal["both"] = "both"
     volume_strength: float = volume_strength()
     surface_strength: float = surface_strength()
+
+    @property
+    def of_volume(self) -> float:
+        """Backscattering strength of a cubic metre of water, in dB."""
+        return self.volume_strength
+
+    @property
+    def of_surface(self) -> float:
+        """Backscattering strength of a square metre of the sea surface, in dB."""
+        return self.surface_strength

@@ -26,3 +26,8 @@ class SurfaceReverberation(ReverberationKind):
     rank = 30
     kind: Literal["surface"] = "surface"
     surface_strength: float = surface_strength()
+
+    @property
+    def of_surface(self) -> float:
+        """Backscattering strength of a square metre of the sea surface, in dB."""
+        return self.surface_strength

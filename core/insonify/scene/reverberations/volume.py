@@ -26,3 +26,8 @@ class VolumeReverberation(ReverberationKind):
     rank = 20
     kind: Literal["volume"] = "volume"
     volume_strength: float = volume_strength()
+
+    @property
+    def of_volume(self) -> float:
+        """Backscattering strength of a cubic metre of water, in dB."""
+        return self.volume_strength

@@ -12,6 +12,7 @@ class Coherent(SpeckleKind):
     """Every patch of bed and target carries scatterers whose echoes interfere; slow, and by the sweep alone."""
 
     rank = 40
+    interferes = True
     kind: Literal["coherent"] = "coherent"
     density: float | None = parameter(
         None,
@@ -22,3 +23,8 @@ class Coherent(SpeckleKind):
         slider=(1.0, 1e4),
         log=True,
     )
+
+    @property
+    def scatterer_density(self) -> float | None:
+        """Scatterers per square metre."""
+        return self.density

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.speckles import SpeckleKind
+from insonify.scene.speckles import SpeckleKind, Texture
 
 
 class K(SpeckleKind):
@@ -32,3 +32,13 @@ class K(SpeckleKind):
         slider=(1e-3, 10.0),
         log=True,
     )
+
+    @property
+    def independent_records(self) -> int:
+        """Number of independent records that are averaged."""
+        return self.looks
+
+    @property
+    def texture(self) -> Texture:
+        """Gamma-distributed strength of the bed."""
+        return Texture(self.shape, self.cell)

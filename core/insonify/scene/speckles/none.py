@@ -11,4 +11,5 @@ class NoSpeckle(SpeckleKind):
     """The mean echo."""
 
     rank = 10
+    speckled = False
     kind: Literal["none"] = "none"

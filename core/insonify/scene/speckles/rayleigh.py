@@ -14,3 +14,8 @@ class Rayleigh(SpeckleKind):
     rank = 20
     kind: Literal["rayleigh"] = "rayleigh"
     looks: int = parameter(1, description="independent records averaged", ge=1, le=64, slider=(1, 16), log=True)
+
+    @property
+    def independent_records(self) -> int:
+        """Number of independent records that are averaged."""
+        return self.looks

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from insonify.scene.absorptions import ABSORPTIONS, AbsorptionKind
 from insonify.scene.absorptions.none import NoAbsorption
@@ -11,13 +14,43 @@ from insonify.scene.kinds import Family, KindOf
 from insonify.scene.surfaces import SURFACES, SurfaceKind
 from insonify.scene.surfaces.none import NoSurface
 
+Values = NDArray[np.float64]
 WATERS = Family("waters", "insonify.scene.waters")
 
 
+class SoundSpeeds(NamedTuple):
+    """Speed of sound at depths and at distances along a level line, straight between.
+
+    Attributes
+    ----------
+    depth : (n,) float64
+        Metres, increasing.
+    speed : (m, n) float64
+        m/s.
+    distance : (m,) float64
+        Metres along a line through the scene's (0, 0), increasing; one for water that is everywhere the same.
+    heading : float
+        Of that line, radians counter-clockwise from +x.
+    """
+
+    depth: Values
+    speed: Values
+    distance: Values = np.zeros(1)
+    heading: float = 0.0
+
+
 class WaterKind(Choice):
-    """What every kind of water has beside its speed of sound."""
+    """What every kind of water has beside its speed of sound.
+
+    Attributes
+    ----------
+    varies_along : bool
+        Whether its speed differs from place to place.
+    """
 
     family = WATERS
+
+    varies_along: ClassVar[bool] = False
     reference_speed: float | None = parameter(
         None,
         unit="m/s",
@@ -32,6 +65,31 @@ class WaterKind(Choice):
     surface: Annotated[SurfaceKind, KindOf(SURFACES, default="none")] = parameter(
         NoSurface(), description="the sea surface as a mirror, and the ghosts that it makes"
     )
+
+    @property
+    def only_speed(self) -> float | None:
+        """Speed of sound of water that has one, in m/s."""
+        return None
+
+    @property
+    def version(self) -> tuple[int, int] | None:
+        """Version of the file that it is read from, None if there is none."""
+        return None
+
+    def sound_speeds(self) -> SoundSpeeds:
+        """Speed of sound by depth, and by distance where it differs from place to place.
+
+        Raises
+        ------
+        SceneError
+            If a cast cannot be read or is no water that sound could pass.
+        """
+        raise NotImplementedError
+
+
+def speeds_by_depth(depth: ArrayLike, speed: ArrayLike) -> SoundSpeeds:
+    """Speeds (m/s) at depths (m) of water that is everywhere the same."""
+    return SoundSpeeds(np.asarray(depth, dtype=np.float64), np.asarray(speed, dtype=np.float64)[None, :])
 
 
 AnyWater = Annotated[WaterKind, KindOf(WATERS, default="uniform")]

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from insonify.scene.base import parameter
+from insonify.scene.waters import SoundSpeeds, Values, speeds_by_depth
 from insonify.scene.waters.layered import (
     Equation,
     LayeredWater,
     check_length,
 )
+from insonify.scene.waters.polyline import CURVE_TOLERANCE, approximate_by_segments
+from insonify.scene.waters.sound_speed import EQUATIONS
 
 Temperature = Annotated[float, Field(ge=-2.0, le=40.0)]
 
@@ -39,3 +43,14 @@ class HydrographyWater(LayeredWater):
         if isinstance(self.salinity, tuple):
             check_length("salinity", len(self.salinity), self.depth)
         return self
+
+    def sound_speeds(self) -> SoundSpeeds:
+        """Speed by the equation; temperature and salinity are straight between the depths, the speed is not."""
+        depth = np.array(self.depth)
+        salinity = np.broadcast_to(np.asarray(self.salinity, dtype=np.float64), depth.shape)
+
+        def speed(places: Values) -> Values:
+            temperature = np.interp(places, depth, np.array(self.temperature))
+            return EQUATIONS[self.equation](temperature, np.interp(places, depth, salinity), places)
+
+        return speeds_by_depth(*approximate_by_segments(speed, depth, CURVE_TOLERANCE))

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
+import numpy as np
 from pydantic import model_validator
 
 from insonify.scene.base import parameter
+from insonify.scene.waters import SoundSpeeds, speeds_by_depth
 from insonify.scene.waters.layered import (
     SPEEDS,
     Interpolation,
@@ -14,6 +16,7 @@ from insonify.scene.waters.layered import (
     Speed,
     check_length,
 )
+from insonify.scene.waters.polyline import CURVE_TOLERANCE, approximate_pchip
 
 
 class ProfileWater(LayeredWater):
@@ -33,3 +36,9 @@ class ProfileWater(LayeredWater):
     def _one_speed_each(self) -> ProfileWater:
         check_length("sound_speed", len(self.sound_speed), self.depth)
         return self
+
+    def sound_speeds(self) -> SoundSpeeds:
+        """Speed between the depths, straight or along a curve."""
+        if self.interpolation == "linear":
+            return speeds_by_depth(self.depth, self.sound_speed)
+        return speeds_by_depth(*approximate_pchip(np.array(self.depth), np.array(self.sound_speed), CURVE_TOLERANCE))

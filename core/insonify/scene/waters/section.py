@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from insonify.scene.base import parameter
+from insonify.scene.waters import SoundSpeeds
 from insonify.scene.waters.layered import (
     SPEEDS,
     LayeredWater,
@@ -21,6 +24,7 @@ class SectionWater(LayeredWater):
 
     table: ClassVar[frozenset[str]] = frozenset({"distance", "depth", "sound_speed"})
     rank = 50
+    varies_along = True
     kind: Literal["section"] = "section"
     distance: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], ...] = parameter(
         (0.0, 200.0), unit="m", description="places of the profiles along the line", slider=(-100.0, 100.0)
@@ -55,3 +59,9 @@ class SectionWater(LayeredWater):
         for number, profile in enumerate(self.sound_speed):
             check_length(f"sound_speed.{number}", len(profile), self.depth)
         return self
+
+    def sound_speeds(self) -> SoundSpeeds:
+        """Speeds of the profiles along the line."""
+        return SoundSpeeds(
+            np.array(self.depth), np.array(self.sound_speed), np.array(self.distance), math.radians(self.heading)
+        )
