@@ -14,39 +14,38 @@ from typing import NoReturn
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """Give a path beside the final one to write to; on success it takes the final one's place.
+    """Yield a temporary path beside the final one; the finished file replaces the final one.
 
-    Whatever goes wrong, an interrupt or a request to end included, the old file stays as it was and nothing is left
-    beside it.
+    After an error, an interrupt or a request to terminate, the old file is unchanged and no temporary file is left.
 
     Parameters
     ----------
     path : str or Path
-        File to make or replace.
+        File to create or replace.
 
     Yields
     ------
     Path
-        Where to write; its suffix is that of ``path``.
+        Temporary path with the suffix of ``path``.
     """
     final = Path(path)
-    # A link is followed, so that the file it points to is the one replaced.
+    # A link is followed, so that the file it points to is replaced, not the link.
     final = final.resolve() if final.is_symlink() else final
     beside = final.with_name(f".{final.stem}.{os.getpid()}.part{final.suffix}")
     try:
-        with _ended_gently():
+        with _terminated_cleanly():
             yield beside
             beside.replace(final)
     except OSError as error:
-        # People know the file by its own name.
+        # The error names the final path, not the temporary one.
         raise type(error)(error.errno, error.strerror or str(error), str(path)) from error
     finally:
         beside.unlink(missing_ok=True)
 
 
 @contextmanager
-def _ended_gently() -> Iterator[None]:
-    """Let a request to end, as a scheduler sends it when time is up, run the clean-up that an interrupt does."""
+def _terminated_cleanly() -> Iterator[None]:
+    """Turn SIGTERM, which a scheduler sends when time is up, into an exit that runs the clean-up."""
     before = signal.getsignal(signal.SIGTERM)
     if before is not signal.SIG_DFL or threading.current_thread() is not threading.main_thread():
         yield

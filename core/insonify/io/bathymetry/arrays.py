@@ -1,4 +1,4 @@
-"""Grids of heights in NumPy's files, and the samples that come with matplotlib."""
+"""Grids of heights in files of NumPy, and the samples that come with matplotlib."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def read_sample(path: str) -> Grid:
 
 
 def _pick(path: str, stored: Mapping[str, Any]) -> NDArray[Any]:
-    """Choose the array that holds the heights."""
+    """Return the array that holds the heights: elevation or z, else the first 2-D array."""
     arrays = map(partial(_get, path, stored), [*(name for name in NAMES if name in stored), *stored])
     found = next((array for array in arrays if array.ndim == 2), None)
     if found is None:
@@ -67,7 +67,7 @@ def _get(path: str, stored: Mapping[str, Any], name: str) -> NDArray[Any]:
 
 
 def _heights(path: str, array: NDArray[Any]) -> NDArray[np.float64]:
-    """Check an array and turn what is not finite into NaN."""
+    """Check an array of heights and replace infinite values by NaN."""
     if array.ndim != 2:
         raise BATHYMETRY.refusal(path, f"has {array.ndim} dimensions", "save the heights as a 2-D array")
     check_type(path, array.dtype)

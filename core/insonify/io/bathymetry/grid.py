@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from insonify.io.formats import FormatRegistry
 
-# A bed of 16384² float32 nodes is 1 GB; a larger file was surely meant to be cropped.
+# A bed of 16384² float32 nodes takes 1 GB.
 LARGEST_SIDE = 16384
 
 
@@ -52,6 +52,6 @@ def check_size(path: str, shape: tuple[int, ...]) -> None:
 
 
 def check_type(path: str, stored: np.dtype[Any]) -> None:
-    """Refuse numbers that are no heights: complex ones, truth values, text."""
+    """Refuse values that are not real numbers: complex numbers, booleans, text."""
     if stored.kind not in "fiu":
         raise BATHYMETRY.refusal(path, f"holds {stored} values", "save the heights as real numbers")

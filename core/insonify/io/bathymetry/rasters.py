@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 from insonify.io.bathymetry.grid import BATHYMETRY, Grid, check_size, check_type
 from insonify.io.formats import FileFormat
 
-ELEVATION = 1  # band of either format that holds the heights
+ELEVATION = 1  # band that holds the heights
 
 
 def read_raster(path: str) -> Grid:
-    """Read the first band of a raster; a BAG of varying resolution is laid out at its finest."""
+    """Read the first band of a raster; a BAG of varying resolution is resampled to its finest."""
     # GDAL takes a fifth of a second to load; only rasters need it.
     from rasterio.errors import NotGeoreferencedWarning, RasterioError
 
     try:
         with warnings.catch_warnings():
-            # A bare TIFF is welcome: the scene then gives its spacing.
+            # A TIFF without georeference is accepted: the scene gives its spacing.
             warnings.simplefilter("ignore", NotGeoreferencedWarning)
             with _open(path) as raster:
                 return _read(path, raster)
@@ -30,7 +30,7 @@ def read_raster(path: str) -> Grid:
 
 
 def _open(path: str) -> Any:
-    """Open a raster; a BAG of varying resolution would otherwise show only its coarse overview."""
+    """Open a raster, a BAG of varying resolution at its finest rather than at its coarse overview."""
     import rasterio
 
     raster = rasterio.open(path)
@@ -52,20 +52,20 @@ def _read(path: str, raster: Any) -> Grid:
         raise BATHYMETRY.refusal(
             path, "is not laid out north up", "warp it to a north-up grid, for example with gdalwarp"
         )
-    # A height belongs to the centre of its pixel; the last row is the southernmost.
+    # Heights lie at the centres of pixels; the last row is the southernmost.
     x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
     return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y))
 
 
 def _flipped(band: Any) -> NDArray[np.float64]:
-    """Rows from south to north, NaN where there is no height."""
+    """Heights with rows from south to north, NaN where there is none."""
     heights = np.ma.filled(band.astype(np.float64), np.nan)
     heights[~np.isfinite(heights)] = np.nan
     return np.ascontiguousarray(heights[::-1])
 
 
 def _check_metres(path: str, raster: Any) -> None:
-    """Refuse coordinates that are not metres; a grid without a reference system is taken to be in metres."""
+    """Refuse coordinates that are not in metres; a grid without a reference system is taken to be."""
     if raster.crs is None:
         return
     if raster.crs.is_geographic:

@@ -9,18 +9,18 @@ from scipy.sparse.csgraph import connected_components
 
 
 def wind_outwards(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Wind triangles alike across the edges they share, and closed surfaces counter-clockwise from outside.
+    """Wind neighbouring triangles alike, and closed surfaces counter-clockwise as seen from outside.
 
     Parameters
     ----------
     corners : (n, 3, 3) float64
-        Of the triangles; neighbours share corners to the last bit.
+        Corners of the triangles; neighbours share corners exactly.
 
     Returns
     -------
     (n, 3, 3) float64
-        The same triangles, some of them wound the other way. An open surface keeps the sense of its first triangle,
-        and one that has only one side, as a Möbius strip, its own.
+        The same triangles, some with reversed winding. An open surface keeps the winding of its first triangle; a
+        surface with one side, such as a Möbius strip, is unchanged.
     """
     n = len(corners)
     first, second, alike = _neighbours(_numbered(corners.reshape(-1, 3)).reshape(n, 3))
@@ -33,7 +33,7 @@ def wind_outwards(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _numbered(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Give equal points the same number, from 0."""
+    """Return the number of each point among the distinct points, from 0."""
     order = np.lexsort(points.T)
     is_new = np.any(np.diff(points[order], axis=0) != 0.0, axis=1)
     number = np.empty(len(points), dtype=np.int64)
@@ -42,7 +42,7 @@ def _numbered(points: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def _neighbours(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-    """Pairs of triangles that alone share an edge, and whether they are wound alike: along it in opposite senses."""
+    """Pairs of triangles with an edge that no third one shares, and whether they run along it in opposite senses."""
     begin, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     forward = begin < end
     edge = np.minimum(begin, end) * (faces.max() + 1) + np.maximum(begin, end)
@@ -55,7 +55,7 @@ def _neighbours(faces: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np
 def _flips(
     first: NDArray[np.int64], second: NDArray[np.int64], alike: NDArray[np.bool_], surface: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
-    """Triangles to wind the other way, by the double cover: every triangle stands there once in either sense."""
+    """Triangles to reverse, found on the double cover, which holds every triangle once in either winding."""
     n = surface.size
     side = np.where(alike, 0, n)
     cover = _components(np.concatenate([first, first + n]), np.concatenate([second + side, second + n - side]), 2 * n)
@@ -70,6 +70,6 @@ def _components(first: NDArray[np.int64], second: NDArray[np.int64], n: int) -> 
 
 
 def _volumes(corners: NDArray[np.float64], surface: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Signed volume that each surface encloses, by the tetrahedra to a point near by."""
+    """Signed volume of each surface, summed over tetrahedra from the centroid."""
     a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
     return np.bincount(surface, weights=(a * np.cross(b, c)).sum(axis=1)) / 6.0

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 RECORDS: FormatRegistry[xr.Dataset] = FormatRegistry("a record", "insonify.io.records", "insonify.record_formats")
-# What a record is shown by, and over which dimensions.
-LAID_OUT = {"intensity": ACROSS, "slant_range": ACROSS[2:]} | {
+# Variables that drawing needs, with their dimensions.
+NEEDED = {"intensity": ACROSS, "slant_range": ACROSS[2:]} | {
     f"platform_{name}": ACROSS[1:2] for name in ("x", "y", "altitude")
 }
-UNTOLD = ("platform_altitude",)  # may be NaN for some pings or all
+OPTIONAL_VALUES = ("platform_altitude",)  # may be NaN for some pings or all
 
 
 def read_record(path: str | Path) -> xr.Dataset:
@@ -30,7 +30,7 @@ def read_record(path: str | Path) -> xr.Dataset:
     Parameters
     ----------
     path : str or Path
-        A recording, or a record as written here.
+        A file of one of the formats of `RECORDS`.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def write_record(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     Parameters
     ----------
     path : str or Path
-        File to make or replace; it appears only when whole.
+        File to create or replace; it appears only when complete.
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
     """
@@ -69,14 +69,14 @@ def write_record(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
 
 
 def _fault(record: xr.Dataset) -> str | None:
-    """Say what keeps a file from being a record of pings that can be shown."""
-    lacking = [name for name in LAID_OUT if name not in record.variables]
+    """Return what keeps a dataset from being a record that can be drawn, None if nothing does."""
+    lacking = [name for name in NEEDED if name not in record.variables]
     if lacking:
         return f"it lacks {', '.join(lacking)}"
-    for name, dimensions in LAID_OUT.items():
+    for name, dimensions in NEEDED.items():
         if record[name].dims != dimensions or record[name].dtype.kind not in "fiu":
             return f"{name} is not of numbers over {', '.join(dimensions)}"
-        if name not in UNTOLD and not np.isfinite(record[name].values).all():
+        if name not in OPTIONAL_VALUES and not np.isfinite(record[name].values).all():
             return f"{name} holds what is no number"
     sizes = tuple(record.sizes[name] for name in ACROSS)
     if sizes[0] != len(CHANNELS) or 0 in sizes:

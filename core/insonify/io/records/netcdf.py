@@ -1,4 +1,4 @@
-"""Records as netCDF, block by block, so that memory does not grow with the length of the tow."""
+"""Records as netCDF, written block by block, so that memory does not grow with the number of pings."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ EPOCH = "nanoseconds since 1970-01-01"
 
 
 def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
-    """Write a record as it is made.
+    """Write a record block by block.
 
     Parameters
     ----------
     path : str or Path
-        File to make or replace; it appears only when whole.
+        File to create or replace; it appears only when complete.
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
     """
@@ -62,7 +62,7 @@ def _disk_errors() -> Iterator[None]:
 
 
 def append_to(file: Any, block: xr.Dataset) -> None:
-    """Append a block of pings to an open netCDF file; the first block lays the file out.
+    """Append a block of pings to an open netCDF file; the first block defines its variables.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def append_to(file: Any, block: xr.Dataset) -> None:
 
 
 def _lay_out(file: Any, block: xr.Dataset) -> None:
-    """Declare dimensions, variables and attributes; only the pings are without limit."""
+    """Define dimensions, variables and attributes; only the dimension of pings is unlimited."""
     for name, size in block.sizes.items():
         file.createDimension(name, None if name == ALONG else size)
     for name, variable in block.variables.items():
@@ -103,7 +103,7 @@ def _attributes(block: xr.Dataset, name: str, variable: xr.Variable) -> dict[str
         attributes |= {"units": EPOCH, "calendar": "proleptic_gregorian"}
     if variable.dtype.kind == "b":
         attributes["dtype"] = "bool"
-    # Coordinates that are no dimension are found again through those they belong to.
+    # CF lists auxiliary coordinates in an attribute of the variables that have them.
     others = [str(c) for c in block.coords if c not in block.dims and set(block[c].dims) <= set(variable.dims)]
     if name in block.data_vars and others:
         attributes["coordinates"] = " ".join(others)
@@ -111,7 +111,7 @@ def _attributes(block: xr.Dataset, name: str, variable: xr.Variable) -> dict[str
 
 
 def _stored(values: NDArray[Any]) -> NDArray[Any]:
-    """Return values as netCDF holds them: times as integers, truth as bytes, text as objects."""
+    """Return values as netCDF stores them: times as integers, booleans as bytes, text as objects."""
     if values.dtype.kind == "M":
         return values.astype("datetime64[ns]").astype(np.int64)
     if values.dtype.kind == "b":
@@ -120,7 +120,7 @@ def _stored(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return an attribute as netCDF takes it."""
+    """Return an attribute as netCDF stores it: a number, an array or text."""
     return (
         value if isinstance(value, (int, float, np.number, np.ndarray)) and not isinstance(value, bool) else str(value)
     )

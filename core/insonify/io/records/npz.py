@@ -1,4 +1,4 @@
-"""Records as NumPy archives: one array a variable."""
+"""Records as NumPy archives, one array for each variable."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ ATTRIBUTE = "attrs."  # before the names of attributes
 
 
 def write_npz(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
-    """Write a record as one array a variable; readable by ``numpy.load`` without pickles.
+    """Write a record as one array for each variable; readable by ``numpy.load`` without pickles.
 
-    An archive is written whole, so the record must fit in memory; a long tow belongs in netCDF.
+    An archive is written at once, so that the record must fit in memory; netCDF suits long tracks.
 
     Parameters
     ----------
     path : str or Path
-        File to make or replace; it appears only when whole.
+        File to create or replace; it appears only when complete.
     blocks : iterable of Dataset
         Successive pings. Variables and coordinates keep their names and shapes; attributes become ``attrs.<name>``.
     """

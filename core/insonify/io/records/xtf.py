@@ -1,7 +1,7 @@
 """Recordings in the eXtended Triton Format (XTF) of real side-scan sonars.
 
-pyxtf knows the layout of the packets; walking through them is done here, because its own loop trusts an index that
-lies beside the file (a pickle), lengths that may be zero, and channels that come in order.
+pyxtf defines the layout of the packets. Packets are walked here, because the loop of pyxtf relies on an index beside
+the file (a pickle), on lengths that may be zero, and on the order of channels.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
 
 SIDES = {1: 0, 2: 1}  # TypeOfChannel -> row: port, starboard
 SONAR_PACKET, MAGIC, FORMAT = 0, 0xFACE, 123
-BLOCK = 1024  # bytes of a file header; another for every six channels more
+BLOCK = 1024  # bytes of a file header; one more block for every six further channels
 SAMPLES = {2: "<u4", 3: "<u2", 5: "<f4", 8: "u1"}  # by SampleFormat
-UNTOLD = {1: "u1", 2: "<u2", 4: "<u4"}  # by BytesPerSample, where SampleFormat is 0
+BY_BYTES = {1: "u1", 2: "<u2", 4: "<u4"}  # by BytesPerSample, where SampleFormat is 0
 GROUND_RANGE = 2  # of CorrectionFlags
-DEFAULT_SPEED = 1500.0  # m/s
-WIDEST = 8  # bins per sample of the longest ping; more come from a corrupt range
+DEFAULT_SPEED = 1500.0  # m/s, where the file has no plausible one
+WIDEST = 8  # bins per sample of the longest ping; a corrupt range gives more
 
 
 class _Channel(NamedTuple):
-    """One side of one ping."""
+    """Echoes of one side of one ping."""
 
     amplitude: NDArray[np.float32]  # (samples,) near to far
     slant_range: float  # m, of its last edge
@@ -48,9 +48,9 @@ class _Ping(NamedTuple):
 def read_xtf(path: str | Path) -> xr.Dataset:
     """Read a side-scan recording.
 
-    Samples are amplitudes: in even patches of a raw recording they scatter by half their mean, as the envelope of
-    fully developed speckle does (0.523), where its square would scatter by as much as its mean. ``intensity`` is
-    their square, in the recorder's own units.
+    Samples are amplitudes: their standard deviation in even patches of a raw recording is half their mean, as for the
+    envelope of fully developed speckle (0.523); an intensity would have a ratio of 1. ``intensity`` is the square of
+    the samples, in the units of the recorder.
 
     Parameters
     ----------
@@ -61,8 +61,8 @@ def read_xtf(path: str | Path) -> xr.Dataset:
     -------
     Dataset
         As `simulate` makes it: dimensions (channel, ping_time, range_sample), ``intensity``, ``platform_*``. Intensity
-        is 0 where a ping was not recorded; what the file does not tell of the platform is NaN, and its x and y count
-        from the first fix, in metres east and north.
+        is 0 where a ping was not recorded; platform variables that the file lacks are NaN; x and y are metres east and
+        north of the first fix.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def read_xtf(path: str | Path) -> xr.Dataset:
 
 
 def _content(path: Path) -> NDArray[np.uint8]:
-    """Map the file, once it looks like one."""
+    """Map the content of a file that begins like an XTF file."""
     if not path.is_file():
         raise RECORDS.refusal(
             path, "does not exist" if not path.exists() else "is no file", "give the path of a recording"
@@ -97,7 +97,7 @@ def _content(path: Path) -> NDArray[np.uint8]:
 
 
 def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Ping]:
-    """Walk the packets; yield the pings that have a side-scan channel."""
+    """Yield the pings with a side-scan channel, packet by packet."""
     from pyxtf import XTFPacketStart, XTFPingHeader
 
     at = BLOCK * max(1, -(-_channels(header) // 6))
@@ -123,14 +123,14 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
 
 
 def _channels(header: Any) -> int:
-    """Channels of every kind, for the length of the header."""
+    """Count the channels of all kinds, which determine the length of the header."""
     kinds = ("Sonar", "Bathymetry", "Snippet", "EchoStrength", "Interferometry")
     arrays = int(header.NumberOfForwardLookArrays)
     return arrays + sum(int(getattr(header, f"NumberOf{kind}Channels")) for kind in kinds)
 
 
 def _sides(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> dict[int, _Channel]:
-    """Read the first port and the first starboard channel of a ping; others, of a second frequency, are left."""
+    """Read the first port and the first starboard channel of a ping, not those of a second frequency."""
     from pyxtf import XTFPingChanHeader
 
     size, at = ctypes.sizeof(XTFPingChanHeader), 0
@@ -151,8 +151,8 @@ def _sides(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> dict[
 
 
 def _samples(path: Path, info: Any, channel: Any, body: NDArray[np.uint8]) -> tuple[NDArray[Any], int]:
-    """Return the samples of a channel in the order stored, and their bytes."""
-    kind = SAMPLES.get(info.SampleFormat) if info.SampleFormat else UNTOLD.get(info.BytesPerSample)
+    """Return the samples of a channel in stored order, and their length in bytes."""
+    kind = SAMPLES.get(info.SampleFormat) if info.SampleFormat else BY_BYTES.get(info.BytesPerSample)
     if kind is None:
         raise RECORDS.refusal(
             path,
@@ -167,8 +167,8 @@ def _samples(path: Path, info: Any, channel: Any, body: NDArray[np.uint8]) -> tu
 
 
 def _channel(path: Path, ping: Any, channel: Any, samples: NDArray[Any]) -> _Channel:
-    """Scale the samples and settle how far they reach."""
-    # A weight N says that the samples were multiplied by 2^N to fill their integers.
+    """Scale the samples of a channel and determine their slant range."""
+    # A weight N means that the samples were multiplied by 2^N.
     amplitude = np.ldexp(np.abs(samples.astype(np.float64)), -int(np.clip(channel.Weight, -40, 40))).astype(np.float32)
     if not (np.isfinite(amplitude).all() and amplitude.max() < 1e18):  # its square must fit a float32
         raise RECORDS.refusal(path, f"has samples in ping {ping.PingNumber} that are no echoes", "export it again")
@@ -184,7 +184,7 @@ def _channel(path: Path, ping: Any, channel: Any, samples: NDArray[Any]) -> _Cha
 
 
 def _dataset(path: Path, header: Any, pings: list[_Ping]) -> xr.Dataset:
-    """Lay the pings out on one grid of slant range, the most usual."""
+    """Record of the pings on a common grid of slant range, with the median bin length."""
     import xarray as xr  # slow to import, and no other command needs it at its start
 
     channels = [side for ping in pings for side in ping.sides.values()]
@@ -211,7 +211,7 @@ def _dataset(path: Path, header: Any, pings: list[_Ping]) -> xr.Dataset:
 
 
 def _lay(row: NDArray[np.float32], channel: _Channel, bin_length: float) -> None:
-    """Put a channel into its row; one of another sample length is interpolated."""
+    """Store a channel in its row; one of another bin length is interpolated."""
     samples, step = channel.amplitude, channel.slant_range / channel.amplitude.size
     if abs(channel.slant_range - samples.size * bin_length) < 0.5 * bin_length:
         row[: samples.size] = samples[: row.size]

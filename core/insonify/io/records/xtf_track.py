@@ -1,4 +1,4 @@
-"""Where the sonar was, and when, by the headers of XTF pings: fields may be zero, repeated, or in other conventions."""
+"""Time and navigation from the headers of XTF pings, whose fields may be zero, repeated or in other conventions."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ KNOT = 1852.0 / 3600.0  # m/s
 
 
 def seconds(headers: list[Any]) -> NDArray[np.float64]:
-    """Return the times of pings since the first, by the clock of the day; dates are often wrong.
+    """Return the times of pings since the first, from the time of day, because dates are often wrong.
 
-    Pings are told apart to 10 ms; a recording without a clock runs at one ping a second.
+    The clock resolves 10 ms; a recording without a clock gets one ping a second.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def seconds(headers: list[Any]) -> NDArray[np.float64]:
     Returns
     -------
     (n,) float64
-        Seconds, midnight passed over.
+        Seconds, continued over midnight.
     """
     clock = (
         3600.0 * _column(headers, "Hour")
@@ -40,7 +40,7 @@ def seconds(headers: list[Any]) -> NDArray[np.float64]:
 
 
 def platform_columns(header: Any, headers: list[Any], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-    """Tell where the sonar was at every ping.
+    """Position, depth, altitude and attitude of the sonar at every ping.
 
     Parameters
     ----------
@@ -54,9 +54,9 @@ def platform_columns(header: Any, headers: list[Any], times: NDArray[np.float64]
     Returns
     -------
     tuple of (n,) float64
-        In the order and the units of ``layout.PLATFORM``, x and y from the first fix. Pings without telemetry take that
-        of their neighbours; quantities never told are NaN, and a track without positions runs straight along +y by the
-        speed recorded.
+        In the order and units of `insonify.io.record_schema.PLATFORM`, x and y from the first fix. Pings without
+        telemetry are interpolated; quantities that no ping has are NaN; a track without positions runs along +y at the
+        recorded speed.
     """
     names = ("SensorXcoordinate", "SensorYcoordinate", "SensorHeading", "SensorPitch", "SensorRoll", "SensorDepth")
     told = np.any([_column(headers, name) != 0.0 for name in (*names, "ShipGyro", "SensorPrimaryAltitude")], axis=0)
@@ -74,7 +74,7 @@ def platform_columns(header: Any, headers: list[Any], times: NDArray[np.float64]
 def _positions(
     header: Any, headers: list[Any], times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Metres east and north of the first fix."""
+    """Positions in metres east and north of the first fix."""
     x = _told(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
     y = _told(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
     limit = 180.0 if header.NavUnits == DEGREES else FARTHEST
@@ -88,7 +88,7 @@ def _positions(
     if header.NavUnits == DEGREES:
         per_degree = _metres_per_degree(y[first])
         east, north = east * per_degree[0], north * per_degree[1]
-    # Fixes come slower than pings and repeat; the sonar moves on between them.
+    # Fixes repeat because they are rarer than pings; positions between them are interpolated.
     moved = fixed.copy()
     moved[1:] &= (x[1:] != x[:-1]) | (y[1:] != y[:-1])
     moved[first] = True
@@ -109,7 +109,7 @@ def _column(headers: list[Any], name: str, unknown: float = 0.0) -> NDArray[np.f
 
 
 def _told(headers: list[Any], *names: str, unknown: float = 0.0) -> NDArray[np.float64]:
-    """First of several columns that is not all zero."""
+    """Return the first of several columns that is not all zero."""
     columns = [_column(headers, name, unknown) for name in names]
     return next((column for column in columns if column.any()), columns[0])
 
@@ -117,7 +117,7 @@ def _told(headers: list[Any], *names: str, unknown: float = 0.0) -> NDArray[np.f
 def _filled(
     values: NDArray[np.float64], known: NDArray[np.bool_], at: NDArray[np.float64] | None = None
 ) -> NDArray[np.float64]:
-    """Interpolate over what is not known; NaN where nothing is."""
+    """Interpolate values that are not known; NaN where none is."""
     if not known.any():
         return np.full(values.shape, np.nan)
     at = np.arange(values.size, dtype=np.float64) if at is None else at

@@ -18,7 +18,7 @@ Columns = dict[str, Values]
 
 @dataclass(frozen=True, eq=False)
 class Cast:
-    """A measured cast; it has a speed, or temperature and salinity, or all three.
+    """A measured cast with sound speed, or temperature and salinity, or all three.
 
     Attributes
     ----------

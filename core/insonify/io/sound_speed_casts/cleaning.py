@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from insonify.io.sound_speed_casts.cast import CASTS, Cast, Columns, Values
 
-BIN = 0.5  # m of depth that are averaged
-# Beyond these a sensor was in air, or is broken.
+BIN = 0.5  # m of depth over which rows are averaged
+# Values outside come from sensors in air or broken sensors.
 PLAUSIBLE = {"depth": (0.0, 12000.0), "temperature": (-3.0, 45.0), "salinity": (0.0, 45.0)}
-MOST_SOAK = 30.0  # m, depth down to which an instrument may be kept waiting until its sensors have settled
-PAUSE = 10.0  # times as long as half a metre usually takes
-DESCENT = 0.5  # share of the depths that a way down has to cover to be one
+DEEPEST_SOAK = 30.0  # m, above which an instrument may wait until its sensors have settled
+PAUSE = 10.0  # times the median duration of a bin of depth that counts as waiting
+DESCENT = 0.5  # share of the range of depths that a descent covers at least
 
 
 def clean_cast(path: str, columns: Columns) -> Cast:
@@ -21,9 +21,9 @@ def clean_cast(path: str, columns: Columns) -> Cast:
     Parameters
     ----------
     path : str
-        Of the file, for what is said of it.
+        Of the file, for errors.
     columns : dict of str to (n,) float64
-        In the order measured.
+        Rows in the order measured.
 
     Returns
     -------
@@ -32,7 +32,7 @@ def clean_cast(path: str, columns: Columns) -> Cast:
     Raises
     ------
     SceneError
-        If less than a profile is left.
+        If fewer than two depths are left.
     """
     used = _used(path, columns)
     rows = np.flatnonzero(_plausible({name: columns[name] for name in used}))
@@ -49,7 +49,7 @@ def clean_cast(path: str, columns: Columns) -> Cast:
 
 
 def _used(path: str, columns: Columns) -> tuple[str, ...]:
-    """Columns that make up the water."""
+    """Names of the columns that make up the cast."""
     known = {name for name, column in columns.items() if np.isfinite(column).any()}
     if "depth" not in known:
         raise CASTS.refusal(path, "tells no depth", "name a column depth (m)")
@@ -63,7 +63,7 @@ def _used(path: str, columns: Columns) -> tuple[str, ...]:
 
 
 def _plausible(columns: Columns) -> NDArray[np.bool_]:
-    """Rows in which every number is there and could be of water."""
+    """Rows in which every value is present and plausible for sea water."""
     fine = np.ones(columns["depth"].shape, dtype=bool)
     for name, column in columns.items():
         low, high = PLAUSIBLE.get(name, (-np.inf, np.inf))
@@ -72,9 +72,9 @@ def _plausible(columns: Columns) -> NDArray[np.bool_]:
 
 
 def _way_down(depth: Values, time: Values | None) -> slice:
-    """Rows from the last start of the descent to the deepest; all of them if there is no such way."""
+    """Rows of the descent: from its last start to the deepest row; all rows if there is none."""
     deepest = int(depth.argmax())
-    # The last of the shallowest rows: what comes before went up.
+    # The last of the shallowest rows: rows before it belong to an ascent.
     start = deepest - int(depth[deepest::-1].argmin())
     if depth[deepest] - depth[start] < DESCENT * (depth.max() - depth.min()) or deepest == start:
         return slice(None)
@@ -84,14 +84,14 @@ def _way_down(depth: Values, time: Values | None) -> slice:
 
 
 def _after_soak(depth: Values, time: Values) -> int:
-    """Row at which the descent goes on after the last wait near the surface; 0 if it never waits.
+    """Row at which the descent continues after the last soak near the surface; 0 if there is none.
 
-    An instrument waits below the surface until its pump runs, and is often raised again before it goes down.
+    An instrument soaks below the surface until its pump runs, and is often raised again before the descent.
     """
     levels = np.arange(depth[0], depth[-1], BIN)
     reached = np.searchsorted(np.maximum.accumulate(depth), levels)
     taken = np.diff(time[reached])
-    waits = np.flatnonzero((taken > PAUSE * np.median(taken)) & (levels[1:] < min(MOST_SOAK, 0.5 * depth[-1])))
+    waits = np.flatnonzero((taken > PAUSE * np.median(taken)) & (levels[1:] < min(DEEPEST_SOAK, 0.5 * depth[-1])))
     if waits.size == 0:
         return 0
     first, last = int(reached[waits[-1]]) + 1, int(reached[waits[-1] + 1]) + 1
@@ -99,9 +99,9 @@ def _after_soak(depth: Values, time: Values) -> int:
 
 
 def _binned(depth: Values, column: Values) -> Values:
-    """Means over equal steps of depth that hold anything; noise, repeated and unsorted depths end here.
+    """Means over the bins of depth that hold rows, which removes noise and repeated or unsorted depths.
 
-    Depths are averaged like all else, so that a gradient stays what it is and sparse rows stay where they are.
+    Depths are averaged like the other columns, which keeps gradients and the place of sparse rows.
     """
     _, step = np.unique(np.floor(depth / BIN), return_inverse=True)
     return np.bincount(step, weights=column) / np.bincount(step)

@@ -1,4 +1,4 @@
-"""Sea-Bird's converted casts (.cnv)."""
+"""Converted casts of Sea-Bird instruments (.cnv)."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 from insonify.io.formats import FileFormat
 from insonify.io.sound_speed_casts.cast import CASTS, Columns, Values, read_text
 
-WIDTH = 11  # characters of a column, should numbers run together
-BAD = -9.99e-29  # stands for no value
-LATITUDE = 45.0  # at which pressure is taken for depth
-# Sea-Bird's names of columns, and what a unit of them is in ours.
+WIDTH = 11  # characters of a column, for tables whose numbers run together
+BAD = -9.99e-29  # marks a missing value
+LATITUDE = 45.0  # degrees, for depth from pressure
+# Names of columns and their units in seconds.
 SECONDS = {"timeS": 1.0, "timeM": 60.0, "timeH": 3600.0, "timeJ": 86400.0}
 CONDUCTIVITY = {"S/m": 10.0, "mS/cm": 1.0, "uS/cm": 1e-3}  # in mS/cm
-IPTS68 = 1.00024  # times as many degrees as on ITS-90
+IPTS68 = 1.00024  # degrees on IPTS-68 per degree on ITS-90 (Saunders 1990)
 
 
 def read_seabird(path: str) -> Columns:
@@ -28,7 +28,7 @@ def read_seabird(path: str) -> Columns:
     Returns
     -------
     dict of str to (n,) float64
-        Depth also where the file has pressure alone, salinity also where it has conductivity alone.
+        Depth is derived from pressure and salinity from conductivity where the file lacks them.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def read_seabird(path: str) -> Columns:
     if "flag" in known:
         for name in known.keys() - {"flag"}:
             known[name] = np.where(np.isnan(known["flag"]), np.nan, known[name])
-    return _meant(known)
+    return _identified(known)
 
 
 def _table(path: str, text: str, names: list[str]) -> Values:
@@ -69,8 +69,8 @@ def _table(path: str, text: str, names: list[str]) -> Values:
     return np.array(rows, dtype=np.float64).reshape(-1, len(names))
 
 
-def _meant(known: Columns) -> Columns:
-    """Pick out what is meant by Sea-Bird's names; of doubled sensors the first."""
+def _identified(known: Columns) -> Columns:
+    """Columns of the cast by Sea-Bird's names; of two sensors the first."""
     found = {}
     pressure = _first(known, r"pr(dM|DM|SM|M)")
     temperature = _first(known, r"t\w*(90|68)C")
@@ -90,7 +90,7 @@ def _meant(known: Columns) -> Columns:
 
 
 def _add_of_pressure(known: Columns, found: Columns, pressure: Values) -> None:
-    """Add depth and salinity where there are but pressure (dbar) and conductivity."""
+    """Add depth from pressure (dbar) and salinity from conductivity where the file lacks them."""
     import gsw  # a fifth of a second
 
     if "depth" not in found:

@@ -1,4 +1,4 @@
-"""Casts as plain text: sound-speed profiles of echo sounders, and tables."""
+"""Casts as text: sound-speed profiles of echo sounders, and tables."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from insonify.io.sound_speed_casts.cast import CASTS, Columns, Values, read_text
 
 BYTE_ORDER_MARK = "\u00ef\u00bb\u00bf"  # read as Latin-1
 SPEEDS = (1300.0, 1700.0)
-# What a header may call a column, lower case and without units.
+# Names of columns in a header, in lower case and without units.
 NAMES = {
     "time": r"time|seconds",
     "depth": r"depth|dep|z",
@@ -50,7 +50,7 @@ def read_profile(path: str) -> Columns:
 
 
 def read_table(path: str) -> Columns:
-    """Read a table with one name per column, or one whose columns show by themselves what they are.
+    """Read a table with a header of column names, or one whose columns are recognised by their values.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def _number(cell: str) -> float:
 
 
 def _header(line: str) -> dict[str, int]:
-    """Places of the columns that are known here; what stands in brackets is a unit."""
+    """Places of the known columns of a header; text in brackets is a unit."""
     bare = [re.sub(r"[\[(].*", "", cell).strip().lower() for cell in _cells(line)]
     found = {}
     for name, pattern in NAMES.items():
@@ -108,7 +108,7 @@ def _header(line: str) -> dict[str, int]:
 
 
 def _by_values(path: str, table: Values) -> Columns:
-    """Find depth and speed in a table without names: the speed is that of sound in water, the depth goes down."""
+    """Find the columns of depth and sound speed in a table without a header."""
     remedy = "put a line with the names of the columns first, depth and sound_speed among them"
     whole = [place for place in range(table.shape[1]) if np.isfinite(table[:, place]).all()]
     speeds = [place for place in whole if _is_speed(table[:, place])]
@@ -125,7 +125,7 @@ def _is_speed(column: NDArray[np.float64]) -> bool:
 
 
 def _is_depth(column: NDArray[np.float64]) -> bool:
-    """Whether a column goes down most of the time, by as much as there is to go."""
+    """Whether a column increases in most rows, over nearly its whole range."""
     steps = np.diff(column)
     return bool(column.min() >= -1.0 and steps.sum() >= 0.9 * np.ptp(column) > 0.0 and (steps > 0.0).mean() > 0.5)
 
