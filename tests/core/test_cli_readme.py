@@ -89,10 +89,11 @@ def test_pages_that_the_code_names_exist():
             assert (ROOT / path).is_file(), f"{source.name}: {path}"
 
 
-def test_paths_that_the_architecture_names_exist():
+def test_paths_that_the_documentation_names_exist():
     roots = (ROOT, ROOT / "core" / "insonify", ROOT / "app")
-    for page in ("index", "kernels", "extend"):
-        text = re.sub(r"```.*?```", "", PAGES[f"docs/architecture/{page}.md"], flags=re.DOTALL)
-        for path in re.findall(r"`([\w.-]+(?:/[\w.-]+)+)`", text):
+    for page, text in PAGES.items():
+        prose = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+        known = r"\.py|\.toml|\.md" if page.startswith("docs/howto") else r"\.\w+|"
+        for path in re.findall(rf"`([\w.-]+(?:/[\w.-]+)+(?:{known}))`", prose):
             place = re.sub(r"/NAME\.\w+$", "", path)
             assert any((root / place).exists() for root in roots), f"{page}: {path}"
