@@ -158,7 +158,7 @@ def arrays_of(
     reflectivity: Sequence[tuple[float, float, float]] = ((1.0, 0.0, 1.0),),
     spreading: bool = False,
 ) -> SceneArrays:
-    """Problem over (ny, nx) heights; everything is of the first material, and the range factor 1 unless spreading."""
+    """Scene over (ny, nx) heights; everything is of the first material, and the range factor 1 unless spreading."""
     centres = (np.arange(bins) + 0.5) * bin_length
     return SceneArrays(
         bed=bed_of(heights, spacing, x0=x0, y0=y0, periodic=periodic),

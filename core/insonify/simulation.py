@@ -19,7 +19,7 @@ from insonify.packing.scene_arrays import make_bed, pack_scene
 from insonify.packing.terrain_tiles import TerrainTiles
 from insonify.packing.track import TowLine, tow_line_at
 from insonify.planning import Plan, plan
-from insonify.receiver import Reception, make_reception, record_echoes
+from insonify.receiver import Reception, prepare_reception, record_echoes
 from insonify.scene import Scene, SceneError, scene_to_toml
 from insonify.terrain import AnyGround, build_ground
 from insonify.tracers.labels import PATHS, RecordLabels, trace_labels
@@ -158,18 +158,8 @@ def prepare(
         reduced=reduce_scene(arrays, bed=bed, ways=chosen.ways, bounces=chosen.bounces, targets=chosen.targets),
         tiles=TerrainTiles(kept, (arrays.bins + tracer.bins_beyond) * arrays.bin_length),
         tracer=tracer,
-        reception=_prepare_receiver(scene, ground, arrays),
+        reception=prepare_reception(scene, ground, arrays),
     )
-
-
-def _prepare_receiver(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> Reception:
-    """Receiver of a scene, for the height of the first ping."""
-    first = np.zeros(1, dtype=np.int64)
-    z = make_poses(scene, ground, first).z
-    altitude = max(float((z - bed_beneath(scene, ground, first))[0]), arrays.bin_length)
-    materials = (*ground.reflectivities, *(target.material.reflectivity for target in scene.targets))
-    k_shapes = [material.speckle_shape for material in materials]
-    return make_reception(scene, arrays, altitude=altitude, depth=-float(z[0] + ground.datum), k_shapes=k_shapes)
 
 
 def simulate(

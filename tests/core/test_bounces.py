@@ -29,7 +29,7 @@ CUBE_FACES = [
 
 
 def scene_of(interface, *, mesh=None, mesh_material=0, **options):
-    """A problem out of whose way the bed is, with the interface of each material."""
+    """A scene out of whose way the bed is, with the interface of each material."""
     if mesh is not None:
         mesh = mesh._replace(material=np.full(len(mesh.material), mesh_material))
     options = {"reflectivity": [(0.0, 0.0, 1.0)] * len(interface), "bins": 700, **options}

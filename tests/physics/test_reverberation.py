@@ -207,7 +207,7 @@ def test_an_even_bed_still_looks_even(receiver):
 
 
 def tabulated(width, columns=4001, **vertical):
-    """A problem whose pattern is a table of the top-hat, twice as broad as it."""
+    """A scene whose pattern is a table of the top-hat, twice as broad as it."""
     s, half = np.linspace(-1.0, 1.0, columns) * 2.0 * math.sin(0.5 * width), math.sin(0.5 * width)
     energy = np.clip((half - np.abs(s)) / (s[1] - s[0]) + 0.5, 0.0, 1.0)[None]
     integral = np.concatenate([[0.0], np.cumsum(0.5 * (energy[0, 1:] + energy[0, :-1]))])[None] * (s[1] - s[0])

@@ -208,7 +208,7 @@ class ScanFan:
         ----------
         ground : AnyGround
             The bed.
-        problem : Problem
+        arrays : SceneArrays
             Packed scene, for range and beam width.
         pose : Poses
             One pose.

@@ -85,6 +85,6 @@ def make_sound_speed_field(water: WaterKind) -> SoundSpeedField:
 
 @lru_cache(maxsize=16)
 def _kept_field(water: WaterKind, version: tuple[int, int] | None) -> SoundSpeedField:
-    del version  # part of the key alone: a file written anew is read anew
+    del version  # only part of the key: a changed file is read again
     depth, speed, distance, heading = water.sound_speeds()
     return SoundSpeedField(depth, distance, speed, heading)

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Values = NDArray[np.float64]
-ENDS = ("range", "bottom", "surface", "nowhere", "trapped")  # by the codes of `kernels.paths`
-POINTS = 201  # along a path, when no ranges are asked for
+ENDS = ("range", "bottom", "surface", "nowhere", "trapped")  # by the codes of `kernels.refraction.ray_paths`
+POINTS = 201  # of a path when no ranges are given
 
 
 def ray_paths(

@@ -31,11 +31,11 @@ from insonify.kernels.refraction.ray_paths import RayLimits, RayPoints, trace_ra
 from insonify.kernels.refraction.section_arcs import SectionPlane
 
 Values = NDArray[np.float64]
-ROOM = 64  # for rays that join two points, at first
+ROOM = 64  # eigenrays for which there is room at first
 FAN = 4000  # rays sent through a section to find those that join two points
 HALVINGS = 60  # of the angle between two rays of that fan
-SEAM = 1e-5  # of the farthest range looked at: two lit stretches this close are one
-CLOSE = 1e-6  # m by which a ray that joins two points may miss: more, and it is the brink of a shadow
+SEAM = 1e-5  # share of the farthest range: two insonified stretches this close are one
+CLOSE = 1e-6  # m by which an eigenray may miss its point; one that misses by more marks the edge of a shadow
 ALONG_STATIONS = SectionPlane(0.0, 1.0)
 
 
@@ -124,7 +124,7 @@ def _join_across(water: Water, span: EndPoints) -> Values:
     fan = _arrive(water, span, angles)
     first, last = fan[:-1], fan[1:]
     between = _opposite_signs(_miss(span, first), _miss(span, last))
-    # About an extremum of the height two more may hide.
+    # About an extremum of the height two more rays may lie between.
     nears = _rise(span, first) * _miss(span, first) < 0.0
     leaves = _rise(span, last) * _miss(span, last) > 0.0
     hidden = ~between & nears & leaves
@@ -148,7 +148,7 @@ def _opposite_signs(a: Values, b: Values) -> NDArray[np.bool_]:
 
 def _arrive(water: Water, span: EndPoints, angles: Values) -> Values:
     """Rays at the range of a point; column X holds their height there, NaN for those that do not come."""
-    # A point at an end of the water lies between rays that are sent back before it and behind it.
+    # A point on a reflecting boundary lies between rays that are reflected before it and beyond it.
     most = span.reflections + (span.z_to in (span.low, span.high))
     limits = RayLimits(span.x, span.low, span.high, most > 0, most > 0)
     points, _ = follow_paths(water, span.z_from, angles, np.array([span.x]), limits)
@@ -158,7 +158,7 @@ def _arrive(water: Water, span: EndPoints, angles: Values) -> Values:
     counted = {TURNS: points.turns, TOPS: points.tops, BOTTOMS: points.bottoms, GRAZED: points.grazed}
     for column, values in (kept | counted).items():
         rows[:, column] = values[:, 0]
-    # What ends before has its end for first point.
+    # A ray that ends before has its end as its first point.
     rows[(points.x[:, 0] != span.x) | (rows[:, TOPS] + rows[:, BOTTOMS] > most), X] = math.nan
     return rows
 
@@ -221,7 +221,7 @@ def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: flo
     pieces = lit.reshape(-1, 2)
     shadows, reached = [], 0.0
     for begin, end in pieces[np.argsort(pieces[:, 0], kind="stable")]:
-        # Rays on either side of a critical angle come to the same place, but for rounding.
+        # Rays on either side of a critical angle come to the same place within rounding.
         if begin > reached + SEAM * farthest:
             shadows.append((reached, min(begin, farthest)))
         reached = max(reached, end)

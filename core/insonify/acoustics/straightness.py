@@ -11,7 +11,7 @@ from insonify.acoustics.layers import make_sound_speed_field
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene
 
-DEPTHS = 64  # at which the way to the bed is looked at
+DEPTHS = 64  # at which the sound speed between sonar and bed is sampled
 
 
 class RefractionEffect(NamedTuple):

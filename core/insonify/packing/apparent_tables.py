@@ -17,7 +17,7 @@ from insonify.parallel import in_parallel
 
 SONAR_STEP = 0.25  # m, between heights of the sonar that have tables
 ROW_STEP, COLUMN_STEP = 0.25, 1.0  # m
-MOST_PLACES = 1 << 19  # of one table, 8 MB; mountains heard from afar are left to rays
+MOST_PLACES = 1 << 19  # of one table, 8 MB; larger scenes are traced by rays
 
 
 class _Extent(NamedTuple):
@@ -35,14 +35,14 @@ def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTab
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         The scene as kernels see it.
     poses : Poses
         Where the sonar is, n pings.
 
     Returns
     -------
-    bending : Bending
+    apparent : ApparentTables
         Tables at whole steps of height, so that each ping's depend on its own height alone.
     folded : (n,) bool
         Pings for which no tables hold: some place is reached by no ray or by several, the water differs along the
@@ -89,7 +89,7 @@ def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray
         return height, speed
     deep = arrays.bins * arrays.bin_length
     rate = (speed[1] - speed[0]) / (height[1] - height[0])
-    deepest = speed[0] - min(rate, 0.0) * deep  # sound that slows downwards does not come back
+    deepest = speed[0] - min(rate, 0.0) * deep  # where sound slows downwards rays do not come back
     return np.concatenate([[low - deep], height]), np.concatenate([[deepest], speed])
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from insonify.kernels.common.types import Poses, SceneArrays, Solids
 from insonify.scene import SceneError
 
-CLOSED = 0.99  # of the whole sphere, from where a shape is all around; one that is open shows less from anywhere
+CLOSED = 0.99  # share of the whole sphere that a closed mesh covers from inside; an open one covers less
 
 
 def refuse_sonar_in_solid(solids: Solids, statuses: list[int]) -> None:

@@ -14,7 +14,7 @@ from insonify.scene import Scene, SceneError
 from insonify.scene.motions import Axis
 from insonify.terrain import AnyGround, EndlessGround
 
-SAMPLES = 64  # of the bed to either side of the fish
+SAMPLES = 64  # samples of the bed to either side of the fish
 TOGETHER = 2048  # pings whose samples are held at once
 
 
@@ -83,7 +83,7 @@ def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> ND
     """
     share = np.arange(1 - SAMPLES, SAMPLES) / SAMPLES
     weight = (1.0 + np.cos(math.pi * share)) / (2.0 * SAMPLES)
-    # Of a track that goes by depth over a measured bed, the altitude is only known here.
+    # The altitude of a track at a depth over a measured bed is only known from its heights.
     reach = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed
     numbers = np.asarray(pings, dtype=np.float64)
     parts = np.array_split(numbers, math.ceil(max(numbers.size, 1) / TOGETHER))

@@ -37,7 +37,7 @@ def make_surface_patches(solids: Solids, mesh: Mesh) -> SurfacePatches:
 
     Returns
     -------
-    Skin
+    SurfacePatches
         Belts no wider than a metre; triangles halved until no edge is longer than that.
     """
     belts = [belt for body in range(solids.shape.size) for belt in _belts(solids, body) if belt.area > 0.0]

@@ -16,7 +16,7 @@ from insonify.terrain import AnyGround, EndlessGround
 
 Column = NDArray[Any]
 
-# Bent sound may go farther in the time of a slant range than straight sound does.
+# Refracted rays may go farther in the time of a slant range than straight ones.
 MARGIN = 1.1
 KEPT_BEDS = 2
 

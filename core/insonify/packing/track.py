@@ -15,7 +15,7 @@ from insonify.scene.rotation import exact_cos
 from insonify.scene.track import Track
 
 Column = NDArray[np.float64]
-STRAIGHT = 1e-30  # rad/m, below which no bend shows over any tow
+STRAIGHT = 1e-30  # rad/m, below which a turn is a straight line
 ANGLES = ("heading", "pitch", "roll")
 
 
@@ -70,7 +70,7 @@ def _follow_turns(track: Track, along: Column) -> TowLine:
     x, y, heading, curvature = pieces.x[at], pieces.y[at], pieces.heading[at], pieces.curvature[at]
     beyond = along - pieces.begin[at]
     # The chord of an arc through the angle 2a is 2 sin(a) / curvature long and lies at a to its beginning.
-    # Whole circles go first, so that it is as exact far along the tow.
+    # Whole circles are taken off first, so that it is as exact far along the tow.
     half = np.fmod(0.5 * curvature * beyond, 2.0 * math.pi)
     curved = np.abs(curvature) > STRAIGHT
     chord = np.where(curved, 2.0 * np.sin(half) / np.where(curved, curvature, 1.0), beyond)

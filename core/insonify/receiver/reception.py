@@ -13,12 +13,14 @@ from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps
 from insonify.kernels.common.streams import AMBIENT_NOISE
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.receiver.pulse import convolve_pulse
+from insonify.packing.navigation import bed_beneath, make_poses
 from insonify.parallel import in_parallel
 from insonify.receiver.fluctuation import Fluctuation, make_fluctuation
 from insonify.receiver.levels import crosstalk, noise_level, power, reverberation, time_varied_gain
 from insonify.receiver.random_fields import ExponentialField, make_field
 from insonify.receiver.speckle import Speckle, divide_by_shape, make_speckle
 from insonify.scene import Scene
+from insonify.terrain import AnyGround
 
 Record = NDArray[np.float32]
 Curve = NDArray[np.float64]
@@ -67,6 +69,30 @@ class Reception:
     def expected(self, echo: Curve) -> Curve:
         """Mean record of an even bed with the given echo of an ideal pulse, without reverberation, (bins,)."""
         return (echo * self.taps.weights.sum() * self.source + self.noise) * self.gain
+
+
+def prepare_reception(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> Reception:
+    """Prepare the receiver of a scene for the height of its first ping.
+
+    Parameters
+    ----------
+    scene : Scene
+        Gives pulse, receiver and seed.
+    ground : AnyGround
+        The bed.
+    arrays : SceneArrays
+        The packed scene.
+
+    Returns
+    -------
+    Reception
+    """
+    first = np.zeros(1, dtype=np.int64)
+    z = make_poses(scene, ground, first).z
+    altitude = max(float((z - bed_beneath(scene, ground, first))[0]), arrays.bin_length)
+    materials = (*ground.reflectivities, *(target.material.reflectivity for target in scene.targets))
+    k_shapes = [material.speckle_shape for material in materials]
+    return make_reception(scene, arrays, altitude=altitude, depth=-float(z[0] + ground.datum), k_shapes=k_shapes)
 
 
 def make_reception(

@@ -17,21 +17,21 @@ from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.sweep.sweep import LOWEST, AzimuthFan
 from insonify.packing.navigation import take_poses
 
-FEW = 16  # planes; with more than these all that is rough about a fan's planes shrinks as they come closer
+FEW = 16  # planes, beyond which the approximations below shrink with the spacing of the planes
 # Up to where cos θ reaches 1 - FORESHORTENED the beam's cone is followed azimuth by azimuth; beyond it the inner planes
 # begin to stretch with it: a plane at azimuth φ stands for the beam direction φ cos θ.
 FORESHORTENED = 0.1
-SPLAY = 0.4  # of that, by which inner planes lie further out than the half width divided among them
-# From an outer wedge's beginning to its end, as a share: of the first, and at most. They grow from wedge to wedge, for
-# with many planes the first are about as narrow as the inner ones, and those nearer to the bow are heard in few bins.
+SPLAY = 0.4  # share of FORESHORTENED by which inner planes lie farther out than equal parts of the half width
+# Growth of an outer sector from its beginning to its end, as a share: of the first sector, and at most. Sectors widen
+# outwards: with many planes the first are about as narrow as the inner ones, and those near the bow reach few bins.
 OUTER_GROWTH, MOST_GROWTH, WIDENING = 0.4, 1.2, 1.1
-# Nearer than twice the altitude planes may lie farther apart, for there a bin holds more of the bed: up to this share
-# of their number times their spacing.
+# Nearer than twice the altitude planes may lie farther apart, since a bin holds more of the bed there: up to this
+# share of their number times their spacing.
 COARSER = 0.2
-SIDELOBE_STEP = 2.0  # spacing of the planes across sidelobes, in that of the main lobe
-SIDELOBE_GROWTH = 0.25  # and its growth, as a share of the distance from the main lobe, over a bed without targets
-HEIGHTS_PER_OCTAVE = 16.0  # to which heights are rounded up
-PITCH_STEP = 0.5  # to which pitches are rounded, in half widths of the main lobe
+SIDELOBE_STEP = 2.0  # spacing of the planes across sidelobes over that across the main lobe
+SIDELOBE_GROWTH = 0.25  # growth of that spacing per distance from the main lobe, over a bed without targets
+HEIGHTS_PER_OCTAVE = 16.0  # steps to which heights are rounded up
+PITCH_STEP = 0.5  # step to which pitches are rounded, in half widths of the main lobe
 AT_NADIR = 1e-9  # per metre of height: all but nadir itself is far field to a plane that stands for a whole fan
 GROUND_RANGES = 256  # at which the beam's azimuths are looked at
 
@@ -41,7 +41,7 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         The scene as kernels see it.
     poses : Poses
         Where the sonar is and how it lies.
@@ -55,7 +55,7 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
         of the beam, so that a ping's planes depend on the ping alone and a level tow needs one set.
     """
     if planes == 1 and arrays.half_width > 0.0:
-        return [(np.arange(poses.x.size), whole_beam(arrays))]
+        return [(np.arange(poses.x.size), _whole_beam(arrays))]
     if not arrays.pattern.tabulated or arrays.half_width <= 0.0:
         return [(np.arange(poses.x.size), beam_planes(arrays.half_width, planes))]
     step = PITCH_STEP * arrays.half_width
@@ -74,7 +74,7 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
     for number, (height, pitch, spread) in enumerate(kinds):
         pitches = step * np.unique([pitch - spread, pitch + spread])
         if arrays.multipath.enabled and not arrays.pattern.two_way:
-            # What comes by the surface is heard if either way is in the beam, and its image is pitched the other way.
+            # A surface path is heard if either of its directions is in the beam; the image is pitched the other way.
             pitches = np.unique([*pitches, *-pitches])
         beam = pattern_planes(arrays, planes, 2.0 ** (height / HEIGHTS_PER_OCTAVE), pitches)
         laid.append((np.flatnonzero(which.ravel() == number), beam))
@@ -88,7 +88,7 @@ def lay_planes_of_images(
 
     Parameters
     ----------
-    problem, poses, planes
+    arrays, poses, planes
         As in `lay_planes`.
 
     Returns
@@ -107,12 +107,12 @@ def lay_planes_of_images(
     ]
 
 
-def whole_beam(arrays: SceneArrays) -> AzimuthFan:
+def _whole_beam(arrays: SceneArrays) -> AzimuthFan:
     """Lay one plane along the axis of a beam, to stand for all of it.
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         Its beam applies.
 
     Returns
@@ -153,7 +153,7 @@ def beam_planes(half_width: float, planes: int) -> AzimuthFan:
     level = 1.0 - FORESHORTENED * rough * rough
     near_field = level / math.sqrt(1.0 - level * level)
     splayed = (1.0 + SPLAY * (1.0 - level)) * half_width
-    # On one hand; of an odd number of planes the first wedge is halved, and stands for both halves.
+    # Sectors on one side; of an odd number of planes the first is halved, and stands for both halves.
     inner = np.append(0.0, splayed * np.arange(planes % 2 or 2, planes + 1, 2) / planes)
     edges, growth = [math.sin(splayed)], OUTER_GROWTH * rough * rough
     while edges[-1] < 1.0:
@@ -162,9 +162,9 @@ def beam_planes(half_width: float, planes: int) -> AzimuthFan:
     azimuths = np.concatenate([inner, np.arcsin(edges[1:])])
     low, high = np.sin(azimuths[:-1]), np.sin(azimuths[1:])
     is_inner = np.arange(low.size) < inner.size - 1
-    # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer wedge by the height.
+    # cos θ = x / r <= s_beam / s_low bounds the ground range of an outer sector by the height.
     beyond = np.maximum(low**2 - s_beam**2, 1e-30)
-    # A little further, for the segment that crosses the border counts by its middle.
+    # A little farther: the segment that crosses the border counts by its middle.
     outer_reach = 1.02 * np.minimum(s_beam / np.sqrt(beyond), (1.0 + TRANSITION) * near_field)
     columns = (
         0.5 * (azimuths[:-1] + azimuths[1:]),
@@ -188,7 +188,7 @@ def pattern_planes(arrays: SceneArrays, planes: int, height: float, pitches: NDA
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         Its beam and range apply.
     planes : int
         Planes across the main lobe.
@@ -291,7 +291,7 @@ class _Cone:
         taken = np.flatnonzero((off <= self.main_half * 1.001).any(axis=0))
         heard = np.flatnonzero((off <= self.half).any(axis=0))
         if not heard.size:
-            # What is nowhere heard is passed over, up to the nearest that is.
+            # Azimuths that are nowhere heard are skipped, up to the nearest that is.
             return float(max((off - self.half).min(), SIDELOBE_STEP * 2.0 * self.main / planes) / cosine)
         if not taken.size and not self.targets:
             growth = SIDELOBE_GROWTH * (off - self.main_half).min()
@@ -317,5 +317,5 @@ class _Cone:
         if places.size == 0:
             return 0.0
         last = int(places[-1])
-        # A little further, for the segment that crosses the border counts too; the slice ends at the range itself.
+        # A little farther: the segment that crosses the border counts too. The slice ends at the range itself.
         return float(self.x[min(last + 2, self.x.size - 1)] * (1.0 if last + 2 < self.x.size else 1.1))

@@ -18,7 +18,7 @@ from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_
 from insonify.scene import SceneError
 from insonify.tracers.blocks import Record, empty_record, trace_blocks
 
-WALK = 0.0  # in place of a step
+WALK = 0.0  # step that stands for an exact walk
 
 
 def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Record:
@@ -26,7 +26,7 @@ def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int |
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         The scene as kernels see it.
     poses : Poses
         Where the sonar is, n pings.
@@ -55,7 +55,7 @@ def cast(
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         The scene as kernels see it.
     origins : (n, 3) array_like
         Where the rays start: local x and y, height above the datum, in metres.
@@ -117,7 +117,7 @@ def follow(
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         The scene as kernels see it.
     origins, directions : (n, 3) array_like
         Where the rays start, in the water, and where they go; as in `cast`.

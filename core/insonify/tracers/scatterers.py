@@ -28,10 +28,13 @@ from insonify.tracers.blocks import Record, empty_record, trace_blocks
 
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
-MOST_SAMPLES, MOST_KNOTS = 1 << 25, 1 << 26  # of a line of waves, and of all planes of a beam: half a gigabyte each
+MOST_SAMPLES, MOST_KNOTS = (
+    1 << 25,
+    1 << 26,
+)  # samples of the summed waves, knots of all planes of a beam: half a gigabyte each
 MOST_PATCHES = 250_000  # of all boxes and meshes
-FAINT = 1e-3  # share of the beam's energy that may go unheard
-RESOLVED = 8  # cells of the line, at least, per resolution cell of the pulse
+FAINT = 1e-3  # share of the beam's energy that may be left out
+RESOLVED = 8  # least cells of the line per resolution cell of the pulse
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +44,9 @@ class ScattererTracer:
     Attributes
     ----------
     scatterers : Scatterers
-        How they are strewn.
+        Their density and positions.
     pulse : Pulse
-        What of them is heard at once.
+        Samples of the pulse's envelope, along which waves add up.
     """
 
     scatterers: Scatterers
@@ -51,7 +54,7 @@ class ScattererTracer:
 
     @property
     def bins_beyond(self) -> int:
-        """Bins beyond the last whose scatterers the pulse still hears within it."""
+        """Bins beyond the record's last whose scatterers the pulse still reaches within it."""
         return math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
 
     def trace(self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Record:
@@ -59,12 +62,13 @@ class ScattererTracer:
 
         Parameters
         ----------
-        problem : Problem
+        arrays : SceneArrays
             The scene as kernels see it.
         poses : Poses
             Where the sonar is, n pings.
         planes : int
-            Planes across the beam that tell what of the bed is in sight; two at least, for sight is told between them.
+            Planes across the beam, in which the sweep tells what of the bed is visible; at least two, for visibility is
+            interpolated between them.
         threads : int, optional
             Threads to use, all cores when left out. The result does not depend on it.
 
@@ -113,7 +117,7 @@ def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
     Raises
     ------
     SceneError
-        If there are more of them than can be heard one by one.
+        If there are more of them than can be traced one by one.
     """
     speed, pulse = arrays.water.reference, scene.sonar.pulse
     width = along_track_angle(arrays) * bin_centres(arrays)
@@ -127,9 +131,9 @@ def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
         )
     per_wave = 2.0 * scene.sonar.frequency / speed
     _refuse_large_meshes(arrays.mesh.corners)
-    skin = make_surface_patches(arrays.solids, arrays.mesh)
+    patches = make_surface_patches(arrays.solids, arrays.mesh)
     return ScattererTracer(
-        Scatterers(scene.seed, density, per_wave, skin), heard_at_once(pulse, speed, arrays.bin_length, arrays.bins)
+        Scatterers(scene.seed, density, per_wave, patches), heard_at_once(pulse, speed, arrays.bin_length, arrays.bins)
     )
 
 
@@ -159,7 +163,7 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, b
     """
     resolution = 0.5 * sound_speed * pulse.resolution or bin_length
     samples = math.ceil(min(bin_length / resolution, float(MOST_SAMPLES)) * (1.0 - 1e-9))
-    # An even number: the sample lies in the middle.
+    # An even number, so that the sample lies in the middle.
     cells = 2 * math.ceil(0.5 * RESOLVED * bin_length / samples / resolution)
     step = bin_length / samples / cells
     if bins * samples * cells > MOST_SAMPLES:
@@ -170,7 +174,7 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, b
     if pulse.length == 0.0:
         return PulseTaps(1, cells, np.full(cells, 1.0), cells // 2)
     reach = math.ceil(0.5 * sound_speed * pulse.length / step)
-    # A tone is heard after it has come, a chirp on either hand of it.
+    # The response to a tone lasts from its arrival, that to a compressed chirp extends to both sides of it.
     late = np.arange(2 * reach if pulse.two_sided else reach, dtype=np.float64)
     amplitudes = envelope(pulse, (reach - 0.5 - late) * step, sound_speed)
     energy = float(pulse_taps(pulse, sound_speed, bin_length).weights.sum()) * bin_length
@@ -208,7 +212,7 @@ def _extend_range(arrays: SceneArrays, bins: int) -> SceneArrays:
     return arrays._replace(bins=arrays.bins + bins, range_factor=factor)
 
 
-def _narrowed(arrays: SceneArrays, skin: SurfacePatches, poses: Poses) -> SceneArrays:
+def _narrowed(arrays: SceneArrays, patches: SurfacePatches, poses: Poses) -> SceneArrays:
     """Scene whose beam pattern leaves out directions of many scatterers where next to nothing is heard.
 
     Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than others.
@@ -216,7 +220,7 @@ def _narrowed(arrays: SceneArrays, skin: SurfacePatches, poses: Poses) -> SceneA
     pattern = arrays.pattern
     if not pattern.tabulated or poses.z.size == 0:
         return arrays
-    top = max(arrays.bed.high, float((skin.centre[:, 2] + skin.bound).max(initial=-math.inf)))
+    top = max(arrays.bed.high, float((patches.centre[:, 2] + patches.bound).max(initial=-math.inf)))
     nearest = max(float(poses.z.min()) - top, pattern.first_range)
     first = min(int(math.log2(nearest / pattern.first_range) * pattern.per_octave), pattern.extent.size - 1)
     extent, energy, integral = (
@@ -225,7 +229,7 @@ def _narrowed(arrays: SceneArrays, skin: SurfacePatches, poses: Poses) -> SceneA
             *(_without_faint_sidelobes(*row) for row in zip(pattern.extent, pattern.energy, pattern.integral))
         )
     )
-    # No scatterer reads those: each ping stays what it is, whatever others are traced with it.
+    # No scatterer reads those rows: a ping does not depend on the others traced with it.
     extent[:first] = extent[first]
     return arrays._replace(pattern=pattern._replace(extent=extent, energy=energy, integral=integral))
 
@@ -236,7 +240,7 @@ def _without_faint_sidelobes(
     """One row of a pattern, drawn over the directions that hold nearly all of its energy."""
     place = np.linspace(-1.0, 1.0, energy.size)
     within = np.interp(place, place, integral) - np.interp(-place, place, integral)
-    # At least three columns, and the first that holds enough on both hands.
+    # The narrowest part, of at least three columns, that holds enough energy.
     half = max(float(place[np.argmax(within >= (1.0 - FAINT) * integral[-1])]), 2.0 / energy.size)
     inner = np.interp(half * place, place, integral)
     return half * extent, np.interp(half * place, place, energy), inner - inner[0]

@@ -33,14 +33,14 @@ def trace(
 
     Parameters
     ----------
-    problem : Problem
+    arrays : SceneArrays
         The scene as kernels see it.
     poses : Poses
         Where the sonar is, n pings.
     planes : int
         Planes across a fan beam; a knife has one.
     rays : int
-        Rays per side of pings from which bent sound comes to some places along several ways, or to none.
+        Rays per side of pings from which refracted sound comes to some places along several rays, or along none.
     threads : int, optional
         Threads to use, all cores when left out. The result does not depend on it.
     double : bool

@@ -21,7 +21,7 @@ Record = NDArray[np.float32]
 
 
 def explain_omission(arrays: SceneArrays, poses: Poses) -> str:
-    """Tell in one line why a problem is not traced by Embree; nothing if it is."""
+    """Tell in one line why a scene is not traced by Embree; nothing if it is."""
     if find_spec("embreex") is None:
         return "embree: left out, for embreex is not installed (pip install 'insonify[embree]')"
     if arrays.water.bent or arrays.multipath.enabled or arrays.bounces or arrays.pattern.tabulated:

@@ -47,7 +47,7 @@ def prepare_over_heights(
     Returns
     -------
     Simulation
-        Its problem has that bed; its ground is still the level one.
+        Its arrays have that bed; its ground is still the level one.
     """
     simulation = prepare(scene)
     bed = make_bed(make_ground(heights, spacing, x0=x0, y0=y0))

@@ -20,7 +20,7 @@ from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import intersect_mesh_bundle
 
 NOTHING = -2
-SKIN = 1e-9  # of the coordinates: closer to the bed than this is on it, and a ray that leaves does not hit it
+SKIN = 1e-9  # share of the coordinates: a point closer to the bed is on it, and a ray that starts there does not hit it
 FOREVER = 1e300
 
 # Handing a scene's arrays from function to function, ray by ray, costs more than the walk itself.
@@ -226,7 +226,7 @@ def _first_root(above, after, bend):
         if after > 0.0:
             return 2.0
         root = 0.0
-    # The form without cancellation: both terms of the denominator have one sign.
+    # The root without cancellation: both terms of the denominator have the same sign.
     root = math.sqrt(root)
     share = 2.0 * above / (root - slope) if slope <= 0.0 else -0.5 * (slope + root) / bend
     return min(max(share, 0.0), 1.0)

@@ -78,7 +78,7 @@ def trace_straight_pings(arrays, poses, rays, step, out):
             deposit_hits(bundle, hits, weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
             if arrays.bounces > 0:
                 add_specular_echoes(arrays, beam, bundle, hits, launch.weight, sums)
-            # What depends on range alone comes after the sum.
+            # The range factor is applied after the sum: within it, r⁻⁴ would cost digits.
             for k in range(arrays.bins):
                 out[ping, side, k] = sums[k] * arrays.range_factor[k]
     return 0

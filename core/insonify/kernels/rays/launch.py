@@ -20,7 +20,7 @@ from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import LIGHT, PORT
 from insonify.kernels.geometry.solids import greatest_radius, is_inside_solid
 
-AIM_STEPS = 64.0  # per radian
+AIM_STEPS = 64.0  # steps per radian to which the highest elevation is rounded up
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -32,17 +32,17 @@ class SideBeam(NamedTuple):
     z: float
     ahead_x: float  # level unit vector of the heading
     ahead_y: float
-    side_x: float  # and at right angles to it, to that side
+    side_x: float  # level unit vector at right angles to it, towards the side
     side_y: float
     axis_x: float  # unit vector about which the beam's cones lie: the fish's own, or the heading of a level beam
     axis_y: float
     axis_z: float
     s_low: float  # sines of the angles from the plane athwart it between which anything is heard
     s_high: float
-    own_x: float  # the fish's own side
+    own_x: float  # unit vector towards the side, of the pitched and rolled fish
     own_y: float
     own_z: float
-    up_x: float  # and its own up
+    up_x: float  # unit vector upwards, of the pitched and rolled fish
     up_y: float
     up_z: float
     reach: float  # m
@@ -207,7 +207,7 @@ def spread_over_pattern(launch, pattern, height, reach, pitch):
     """
     for k in range(launch.up.size):
         c, s = launch.abeam[k], launch.up[k]
-        # Where it meets a level bed, if it does.
+        # Slant range at which the ray meets a level bed, or the end of the range.
         r = min(-height / s, reach) if s < 0.0 < height else reach
         azimuth, stands_for = pick_azimuth(pattern, math.cos(pitch) * c, math.sin(pitch) * s, r, _place_in_beam(k))
         launch.ahead[k], launch.abeam[k] = c * math.sin(azimuth), c * math.cos(azimuth)
@@ -271,21 +271,42 @@ def list_solids_in_beam(solids, mesh, beam, near):
     """
     count, top = 0, -0.5 * math.pi
     for k in range(solids.shape.size):
-        middle = 0.5 * solids.length[k]
-        cx = solids.start[k, 0] + middle * solids.axis[k, 0] - beam.x
-        cy = solids.start[k, 1] + middle * solids.axis[k, 1] - beam.y
-        cz = solids.start[k, 2] + middle * solids.axis[k, 2] - beam.z
-        bound = middle + greatest_radius(solids, k)
+        middle, radius, cx, cy, cz = ball_about(solids, k)
+        cx, cy, cz, bound = cx - beam.x, cy - beam.y, cz - beam.z, middle + radius
         distance = math.sqrt(cx * cx + cy * cy + cz * cz)
         if not beam_touches_ball(beam, cx, cy, cz, distance, bound):
             continue
         near[count] = k
         count += 1
-        summit = cz + middle * abs(solids.axis[k, 2]) + greatest_radius(solids, k)
+        summit = cz + middle * abs(solids.axis[k, 2]) + radius
         top = max(top, highest_elevation(summit, max(distance - bound, 0.0), min(distance + bound, beam.reach)))
     top = _highest_of_mesh(mesh, beam, top)
     # Rounded up, so that the aim serves many pings.
     return count, math.ceil(top * AIM_STEPS) / AIM_STEPS
+
+
+@inlined
+def ball_about(solids, k):
+    """Half the length of a solid, its greatest radius, and its middle: both lengths together bound it.
+
+    Parameters
+    ----------
+    solids : Solids
+    k : int
+        Its row.
+
+    Returns
+    -------
+    middle, radius : float
+        m.
+    cx, cy, cz : float
+        Centre of the ball, m.
+    """
+    middle = 0.5 * solids.length[k]
+    cx = solids.start[k, 0] + middle * solids.axis[k, 0]
+    cy = solids.start[k, 1] + middle * solids.axis[k, 1]
+    cz = solids.start[k, 2] + middle * solids.axis[k, 2]
+    return middle, greatest_radius(solids, k), cx, cy, cz
 
 
 @inlined

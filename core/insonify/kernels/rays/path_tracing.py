@@ -25,10 +25,10 @@ from insonify.kernels.rays.ray_differentials import (
     transfer,
 )
 
-WATER = -3  # where a path is that is in no body
-OFFSET = 1e-13  # of all lengths, by which a path starts off the surface it leaves
+WATER = -3  # place of a path that is in no body
+OFFSET = 1e-13  # share of all lengths by which a path starts off the surface that it leaves
 FAINTEST = 1e-6  # share of energy below which a path is dropped
-MOST_PARTS = 64  # bodies of one target that a path may cross at a stretch
+MOST_PARTS = 64  # bodies of one target that a path may cross without a break
 
 
 class SpecularPath(NamedTuple):
@@ -40,9 +40,9 @@ class SpecularPath(NamedTuple):
     dx: float
     dy: float
     dz: float
-    up: RayDifferential  # how it moves as its elevation at the sonar grows
-    across: RayDifferential  # and at right angles to that
-    length: float  # m of water that take as long as it has taken
+    up: RayDifferential  # per radian of elevation at the sonar
+    across: RayDifferential  # per radian at right angles to the elevation
+    length: float  # m of water with the travel time of the path
     share: float  # of the energy that set out
     bounce: int
     inside: int  # body, counted as in Hits; WATER if none

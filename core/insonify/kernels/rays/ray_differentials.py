@@ -172,7 +172,7 @@ def differentiate_normal(solids, shift, path, surface):
     along = px * ax + py * ay + pz * az
     rx, ry, rz = px - along * ax, py - along * ay, pz - along * az
     radius = max(math.sqrt(rx * rx + ry * ry + rz * rz), 1e-300)
-    # Around the axis the side bends, along its lines it does not.
+    # The side is curved around the axis and straight along it.
     cx, cy, cz = (ay * rz - az * ry) / radius, (az * rx - ax * rz) / radius, (ax * ry - ay * rx) / radius
     over = math.copysign(1.0 / (radius * slope), rx * nx + ry * ny + rz * nz)
     over *= shift.x * cx + shift.y * cy + shift.z * cz

@@ -41,7 +41,7 @@ from insonify.kernels.rays.path_tracing import (
 )
 from insonify.kernels.rays.ray_differentials import tube_area
 
-CAUSTIC = 0.01  # of the area of a tube that nothing focuses: no less is counted
+CAUSTIC = 0.01  # least area of a tube, as a share of its area where nothing focuses it
 KNIFE = 0.5  # m, half the along-track width of a knife
 
 

@@ -12,16 +12,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import kernel
+from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import BED
 from insonify.kernels.geometry.solids import intersect_solid
 from insonify.kernels.geometry.triangles import NO_TRIANGLE, facing_normal, intersect_mesh
 from insonify.kernels.rays.cell_walk import NOTHING, Ray, meet_bed
 from insonify.kernels.rays.march import march_chord
 
-OVERLAP = 1e-9  # m, by which chords ask on, so that rounding hides nothing where two of them meet
-# Columns of a chord: where it starts, its unit direction, its length; its arc, and in the ray's plane the ground range
-# at which it starts and that range's part of the direction.
+OVERLAP = 1e-9  # m by which chords are extended, so that rounding hides nothing where two of them meet
+# Columns of a chord: its start, unit direction and length; the number of its arc; and in the ray's vertical plane the
+# ground range of its start and the level part of its direction.
 X, Y, Z, DX, DY, DZ, LENGTH, ARC, GROUND, ALONG = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 COLUMNS = 10
 
@@ -140,6 +140,13 @@ def march_chords(bed, solids, mesh, batch, rays, met):
         _meet_mesh(solids, mesh, batch, rays, met)
 
 
+@inlined
+def _limit(chords, met, k, c):
+    """Distance along chord c up to which ray k may meet anything nearer than what is known, m."""
+    limit = chords[c, LENGTH] + OVERLAP
+    return min(limit, met.distance[k]) if c == met.chord[k] else limit
+
+
 @kernel
 def _meet_bodies(solids, batch, rays, met):
     """Begin the hits of a batch with the first solid on each ray."""
@@ -157,9 +164,7 @@ def _meet_bodies(solids, batch, rays, met):
                 distance, nx, ny, nz = intersect_solid(
                     solids, body, chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ]
                 )
-                limit = chords[c, LENGTH] + OVERLAP
-                if c == met.chord[k]:
-                    limit = min(limit, met.distance[k])
+                limit = _limit(chords, met, k, c)
                 if distance < limit:
                     met.chord[k], met.distance[k], met.body[k], met.material[k] = (
                         c,
@@ -180,9 +185,7 @@ def _meet_mesh(solids, mesh, batch, rays, met):
             continue
         for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
             dx, dy, dz = chords[c, DX], chords[c, DY], chords[c, DZ]
-            limit = chords[c, LENGTH] + OVERLAP
-            if c == met.chord[k]:
-                limit = min(limit, met.distance[k])
+            limit = _limit(chords, met, k, c)
             distance, triangle = intersect_mesh(mesh, chords[c, X], chords[c, Y], chords[c, Z], dx, dy, dz, limit)
             if triangle != NO_TRIANGLE:
                 met.chord[k], met.distance[k], met.body[k] = (
@@ -202,9 +205,7 @@ def _meet_bed(bed, batch, rays, met):
     for k in range(rays):
         for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):
             way = Ray(chords[c, X], chords[c, Y], chords[c, Z], chords[c, DX], chords[c, DY], chords[c, DZ])
-            limit = chords[c, LENGTH] + OVERLAP
-            if c == met.chord[k]:
-                limit = min(limit, met.distance[k])
+            limit = _limit(chords, met, k, c)
             distance, material, nx, ny, nz = meet_bed(bed, way, limit)
             if distance < limit:
                 met.chord[k], met.distance[k], met.body[k], met.material[k] = (

@@ -16,10 +16,10 @@ import numpy as np
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, PORT
-from insonify.kernels.geometry.solids import greatest_radius
 from insonify.kernels.rays.cell_walk import NOTHING
 from insonify.kernels.rays.first_echoes import elevation_tilt, empty_bundle, empty_hits, empty_launch, weigh_by_pattern
 from insonify.kernels.rays.launch import (
+    ball_about,
     beam_touches_ball,
     find_enclosing_solid,
     orient_beam,
@@ -37,7 +37,7 @@ from insonify.kernels.refracted_rays.hits import (
 from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
 from insonify.kernels.refracted_rays.probe_rays import Waveguide, aim_refracted_rays, empty_landings
 
-SLACK = 0.1  # of its distance, by which a body may be beside a beam of straight rays and yet be heard
+SLACK = 0.1  # share of its distance by which a body heard along arcs may lie beside a beam of straight rays
 
 
 @kernel
@@ -96,7 +96,7 @@ def trace_refracted_pings(arrays, poses, rays, march, out):
                 for m in range(bins.size):
                     if bins[m] >= 0:
                         sums[bins[m]] += values[m]
-            # What depends on range alone comes after the sum.
+            # The range factor is applied after the sum: within it, r⁻⁴ would cost digits.
             for k in range(arrays.bins):
                 out[ping, side, k] = sums[k] * arrays.range_factor[k]
     return 0
@@ -154,11 +154,8 @@ def _highest(arrays, beam):
     """Height of the highest thing that a beam may meet, m."""
     solids, mesh, top = arrays.solids, arrays.mesh, arrays.bed.high
     for k in range(solids.shape.size):
-        middle, radius = 0.5 * solids.length[k], greatest_radius(solids, k)
-        cx = solids.start[k, 0] + middle * solids.axis[k, 0] - beam.x
-        cy = solids.start[k, 1] + middle * solids.axis[k, 1] - beam.y
-        z = solids.start[k, 2] + middle * solids.axis[k, 2]
-        if _may_touch(beam, cx, cy, z - beam.z, middle + radius):
+        middle, radius, cx, cy, z = ball_about(solids, k)
+        if _may_touch(beam, cx - beam.x, cy - beam.y, z - beam.z, middle + radius):
             top = max(top, z + middle * abs(solids.axis[k, 2]) + radius)
     if mesh.skip.size > 0:
         wx, wy = 0.5 * (mesh.high[0, 0] - mesh.low[0, 0]), 0.5 * (mesh.high[0, 1] - mesh.low[0, 1])

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.geometry.solids import greatest_radius
 from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle
+from insonify.kernels.rays.launch import ball_about
 from insonify.kernels.refracted_rays.chords import (
     ALONG,
     ARC,
@@ -38,13 +38,13 @@ from insonify.kernels.refracted_rays.chords import (
 from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, RayState
 from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 
-SAGITTA = 1e-4  # m, by which a chord may leave its arc
+SAGITTA = 1e-4  # m by which a chord may leave its arc
 MOST_ARCS = 4096  # of one ray: a trapped one is given up
 CLEAR = 1e-3  # m above the highest thing and off any node of the water, where rays are first asked what they meet
 TOGETHER = 64  # rays of a batch
-STATE = 8  # numbers that tell how a ray begins an arc
-# At a caustic the tube closes, and only waves say how loud it is. Airy's function peaks where the tube is about
-# (λ / πr)^⅓ as wide as one that nothing focuses: 0.02 of it at 400 kHz and 100 m. No tube counts as narrower.
+STATE = 8  # numbers of the state of a ray at the start of an arc
+# At a caustic the tube closes, and rays alone make sound infinite. Airy's function peaks where the tube is about
+# (λ / πr)^⅓ as wide as one that nothing focuses: 0.02 at 400 kHz and 100 m. No tube counts as narrower.
 CAUSTIC = 0.02
 
 
@@ -177,14 +177,13 @@ def _find_contact_zones(bed, solids, mesh, height, bundle, first, count, batch, 
         low, high, nearest, farthest = bed.low, bed.high, math.inf, -math.inf
         listed = 0
         for body in range(solids.shape.size):
-            middle, radius = 0.5 * solids.length[body], greatest_radius(solids, body)
-            cx = solids.start[body, 0] + middle * solids.axis[body, 0] - plane.x
-            cy = solids.start[body, 1] + middle * solids.axis[body, 1] - plane.y
+            middle, radius, cx, cy, z = ball_about(solids, body)
+            cx, cy = cx - plane.x, cy - plane.y
             near, far = _disc_crossing(plane, cx, cy, middle + radius)
             if near < far:
                 batch.near[k, listed] = body
                 listed += 1
-                z, half = solids.start[body, 2] + middle * solids.axis[body, 2], middle * abs(solids.axis[body, 2])
+                half = middle * abs(solids.axis[body, 2])
                 low, high = min(low, z - half - radius), max(high, z + half + radius)
                 nearest, farthest = min(nearest, near), max(farthest, far)
         batch.listed[k], batch.meshed[k] = listed, False
@@ -275,7 +274,7 @@ def _count_chords(ray, after, march):
     """Count the chords that an arc is cut into; return also its turn, and the straight distance between its ends."""
     dx, dz = after.x - ray.x, after.z - ray.z
     whole = math.sqrt(dx * dx + dz * dz)
-    # By the way to its end, so that the last chord ends exactly there.
+    # Turn of the direction, from that to the end of the arc, so that the last chord ends exactly there.
     turn = 2.0 * math.atan2(ray.cosine * dz - ray.sine * dx, ray.cosine * dx + ray.sine * dz)
     # A chord of length L that turns by δ leaves its arc by Lδ/8.
     pieces = max(1, math.ceil(math.sqrt(0.125 / SAGITTA * whole * abs(turn))))
@@ -329,7 +328,7 @@ def _arrive(water, rays, first, count, reach, batch, begins, met):
         low, high, x_end, z = -math.inf, math.inf, math.inf, rows[row, Z] + distance * rows[row, DZ]
         b = begins[int(rows[row, ARC])]
         ray = RayState(b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7], False)
-        # By range, or by height where it is steep.
+        # To the ground range of the hit, or to its height where the ray is steep.
         if abs(rows[row, DZ]) <= abs(rows[row, ALONG]):
             x_end = rows[row, GROUND] + distance * rows[row, ALONG]
         elif z < ray.z:

@@ -27,10 +27,10 @@ from insonify.kernels.refraction.section_arcs import advance_ray, launch_ray
 
 MOST_WAYS = 4  # other paths to one place
 TRIES = 12  # Newton's steps
-FLATTEST = 20.0  # metres of ground range per metre of height, by which a fold may reach farther in above the bed
-CLOSE = 1e-5  # m, by which a ray that is found may miss its place
-SAME = 1e-5  # rad, nearer than which two rays are one
-SEEN = 0.02  # m, by which the landings of two paths may lie apart: chords leave their arcs by less
+FLATTEST = 20.0  # ground range over height by which a fold above the bed may reach nearer than on it
+CLOSE = 1e-5  # m by which a ray may miss its place
+SAME = 1e-5  # rad, closer than which two rays are one
+SEEN = 0.02  # m by which the landings of two paths may lie apart: chords leave their arcs by less
 
 
 @kernel
@@ -94,7 +94,7 @@ def _pair_paths(waveguide, z, landings, rays, weight):
         if x + FLATTEST * max(height, 0.0) < landings.fold:
             continue
         for i in range(landings.angle.size - 1):
-            # Where pilots pass this height on their way down.
+            # Ground ranges at which probe rays pass this height on their way down.
             low = landings.x[i] - height * landings.flat[i] - x
             high = landings.x[i + 1] - height * landings.flat[i + 1] - x
             if not low * high <= 0.0 or ways > MOST_WAYS:
@@ -179,7 +179,7 @@ def _mixed_echo(arrays, beam, weight, rays, k, other_rays, m):
     mirrored = 2.0 * cosine * other - (dx * ex + dy * ey + dz * ez)
     value = bistatic_strength(cosine, other, mirrored, row[0], row[1], row[2], law)
     if met.distance[m] >= beam.reach:
-        # The other way round it would come by a ray that is not sent so far.
+        # The same pair in reverse order has no ray of its own: rays end at the reach.
         value += bistatic_strength(other, cosine, mirrored, row[0], row[1], row[2], law)
     value *= passed * weight
     if law == LIGHT:

@@ -21,9 +21,9 @@ from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE
 from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 
 PROBE_RAYS = 256
-CROWD = 6.0  # the first pilots lie closest about the horizontal, where a degree turns into the most metres
-APART = 1.0 / 512.0  # of the range, that two pilots may land apart: then others go between
-CLOSE = 1e-9  # rad, between pilots of which one lands far from the other, or nowhere: there rays turn
+CROWD = 6.0  # concentration of the first probe rays about the horizontal, where a degree makes the most metres
+APART = 1.0 / 512.0  # share of the range by which two probe rays may land apart; farther apart others go between
+CLOSE = 1e-9  # rad between two probe rays that land far apart, or one nowhere, below which none goes between
 MOST_PROBE_RAYS = 8192
 
 
@@ -40,10 +40,10 @@ class ProbeRay(NamedTuple):
     """What becomes of a ray that is sent at one elevation."""
 
     angle: float  # rad, up positive
-    near: bool  # whether it comes as low as there is anything
+    near: bool  # whether it comes below the highest thing
     range: float  # slant range at which it meets the mean bed, infinite if not before twice the sonar's
     x: float  # ground range of that, m
-    flat: float  # metres of ground range per metre that it comes down there
+    flat: float  # ground range per metre of descent there
 
 
 class Landings(NamedTuple):

@@ -43,9 +43,9 @@ from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
 from insonify.kernels.refracted_rays.probe_rays import aim_refracted_rays
 
 KINKED = 0.02  # share by which growths differ on both sides of a kink
-FINE = 1.0 / 64.0  # of a bin, that rays may land apart unresolved
-FINEST = 1e-9  # rad, and closer than which no rays go
-OF_NADIR = 4  # of the rays of a sheet one more about nadir
+FINE = 1.0 / 64.0  # share of a bin by which neighbours may land apart without being halved
+FINEST = 1e-9  # rad, the least angle between neighbours
+OF_NADIR = 4  # one ray more about nadir for so many of a sheet
 OF_THREE = 3  # rays of a gap: both ends and the middle
 
 
@@ -118,7 +118,7 @@ def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
 def _add_refracted_sheets(arrays, beam, pitch, sheets, rays, sums):
     """Sum what sheets of rays return that follow arcs."""
     waveguide, launch = make_waveguide(arrays, beam), empty_launch(rays)
-    # A level light's weights are the angles alone that rays stand for.
+    # Law `light` of a knife: weights are the angles that rays stand for.
     landings = aim_refracted_rays(launch, waveguide, beam.z, 0.0, LIGHT, True)
     angle = _elevations(launch.up, 0.5 * math.pi)
     for sheet in range(sheets):
@@ -162,7 +162,7 @@ def _elevations(up, top):
     angle = np.empty(n + few + 1)
     angle[:n] = np.arcsin(up)
     for k in range(few):
-        # Equal steps of slant and ground range together; of slant range alone, those about nadir are too wide.
+        # Equal steps of slant range plus ground range; equal steps of slant range alone are too wide about nadir.
         angle[n + k] = -2.0 * math.atan(1.0 / (1.0 + math.sqrt(2.0) * k / few))
     angle[n + few] = top
     return np.sort(angle)
@@ -219,7 +219,7 @@ def _send(arrays, beam, pitch, angle, place):
         elif fan:
             wide = 2.0 * cone_azimuth(c, arrays.half_width)
             azimuth = wide * (place - 0.5)
-            wide = 1.0 if arrays.law == LIGHT else wide  # which averages over the beam
+            wide = 1.0 if arrays.law == LIGHT else wide  # law `light` averages over the beam
         launch.ahead[k], launch.abeam[k], launch.up[k] = c * math.sin(azimuth), c * math.cos(azimuth), s
         launch.weight[k] = wide * c if fan and arrays.law != LIGHT else wide
     rotate_to_world(launch, beam, bundle)
@@ -280,7 +280,7 @@ def _spread_between(landed, k, angle, one, other, bin_length, sums):
     """Spread what is returned between two neighbours over the range between them, on either side of its kink."""
     near, far, share = landed.distance[k], landed.distance[k + 1], 0.5
     if abs(one - other) > KINKED * max(one, other):
-        # One growth up to the kink, the other beyond: how far both have landed apart tells where it is.
+        # The growth is one up to the kink and the other beyond: the distance between both landings gives its place.
         share = min(max((abs(far - near) - other) / (one - other), 0.0), 1.0)
     kink = near + math.copysign(min(share * one, abs(far - near)), far - near)
     _add_over_ranges(share * angle * landed.value[k], near, kink, bin_length, sums)

@@ -25,7 +25,7 @@ from insonify.kernels.common.jit import inlined, inlined_uncounted, kernel
 
 COLUMNS = 4
 LEVEL, RISE, TUBE, TURN = 0, 1, 2, 3  # x'/x - 1; z' - z, m; N - 1; angle of arrival above that of launch, rad
-UPRIGHT = 1e-3  # ground range between two knots, at least, as a share of what it is in truth
+UPRIGHT = 1e-3  # least apparent ground range between two knots, as a share of the true one
 
 
 class ApparentTables(NamedTuple):
@@ -64,7 +64,7 @@ def empty_table(bending: ApparentTables) -> NDArray[np.float32]:
 
 
 @kernel
-def interpolate_table(bending, z, table):
+def _interpolate_table(bending, z, table):
     """Table of a sonar between the heights of two tables.
 
     Parameters
@@ -101,7 +101,7 @@ def prepare_table(bending, z, table):
     Parameters
     ----------
     apparent, z, table
-        As in `interpolate_table`.
+        As in `_interpolate_table`.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def prepare_table(bending, z, table):
     """
     if not bending.bent:
         return straight_grid()
-    interpolate_table(bending, z, table)
+    _interpolate_table(bending, z, table)
     _, rows, columns, _ = bending.tables.shape
     per_row, per_column = 1.0 / bending.row_step, 1.0 / bending.column_step
     return TableGrid(True, bending.stretch, bending.low - z, per_row, per_column, rows, columns)
@@ -195,7 +195,7 @@ def _apply_rise(table, grid, x, z, level, tube, count):
         v = min(v if v > 0.0 else 0.0, top)  # NaN, a hole in the bed, compares false
         i, j = min(int(u), last_column), min(int(v), last_row)
         if i != column or j != row:
-            # Neighbouring knots mostly share a cell: what is known of it stays in registers.
+            # Neighbouring knots mostly share a cell: its coefficients stay in registers.
             column, row = i, j
             wide, high, tall = _bilinear(table, j, i, LEVEL), _bilinear(table, j, i, RISE), _bilinear(table, j, i, TUBE)
         fu, fv = np.float32(u - i), np.float32(v - j)

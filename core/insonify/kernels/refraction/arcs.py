@@ -19,11 +19,11 @@ import math
 from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined
+from insonify.kernels.refraction.layers import SNAP, gradient_above, node_below, speed_at
 
-# How a step ends: at a node of the water, at the range or the height it was told, or never.
+# How a step ends: at a node of the water, at the given range or height, or never.
 NODE, RANGE, LOW, HIGH, ENDLESS = 0, 1, 2, 3, 4
-SNAP = 1e-9  # a ray within this of a node is on it, m
-GRAZING = 1e-7  # sine below which an interface that kicks the tube is taken as if met at this angle
+GRAZING = 1e-7  # least sine of the angle at which a ray counts as meeting a jump of the gradient
 
 
 class RayState(NamedTuple):
@@ -37,75 +37,7 @@ class RayState(NamedTuple):
     time: float  # travelled, s
     p: float  # slowness across the ray by which q grows, s/m
     q: float  # distance across the ray per launch angle, m/rad
-    grazed: bool  # whether it met a jump of the gradient so flatly that p and q are capped
-
-
-@inlined
-def node_below(height, z):
-    """Highest node of the water at or below a height.
-
-    Parameters
-    ----------
-    height : ndarray, shape (n,)
-        Nodes, ascending, m; or any ascending places.
-    z : float
-        m; within ``SNAP`` of a node it is on it.
-
-    Returns
-    -------
-    int
-        -1 below all.
-    """
-    low, high = 0, height.size
-    while low < high:
-        middle = (low + high) // 2
-        if height[middle] <= z + SNAP:
-            low = middle + 1
-        else:
-            high = middle
-    return low - 1
-
-
-@inlined
-def gradient_above(height, speed, k):
-    """Gradient dc/dz between nodes k and k + 1.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of layered water, ascending.
-    k : int
-
-    Returns
-    -------
-    float
-        1/s; 0 beyond the outermost nodes.
-    """
-    if k < 0 or k >= height.size - 1:
-        return 0.0
-    return (speed[k + 1] - speed[k]) / (height[k + 1] - height[k])
-
-
-@inlined
-def speed_at(height, speed, z):
-    """Speed of sound at a height.
-
-    Parameters
-    ----------
-    height, speed : ndarray, shape (n,)
-        Nodes of layered water, ascending.
-    z : float
-        m.
-
-    Returns
-    -------
-    float
-        m/s.
-    """
-    k = node_below(height, z)
-    if k < 0:
-        return speed[0]
-    return speed[k] + gradient_above(height, speed, k) * max(z - height[k], 0.0)
+    grazed: bool  # whether it met a jump of the gradient below GRAZING, so that p and q are capped
 
 
 @inlined
@@ -164,7 +96,7 @@ def advance_in_layers(height, speed, ray, x_end, low, high):
     there = _at_range(follow_arc(ray, 0.0, g, by_range), x_end)
     comes = there.sine > 0.0 if level == ceiling else there.sine < 0.0
     if comes and level != low and level != high and abs(there.z - level) <= SNAP:
-        # The next step will take it to be on the node, and gone on.
+        # The next step finds the ray on the node: it enters the layer beyond now.
         return RANGE, enter_layer(height, speed, there, layer + 1 if level == ceiling else layer)
     return RANGE, there
 

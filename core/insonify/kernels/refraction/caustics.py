@@ -9,7 +9,7 @@ from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE, find_lay
 from insonify.kernels.refraction.ray_paths import STEPS
 from insonify.kernels.refraction.section_arcs import advance_ray, find_triangle, launch_ray, reflect_ray
 
-COLUMNS = 4  # of what is kept: the row of the ray's angle, range, height, time
+COLUMNS = 4  # of each caustic: number of the ray, range, height, time
 
 
 @kernel

@@ -17,25 +17,22 @@ from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.refraction.arcs import (
     ENDLESS,
     NODE,
-    SNAP,
     advance_in_layers,
     enter_layer,
     find_layer,
-    gradient_above,
     gradient_behind,
     launch_in_layers,
-    node_below,
     reflect_at_level,
-    speed_at,
 )
+from insonify.kernels.refraction.layers import SNAP, gradient_above, node_below, speed_at
 
 STEPS = 10_000  # layers that a ray may pass
-ORDERS = 64  # times that one ray comes to the height asked for; along the axis of a duct there is no end of them
+ORDERS = 64  # most times that one ray comes to the height asked for; along the axis of a duct they are unbounded
 SAMPLES = 13  # rays between two critical angles
 HALVINGS = 200  # of a bracket
-BEYOND = 2.0  # a ray is given up beyond so many times the range that is asked for
-CLOSE = 1e-12  # miss that is none, over the lengths in play
-# Columns of what is kept of a ray where it comes to the height asked for; q is signed as by `arcs.mirror`.
+BEYOND = 2.0  # times the range asked for, beyond which a ray is given up
+CLOSE = 1e-12  # accepted miss, as a share of the lengths involved
+# Columns of a ray where it comes to the height asked for; q is signed as by `arcs.reflect_at_level`.
 ANGLE, X, TIME, COSINE, SINE, TUBE, TURNS, TOPS, BOTTOMS, GRAZED = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 COLUMNS = 10
 
@@ -232,7 +229,7 @@ def _add_root(height, speed, span, order, a, b, row, found, count):
             break
         angle, stride = guess, abs(guess - angle)
     if abs(row[order, X] - span.x) > _tolerated_miss(span):
-        return count  # where one of the two ends, or is never there: no ray comes
+        return count  # one of the two rays ends before, or never comes there
     _copy_row(row[order], found[count])
     _correct_time(height, speed, span, found[count])
     return count + 1

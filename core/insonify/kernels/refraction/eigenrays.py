@@ -6,24 +6,13 @@ import math
 from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.refraction.arcs import (
-    ENDLESS,
-    HIGH,
-    LOW,
-    NODE,
-    RANGE,
-    SNAP,
-    advance_in_layers,
-    gradient_above,
-    launch_in_layers,
-    node_below,
-    speed_at,
-)
+from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, NODE, RANGE, advance_in_layers, launch_in_layers
+from insonify.kernels.refraction.layers import SNAP, gradient_above, node_below, speed_at
 
 FOUND, NONE = 0, 1
-STEPS = 10_000  # layers a direct ray may pass; one trapped for longer is given up
+STEPS = 10_000  # layers that a direct ray may pass; a trapped one is given up
 TRIES = 200  # rays sent before a root is given up: halvings of a bracket, at worst
-CLOSE = 1e-12  # distance by which a ray may miss its end, over the lengths in play
+CLOSE = 1e-12  # accepted miss, as a share of the lengths involved
 
 
 class DirectRay(NamedTuple):
@@ -74,7 +63,7 @@ def find_direct_ray(height, speed, z_from, z_to, x, low, high):
             return FOUND, DirectRay(cosine, slope * cosine, ray.time, ray.cosine, ray.sine, ray.q)
         if status == ENDLESS:
             break
-        # One that takes too many steps winds about the axis of a duct.
+        # A ray that takes too many steps winds about the axis of a duct.
         if status == HIGH or (status != LOW and miss > 0.0):
             most = slope
         else:

@@ -24,11 +24,11 @@ class RayPoints(NamedTuple):
     cosine: NDArray[np.float64]  # of the ray's direction above the horizontal
     sine: NDArray[np.float64]
     time: NDArray[np.float64]
-    q: NDArray[np.float64]  # signed as by `arcs.mirror`
+    q: NDArray[np.float64]  # m/rad, signed as by `arcs.reflect_at_level`
     grazed: NDArray[np.bool_]  # whether q is capped
     turns: NDArray[np.int64]  # times the ray has turned in the water
-    tops: NDArray[np.int64]  # times the surface has sent it back
-    bottoms: NDArray[np.int64]  # and the bed
+    tops: NDArray[np.int64]  # reflections by the surface
+    bottoms: NDArray[np.int64]  # reflections by the bed
 
 
 class RayLimits(NamedTuple):
@@ -37,8 +37,8 @@ class RayLimits(NamedTuple):
     x: float  # ground range at which they end, m
     low: float  # height of the bed, m
     high: float  # height of the sea surface, m
-    from_bed: bool  # whether the bed sends rays back
-    from_surface: bool  # and the surface
+    from_bed: bool  # whether the bed reflects rays
+    from_surface: bool  # whether the surface reflects rays
 
 
 @kernel

@@ -18,26 +18,24 @@ from insonify.kernels.refraction.arcs import (
     LOW,
     NODE,
     RANGE,
-    SNAP,
     RayState,
     advance_in_layers,
     bend_tube,
     follow_arc,
-    gradient_above,
     gradient_behind,
     launch_in_layers,
-    node_below,
     reach_line,
     reflect_at_level,
 )
+from insonify.kernels.refraction.layers import SNAP, gradient_above, node_below
 
-LEVEL = 1e-12  # part of a plane along the stations below which it lies across them, and change of gradient that is none
+LEVEL = 1e-12  # cosine below which a plane lies across the stations; change of gradient that counts as none, 1/s
 
 
 class SectionPlane(NamedTuple):
     """How a ray's vertical plane lies to the stations of the water."""
 
-    place: float  # of range 0 along their axis, m
+    place: float  # along their axis of ground range 0, m
     along: float  # metres along their axis per metre of range: the cosine between them
 
 
@@ -73,7 +71,7 @@ def launch_ray(height, speed, station, plane, z, cosine, sine):
     """
     if station.size == 1:
         return launch_in_layers(height, speed[0], z, cosine, sine)
-    return launch_in_section(height, speed, station, plane, z, cosine, sine)
+    return _launch_in_section(height, speed, station, plane, z, cosine, sine)
 
 
 @inlined
@@ -95,7 +93,7 @@ def advance_ray(height, speed, station, plane, ray, x_end, low, high):
     """
     if station.size == 1:
         return advance_in_layers(height, speed[0], ray, x_end, low, high)
-    return advance_in_section(height, speed, station, plane, ray, x_end, low, high)
+    return _advance_in_section(height, speed, station, plane, ray, x_end, low, high)
 
 
 @inlined
@@ -114,11 +112,11 @@ def reflect_ray(height, speed, station, plane, ray):
     """
     if station.size == 1:
         return reflect_at_level(ray, gradient_behind(height, speed[0], ray))
-    return reflect_at_level(ray, gradient_in_section(height, speed, station, plane, ray))
+    return reflect_at_level(ray, _gradient_in_section(height, speed, station, plane, ray))
 
 
 @inlined
-def advance_in_section(height, speed, station, plane, ray, x_end, low, high):
+def _advance_in_section(height, speed, station, plane, ray, x_end, low, high):
     """Follow a ray to the next border of a triangle, to a ground range or to a height, whichever comes first.
 
     Parameters
@@ -180,7 +178,7 @@ def _enter_triangle(ray, dgx, dgz):
     size = math.sqrt(dgx * dgx + dgz * dgz)
     if size < LEVEL:
         return ray
-    # The jump stands square on the border: both sines are those of one angle.
+    # The jump of the gradient is normal to the border: both sines belong to one angle.
     over = (ray.cosine * dgx + ray.sine * dgz) / size
     aside = (ray.cosine * dgz - ray.sine * dgx) / size
     flat = abs(over) < GRAZING
@@ -213,7 +211,7 @@ def find_triangle(height, speed, station, plane, ray):
     if on_node and ray.sine < 0.0:
         j -= 1
     piece = _cut_cell(height, speed, station, i, j, place, ray.z, onwards, ray.sine)
-    # A ray along a border belongs to the side it bends to; where it bends to neither it stays on it.
+    # A ray along a border belongs to the side that it bends to; one that bends to neither stays on the border.
     if on_station and onwards == 0.0 and piece.along >= 0.0:
         other = _cut_cell(height, speed, station, i - 1, j, place, ray.z, onwards, ray.sine)
         if other.along > 0.0:
@@ -285,7 +283,7 @@ def _station_ranges(station, plane, i):
 
 
 @inlined
-def launch_in_section(height, speed, station, plane, z, cosine, sine):
+def _launch_in_section(height, speed, station, plane, z, cosine, sine):
     """Ray at its start in a section, at ground range 0.
 
     Parameters
@@ -302,7 +300,7 @@ def launch_in_section(height, speed, station, plane, z, cosine, sine):
 
 
 @inlined
-def gradient_in_section(height, speed, station, plane, ray):
+def _gradient_in_section(height, speed, station, plane, ray):
     """Gradient dc/dz on the side that a ray comes from, up or down.
 
     Parameters
@@ -340,7 +338,7 @@ def speed_in_section(height, speed, station, place, z):
     """
     i, j = node_below(station, place), node_below(height, z)
     piece = _cut_cell(height, speed, station, i, j, place, z, 0.0, 0.0)
-    # Every piece has the lower corner before it or the upper one behind it, by which its gradient is told.
+    # Every triangle holds the lower corner before it or the upper corner behind it: its speed is known there.
     k, m = max(i, 0), max(j, 0)
     if piece.across_up < 0.0:
         k, m = k + 1, m + 1
