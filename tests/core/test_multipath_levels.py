@@ -1,4 +1,4 @@
-"""Levels of ghosts in closed form against the records they make."""
+"""Levels of surface multipath in closed form against the records that hold it."""
 
 from __future__ import annotations
 

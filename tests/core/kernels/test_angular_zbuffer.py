@@ -1,4 +1,4 @@
-"""Parts of a screen that cross, turn a corner or come out of the bed: light along straight lines has a closed form.
+"""Primitives that cross, turn a corner or come out of the bed: light along straight lines has a closed form.
 
 Of a line at distance d from the sonar a Lambert surface returns the radiance d/r, and ∫ d/r dr = d ln(r₂/r₁).
 """

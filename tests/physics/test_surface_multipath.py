@@ -1,4 +1,4 @@
-"""Ghosts of the sea surface, against the ranges as printed, integrals done by hand and single rays."""
+"""Surface multipath against the ranges as printed, integrals done by hand and single rays."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, gaussian_pattern, mesh_of, poses_of, rough
-from ghosts import bright_ball, image_heights, naive_ghost, under_sea
 from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import GAUSSIAN, LIGHT, SONAR
 from insonify.packing.navigation import take_poses
 from insonify.scene.surfaces.rough import rms_height, slope_variance
 from insonify.tracers import march, rays, sweep
+from sea_surfaces import bright_ball, image_heights, naive_ghost, under_sea
 
 ALTITUDE, DEPTH = 20.0, 30.0
 FLAT = np.zeros((4, 4))

@@ -1,4 +1,4 @@
-"""The tree of boxes over triangles: whole, tight, and right by brute force."""
+"""Bounding volume hierarchy over triangles: whole, tight, and right by brute force."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Planes of a beam: between them they stand for every azimuth once, a top-hat's in pairs about athwart."""
+"""Sectors of a beam's planes: together they stand for every azimuth once, a top-hat's in pairs about athwart."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from insonify.tracers.azimuth_fan import beam_planes, pattern_planes
 
 @pytest.mark.parametrize("width", [0.2, 1.0, 2.5, 20.0, 90.0])
 @pytest.mark.parametrize("planes", [2, 3, 4, 5, 10, 11, 64])
-def test_wedges_leave_no_azimuth_out_and_none_twice(width, planes):
+def test_sectors_leave_no_azimuth_out_and_none_twice(width, planes):
     half = math.radians(0.5 * width)
     laid = beam_planes(half, planes)
     assert laid.angle.sum() == pytest.approx(math.pi)
@@ -34,7 +34,7 @@ def test_an_odd_plane_lies_athwart_and_the_others_in_pairs(planes):
     np.testing.assert_array_equal(np.sort(azimuth), np.sort(-azimuth))
 
 
-def test_the_arcsine_of_wedges_is_fine_enough_for_single_precision():
+def test_the_arcsine_of_sectors_is_fine_enough_for_single_precision():
     sines = np.append(1.0 - np.geomspace(1e-9, 1.0, 500), 1.0)
     np.testing.assert_allclose([arcsine(s) for s in sines], np.arcsin(sines), rtol=0.0, atol=2.5e-8)
 
@@ -42,7 +42,7 @@ def test_the_arcsine_of_wedges_is_fine_enough_for_single_precision():
 @pytest.mark.parametrize("targets", [False, True])
 @pytest.mark.parametrize("planes", [4, 64, 900])
 @pytest.mark.parametrize("width", [0.05, 0.3, 1.0, 20.0])
-def test_wedges_of_a_pattern_leave_out_what_is_not_heard_and_nothing_else(width, planes, targets):
+def test_sectors_of_a_pattern_leave_out_what_it_does_not_take_in_and_nothing_else(width, planes, targets):
     half = math.radians(width)
     bodies = [((0.0, 12.0, 0.6), 0.6)] if targets else []
     pattern = gaussian_pattern(math.radians(width))

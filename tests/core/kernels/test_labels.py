@@ -1,4 +1,4 @@
-"""What bins show, against closed forms and against the record itself."""
+"""Labels of range bins, against closed forms and against the record itself."""
 
 from __future__ import annotations
 

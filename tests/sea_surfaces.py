@@ -1,4 +1,4 @@
-"""Ghosts for tests: seas over small scenes, and a slow, obvious twin of how they are swept."""
+"""Seas for tests over small scenes, and a slow, obvious twin of how their multipath echoes are swept."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Time bins: what is spread over them, and that none is ever negative."""
+"""Range bins: what is spread over them, and that none is ever negative."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Ghosts and crosstalk in records: their labels, what the plan says of them, what is refused."""
+"""Surface multipath and crosstalk in records: labels, what the plan says of them, what is refused."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, poses_of, rough
-from ghosts import bright_ball, under_sea
 from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene
 from insonify.scene.surfaces import WAYS
 from insonify.simulation import prepare, simulate
 from insonify.tracers import sweep
 from insonify.tracers.labels import PATHS, trace_labels
+from sea_surfaces import bright_ball, under_sea
 
 GHOSTS = edit(
     load_scene("ghosts"),
