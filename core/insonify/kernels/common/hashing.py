@@ -63,7 +63,16 @@ def hash_integers(seed, stream, a, b, c):
 
 @kernel
 def unit_interval(bits):
-    """Turn 64 random bits into a float64 inside (0, 1), both ends excluded."""
+    """Turn 64 random bits into a uniform number inside (0, 1), both ends excluded.
+
+    Parameters
+    ----------
+    bits : uint64
+
+    Returns
+    -------
+    float64
+    """
     # 52 bits: with 53 the half would round the largest up to 1.
     return (np.float64(bits >> LOW_BITS) + 0.5) * UNIT
 

@@ -49,7 +49,20 @@ def empty_echo_list() -> NDArray[np.float64]:
 
 @inlined
 def list_echo(echoes, n, echo):
-    """Append an echo that brings energy to a list of ``n``, if there is room; return their number."""
+    """Append an echo to a list, if it brings energy and there is room.
+
+    Parameters
+    ----------
+    echoes : ndarray of float64, shape (ROOM, COLUMNS)
+    n : int
+        Echoes in the list.
+    echo : SurfaceEcho
+
+    Returns
+    -------
+    int
+        Echoes in the list.
+    """
     if not echo.energy > 0.0 or n >= ROOM:
         return n
     row = echoes[n]

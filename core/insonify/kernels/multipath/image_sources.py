@@ -29,7 +29,7 @@ class ImageSource(NamedTuple):
     above: float  # height above the sea surface, m; 0 for the sonar itself
 
 
-class ImagePair(NamedTuple):
+class ImagePath(NamedTuple):
     """A propagation path as two images of the sonar, out by one and back by the other, and what its echoes need."""
 
     one: ImageSource  # the lower of the two
@@ -104,17 +104,17 @@ def image_pair(arrays, path, x, y, z):
     Returns
     -------
     tuple
-        ImagePair, and whether the path is traced at all.
+        ImagePath, and whether the path is traced at all.
     """
     multipath, sonar = arrays.multipath, _sonar_itself()
     common = arrays.law, arrays.bin_length, multipath.rms_height, multipath.slope_variance
     if path == SURFACE_BOTTOM:
-        return ImagePair(sonar, surface_image(arrays, z), 2, 1, path, *common), multipath.surface_bottom
+        return ImagePath(sonar, surface_image(arrays, z), 2, 1, path, *common), multipath.surface_bottom
     if path == SURFACE_BOTTOM_SURFACE:
         image = surface_image(arrays, z)
-        return ImagePair(image, image, 1, 2, path, *common), multipath.surface_bottom_surface
+        return ImagePath(image, image, 1, 2, path, *common), multipath.surface_bottom_surface
     image = bottom_image(arrays, x, y, z)
-    return ImagePair(sonar, image, 2, 1, path, *common), multipath.second_bottom and image.share > 0.0
+    return ImagePath(sonar, image, 2, 1, path, *common), multipath.second_bottom and image.share > 0.0
 
 
 @inlined
@@ -152,7 +152,7 @@ def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pa
     mirrored : float
         R·V.
     diffuse, specular, shininess : float
-    pair : ImagePair
+    pair : ImagePath
 
     Returns
     -------

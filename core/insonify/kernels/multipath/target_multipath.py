@@ -43,7 +43,7 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, workspace, n,
     arrays : SceneArrays
     knots : int
         Of the profile.
-    pair : ImagePair
+    pair : ImagePath
     plane : HalfPlane
         From the sonar itself.
     sectors : tuple of two AzimuthSector
