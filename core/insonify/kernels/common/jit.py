@@ -13,7 +13,7 @@ decorator                  machine code             on disk      counts referenc
 
 Counting who holds an array costs an atomic operation of some 5 ns, twice for every array of every tuple that is handed
 on. A function that does not count may neither make arrays nor return any, nor call one that returns them: its callers
-count. Small parts are inlined because handing arrays over costs more than many a part.
+count. Small functions are inlined: handing a tuple of arrays over costs more than many of them compute.
 """
 
 from __future__ import annotations
@@ -43,22 +43,22 @@ def kernel_uncounted(function: Function) -> Function:
 
 
 def inlined(function: Function) -> Function:
-    """Compile a small part of a kernel into each of its callers."""
+    """Compile a small function into each of its callers."""
     return _within_callers(function, counting=True, fast=FAST)
 
 
 def inlined_uncounted(function: Function) -> Function:
-    """Compile a small part of a kernel into each of its callers, without counting references."""
+    """Compile a small function into each of its callers, without counting references."""
     return _within_callers(function, counting=False, fast=FAST)
 
 
 def inlined_ieee(function: Function) -> Function:
-    """Compile a small part of a kernel into each of its callers, in IEEE arithmetic that is never reordered."""
+    """Compile a small function into each of its callers, in IEEE arithmetic that is never reordered."""
     return _within_callers(function, counting=True, fast=False)
 
 
 def inlined_before_typing(function: Function) -> Function:
-    """Write a small part of a kernel out in each of its callers before types are inferred.
+    """Write a small function out in each of its callers before types are inferred.
 
     The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
     """
