@@ -19,8 +19,8 @@ from PySide6.QtWidgets import QApplication
 from insonify.scene import Scene, SceneError
 from insonify_viewer.gc_policy import collected_by_hand
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.files import save_picture
-from insonify_viewer.views.theme import dress
+from insonify_viewer.views.file_dialogs import save_picture
+from insonify_viewer.views.theme import apply_theme
 
 SNAPSHOT_SIZE = (1600, 1000)
 COLLECTION_INTERVAL = 200  # ms
@@ -92,7 +92,7 @@ def make_application() -> QApplication:
     existing = QApplication.instance()
     application = existing if isinstance(existing, QApplication) else QApplication(sys.argv[:1])
     application.setApplicationName("insonify")
-    dress(application)
+    apply_theme(application)
     return application
 
 

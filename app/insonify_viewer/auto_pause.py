@@ -47,7 +47,7 @@ def next_pause(simulation: Simulation, before: int, newest: int, held: int) -> A
     ground = simulation.ground
     if not (isinstance(ground, EndlessGround) or ground.periodic):
         pose = simulation.poses(np.array([newest - 1, newest], dtype=np.int64))
-        left = leaves(ground, pose)
+        left = leaves_grid(ground, pose)
         return AutoPause(newest, "the tow has left the measured bed and is paused") if left else None
     first = _first_abeam(simulation)
     if first is None:
@@ -57,7 +57,7 @@ def next_pause(simulation: Simulation, before: int, newest: int, held: int) -> A
     return AutoPause(last, why) if before < last <= newest else None
 
 
-def leaves(ground: Ground, poses: Poses) -> bool:
+def leaves_grid(ground: Ground, poses: Poses) -> bool:
     """Whether the second of two poses lies off the grid, and farther off than the first."""
     ny, nx = ground.heights.shape
     middle = np.array([ground.x0 + (nx - 1) * ground.spacing / 2.0, ground.y0 + (ny - 1) * ground.spacing / 2.0])

@@ -51,7 +51,7 @@ def bed_image(ground: Ground, centre: tuple[float, float], half: float, size: in
     """
     offset = ((np.arange(size) + 0.5) / size * 2.0 - 1.0).astype(np.float32)
     x, y = centre[0] + half * offset, centre[1] + half * offset
-    z = sampled(ground, x, y)
+    z = sample_heights(ground, x, y)
     light = _shade(z, 2.0 * half / size)
     r = np.clip((np.hypot(offset, offset[:, None]) - FADE[0]) / (FADE[1] - FADE[0]), 0.0, 1.0)
     clear = np.where(np.isnan(z), np.float32(0.0), 1.0 - r * r * (3.0 - 2.0 * r))
@@ -75,7 +75,7 @@ def _colours(ground: Ground) -> NDArray[np.float32]:
     return np.asarray(colours * tone[:, np.newaxis], dtype=np.float32)
 
 
-def sampled(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float32]:
+def sample_heights(ground: Ground, x: NDArray[Any], y: NDArray[Any]) -> NDArray[np.float32]:
     """Bilinear heights on a grid along the axes.
 
     Parameters

@@ -13,14 +13,14 @@ from insonify.scene.materials.pattern import PatternMap
 from insonify.scene.motions.straight import Straight
 from insonify.scene.motions.sum import SumOfMotions
 from insonify.scene.reliefs.mimic import Mimic, mean_diffuse
-from insonify_viewer.dependent_relief_edits import endless, parts, spectrum, together
+from insonify_viewer.dependent_relief_edits import common_period, endless_options, exponents_of_decay, parts_of_sum
 
 Changes = dict[str, Any]
 SLOWEST = 1e-3  # Hz, a ping rate that any range allows
 SWINGS = ("sway", "heave", "yaw", "pitch", "roll")
 
 
-def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+def add_dependent_edits(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Add the dependent edits to an edit.
 
     Parameters
@@ -42,10 +42,10 @@ def completed(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     for rule in (
         _ping_rate,
         _sonar_height,
-        spectrum,
-        endless,
-        together,
-        parts,
+        exponents_of_decay,
+        endless_options,
+        common_period,
+        parts_of_sum,
         _named_numbers,
         _shares,
         _material_map,

@@ -15,7 +15,7 @@ RELIEF = "seabed.relief"
 SMOOTH = ("isotropic", "elliptic")
 
 
-def spectrum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+def exponents_of_decay(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Give an isotropic decay one exponent, and the others two."""
     edits: Changes = {}
     for path, part in _parts(scene):
@@ -29,7 +29,7 @@ def spectrum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     return edits, ""
 
 
-def endless(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+def endless_options(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Give an endless fractal relief the options that it needs."""
     was = scene.seabed.endless
     kind = changes.get(f"{RELIEF}.kind")
@@ -45,7 +45,7 @@ def endless(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     return edits, "an endless relief has a soft clamp and Gaussian coefficients" if edits else ""
 
 
-def together(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+def common_period(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Give all parts of a sum the same period and extent."""
     places = _parts(scene)
     edits: Changes = {}
@@ -57,7 +57,7 @@ def together(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     return edits, ""
 
 
-def parts(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
+def parts_of_sum(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
     """Start a sum with the present relief, and add ripples in patches."""
     relief = scene.seabed.relief
     if changes.get(f"{RELIEF}.kind") != "sum" or isinstance(relief, SumOfReliefs):

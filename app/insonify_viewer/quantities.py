@@ -9,7 +9,7 @@ PREFIXED = ("s", "Hz")
 LONGEST_UNIT = 5
 
 
-def shown(value: float, unit: str) -> str:
+def format_quantity(value: float, unit: str) -> str:
     """Write a value with its unit and at most four digits: ``400 kHz``, ``0.1 ms``, ``12.5 m``."""
     if unit in PREFIXED and value != 0.0:
         for prefix, scale in (("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("µ", 1e-6)):
@@ -21,12 +21,12 @@ def shown(value: float, unit: str) -> str:
     return f"{number} {unit}" if unit and len(unit) <= LONGEST_UNIT else number
 
 
-def span(seconds: float) -> str:
+def format_duration(seconds: float) -> str:
     """Write a duration with three digits: ``245 µs``, ``1.29 ms``."""
     return f"{1e6 * seconds:.3g} µs" if seconds < 9.995e-4 else f"{1e3 * seconds:.3g} ms"
 
 
-def read(text: str, unit: str) -> float | None:
+def parse_quantity(text: str, unit: str) -> float | None:
     """Read a number with or without its unit and prefix; return None for anything else."""
     number = text.strip().replace(",", ".").removesuffix(unit).strip() if unit else text.strip().replace(",", ".")
     scale = 1.0
@@ -39,14 +39,14 @@ def read(text: str, unit: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def fraction(value: float, ends: tuple[float, float], *, log: bool) -> float:
+def slider_position(value: float, ends: tuple[float, float], *, log: bool) -> float:
     """Position of a value on a slider, from 0 to 1."""
     low, high = ends
     inside = min(max(value, low), high)
     return math.log(inside / low) / math.log(high / low) if log else (inside - low) / (high - low)
 
 
-def at_fraction(part: float, ends: tuple[float, float], *, log: bool, integer: bool) -> float:
+def slider_value(part: float, ends: tuple[float, float], *, log: bool, integer: bool) -> float:
     """Value at a position of a slider, rounded to few digits."""
     low, high = ends
     value = low * (high / low) ** part if log else low + part * (high - low)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from insonify.scene import Scene, SceneError, edit
-from insonify_viewer.dependent_edits import completed
+from insonify_viewer.dependent_edits import add_dependent_edits
 from insonify_viewer.modelling import Modelling
 
 UNDO_DEPTH = 200
@@ -174,7 +174,7 @@ class Session:
     def _edited(self, changes: Mapping[str, Any]) -> Scene | None:
         """Edit the settled scene; report an invalid edit and return None for it."""
         try:
-            complete, remark = completed(self._settled.scene, changes)
+            complete, remark = add_dependent_edits(self._settled.scene, changes)
             scene = edit(self._settled.scene, complete)
         except SceneError as error:
             self.said.emit(str(error))

@@ -27,7 +27,7 @@ QUIET, PATIENCE = 0.1, 0.7  # s without requests before a patient errand, and it
 
 
 @dataclass(frozen=True)
-class Request:
+class PingRequest:
     """Pings wanted of a scene.
 
     Attributes
@@ -52,7 +52,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Answer:
+class TracedPings:
     """Traced pings.
 
     Attributes
@@ -107,7 +107,7 @@ class Simulator(QObject):
     def __init__(self, prepare: Callable[..., Simulation] | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._prepare = prepare or _prepare
-        self._waiting: Request | None = None
+        self._waiting: PingRequest | None = None
         self._errands: list[_Errand] = []
         self._patient: _Errand | None = None
         self._latest_start = 0.0
@@ -119,7 +119,7 @@ class Simulator(QObject):
         self._thread = threading.Thread(target=self._work, name="insonify simulator", daemon=True)
         self._thread.start()
 
-    def ask(self, request: Request) -> None:
+    def ask(self, request: PingRequest) -> None:
         """Trace these pings next, instead of a request that still waits."""
         with self._changed:
             self._waiting = request
@@ -175,7 +175,7 @@ class Simulator(QObject):
     def _is_wanted(self) -> bool:
         return bool(self._waiting or self._errands or self._closing)
 
-    def _serve(self, request: Request) -> None:
+    def _serve(self, request: PingRequest) -> None:
         refuse = partial(self.refused.emit, request.number)
         try:
             for answer in self._trace(request):
@@ -187,7 +187,7 @@ class Simulator(QObject):
         except Exception as error:  # an exception that ends the thread would freeze the picture silently
             self._called_back.emit(refuse, f"this scene cannot be simulated ({type(error).__name__}: {error})")
 
-    def _trace(self, request: Request) -> Iterator[Answer]:
+    def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
         # lazy: loaded on the worker; the window opens before Numba is loaded
         from insonify.display.picture import normalise
 
@@ -206,7 +206,7 @@ class Simulator(QObject):
                 self._cost = seconds / len(traced)
             amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
             reach = None if request.fine else _reach(simulation)
-            yield Answer(request.number, request.fine, block, amplitude, level, simulation, seconds, stride, reach)
+            yield TracedPings(request.number, request.fine, block, amplitude, level, simulation, seconds, stride, reach)
 
     def _stride(self, pings: int) -> int:
         """Stride over the pings by which a coarse trace of them takes about `COARSE_TIME`."""

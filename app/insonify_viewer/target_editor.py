@@ -13,7 +13,7 @@ from insonify_viewer.target_placement import needs_file, new_target
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
     from insonify_viewer.simulator import Simulator
-    from insonify_viewer.views.files import Files
+    from insonify_viewer.views.file_dialogs import FileDialogs
     from insonify_viewer.views.main_window import MainWindow
 
 
@@ -28,7 +28,7 @@ class TargetEditor:
         The window with the menu.
     simulator : Simulator
         The worker that reads meshes.
-    files : Files
+    files : FileDialogs
         Dialogs that ask for meshes.
     added : callable
         Receives the dotted path of a target that was added.
@@ -40,7 +40,12 @@ class TargetEditor:
     """
 
     def __init__(
-        self, session: Session, window: MainWindow, simulator: Simulator, files: Files, added: Callable[[str], None]
+        self,
+        session: Session,
+        window: MainWindow,
+        simulator: Simulator,
+        files: FileDialogs,
+        added: Callable[[str], None],
     ) -> None:
         self._session, self._window, self._simulator, self._files = session, window, simulator, files
         self._added = added

@@ -19,10 +19,10 @@ from insonify_viewer.panels.panel import Panel, RecordGrowth, Workbench
 from insonify_viewer.record import Record
 from insonify_viewer.seabed_controller import SeabedController
 from insonify_viewer.session import Mark, Session
-from insonify_viewer.simulator import Answer, Request, Simulator
+from insonify_viewer.simulator import PingRequest, Simulator, TracedPings
 from insonify_viewer.target_editor import TargetEditor
 from insonify_viewer.tow_clock import TowClock
-from insonify_viewer.views.files import Files
+from insonify_viewer.views.file_dialogs import FileDialogs
 from insonify_viewer.views.main_window import MainWindow
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class Viewer(QObject):
         native = accelerated and QGuiApplication.platformName() == "xcb"
         self.window = MainWindow(native=native, palettes=PALETTES)
         self.record = Record(_pings_held(scene), scene.sonar.bins)
-        self.files = Files(self.window, self.simulator, self.open, self.window.say)
+        self.files = FileDialogs(self.window, self.simulator, self.open, self.window.say)
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, self._show_part)
         self.panels = self._make_panels()
         self.window.mount(tuple(self.panels.values()))
@@ -73,7 +73,7 @@ class Viewer(QObject):
         self._seabed = SeabedController(self.simulator, accelerated=accelerated)
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
-        self._answer: Answer | None = None  # the last one that fits the record
+        self._answer: TracedPings | None = None  # the last one that fits the record
         self._planned: Simulation | None = None  # the one whose plan the panels show
         self._prepared = self._started = self._stopped = False
         self._levels_due = True
@@ -255,10 +255,10 @@ class Viewer(QObject):
         """Request the missing pings, unless the scene was refused."""
         missing = self._missing()
         if missing.size and self._prepared and self._refused != self._number:
-            request = Request(self._number, self.session.scene, self.session.modelling, missing, self._fine)
+            request = PingRequest(self._number, self.session.scene, self.session.modelling, missing, self._fine)
             self.simulator.ask(request)
 
-    def _take(self, answer: Answer) -> None:
+    def _take(self, answer: TracedPings) -> None:
         """Take traced pings over, even of a scene that a slider has since left."""
         scene = answer.simulation.scene
         if not self._holds(scene):
@@ -284,7 +284,7 @@ class Viewer(QObject):
             self.window.show_busy("")
             self.window.say(scene.title)
 
-    def _tell_growth(self, answer: Answer) -> None:
+    def _tell_growth(self, answer: TracedPings) -> None:
         """Tell the panels of new pings, and of another plan if the pings are traced by one."""
         current = answer.fine and answer.number == self._number
         growth = RecordGrowth(answer, self.record, current, complete=not self._missing().size)

@@ -18,7 +18,7 @@ from stand_in import StandIn
 from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.application import has_opengl, main_thread_collection
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.theme import dress
+from insonify_viewer.views.theme import apply_theme
 
 Opener = Callable[..., Viewer]
 
@@ -31,7 +31,7 @@ def small() -> Scene:
 @pytest.fixture
 def open_viewer(qtbot: Any, qapp: QApplication) -> Iterator[Opener]:
     """Open viewers on the stand-in simulation; close them and look for what they left."""
-    dress(qapp)
+    apply_theme(qapp)
     viewers: list[Viewer] = []
     before = set(threading.enumerate())
 

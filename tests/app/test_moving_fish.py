@@ -13,7 +13,7 @@ from insonify.kernels.common.types import PORT, STARBOARD
 from insonify.scene import Scene, edit
 from insonify_viewer.marked_point import locate_mark
 from insonify_viewer.session import Mark
-from insonify_viewer.views.pv_meshes import PATH_POINTS, path_pings, placed, scan_line
+from insonify_viewer.views.pv_meshes import PATH_POINTS, path_pings, pose_matrix, scan_line
 
 TURN = {"kind": "turn", "rate": 10.0, "begin": 2.0, "duration": 9.0}
 TILTED = {"kind": "pitch", "amplitude": 10.0, "period": 1e5, "phase": 90.0}
@@ -30,13 +30,13 @@ def one(simulation: StandIn, ping: int) -> Any:
 
 def test_a_fish_lies_as_its_pose_says(small: Scene) -> None:
     pose = one(moved(small, TILTED, YAWED, {"kind": "roll", "amplitude": 30.0, "period": 1e5, "phase": 90.0}), 0)
-    matrix = placed(pose, 2.0)
+    matrix = pose_matrix(pose, 2.0)
     bow, port = matrix[:3, 0] / 2.0, matrix[:3, 1] / 2.0
     assert bow[2] == pytest.approx(math.sin(math.radians(10.0)))
     assert math.degrees(math.atan2(bow[1], bow[0])) == pytest.approx(20.0)
     assert port[2] == pytest.approx(math.sin(math.radians(30.0)) * math.cos(math.radians(10.0)))
     assert matrix[:3, 3].tolist() == [pose.x[0], pose.y[0], pose.z[0]]
-    level = placed(pose, 2.0, level=True)
+    level = pose_matrix(pose, 2.0, level=True)
     assert level[2, :3].tolist() == [0.0, 0.0, 2.0]
 
 
@@ -49,7 +49,7 @@ def test_a_point_of_the_record_lies_in_the_plane_of_its_beam(small: Scene, motio
     assert place is not None
     assert across is not None
     there = np.array(place) - [pose.x[0], pose.y[0], pose.z[0]]
-    bow, port = placed(pose, 1.0)[:3, 0], placed(pose, 1.0)[:3, 1]
+    bow, port = pose_matrix(pose, 1.0)[:3, 0], pose_matrix(pose, 1.0)[:3, 1]
     # The bed of the stand-in is level but for a centimetre.
     assert float(there @ bow) == pytest.approx(0.0, abs=0.05)
     assert np.linalg.norm(there) == pytest.approx(slant, abs=0.05)
@@ -62,7 +62,7 @@ def test_a_point_of_the_record_lies_in_the_plane_of_its_beam(small: Scene, motio
 def test_a_squinted_beam_is_a_cone_about_the_fish(small: Scene, motions: Any, squint: float) -> None:
     simulation = moved(edit(small, {"sonar.beam.squint": squint}), *(motions or ("straight",)))
     pose = one(simulation, 115)
-    bow = placed(pose, 1.0)[:3, 0]
+    bow = pose_matrix(pose, 1.0)[:3, 0]
     line, slant = scan_line(simulation.ground, simulation.arrays, pose)
     away = line - [pose.x[0], pose.y[0], pose.z[0]]
     np.testing.assert_allclose(away @ bow, slant * math.sin(math.radians(squint)), atol=0.05)
@@ -78,7 +78,7 @@ def test_the_line_of_the_beam_on_the_bed_leans_with_the_pitch(small: Scene) -> N
     pose = one(simulation, 40)
     line, slant = scan_line(simulation.ground, simulation.arrays, pose)
     away = line - [pose.x[0], pose.y[0], pose.z[0]]
-    np.testing.assert_allclose(away @ placed(pose, 1.0)[:3, 0], 0.0, atol=0.05)
+    np.testing.assert_allclose(away @ pose_matrix(pose, 1.0)[:3, 0], 0.0, atol=0.05)
     np.testing.assert_allclose(np.linalg.norm(away, axis=1), slant, rtol=1e-6)
 
 

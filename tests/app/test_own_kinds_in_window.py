@@ -11,7 +11,7 @@ import pytest
 from insonify.scene import Scene, edit
 from insonify.simulation import prepare
 from insonify_viewer.bed_shading import target_colours
-from insonify_viewer.dependent_edits import completed
+from insonify_viewer.dependent_edits import add_dependent_edits
 from insonify_viewer.fields import ChoiceField, NumberField
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.target_placement import target_menu
@@ -60,7 +60,7 @@ def test_the_panel_has_its_sliders_and_the_material_in_its_list() -> None:
 
 
 def test_a_map_of_somebody_elses_is_switched_to() -> None:
-    changes, _ = completed(own_scene(), {"seabed.material.kind": "halves"})
+    changes, _ = add_dependent_edits(own_scene(), {"seabed.material.kind": "halves"})
     scene = edit(own_scene(), changes)
     assert [one.name for one in scene.seabed.material.materials] == ["medium_sand", "rock"]
     paths = [row.path for section in sections_of(scene) for row in section.parameters]

@@ -7,7 +7,7 @@ import pytest
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.seabed import Seabed
-from insonify_viewer.dependent_edits import completed
+from insonify_viewer.dependent_edits import add_dependent_edits
 from insonify_viewer.fields import NumberField
 from insonify_viewer.panels.parameters.sections import sections_of
 
@@ -17,7 +17,7 @@ ENDLESS = ["fractal", "power_law", "von_karman", "ripples", "autocorrelation", "
 
 def changed(scene: Scene, **changes) -> Scene:
     named = {f"seabed.relief.{name.replace('__', '.')}": value for name, value in changes.items()}
-    return edit(scene, completed(scene, named)[0])
+    return edit(scene, add_dependent_edits(scene, named)[0])
 
 
 def shown(scene: Scene) -> dict:

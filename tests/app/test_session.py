@@ -10,7 +10,7 @@ import pytest
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify_viewer.fields import ChoiceField, NumberField
 from insonify_viewer.panels.parameters.sections import sections_of
-from insonify_viewer.quantities import at_fraction, fraction, read, shown, span
+from insonify_viewer.quantities import format_duration, format_quantity, parse_quantity, slider_position, slider_value
 from insonify_viewer.record import Record
 from insonify_viewer.session import Mark, Session
 from insonify_viewer.tow_clock import TowClock
@@ -261,12 +261,12 @@ def test_tow_counts_pauses_and_looks_back() -> None:
     ],
 )
 def test_numbers_are_printed_and_read_back(value: float, unit: str, text: str) -> None:
-    assert shown(value, unit) == text
-    assert read(text, unit) == pytest.approx(value)
+    assert format_quantity(value, unit) == text
+    assert parse_quantity(text, unit) == pytest.approx(value)
 
 
 def test_times_are_printed_in_three_digits() -> None:
-    assert [span(seconds) for seconds in (1.23e-5, 9.99e-4, 9.996e-4, 1.288e-3)] == [
+    assert [format_duration(seconds) for seconds in (1.23e-5, 9.99e-4, 9.996e-4, 1.288e-3)] == [
         "12.3 µs",
         "999 µs",
         "1 ms",
@@ -275,18 +275,18 @@ def test_times_are_printed_in_three_digits() -> None:
 
 
 def test_nonsense_is_not_a_number() -> None:
-    assert [read(text, "m") for text in ("", "abc", "nan", "inf", "1 2")] == [None] * 5
+    assert [parse_quantity(text, "m") for text in ("", "abc", "nan", "inf", "1 2")] == [None] * 5
 
 
 @pytest.mark.parametrize("log", [False, True])
 def test_slider_places_and_values_agree(log: bool) -> None:
     ends = (0.01, 10.0)
     for part in np.linspace(0.0, 1.0, 17):
-        value = at_fraction(float(part), ends, log=log, integer=False)
-        assert fraction(value, ends, log=log) == pytest.approx(part, abs=2e-3)
-    assert at_fraction(0.0, ends, log=log, integer=False) == 0.01
-    assert at_fraction(1.0, ends, log=log, integer=False) == 10.0
-    assert fraction(1e9, ends, log=log) == 1.0
+        value = slider_value(float(part), ends, log=log, integer=False)
+        assert slider_position(value, ends, log=log) == pytest.approx(part, abs=2e-3)
+    assert slider_value(0.0, ends, log=log, integer=False) == 0.01
+    assert slider_value(1.0, ends, log=log, integer=False) == 10.0
+    assert slider_position(1e9, ends, log=log) == 1.0
 
 
 @pytest.mark.parametrize("width", [1, 7, 100, 101, 350])

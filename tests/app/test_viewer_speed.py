@@ -14,7 +14,7 @@ from PySide6.QtCore import QTimer
 
 from insonify.scene import edit, load_scene
 from insonify_viewer.modelling import Modelling
-from insonify_viewer.simulator import Request, Simulator
+from insonify_viewer.simulator import PingRequest, Simulator
 
 pytestmark = pytest.mark.bench
 MOVES = 12
@@ -71,7 +71,7 @@ def test_a_coarse_picture(qapp: Any, path: str, ends: tuple[float, float]) -> No
     for value in np.linspace(*ends, 2 * MOVES + 1):
         scene = edit(load_scene("default"), {path: float(value)})
         began, used = time.perf_counter(), time.process_time()
-        (answer,) = simulator._trace(Request(0, scene, Modelling(), pings, fine=False))
+        (answer,) = simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=False))
         wall.append(time.perf_counter() - began)
         busy.append(time.process_time() - used)
         alike = answer.alike

@@ -333,7 +333,7 @@ def test_nothing_black_in_the_water_above(open_viewer: Any, small: Scene, qtbot:
 
 
 def test_picture_is_saved_whole_or_not_at_all(open_viewer: Any, small: Scene, tmp_path: Any) -> None:
-    from insonify_viewer.views.files import save_picture
+    from insonify_viewer.views.file_dialogs import save_picture
 
     viewer = open_viewer(small)
     save_picture(viewer.window, tmp_path / "w.png")

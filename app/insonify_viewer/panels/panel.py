@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from insonify_viewer.marked_point import MarkedPoint
     from insonify_viewer.record import Record
     from insonify_viewer.session import Session
-    from insonify_viewer.simulator import Answer, Simulator
-    from insonify_viewer.views.files import Files
+    from insonify_viewer.simulator import Simulator, TracedPings
+    from insonify_viewer.views.file_dialogs import FileDialogs
 
 
 class Place(Enum):
@@ -48,7 +48,7 @@ class Workbench:
         The scene and its modelling, both editable.
     simulator : Simulator
         The worker thread, for what takes longer than a few milliseconds.
-    files : Files
+    files : FileDialogs
         Dialogs that ask for files.
     say : callable
         Shows a sentence in the status bar.
@@ -60,7 +60,7 @@ class Workbench:
 
     session: Session
     simulator: Simulator
-    files: Files
+    files: FileDialogs
     say: Callable[[str], None]
     pause: Callable[[], None]
     open_panel: Callable[[str], None]
@@ -72,7 +72,7 @@ class RecordGrowth:
 
     Attributes
     ----------
-    answer : Answer
+    answer : TracedPings
         The traced pings and the simulation that traced them.
     record : Record
         All pings on screen.
@@ -82,7 +82,7 @@ class RecordGrowth:
         Whether no ping on screen is missing.
     """
 
-    answer: Answer
+    answer: TracedPings
     record: Record
     current: bool
     complete: bool

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def smeared(columns: NDArray[np.float32], reach: NDArray[np.float64]) -> NDArray[np.float32]:
+def blur_along_track(columns: NDArray[np.float32], reach: NDArray[np.float64]) -> NDArray[np.float32]:
     """Average energy over the number of successive pings that the beam covers.
 
     Parameters

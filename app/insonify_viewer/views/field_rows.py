@@ -11,7 +11,7 @@ from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QPushButton, QSizePolicy, QSlider
 
 from insonify_viewer.fields import ChoiceField, FileField, NumberField
-from insonify_viewer.quantities import at_fraction, fraction, read, shown
+from insonify_viewer.quantities import format_quantity, parse_quantity, slider_position, slider_value
 
 STEPS = 1000
 INDENT = 12
@@ -83,11 +83,11 @@ class NumberRow:
         self._number = number
         self._let_be(number.idle)
         if not self.field.hasFocus() or not self.field.isModified():
-            self.field.setText(shown(number.value, number.unit))
+            self.field.setText(format_quantity(number.value, number.unit))
             self.field.setCursorPosition(0)
         if number.slider is not None and not self.slider.isSliderDown():
             self._showing = True
-            self.slider.setValue(round(STEPS * fraction(number.value, number.slider, log=number.log)))
+            self.slider.setValue(round(STEPS * slider_position(number.value, number.slider, log=number.log)))
             self._showing = False
 
     def _let_be(self, idle: str) -> None:
@@ -100,7 +100,7 @@ class NumberRow:
         if self._showing or self._number.slider is None:
             return
         number = self._number
-        value = at_fraction(position / STEPS, self._number.slider, log=number.log, integer=number.integer)
+        value = slider_value(position / STEPS, self._number.slider, log=number.log, integer=number.integer)
         # Arrow keys and clicks beside the handle make final edits.
         change = self._dragged if self.slider.isSliderDown() else self._settled
         change(number.path, int(value) if number.integer else value)
@@ -113,7 +113,7 @@ class NumberRow:
             return
         self.field.setModified(False)
         number = self._number
-        value = read(self.field.text(), number.unit)
+        value = parse_quantity(self.field.text(), number.unit)
         if value is None or (number.integer and value != round(value)):
             self._settled(number.path, self.field.text())
         else:

@@ -11,7 +11,7 @@ import pyvista as pv
 from numpy.typing import NDArray
 
 from insonify.scene.rotation import rotation_matrix
-from insonify_viewer.bed_shading import bed_image, sampled
+from insonify_viewer.bed_shading import bed_image, sample_heights
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Poses, SceneArrays, Solids
@@ -78,7 +78,7 @@ def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float) -> BedP
     ground = bed.around(centre, half)
     x = np.linspace(centre[0] - half, centre[0] + half, MESH_NODES)
     y = np.linspace(centre[1] - half, centre[1] + half, MESH_NODES)
-    z = sampled(ground, x, y)
+    z = sample_heights(ground, x, y)
     z = np.where(np.isnan(z), np.nanmin(ground.heights), z)
     points = np.stack([*np.meshgrid(x, y), z], axis=-1).reshape(-1, 3).astype(np.float32)
     return BedPatch(centre, points, bed_image(ground, centre, half, TEXTURE_SIZE))
@@ -174,7 +174,7 @@ def path_pings(ping: int, step: float, reach: float) -> NDArray[np.int64]:
     return np.maximum(np.rint(np.linspace(ping - behind, ping + ahead, PATH_POINTS)), 0.0).astype(np.int64)
 
 
-def placed(pose: Poses, length: float, *, level: bool = False) -> NDArray[np.float64]:
+def pose_matrix(pose: Poses, length: float, *, level: bool = False) -> NDArray[np.float64]:
     """Matrix that scales a mesh along +x and moves it to a pose, with its pitch and roll or level; (4, 4) float64."""
     pitch, roll = (0.0, 0.0) if level else (math.degrees(pose.pitch[0]), math.degrees(pose.roll[0]))
     matrix = np.eye(4)
@@ -225,12 +225,12 @@ class ScanFan:
             np.stack([lifted - half * ahead, lifted + half * ahead], 1).reshape(-1, 3).astype(np.float32)
         )
         bins = arrays.bins
-        bin_heard = np.clip((slant / arrays.bin_length).astype(np.int64), 0, bins - 1)
-        columns = np.concatenate([bins - 1 - bin_heard[:LINE_POINTS], bins + bin_heard[LINE_POINTS:]])
-        self.footprint.point_data["colour"] = np.repeat(heard_colours(tones[columns]), 2, axis=0)
+        bin_scanned = np.clip((slant / arrays.bin_length).astype(np.int64), 0, bins - 1)
+        columns = np.concatenate([bins - 1 - bin_scanned[:LINE_POINTS], bins + bin_scanned[LINE_POINTS:]])
+        self.footprint.point_data["colour"] = np.repeat(scan_colours(tones[columns]), 2, axis=0)
 
 
-def heard_colours(tones: NDArray[np.float32]) -> NDArray[np.uint8]:
+def scan_colours(tones: NDArray[np.float32]) -> NDArray[np.uint8]:
     """Colours of the scan line, from dark for shadow to a cold white, distinct from sand."""
     dark, bright = np.array([8.0, 30.0, 48.0]), np.array([214.0, 250.0, 255.0])
     return np.asarray((dark + tones[:, None] * (bright - dark)).astype(np.uint8))

@@ -90,8 +90,8 @@ class SeabedView(QWidget):
     ) -> None:
         """Move fish and fan; the camera follows and turns with the heading of the track."""
         reach = arrays.bins * arrays.bin_length
-        self._fish_actor.user_matrix = pv_meshes.placed(pose, FISH * reach)
-        self._cable_actor.user_matrix = pv_meshes.placed(pose, FISH * reach, level=True)
+        self._fish_actor.user_matrix = pv_meshes.pose_matrix(pose, FISH * reach)
+        self._cable_actor.user_matrix = pv_meshes.pose_matrix(pose, FISH * reach, level=True)
         self._fan.move(ground, arrays, pose, tones)
         for actor in (self._fish_actor, self._cable_actor, self._sheet_actor, self._footprint_actor):
             actor.visibility = True

@@ -70,7 +70,7 @@ QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {EDGE}; paddi
 """
 
 
-def dress(application: QApplication) -> None:
+def apply_theme(application: QApplication) -> None:
     """Set style, colours and style sheet of the application."""
     application.setStyle("Fusion")
     palette = QPalette()

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.session import Mark
-from insonify_viewer.views.along_track_blur import smeared
+from insonify_viewer.views.along_track_blur import blur_along_track
 from insonify_viewer.views.pixels import colour_table, colours, column_means, round_steps
 from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
 
@@ -84,7 +84,7 @@ class WaterfallView(QWidget):
         """
         means = column_means(self._record.amplitude[rows[::alike]], self._columns.shape[1])
         if reach is not None and rows.size:
-            means = smeared(means, reach / alike)
+            means = blur_along_track(means, reach / alike)
         self._columns[rows] = means if alike == 1 else np.repeat(means, alike, axis=0)[: rows.size]
         self._paint_rows(rows)
 

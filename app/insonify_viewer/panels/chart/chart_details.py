@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify_viewer.quantities import span
+from insonify_viewer.quantities import format_duration
 
 if TYPE_CHECKING:
     from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
@@ -130,7 +130,7 @@ def details_in_words(details: RowDetails) -> str:
     """Write the cost and the errors of a row."""
     row, errors, moved = details.row, details.row.errors, details.row.displacement
     parts = (
-        f"{span(1e-6 * row.microseconds)} a ping (± {100.0 * row.spread:.2g} %)",
+        f"{format_duration(1e-6 * row.microseconds)} a ping (± {100.0 * row.spread:.2g} %)",
         f"rms {_percent(errors.beyond)} beyond 1.4 altitudes, {_percent(errors.all_bins)} of all bins",
         f"SSIM {details.similarity:.3f}",
         _metres("shadow edges off by", moved.shadow_edge),

@@ -49,7 +49,7 @@ USUAL_SPEED = 1500.0  # m/s, if a cast cannot be read
 
 
 @dataclass(frozen=True)
-class Section:
+class FieldSection:
     """Fields under one heading; the section of a target can be removed."""
 
     key: str
@@ -70,7 +70,7 @@ def _widgets(parameter: Parameter) -> Any:
     return isinstance(parameter, NumberField) and parameter.slider is None
 
 
-def sections_of(scene: Scene) -> tuple[Section, ...]:
+def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
     """Describe every editable field of a scene.
 
     Parameters
@@ -80,7 +80,7 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
 
     Returns
     -------
-    tuple of Section
+    tuple of FieldSection
         In display order; sections without fields are left out.
     """
     found = []
@@ -90,12 +90,12 @@ def sections_of(scene: Scene) -> tuple[Section, ...]:
             for index, target in enumerate(part):
                 path = f"targets.{index}"
                 title = f"{target.kind.replace('_', ' ').capitalize()} {index + 1}"
-                found.append(Section(path, title, _inside(scene, target, path, 0), removable=True))
+                found.append(FieldSection(path, title, _inside(scene, target, path, 0), removable=True))
         else:
             parameters = _inside(scene, part, name, 0)
             if name == "seabed":
                 parameters += tuple(_of_field(scene, scene, "seed", "", 0))
-            found.append(Section(name, name.capitalize(), parameters))
+            found.append(FieldSection(name, name.capitalize(), parameters))
     return tuple(section for section in found if section.parameters)
 
 

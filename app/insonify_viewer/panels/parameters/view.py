@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from insonify_viewer.fields import ChoiceField, NumberField, Parameter
-from insonify_viewer.panels.parameters.sections import Section
+from insonify_viewer.panels.parameters.sections import FieldSection
 from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
 
@@ -81,7 +81,7 @@ class ParametersView(QScrollArea):
         """Show the description of the scene."""
         self._about.say(description)
 
-    def show_sections(self, sections: tuple[Section, ...]) -> None:
+    def show_sections(self, sections: tuple[FieldSection, ...]) -> None:
         """Show these fields; only sections whose rows change are rebuilt."""
         keys = [section.key for section in sections]
         for key in [key for key in self._sections if key not in keys]:
@@ -153,7 +153,7 @@ class SectionBox(FoldingBox):
         Of the section it was built from.
     """
 
-    def __init__(self, section: Section, panel: ParametersView, *, unfolded: bool) -> None:
+    def __init__(self, section: FieldSection, panel: ParametersView, *, unfolded: bool) -> None:
         self.structure, self.removable = section.structure, section.removable
         self.rows: dict[str, Row] = {}
         body = QWidget()
@@ -169,7 +169,7 @@ class SectionBox(FoldingBox):
         remover = _remover(section, panel) if section.removable else None
         super().__init__(section.title, body, unfolded=unfolded, beside=remover)
 
-    def show_values(self, section: Section) -> None:
+    def show_values(self, section: FieldSection) -> None:
         """Show other values in the same rows."""
         self.entitle(section.title)
         for parameter in section.parameters:
@@ -190,7 +190,7 @@ def _row(parameter: Parameter, panel: ParametersView) -> Row:
     return FileRow(parameter, panel.file_asked.emit)
 
 
-def _remover(section: Section, panel: ParametersView) -> QToolButton:
+def _remover(section: FieldSection, panel: ParametersView) -> QToolButton:
     """Make the button that removes the target of a section from the scene."""
     button = QToolButton()
     button.setObjectName("remove")

@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 
 from insonify_viewer.fields import NumberField
 from insonify_viewer.modelling import Modelling
-from insonify_viewer.quantities import span
+from insonify_viewer.quantities import format_duration
 from insonify_viewer.views.field_rows import Combo, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
 
@@ -76,7 +76,7 @@ class PlanView(QScrollArea):
         """Show a plan, with its tolerance and forced choices."""
         self._tolerance.show_share(modelling.tolerance)
         self.automatic.setEnabled(bool(modelling.forced))
-        self._predicted = f"predicted: misses {_share(plan.error)}, {span(plan.cost)} a ping on one thread"
+        self._predicted = f"predicted: misses {_share(plan.error)}, {format_duration(plan.cost)} a ping on one thread"
         self._totals.setText(self._predicted)
         forced = dict(modelling.forced)
         for modelled, group in self._groups.items():
@@ -86,7 +86,7 @@ class PlanView(QScrollArea):
 
     def show_measured(self, seconds: float) -> None:
         """Show the measured time of a ping below the predicted one."""
-        self._totals.setText(f"{self._predicted}\nmeasured: {span(seconds)} a ping on all threads")
+        self._totals.setText(f"{self._predicted}\nmeasured: {format_duration(seconds)} a ping on all threads")
 
     def show_change(self, subject: str, words: str) -> None:
         """Show the effect of the last change; beside its line if one subject changed."""
@@ -168,7 +168,8 @@ class PlanLine(QWidget):
         self._choice.setText(entry.choice)
         self._reason.setText(entry.reason)
         error = f"misses {_share(entry.error)}" if entry.error > 0.0 else ""
-        cost = f"{'' if entry.modelled else 'would take '}{span(entry.cost)} a ping" if entry.cost > 0.0 else ""
+        duration = f"{format_duration(entry.cost)} a ping" if entry.cost > 0.0 else ""
+        cost = duration if entry.modelled or not duration else f"would take {duration}"
         self._numbers.setText(" · ".join(part for part in (error, cost) if part))
         self._numbers.setVisible(bool(error or cost))
         options = [*entry.options, *([forced] if forced and forced not in entry.options else [])]

@@ -12,8 +12,8 @@ from insonify.display.picture import LevelBed, normalise
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify_viewer.modelling import Modelling
-from insonify_viewer.simulator import Request, Simulator
-from insonify_viewer.views.along_track_blur import smeared
+from insonify_viewer.simulator import PingRequest, Simulator
+from insonify_viewer.views.along_track_blur import blur_along_track
 
 
 def box(energy: np.ndarray, ping: int, pings: float) -> float:
@@ -25,7 +25,7 @@ def box(energy: np.ndarray, ping: int, pings: float) -> float:
 def test_energies_are_averaged_over_what_the_beam_takes_in() -> None:
     columns = np.random.default_rng(1).uniform(0.0, 3.0, (9, 12)).astype(np.float32)
     reach = np.array([0.2, 0.9, 1.0, 1.7, 2.0, 31.4])
-    found = smeared(columns, reach)
+    found = blur_along_track(columns, reach)
     for ping in range(9):
         for column in range(12):
             pings = max(reach[5 - column if column < 6 else column - 6], 1.0)
@@ -36,10 +36,10 @@ def test_energies_are_averaged_over_what_the_beam_takes_in() -> None:
 def test_silence_stays_silent_and_loudness_what_it_is() -> None:
     columns = np.zeros((200, 4), np.float32)
     columns[:100] = 7.0
-    found = smeared(columns, np.full(2, 10.3))
+    found = blur_along_track(columns, np.full(2, 10.3))
     assert (found[110:] < 1e-2).all()
     assert found[:90] == pytest.approx(7.0, rel=1e-5)
-    assert (smeared(columns[:1], np.full(2, 10.3)) == columns[:1]).all()
+    assert (blur_along_track(columns[:1], np.full(2, 10.3)) == columns[:1]).all()
 
 
 @pytest.mark.parametrize("width", [1.0, 2.5])
@@ -48,13 +48,13 @@ def test_a_drag_looks_like_what_it_leads_to(width: float) -> None:
     pings = np.arange(159, -1, -1)
     simulator = Simulator()
     simulator._cost = 0.0  # as if pings cost nothing, none to be thinned out
-    (coarse,) = simulator._trace(Request(0, scene, Modelling(), pings, fine=False))
+    (coarse,) = simulator._trace(PingRequest(0, scene, Modelling(), pings, fine=False))
     simulator.close()
     simulation = prepare(scene)
     fine = normalise(simulation.intensity(pings), LevelBed(simulation).curves(pings))
     wanted, plane = (np.concatenate([one[:, 0, ::-1], one[:, 1]], axis=1) for one in (fine, coarse.amplitude))
     assert coarse.reach is not None
-    assert apart(smeared(plane, coarse.reach), wanted) < 0.5 * apart(plane, wanted)
+    assert apart(blur_along_track(plane, coarse.reach), wanted) < 0.5 * apart(plane, wanted)
 
 
 def apart(record: np.ndarray, wanted: np.ndarray) -> float:
@@ -68,6 +68,6 @@ def apart(record: np.ndarray, wanted: np.ndarray) -> float:
 )
 def test_what_is_random_or_has_no_width_is_not_smeared(small: Any, changes: dict[str, str]) -> None:
     simulator = Simulator(StandIn)
-    (answer,) = simulator._trace(Request(0, edit(small, changes), Modelling(), np.arange(3), fine=False))
+    (answer,) = simulator._trace(PingRequest(0, edit(small, changes), Modelling(), np.arange(3), fine=False))
     simulator.close()
     assert answer.reach is None

@@ -22,7 +22,7 @@ from insonify_viewer.simulator import Simulator
 MAPS = "Pictures (*.png *.tif *.tiff);;All files (*)"
 
 
-class Files:
+class FileDialogs:
     """Asks for files, opens them, and reports errors in one sentence.
 
     Parameters
