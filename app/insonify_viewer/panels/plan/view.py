@@ -76,7 +76,7 @@ class PlanView(QScrollArea):
         """Show a plan, with its tolerance and forced choices."""
         self._tolerance.show_share(modelling.tolerance)
         self.automatic.setEnabled(bool(modelling.forced))
-        self._predicted = f"predicted: misses {_share(plan.error)}, {format_duration(plan.cost)} a ping on one thread"
+        self._predicted = f"predicted: error {_share(plan.error)}, {format_duration(plan.cost)} a ping on one thread"
         self._totals.setText(self._predicted)
         forced = dict(modelling.forced)
         for modelled, group in self._groups.items():
@@ -167,7 +167,7 @@ class PlanLine(QWidget):
         self._subject = entry.subject
         self._choice.setText(entry.choice)
         self._reason.setText(entry.reason)
-        error = f"misses {_share(entry.error)}" if entry.error > 0.0 else ""
+        error = f"error {_share(entry.error)}" if entry.error > 0.0 else ""
         duration = f"{format_duration(entry.cost)} a ping" if entry.cost > 0.0 else ""
         cost = duration if entry.modelled or not duration else f"would take {duration}"
         self._numbers.setText(" · ".join(part for part in (error, cost) if part))
@@ -219,7 +219,7 @@ class ToleranceRow(QWidget):
 
 def _number(percent: float) -> NumberField:
     tooltip = "Greatest error of the plan beyond 1.4 altitudes"
-    return NumberField("tolerance", "may miss", tooltip, "%", 0, percent, TOLERANCES, log=True, integer=False)
+    return NumberField("tolerance", "tolerance", tooltip, "%", 0, percent, TOLERANCES, log=True, integer=False)
 
 
 def _names(entries: list[PlanEntry]) -> list[str]:
@@ -231,7 +231,7 @@ def _names(entries: list[PlanEntry]) -> list[str]:
 
 
 def _share(error: float) -> str:
-    return f"{100.0 * error:.2g} %" if error < 0.995 else "all" if error < 1.5 else f"{error:.0f} ×"
+    return f"{100.0 * error:.2g} %" if error < 0.995 else f"{100.0 * error:.0f} %"
 
 
 def _words(name: str) -> QLabel:
