@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import re
 import tomllib
 from pathlib import Path
@@ -51,6 +52,13 @@ announced by an installed package as an entry point of the group. [Add something
 
 | family | package | entry points | kinds |
 |---|---|---|---|
+"""
+ASKED = """
+A kind derives from the family's base class. It has its fields, its `kind`, and answers what the rest of the program
+asks; what has a default need not be answered.
+
+| family | base class | what a kind may be asked |
+|---|---|---|
 """
 FORMATS = """
 ## File formats
@@ -116,25 +124,40 @@ def _first_line(path: Path) -> str:
 
 
 def _families() -> list[str]:
-    """List every family that a field of a scene asks for."""
+    """List every family with its kinds, then what each asks of a kind."""
     from pydantic import BaseModel
 
-    from insonify.scene import Scene  # imports the declarations
+    rows, asked = [], []
+    for base in sorted(_bases(), key=lambda base: str(base.family.name)):
+        name, package, kinds = base.family.name, base.family.package, base.family.models(BaseModel)
+        rows.append(f"| {name} | `{package}` | `insonify.{name}` | {', '.join(f'`{kind}`' for kind in kinds)} |\n")
+        asked.append(f"| {name} | `{base.__name__}` | {_asked(base)} |\n")
+    return [*rows, ASKED, *asked]
+
+
+def _bases() -> list[Any]:
+    """Find the classes from which the kinds of each family derive."""
+    from pydantic import BaseModel
+
+    from insonify.scene import Scene
     from insonify.scene.kinds import Family
 
-    Scene.model_json_schema()
-    rows = {}
-    for model in _descendants(BaseModel):
-        family = getattr(model, "family", None)
-        if isinstance(family, Family):
-            kinds = ", ".join(f"`{kind}`" for kind in family.models(BaseModel))
-            rows[family.name] = f"| {family.name} | `{family.package}` | `insonify.{family.name}` | {kinds} |\n"
-    return [rows[name] for name in sorted(rows)]
+    Scene.model_json_schema()  # all families are in use
+    found = [model for model in _descendants(BaseModel) if isinstance(vars(model).get("family"), Family)]
+    return list({model.family.name: model for model in reversed(found)}.values())
 
 
 def _descendants(base: Any) -> list[Any]:
     below = [each for child in base.__subclasses__() for each in _descendants(child)]
     return [base, *below] if base.__module__.startswith("insonify.") else below
+
+
+def _asked(base: Any) -> str:
+    """Name the public methods and properties of a class, each with the first line of its docstring."""
+    members = {name: getattr(value, "fget", value) for name, value in vars(base).items() if not name.startswith("_")}
+    functions = [(name, value) for name, value in members.items() if inspect.isfunction(value)]
+    lines = [f"`{name}`: {(inspect.getdoc(value) or '').partition(chr(10))[0]}" for name, value in functions]
+    return "<br>".join(lines).replace("|", "\\|")
 
 
 def _formats() -> list[str]:
