@@ -72,7 +72,7 @@ def _run(words: list[str]) -> int:
     parser, commands = build_parser()
     arguments = parser.parse_args(_with_command(words, list(commands)))
     try:
-        return int(arguments.run(arguments))
+        return arguments.run(arguments) or 0
     except ImportError as error:
         if arguments.run.__module__.partition(".")[0] != VIEWER:
             raise

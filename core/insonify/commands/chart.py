@@ -27,14 +27,8 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Measure and write.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+def run(arguments: argparse.Namespace) -> None:
+    """Measure a scene on this machine and write the chart."""
     path = chosen_output(arguments)
     scene = chosen_scene(arguments)
     measure = load_chart_kind(arguments.of)
@@ -44,7 +38,6 @@ def run(arguments: argparse.Namespace) -> int:
     for note in measured.summarise():
         say(note)
     say(str(path))
-    return 0
 
 
 @contextmanager

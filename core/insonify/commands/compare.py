@@ -31,14 +31,8 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Read or simulate both, draw and write.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+def run(arguments: argparse.Namespace) -> None:
+    """Read or simulate two records and write the page that compares them."""
     path = chosen_output(arguments)
     first, second = (_record(name) for name in arguments.records)
     # lazy: the other commands need neither Matplotlib nor the kernels
@@ -47,7 +41,6 @@ def run(arguments: argparse.Namespace) -> int:
     for name, found in zip(arguments.records, write_comparison(path, (first, second))):
         say(f"{name}: {'; '.join(found.lines())}")
     say(str(path))
-    return 0
 
 
 def _record(name: str) -> xr.Dataset:

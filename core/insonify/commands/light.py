@@ -21,14 +21,8 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Draw and write.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+def run(arguments: argparse.Namespace) -> None:
+    """Draw a scene by light and write the picture."""
     path = chosen_output(arguments)
     scene = chosen_scene(arguments)
     # lazy: the other commands need neither Matplotlib nor the kernels
@@ -37,4 +31,3 @@ def run(arguments: argparse.Namespace) -> int:
 
     width, height = write_light(path, make_optical_scene(scene))
     say(f"{path}: {width} x {height} pixels")
-    return 0

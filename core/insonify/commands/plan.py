@@ -21,17 +21,10 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Print the plan of a scene.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+def run(arguments: argparse.Namespace) -> None:
+    """Print the plan of a scene."""
     # lazy: not every command plans
     from insonify.planning import plan
 
     scene, forced = chosen_scene(arguments), chosen_model(arguments)
     say(plan(scene, arguments.tolerance, method=arguments.method, forced=forced).table())
-    return 0

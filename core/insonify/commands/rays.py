@@ -27,14 +27,8 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Trace and write.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+def run(arguments: argparse.Namespace) -> None:
+    """Trace the rays of a scene and write the diagram."""
     path = chosen_output(arguments)
     scene = chosen_scene(arguments)
     # lazy: Matplotlib and the kernels
@@ -52,4 +46,3 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.target is not None and not diagram.eigenrays:
         say("no ray reaches that point: it lies in a shadow zone")
     say(str(path))
-    return 0

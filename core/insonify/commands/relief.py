@@ -20,14 +20,8 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Draw and write.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+def run(arguments: argparse.Namespace) -> None:
+    """Write the heights of the bed of a scene as a grey picture."""
     path = chosen_output(arguments)
     scene = chosen_scene(arguments)
     from PIL import Image
@@ -40,4 +34,3 @@ def run(arguments: argparse.Namespace) -> int:
     with replacing(path) as beside:
         Image.fromarray(picture).save(beside)
     say(f"{path}: {picture.shape[1]} x {picture.shape[0]} pixels")
-    return 0

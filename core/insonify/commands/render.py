@@ -47,14 +47,8 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Simulate and write.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+def run(arguments: argparse.Namespace) -> None:
+    """Simulate a scene or read a record, and write the record or its picture."""
     path = chosen_output(arguments)
     given = {
         name: getattr(arguments, name)
@@ -72,7 +66,6 @@ def run(arguments: argparse.Namespace) -> int:
         write(scene, path, DisplayOptions(**given), **options)
         pings, bins = scene.track.pings, scene.sonar.bins
     say(f"{path}: {pings} pings of 2 x {bins} bins")
-    return 0
 
 
 def _render_record(arguments: argparse.Namespace, path: Path, look: DisplayOptions) -> tuple[int, int]:

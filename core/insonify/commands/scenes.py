@@ -29,19 +29,12 @@ def about(scene: Scene) -> str:
     return "\n".join([scene.title, *textwrap.wrap(paragraph, LINE, initial_indent="  ", subsequent_indent="  ")])
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Print names and titles of all scenes, or the descriptions of some.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+def run(arguments: argparse.Namespace) -> None:
+    """Print names and titles of all scenes, or the descriptions of some."""
     if arguments.names:
         say("\n\n".join(about(load_scene(name)) for name in arguments.names))
-        return 0
+        return
     names = bundled_scenes()
     width = max(map(len, names), default=0)
     for name in names:
         say(f"{name:<{width}}  {load_scene(name).title}")
-    return 0

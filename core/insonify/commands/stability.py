@@ -23,14 +23,8 @@ def register(subparsers: Any) -> None:
     parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
-    """Measure and write.
-
-    Returns
-    -------
-    int
-        Exit code.
-    """
+def run(arguments: argparse.Namespace) -> None:
+    """Measure the cases of numerical failure and write the page."""
     path = chosen_output(arguments)
     from tqdm import tqdm
 
@@ -47,4 +41,3 @@ def run(arguments: argparse.Namespace) -> int:
         outcomes = write_report(path, CASES, done=advance)
     held = sum(outcome.is_held and outcome.is_shown for outcome in outcomes)
     say(f"{path}: {held} of {len(outcomes)} cases hold")
-    return 0
