@@ -9,8 +9,7 @@ from PIL import Image
 
 from insonify.accuracy.record_statistics import measure_statistics
 from insonify.cli import main
-from insonify.io.records import read_record
-from insonify.io.records.npz import write_npz
+from insonify.io.records import read_record, write_record
 from insonify.scene import SceneError
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
@@ -110,7 +109,7 @@ def test_a_real_recording():
 
 def test_compare_draws_a_sheet_and_says_the_numbers(tmp_path, capsys):
     for number in (1, 2):
-        write_npz(tmp_path / f"{number}.npz", [record(lambert() * speckle(number))])
+        write_record(tmp_path / f"{number}.npz", [record(lambert() * speckle(number))])
     names = [str(tmp_path / "1.npz"), str(tmp_path / "2.npz")]
     assert main(["compare", *names, "-o", str(tmp_path / "sheet.png")]) == 0
     lines = capsys.readouterr().out.splitlines()

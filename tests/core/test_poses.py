@@ -10,7 +10,7 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from insonify.io.records.netcdf import write_netcdf
+from insonify.io.records import write_record
 from insonify.packing.navigation import bed_beneath, make_poses
 from insonify.packing.track import tow_line_at
 from insonify.scene import SceneError, edit, load_scene
@@ -189,7 +189,7 @@ def test_a_record_tows_another(tmp_path):
         "heave", "sway", "yaw", "pitch", "roll", {"kind": "turn", "rate": 20.0, "begin": 1.0, "duration": 2.0}
     )
     scene = edit(LEVEL, {"track.motion": motion, "track.pings": 60, "sonar.bins": 20})
-    write_netcdf(tmp_path / "first.nc", simulate_blocks(scene))
+    write_record(tmp_path / "first.nc", simulate_blocks(scene))
     again = edit(scene, {"track.motion": {"kind": "recorded", "path": str(tmp_path / "first.nc")}})
     first, second = simulate(scene), simulate(again)
     for name in ("x", "y", "depth", "altitude", "heading", "pitch", "roll"):

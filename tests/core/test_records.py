@@ -9,9 +9,7 @@ import xarray as xr
 
 import insonify.io.records.netcdf
 from insonify.io.atomic import replacing
-from insonify.io.records import read_record
-from insonify.io.records.netcdf import write_netcdf
-from insonify.io.records.npz import write_npz
+from insonify.io.records import read_record, write_record
 from insonify.scene import SceneError
 
 
@@ -40,7 +38,7 @@ def block(first: int, pings: int, bins: int = 16) -> xr.Dataset:
 
 def test_netcdf_reads_back_what_was_written(tmp_path):
     path = tmp_path / "record.nc"
-    write_netcdf(path, [block(0, 5), block(5, 5), block(10, 2)])
+    write_record(path, [block(0, 5), block(5, 5), block(10, 2)])
     whole = block(0, 12)
     with xr.open_dataset(path) as read:
         read = read.load()
@@ -55,7 +53,7 @@ def test_netcdf_reads_back_what_was_written(tmp_path):
 
 
 def test_only_the_pings_are_without_limit(tmp_path):
-    write_netcdf(tmp_path / "record.nc", [block(0, 3)])
+    write_record(tmp_path / "record.nc", [block(0, 3)])
     with netCDF4.Dataset(tmp_path / "record.nc") as file:
         assert [d.name for d in file.dimensions.values() if d.isunlimited()] == ["ping_time"]
 
@@ -70,14 +68,14 @@ def test_a_tow_is_written_without_being_held(tmp_path):
             assert len(alive) == first // 4 + 1
             yield block(first, 4)
 
-    write_netcdf(tmp_path / "record.nc", blocks())
+    write_record(tmp_path / "record.nc", blocks())
     with xr.open_dataset(tmp_path / "record.nc") as read:
         assert read.sizes["ping_time"] == 40
 
 
 def test_npz_reads_back_without_pickles(tmp_path):
     record = block(0, 4)
-    write_npz(tmp_path / "record.npz", [record])
+    write_record(tmp_path / "record.npz", [record])
     with np.load(tmp_path / "record.npz", allow_pickle=False) as read:
         np.testing.assert_array_equal(read["intensity"], record.intensity)
         np.testing.assert_array_equal(read["slant_range"], record.slant_range)
@@ -95,7 +93,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, trouble):
         raise trouble
 
     with pytest.raises(type(trouble)):
-        write_netcdf(path, blocks())
+        write_record(path, blocks())
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
 
@@ -109,7 +107,7 @@ def test_a_request_to_end_leaves_the_old_file(tmp_path):
         signal.raise_signal(signal.SIGTERM)
 
     with pytest.raises(SystemExit) as leaving:
-        write_netcdf(path, blocks())
+        write_record(path, blocks())
     assert leaving.value.code == 128 + signal.SIGTERM
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
     assert path.read_bytes() == b"old"
@@ -134,7 +132,7 @@ def test_a_full_disk_is_called_by_its_name(tmp_path, monkeypatch):
 
     monkeypatch.setattr(insonify.io.records.netcdf, "append_to", full)
     with pytest.raises(OSError, match=r"could not be written \(NetCDF: HDF error\)") as caught:
-        write_netcdf(tmp_path / "record.nc", [block(0, 4)])
+        write_record(tmp_path / "record.nc", [block(0, 4)])
     assert caught.value.filename == str(tmp_path / "record.nc")
     assert list(tmp_path.iterdir()) == []
 
@@ -147,7 +145,7 @@ def whole_record() -> xr.Dataset:
 def test_a_record_is_read_as_it_was_written(tmp_path):
     untold = whole_record().assign(platform_altitude=("ping_time", np.full(4, np.nan)))
     for record in (whole_record(), untold, untold.isel(ping_time=[0], range_sample=[0])):
-        write_netcdf(tmp_path / "record.nc", [record])
+        write_record(tmp_path / "record.nc", [record])
         np.testing.assert_array_equal(read_record(tmp_path / "record.nc").intensity, record.intensity)
 
 

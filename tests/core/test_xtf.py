@@ -11,9 +11,7 @@ import xarray as xr
 from PIL import Image
 
 from insonify.cli import main
-from insonify.io.records import read_record
-from insonify.io.records.netcdf import write_netcdf
-from insonify.io.records.npz import write_npz
+from insonify.io.records import read_record, write_record
 from insonify.io.records.xtf import read_xtf
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import simulate
@@ -241,8 +239,8 @@ def test_ground_range_recordings_are_refused(tmp_path):
 
 def test_records_written_here_are_read_back(tmp_path):
     record = simulate(edit(load_scene("pipe-span"), {"track.pings": 3, "sonar.bins": 100}))
-    write_netcdf(tmp_path / "a.nc", [record])
-    write_npz(tmp_path / "a.npz", [record])
+    write_record(tmp_path / "a.nc", [record])
+    write_record(tmp_path / "a.npz", [record])
     xr.testing.assert_equal(read_record(tmp_path / "a.nc"), record)
     xr.testing.assert_equal(read_record(tmp_path / "a.npz"), record)
     assert read_record(tmp_path / "a.npz").attrs == record.attrs

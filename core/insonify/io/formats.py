@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from insonify.errors import SceneError
+from insonify.io.atomic import replacing
 from insonify.plugins import announced, modules_in
 
 Content = TypeVar("Content")
@@ -27,7 +28,8 @@ class FileFormat(Generic[Content]):
     read : callable, optional
         Takes the path of a file that exists and returns its content; None if the format is only written.
     write : callable, optional
-        Takes a path and an iterable of successive parts; None if the format is only read.
+        Takes a path and an iterable of successive parts; None if the format is only read. It writes a new file, which
+        replaces the old one when it is complete.
     """
 
     description: str
@@ -111,9 +113,11 @@ class FormatRegistry(Generic[Content]):
             raise self.refusal(path, "does not exist", f"give the path of {self.contents}{alternative}")
         return read
 
-    def writer(self, path: Path) -> Callable[[Path, Iterable[Content]], None]:
-        """Return what writes a file, by its suffix, which must be one of `writable`."""
-        return next(each.write for each in self.formats() if each.write and path.suffix.lower() in each.suffixes)
+    def write(self, path: Path, parts: Iterable[Content]) -> None:
+        """Write a file by its suffix, which must be one of `writable`; it appears only when it is complete."""
+        write = next(each.write for each in self.formats() if each.write and path.suffix.lower() in each.suffixes)
+        with replacing(path) as beside:
+            write(beside, parts)
 
     def refusal(self, path: str | Path, fault: str, remedy: str) -> SceneError:
         """Say in one sentence what is wrong with a file and what to do."""

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from beds import arrays_of, poses_of, rough
-from insonify.io.records.netcdf import write_netcdf
+from insonify.io.records import write_record
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import SceneError, edit, load_scene
 from insonify.simulation import prepare, simulate, simulate_blocks
@@ -218,7 +218,7 @@ def test_truth_is_that_of_an_ideal_pulse(short):
 
 def test_a_record_with_truth_reads_back(short, tmp_path):
     path = tmp_path / "record.nc"
-    write_netcdf(path, simulate_blocks(short, truth=True, block=4))
+    write_record(path, simulate_blocks(short, truth=True, block=4))
     whole = simulate(short, truth=True)
     with xr.open_dataset(path) as read:
         read = read.load()

@@ -65,7 +65,7 @@ def write_record(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
     """
-    RECORDS.writer(Path(path))(Path(path), blocks)
+    RECORDS.write(Path(path), blocks)
 
 
 def _fault(record: xr.Dataset) -> str | None:

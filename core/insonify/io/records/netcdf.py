@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.atomic import replacing
 from insonify.io.formats import FileFormat
 
 if TYPE_CHECKING:
@@ -27,21 +26,20 @@ def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     Parameters
     ----------
     path : str or Path
-        File to create or replace; it appears only when complete.
+        File to write.
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
     """
     import netCDF4  # slow to import, and no other command needs it at its start
 
-    with replacing(path) as beside:
-        file = netCDF4.Dataset(beside, "w", format="NETCDF4")
-        try:
-            for block in blocks:
-                with _disk_errors():
-                    append_to(file, block)
-        finally:
+    file = netCDF4.Dataset(path, "w", format="NETCDF4")
+    try:
+        for block in blocks:
             with _disk_errors():
-                file.close()
+                append_to(file, block)
+    finally:
+        with _disk_errors():
+            file.close()
 
 
 def read_netcdf(path: str | Path) -> xr.Dataset:

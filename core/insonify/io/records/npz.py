@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from insonify.io.atomic import replacing
 from insonify.io.formats import FileFormat
 from insonify.io.record_schema import ACROSS, join_blocks
 
@@ -27,7 +26,7 @@ def write_npz(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     Parameters
     ----------
     path : str or Path
-        File to create or replace; it appears only when complete.
+        File to write.
     blocks : iterable of Dataset
         Successive pings. Variables and coordinates keep their names and shapes; attributes become ``attrs.<name>``.
     """
@@ -35,7 +34,7 @@ def write_npz(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     arrays = {str(name): variable.values for name, variable in record.variables.items()}
     arrays |= {f"{ATTRIBUTE}{key}": np.array(value) for key, value in record.attrs.items()}
     arrays = {name: values.astype(str) if values.dtype.kind in "OT" else values for name, values in arrays.items()}
-    with replacing(path) as beside, beside.open("wb") as file:
+    with Path(path).open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
 
 
