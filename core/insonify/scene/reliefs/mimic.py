@@ -47,7 +47,7 @@ class Mimic(ReliefKind):
     the mean of the pattern's for the records to be equal.
     """
 
-    rank = 100
+    rank = 95
     kind: Literal["mimic"] = "mimic"
     of: PatternMap = parameter(
         PatternMap(

@@ -1,0 +1,150 @@
+"""Kinds of relief, beam, pulse, absorption, water and motion that a package of somebody else may bring."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from typing import Literal
+
+import numpy as np
+
+from insonify.scene.absorptions import ABSORPTIONS, AbsorptionKind
+from insonify.scene.base import parameter
+from insonify.scene.beams import BEAMS, BeamKind, Sounding
+from insonify.scene.motions import MOTIONS, SingleMotion
+from insonify.scene.pulses import PULSES, PulseKind
+from insonify.scene.reliefs import RELIEFS, HeightGrid, ReliefKind
+from insonify.scene.reliefs.random_relief import ExtendableRelief, rms_height
+from insonify.scene.reliefs.spectrum import Band, Density
+from insonify.scene.speckles import SPECKLES, SpeckleKind, Texture
+from insonify.scene.waters import WATERS, SoundSpeeds, WaterKind, speeds_by_depth
+
+FAMILIES = {
+    RELIEFS: ("band", "terrace"),
+    BEAMS: ("parabola",),
+    PULSES: ("decay",),
+    ABSORPTIONS: ("square",),
+    WATERS: ("gradient",),
+    MOTIONS: ("drift",),
+    SPECKLES: ("grains",),
+}
+
+
+@contextmanager
+def own_physics() -> Iterator[None]:
+    """Know the kinds within the block."""
+    with ExitStack() as stack:
+        for family, kinds in FAMILIES.items():
+            stack.enter_context(family.without(*kinds))
+        declare_reliefs()
+        declare_sonar()
+        declare_surroundings()
+        yield
+
+
+def declare_reliefs() -> None:
+    """Declare a random relief by its spectral density, and a bed by its heights."""
+
+    class BandRelief(ExtendableRelief):
+        """Waves of about one length, in every direction."""
+
+        kind: Literal["band"] = "band"
+        rms: float = rms_height()
+        wavelength: float = parameter(4.0, unit="m", description="of the waves", gt=0.0, slider=(1.0, 20.0))
+
+        def density(self) -> Density:
+            spread = 0.2 / self.wavelength
+            return lambda fx, fy: np.exp(-0.5 * ((np.hypot(fx, fy) - 1.0 / self.wavelength) / spread) ** 2)
+
+        def bands(self) -> tuple[Band, ...]:
+            return (Band(self.density(), 0.2 / self.wavelength),)
+
+    class Terrace(ReliefKind):
+        """A step to port."""
+
+        kind: Literal["terrace"] = "terrace"
+        height: float = parameter(1.0, unit="m", description="of the step", slider=(0.0, 5.0))
+
+        def sample(
+            self, spacing: float, origin: tuple[float, float] | None = None, shape: tuple[int, int] | None = None
+        ) -> HeightGrid:
+            ny, nx = shape or (round(40.0 / spacing), 4)
+            y = np.arange(ny) * 40.0 / ny
+            return HeightGrid(np.repeat(np.where(y > 20.0, self.height, 0.0)[:, None], nx, axis=1), 40.0 / ny)
+
+
+def declare_sonar() -> None:
+    """Declare a beam by its response and a pulse by its envelope."""
+
+    class Parabola(BeamKind):
+        """A beam whose sensitivity falls as a parabola."""
+
+        kind: Literal["parabola"] = "parabola"
+        width: float = parameter(2.0, unit="°", description="one-way full width", gt=0.0, slider=(0.5, 10.0))
+
+        def half_width(self, sounding: Sounding) -> float:
+            return math.radians(self.width) / 2.0
+
+        def half_power(self, sounding: Sounding) -> float:
+            return 0.54 * self.extent(sounding)
+
+        def response(self, s: np.ndarray, sounding: Sounding) -> np.ndarray:
+            return (1.0 - (s / self.extent(sounding)) ** 2) ** 2
+
+    class Decay(PulseKind):
+        """A pulse that dies down."""
+
+        kind: Literal["decay"] = "decay"
+        time: float = parameter(5e-5, unit="s", description="after which 1/e is left", gt=0.0, slider=(1e-5, 1e-3))
+
+        @property
+        def length(self) -> float:
+            return 8.0 * self.time
+
+        @property
+        def resolution(self) -> float:
+            return self.time
+
+        def envelope(self, time: np.ndarray) -> np.ndarray:
+            return np.where((time >= 0.0) & (time < self.length), np.exp(-time / self.time), 0.0)
+
+
+def declare_surroundings() -> None:
+    """Declare an absorption by its coefficient, a water by its speeds, a motion and a speckle."""
+
+    class Square(AbsorptionKind):
+        """Absorption by the square of the frequency."""
+
+        kind: Literal["square"] = "square"
+        factor: float = parameter(1.0, unit="dB/km", description="at 100 kHz", ge=0.0, slider=(0.0, 10.0))
+
+        def decibels_per_km(self, frequency: float, depth: float) -> float:
+            return self.factor * (frequency / 1e5) ** 2
+
+    class Gradient(WaterKind):
+        """Water whose speed falls evenly."""
+
+        kind: Literal["gradient"] = "gradient"
+        slope: float = parameter(-0.1, unit="1/s", description="of the speed over depth", slider=(-1.0, 1.0))
+
+        def sound_speeds(self) -> SoundSpeeds:
+            return speeds_by_depth([0.0, 100.0], [1500.0, 1500.0 + 100.0 * self.slope])
+
+    class Drift(SingleMotion):
+        """A steady way to port."""
+
+        kind: Literal["drift"] = "drift"
+        speed: float = parameter(0.1, unit="m/s", description="to port", slider=(-1.0, 1.0))
+
+        def displacement(self, time: np.ndarray) -> dict[str, np.ndarray]:
+            return {"sway": self.speed * time}
+
+    class Grains(SpeckleKind):
+        """Speckle of few scatterers."""
+
+        kind: Literal["grains"] = "grains"
+
+        @property
+        def texture(self) -> Texture:
+            return Texture(0.5, None)
