@@ -90,7 +90,7 @@ def test_too_few_planes_comb_a_small_target_and_the_plan_raises_them():
 def test_a_method_asked_for_is_taken_and_explained(method):
     chosen = plan(DEFAULT, method=method)
     assert chosen.method == method
-    assert "asked for" in "\n".join(chosen.lines())
+    assert "as requested" in "\n".join(chosen.lines())
     assert all(len(line) < 200 and "\n" not in line for line in chosen.lines())
 
 
@@ -125,7 +125,7 @@ def test_pings_farther_apart_than_the_beam_is_wide_are_remarked_on():
     sparse = edit(DEFAULT, {"track.speed": 20.0})
     assert any("at every range" in line for line in plan(sparse).lines())
     near = next(line for line in plan(DEFAULT).lines() if line.startswith("pings"))
-    assert f"nearer than {0.2 / (2 * math.sin(math.radians(0.5))):.3g} m" in near
+    assert f"up to {0.2 / (2 * math.sin(math.radians(0.5))):.3g} m" in near
     dense = edit(DEFAULT, {"track.speed": 1.0})
     assert not any(line.startswith("pings") for line in plan(dense).lines())
 
@@ -140,25 +140,26 @@ def test_a_tow_that_never_comes_near_the_bed_is_refused():
 
 def test_sound_that_bends_is_followed_and_what_it_matters_is_said():
     entry = plan(edit(DEFAULT, THERMOCLINE)).entry("bending")
-    assert (entry.choice, entry.modelled) == ("bent sound", True)
+    assert (entry.choice, entry.modelled) == ("refraction", True)
     assert re.fullmatch(
-        r"by tables of the water; it moves the farthest echo of the bed by 0\.0\d+ m, a bin is 0\.05 m, and its level "
-        r"by \d+ %; pings that hear a place along several ways or none go to \d+ rays a side",
+        r"tables of apparent positions; refraction shifts the farthest echo of the bed by 0\.0\d+ m \(a bin is 0\.05 m"
+        r"\) and changes its level by \d+ %; where several eigenrays or none reach a place, a ping is traced with \d+ "
+        r"rays per side",
         entry.reason,
     )
     simulation = prepare(edit(DEFAULT, THERMOCLINE))
     assert simulation.plan.method == "sweep"
     assert simulation.arrays.water.bent
     entry = plan(edit(DEFAULT, THERMOCLINE), method="rays").entry("bending")
-    assert entry.reason.startswith("along arcs; it moves the farthest echo")
+    assert entry.reason.startswith("rays follow circular arcs; refraction shifts the farthest echo")
     assert plan(DEFAULT).entry("bending") is None
 
 
 def test_bending_that_matters_less_than_the_tolerance_is_left_out():
     scene = edit(DEFAULT, {"water": {"kind": "profile", "depth": [0.0, 40.0], "sound_speed": [1500.0, 1500.05]}})
     entry = plan(scene).entry("bending")
-    assert (entry.choice, entry.modelled) == ("straight sound", False)
-    assert "bending is left out" in entry.reason
+    assert (entry.choice, entry.modelled) == ("refraction", False)
+    assert "without it the error is about" in entry.reason
     assert not prepare(scene).arrays.water.bent
     # What is left out is less than the tolerance.
     precise = prepare(scene, tolerance=1e-6)

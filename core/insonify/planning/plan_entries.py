@@ -1,4 +1,4 @@
-"""What a plan says: one entry a choice, with its reason, its error and its cost."""
+"""Plan of a simulation: one entry per choice, with its reason, error and cost."""
 
 from __future__ import annotations
 
@@ -8,31 +8,31 @@ from dataclasses import dataclass, field
 from typing import Any
 
 WIDEST, NARROWEST = 120, 60  # characters of a table
-ERROR, COST = 8, 10  # characters of its two last columns
+ERROR, COST = 8, 10  # characters of the last two columns
 
 
 @dataclass(frozen=True)
 class PlanEntry:
-    """One choice.
+    """One choice of a plan.
 
     Attributes
     ----------
     subject : str
-        What it is about, and the name by which another choice is forced: "planes", "bending", "targets", ...
+        Subject of the choice, by which another choice is forced: "planes", "bending", "targets", ...
     choice : str
-        What was chosen, in words.
+        Choice in words.
     reason : str
-        Why, with numbers.
+        Reason with numbers.
     modelled : bool
-        Whether it is modelled; if not, it is left out.
+        Whether the effect is modelled or left out.
     error : float
-        Share of the record by which this choice misses, as predicted.
+        Predicted error due to this choice, as a share of the record.
     cost : float
-        Seconds per ping, both sides on one thread, that it adds; of what is left out, what it would add.
+        Seconds per ping that it adds, both sides on one thread; for an effect left out, that it would add.
     options : tuple of str
-        What it can be forced to; none if there is no choice. Where they are numbers, others will do too.
+        Choices that can be forced; none if there is no choice. Other numbers than those listed are accepted.
     forced : bool
-        Whether it was forced.
+        Whether the user forced it.
     """
 
     subject: str
@@ -47,28 +47,28 @@ class PlanEntry:
 
 @dataclass(frozen=True)
 class Plan:
-    """How a scene is simulated.
+    """Model with which a scene is simulated.
 
     Attributes
     ----------
     method : str
-        Tracer: sweep, march or rays.
+        Name of the tracer: sweep, march or rays.
     settings : dict
-        What it is called with.
+        Arguments of the tracer.
     bent : bool
-        Whether sound follows the water; if not, it is taken to go straight at the sonar's speed.
+        Whether sound is refracted; if not, it is straight at the sound speed of the sonar.
     every : int
-        Of the relief's nodes along each axis, every so many are kept.
+        Stride of the nodes of the relief that are kept along each axis.
     bounces : int
-        Mirror-like bounces followed.
+        Number of specular bounces.
     ways : frozenset of str
-        Ways by the sea surface that are heard, by their names in the scene.
+        Multipaths by the sea surface that are modelled, by their names in the scene.
     targets : tuple of int
-        Targets that are modelled, by their places in the scene.
+        Indices of the targets that are modelled.
     block : int
-        Pings that are simulated at a time.
+        Number of pings that are simulated at a time.
     entries : tuple of Entry
-        Every choice.
+        All choices.
     error : float
         Predicted error beyond 1.4 times the altitude, as a share of the record.
     cost : float
@@ -89,7 +89,7 @@ class Plan:
 
     @property
     def planes(self) -> int:
-        """Planes across the beam; 1 where the method has none."""
+        """Number of planes across the beam; 1 where the method has none."""
         return int(self.settings.get("planes", 1))
 
     def entry(self, subject: str) -> PlanEntry | None:
@@ -97,7 +97,7 @@ class Plan:
         return next((entry for entry in self.entries if entry.subject == subject), None)
 
     def lines(self) -> list[str]:
-        """Return one line a choice: what is modelled, then what is left out."""
+        """Return one line per choice: first what is modelled, then what is left out."""
         return [
             f"{'' if entry.modelled else 'left out: '}{entry.choice}: {entry.reason}"
             for modelled in (True, False)
@@ -106,12 +106,12 @@ class Plan:
         ]
 
     def table(self, width: int | None = None) -> str:
-        """Return all entries as a table of plain text.
+        """Format all entries as a table in plain text.
 
         Parameters
         ----------
         width : int, optional
-            Characters of a line; those of the terminal when left out.
+            Characters per line; the width of the terminal when left out.
         """
         wide = min(max(width or shutil.get_terminal_size().columns, NARROWEST), WIDEST)
         rows: list[str] = []
@@ -123,13 +123,13 @@ class Plan:
             for entry in entries:
                 rows += _row(entry, wide)
             rows.append("")
-        rows.append(f"{'All together':<{wide - ERROR - COST}}{_share(self.error):>{ERROR}}{_time(self.cost):>{COST}}")
+        rows.append(f"{'Total':<{wide - ERROR - COST}}{_share(self.error):>{ERROR}}{_time(self.cost):>{COST}}")
         rows += textwrap.wrap("per ping, both sides, one thread", wide, initial_indent="  ")
         return "\n".join(rows)
 
 
 def _row(entry: PlanEntry, wide: int) -> list[str]:
-    """Lines of one entry: choice, error and cost, and the reason beneath."""
+    """Lines of one entry: choice, error and cost, then the reason."""
     name = f"  {entry.choice}{' (forced)' if entry.forced else ''}"
     head = f"{name:<{wide - ERROR - COST}}{_share(entry.error):>{ERROR}}{_time(entry.cost):>{COST}}"
     return [head, *textwrap.wrap(entry.reason, wide, initial_indent="    ", subsequent_indent="    ")]
