@@ -1,6 +1,8 @@
 """Errors of a record against its reference, as every tolerance and every chart means them.
 
 Both records are divided by the flat-bed curve of the same scene, so that the strong echoes of near bins do not rule.
+
+Theory: docs/theory/error.md.
 """
 
 from __future__ import annotations

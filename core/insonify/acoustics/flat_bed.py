@@ -1,4 +1,7 @@
-"""Record of a level bed in closed form, the curve by which errors and pictures are normalised."""
+"""Record of a level bed in closed form, the curve by which errors and pictures are normalised.
+
+Theory: docs/theory/error.md.
+"""
 
 from __future__ import annotations
 

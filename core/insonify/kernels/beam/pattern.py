@@ -1,4 +1,7 @@
-"""Beam patterns read from their tables: the response in one direction or over many, and azimuths to sample it at."""
+"""Beam patterns read from their tables: the response in one direction or over many, and azimuths to sample it at.
+
+Theory: docs/theory/beam.md.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 Integers cancel exactly: a bin without energy is exactly zero, and the sum is the same in any order. Of each step the
 next bin takes its share rounded down, so that the step's own bin has at least what is due to it and none is negative.
+
+Theory: docs/theory/sweep.md.
 """
 
 from __future__ import annotations

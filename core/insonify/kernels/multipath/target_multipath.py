@@ -1,4 +1,7 @@
-"""Echoes of targets out by one image of the sonar and back by another."""
+"""Echoes of targets out by one image of the sonar and back by another.
+
+Theory: docs/theory/multipath.md.
+"""
 
 from __future__ import annotations
 

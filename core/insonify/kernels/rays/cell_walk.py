@@ -3,6 +3,8 @@
 Along a ray the height above one cell is a quadratic in distance. Its value at the border between two cells is carried
 from one to the next, so no ray slips through a shared edge. The bed is solid and seen from above: a ray that comes
 into it from the side or starts inside it ends there, and hears nothing.
+
+Theory: docs/theory/sweep.md.
 """
 
 from __future__ import annotations

@@ -15,6 +15,8 @@ w² σ s⁴ dΩ / (a cos² α) and 2 w σ R⁴ dΩ / (r² cos α). At a caustic,
 of s². Law `light` spreads nothing: a ray stands for the step of range that P makes as its elevation grows,
 |(d_X + d_D) · dP| / 2. A knife, 1 m wide at all ranges, knows the tube's width in elevation alone. A surface scatters
 to the water alone.
+
+Theory: docs/theory/scattering.md.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
 """Pulse and delay of the mean echo: the pulse spreads it over range, fluctuations of the water shift it.
 
 Beyond the last bin the echo is taken to go on as it is there, so that an even bed is even to the end.
+
+Theory: docs/theory/speckle.md.
 """
 
 from __future__ import annotations

@@ -6,6 +6,8 @@ with slant ranges r_A and r_B the echo comes at R = (r_A + r_B) / 2, of which ea
 out by A, on which dΩ lands as ever, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B), and for a
 knife as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B); law `light` has |(d_A + d_B) · dP| / 2 for the step of range,
 as `specular_paths` has it.
+
+Theory: docs/theory/refraction.md.
 """
 
 from __future__ import annotations

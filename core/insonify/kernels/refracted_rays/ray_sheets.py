@@ -4,6 +4,8 @@ The rays of a sheet keep one place within the beam and follow one another in ele
 surface, and as far apart as their own landings grow, what is returned between them is spread over the range between
 them, its kink, if there is one, found by how far apart they are. Anything else between two neighbours, the edge of a
 shadow or of a target, is halved until what is left is a small share of a bin.
+
+Theory: docs/theory/error.md.
 """
 
 from __future__ import annotations

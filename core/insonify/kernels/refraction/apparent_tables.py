@@ -1,4 +1,7 @@
-"""Tables of apparent positions in layered water, and whether each place is reached by one ray alone."""
+"""Tables of apparent positions in layered water, and whether each place is reached by one ray alone.
+
+Theory: docs/theory/refraction.md.
+"""
 
 from __future__ import annotations
 

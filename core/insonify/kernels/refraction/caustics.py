@@ -1,4 +1,7 @@
-"""Caustics: places at which the tube of a ray has no width."""
+"""Caustics: places at which the tube of a ray has no width.
+
+Theory: docs/theory/refraction.md.
+"""
 
 from __future__ import annotations
 

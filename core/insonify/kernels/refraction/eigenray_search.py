@@ -4,6 +4,8 @@ A launch angle at which a ray grazes a node, or an end of the water, is *critica
 pass the same layers in the same order, and the range at which they come to a height for the n-th time is a smooth
 function of the launch angle: rays are sent at some angles in between, and every root and every extremum that the
 ranges and their exact derivatives show is followed up.
+
+Theory: docs/theory/refraction.md.
 """
 
 from __future__ import annotations

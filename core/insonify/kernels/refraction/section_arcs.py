@@ -3,6 +3,8 @@
 Every cell between two nodes of height and two stations is cut along the diagonal on which speed differs less, so that
 a sloping layer keeps its shape. A ray stays in its vertical plane; what would bend it sideways is left out. Functions
 that take a ray through any water are here too: through layers as `arcs` has it, or through a section.
+
+Theory: docs/theory/refraction.md.
 """
 
 from __future__ import annotations

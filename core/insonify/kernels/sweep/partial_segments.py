@@ -1,4 +1,7 @@
-"""Echoes of bed segments that are visible in part: cut at the horizon and at targets, split where they come nearest."""
+"""Echoes of bed segments that are visible in part: cut at the horizon and at targets, split where they come nearest.
+
+Theory: docs/theory/sweep.md.
+"""
 
 from __future__ import annotations
 

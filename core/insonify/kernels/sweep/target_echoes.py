@@ -1,4 +1,7 @@
-"""Echoes of targets, facet by facet, and of the bed that targets leave visible behind them."""
+"""Echoes of targets, facet by facet, and of the bed that targets leave visible behind them.
+
+Theory: docs/theory/sweep.md.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
 """Visibility along a profile: which segments rise above one running horizon, and how much energy they send back.
 
 Every pass touches few arrays, so that the compiler can use its vector units.
+
+Theory: docs/theory/sweep.md.
 """
 
 from __future__ import annotations

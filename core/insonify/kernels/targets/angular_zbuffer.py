@@ -3,6 +3,8 @@
 A plane cuts a convex body in one figure and a triangle in one straight line, its *primitives*. Between neighbouring
 ends of primitives the same ones lie before and behind one another, so that the nearest in the middle of a cell is the
 nearest in all of it.
+
+Theory: docs/theory/sweep.md.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Occlusion of the bed by targets, in the launch angles of one plane."""
+"""Occlusion of the bed by targets, in the launch angles of one plane.
+
+Theory: docs/theory/sweep.md.
+"""
 
 from __future__ import annotations
 

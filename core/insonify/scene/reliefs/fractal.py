@@ -1,4 +1,7 @@
-"""Fractal relief: filtered noise with spectral peaks."""
+"""Fractal relief: filtered noise with spectral peaks.
+
+Theory: docs/theory/fractal-beds.md.
+"""
 
 from __future__ import annotations
 
