@@ -8,6 +8,8 @@ coarsest band reaches down to frequency 0.
 A narrow band around a wave p would need filters of thousands of taps on a lattice fine enough for the wave. It is made
 around frequency 0 as two fields a and b of density S and modulated: a cos − b sin has the density
 ½ S(f − p) + ½ S(f + p). The part too near the Nyquist frequency to be modulated is made on the finest lattice.
+
+Theory: docs/theory/fractal-beds.md.
 """
 
 from __future__ import annotations

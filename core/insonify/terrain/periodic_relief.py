@@ -1,4 +1,7 @@
-"""Heights of random relief over one period."""
+"""Heights of random relief over one period.
+
+Theory: docs/theory/fractal-beds.md.
+"""
 
 from __future__ import annotations
 
