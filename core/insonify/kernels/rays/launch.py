@@ -160,10 +160,8 @@ def set_ray(launch, k, elevation, angle, band, half_width, law, spreads):
     launch : RayLaunch of ndarrays, shape (n,)
     k : int
         Number of the ray, whose entries are filled.
-    elevation : float
-        rad, up positive.
-    angle : float
-        Elevation that it stands for, rad.
+    elevation, angle : float
+        Its elevation, up positive, and the elevation that it stands for, rad.
     band : float
         Difference of the sine of the elevation over that angle.
     half_width, law, spreads
@@ -318,10 +316,8 @@ def beam_touches_ball(beam, cx, cy, cz, distance, bound):
     beam : SideBeam
     cx, cy, cz : float
         Centre of the ball, counted from the sonar, m.
-    distance : float
-        Of the centre, m.
-    bound : float
-        Radius, m.
+    distance, bound : float
+        Of the centre, and radius, m.
 
     Returns
     -------
