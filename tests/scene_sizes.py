@@ -57,8 +57,8 @@ def _grid(scene: Scene) -> float:
     seabed = scene.seabed
     if seabed.endless:
         return (TILE + 2.2 * cells_along(scene) + 3.0) ** 2
-    if isinstance(seabed.relief, RandomRelief) or seabed.made:
-        return max(part.period / seabed.spacing for part in seabed.made) ** 2
+    if isinstance(seabed.relief, RandomRelief) or seabed.random_reliefs:
+        return max(part.period / seabed.spacing for part in seabed.random_reliefs) ** 2
     if seabed.relief.kind == "mimic":
         return 4.0 * 2.0 * seabed.relief.reach / seabed.spacing
     if seabed.relief.kind == "flat" and not isinstance(seabed.material, Material):

@@ -139,7 +139,7 @@ def _cost_ratio(
 
 
 def _divides(scene: Scene) -> bool:
-    return all(round(part.period / scene.seabed.spacing) % max(EVERY) == 0 for part in scene.seabed.made)
+    return all(round(part.period / scene.seabed.spacing) % max(EVERY) == 0 for part in scene.seabed.random_reliefs)
 
 
 def _seconds(simulation: Simulation, pings: np.ndarray) -> float:

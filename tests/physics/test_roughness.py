@@ -290,7 +290,7 @@ def test_parts_of_a_sum_are_independent_and_add_up():
     assert abs(np.corrcoef(first.ravel(), second.ravel())[0, 1]) < 0.2
     np.testing.assert_allclose(second.std(), first.std(), rtol=0.3)
     shape = (SIDE, SIDE)
-    np.testing.assert_array_equal(periodic_heights(both.made, shape, shape, 1), total)
+    np.testing.assert_array_equal(periodic_heights(both.random_reliefs, shape, shape, 1), total)
 
 
 MISTAKES = [
@@ -316,5 +316,5 @@ def test_mistakes_are_told_in_one_sentence(made, message):
 
 
 def test_a_seabed_says_what_is_made():
-    assert Seabed().made == ()
+    assert Seabed().random_reliefs == ()
     assert not Seabed().endless

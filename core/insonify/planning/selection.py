@@ -172,7 +172,7 @@ def _bent(errors: PredictedErrors, budget: PlanRequest) -> tuple[bool, ...]:
 def _every(scene: Scene, errors: PredictedErrors, budget: PlanRequest, ways: frozenset[str]) -> tuple[int, ...]:
     """Nodes of the relief of which one may be kept, as long as the tolerance allows it."""
     seabed, wish = scene.seabed, budget.forced.number("spacing")
-    cells = {round(part.period / seabed.spacing) for part in seabed.made if not part.endless}
+    cells = {round(part.period / seabed.spacing) for part in seabed.random_reliefs if not part.endless}
     if wish is not None:
         every = int(wish)
         if any(count % every for count in cells):
@@ -181,7 +181,7 @@ def _every(scene: Scene, errors: PredictedErrors, budget: PlanRequest, ways: fro
                 "give a number that does, such as 1"
             )
         return (every,)
-    if not (seabed.made or seabed.relief.level):
+    if not (seabed.random_reliefs or seabed.relief.level):
         return (1,)
     fitting = (n for n in THINNED if n == 1 or all(count % n == 0 and count >= FEWEST_CELLS * n for count in cells))
     if not seabed.relief.level:

@@ -32,11 +32,11 @@ class Seabed(Declaration):
         return self
 
     @property
-    def made(self) -> tuple[RandomRelief, ...]:
+    def random_reliefs(self) -> tuple[RandomRelief, ...]:
         """The random reliefs that add up to the bed; none of a bed that is not random."""
         return self.relief.parts
 
     @property
     def endless(self) -> bool:
         """Whether the bed never repeats and never ends."""
-        return any(part.endless for part in self.made)
+        return any(part.endless for part in self.random_reliefs)

@@ -44,9 +44,9 @@ def build_ground(scene: Scene) -> AnyGround:
     material = seabed.material
     names, reflectivities = material.rows()
     if seabed.endless:
-        period = seabed.made[0].period
+        period = seabed.random_reliefs[0].period
         return EndlessGround(
-            heights=_kept_tiles(seabed.made, seabed.spacing, scene.seed),
+            heights=_kept_tiles(seabed.random_reliefs, seabed.spacing, scene.seed),
             materials=_kept_map_tiles(material.layout, material.version, period, seabed.spacing, scene.seed),
             names=names,
             reflectivities=reflectivities,
@@ -89,8 +89,8 @@ def _heights(scene: Scene) -> Heights:
     relief, mean = seabed.relief, -seabed.depth
     if relief.level:
         return *_flat(seabed), mean
-    if seabed.made:
-        return *_kept_made(seabed.made, seabed.spacing, scene.seed), mean
+    if seabed.random_reliefs:
+        return *_kept_made(seabed.random_reliefs, seabed.spacing, scene.seed), mean
     return _kept_samples(relief, relief.version, seabed.spacing, scene.world.origin, mean)
 
 

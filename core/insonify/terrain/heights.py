@@ -43,11 +43,11 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
     if shape is not None and min(shape) < 1:
         raise SceneError(f"shape: {shape} has no nodes; give at least (1, 1)")
     if seabed.endless:
-        tiles = endless_heights(seabed.made, seabed.spacing, seed)
+        tiles = endless_heights(seabed.random_reliefs, seabed.spacing, seed)
         return gather_tiles(tiles, (0, 0), shape or (SHOWN, SHOWN))
-    if seabed.made:
-        cells = cells_of_period(seabed.made[0].period, seabed.spacing)
-        return periodic_heights(seabed.made, shape or (cells, cells), (cells, cells), seed)
+    if seabed.random_reliefs:
+        cells = cells_of_period(seabed.random_reliefs[0].period, seabed.spacing)
+        return periodic_heights(seabed.random_reliefs, shape or (cells, cells), (cells, cells), seed)
     if seabed.relief.level:
         return np.zeros(shape or (FLAT_CELLS, FLAT_CELLS))
     heights = seabed.relief.sample(seabed.spacing, shape=shape).heights

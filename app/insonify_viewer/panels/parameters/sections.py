@@ -14,19 +14,12 @@ from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene, SceneError
 from insonify.scene.absorptions import NEPER_PER_DB
-from insonify.scene.absorptions.francois_garrison import FrancoisGarrison
 from insonify.scene.base import Declaration
-from insonify.scene.beams.line_array import LineArray
 from insonify.scene.gains.power import PowerTvg
 from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.materials import MATERIALS, Material
 from insonify.scene.materials.pattern import PatternMap
-from insonify.scene.reliefs.dem import Dem
-from insonify.scene.reliefs.fractal import Fractal
-from insonify.scene.reliefs.power_law import PowerLaw
 from insonify.scene.reliefs.random_relief import RandomRelief
-from insonify.scene.speckles.k import K
-from insonify.scene.speckles.none import NoSpeckle
 from insonify.scene.targets import Target
 from insonify.scene.waters import WaterKind
 from insonify_viewer.fields import ChoiceField, FileField, NumberField, Parameter
@@ -215,7 +208,7 @@ def _neighbours(stations: tuple[tuple[float, float], ...], index: int) -> tuple[
 def _most(scene: Scene, path: str) -> float:
     """Largest value that the rest of the scene allows."""
     limits = {"sonar.ping_rate": known_speed(scene) / (2.0 * scene.sonar.range)}
-    if not isinstance(scene.seabed.relief, Dem):
+    if not scene.seabed.relief.measured:
         limits |= {"track.altitude": scene.seabed.depth, "track.depth": 0.999 * scene.seabed.depth}
     return limits.get(path, math.inf)
 
@@ -224,8 +217,7 @@ def _idle(scene: Scene, path: str) -> str:
     """Reason why a number has no effect in this scene; empty if it has."""
     if path != "sonar.frequency":
         return ""
-    heard = isinstance(scene.sonar.beam, LineArray) or isinstance(scene.water.absorption, FrancoisGarrison)
-    if heard or not isinstance(scene.receiver.speckle, NoSpeckle):
+    if scene.sonar.beam.by_frequency or scene.water.absorption.by_frequency or scene.receiver.speckle.speckled:
         return ""
     return "has no effect without a line-array beam, Francois-Garrison absorption or speckle"
 
@@ -248,19 +240,12 @@ def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
     if isinstance(part, Material) and name in ("reflection", "speed_ratio"):
         return scene.sonar.bounces == 0
     if isinstance(part, Material) and name == "speckle_shape":
-        return not isinstance(scene.receiver.speckle, K)
-    if isinstance(part, RandomRelief) and name == "period":
-        return part.endless and not isinstance(part, Fractal | PowerLaw)  # these level off at the period
-    if isinstance(part, Fractal):
-        isotropic = part.decay == "isotropic"
-        return (name == "beta" and not isotropic) or (name in ("beta_x", "beta_y") and isotropic)
+        return scene.receiver.speckle.texture is None
     return isinstance(part, Declaration) and name in part.idle_fields
 
 
 def _value_that_applies(scene: Scene, part: BaseModel, name: str) -> float | None:
     """Value that applies to a field that the scene leaves open."""
-    if isinstance(part, Fractal):
-        return part.exponents[1 if name == "beta_y" else 0]
     if isinstance(part, PowerTvg):
         depth = scene.seabed.depth - scene.altitude
         return absorption_coefficient(scene.water.absorption, scene.sonar.frequency, depth) * 1e3 / NEPER_PER_DB

@@ -14,6 +14,7 @@ class ConstantAbsorption(AbsorptionKind):
     """A given absorption; a bare number of dB/km stands for it."""
 
     rank = 20
+    by_frequency = False
     kind: Literal["constant"] = "constant"
     coefficient: float = parameter(
         30.0, unit="dB/km", description="absorption, one way", ge=0.0, le=1e5, slider=(0.0, 500.0)

@@ -11,4 +11,5 @@ class NoAbsorption(AbsorptionKind):
     """Water that swallows nothing."""
 
     rank = 10
+    by_frequency = False
     kind: Literal["none"] = "none"

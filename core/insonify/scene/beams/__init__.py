@@ -65,12 +65,15 @@ class BeamKind(Choice):
         Whether it hears anything beside the plane athwart the fish.
     error_law : str
         Kind of the beam whose measured errors and costs the plan takes: knife, fan, gaussian or array.
+    by_frequency : bool
+        Whether the frequency changes it.
     """
 
     family = BEAMS
     top_hat: ClassVar[bool] = False
     has_width: ClassVar[bool] = True
     error_law: ClassVar[str] = "gaussian"
+    by_frequency: ClassVar[bool] = False
 
     @property
     def words(self) -> str:

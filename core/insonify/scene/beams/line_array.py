@@ -31,6 +31,7 @@ class LineArray(AimedBeam):
     """The beam of a line of transducers, with its sidelobes, wider than far away within its near field."""
 
     rank = 40
+    by_frequency = True
     error_law = "array"
     kind: Literal["array"] = "array"
     length: float = parameter(

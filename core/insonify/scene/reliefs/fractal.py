@@ -26,6 +26,7 @@ class Fractal(ExtendableRelief):
     """Filtered noise with spectral peaks: Models 1 to 3 of the paper."""
 
     rank = 20
+    levels_off = True
     kind: Literal["fractal"] = "fractal"
     beta: float | None = parameter(
         None,
@@ -100,6 +101,15 @@ class Fractal(ExtendableRelief):
             return self.beta_x, self.beta_y
         beta = 1.4 if self.beta is None else self.beta
         return beta, beta
+
+    @property
+    def idle_fields(self) -> frozenset[str]:
+        """Fields that change nothing: the exponents of the other decays."""
+        return super().idle_fields | ({"beta_x", "beta_y"} if self.decay == "isotropic" else {"beta"})
+
+    def value_in_force(self, field: str) -> float | None:
+        """Exponent that applies where it is left open."""
+        return self.exponents[1 if field == "beta_y" else 0]
 
     def places(self) -> list[tuple[float, float]]:
         """Where the peaks stand, cycles per period, but for their mirror images through zero frequency."""

@@ -18,6 +18,7 @@ class PowerLaw(ExtendableRelief):
     """Roughness W(K) = w₂ (h₀K)^−γ₂ with h₀ = 1 cm, as measured over sediments (APL-UW TR 9407, II.A)."""
 
     rank = 30
+    levels_off = True
     kind: Literal["power_law"] = "power_law"
     strength: float = parameter(
         0.0044,

@@ -122,9 +122,12 @@ class ExtendableRelief(RandomRelief):
     ----------
     shaped : bool
         Whether heights are shaped from complex waves.
+    levels_off : bool
+        Whether the spectrum of endless ground levels off at waves as long as the period.
     """
 
     shaped: ClassVar[bool] = False
+    levels_off: ClassVar[bool] = False
     instead_of_a_period = ', or take extent = "endless"'
 
     extent: Literal["periodic", "endless"] = parameter(
@@ -136,6 +139,12 @@ class ExtendableRelief(RandomRelief):
     def endless(self) -> bool:
         """Whether the bed never repeats."""
         return self.extent == "endless"
+
+    @property
+    def idle_fields(self) -> frozenset[str]:
+        """Fields that change nothing: the period of endless ground, unless the spectrum levels off there."""
+        without_period = self.endless and not self.levels_off
+        return super().idle_fields | ({"period"} if without_period else frozenset())
 
     def bands(self) -> tuple[Band, ...]:
         """Bands of the spectrum of endless ground, or of the waves that it is made of."""
