@@ -169,7 +169,7 @@ def prepare_paths(
     return (
         _below_surface(water),
         launch,
-        RayLimits(float(max_range), _height_of(bottom), 0.0, False, water.surface.kind != "none"),
+        RayLimits(float(max_range), _height_of(bottom), 0.0, False, water.surface.reflects),
     )
 
 

@@ -91,7 +91,7 @@ class Scene(Declaration):
 
     @model_validator(mode="after")
     def _reverberation_has_energy(self) -> Scene:
-        if self.sonar.law == "light" and self.receiver.reverberation.kind != "none":
+        if self.sonar.law == "light" and self.receiver.reverberation.echoes:
             raise ValueError(
                 f"receiver.reverberation {self.receiver.reverberation.kind!r} is energy of water and surface, which "
                 "the light of sonar.law 'light' does not have; take law 'sonar' or leave the reverberation out"

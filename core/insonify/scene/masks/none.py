@@ -7,7 +7,7 @@ from typing import Literal
 from insonify.scene.masks import MaskKind
 
 
-class Everywhere(MaskKind):
+class NoMask(MaskKind):
     """No mask: the relief covers the whole bed."""
 
     rank = 10

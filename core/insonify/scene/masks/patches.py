@@ -12,7 +12,7 @@ from insonify.scene.masks import MaskKind
 from insonify.scene.reliefs.spectrum import Density, Field
 
 
-class Patchy(MaskKind):
+class PatchMask(MaskKind):
     """Smooth patches, strewn at random, outside which the relief fades out."""
 
     rank = 20

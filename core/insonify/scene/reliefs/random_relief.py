@@ -10,7 +10,7 @@ import numpy as np
 from insonify.scene.base import parameter
 from insonify.scene.kinds import KindOf
 from insonify.scene.masks import MASKS, MaskKind
-from insonify.scene.masks.none import Everywhere
+from insonify.scene.masks.none import NoMask
 from insonify.scene.reliefs import ReliefKind
 from insonify.scene.reliefs.spectrum import Band, Density, Field, PeriodicWaves, Waves
 
@@ -46,7 +46,7 @@ class RandomRelief(ReliefKind):
         log=True,
     )
     mask: Annotated[MaskKind, KindOf(MASKS, default="patches")] = parameter(
-        Everywhere(), description="where the relief is, of a bed that is level elsewhere"
+        NoMask(), description="where the relief is, of a bed that is level elsewhere"
     )
 
     @property

@@ -14,6 +14,11 @@ class ReverberationKind(Choice):
     family = REVERBERATIONS
 
     @property
+    def echoes(self) -> bool:
+        """Whether the water or its surface echoes."""
+        return self.of_volume is not None or self.of_surface is not None
+
+    @property
     def of_volume(self) -> float | None:
         """Backscattering strength of a cubic metre of water, in dB; None where it does not echo."""
         return None
