@@ -1,4 +1,4 @@
-"""Two records side by side as a picture, with their numbers below."""
+"""Page of two records side by side, with their statistics."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from insonify.accuracy.record_statistics import AmplitudeSpectrum, RecordStatistics, measure_statistics
 from insonify.display.display_options import DisplayOptions
-from insonify.display.page import FAINT, INK, caption_record
+from insonify.display.page import caption_record
 from insonify.display.picture import choose_contrast, colour_amplitudes
 from insonify.display.sheet import RecordSheet, gather_record_sheet
+from insonify.display.style import BLUE, FAINT, INK, ORANGE, label_axes, make_figure, style_axes
 from insonify.io.atomic import replacing
 
-HUES = ("#2f6f9f", "#c2571a")
+HUES = (BLUE, ORANGE)
 WIDTH, DPI = 15.0, 110  # inches
 MARGIN, GAP, GRAPHS = 0.6, 0.75, 2.7  # inches; the last is the height of the graphs
 TALLEST = 11.0  # inches, of the pictures
@@ -27,7 +27,7 @@ TALLEST = 11.0  # inches, of the pictures
 def write_comparison(
     path: str | Path, records: tuple[xr.Dataset, xr.Dataset]
 ) -> tuple[RecordStatistics, RecordStatistics]:
-    """Measure two records, draw them side by side and write that as PNG.
+    """Measure the statistics of two records and write them side by side as PNG.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def write_comparison(
 
     Returns
     -------
-    (Likeness, Likeness)
-        What was measured.
+    (RecordStatistics, RecordStatistics)
+        Statistics of the two records.
 
     Raises
     ------
@@ -56,17 +56,17 @@ def write_comparison(
 def draw_comparison(
     records: tuple[xr.Dataset, xr.Dataset], measured: tuple[RecordStatistics, RecordStatistics]
 ) -> Figure:
-    """Lay two records out on one page: pictures to one scale and one palette, graphs of what was measured below.
+    """Draw two records on one page: pictures with one scale and palette, graphs of their statistics below.
 
     Parameters
     ----------
     records : (Dataset, Dataset)
-    measured : (Likeness, Likeness)
+    measured : (RecordStatistics, RecordStatistics)
 
     Returns
     -------
     matplotlib.figure.Figure
-        With an Agg canvas.
+        Figure with an Agg canvas.
     """
     look = DisplayOptions(palette="grey")
     sheets = [gather_record_sheet(record, look) for record in records]
@@ -74,8 +74,7 @@ def draw_comparison(
     column = (WIDTH - 2.0 * MARGIN - GAP) / 2.0
     tall = min(max(column * (sheet.along or 1.0) / (2.0 * sheet.reach) for sheet in sheets), TALLEST)
     height = tall + GRAPHS + 2.5
-    figure = Figure(figsize=(WIDTH, height), facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = make_figure(WIDTH, height)
     for number, (record, sheet, found) in enumerate(zip(records, sheets, measured)):
         left, base = MARGIN + number * (column + GAP), GRAPHS + 1.55
         axes = figure.add_axes((left / WIDTH, base / height, column / WIDTH, tall / height))
@@ -88,10 +87,9 @@ def draw_comparison(
 def _picture(axes: Any, sheet: RecordSheet, pixels: NDArray[np.uint8]) -> None:
     axes.imshow(pixels, extent=(-sheet.reach, sheet.reach, 0.0, sheet.along or 1.0), aspect="equal")
     axes.set_anchor("N")
-    axes.set_xlabel("slant range (m)", fontsize=9, color=INK)
-    axes.set_ylabel("along track (m)", fontsize=9, color=INK)
+    label_axes(axes, "slant range (m)", "along track (m)", size=9)
     axes.xaxis.set_major_formatter(lambda x, _: f"{abs(x):g}")
-    _quiet(axes)
+    style_axes(axes, 8, framed=True, width=0.6)
 
 
 def _headings(
@@ -102,7 +100,7 @@ def _headings(
     found: RecordStatistics,
     hue: str,
 ) -> None:
-    """Title, how it was recorded, and what was measured, above a picture."""
+    """Write title, caption and statistics above a picture."""
     left, base, inch = place
     caption = caption_record(record, sheet.along, DisplayOptions())
     title = caption.title if len(caption.title) <= 60 else f"{caption.title[:59]}…"
@@ -118,7 +116,7 @@ def _headings(
 
 
 def _graphs(figure: Figure, height: float, measured: tuple[RecordStatistics, RecordStatistics]) -> None:
-    """Histogram of amplitudes, spread of their variation, and the two spectra."""
+    """Draw the histograms of amplitude and variation, and the two spectra."""
     wide = (WIDTH - 2.0 * MARGIN - 3.0 * GAP) / 4.0
     amplitudes, variations, along, across = (
         figure.add_axes(((MARGIN + n * (wide + GAP)) / WIDTH, 0.6 / height, wide / WIDTH, GRAPHS / height))
@@ -146,16 +144,10 @@ def _graphs(figure: Figure, height: float, measured: tuple[RecordStatistics, Rec
 
 def _named(axes: Any, title: str, label: str) -> None:
     axes.set_title(title, fontsize=9.5, color=INK, loc="left")
-    axes.set_xlabel(label, fontsize=9, color=INK)
-    _quiet(axes)
+    label_axes(axes, label, size=9)
+    style_axes(axes, 8, framed=True, width=0.6)
 
 
 def _curve(axes: Any, spectrum: AmplitudeSpectrum, hue: str) -> None:
     axes.loglog(*spectrum, color=hue, linewidth=1.4)
     axes.grid(True, which="both", color=FAINT, alpha=0.15, linewidth=0.6)
-
-
-def _quiet(axes: Any) -> None:
-    axes.tick_params(which="both", labelsize=8, color=FAINT, labelcolor=INK, width=0.6)
-    for spine in axes.spines.values():
-        spine.set(color=FAINT, linewidth=0.6)

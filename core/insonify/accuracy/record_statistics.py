@@ -1,7 +1,7 @@
-"""How alike two records look, in numbers: one estimator for recordings and simulations.
+"""Statistics of a record by which recordings and simulations are compared: speckle, spectra, depth of shadows.
 
-Everything is measured on amplitudes divided by the record's own curve (``picture.recorded_curve``), beyond 1.4 times
-the altitude, so that neither gain nor range nor the strong echoes near nadir matter.
+They are measured on amplitudes relative to the record's median curve (`estimate_median_curve`) beyond 1.4 times the
+altitude, so that gain, range and the strong echoes near nadir have no effect.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class AmplitudeSpectrum(NamedTuple):
 
 
 class RecordStatistics(NamedTuple):
-    """What is measured of a record.
+    """Statistics of a record.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class RecordStatistics(NamedTuple):
     shadow_depth: float
 
     def lines(self) -> list[str]:
-        """Say it in words."""
+        """Describe the statistics in three lines."""
         low, middle, high = np.percentile(self.variation, [10.0, 50.0, 90.0])
         deep = "no shadows" if np.isnan(self.shadow_depth) else f"shadows {self.shadow_depth:.1f} dB deep"
         return [
@@ -83,7 +83,7 @@ class RecordStatistics(NamedTuple):
 
 
 def measure_statistics(record: xr.Dataset) -> RecordStatistics:
-    """Measure a record.
+    """Measure the statistics of a record.
 
     Parameters
     ----------
@@ -92,12 +92,12 @@ def measure_statistics(record: xr.Dataset) -> RecordStatistics:
 
     Returns
     -------
-    Likeness
+    RecordStatistics
 
     Raises
     ------
     SceneError
-        If it has too little bed to measure.
+        If the record has too little bed.
     """
     intensity = record["intensity"].transpose("channel", "ping_time", "range_sample").values
     amplitude = normalise(intensity, compute_median_curve(record)[:, 0])
@@ -118,7 +118,7 @@ def measure_statistics(record: xr.Dataset) -> RecordStatistics:
 
 
 def _even_patches(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Choose patches whose four quarters agree best in their means: no echo of a thing, no shadow, no slope."""
+    """Choose the patches whose four quarters differ least in their means: without targets, shadows or slopes."""
     patches, whole = _tiles(amplitude, (PATCH, PATCH)), _tiles(bed, (PATCH, PATCH)).all(axis=(1, 2))
     patches = patches[whole & (patches.mean(axis=(1, 2)) > 0.0)].astype(np.float64)
     half = PATCH // 2
@@ -140,7 +140,7 @@ def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: floa
     if len(segments) == 0:
         return None
     frequency, power = periodogram(segments, 1.0 / step, window="hann", detrend="linear", axis=-1)
-    # The median does not mind the wreck; that of an exponential variable is ln 2 of its mean.
+    # The median is robust against targets; that of an exponential variable is ln 2 times its mean.
     return AmplitudeSpectrum(frequency[1:-1], np.median(power[:, 1:-1], axis=0) / np.log(2.0))
 
 
@@ -154,7 +154,7 @@ def _shadow_depth(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> flo
 
 
 def _tiles(values: NDArray[np.generic], shape: tuple[int, int]) -> NDArray[np.generic]:
-    """Cut (2, pings, bins) into tiles (n, *shape); what is left over at the ends goes."""
+    """Cut (2, pings, bins) into tiles (n, *shape) without the remainders at the ends."""
     rows, columns = (size // step for size, step in zip(values.shape[1:], shape))
     cut = values[:, : rows * shape[0], : columns * shape[1]]
     tiles = cut.reshape(len(cut), rows, shape[0], columns, shape[1]).swapaxes(2, 3)

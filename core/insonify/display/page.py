@@ -1,4 +1,4 @@
-"""A sheet as a page for people: scales in metres, ping numbers, a colour bar and a title."""
+"""Page of a record: its picture with scales in metres, ping numbers, a colour bar and a title."""
 
 from __future__ import annotations
 
@@ -9,31 +9,30 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from insonify.display.display_options import DisplayOptions
 from insonify.display.picture import choose_contrast, colour_amplitudes, load_palette
 from insonify.display.sheet import RecordSheet
+from insonify.display.style import FAINT, INK, LINE_WIDTH, label_axes, make_figure, style_axes
 from insonify.io.atomic import replacing
 from insonify.scene import Scene
 
 DPI = 100
 LEFT, RIGHT, TOP, BOTTOM = 86, 196, 92, 62  # margins in pixels
-INK, FAINT = "#22262b", "#6b737c"
 
 
 class PageCaption(NamedTuple):
-    """Words of a page.
+    """Text of a page.
 
     Attributes
     ----------
     title : str
     line : str
-        How the record was made.
+        Line that says how the record was made.
     level : str
-        What its echoes are relative to.
+        Level to which the echoes are relative.
     """
 
     title: str
@@ -42,18 +41,18 @@ class PageCaption(NamedTuple):
 
 
 def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> None:
-    """Draw a sheet with its scales and write it as PNG.
+    """Write a sheet with scales, colour bar and caption as PNG.
 
     Parameters
     ----------
     path : str or Path
         File to make or replace; it appears only when whole.
-    sheet : Sheet
-        From ``sheet.gather``.
-    look : Look
+    sheet : RecordSheet
+        Sheet from `gather_sheet` or `gather_record_sheet`.
+    look : DisplayOptions
         Palette and gain.
-    caption : Caption
-        From ``scene_caption`` or ``record_caption``.
+    caption : PageCaption
+        Caption from `caption_scene` or `caption_record`.
     """
     figure = draw_page(sheet, look, caption)
     with replacing(path) as beside, warnings.catch_warnings():
@@ -62,23 +61,22 @@ def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, capti
 
 
 def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> Figure:
-    """Lay a sheet out on a page, one pixel an amplitude.
+    """Draw a sheet on a page, one pixel per amplitude.
 
     Parameters
     ----------
-    sheet : Sheet
-    look : Look
-    caption : Caption
+    sheet : RecordSheet
+    look : DisplayOptions
+    caption : PageCaption
 
     Returns
     -------
     matplotlib.figure.Figure
-        With an Agg canvas.
+        Figure with an Agg canvas.
     """
     height, width = sheet.amplitude.shape
     whole = (LEFT + width + RIGHT, TOP + height + BOTTOM)
-    figure = Figure(figsize=(whole[0] / DPI, whole[1] / DPI), dpi=DPI, facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = make_figure(whole[0] / DPI, whole[1] / DPI, dpi=DPI)
     levels = choose_contrast(sheet.amplitude)
     axes = _axes(figure, whole, LEFT, BOTTOM, width, height)
     near = -sheet.reach if look.side == "both" else 0.0
@@ -97,19 +95,17 @@ def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) ->
 
 def _axes(figure: Figure, whole: tuple[int, int], left: int, bottom: int, width: int, height: int) -> Any:
     axes = figure.add_axes((left / whole[0], bottom / whole[1], width / whole[0], height / whole[1]))
-    axes.tick_params(labelsize=9, color=FAINT, labelcolor=INK, length=4, width=0.8)
-    for spine in axes.spines.values():
-        spine.set(color=FAINT, linewidth=0.8)
+    axes.tick_params(length=4)
+    style_axes(axes, 9, framed=True)
     return axes
 
 
 def _scales(axes: Any, sheet: RecordSheet, look: DisplayOptions) -> None:
-    """Range from nadir outwards on both sides, metres along the track, ping numbers."""
+    """Set the scales: range from nadir outwards, metres along the track, ping numbers."""
     axes.xaxis.set_major_locator(MaxNLocator(10 if look.side == "both" else 8, steps=[1, 2, 2.5, 5, 10]))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{abs(x):g}"))
     kind = "ground" if look.ground_range else "slant"
-    axes.set_xlabel(f"{kind} range (m)", fontsize=10, color=INK, labelpad=6)
-    axes.set_ylabel("along track (m)", fontsize=10, color=INK, labelpad=6)
+    label_axes(axes, f"{kind} range (m)", "along track (m)", pad=6)
     if look.side == "both":
         axes.axvline(0.0, color="white", alpha=0.25, linewidth=0.8)
     if sheet.along <= 0.0:
@@ -120,24 +116,24 @@ def _scales(axes: Any, sheet: RecordSheet, look: DisplayOptions) -> None:
         functions=(lambda y: y * (sheet.pings / sheet.along), lambda n: n * (sheet.along / sheet.pings)),
     )
     numbers.yaxis.set_major_locator(MaxNLocator(8, integer=True))
-    numbers.tick_params(labelsize=9, color=FAINT, labelcolor=FAINT, length=4, width=0.8)
-    numbers.spines["right"].set(color=FAINT, linewidth=0.8)
+    numbers.tick_params(labelsize=9, color=FAINT, labelcolor=FAINT, length=4, width=LINE_WIDTH)
+    numbers.spines["right"].set(color=FAINT, linewidth=LINE_WIDTH)
     numbers.set_ylabel("ping", fontsize=10, color=FAINT, labelpad=4)
 
 
 def _colour_bar(axes: Any, look: DisplayOptions, levels: tuple[float, float], level: str) -> None:
-    """Palette from low to high with ticks in decibels above a level."""
+    """Draw the palette from low to high with ticks in decibels above a level."""
     axes.imshow(load_palette(look.palette)[:, None, :], extent=(0, 1, 0, 1), origin="lower", aspect="auto")
     axes.set_xticks([])
     axes.yaxis.tick_right()
     axes.yaxis.set_label_position("right")
     places = place_decibel_ticks(levels, look.gain)
     axes.set_yticks([place for place, _ in places], [text for _, text in places])
-    axes.set_ylabel(f"echo relative to {level} (dB)", fontsize=10, color=INK, labelpad=6)
+    label_axes(axes, y=f"echo relative to {level} (dB)", pad=6)
 
 
 def place_decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[float, str]]:
-    """Choose round decibels along a bar that is linear in amplitude.
+    """Place ticks at round decibels along a bar that is linear in amplitude.
 
     Parameters
     ----------
@@ -149,7 +145,7 @@ def place_decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[
     Returns
     -------
     list of (float, str)
-        Place from 0 to 1, and text; from the top down, never crowded.
+        Place from 0 to 1 and text, from the top down, at least 0.07 apart.
     """
     low, high = levels
     highest = math.floor(20.0 * math.log10(high) - gain)
@@ -179,7 +175,7 @@ def _headings(figure: Figure, whole: tuple[int, int], width: int, look: DisplayO
 
 
 def caption_scene(scene: Scene, look: DisplayOptions) -> PageCaption:
-    """Say how a simulated record was made."""
+    """Caption of a simulated record: how it was made."""
     sonar = scene.sonar
     parts = [
         _tow(scene),
@@ -195,21 +191,21 @@ def caption_scene(scene: Scene, look: DisplayOptions) -> PageCaption:
 
 
 def _tow(scene: Scene) -> str:
-    """Say how high the sonar was, and how it moved."""
+    """Altitude or depth of the sonar and its motions in words."""
     track = scene.track
     height = f"altitude {scene.altitude:g} m" if track.depth is None else f"depth {track.depth:g} m"
     return ", ".join([height, *(["terrain following"] if track.terrain_following else []), *track.kinds])
 
 
 def caption_record(record: xr.Dataset, along: float, look: DisplayOptions) -> PageCaption:
-    """Say of a record read from a file what it tells of itself.
+    """Caption of a record read from a file: what its data tell.
 
     Parameters
     ----------
     record : Dataset
     along : float
-        Its length, in metres.
-    look : Look
+        Along-track length in metres.
+    look : DisplayOptions
     """
     pings, bins = record.sizes["ping_time"], record.sizes["range_sample"]
     parts = [f"{bins} bins of {200.0 * float(record['slant_range'][0]):.3g} cm", f"{pings} pings"]

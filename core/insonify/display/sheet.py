@@ -1,4 +1,4 @@
-"""From blocks of a record to one sheet of amplitudes in display columns; memory is that of the sheet, not the tow."""
+"""Sheet of a record: amplitudes in display columns, collected block by block in the memory of one sheet."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from insonify.scene import SceneError
 
 Curves = Callable[[NDArray[np.int64]], NDArray[np.float64]]
 MOST_ROWS = 4096
-WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of the whole sheet
-HEIGHTS = (420, 1800)  # rows of a sheet stay between
+WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of a sheet
+HEIGHTS = (420, 1800)  # least and greatest number of rows of a sheet
 
 
 class RecordSheet(NamedTuple):
-    """A record ready to be coloured.
+    """Amplitudes of a record in rows and columns of display.
 
     Attributes
     ----------
     amplitude : (rows, columns) float32
-        Relative to the curve given; newest ping on top, port mirrored about nadir.
+        Amplitudes relative to a curve; newest ping on top, port mirrored about nadir.
     reach : float
-        Range of a side's outer edge, in metres.
+        Range of the outer edge of a side, in metres.
     along : float
         Along-track length, in metres.
     pings : int
-        Pings in it.
+        Number of pings.
     """
 
     amplitude: NDArray[np.float32]
@@ -48,22 +48,22 @@ class RecordSheet(NamedTuple):
 
 
 def gather_sheet(blocks: Iterable[xr.Dataset], curves: Curves, pings: int, look: DisplayOptions) -> RecordSheet:
-    """Collect a record into a sheet.
+    """Collect blocks of a record in a sheet.
 
     Parameters
     ----------
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
     curves : callable
-        What the pings of these numbers are divided by, (n, 1, bins); as of ``picture.LevelBed``.
+        Gives the curves of n ping numbers, (n, 1, bins), as `LevelBed.curves` does.
     pings : int
-        Pings of the whole record.
-    look : Look
+        Number of pings of the whole record.
+    look : DisplayOptions
         Side and kind of range.
 
     Returns
     -------
-    Sheet
+    RecordSheet
 
     Raises
     ------
@@ -93,30 +93,30 @@ def gather_sheet(blocks: Iterable[xr.Dataset], curves: Curves, pings: int, look:
 
 
 def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet:
-    """Make a sheet of a whole record, relative to its own median at every range.
+    """Make a sheet of a whole record relative to its own median at every range.
 
     Parameters
     ----------
     record : Dataset
         From ``records.read_record`` or ``simulate``.
-    look : Look
+    look : DisplayOptions
         Side and kind of range.
 
     Returns
     -------
-    Sheet
+    RecordSheet
     """
     own = compute_median_curve(record)
     return gather_sheet([record], lambda pings: own[pings], record.sizes["ping_time"], look)
 
 
 def compute_median_curve(record: xr.Dataset) -> NDArray[np.float64]:
-    """Return what a record is divided by, (pings, 1, bins) float64; see ``picture.recorded_curve``."""
+    """Compute the median curve of a record, (pings, 1, bins) float64, see `estimate_median_curve`."""
     return estimate_median_curve(record["intensity"].values, fill_altitude(record), _bin_length(record))
 
 
 def resample_rows(rows: NDArray[np.float32], height: int) -> NDArray[np.float32]:
-    """Resample rows to a height, by mean where they are too many.
+    """Resample rows to a number of rows, by their mean where there are more.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ class _Length:
 
 
 def _reaches(block: xr.Dataset, look: DisplayOptions) -> tuple[float, float | None]:
-    """Slant range of the outer edge, and its ground range if that is what is shown."""
+    """Slant range of the outer edge, and its ground range if the picture shows that."""
     reach = block.sizes["range_sample"] * _bin_length(block)
     if not look.ground_range:
         return reach, None
@@ -161,7 +161,7 @@ def _reaches(block: xr.Dataset, look: DisplayOptions) -> tuple[float, float | No
 
 
 def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
-    """Height above the bed beneath, in metres; where there is no bed, that of the lowest other ping."""
+    """Fill unknown altitudes of pings with the lowest known one; metres."""
     altitude = block["platform_altitude"].values.astype(np.float64)
     known = altitude[np.isfinite(altitude)]
     return np.where(np.isfinite(altitude), altitude, known.min() if known.size else 0.0)

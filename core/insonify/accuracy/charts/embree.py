@@ -1,4 +1,4 @@
-"""Embree over a bed of triangles, where it is installed: the same rays, the same echoes, another surface and engine."""
+"""Embree over a triangulated bed, where it is installed: the same rays with another surface and engine."""
 
 from __future__ import annotations
 
@@ -21,33 +21,33 @@ Record = NDArray[np.float32]
 
 
 def explain_omission(arrays: SceneArrays, poses: Poses) -> str:
-    """Tell in one line why a scene is not traced by Embree; nothing if it is."""
+    """Explain in one line why Embree does not trace a scene; empty if it does."""
     if find_spec("embreex") is None:
-        return "embree: left out, for embreex is not installed (pip install 'insonify[embree]')"
+        return "embree: left out, embreex is not installed (pip install 'insonify[embree]')"
     if arrays.water.bent or arrays.multipath.enabled or arrays.bounces or arrays.pattern.tabulated:
-        return "embree: left out, for it is asked for first echoes along straight rays of a level knife or fan alone"
+        return "embree: left out, it traces only first echoes along straight rays of a level knife or fan"
     if arrays.solids.shape.size or arrays.mesh.skip.size:
-        return "embree: left out with targets, for it is asked for a bed alone"
+        return "embree: left out with targets, it traces only the bed"
     columns, rows = (last - first for first, last in _nodes(arrays, poses))
     if 2 * columns * rows > MOST_TRIANGLES:
-        return f"embree: left out, for the bed beneath these pings makes {2 * columns * rows:,} triangles"
+        return f"embree: left out, the bed beneath these pings has {2 * columns * rows:,} triangles"
     return ""
 
 
 class TriangulatedBed:
-    """The bed beneath some pings as triangles, two a cell.
+    """Bed beneath some pings as triangles, two per cell.
 
     Parameters
     ----------
     arrays : SceneArrays
-        Without targets and ghosts, in still water.
+        Scene without targets and multipath, in water of constant sound speed.
     poses : Poses
-        Of all pings that will be traced.
+        Poses of all pings that will be traced.
 
     Raises
     ------
     SceneError
-        If it cannot be traced, as `why_not` says.
+        If it cannot be traced, see `explain_omission`.
     """
 
     def __init__(self, arrays: SceneArrays, poses: Poses) -> None:
@@ -111,7 +111,7 @@ class TriangulatedBed:
         aim_rays(launch, z, top, reach, arrays.half_width, arrays.law, False)
 
     def _sum(self, bundle: RayBundle, launch: RayLaunch, sums: NDArray[np.float64]) -> None:
-        """Cast a bundle and sum what it returns."""
+        """Cast a bundle of rays and sum its echoes."""
         arrays, hits = self._arrays, empty_hits(bundle.x.size)
         origins = np.column_stack([bundle.x - self._origin[0], bundle.y - self._origin[1], bundle.z])
         ways = np.column_stack([bundle.dx, bundle.dy, bundle.dz])
@@ -129,7 +129,7 @@ class TriangulatedBed:
 
 
 def _nodes(arrays: SceneArrays, poses: Poses) -> tuple[tuple[int, int], tuple[int, int]]:
-    """First and last but one node, by columns and by rows, that any ping hears."""
+    """Range of the nodes within reach of any ping, by columns and by rows; ends exclusive."""
     bed, reach = arrays.bed, arrays.bins * arrays.bin_length
     ny, nx = bed.heights.shape
     ahead = reach * math.sin(arrays.half_width)
@@ -144,7 +144,7 @@ def _nodes(arrays: SceneArrays, poses: Poses) -> tuple[tuple[int, int], tuple[in
 
 
 def _beam(arrays: SceneArrays, poses: Poses, ping: int, side: int) -> SideBeam:
-    """Point one side of one level ping."""
+    """Beam of one side of one level ping."""
     ahead_x, ahead_y = math.cos(poses.heading[ping]), math.sin(poses.heading[ping])
     to_side = 1.0 if side == PORT else -1.0
     x, y, z = float(poses.x[ping]), float(poses.y[ping]), float(poses.z[ping])

@@ -1,4 +1,4 @@
-"""What a measurement of time depends on."""
+"""Machine and versions on which a measurement of time depends."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def describe_machine() -> str:
-    """Return the processor, its cores and the versions that a measurement depends on."""
+    """Describe the processor, its cores and the versions of the software."""
     parts = (
         _processor(),
         f"{os.cpu_count()} cores, one thread used",

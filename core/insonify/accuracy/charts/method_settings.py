@@ -1,4 +1,4 @@
-"""Every method with its settings."""
+"""Methods of a chart with their settings."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from insonify.accuracy.charts.embree import TriangulatedBed, explain_omission
 from insonify.kernels.common.types import Bed, Poses, SceneArrays, still_water
 from insonify.tracers import march, rays, sweep
 
-STEPS = (16.0, 4.0, 1.0, 0.5)  # of a march, in cells of the bed
+STEPS = (16.0, 4.0, 1.0, 0.5)  # step of a march, in cells of the bed
 RAYS = (250, 1000, 4000, 16000)
-MANY_RAYS = (64000, 256000)  # beside those, where rays are straight: along arcs they take too long
+MANY_RAYS = (64000, 256000)  # in addition where rays are straight; along arcs they take too long
 PLANES = (1, 2, 4, 8, 16, 32, 64)
 STILL_RAYS, STILL_PLANES = (16000,), (4, 16, 64)
-COARSER = {2: "2nd", 4: "4th"}  # nodes of the bed
+COARSER = {2: "2nd", 4: "4th"}  # stride of the nodes of the bed
 COARSE_PLANES = (4, 16)
 DOUBLE_PLANES = (4, 16, 64)
 EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
@@ -27,16 +27,16 @@ Record = NDArray[np.float32]
 
 
 class SettingKey(NamedTuple):
-    """What tells one contender from another.
+    """Key of a method with one setting.
 
     Attributes
     ----------
     method : str
-        How echoes are found.
+        Name of the method.
     setting : str
-        As a person reads it.
+        Setting as text.
     targets : bool
-        Whether the scene's targets are there.
+        Whether the scene holds its targets.
     """
 
     method: str
@@ -50,13 +50,13 @@ class MethodSetting(NamedTuple):
     Attributes
     ----------
     method : str
-        How echoes are found.
+        Name of the method.
     setting : str
-        As a person reads it.
+        Setting as text.
     size : float
-        The setting as a number: metres a step, rays a side, planes.
+        Setting as a number: step in metres, rays per side, or planes.
     trace : callable
-        Traces poses on one thread.
+        Traces the record of some poses on one thread.
     """
 
     method: str
@@ -66,19 +66,19 @@ class MethodSetting(NamedTuple):
 
 
 def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
-    """List every method with its settings, all on one thread.
+    """List all methods that can trace a scene, with their settings, each on one thread.
 
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        Scene as kernels read it.
     poses : Poses
-        Of the pings that will be traced.
+        Poses of the pings that will be traced.
 
     Returns
     -------
-    list of Contender
-        Methods one after the other, each from its coarsest setting to its finest.
+    list of MethodSetting
+        Method by method, each from its coarsest setting to its finest.
     """
     if arrays.bounces:
         return ray_settings("rays", arrays, RAYS)
@@ -87,7 +87,7 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
     if not explain_omission(arrays, poses):
         bed = TriangulatedBed(arrays, poses)
         out += [MethodSetting(EMBREE, f"{count:,} rays", count, partial(bed.trace, rays=count)) for count in RAYS]
-    if arrays.water.station.size == 1:  # the sweep hears no water that differs along the level
+    if arrays.water.station.size == 1:  # the sweep needs water that varies with depth alone
         out += sweep_settings("sweep", arrays, PLANES) + sweep_settings(
             "sweep, float64", arrays, DOUBLE_PLANES, double=True
         )
@@ -103,7 +103,7 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
 
 
 def coarsen_bed(bed: Bed, every: int) -> Bed | None:
-    """Keep every so many nodes of a bed; None where it would no longer repeat as it does, or be no bed."""
+    """Keep one node of so many of a bed; None where its period would change or no bed would be left."""
     heights = np.ascontiguousarray(bed.heights[::every, ::every])
     finite = heights[np.isfinite(heights)]
     if min(heights.shape) < 2 or finite.size == 0 or (bed.periodic and any(n % every for n in bed.heights.shape)):
@@ -119,7 +119,7 @@ def coarsen_bed(bed: Bed, every: int) -> Bed | None:
 
 
 def march_settings(arrays: SceneArrays, cells: Sequence[float]) -> list[MethodSetting]:
-    """March by steps of so many cells, with as many rays a side as there are bins, as in the paper's day."""
+    """List marches with steps of so many cells, with as many rays per side as there are bins."""
     steps = [one * arrays.bed.spacing for one in cells]
     return [
         MethodSetting("march", f"{step:.3g} m", step, _bound(march.trace, arrays, step=step, rays=arrays.bins))
@@ -128,14 +128,14 @@ def march_settings(arrays: SceneArrays, cells: Sequence[float]) -> list[MethodSe
 
 
 def ray_settings(method: str, arrays: SceneArrays, counts: Sequence[int]) -> list[MethodSetting]:
-    """Walk exact rays, so many a side."""
+    """List exact ray tracings with so many rays per side."""
     return [MethodSetting(method, f"{count:,} rays", count, _bound(rays.trace, arrays, rays=count)) for count in counts]
 
 
 def sweep_settings(
     method: str, arrays: SceneArrays, counts: Sequence[int], *, double: bool = False
 ) -> list[MethodSetting]:
-    """Fans of planes, in single or double precision; a knife has one."""
+    """List sweeps with so many planes, in single or double precision; a knife-edge beam has one."""
     return [
         MethodSetting(
             method,

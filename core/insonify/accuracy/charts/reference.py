@@ -1,4 +1,4 @@
-"""The reference of a chart: exact rays, doubled until that moves them less than a tenth of the smallest error shown."""
+"""Reference of a chart: exact rays, doubled until their record changes by a tenth of the smallest error shown."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.navigation import take_poses
 from insonify.tracers import ray_sheets, rays
 
-RESOLVED = 10.0  # times finer than an error the reference is to be
+RESOLVED = 10.0  # ratio of an error to the change of the reference that resolves it
 FIRST_RAYS = 1 << 16
-MOST_IN_SHEETS, MOST_TOGETHER = 1 << 24, 1 << 20  # rays one by one are held in memory together, by every core
-RAYS_A_SHEET = 16  # for every sheet of a fan; with as many both halves of the error are alike
-# Of the error, by which more rays are foreseen.
+MOST_IN_SHEETS, MOST_TOGETHER = 1 << 24, 1 << 20  # rays per side; single rays are held in memory together by every core
+RAYS_A_SHEET = 16  # rays per sheet of a fan at which both parts of the error are about equal
+# Order of the error in the number of rays, from which the next number is predicted.
 SHEET_ORDER, RAY_ORDER = 1.0, 0.75
 
 Record = NDArray[np.float32]
 
 
 class Reference(NamedTuple):
-    """What is taken as right.
+    """Record by exact rays against which errors are computed.
 
     Attributes
     ----------
     record : (n, 2, bins) float32
-        The finest record.
+        Record with the most rays.
     moved : float
-        How far the last doubling of its rays moved it, as a share of the record beyond 1.4 times the altitude.
+        Change of the record by the last doubling of its rays, as a share of it beyond 1.4 times the altitude.
     rays : int
-        Rays per side.
+        Number of rays per side.
     moved_all : float
-        Likewise over all bins from the first return; NaN where it is not known.
+        The same change over all bins from the first return; NaN where it is not known.
     """
 
     record: Record
@@ -49,7 +49,7 @@ class Reference(NamedTuple):
 
     @property
     def floor(self) -> float:
-        """Error below which a record cannot be told from the reference: ten times what the last doubling moved."""
+        """Smallest error that the reference resolves: ten times the change by the last doubling."""
         return RESOLVED * self.moved
 
 
@@ -61,18 +61,18 @@ def refine_reference(
     seconds: float,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Reference:
-    """Double rays until that moves their record by less than a tenth of the smallest error of some others.
+    """Double the rays of a reference until its change is less than a tenth of the smallest error of some records.
 
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        Scene as kernels read it.
     poses : Poses
-        Where the sonar is, n pings.
+        Poses of n pings.
     shown : sequence of (n, 2, bins) float32
-        Records whose errors are to be resolved.
+        Records whose errors the reference is to resolve.
     seconds : float
-        Processor time that it may take, of all cores together; the last doubling that fits is the last.
+        Processor time over all cores; the last doubling that fits ends the refinement.
     progress : callable
         Called with the share done; may raise to stop.
 
@@ -105,15 +105,15 @@ def refine_reference(
 
 
 def trace_exact_rays(arrays: SceneArrays, poses: Poses, count: int, told: Callable[[], None] = lambda: None) -> Record:
-    """Trace with so many exact rays a side, in sheets where these do, each ping on whatever core is free.
+    """Trace with a number of exact rays per side, in ray sheets where the scene allows them, pings in parallel.
 
-    After every ping ``told`` is called, which may raise to stop.
+    ``told`` is called after every ping and may raise to stop.
     """
 
     def single(pose: Poses) -> Record:
         if not ray_sheets.can_trace(arrays):
             return rays.trace(arrays, pose, rays=count, threads=1)
-        # In pairs: half the places within a beam with a pattern are for its main lobe.
+        # An even number: a beam with a pattern has half of its sheets in the main lobe.
         across = 2 * round(0.5 * math.sqrt(count / RAYS_A_SHEET)) if arrays.half_width > 0.0 else 1
         return ray_sheets.trace(arrays, pose, sheets=across, rays=count // across, threads=1)
 
@@ -130,12 +130,12 @@ def trace_exact_rays(arrays: SceneArrays, poses: Poses, count: int, told: Callab
 
 
 def _doublings(factor: float, order: float) -> int:
-    """Doublings that divide what the last one moved by a factor."""
+    """Count the doublings that divide the change by a factor."""
     return max(math.ceil(math.log2(max(factor, 1.0)) / order), 1) if math.isfinite(factor) else 64
 
 
 def _affordable(rays_left: float, count: int) -> int:
-    """Doublings of a count for which there are rays left: one more is twice its last, several begin with a pair."""
+    """Count the doublings that the remaining rays allow; several begin with a pair of counts."""
     if rays_left < 4 * count:
         return 0
     return max(1, math.floor(math.log2(rays_left / (3 * count))))
