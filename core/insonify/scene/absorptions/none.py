@@ -8,7 +8,7 @@ from insonify.scene.absorptions import AbsorptionKind
 
 
 class NoAbsorption(AbsorptionKind):
-    """Water that swallows nothing."""
+    """Water without absorption."""
 
     rank = 10
     by_frequency = False

@@ -13,7 +13,7 @@ from insonify.scene.reliefs.spectrum import Density
 
 
 class ExponentialAutocorrelation(AutocorrelationKind):
-    """exp(−lag / length)."""
+    """Exponential autocorrelation, exp(−lag / length)."""
 
     rank = 10
     kind: Literal["exponential"] = "exponential"

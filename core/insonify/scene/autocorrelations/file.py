@@ -17,7 +17,7 @@ from insonify.scene.reliefs.spectrum import Density
 
 
 class AutocorrelationFile(AutocorrelationKind):
-    """Straight lines between the points of a file, 0 beyond the last."""
+    """Autocorrelation by straight lines between the points of a file, 0 beyond the last."""
 
     rank = 40
     kind: Literal["file"] = "file"

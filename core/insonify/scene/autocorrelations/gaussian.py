@@ -13,7 +13,7 @@ from insonify.scene.reliefs.spectrum import Density
 
 
 class GaussianAutocorrelation(AutocorrelationKind):
-    """exp(−lag² / length²)."""
+    """Gaussian autocorrelation, exp(−lag² / length²)."""
 
     rank = 20
     kind: Literal["gaussian"] = "gaussian"

@@ -30,7 +30,7 @@ def _check_table(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, 
 
 
 class TabledAutocorrelation(AutocorrelationKind):
-    """Straight lines between given points, 0 beyond the last."""
+    """Autocorrelation by straight lines between given points, 0 beyond the last."""
 
     rank = 30
     kind: Literal["table"] = "table"

@@ -8,7 +8,7 @@ from insonify.scene.beams import BeamKind, Sounding
 
 
 class KnifeBeam(BeamKind):
-    """A beam without width: one upright line across the track, however the fish is pitched, 1 m wide by definition."""
+    """A beam without width: one upright plane across the track at any pitch of the fish, 1 m wide by definition."""
 
     rank = 10
     top_hat = True

@@ -9,7 +9,7 @@ from insonify.scene.fluctuations import FluctuationKind, LevelStatistics
 
 
 class Lognormal(FluctuationKind):
-    """The loudness of pings wanders, lognormal about the same mean intensity."""
+    """Levels of pings that fluctuate slowly, lognormal about the same mean intensity."""
 
     rank = 20
     kind: Literal["lognormal"] = "lognormal"

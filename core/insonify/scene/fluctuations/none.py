@@ -8,7 +8,7 @@ from insonify.scene.fluctuations import FluctuationKind
 
 
 class NoFluctuation(FluctuationKind):
-    """Every ping is as loud as the next."""
+    """No fluctuation: all pings are equally loud."""
 
     rank = 10
     kind: Literal["none"] = "none"

@@ -8,7 +8,7 @@ from insonify.scene.gains import GainKind
 
 
 class NoTvg(GainKind):
-    """Echoes as loud as they arrive."""
+    """No gain: echoes as loud as they arrive."""
 
     rank = 10
     kind: Literal["none"] = "none"

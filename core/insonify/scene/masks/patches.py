@@ -13,7 +13,7 @@ from insonify.scene.reliefs.spectrum import Density, Field
 
 
 class PatchMask(MaskKind):
-    """Smooth patches, strewn at random, outside which the relief fades out."""
+    """Smooth patches at random places, outside which the relief fades out."""
 
     rank = 20
     kind: Literal["patches"] = "patches"

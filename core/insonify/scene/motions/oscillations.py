@@ -38,7 +38,7 @@ class Oscillation(SingleMotion):
 
 
 class Sway(Oscillation):
-    """To port and starboard of the line; the fish keeps its heading and crabs."""
+    """Sway to port and starboard of the line; the fish keeps its heading and crabs."""
 
     rank = 20
     axis = "sway"
@@ -54,7 +54,7 @@ class Sway(Oscillation):
 
 
 class Heave(Oscillation):
-    """Up and down."""
+    """Heave: the fish rises and sinks."""
 
     rank = 30
     axis = "heave"
@@ -70,7 +70,7 @@ class Heave(Oscillation):
 
 
 class Yaw(Oscillation):
-    """The axis turns to port and starboard of the line; the course stays."""
+    """Yaw: the axis of the fish turns to port and starboard of the line; the course stays."""
 
     rank = 40
     axis = "yaw"
@@ -81,7 +81,7 @@ class Yaw(Oscillation):
 
 
 class Pitch(Oscillation):
-    """The bow goes up and down."""
+    """Pitch: the bow rises and sinks."""
 
     rank = 50
     axis = "pitch"
@@ -93,7 +93,7 @@ class Pitch(Oscillation):
 
 
 class Roll(Oscillation):
-    """The port side goes up and down."""
+    """Roll: the port side rises and sinks."""
 
     rank = 60
     axis = "roll"

@@ -14,7 +14,7 @@ from insonify.scene.motions import SingleMotion
 
 
 class Recorded(SingleMotion):
-    """As a file has it; what the file leaves out is as without it."""
+    """Motion recorded in a file; what the file leaves out is as without it."""
 
     rank = 80
     tilts = True

@@ -8,7 +8,7 @@ from insonify.scene.motions import SingleMotion
 
 
 class Straight(SingleMotion):
-    """Level, at constant speed, without motion."""
+    """A level tow at constant speed."""
 
     rank = 10
     moves = False

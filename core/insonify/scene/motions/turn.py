@@ -9,7 +9,7 @@ from insonify.scene.motions import SingleMotion, Turning
 
 
 class Turn(SingleMotion):
-    """The line bends into an arc of a circle and goes on straight."""
+    """A turn: the line bends into an arc of a circle and goes on straight."""
 
     rank = 70
     kind: Literal["turn"] = "turn"

@@ -9,7 +9,7 @@ NOISES = Family("noises", "insonify.scene.noises")
 
 
 class NoiseKind(Choice):
-    """What is heard without any echo."""
+    """Noise that is received without any echo."""
 
     family = NOISES
 

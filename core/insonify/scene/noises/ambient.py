@@ -9,7 +9,7 @@ from insonify.scene.noises import NoiseKind
 
 
 class AmbientNoise(NoiseKind):
-    """Noise of the sea and the set, of exponential intensity."""
+    """Noise of the sea and the receiver, of exponential intensity."""
 
     rank = 20
     kind: Literal["ambient"] = "ambient"

@@ -8,7 +8,7 @@ from insonify.scene.noises import NoiseKind
 
 
 class NoNoise(NoiseKind):
-    """Silence where nothing echoes."""
+    """No noise."""
 
     rank = 10
     kind: Literal["none"] = "none"

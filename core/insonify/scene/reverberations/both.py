@@ -10,7 +10,7 @@ from insonify.scene.reverberations.volume import volume_strength
 
 
 class WholeReverberation(ReverberationKind):
-    """Both the water and its surface echo."""
+    """Volume and surface reverberation."""
 
     rank = 40
     kind: Literal["both"] = "both"

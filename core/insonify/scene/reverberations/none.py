@@ -8,7 +8,7 @@ from insonify.scene.reverberations import ReverberationKind
 
 
 class NoReverberation(ReverberationKind):
-    """Only the bed and what lies on it echo."""
+    """No reverberation: only the bed and the targets echo."""
 
     rank = 10
     kind: Literal["none"] = "none"

@@ -21,7 +21,7 @@ def surface_strength() -> float:
 
 
 class SurfaceReverberation(ReverberationKind):
-    """The sea surface echoes."""
+    """Surface reverberation: the sea surface echoes."""
 
     rank = 30
     kind: Literal["surface"] = "surface"

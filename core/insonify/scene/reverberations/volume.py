@@ -21,7 +21,7 @@ def volume_strength() -> float:
 
 
 class VolumeReverberation(ReverberationKind):
-    """The water echoes."""
+    """Volume reverberation: the water echoes."""
 
     rank = 20
     kind: Literal["volume"] = "volume"

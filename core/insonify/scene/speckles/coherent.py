@@ -9,7 +9,7 @@ from insonify.scene.speckles import SpeckleKind
 
 
 class Coherent(SpeckleKind):
-    """Every patch of bed and target carries scatterers whose echoes interfere; slow, and by the sweep alone."""
+    """Scatterers on bed and targets whose echoes are traced one by one and interfere; slow, by the sweep alone."""
 
     rank = 40
     interferes = True

@@ -8,7 +8,7 @@ from insonify.scene.speckles import SpeckleKind
 
 
 class NoSpeckle(SpeckleKind):
-    """The mean echo."""
+    """No speckle: the mean echo."""
 
     rank = 10
     speckled = False

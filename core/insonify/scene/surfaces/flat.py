@@ -8,7 +8,7 @@ from insonify.scene.surfaces.mirror import MirrorSurface
 
 
 class FlatSurface(MirrorSurface):
-    """A perfect mirror: a calm sea."""
+    """A calm sea, which mirrors perfectly."""
 
     rank = 20
     kind: Literal["flat"] = "flat"

@@ -7,7 +7,7 @@ from insonify.scene.surfaces import SurfaceKind
 
 
 class MirrorSurface(SurfaceKind):
-    """The ways of the sound by a surface that reflects all of it; each is a switch of its own."""
+    """A sea surface that reflects all sound; each path by it has a switch of its own."""
 
     surface_bottom: bool = parameter(
         True, description="what comes by the surface and goes straight, or the other way round: out by one, back by one"

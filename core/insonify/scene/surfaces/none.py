@@ -8,7 +8,7 @@ from insonify.scene.surfaces import SurfaceKind
 
 
 class NoSurface(SurfaceKind):
-    """Water without end above the sonar."""
+    """No sea surface: the water has no upper end."""
 
     rank = 10
     kind: Literal["none"] = "none"

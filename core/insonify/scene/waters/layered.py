@@ -25,7 +25,7 @@ Speed = Annotated[float, Field(ge=1300.0, le=1700.0)]
 
 
 class LayeredWater(WaterKind):
-    """Water whose speed is told at depths; above the first and below the last it stays what it is there."""
+    """Water whose properties are given at depths and constant above the first and below the last."""
 
     depth: tuple[Depth, ...] = parameter(
         DEPTHS, unit="m", description="depths at which the water is known, downwards", slider=(0.0, 100.0)
