@@ -14,6 +14,7 @@ from insonify.scene.motions.straight import Straight
 from insonify.scene.motions.sum import SumOfMotions
 from insonify.scene.reliefs.mimic import Mimic, mean_diffuse
 from insonify_viewer.dependent_relief_edits import common_period, endless_options, exponents_of_decay, parts_of_sum
+from insonify_viewer.fields import part_at
 
 Changes = dict[str, Any]
 SLOWEST = 1e-3  # Hz, a ping rate that any range allows
@@ -111,20 +112,11 @@ def _shares(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:
         if name not in ("diffuse", "specular") or not _positive(share) or share > 1.0:
             continue
         other = "specular" if name == "diffuse" else "diffuse"
-        material = _at(scene, owner)
+        material = part_at(scene, owner)
         room = round(1.0 - share, 12)
         if isinstance(material, Material) and getattr(material.reflectivity, other) > room:
             return {f"{owner}.{other}": room}, f"{other} share lowered to {room:.4g}: no more can return than arrives"
     return {}, ""
-
-
-def _at(scene: Scene, path: str) -> Any:
-    """Part of a scene at a dotted path; None if there is none."""
-    place: Any = scene
-    for step in path.split("."):
-        is_position = isinstance(place, tuple) and step.isdigit() and int(step) < len(place)
-        place = place[int(step)] if is_position else getattr(place, step, None)
-    return place
 
 
 def _law(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:

@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QToolButton
+from PySide6.QtWidgets import QFileDialog, QToolButton
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify.scene.materials import MATERIALS
@@ -391,3 +391,18 @@ def test_seabed_and_progress_show_before_the_first_ping(open_viewer: Any, small:
     qtbot.waitUntil(lambda: viewer.complete)
     assert not viewer.window._progress.isVisible()
     assert viewer.panels["parameters"].view.isEnabled()
+
+
+def test_a_kind_that_is_read_from_a_file_asks_for_it(
+    open_viewer: Any, small: Scene, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "correlation.csv"
+    path.write_text("lag,value\n0,1\n1,0.5\n2,0.1\n4,0\n")
+    viewer = open_viewer(edit(small, {"seabed.relief": {"kind": "autocorrelation"}}))
+    picked = ""
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (picked, ""))
+    pick(viewer, "seabed.relief.function.kind", "file")
+    assert viewer.session.scene.seabed.relief.function.kind == "exponential"
+    picked = str(path)
+    pick(viewer, "seabed.relief.function.kind", "file")
+    assert viewer.session.scene.seabed.relief.function.path == picked

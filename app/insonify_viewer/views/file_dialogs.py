@@ -83,8 +83,14 @@ class FileDialogs:
 
     def ask_for(self, path: str) -> str:
         """Let the person pick a file for a field of the scene; return its path, empty if none was picked."""
-        ask = {"seabed": self.ask_for_map, "track": self.ask_for_tow, "targets": self.ask_for_mesh}
-        return (ask | {"water": self.ask_for_cast})[path.partition(".")[0]]()
+        dialogs = {
+            "seabed.material": self.ask_for_map,
+            "track.motion": self.ask_for_tow,
+            "targets": self.ask_for_mesh,
+            "water": self.ask_for_cast,
+        }
+        ask = next((ask for part, ask in dialogs.items() if path.startswith(part)), None)
+        return ask() if ask else QFileDialog.getOpenFileName(self._window, "Open a file", "", "All files (*)")[0]
 
     def ask_to_save(self) -> None:
         """Let the person name a picture of the window."""

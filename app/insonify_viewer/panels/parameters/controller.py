@@ -6,11 +6,8 @@ from typing import Any
 
 from insonify.scene import Scene, plain
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.parameters.sections import sections_of
+from insonify_viewer.panels.parameters.sections import needs_file, sections_of
 from insonify_viewer.panels.parameters.view import ParametersView
-
-# Choices that need a file first.
-OF_FILES = (("track.motion.kind", "recorded"), ("seabed.material.kind", "image"), ("water.kind", "cast"))
 
 
 class ParametersPanel(Panel):
@@ -66,7 +63,7 @@ class ParametersPanel(Panel):
         if path == "seabed.relief.kind" and value == "dem":
             self._files.ask_for_dem(self._session.scene)
             self._session.settle()
-        elif (path, value) in OF_FILES:
+        elif needs_file(self._session.scene, path, value):
             place = path.removesuffix("kind") + "path"
             file = self._files.ask_for(place)
             self._session.settle({path: value, place: file} if file else None)

@@ -22,7 +22,7 @@ from insonify.scene.materials.pattern import PatternMap
 from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.targets import Target
 from insonify.scene.waters import WaterKind
-from insonify_viewer.fields import ChoiceField, FileField, NumberField, Parameter
+from insonify_viewer.fields import ChoiceField, FileField, NumberField, Parameter, part_at
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
 PAIR_NAMES = {
@@ -90,6 +90,16 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
                 parameters += tuple(_of_field(scene, scene, "seed", "", 0))
             found.append(FieldSection(name, name.capitalize(), parameters))
     return tuple(section for section in found if section.parameters)
+
+
+def needs_file(scene: Scene, path: str, value: Any) -> bool:
+    """Whether a value of the choice at a dotted path is a kind that is read from a file."""
+    owner, _, name = path.removesuffix(".kind").rpartition(".")
+    if not path.endswith(".kind"):
+        return False
+    part: BaseModel = part_at(scene, owner)
+    models = models_of(type(part), name)
+    return any(kind_name(model) == value and "path" in model.model_fields for model in models)
 
 
 def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Parameter, ...]:
