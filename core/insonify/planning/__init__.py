@@ -1,4 +1,4 @@
-"""Choose, for a scene and a tolerance, the cheapest model that is accurate enough, and say why."""
+"""Plan of a simulation: the cheapest model of a scene that keeps a tolerance, with reasons."""
 
 from insonify.planning.fitted_laws import MOST_PLANES
 from insonify.planning.overrides import METHODS

@@ -1,4 +1,4 @@
-"""Ways to model a scene, what each costs, and the settings of its tracer."""
+"""Candidate models of a scene: their settings and their predicted cost."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from insonify.planning.scene_summary import SceneSummary
 
 
 class Candidate(NamedTuple):
-    """One way to model a scene."""
+    """Candidate model of a scene."""
 
     method: str
     planes: int = 1

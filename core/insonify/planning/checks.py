@@ -1,4 +1,4 @@
-"""What no method can do, told before anything is traced."""
+"""Checks of a scene against the abilities of the methods, before anything is traced."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Laws of error and cost as numbers, all that was measured in one place.
+"""Fitted constants of the laws of error and cost.
 
 ``pytest -m bench -s tests/bench/test_laws.py`` measures them anew.
 """

@@ -1,4 +1,4 @@
-"""Choices that are forced: which there are, and what they may be."""
+"""Choices of a plan that a user can force, and their bounds."""
 
 from __future__ import annotations
 

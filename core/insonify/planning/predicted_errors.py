@@ -1,4 +1,4 @@
-"""Predicted errors of everything that a plan may choose, for one scene."""
+"""Predicted errors of all choices of a plan for one scene."""
 
 from __future__ import annotations
 

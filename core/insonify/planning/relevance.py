@@ -1,4 +1,4 @@
-"""What lies out of reach of every ping, and is left out without any error."""
+"""Targets and multipaths out of reach of every ping, which are left out without an error."""
 
 from __future__ import annotations
 

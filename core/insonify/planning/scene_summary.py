@@ -1,4 +1,4 @@
-"""A scene as the laws see it: a few lengths and numbers, told without building anything."""
+"""Summary of a scene for the fitted laws: lengths and numbers known without building the bed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a scene and a tolerance to the cheapest model that keeps to it."""
+"""Selection of the cheapest model of a scene that keeps a tolerance."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ COPIES, MOST_AT_ONCE = 8, 64
 
 
 class PlanRequest(NamedTuple):
-    """What a plan may spend and what is forced."""
+    """Tolerance, method and forced choices of a requested plan."""
 
     tolerance: float
     asked: str  # method

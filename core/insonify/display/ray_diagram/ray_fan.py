@@ -1,4 +1,4 @@
-"""A dense fan of rays, and the places it comes to."""
+"""Dense fan of rays, and the cells and stretches of bed that it reaches."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ONE = 1e-12  # rad; rays launched closer than this and apart all the same leave 
 
 @dataclass(frozen=True, eq=False)
 class RayFan:
-    """Rays by launch angle and range.
+    """Heights and tubes of a fan of rays by launch angle and range, and the cells that it reaches.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class RayFan:
 
 
 def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> RayFan:
-    """Send rays in all directions, and more of them where they part.
+    """Trace a fan of rays in all directions, refined where neighbours diverge.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> R
 
 
 class _Rays(NamedTuple):
-    """Rays and what becomes of them."""
+    """Rays of a fan with their ends."""
 
     angle: Values  # (n,) of launch, rad
     height: Values  # (n, m)
@@ -112,14 +112,14 @@ def _joined(parts: list[_Rays]) -> _Rays:
 
 
 def _parted(first: _Rays, last: _Rays, most: float) -> NDArray[np.bool_]:
-    """Pairs of rays that are somewhere farther apart than ``most``, or of which one ends otherwise."""
+    """Select neighbours that diverge by more than ``most`` or end differently."""
     with np.errstate(invalid="ignore"):
         far = (np.abs(first.height - last.height) > most).any(axis=1)
     return (far | (first.end != last.end)) & (last.angle - first.angle > ONE)
 
 
 def _dark(rays: _Rays, reach: float) -> Values:
-    """Ranges between those at which neighbours meet the bed."""
+    """Stretches of range in which no pair of neighbours meets the bed."""
     both = (rays.end[:-1] == ON_BED) & (rays.end[1:] == ON_BED) & (np.diff(rays.angle) > ONE)
     ends = np.sort(np.stack([rays.last[:-1][both], rays.last[1:][both]], axis=1), axis=1)
     ends = ends[np.argsort(ends[:, 0])]
@@ -130,7 +130,7 @@ def _dark(rays: _Rays, reach: float) -> Values:
 
 
 def _lit(rays: _Rays, limits: RayLimits, cell: float) -> NDArray[np.bool_]:
-    """Fill in between neighbours; two that end on the bed, or at the surface, enclose what lies up to there."""
+    """Fill the cells between neighbours; two that end on the bed or at the surface enclose the cells up to it."""
     height, ends = rays.height, rays.end
     first, last = height[:-1], height[1:]
     for code, level in ((ON_BED, limits.low), (AT_SURFACE, limits.high)):

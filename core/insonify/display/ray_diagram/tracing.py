@@ -1,4 +1,4 @@
-"""Traces ray diagrams: what the water of a scene does to sound."""
+"""Tracing of ray diagrams: rays, shadow zones, caustics and eigenrays in the water of a scene."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NEAREST_HIT = 0.25  # share of the range at which the steepest ray that is drawn
 def trace_ray_diagram(
     scene: Scene, *, datum: float | None = None, target: tuple[float, float] | None = None, columns: int = ACROSS
 ) -> RayDiagram:
-    """Trace the rays of a scene's water.
+    """Trace the ray diagram of a scene's water.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def trace_ray_diagram(
 
 
 def _round_angles(depth: float, bottom: float, reach: float) -> Values:
-    """Launch angles in degrees below the horizontal, 0 among them, no more than can be told apart."""
+    """Round launch angles in degrees below the horizontal, 0 included, at most `MOST_RAYS`."""
     steepest = math.degrees(math.atan2(max(depth, bottom - depth), NEAREST_HIT * reach))
     step = next((step for step in STEPS if 2.0 * steepest / step <= MOST_RAYS), STEPS[-1])
     count = math.ceil(min(steepest, 85.0) / step)
@@ -89,7 +89,7 @@ def _round_angles(depth: float, bottom: float, reach: float) -> Values:
 
 
 def _paths(water: Water, bottom: float, depth: float, angles: Values, limits: RayLimits) -> tuple[DiagramRay, ...]:
-    """Follow rays to their ends; the sonar is their first point."""
+    """Trace rays to their ends; the sonar is their first point."""
     ranges = np.linspace(0.0, limits.x, POINTS)
     points, _ = follow_paths(water, bottom - depth, -np.radians(angles), ranges, limits)
     there = np.isfinite(points.x)
@@ -116,7 +116,7 @@ def _eigenrays(water: Water, bottom: float, depth: float, target: tuple[float, f
 
 
 def _caustics(fan: RayFan, bottom: float) -> Values:
-    """Points at which the tube of a ray closes: it changes sign between two of the ray's points."""
+    """Points at which the tube of a ray changes sign between two points of the ray."""
     with np.errstate(invalid="ignore"):
         closes = fan.tube[:, 1:-1] * fan.tube[:, 2:] < 0.0
     ray, column = np.nonzero(closes)

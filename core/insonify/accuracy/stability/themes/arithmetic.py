@@ -1,4 +1,4 @@
-"""Failures of arithmetic: too few digits, too many licences, too many threads."""
+"""Failures of arithmetic: too few digits, unsafe compiler flags, the order of sums."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Failures of beams: too few planes, too few pings, a cone taken for a plane."""
+"""Failures of beams: too few planes, too few pings, a cone taken for a wedge."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Failures over relief: steps that are too long, a fish over a knot, orders that are not what they are said to be."""
+"""Failures over relief: steps that are too long, a sonar above a knot, a wrong order of convergence."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Failures of time bins: sums that do not cancel, areas that grow without bound, logarithms of nothing."""
+"""Failures of range bins: sums that do not cancel, areas without a bound, logarithms of zero."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Failures of rays at the knots of a profile: no side to be on, a sine of 0, and no way out."""
+"""Failures of rays at the knots of a profile: an ambiguous layer, a sine of zero, rays without an end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Failures between two points of bent sound: rays that are not there, rays that are lost, steps past a touch."""
+"""Failures of refracted rays between two points: false rays, lost rays, caustics, steps past a grazing point."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Failures of the receiver and of surfaces: gain on noise, lobes that return more than arrives."""
+"""Failures of the receiver and of scattering: gain on noise, lobes that return more than arrives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Failures of made reliefs: waves that a grid cannot hold, seeds that a grid changes, measures of pictures."""
+"""Failures of generated reliefs: aliased waves, seeds that depend on the grid, exponents measured on pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Failures of things on the bed: walls that leak or count twice, intervals that do not exist."""
+"""Failures of targets: walls that leak or count twice, intervals of angles that do not exist."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Failures of layered water: no gradient, no slope, no end of the profile, and profiles that are none."""
+"""Failures of layered water: no gradient, vertical rays, depths below the profile, invalid profiles."""
 
 from __future__ import annotations
 
