@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -28,7 +29,10 @@ GENERATED = {
     "howto/index.md": reference.howto_page,
     "architecture/rooms.md": packages.page,
 }
-DRAWN = {"figures": lambda: figures.draw(DOCS / "pictures"), "gallery": lambda: gallery.draw(DOCS)}
+DRAWN: dict[str, Callable[[], None]] = {
+    "figures": lambda: figures.draw(DOCS / "pictures"),
+    "gallery": lambda: gallery.draw(DOCS),
+}
 
 
 def main() -> int:

@@ -11,7 +11,7 @@ import matplotlib as mpl
 import numpy as np
 
 INK, ACCENT, LIT, DARK, PALE = "#2b3440", "#b3561d", "#1f7a8c", "#9aa5b1", "#e8ecf0"
-STYLE = {
+STYLE: Any = {
     "figure.dpi": 100,
     "svg.fonttype": "path",
     "svg.hashsalt": "insonify",
@@ -266,7 +266,7 @@ def data_flow(figure: Any) -> None:
         ("Dataset", "display"), ("receiver", "viewer"),
     ]  # fmt: skip
     for name, (x, y, text) in placed.items():
-        outline = {"boxstyle": "round,pad=0.08", "fc": PALE, "ec": DARK}
+        outline: Any = {"boxstyle": "round,pad=0.08", "fc": PALE, "ec": DARK}
         axes.add_patch(mpl.patches.FancyBboxPatch((x - 0.95, y - 0.36), 1.9, 0.72, **outline))
         axes.text(x, y + 0.22, name, ha="center", va="center", fontsize=9.5, weight="bold")
         axes.text(x, y - 0.12, text, ha="center", va="center", fontsize=7.5, linespacing=1.25)
