@@ -106,10 +106,10 @@ def _planes(model: ChosenModel) -> PlanEntry:
         what = f"a cell of the bed is {view.spacing:.3g} m wide"
         if demand.most and of_targets > 0.5 * error:
             most = demand.most
-            what = f"of the targets {most.kind} {most.number}, {most.distance:.3g} m away, needs the most planes"
+            what = f"{most.kind} {most.number}, {most.distance:.3g} m away, needs the most planes"
         apart = f"{candidate.planes} planes lie {view.width / candidate.planes:.2g} m apart there"
         planes = apart if candidate.planes > 1 else "one plane represents the whole beam"
-        reason += f"; {planes}, {what}: error about {100 * error:.2g} %"
+        reason += f"; {planes}; {what}: error about {100 * error:.2g} %"
     choice = f"{candidate.planes} plane{'s' * (candidate.planes > 1)}"
     plain = Candidate("sweep", every=candidate.every)
     adds = predict_cost(view, plain._replace(planes=candidate.planes)) - predict_cost(view, plain)
