@@ -8,7 +8,7 @@ from pathlib import Path
 import numba
 import pytest
 
-from insonify.kernels.common.cache import source_digests
+from insonify.kernels.common.cache import _CacheFile, source_digests
 
 SOURCES = {
     "common/base.py": '"""Base."""\n\n\ndef base(x):\n    """Return x."""\n    return x\n',
@@ -100,3 +100,18 @@ def test_a_folder_that_cannot_be_written_is_done_without(tmp_path: Path) -> None
     (tmp_path / "a file").write_text("")
     assert use_kernel(tmp_path / "a file") == (VALUE, 0)
     assert os.listdir(tmp_path) == ["a file"]
+
+
+def test_two_processes_that_compile_two_signatures_at_once_never_mix_them_up(tmp_path):
+    one, other, later = (_CacheFile(str(tmp_path), "kernel", "stamp") for _ in range(3))
+    save_data = one._save_data
+
+    def interrupted(name, data):
+        other._load_index = dict  # read before the first process wrote it
+        other.save("second signature", "second code")
+        save_data(name, data)
+
+    one._save_data = interrupted
+    one.save("first signature", "first code")
+    assert later.load("first signature") in ("first code", None)
+    assert later.load("second signature") in ("second code", None)

@@ -14,13 +14,14 @@ import json
 import os
 import shutil
 import time
+import uuid
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numba.core.config
 import platformdirs
-from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
 
 PACKAGE = "insonify.kernels"
 SOURCES = Path(__file__).parents[1]
@@ -148,10 +149,29 @@ class _CacheImpl(CompileResultCacheImpl):
     _locator_classes = [_Locator]  # noqa: RUF012  # Numba's own attribute
 
 
+class _CacheFile(IndexDataCacheFile):
+    """Index and machine code of one kernel, by signature."""
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keep the code of a signature in a file of its own, written before the index names it.
+
+        Numba numbers the files by the index as it was read: of two processes that compile two signatures at once, one
+        may then load the other's code. Here the worst is that the index loses one, which is compiled anew.
+        """
+        name = f"{uuid.uuid4().hex}.nbc"
+        self._save_data(name, data)
+        self._save_index(self._load_index() | {key: name})
+
+
 class KernelCache(FunctionCache):
     """Machine code of one kernel on disk; a damaged file is compiled anew, a folder that refuses is done without."""
 
     _impl_class = _CacheImpl
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        impl = self._impl
+        self._cache_file = _CacheFile(self._cache_path, impl.filename_base, impl.locator.get_source_stamp())
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the code kept for a signature, or None."""
