@@ -22,10 +22,10 @@ AROUND, ACROSS = 96, 32
 @contextmanager
 def own_kinds() -> Iterator[None]:
     """Know the kinds within the block."""
-    shapes, maps = TARGETS.without("dumbbell", "torus"), MATERIAL_MAPS.without("halves")
+    shapes, maps = TARGETS.without("dumbbell", "hoop"), MATERIAL_MAPS.without("halves")
     with shapes, maps, MATERIALS.including(OWN_MATERIALS):
         declare_dumbbell()
-        declare_torus()
+        declare_hoop()
         declare_halves()
         yield
 
@@ -46,13 +46,13 @@ def declare_dumbbell() -> None:
             return Shape((ball(self.radius, -end), bar, ball(self.radius, end)))
 
 
-def declare_torus() -> None:
+def declare_hoop() -> None:
     """Declare a shape by its fields and triangles alone."""
 
-    class Torus(Posed):
+    class Hoop(Posed):
         """A ring that lies flat."""
 
-        kind: Literal["torus"] = "torus"
+        kind: Literal["hoop"] = "hoop"
         radius: float = parameter(2.0, unit="m", description="of the ring", gt=0.0, slider=(0.1, 10.0))
         tube: float = parameter(0.5, unit="m", description="radius of the tube", gt=0.0, slider=(0.05, 2.0), log=True)
 
@@ -79,7 +79,7 @@ def declare_halves() -> None:
             return np.repeat((y % cells.size[1] > self.border)[:, None], cells.shape[1], axis=1).astype(np.uint8)
 
 
-def own_scene(kind: str = "torus") -> Scene:
+def own_scene(kind: str = "hoop") -> Scene:
     """A shape of coral on a level bed."""
     target = {"kind": kind, "position": [5.0, 18.0], "material": "coral"}
     changes = {"targets": [target], "seabed.relief": "flat", "sonar.range": 40.0, "sonar.bins": 200, "track.pings": 80}

@@ -25,13 +25,13 @@ def _known() -> Iterator[None]:
         yield
 
 
-def test_the_menu_puts_a_torus_on_the_bed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
-    assert list(target_menu())[-1] == "torus"
+def test_the_menu_puts_a_hoop_on_the_bed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    assert list(target_menu())[-1] == "hoop"
     viewer = open_viewer(edit(small, {"targets": []}))
-    action = next(action for action in viewer.window.targets.menu().actions() if action.text() == "Torus")
+    action = next(action for action in viewer.window.targets.menu().actions() if action.text() == "Hoop")
     action.trigger()
     qtbot.waitUntil(lambda: len(viewer.session.scene.targets) == 1, timeout=60000)
-    assert viewer.session.scene.targets[0].kind == "torus"
+    assert viewer.session.scene.targets[0].kind == "hoop"
     row = viewer.panels["parameters"].view.row("targets.0.tube")
     qtbot.waitUntil(row.label.isVisible)
     viewer.session.settle({"targets.0.tube": 0.75})
@@ -48,7 +48,7 @@ def test_it_is_shown_in_its_own_colour() -> None:
 
 def test_the_panel_has_its_sliders_and_the_material_in_its_list() -> None:
     ring = next(section for section in sections_of(own_scene()) if section.key == "targets.0")
-    assert ring.title == "Torus 1"
+    assert ring.title == "Hoop 1"
     rows = {row.path.removeprefix("targets.0."): row for row in ring.parameters}
     tube = rows["tube"]
     assert isinstance(tube, NumberField)

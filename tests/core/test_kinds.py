@@ -53,5 +53,6 @@ def test_kinds_of_installed_packages_are_found_by_their_entry_points(monkeypatch
 
 
 def test_kinds_stand_in_the_order_of_their_ranks_and_new_ones_last() -> None:
-    assert list(TARGETS.models(Target)) == ["pipe", "sphere", "box", "cone", "mesh"]
-    assert list(MATERIAL_MAPS.models(MaterialMap)) == ["uniform", "patches", "fractal", "pattern", "image"]
+    # Kinds without a rank follow those with one, so that a new one needs no number.
+    assert list(TARGETS.models(Target))[:5] == ["pipe", "sphere", "box", "cone", "mesh"]
+    assert list(MATERIAL_MAPS.models(MaterialMap))[:5] == ["uniform", "patches", "fractal", "pattern", "image"]

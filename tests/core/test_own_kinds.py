@@ -32,7 +32,7 @@ def _known():
         yield
 
 
-def test_a_torus_is_placed_and_measured():
+def test_a_hoop_is_placed_and_measured():
     scene = own_scene()
     mesh = prepare(scene).arrays.mesh
     low, high = mesh.corners.min(axis=(0, 1)), mesh.corners.max(axis=(0, 1))
@@ -57,7 +57,7 @@ def test_a_dumbbell_is_placed_and_measured():
     assert outline.faces == pytest.approx((balls + math.pi * 0.3**2, balls + bar, balls + bar))
 
 
-@pytest.mark.parametrize("kind", ["torus", "dumbbell"])
+@pytest.mark.parametrize("kind", ["hoop", "dumbbell"])
 def test_sweep_and_rays_hear_the_same(kind):
     simulation = prepare(own_scene(kind))
     poses = simulation.poses(np.array([20, 25, 32]))
@@ -95,7 +95,7 @@ def test_it_is_written_read_and_set_from_the_command_line(tmp_path):
 
 def test_truth_tells_it_and_its_material():
     truth = insonify.simulate(own_scene(), truth=True)
-    assert "torus_0" in truth.target_id.attrs["flag_meanings"]
+    assert "hoop_0" in truth.target_id.attrs["flag_meanings"]
     assert "coral" in truth.material.attrs["flag_meanings"]
 
 

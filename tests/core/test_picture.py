@@ -271,5 +271,5 @@ def test_a_palette_is_one_new_file(tmp_path, monkeypatch):
         (tmp_path / "palettes" / f"{name}.txt").write_bytes(find_palettes()[name].read_bytes())
     (tmp_path / "palettes" / "reds.txt").write_text("# From black to red.\n#000000\n#ff0000\n")
     monkeypatch.setattr(display_options, "resources", lambda: tmp_path)
-    assert tuple(find_palettes()) == (*PALETTES[:3], "reds", "viridis")
+    assert set(find_palettes()) == {*PALETTES, "reds"}
     np.testing.assert_array_equal(load_palette("reds")[[0, 255]], [[0, 0, 0], [255, 0, 0]])
