@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import sys
 from pathlib import Path
 
 import pytest
@@ -102,3 +103,11 @@ def hidden_imports(tree, lines):
 def test_an_import_in_a_function_says_why(name):
     lines = MODULES[name].read_text(encoding="utf-8").splitlines()
     assert sorted(set(hidden_imports(TREES[name], lines))) == []
+
+
+@pytest.mark.parametrize("name", [name for name in MODULES if name.startswith("insonify.kernels.")])
+def test_a_kernel_module_sees_the_standard_library_numpy_numba_and_other_kernels_alone(name):
+    allowed = {*sys.stdlib_module_names, "numpy", "numba", "llvmlite", "platformdirs"}
+    for node in executed_imports(TREES[name]):
+        for module in [node.module] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names]:
+            assert module.startswith("insonify.kernels") or module.partition(".")[0] in allowed, module
