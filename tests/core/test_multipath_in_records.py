@@ -101,10 +101,10 @@ def test_a_plan_says_what_is_made_of_the_sea():
 
 
 def test_what_knows_nothing_of_ghosts_is_refused():
-    with pytest.raises(SceneError, match=r"water\.surface: 'flat' makes ghosts, of which 'coherent' speckle"):
+    with pytest.raises(SceneError, match=r"water\.surface: 'flat' adds multipath, which 'coherent' speckle"):
         prepare(edit(GHOSTS, {"receiver.speckle": "coherent"}))
     bent = edit(GHOSTS, {"water": {"kind": "profile", "surface": "flat", "depth": [0, 9], "sound_speed": [1520, 1500]}})
-    with pytest.raises(SceneError, match=r"water\.surface: its ghosts \('flat'\) come along straight lines"):
+    with pytest.raises(SceneError, match=r"water\.surface: multipath \('flat'\) follows straight paths"):
         plan(bent)
 
 

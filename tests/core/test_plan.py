@@ -101,7 +101,7 @@ def test_scatterers_that_interfere_are_swept_or_refused():
     for method in ("march", "rays"):
         with pytest.raises(SceneError, match=rf"^receiver\.speckle: 'coherent' .* '{method}'; take another speckle$"):
             plan(coherent, method=method)
-    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' .* sonar\.bounces asks for 2; take"):
+    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' .*sonar\.bounces is 2\); take"):
         plan(edit(coherent, {"sonar.bounces": 2}))
 
 
@@ -189,10 +189,10 @@ def test_water_that_differs_along_the_level_is_for_rays():
     }
     scene = edit(DEFAULT, {"water": section})
     assert plan(scene).method == "rays"
-    with pytest.raises(SceneError, match=r"^method: 'sweep' hears water that differs by depth alone.*take rays$"):
+    with pytest.raises(SceneError, match=r"^method: 'sweep' refracts sound by depth only.*take rays$"):
         plan(scene, method="sweep")
 
 
 def test_coherent_waves_go_straight():
-    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' adds waves that go straight.*'uniform'$"):
+    with pytest.raises(SceneError, match=r"^receiver\.speckle: 'coherent' sums waves along straight paths.*'uniform'$"):
         plan(edit(DEFAULT, THERMOCLINE | {"receiver.speckle": "coherent"}))

@@ -9,20 +9,20 @@ from insonify.planning.scene_summary import SceneSummary
 
 
 class Candidate(NamedTuple):
-    """Candidate model of a scene."""
+    """Candidate model of a scene: its tracer, the settings of the tracer, and the effects that it includes."""
 
     method: str
     planes: int = 1
-    rays: int = 0  # per side; of a sweep, of the pings whose sound folds
-    step: float = 0.0  # m, of a march
-    every: int = 1  # of so many nodes of the relief one is kept
+    rays: int = 0  # per side; of the sweep, for pings where several eigenrays or none reach a place
+    step: float = 0.0  # m, of the march
+    every: int = 1  # stride of the nodes of the relief that are kept
     bent: bool = False
     bounces: int = 0
-    targets: tuple[int, ...] = ()  # modelled
-    ways: frozenset[str] = frozenset()  # by the sea surface
+    targets: tuple[int, ...] = ()  # indices of those modelled
+    ways: frozenset[str] = frozenset()  # multipaths by the sea surface that are modelled
 
     def settings(self) -> dict[str, Any]:
-        """Return what the tracer is called with."""
+        """Return the keyword arguments of the tracer."""
         if self.method == "march":
             return {"step": self.step, "rays": self.rays}
         if self.method == "rays":
@@ -31,12 +31,12 @@ class Candidate(NamedTuple):
 
 
 def predict_cost(view: SceneSummary, draft: Candidate) -> float:
-    """Predict what a ping costs, both sides on one thread, in seconds of the machine of the laws."""
+    """Predict the seconds per ping, both sides on one thread, on the machine that the laws were fitted on."""
     return sum(fitted_laws.SECONDS[name] * amount for name, amount in count_operations(view, draft).items())
 
 
 def count_operations(view: SceneSummary, draft: Candidate) -> dict[str, float]:
-    """Count what a ping is made of, by the names of the laws of cost."""
+    """Count the operations of a ping, by the names in ``fitted_laws.SECONDS``."""
     counts = {"ping": 1.0, "bin": 2.0 * view.bins}
     ways = len(draft.ways)
     if draft.method != "sweep":
@@ -62,7 +62,7 @@ def count_operations(view: SceneSummary, draft: Candidate) -> dict[str, float]:
 def _profiles(
     view: SceneSummary, draft: Candidate, as_many: dict[str, tuple[float, float, float]]
 ) -> tuple[float, float]:
-    """Profiles of a ping, and knots of all of them, with those of its near field and its sidelobes as whole ones."""
+    """Equivalent number of whole profiles in a ping, near field and sidelobes included, and their total of knots."""
     each, few, near = as_many[view.pattern]
     whole = 1.0 if draft.planes == 1 else each * draft.planes + few + near * min(view.altitude / view.reach, 1.0)
     looked_up = fitted_laws.LOOKED_UP if view.pattern in fitted_laws.TABLED else 1.0

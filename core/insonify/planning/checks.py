@@ -6,15 +6,15 @@ from insonify.scene import Scene, SceneError
 
 
 def check_method(scene: Scene, method: str, bounces: int) -> None:
-    """Refuse what a scene asks for and a method cannot do.
+    """Raise an error if a method cannot simulate what the scene declares.
 
     Parameters
     ----------
     scene : Scene
     method : str
-        Asked for, or "auto".
+        Requested method, or "auto".
     bounces : int
-        That are to be followed.
+        Number of specular bounces to follow.
 
     Raises
     ------
@@ -23,21 +23,21 @@ def check_method(scene: Scene, method: str, bounces: int) -> None:
     """
     surface = scene.water.surface
     if bounces > 0 and method in ("sweep", "march"):
-        raise SceneError(f"sonar.bounces: the {method} does not follow {bounces} of them; set it to 0 or use rays")
+        raise SceneError(f"sonar.bounces: {method!r} does not follow bounces, here {bounces}; set it to 0 or use rays")
     if not scene.receiver.speckle.interferes:
         return
     if bounces > 0 or method in ("march", "rays"):
-        other = f"bounces, of which sonar.bounces asks for {bounces}" if bounces > 0 else f"the method {method!r}"
-        raise SceneError(f"receiver.speckle: 'coherent' is heard by the sweep, not by {other}; take another speckle")
+        other = f"bounces (sonar.bounces is {bounces})" if bounces > 0 else f"the method {method!r}"
+        raise SceneError(f"receiver.speckle: 'coherent' is part of the sweep, not of {other}; take another speckle")
     if surface.reflects:
         raise SceneError(
-            f"water.surface: {surface.kind!r} makes ghosts, of which 'coherent' speckle knows nothing; take another "
+            f"water.surface: {surface.kind!r} adds multipath, which 'coherent' speckle does not include; take another "
             "receiver.speckle, or the surface 'none'"
         )
 
 
 def check_refraction(scene: Scene, method: str) -> None:
-    """Refuse what cannot be done where sound bends.
+    """Raise an error if water that refracts sound is combined with an effect computed along straight rays only.
 
     Raises
     ------
@@ -47,15 +47,15 @@ def check_refraction(scene: Scene, method: str) -> None:
     surface = scene.water.surface
     if scene.receiver.speckle.interferes:
         raise SceneError(
-            "receiver.speckle: 'coherent' adds waves that go straight, and in this water sound bends; take another "
+            "receiver.speckle: 'coherent' sums waves along straight paths, and this water refracts sound; take another "
             "speckle, or water.kind 'uniform'"
         )
     if scene.water.varies_along and method == "sweep":
         raise SceneError(
-            "method: 'sweep' hears water that differs by depth alone, and this differs along a 'section'; take rays"
+            "method: 'sweep' refracts sound by depth only, and a 'section' varies along the range; take rays"
         )
     if surface.reflects:
         raise SceneError(
-            f"water.surface: its ghosts ({surface.kind!r}) come along straight lines, and here sound bends; "
+            f"water.surface: multipath ({surface.kind!r}) follows straight paths, and this water refracts sound; "
             "take the surface 'none', or water.kind 'uniform'"
         )

@@ -1,8 +1,8 @@
-"""How loud what comes by the sea surface is against the direct record, and what planes miss of it, in closed form.
+"""Levels of multipaths by the sea surface relative to the direct record, and their errors, in closed form.
 
-Over a level bed a place at ground range x is heard out by one image of the sonar and back as by another, of the
-heights a and b above the bed, at r = (R + R') / 2 with R² = x² + a² and R'² = x² + b², so that
-R = r − (b² − a²) / 4r. Its strength, its width along the track, dx/dr and r⁴ / (R R')² are those of the sweep.
+Over a level bed sound reaches a point at ground range x from one image of the sonar and returns to another, at heights
+a and b above the bed. The slant range is r = (R + R') / 2 with R² = x² + a² and R'² = x² + b², so that
+R = r − (b² − a²) / 4r. Echo strength, width along the track, dx/dr and r⁴ / (R R')² are those of the sweep.
 """
 
 from __future__ import annotations
@@ -20,38 +20,38 @@ from insonify.scene import Scene
 from insonify.scene.materials import Reflectivity
 
 Field = NDArray[np.float64]
-CELLS = 256  # of slant range at most
-FAINTEST = 1e-12  # echo over the loudest that counts
+CELLS = 256  # greatest number of intervals of slant range
+FAINTEST = 1e-12  # weakest echo that counts, over the loudest
 
 
 class ImagePair(NamedTuple):
-    """Two images of the sonar that make a way of the sound."""
+    """Two images of the sonar between which a multipath runs."""
 
-    low: float  # height of the lower one above the bed, m
+    low: float  # height of the lower image above the bed, m
     high: float
-    orders: int  # in which sound may take the two
-    share: float  # of the energy that mirrors leave
+    orders: int  # number of orders in which sound can take the two
+    share: float  # of the energy left after mirror reflections
 
 
 class MultipathErrors:
-    """Levels of some ways by the sea surface, and what planes miss of them.
+    """Levels of multipaths by the sea surface, and their errors with few planes or coarse cells.
 
     Parameters
     ----------
     scene : Scene
-    view : View
-        Its lengths.
+    view : SceneSummary
+        Lengths of the scene.
     ways : iterable of str
-        Those that are heard, without the surface's own echo, which is the same for any number of planes.
+        Multipaths received, without the surface's own echo, which is the same for any number of planes.
     steepness : float
         Rms slope of the bed.
 
     Attributes
     ----------
     shares : dict of str to float
-        Of the whole record, root mean square beyond 1.4 altitudes, by way.
+        Root mean square of each multipath beyond 1.4 altitudes, as a share of the whole record.
     direct : float
-        That of the direct record, likewise.
+        Root mean square of the direct record, as a share of the whole record.
     """
 
     def __init__(self, scene: Scene, view: SceneSummary, ways: list[str], steepness: float) -> None:
@@ -64,7 +64,7 @@ class MultipathErrors:
         of = _material(scene)
         direct = _levels(sonar, edges, view, of)
         by_way = {way: _levels(pair, edges, view, of) for way, pair in self._pairs.items()}
-        # A bed that sends back next to nothing aslant is told apart from none by so much alone.
+        # The floor keeps levels finite over a bed that scatters next to nothing back at oblique incidence.
         direct = np.maximum(direct, max(FAINTEST * max(level.max() for level in (direct, *by_way.values())), 1e-200))
         levels = {way: level / direct for way, level in by_way.items()}
         whole = _rms(1.0 + sum(levels.values()))
@@ -73,9 +73,9 @@ class MultipathErrors:
         self._rise = self._by_rise(scene)
 
     def _by_rise(self, scene: Scene) -> float:
-        """Error of a single plane, which tells nothing of how the bed rises across the beam beneath an image.
+        """Error of a single plane, which neglects how the bed rises across the beam beneath an image source.
 
-        Nor of how wide the beam is against what the first bin holds.
+        It also neglects the width of the beam relative to the ground range of the first bin.
         """
         view, surface = self._view, scene.water.surface
         waves = surface.rms_height
@@ -88,14 +88,14 @@ class MultipathErrors:
         return 0.0 if view.light else math.sqrt(total)
 
     def of_planes(self) -> Field:
-        """Error of each of ``laws.COUNTS`` planes, as shares of the record."""
+        """Error for each plane count in ``fitted_laws.COUNTS``, as a share of the record."""
         count = np.asarray(fitted_laws.COUNTS, dtype=np.float64)
         share, uneven = math.hypot(*self.shares.values()), 0.0 if self._even else fitted_laws.GHOSTS_UNEVEN
         if self._view.pattern not in fitted_laws.TABLED:
             few = min(fitted_laws.GHOSTS_FEW * self._rise, fitted_laws.GHOSTS_LEFT) * np.sqrt(2.0 / count)
             risen = np.where(count > 1, few, self._rise)
             return np.hypot(risen, share * uneven / np.sqrt(count))
-        # The two images hear a place with different parts of the beam, of which few planes tell little.
+        # A point lies in different parts of the beams of the two images, which few planes do not resolve.
         few = (
             fitted_laws.GHOSTS_TABLED * (2.0 if self._view.squint else 1.0) * (2.0 / count) ** fitted_laws.GHOSTS_ORDER
         )
@@ -103,10 +103,10 @@ class MultipathErrors:
         return share * np.hypot(np.where(count > fewest, few, fitted_laws.GHOSTS_SINGLE), uneven / np.sqrt(count))
 
     def of_cells(self, length: float, lost: float) -> float:
-        """Error of cells so long that they miss heights of so much, rms, both in metres.
+        """Error of coarse cells, given their length and the rms height that they lose, both in metres.
 
-        Beneath an image a bin holds much of the bed: there the least height moves echoes by bins, and any border of
-        materials counts.
+        Beneath an image source a bin covers much of the bed: there a small height displaces echoes by bins, and any
+        border of materials counts.
         """
         first = min(math.sqrt(2.0 * pair.low * self._view.bin_length) for pair in self._pairs.values())
         share = math.hypot(*self.shares.values())
@@ -119,7 +119,7 @@ class MultipathErrors:
 
 
 def _pair(way: str, scene: Scene, view: SceneSummary) -> ImagePair:
-    """Images of a way."""
+    """Images of the sonar between which a named multipath runs."""
     altitude, lifted = view.altitude, 2.0 * scene.seabed.depth - view.altitude
     if way == "surface_bottom":
         return ImagePair(altitude, lifted, 2, 1.0)
@@ -129,13 +129,13 @@ def _pair(way: str, scene: Scene, view: SceneSummary) -> ImagePair:
 
 
 def _material(scene: Scene) -> Reflectivity:
-    """Numbers of a bed's first material; they count by their ratios alone."""
+    """Reflectivity of a bed's first material; only ratios of its values matter."""
     material = scene.seabed.material
     return material.materials[0].reflectivity
 
 
 def _levels(pair: ImagePair, edges: Field, view: SceneSummary, of: Reflectivity) -> Field:
-    """Energy of a way in each cell of slant range, without the record's 1/r⁴, to some scale."""
+    """Energy of a multipath in each interval of slant range, in arbitrary units, without the record's 1/r⁴."""
     apart = 0.25 * (pair.high**2 - pair.low**2)
     to_edges = np.sqrt(np.maximum((edges - apart / edges) ** 2 - pair.low**2, 0.0))
     to_edges[edges < 0.5 * (pair.low + pair.high)] = 0.0
@@ -150,7 +150,7 @@ def _levels(pair: ImagePair, edges: Field, view: SceneSummary, of: Reflectivity)
         value = sines * (of.diffuse + 0.5 * (of.shininess + 2.0) * of.specular * mirrored) * dx
         value *= (0.25 * (low + high) ** 2 / (low * high)) ** 2
         value *= low if view.half_width > 0.0 else 1.0
-    # A squinting beam that hears a place as from one image may not hear it as from the other.
+    # A squinting beam that covers a point as seen from one image may not cover it as seen from the other.
     overlaps = abs(view.squint) * (1.0 - low / high) < 2.0 * math.sin(view.half_width) if view.squint else True
     return np.asarray(pair.orders * pair.share * value * overlaps)
 

@@ -14,7 +14,7 @@ SWITCH = ("on", "off")
 
 
 class _Number(NamedTuple):
-    """A number that may be forced: from where to where, whether whole, and some to offer."""
+    """Number that a user can force: its bounds, whether it is an integer, and values to offer."""
 
     low: float
     high: float
@@ -33,12 +33,12 @@ SUBJECTS = ("method", *NUMBERS, *SWITCHES)
 
 
 class Overrides:
-    """What was forced, checked.
+    """Choices that a user forces on a plan, checked against their bounds.
 
     Parameters
     ----------
     choices : mapping of str to str
-        Choices by their subjects. One about which the scene leaves no choice is without effect.
+        Choices by subject. A choice on a subject for which the scene has no alternatives has no effect.
 
     Raises
     ------
@@ -55,15 +55,15 @@ class Overrides:
         return subject in self._choices
 
     def method(self) -> str:
-        """Return the method that was forced, or "auto"."""
+        """Return the forced method, or "auto"."""
         return self._choices.get("method", "auto")
 
     def number(self, subject: str) -> float | None:
-        """Return the number that was forced, if any."""
+        """Return the forced number of a subject, None where it is not forced."""
         return float(self._choices[subject]) if subject in self._choices else None
 
     def switch(self, subject: str) -> bool | None:
-        """Return what a switch was forced to, if it was."""
+        """Return the forced state of a switch, None where it is not forced."""
         return self._choices[subject] == "on" if subject in self._choices else None
 
 

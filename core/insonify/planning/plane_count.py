@@ -1,4 +1,4 @@
-"""Planes across the beam, and single rays: what error they leave, and how many a tolerance asks for."""
+"""Planes across the beam and single rays: error by their number, and the number that a tolerance requires."""
 
 from __future__ import annotations
 
@@ -15,37 +15,37 @@ from insonify.planning.target_errors import ObservedTarget, observe_target
 from insonify.scene import Scene
 from insonify.scene.seabed import Seabed
 
-FAINTEST = 1e-12  # error that is none, and sum of squares
-FLATTEST = 0.01  # square of a cosine
+FAINTEST = 1e-12  # error that counts as zero, and least sum of squares
+FLATTEST = 0.01  # least squared cosine of the grazing angle
 
 
 class TargetDemand(NamedTuple):
-    """What a scene's targets ask of the planes."""
+    """Error of a single plane across a scene's targets, from which the required planes follow."""
 
-    error: float  # that a single plane would make of pings across them, as a share of the record
-    least: float = 0.0  # that the planes are to be kept to however faint a target is, so that none is heard as a comb
-    most: ObservedTarget | None = None  # the target to which most of it is due
+    error: float  # of a single plane in pings across them, as a share of the record
+    least: float = 0.0  # assumed however faint a target is, so that several planes cross each
+    most: ObservedTarget | None = None  # target that causes most of the error
 
 
 def predict_target_demand(scene: Scene, view: SceneSummary, targets: tuple[int, ...], bed: float) -> TargetDemand:
-    """Foretell the error that a single plane would make of the pings that go out at a scene's targets.
+    """Predict the error of a single plane in the pings abreast of a scene's targets.
 
-    Planes W / K apart at a target, over which its sides are so and so long, miss so much of what the sides return, and
-    their shadows hide; in each ping what its own target adds and those beside it, over all that it hears.
+    The error of K planes W / K apart follows from the length of a target's sides and shadow along the track. Each ping
+    sums the errors of the target abreast and of those beside it, relative to the energy of the whole ping.
 
     Parameters
     ----------
     scene : Scene
-    view : View
-        Its lengths.
+    view : SceneSummary
+        Lengths of the scene.
     targets : tuple of int
-        Numbers of those that are modelled.
+        Indices of the targets that are modelled.
     bed : float
-        Mean square of the bed's echo over that of an even bed of its mean strength.
+        Mean square of the bed's echo over the square of its mean.
 
     Returns
     -------
-    Demand
+    TargetDemand
 
     Raises
     ------
@@ -73,16 +73,17 @@ def predict_target_demand(scene: Scene, view: SceneSummary, targets: tuple[int, 
 
 
 def _returns(seen: ObservedTarget, view: SceneSummary, strength: float) -> tuple[float, float]:
-    """Return what one plane misses of a target's echoes and shadow, and the echoes: sums of squares over bins.
+    """Return the error of one plane in a target's echoes and shadow, and the echoes: sums of squares over bins.
 
-    Echoes are over those of a level Lambert bed there: σ cos θ / sin² θ per metre of slant range, of light 1 / sin θ.
+    Echoes are relative to those of a level Lambert bed at the target: σ cos θ / sin² θ per metre of slant range, with
+    the law of light 1 / sin θ.
     """
     missed = energy = 0.0
     over = seen.grazing if view.light else seen.grazing**2 / math.sqrt(max(1.0 - seen.grazing**2, FLATTEST))
     of_body = seen.combed * (fitted_laws.COMBED_LIGHT if view.light else 1.0)
     for side in seen.sides:
         if view.light and side.depth == 0.0:
-            continue  # light is even over slant range, of which a glint has none
+            continue  # light spreads evenly over slant range, and a glint has no extent in it
         shown = min(side.along / seen.width, 1.0)
         loudness = side.echo / (side.along * over) * (fitted_laws.LIGHT_ECHO if view.light else 1.0)
         depth = math.hypot(side.depth, view.bin_length) + side.turn * min(seen.width / side.along, 1.0)
@@ -96,35 +97,35 @@ def _returns(seen: ObservedTarget, view: SceneSummary, strength: float) -> tuple
 
 
 def _strength(seabed: Seabed) -> float:
-    """Strength of a bed's echo over that of a perfect Lambert bed, beyond where its lobe is heard."""
+    """Strength of a bed's echo relative to a perfect Lambert bed, outside the specular lobe."""
     of = seabed.material.materials
     return sum(one.reflectivity.diffuse for one in of) / len(of)
 
 
 def _comb(width: float, along: float, turn: float, bin_length: float) -> float:
-    """Error of one plane over a part: the coarser the shorter it is, and the fewer of its lines share a bin."""
+    """Error of one plane across a part of a target: greater for short parts and for parts that span many bins."""
     lines = 1.0 + (fitted_laws.CURVED * along + turn) / bin_length
     return width / along * (1.0 + bin_length / along) * lines**fitted_laws.TURNED
 
 
 def _beside(seen: list[ObservedTarget]) -> NDArray[np.float64]:
-    """Share of each target (columns) that a ping hears which goes out at another (rows), none hiding another."""
+    """Share of each target (columns) within the beam of a ping abreast of another (rows), without occlusion."""
     place, length, width = (np.array(values) for values in zip(*((one.place, one.length, one.width) for one in seen)))
     overlap = 0.5 * (length + width) - np.abs(place[:, None] - place)
     return np.clip(overlap / np.minimum(length, width), 0.0, 1.0)
 
 
 class PlaneErrors:
-    """Errors of planes by their number, never greater with more of them.
+    """Errors by number of planes, which never increase with that number.
 
     Parameters
     ----------
     bed : (n,) float64
-        What each of ``laws.COUNTS`` leaves of the bed.
-    demand : Demand
-        What the targets ask.
+        Error over the bed for each plane count in ``fitted_laws.COUNTS``.
+    demand : TargetDemand
+        Error of a single plane across the targets.
     most : int
-        Planes that may be chosen.
+        Greatest number of planes that may be chosen.
     """
 
     def __init__(self, bed: NDArray[np.float64], demand: TargetDemand, most: int = fitted_laws.MOST_PLANES) -> None:
@@ -136,34 +137,34 @@ class PlaneErrors:
         self._wary = np.maximum(wary, demand.least * fewer)
 
     def error(self, planes: int) -> float:
-        """Error of so many planes, as a share of the record."""
+        """Predicted error of a number of planes, as a share of the record."""
         return math.hypot(interpolate_over_counts(self._bed, planes), self._targets * planes**-fitted_laws.TARGET_ORDER)
 
     def wary(self, planes: int) -> float:
-        """Error that one scene in a hundred may have instead."""
+        """Error of a number of planes with margins, which one scene in a hundred may reach."""
         return float(self._wary[fitted_laws.COUNTS.index(planes)])
 
     def fewest(self, error: float, besides: NDArray[np.float64]) -> int:
-        """Fewest planes that keep to an error even then, besides another by their number; the most if none do."""
+        """Fewest planes whose error with margins, together with ``besides``, keeps to a bound; the most if none do."""
         kept = np.flatnonzero(np.hypot(self._wary, besides) <= error)
         return min(fitted_laws.COUNTS[int(kept[0])], self._most) if kept.size else self._most
 
 
 def interpolate_over_counts(errors: NDArray[np.float64], planes: int) -> float:
-    """Take the error of so many planes from one for each of ``laws.COUNTS``, between which it falls as a power."""
+    """Error of a number of planes from those of ``fitted_laws.COUNTS``, interpolated as a power of that number."""
     logs = np.log(np.maximum(errors, FAINTEST))
     found = math.exp(float(np.interp(math.log(planes), np.log(fitted_laws.COUNTS), logs)))
     return found if found > 2.0 * FAINTEST else 0.0
 
 
 def count_rays(scene: Scene, error: float) -> int:
-    """Return the fewest rays a side that keep to an error."""
+    """Return the fewest rays per side whose predicted error keeps to a bound."""
     at_thousand, order = _ray_law(scene)
     return min(max(1000, math.ceil(1000.0 * (at_thousand / max(error, 1e-6)) ** (1.0 / order))), 1 << 22)
 
 
 def predict_ray_error(scene: Scene, rays: int) -> float:
-    """Return the error that rays leave, as a share of the record."""
+    """Return the predicted error of a number of rays per side, as a share of the record."""
     at_thousand, order = _ray_law(scene)
     return at_thousand * (1000.0 / rays) ** order
 

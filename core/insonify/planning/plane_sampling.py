@@ -1,8 +1,8 @@
-"""What a comb of planes misses of a beam's mean over waves along the track, by the waves' lengths.
+"""Sampling error of planes across a beam for waves along the track, by wavelength.
 
-A beam hears a wave of f cycles a metre as its mean over the beam's sensitivity, B(f), the transform of that; K planes
-hear it as a sum over places a step δ apart. They differ by what the comb folds back: of a top-hat of the width W by
-sin(πfW) (1 / (K sin(πfW/K)) − 1 / (πfW)), of a Gaussian by Σ B(f − m/δ) sinc(fδ − m) over all m, less B(f).
+The response of a beam to a wave of f cycles per metre is the transform B(f) of its sensitivity. K planes replace the
+integral by a sum over positions a step δ apart. The two differ by aliasing: for a top-hat of width W by
+sin(πfW) (1 / (K sin(πfW/K)) − 1 / (πfW)), for a Gaussian by Σ B(f − m/δ) sinc(fδ − m) over all m, less B(f).
 """
 
 from __future__ import annotations
@@ -16,24 +16,24 @@ from numpy.typing import NDArray
 from insonify.planning import fitted_laws
 
 Field = NDArray[np.float64]
-SHORTEST, LONGEST = 1e-3, 1e4  # waves in a beam's width, of the table
-FOLDS = 4  # by which waves are folded back, either way
-PER_OCTAVE = 8  # widths of Gaussians that are told apart
+SHORTEST, LONGEST = 1e-3, 1e4  # bounds of the table, in waves per beam width
+FOLDS = 4  # aliases that are summed on either side
+PER_OCTAVE = 8  # widths of Gaussians that are distinguished
 
 
 class PlaneSampling:
-    """Table of what planes miss, over waves whose frequencies lie at equal ratios.
+    """Sampling error of planes across a beam, for waves whose frequencies form a geometric series.
 
     Parameters
     ----------
     frequencies : (n,) float64
-        Cycles a metre along the track, at equal ratios.
+        Cycles per metre along the track, a geometric series.
     width : float
-        Of the main lobe, in metres.
+        Width of the main lobe, in metres.
     half_power : float
-        Of a Gaussian, half of its width at half power, over half the main lobe; 0 for a top-hat.
+        Half width of a Gaussian at half power, over half the main lobe; 0 for a top-hat.
     worth : float
-        Power of their number that planes are worth.
+        Exponent of the effective number of planes: K planes count as K^worth.
     """
 
     def __init__(self, frequencies: Field, width: float, half_power: float, worth: float = 1.0) -> None:
@@ -47,12 +47,12 @@ class PlaneSampling:
 
     @property
     def mean(self) -> Field:
-        """Mean of each wave over the beam, (n,)."""
+        """Response of the beam to each wave, (n,)."""
         return self._at(self._mean)
 
     @property
     def missed(self) -> Field:
-        """Mean square by which planes miss that, (counts, n), for each of ``laws.COUNTS``."""
+        """Mean square error of that response, (counts, n), for each plane count in ``fitted_laws.COUNTS``."""
         return self._at(self._missed)
 
     def _at(self, table: Field) -> Field:
@@ -63,13 +63,13 @@ class PlaneSampling:
 
 @lru_cache(maxsize=64)
 def _table(half_power: float, worth: float, ratio: float) -> tuple[Field, Field]:
-    """Mean square that each count of planes misses, (counts, waves), and the mean over the beam, (waves,)."""
+    """Mean square error of each plane count, (counts, waves), and the response of the beam, (waves,)."""
     waves = SHORTEST * np.exp(ratio * np.arange(math.ceil(math.log(LONGEST / SHORTEST) / ratio)))
     count = np.asarray(fitted_laws.COUNTS, dtype=np.float64)[:, None] ** worth
     if half_power == 0.0:
         mean = np.sinc(waves)
         turns, y = np.minimum(waves / count, 0.5), np.pi * waves
-        # Squared sines stand for their mean up to there, for a beam's width and its waves are all of a range.
+        # sin² is averaged over all lower frequencies, because widths and wavelengths cover a range.
         missed = 0.5 * (1.0 - np.sinc(2.0 * waves)) * (1.0 / (count * np.sin(np.pi * turns)) - 1.0 / y) ** 2
         missed = np.where(turns < 0.5, np.minimum(missed, 1.0 / count), 1.0 / count)
     else:

@@ -1,4 +1,4 @@
-"""Predicted errors of all choices of a plan for one scene."""
+"""Predicted errors of a scene's modelling choices."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ Field = NDArray[np.float64]
 
 
 class PredictedErrors:
-    """Errors by choice, as shares of the record beyond 1.4 altitudes.
+    """Predicted errors of a scene's modelling choices, as shares of the record beyond 1.4 altitudes.
 
     Parameters
     ----------
     scene : Scene
-    view : View
-        Its lengths.
+    view : SceneSummary
+        Lengths of the scene.
     silent : frozenset of str
-        Ways by the sea surface that are not wanted.
+        Multipaths by the sea surface that the user leaves out.
 
     Raises
     ------
@@ -62,7 +62,7 @@ class PredictedErrors:
 
     @cached_property
     def heard(self) -> frozenset[str]:
-        """Ways by the sea surface whose echoes may come within the range."""
+        """Multipaths by the sea surface whose echoes may arrive within the range."""
         scene = self._scene
         late = {way: first for way, first in self.ways.items() if first > scene.sonar.range}
         sooner = bound_echo_advance(scene, self.echo.rms_height) if late else {}
@@ -71,19 +71,19 @@ class PredictedErrors:
 
     @cached_property
     def ghosts(self) -> MultipathErrors:
-        """Levels of those."""
+        """Levels and errors of the multipaths that arrive within the range, without the surface's own echo."""
         ways = [way for way in WAYS if way in self.heard and way != "surface_echo"]
         return MultipathErrors(self._scene, self._view, ways, self.echo.steepness if ways else 0.0)
 
     @cached_property
     def demand(self) -> TargetDemand:
-        """What the targets in reach ask of planes."""
+        """Error of a single plane across the targets in reach."""
         if not self._scene.sonar.beam.has_width or not self.targets:
             return TargetDemand(0.0)
         return predict_target_demand(self._scene, self._view, self.targets, self.echo.square)
 
     def planes(self, ways: frozenset[str]) -> PlaneErrors:
-        """Errors of planes, where so many ways are modelled."""
+        """Errors by number of planes where the given multipaths are modelled."""
         if ways not in self._planes:
             bed = np.zeros(len(fitted_laws.COUNTS))
             if self._scene.sonar.beam.has_width:
@@ -91,18 +91,18 @@ class PredictedErrors:
                 if self._louder(ways):
                     bed = np.hypot(self.ghosts.direct * bed, self.ghosts.of_planes())
             if self._scene.receiver.speckle.interferes:
-                bed[0] = 1.0  # scatterers are heard one by one, each in the part of the beam where it lies
+                bed[0] = 1.0  # each scatterer has its own place within the beam
             most = fitted_laws.MOST_OF_PATTERNS if is_patterned(self._scene) else fitted_laws.MOST_PLANES
             self._planes[ways] = PlaneErrors(bed, self.demand, most)
         return self._planes[ways]
 
     def _louder(self, ways: frozenset[str]) -> bool:
-        """Tell whether bed and targets are heard by any of some ways."""
+        """Tell whether echoes of bed or targets arrive by any of the given multipaths."""
         return bool((ways & self.heard) - {"surface_echo"})
 
     @cached_property
     def straight(self) -> float:
-        """Error of sound taken to go straight."""
+        """Error of straight rays in water that refracts sound."""
         if self.bending.most == 0.0:
             return 0.0
         error = self.echo.of_shift(self.bending)
@@ -111,11 +111,11 @@ class PredictedErrors:
         return min(error, 1.0)
 
     def thinned(self, every: int, ways: frozenset[str]) -> Field:
-        """Error of a bed of every so many nodes, by each of ``laws.COUNTS`` planes."""
+        """Error of keeping every n-th node of the relief, for each plane count in ``fitted_laws.COUNTS``."""
         if (every, ways) not in self._thinned:
             error = self.echo.of_thinning(every)
             if every > 1 and self.targets:
-                # Targets rest on the bed that is left, and their echoes come from where that lets them.
+                # Targets rest on the thinned bed, whose height errors displace their echoes.
                 error = np.hypot(error, fitted_laws.TARGETS_LOST * self.echo.height_lost(every) / self._view.bin_length)
             if every > 1 and self._louder(ways):
                 error = np.hypot(error, self.ghosts.of_cells(every * self._view.spacing, self.echo.height_lost(every)))
@@ -124,7 +124,7 @@ class PredictedErrors:
 
     @cached_property
     def bounced(self) -> float:
-        """Error of leaving out what goes on after the first echo; none where nothing is there to be met again."""
+        """Error of leaving out echoes after the first one; 0 for a level bed without targets."""
         scene = self._scene
         if scene.seabed.relief.level and not scene.targets:
             return 0.0
@@ -133,7 +133,7 @@ class PredictedErrors:
         return min(fitted_laws.BOUNCED * max(one.reflectivity.reflection for one in of) ** 2, 1.0)
 
     def tracer(self, draft: Candidate) -> float:
-        """Error of the tracer itself, however many planes it has; of single rays by their number."""
+        """Error of the tracer itself with any number of planes, or of single rays by their number."""
         if draft.method == "rays":
             return predict_ray_error(self._scene, draft.rays)
         if draft.method == "march":
@@ -141,7 +141,7 @@ class PredictedErrors:
         return fitted_laws.SWEEP_TARGETS if draft.targets else fitted_laws.SWEEP
 
     def left_out(self, draft: Candidate) -> dict[str, float]:
-        """Error of what a draft leaves out, by subject."""
+        """Errors of the effects that a candidate leaves out, by subject."""
         return {
             "bending": 0.0 if draft.bent else self.straight,
             "spacing": interpolate_over_counts(self.thinned(draft.every, draft.ways), draft.planes),
@@ -150,12 +150,12 @@ class PredictedErrors:
         }
 
     def _unheard(self, ways: frozenset[str]) -> float:
-        """Error of leaving out all ways but some."""
+        """Error of leaving out all multipaths but the given ones."""
         missed = self.heard - ways - {"surface_echo"}
         return min(sum(self.ghosts.shares[way] for way in missed), 1.0) if missed else 0.0
 
     def wary(self, draft: Candidate) -> float:
-        """Error of all that a draft chooses, with the margin by which a scene may differ from the others."""
+        """Error of a candidate, with margins for the spread between scenes."""
         margins = {"spacing": fitted_laws.MARGIN_OF_NODES, "ways": fitted_laws.MARGIN_OF_WAYS}
         parts = [margins.get(subject, fitted_laws.MARGIN) * error for subject, error in self.left_out(draft).items()]
         if draft.method == "sweep":

@@ -9,12 +9,12 @@ from insonify.scene import Scene
 from insonify.scene.surfaces import WAYS
 from insonify.scene.targets import Target
 
-FARTHER = 1.1  # bent sound may go farther in the time of a slant range
-HIGHEST = 5.0  # rms heights, of a bed and of waves
+FARTHER = 1.1  # bound on how much farther refracted sound travels in the time of a slant range
+HIGHEST = 5.0  # bound on heights of bed and waves, in rms heights
 
 
 def find_targets_in_reach(scene: Scene) -> tuple[int, ...]:
-    """Return the targets that some ping of a tow without end may hear; all of them where the tow is no line."""
+    """Return the indices of targets within reach of an endless straight track; all where the track is not straight."""
     track = scene.track
     if not all(motion.keeps_line for motion in track.motions):
         return tuple(range(len(scene.targets)))
@@ -25,13 +25,13 @@ def find_targets_in_reach(scene: Scene) -> tuple[int, ...]:
 
 
 def _distance(scene: Scene, target: Target) -> float:
-    """Level distance of a target's place from the line of the tow, that goes on for ever from its start."""
+    """Horizontal distance of a target from the line of the track, continued endlessly from its start."""
     along, athwart = locate_target(scene, target)
     return math.hypot(min(along, 0.0), athwart)
 
 
 def find_multipaths_in_reach(scene: Scene) -> dict[str, float]:
-    """Return the ways by the sea surface that a scene declares, and the slant range of the first echo of each, m."""
+    """Return the slant range in metres of the first echo of each multipath by the sea surface that a scene declares."""
     surface, altitude = scene.water.surface, scene.altitude
     depth = scene.seabed.depth - altitude
     first = {
@@ -44,7 +44,7 @@ def find_multipaths_in_reach(scene: Scene) -> dict[str, float]:
 
 
 def bound_echo_advance(scene: Scene, rms_bed: float) -> dict[str, float]:
-    """Return by how much of slant range the first echo of each way may come sooner than over a level bed, in metres.
+    """Bound by how much slant range the first echo of each multipath may precede that over a level bed, in metres.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""Detail of a bed by its waves: what planes that lie too far apart miss, and nodes that are left out.
+"""Spectra of a bed from which the errors of sparse planes and of coarse nodes are predicted.
 
-To first order an echo's strength goes as 1 + 2 s / tan θ with the slope s towards the sonar at grazing angle θ. So the
-record has the spectrum of slopes, that of heights times (2π f)², which bins and beam average.
+To first order the strength of an echo varies as 1 + 2 s / tan θ with the slope s towards the sonar at grazing angle θ.
+The record therefore has the spectrum of the slopes, (2π f)² times that of the heights, averaged by bins and beam.
 """
 
 from __future__ import annotations
@@ -19,39 +19,39 @@ from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed import Seabed
 
 Field = NDArray[np.float64]
-FX, FY = 28, 44  # frequencies, on a logarithmic scale
-LONGEST, FINEST = 1024.0, 32.0  # from cycles of so many nodes to parts of one
-TAIL = 0.8  # of what corners at the nodes leave beyond
+FX, FY = 28, 44  # numbers of frequencies, on a logarithmic scale
+LONGEST, FINEST = 1024.0, 32.0  # longest wave in nodes; highest frequency along the track in cycles per node
+TAIL = 0.8  # factor of the spectrum beyond the Nyquist frequency, due to slope breaks at nodes
 
-# Frequencies in cycles a node: away from the track, and along it to beyond what nodes hold.
+# Frequencies in cycles per node: away from the track, and along it to beyond the Nyquist frequency.
 AWAY = np.geomspace(1.0 / LONGEST, 0.5, FX)[:, None]
 ALONG = np.geomspace(1.0 / LONGEST, FINEST, FY)[None, :]
 STEPS = np.gradient(ALONG, axis=1)
 AREAS = 4.0 * np.gradient(AWAY, axis=0) * STEPS
-# Between nodes the bed is straight: cells flatten its waves, and beyond the nodes' Nyquist frequency it falls as f⁻⁴.
+# The bed is linear between nodes: cells damp its waves, and beyond the Nyquist frequency the spectrum falls as f⁻⁴.
 BETWEEN = np.sinc(AWAY) ** 4 * np.sinc(np.minimum(ALONG, 0.5)) ** 4
 BETWEEN = BETWEEN * np.where(ALONG > 0.5, TAIL * (0.5 / ALONG) ** 4, 1.0)
 
 
 class ReliefSpectrum(NamedTuple):
-    """Waves of a bed's slopes towards the sonar, of its heights, and of its materials."""
+    """Spectra of a bed's slopes towards the sonar, of its heights, and of the echo strength of its materials."""
 
-    fx: Field  # (FX, 1) cycles a metre away from the track
-    fy: Field  # (1, FY) along it, likewise
-    steps: Field  # (1, FY) between those
-    slopes: Field  # (FX, FY) variance of slopes as cells have them, in each cell of frequencies
-    heights: Field  # (FX, FY) variance of the nodes' heights, likewise
-    bends: Field  # (FX, FY) variance of slopes by which the bed bends within cells, which are flat along each axis
-    edges_away: float  # cycles a metre of those, away from the track
-    edges_along: float  # and along it
-    steepness: float  # rms of slopes
-    materials: Field  # (1, FY) variance of strengths along the track
-    spacing: float  # m, of nodes
+    fx: Field  # (FX, 1) cycles per metre away from the track
+    fy: Field  # (1, FY) cycles per metre along the track
+    steps: Field  # (1, FY) widths of the intervals of fy
+    slopes: Field  # (FX, FY) variance of the slopes of cells, per interval of frequencies
+    heights: Field  # (FX, FY) variance of the nodes' heights, per interval of frequencies
+    bends: Field  # (FX, FY) variance of slopes within cells, which are flat along each axis
+    edges_away: float  # cycles per metre of the cell edges, away from the track
+    edges_along: float  # cycles per metre of the cell edges, along the track
+    steepness: float  # rms slope
+    materials: Field  # (1, FY) variance of the echo strength along the track
+    spacing: float  # of nodes, m
 
 
 @lru_cache(maxsize=64)
 def compute_relief_spectrum(seabed: Seabed, heading: float) -> ReliefSpectrum:
-    """Take the waves of a bed, as one that looks athwart a heading (in degrees) meets them."""
+    """Compute the spectra of a bed away from and along a track of a heading (in degrees)."""
     spacing = seabed.spacing
     fx, fy, steps = AWAY / spacing, ALONG / spacing, STEPS / spacing
     power = np.zeros((FX, FY))
@@ -76,22 +76,22 @@ def compute_relief_spectrum(seabed: Seabed, heading: float) -> ReliefSpectrum:
 
 
 def _bends(heading: float) -> Field:
-    """Squared bend of a wave of height 1 within a cell, in slopes away from the track per cell, by its frequencies.
+    """Squared change of slope within a cell, away from the track, for waves of height 1, by their frequencies.
 
-    Within a cell the slope along one axis of the grid does not change along it, while that of a wave of f cycles a
-    cell runs through π f of itself; the variance of that is a third of its square.
+    Within a cell the slope along an axis of the grid is constant along that axis, while the slope of a wave of f cycles
+    per cell changes by π f of its amplitude; the variance of a linear change is a third of its square.
     """
     s, c = math.sin(math.radians(heading)), math.cos(math.radians(heading))
     total: Field = np.zeros(np.broadcast_shapes(AWAY.shape, ALONG.shape))
     for sign in (1.0, -1.0):
         east, north = _east(AWAY, sign * np.minimum(ALONG, 0.5), heading)
-        # Squared twice, for a fourth power takes numpy a hundred times as long.
+        # Squared twice, because numpy takes a hundred times as long for a fourth power.
         total = total + (s * east**2) ** 2 + (c * north**2) ** 2
     return 0.5 * (2.0 * math.pi) ** 2 * math.pi**2 / 3.0 * total
 
 
 def _parts(seabed: Seabed) -> tuple[RandomRelief, ...]:
-    """Parts of the relief; a measured bed is taken for a fractal."""
+    """Random reliefs that add up to the bed; a measured bed is approximated by a fractal."""
     if seabed.relief.level:
         return ()
     other = Fractal(
@@ -103,20 +103,20 @@ def _parts(seabed: Seabed) -> tuple[RandomRelief, ...]:
 
 
 def _power(part: RandomRelief, fx: Field, fy: Field, heading: float, spacing: float) -> Field:
-    """Density of the heights' variance, mean of both signs of fy."""
+    """Spectral density of the heights, averaged over both signs of fy."""
     share = part.mask.coverage
     ahead, astern = (part.planned_density(*_east(fx, sign * fy, heading), spacing) for sign in (1.0, -1.0))
     return 0.5 * share * (ahead + astern)
 
 
 def _east(away: Field, along: Field, heading: float) -> tuple[Field, Field]:
-    """Frequencies along x and y from those away from the track and along it."""
+    """Frequencies along x and y, from frequencies away from the track and along it."""
     c, s = math.cos(math.radians(heading)), math.sin(math.radians(heading))
     return along * c - away * s, along * s + away * c
 
 
 def _materials(seabed: Seabed, fy: Field) -> Field:
-    """Density of the variance of strengths about their mean along the track, of patches with sharp borders."""
+    """Spectral density along the track of the relative echo strength of patches with sharp borders."""
     material = seabed.material
     if len(material.materials) == 1:
         return np.zeros_like(fy)

@@ -10,25 +10,25 @@ from insonify.acoustics.water import speed_at_sonar
 from insonify.scene import Scene
 from insonify.scene.beams import Sounding
 
-NEAR_GAUSSIAN = math.sqrt(math.log(2.0) / 6.0)  # half power of that, over the length of what is heard
+NEAR_GAUSSIAN = math.sqrt(math.log(2.0) / 6.0)  # half width at half power, over the aperture of equal variance
 
 
 class SceneSummary(NamedTuple):
-    """Lengths in metres."""
+    """Lengths and properties of a scene on which the fitted laws depend, in metres and radians."""
 
     altitude: float  # above the mean bed
-    reach: float  # slant range
+    reach: float  # greatest slant range
     bins: int  # per side
-    spacing: float  # of the relief's nodes
+    spacing: float  # between nodes of the relief
     half_width: float  # of the beam's main lobe, rad; 0 for a knife
     light: bool  # whether the law is that of light
-    beam: str  # its kind
-    half_power: float  # sine at which a Gaussian's sensitivity, or an array's far off, is down to a half; else 0
+    beam: str  # kind of the beam
+    half_power: float  # sine of the half width at half power of a Gaussian, or of an array in the far field; else 0
     aperture: float  # of an array; else 0
-    squint: float  # sine
-    shaded: bool  # whether it hears some grazing angles better than others
-    pattern: str  # kind of the beam, or "squinting" for a fan that does
-    aslant: float  # sine of twice the angle between the track and the relief's grid: cells are cut the smaller
+    squint: float  # sine of the angle
+    shaded: bool  # whether the vertical beam is not uniform
+    pattern: str  # kind of the beam, or "squinting" for a fan read from a table
+    aslant: float  # sine of twice the angle between track and grid of the relief: oblique planes cut cells smaller
 
     @property
     def bin_length(self) -> float:
@@ -42,13 +42,13 @@ class SceneSummary(NamedTuple):
 
     @property
     def width(self) -> float:
-        """Of the main lobe at the last bin."""
+        """Width of the main lobe at the last bin."""
         return 2.0 * self.reach * math.sin(self.half_width)
 
     def half_power_at(self, r: float) -> float:
-        """Sine at which a beam hears half as much as on its axis, over that of half its main lobe; 0 of a top-hat.
+        """Sine of the half width at half power at slant range r, over that of half the main lobe; 0 for a top-hat.
 
-        Nearer than its far field an array hears what lies before it, as evenly as a Gaussian of the same variance.
+        In its near field an array covers its own length, which a Gaussian of the same variance represents.
         """
         if self.half_power == 0.0:
             return 0.0
@@ -56,7 +56,7 @@ class SceneSummary(NamedTuple):
 
 
 def summarise_scene(scene: Scene) -> SceneSummary:
-    """Take the lengths of a scene.
+    """Summarise a scene by the lengths and properties on which the fitted laws depend.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def summarise_scene(scene: Scene) -> SceneSummary:
     sounding = Sounding(speed_at_sonar(scene), scene.sonar.frequency, scene.sonar.range)
     patterned = beam.has_width and beam.top_hat and is_patterned(scene)
     return SceneSummary(
-        altitude=abs(scene.altitude),  # over a measured bed it may be of either sign
+        altitude=abs(scene.altitude),  # negative where a measured bed lies above the sonar
         reach=scene.sonar.range,
         bins=scene.sonar.bins,
         spacing=scene.seabed.spacing,

@@ -19,9 +19,9 @@ from insonify.planning.scene_summary import SceneSummary, summarise_scene
 from insonify.scene import Scene, SceneError
 from insonify.scene.surfaces import WAYS
 
-FEWEST_CELLS = 8  # that a period of the bed keeps
+FEWEST_CELLS = 8  # that a thinned period of the bed keeps
 THINNED = (1, 2, 4, 8, 16, 32)
-AT_ONCE = 64e6  # bytes of a block, by all its copies
+AT_ONCE = 64e6  # bytes of a block with all its copies
 COPIES, MOST_AT_ONCE = 8, 64
 
 
@@ -29,14 +29,14 @@ class PlanRequest(NamedTuple):
     """Tolerance, method and forced choices of a requested plan."""
 
     tolerance: float
-    asked: str  # method
+    asked: str  # requested method
     forced: Overrides
 
 
 def plan(
     scene: Scene, tolerance: float = 0.03, *, method: str = "auto", forced: Mapping[str, str] | None = None
 ) -> Plan:
-    """Plan a simulation.
+    """Choose the cheapest model of a scene whose predicted error keeps to a tolerance.
 
     Parameters
     ----------
@@ -48,18 +48,18 @@ def plan(
         A tracer's name, or "auto".
     forced : mapping of str to str, optional
         Choices that are not left to the plan, by the subjects of its entries: {"planes": "16", "bending": "off"}.
-        One about which the scene leaves no choice is without effect.
+        A choice on a subject for which the scene has no alternatives has no effect.
 
     Returns
     -------
     Plan
-        Of all models whose predicted error keeps to the tolerance, with a margin, the cheapest; if none does, the most
-        accurate. So a greater tolerance never costs more.
+        The cheapest model whose predicted error, with a margin, keeps to the tolerance; the most accurate if none
+        does. A greater tolerance therefore never costs more.
 
     Raises
     ------
     SceneError
-        If the tolerance is not a positive number, or the method or what is forced is unknown or cannot be done.
+        If the tolerance is not a positive number, or the method or a forced choice is unknown or cannot be simulated.
     """
     if not (math.isfinite(tolerance) and tolerance > 0.0):
         raise SceneError(f"tolerance: {tolerance!r} is not above 0; give a share such as 0.03")
@@ -90,7 +90,7 @@ def plan(
 
 
 def _cheapest(scene: Scene, view: SceneSummary, errors: PredictedErrors, budget: PlanRequest) -> Candidate:
-    """Choose among all ways to model a scene."""
+    """Return the cheapest candidate that keeps to the tolerance, or the most accurate if none does."""
     drafts = [
         _fine_enough(scene, view, errors, budget, Candidate("", every=every, bent=bent, bounces=bounces, ways=ways))
         for bounces in _bounces(scene, budget)
@@ -106,7 +106,7 @@ def _cheapest(scene: Scene, view: SceneSummary, errors: PredictedErrors, budget:
 def _fine_enough(
     scene: Scene, view: SceneSummary, errors: PredictedErrors, budget: PlanRequest, draft: Candidate
 ) -> Candidate:
-    """Complete a draft with its tracer and as many planes or rays as the rest of the tolerance asks for."""
+    """Complete a candidate with its tracer and the planes or rays that the rest of the tolerance requires."""
     forced = budget.forced
     draft = draft._replace(method=_method(scene, budget.asked, draft), targets=_targets(errors, forced))
     rays = int(forced.number("rays") or count_rays(scene, budget.tolerance))
@@ -125,14 +125,14 @@ def _fine_enough(
 
 
 def _targets(errors: PredictedErrors, forced: Overrides) -> tuple[int, ...]:
-    """Targets to model: those in reach, unless they or the others are forced otherwise."""
+    """Return the indices of the targets to model: those in reach unless forced otherwise."""
     near = errors.targets if _wanted(forced.switch("targets"), True) else ()
     far = errors.far_targets if _wanted(forced.switch("far_targets"), False) else ()
     return tuple(sorted((*near, *far)))
 
 
 def _ways(errors: PredictedErrors, budget: PlanRequest) -> tuple[frozenset[str], ...]:
-    """Ways by the sea surface that may be modelled: all that are heard, or less those that are faint."""
+    """Return the sets of multipaths to consider: all that arrive within the range, and those without the faintest."""
     forced = budget.forced
     heard = frozenset(way for way in errors.ways if _wanted(forced.switch(way), way in errors.heard))
     free = [way for way in heard if forced.switch(way) is None and way != "surface_echo"]
@@ -147,14 +147,14 @@ def _wanted(forced: bool | None, otherwise: bool) -> bool:
 
 
 def _method(scene: Scene, asked: str, draft: Candidate) -> str:
-    """Pick the tracer."""
+    """Name of the tracer: the requested one, otherwise the sweep wherever it can be used."""
     if asked != "auto":
         return asked
     return "rays" if draft.bounces > 0 or (draft.bent and scene.water.varies_along) else "sweep"
 
 
 def _bounces(scene: Scene, budget: PlanRequest) -> tuple[int, ...]:
-    """Bounces that may be followed."""
+    """Numbers of bounces to consider."""
     asked, wish = scene.sonar.bounces, budget.forced.switch("bounces")
     if asked == 0 or wish is not None:
         return (asked if wish else 0,)
@@ -162,7 +162,7 @@ def _bounces(scene: Scene, budget: PlanRequest) -> tuple[int, ...]:
 
 
 def _bent(errors: PredictedErrors, budget: PlanRequest) -> tuple[bool, ...]:
-    """Whether sound may be taken to bend or to go straight."""
+    """Alternatives to consider for refraction: refracted rays, straight rays or both."""
     wish = budget.forced.switch("bending")
     if errors.bending.most == 0.0:
         return (False,)
@@ -170,7 +170,7 @@ def _bent(errors: PredictedErrors, budget: PlanRequest) -> tuple[bool, ...]:
 
 
 def _every(scene: Scene, errors: PredictedErrors, budget: PlanRequest, ways: frozenset[str]) -> tuple[int, ...]:
-    """Nodes of the relief of which one may be kept, as long as the tolerance allows it."""
+    """Strides of the nodes of the relief to consider, as far as the tolerance allows."""
     seabed, wish = scene.seabed, budget.forced.number("spacing")
     cells = {round(part.period / seabed.spacing) for part in seabed.random_reliefs if not part.endless}
     if wish is not None:
@@ -192,6 +192,6 @@ def _every(scene: Scene, errors: PredictedErrors, budget: PlanRequest, ways: fro
 
 
 def _block(view: SceneSummary) -> int:
-    """Pings at a time that fit into little memory."""
+    """Return the number of pings per block that fits into the memory set aside for a block."""
     fitting = AT_ONCE / (COPIES * 2 * 4 * view.bins)
     return int(min(max(fitting, 1.0), MOST_AT_ONCE))

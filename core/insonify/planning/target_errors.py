@@ -1,7 +1,7 @@
-"""Targets as the sonar sees them: how strong their sides are, how long along the track and how deep in range.
+"""Echoes of targets estimated for a plan: strength of their sides, length along the track and depth in range.
 
-First-order estimates: a side is lit evenly, hides no other one and lies over a level bed. Vectors are along the track,
-away from it and up.
+First-order estimates: each side is evenly insonified, hides no other side and lies over a level bed. Vectors have
+components along the track, away from it and up.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from insonify.scene.targets.sides import SLIGHT, Side, Sight
 
 
 class ObservedTarget(NamedTuple):
-    """A target from where its ping goes out."""
+    """Dimensions and echoes of a target as seen from the ping abreast of it."""
 
-    number: int  # among all targets of the scene
+    number: int  # index among all targets of the scene
     kind: str
-    combed: float  # error of a single plane across it, see laws
-    place: float  # m along the track
-    distance: float  # m of slant range
-    length: float  # m along the track
-    width: float  # m of the beam there
+    combed: float  # error of a single plane across it, see fitted_laws
+    place: float  # along the track, m
+    distance: float  # slant range, m
+    length: float  # along the track, m
+    width: float  # of the beam at the target, m
     sides: tuple[Side, ...]
-    shadow: float  # m of slant range, its length beyond ERROR_ALTITUDES altitudes
+    shadow: float  # length of the shadow in slant range beyond ERROR_ALTITUDES altitudes, m
     grazing: float  # sine of the grazing angle of a level bed at that distance
 
 
 def outline_of(scene: Scene, number: int) -> Outline:
-    """Measures of a scene's target.
+    """Outline of a target of a scene.
 
     Raises
     ------
@@ -46,19 +46,19 @@ def outline_of(scene: Scene, number: int) -> Outline:
 
 
 def observe_target(scene: Scene, view: SceneSummary, number: int) -> ObservedTarget | None:
-    """Look at a target athwart the track; nothing is seen of one below the bed.
+    """Describe a target as seen at right angles to the track; None for one below the bed.
 
     Parameters
     ----------
     scene : Scene
-    view : View
-        Its lengths.
+    view : SceneSummary
+        Lengths of the scene.
     number : int
-        Of the target.
+        Index of the target.
 
     Returns
     -------
-    Seen or None
+    ObservedTarget or None
 
     Raises
     ------
@@ -79,9 +79,9 @@ def observe_target(scene: Scene, view: SceneSummary, number: int) -> ObservedTar
     distance = max(math.hypot(x, rise), SLIGHT)
     half_depth = across * x / distance + up * abs(rise) / distance
     sight = Sight(*axes, (0.0, -x / distance, rise / distance), 2.0 * along, half_depth)
-    # The level bed that it hides ends where a line over its top meets that.
+    # The shadow ends where the line over the top of the target meets the level bed.
     end = min(math.hypot(x * altitude / (altitude - top), altitude) if top < altitude else math.inf, view.reach)
-    # What is sunk into the bed or lies nearer does not count.
+    # Parts sunk into the bed, or nearer than ERROR_ALTITUDES altitudes, do not count.
     share = height / (2.0 * up) * _share(distance - half_depth, distance + half_depth, ERROR_ALTITUDES * altitude)
     sides = (side._replace(echo=share * side.echo) for side in target.sides(sight))
     return ObservedTarget(
@@ -99,14 +99,14 @@ def observe_target(scene: Scene, view: SceneSummary, number: int) -> ObservedTar
 
 
 def locate_target(scene: Scene, target: Target) -> tuple[float, float]:
-    """Place of a target along the line of the tow, and to port of it."""
+    """Position of a target along the line of the track, and to port of it, in metres."""
     x, y = (target.position[k] - scene.track.start[k] for k in (0, 1))
     c, s = math.cos(math.radians(scene.track.heading)), math.sin(math.radians(scene.track.heading))
     return x * c + y * s, y * c - x * s
 
 
 def _axes(target: Target, track: float, side: float) -> tuple[Triple, Triple, Triple]:
-    """Bow, port and top of a target: turned by its heading over the track's, then its pitch, then its roll."""
+    """Directions of the bow, port side and top of a target, turned by heading from the track, pitch, then roll."""
     heading, pitch, roll = target.attitude
     angles = map(math.radians, (heading - track, pitch, roll))
     (ch, sh), (cp, sp), (cr, sr) = ((math.cos(angle), math.sin(angle)) for angle in angles)
@@ -116,5 +116,5 @@ def _axes(target: Target, track: float, side: float) -> tuple[Triple, Triple, Tr
 
 
 def _share(low: float, high: float, limit: float) -> float:
-    """Share of a stretch that lies beyond a limit."""
+    """Share of an interval that lies beyond a limit."""
     return min(max((high - limit) / max(high - low, SLIGHT), 0.0), 1.0)
