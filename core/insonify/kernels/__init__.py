@@ -1,1 +1,1 @@
-"""All Numba and nothing else; sees arrays and NamedTuples, never a Scene."""
+"""Numba kernels of all tracers: they work on arrays and NamedTuples alone, never on a Scene."""

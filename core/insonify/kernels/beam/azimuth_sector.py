@@ -18,7 +18,7 @@ LINEAR_SINE = 0.3  # sin φ up to which azimuths are proportional to it, to 1 %
 
 
 class AzimuthSector(NamedTuple):
-    """One plane of a beam: a sector of azimuths on either hand of it."""
+    """Sector of a beam's azimuths on both sides of one plane, whose echoes that plane stands for."""
 
     s_low: float  # |sin φ| where the sector begins; with a pattern sin φ itself, positive towards the bow
     s_high: float  # and where it ends
@@ -39,7 +39,7 @@ class AzimuthSector(NamedTuple):
 
 @inlined_uncounted
 def raise_sector(sector, near_field):
-    """Sector of a plane as an image of the sonar has it, from higher up: the far field begins farther out.
+    """Azimuth sector of a plane for a raised image of the sonar, whose far field begins farther out.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def raise_sector(sector, near_field):
 
 @inlined_uncounted
 def sector_weight(x, z, r, sector, pattern, law):
-    """Factor that a plane's sector puts on an echo at one place.
+    """Factor by which a plane's sector multiplies an echo at one place.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def top_hat_width(x, r, sector):
 
 @inlined_uncounted
 def _far_field_share(x, sector):
-    """How far the far field has taken over at a ground range, 0 to 1."""
+    """Weight of the far-field width at a ground range, from 0 to 1."""
     return min(max((x - sector.near_field) * (1.0 / (TRANSITION * sector.near_field)), 0.0), 1.0)
 
 
@@ -132,21 +132,21 @@ def top_hat_share(x, r, sector):
 
 @inlined_uncounted
 def _width_taken_in(x, r, sector):
-    """Width that the cone takes in of a sector so narrow that azimuths are proportional to their sines."""
+    """Width of the part of a narrow sector inside the beam's cone, with azimuths proportional to their sines."""
     per_sine = sector.angle / (sector.s_high - sector.s_low)
     return min(max((sector.s_beam * r - sector.s_low * x) * per_sine, 0.0), x * sector.angle)
 
 
 @inlined_uncounted
 def _azimuth_taken_in(x, r, sector):
-    """Azimuth that the cone takes in of any sector: its part with |sin φ| <= sin(w/2) / cos θ."""
+    """Azimuth of the part of a sector inside the beam's cone: |sin φ| <= sin(w/2) / cos θ."""
     # |sin φ| <= sin(w/2) / cos θ: docs/theory/beam.md
     return min(max(arcsine(min(sector.s_beam * r / x, 1.0)) - arcsine(sector.s_low), 0.0), sector.angle)
 
 
 @inlined_uncounted
 def arcsine(s):
-    """Arcsine from 0 to 1, to 2e-8, in a form that the vector units can take (Abramowitz and Stegun 1964, 4.4.46).
+    """Arcsine from 0 to 1, to 2e-8, in a form that vectorises (Abramowitz and Stegun 1964, 4.4.46).
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def arcsine(s):
 
 @inlined_uncounted
 def _pattern_weight(x, z, r, sector, pattern, law):
-    """Factor that a plane's sector puts on an echo, with a tabulated pattern and a fish that pitches and rolls."""
+    """Factor by which a plane's sector multiplies an echo, for a tabulated pattern and a fish that is not level."""
     response = in_plane_response(x / r, z / r, sector, pattern)
     if sector.angle == 0.0 or response == 0.0:
         return response
@@ -173,7 +173,7 @@ def _pattern_weight(x, z, r, sector, pattern, law):
     width = pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_octave)
     if law != LIGHT:
         return response * width
-    # Law `light` averages over all that the beam takes in there.
+    # Law `light` averages over the azimuths inside the beam there.
     level, tip = sector.ahead_level * x / r, sector.ahead_up * z / r
     if widest_extent(pattern) < LINEAR_SINE * level:
         ends = tip - level, tip + level

@@ -25,7 +25,7 @@ def _table_response(pattern, s, r):
 def integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r):
     """Integral of the two-way response over s between two values, at one slant range.
 
-    It takes the pattern's parts, for taking one out costs more than a look into the table.
+    The arguments are the pattern's arrays: unpacking its tuple costs more than reading the table.
 
     Parameters
     ----------
@@ -63,20 +63,20 @@ def _step(centre, extent, integral, row, s_low, s_high):
 
 @inlined_uncounted
 def _row(pattern, r):
-    """Row of the table for a slant range, and how far that is on its way to the next row."""
+    """Row of the table for a slant range, and the fraction of the way to the next row."""
     return _place(pattern.extent, pattern.first_range, pattern.per_octave, r)
 
 
 @inlined_uncounted
 def _column(pattern, row, s):
-    """Column of one row for a value of s, whole or not; beyond its ends outside the table."""
+    """Fractional column of one row for a value of s; outside the table beyond the row's extent."""
     extent = pattern.extent[row]
     return (s - pattern.centre + extent) / (2.0 * extent) * (pattern.energy.shape[1] - 1)
 
 
 @inlined_uncounted
 def _place(extent, first_range, per_octave, r):
-    """Row for a slant range and the way on to the next, from the pattern's parts."""
+    """Row for a slant range and the fraction of the way to the next row, from the pattern's arrays."""
     last = extent.size - 1
     if last == 0 or r <= first_range:
         return 0, 0.0
@@ -290,7 +290,7 @@ def two_way_response(pattern, beam, fan, law, dx, dy, dz, r):
 
 @kernel
 def ring_responses(pattern, x, r, out):
-    """Azimuth that a level fish's beam takes in of rings on the bed, weighted by its two-way response.
+    """Azimuth of rings on the bed inside the beam of a level fish, weighted by its two-way response.
 
     Parameters
     ----------

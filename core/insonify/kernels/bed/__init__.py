@@ -1,1 +1,1 @@
-"""The bed as kernels see it: profiles along a vertical plane, and maps of materials."""
+"""The bed: profiles along a vertical plane, and maps of materials."""

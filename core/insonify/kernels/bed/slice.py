@@ -1,4 +1,4 @@
-"""Profile of the bed along a vertical half-plane through the sonar, of any grid at any azimuth.
+"""Profile of a gridded bed along a vertical half-plane through the sonar, at any azimuth.
 
 Knots lie where the plane crosses *both* families of grid lines, so that every segment belongs to one cell.
 The grid is walked in strips between neighbouring lines of the sparser family; within a strip the knots lie on
@@ -21,8 +21,8 @@ from insonify.kernels.common.prefetch import LINE, prefetch_read
 MERGED = 1e-6
 # Product of the direction's components from which segments are halved once, and twice.
 SLIGHTLY_OBLIQUE, OBLIQUE = 0.04, 0.2
-# Entries that the vector units take at a time. Passes go on to a whole multiple and leave rubbish past the last entry,
-# for one by one the few that are left over would take as long as many more together. Up to so many are best one by one.
+# Entries of one vectorised pass. Passes run on to a whole multiple and leave garbage past the last entry, because a
+# scalar loop over the remainder would take as long as many more entries together. Up to FEW entries a scalar loop wins.
 AT_ONCE, FEW = 32, 8
 
 
@@ -42,7 +42,7 @@ class Profile(NamedTuple):
 
 
 class GridWalk(NamedTuple):
-    """A plane's way over the grid: u counts strips, v is the axis that is crossed most often."""
+    """Path of a plane over the grid: u counts strips, v runs along the axis whose grid lines are crossed most often."""
 
     nodes: NDArray[np.float32]  # heights, [u, v]
     v_is_y: bool
@@ -139,7 +139,7 @@ def slice_bed(bed, x, y, z, ex, ey, reach, profile):
     nodes = bed.transposed if v_is_y else bed.heights
     if not v_is_y:
         u0, v0, ex, ey = v0, u0, ey, ex
-    # Profiles are of one bed each: if the first segment knows its only material, so do all.
+    # A profile serves one bed: if the first segment already has the only material, all segments have it.
     if not bed.mapped and profile.material[0] != bed.materials[0, 0]:
         profile.material[:] = bed.materials[0, 0]
     return _walk_strips(bed, GridWalk(nodes, v_is_y, u0, v0, z, ex, ey), reach, profile)
@@ -215,7 +215,7 @@ def _add_strip(bed, walk, column, start, end, count, profile):
 
 @inlined_uncounted
 def prefetch_strip(bed, x, y, ex, ey, reach):
-    """Prefetch the nodes of the strip in which a plane begins; along the grid they are all that it needs.
+    """Prefetch the nodes of the strip in which a plane begins; a plane along the grid needs no others.
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ def prefetch_strip(bed, x, y, ex, ey, reach):
 
 @inlined_uncounted
 def _halving_count(eu, ev):
-    """How often to halve the segments of an oblique plane: along it a bilinear cell is curved."""
+    """Count the halvings of the segments of an oblique plane, along which a bilinear cell is curved."""
     oblique = abs(eu * ev)
     return (1 if oblique > SLIGHTLY_OBLIQUE else 0) + (1 if oblique > OBLIQUE else 0)
 
@@ -270,7 +270,7 @@ def _halve_segments(x, z, across, eu, segments):
 
 @inlined_uncounted
 def snap_to_grid(component):
-    """Round a direction's component to 0 where it is rounding dust, so that a track along the grid stays on it.
+    """Round a direction component that is within rounding error of 0 to 0, so that a track along the grid stays on it.
 
     Parameters
     ----------
@@ -293,7 +293,7 @@ def _wrap_index(index, size):
 
 @inlined_uncounted
 def _interpolate(low, high, node, fv, fu, spacing):
-    """Bilinear height, and gradient across the strip, ``fv`` beyond a node and ``fu`` between the borders."""
+    """Bilinear height and cross-strip gradient at the fractions ``fv`` beyond a node and ``fu`` between the borders."""
     near = low[node] + np.float64(low[node + 1] - low[node]) * fv
     far = high[node] + np.float64(high[node + 1] - high[node]) * fv
     return near + (far - near) * fu, (far - near) / spacing
@@ -301,7 +301,7 @@ def _interpolate(low, high, node, fv, fu, spacing):
 
 @inlined_uncounted
 def _read_row(row, first, step, out):
-    """Read consecutive nodes of a row, upward or downward, round its end, in runs that suit the vector units."""
+    """Copy consecutive nodes of a row, ascending or descending and wrapped at its end, in contiguous runs."""
     done = 0
     while done < out.size:
         place = _wrap_index(first + step * done, row.size)
@@ -326,7 +326,7 @@ def _copy_reversed(source, out):
     """Copy entries in reverse order."""
     last = out.size - 1
     for k in range(out.size):
-        # An index that might be negative is not for the vector units.
+        # An index that might be negative prevents vectorisation.
         out[k] = source[np.uint64(last - k)]
 
 
@@ -394,6 +394,6 @@ def clip_to_grid(origin, rate, highest, near, far):
 
 @inlined_uncounted
 def _first_column(u, eu, nu, periodic):
-    """Strip in which a walk from u starts; on a grid line, the one it goes into."""
+    """Strip in which a walk from u starts; on a grid line, the strip that it enters."""
     column = math.floor(u + MERGED) if eu >= 0.0 else math.ceil(u - MERGED) - 1
     return column if periodic else min(max(column, 0), max(nu - 2, 0))

@@ -1,4 +1,4 @@
-"""Voronoi patches of a bed: which hashed seed point a place lies nearest to."""
+"""Voronoi patches of a bed: the hashed seed point nearest to each place."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def nearest_seed_hash(seed, stream, u, v, repeat):
     column, row = math.floor(u), math.floor(v)
     nearest, owner_a, owner_b = np.inf, column, row
     for step_v in range(2 * REACH + 1):
-        # From the place's own square outwards, 0, 1, −1, 2, −2, so that most squares need no look at all.
+        # From the place's own square outwards, 0, 1, −1, 2, −2, so that most squares are skipped.
         j = row + (step_v + 1) // 2 * (1 - 2 * (step_v % 2))
         for step_u in range(2 * REACH + 1):
             i = column + (step_u + 1) // 2 * (1 - 2 * (step_u % 2))

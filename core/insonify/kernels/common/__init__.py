@@ -1,1 +1,1 @@
-"""What every room needs: decorators, cached machine code, types, hashing, range bins, scattering laws."""
+"""Shared by all kernels: decorators, cached machine code, types, hashing, range bins, scattering laws."""

@@ -1,4 +1,4 @@
-"""Machine code of kernels on disk, found by the content of the sources, so that every checkout shares it.
+"""Machine code of kernels on disk, keyed by the content of the sources, so that every checkout shares it.
 
 Numba finds cached code by a file's place and notices changes in that file alone. Here the code of a module lies in a
 folder named by a digest of the module and of all kernel modules that it imports, directly or not. Comments, docstrings
@@ -164,7 +164,7 @@ class _CacheFile(IndexDataCacheFile):
 
 
 class KernelCache(FunctionCache):
-    """Machine code of one kernel on disk; a damaged file is compiled anew, a folder that refuses is done without."""
+    """Machine code of one kernel on disk; a damaged file is compiled anew, an unusable folder is ignored."""
 
     _impl_class = _CacheImpl
 

@@ -22,7 +22,7 @@ class ContributorTable(NamedTuple):
     strongest: NDArray[np.float64]  # energy of the contributor's strongest echo, below 0 for none
     x: NDArray[np.float32]  # ground range of that echo, m
     cosine: NDArray[np.float32]  # of the incidence there
-    hidden: NDArray[np.bool_]  # (bins,) whether bed out of sight spans the bin
+    hidden: NDArray[np.bool_]  # (bins,) whether hidden bed spans the bin
 
 
 def empty_contributor_table(count: int, bins: int) -> ContributorTable:

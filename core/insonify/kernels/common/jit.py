@@ -11,9 +11,9 @@ decorator                  machine code             on disk      counts referenc
 `inlined_before_typing`    within each caller       no           as its caller          as its caller
 =========================  =======================  ===========  =====================  ==================
 
-Counting who holds an array costs an atomic operation of some 5 ns, twice for every array of every tuple that is handed
-on. A function that does not count may neither make arrays nor return any, nor call one that returns them: its callers
-count. Small functions are inlined: handing a tuple of arrays over costs more than many of them compute.
+Reference counting costs an atomic operation of about 5 ns, twice for every array of every tuple passed to a function.
+A function that does not count references may neither create nor return arrays, nor call one that returns them: its
+callers count. Small functions are inlined because passing a tuple of arrays costs more than many of them compute.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from insonify.kernels.common.cache import KernelCache
 Function = Callable[..., Any]
 # Every licence that keeps NaN and infinity meaningful: guards against them must survive.
 FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
-# Numba's types do not know of `_nrt`, whether references are counted; unsaid, it would be inherited from the caller.
+# `_nrt`, reference counting, is not in Numba's type stubs; without it, the caller's setting is inherited.
 NJIT: Callable[..., Callable[[Function], Any]] = njit
 
 
@@ -74,5 +74,5 @@ def _kept(function: Function, counting: bool) -> Function:
 
 
 def _within_callers(function: Function, counting: bool, fast: Any) -> Function:
-    # `fastmath` and `_nrt` are always given: what is not said is inherited from the caller.
+    # `fastmath` and `_nrt` are always given: an option left out is inherited from the caller.
     return NJIT(nogil=True, fastmath=fast, error_model="numpy", forceinline=True, _nrt=counting)(function)

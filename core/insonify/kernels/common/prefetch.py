@@ -14,7 +14,7 @@ from insonify.kernels.common.jit import inlined_uncounted
 
 READ, WRITE = 0, 1
 LINE = 64  # bytes that come at once
-EVERY_CACHE, DATA = 3, 1  # of LLVM's prefetch: how near to bring it, and that it is no code
+EVERY_CACHE, DATA = 3, 1  # arguments of LLVM's prefetch: cache level, and data instead of code
 
 
 def _ask(purpose: int, array: Any) -> Any:

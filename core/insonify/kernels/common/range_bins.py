@@ -1,7 +1,7 @@
 """Range bins as a difference array of integers: densities step up and down, and a prefix sum turns steps into bins.
 
-Integers cancel exactly: a bin without energy is exactly zero, and the sum is the same in any order. Of each step the
-next bin takes its share rounded down, so that the step's own bin has at least what is due to it and none is negative.
+Integers cancel exactly: a bin without energy is exactly zero, and the sum is the same in any order. The next bin's
+share of a step is rounded down, so that the step's own bin gets no less than its share and no bin is negative.
 
 Theory: docs/theory/sweep.md.
 """
@@ -70,7 +70,7 @@ def spread_energy(bins, near, far, energy, last):
 def accumulate_bins(bins, factor, out):
     """Prefix-sum a difference array into intensities, apply what depends on range alone, and clear the array.
 
-    Weights read between two entries of a table may lie a rounding below zero: no bin does.
+    Weights interpolated in a table may be negative by rounding; intensities are never below zero.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def accumulate_bins(bins, factor, out):
     out : ndarray of float, shape (n,)
         Takes the intensity.
     """
-    # Four stretches side by side, each from the sum of those before it.
+    # Four stretches at once, each starting from the sum of those before it.
     quarter = out.size // 4
     two, three, four = 2 * quarter, 3 * quarter, 4 * quarter
     a = np.int64(0)

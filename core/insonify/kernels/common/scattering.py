@@ -1,4 +1,4 @@
-"""Backscatter of surfaces: the one home of the Lambert and Phong laws, for one place and for many at once.
+"""Backscatter of surfaces by the Lambert and Phong laws, for one place and for all segments of a profile.
 
 Sound that leaves and returns along one line, at incidence α to the surface's normal, has the monostatic formulas; for
 two directions there is `bistatic_strength`. Derived in docs/theory/scattering.md.
@@ -131,7 +131,7 @@ def bistatic_strength(cos_in, cos_out, mirrored, diffuse, specular, shininess, l
 
 @inlined_uncounted
 def scatter_segments(segments, material, reflectivity, mapped, law, cos_squared, scale, energy):
-    """Energy of many segments: their monostatic strength times a scale of each, in passes that suit the vector units.
+    """Energy of many segments: monostatic strength times a scale per segment, in vectorised passes.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def scatter_segments(segments, material, reflectivity, mapped, law, cos_squared,
 
 @inlined_uncounted
 def _scatter_mapped(segments, material, reflectivity, cos_squared, scale, law, energy):
-    """Energy of segments of several materials, or of an exponent that is not whole: the lobe is zero beyond 45°."""
+    """Energy of segments of several materials or of a non-integer exponent; the lobe is zero beyond 45° incidence."""
     per_pi = energy.dtype.type(INVERSE_PI)
     for i in range(segments):
         diffuse = math.sqrt(cos_squared[i]) if law == LIGHT else cos_squared[i] * per_pi
@@ -189,7 +189,7 @@ def _scatter_lambert(segments, diffuse, cos_squared, scale, law, energy):
 
 @inlined_uncounted
 def _scatter_whole_power(segments, diffuse, specular, power, cos_squared, scale, law, energy):
-    """Energy of segments of one material whose lobe has a whole power: each squaring for many segments at once."""
+    """Energy of segments of one material with an integer exponent, by repeated squaring over all segments."""
     real = energy.dtype.type
     diffuse, specular, nothing, one = real(diffuse), real(specular), real(0.0), real(1.0)
     bit_0, bit_1, bit_2, bit_3 = power & 1 != 0, power & 2 != 0, power & 4 != 0, power & 8 != 0

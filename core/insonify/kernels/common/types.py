@@ -1,6 +1,6 @@
-"""What kernels see of a scene: arrays and numbers in metres and radians, never declarations.
+"""Arrays and numbers of a scene in metres and radians, as all kernels take them.
 
-Heights are metres above the *datum*, the mean bed, so that float32 is fine enough at any depth. x and y are the
+Heights are metres above the *datum*, the mean bed, so that float32 is precise enough at any depth. x and y are the
 scene's own local coordinates.
 """
 
@@ -65,7 +65,7 @@ class Mesh(NamedTuple):
 
 
 class BeamPattern(NamedTuple):
-    """Sensitivity of the beam by direction, there and back.
+    """Two-way sensitivity of the beam by direction and slant range.
 
     Directions are given by s, the sine of their angle from the plane athwart the fish, positive towards its bow: lines
     of equal s are cones about its axis. Rows belong to slant ranges, for near a long array the beam is wider.
@@ -81,7 +81,7 @@ class BeamPattern(NamedTuple):
     vertical: int  # EVERY_GRAZING, TOP_HAT or GAUSSIAN
     tilt: float  # depression of the vertical beam's axis, rad
     s_vertical: float  # sine of half its width, to -3 dB one way for a Gaussian
-    two_way: bool  # whether sound passes the beam going and coming
+    two_way: bool  # whether the beam weights both the outgoing and the returning sound
 
 
 def plain_pattern() -> BeamPattern:
@@ -134,12 +134,12 @@ class SurfaceMultipath(NamedTuple):
 
 
 def no_surface_multipath() -> SurfaceMultipath:
-    """Return a sea without a surface: no path leads by it."""
+    """Return the settings of a sea without surface multipath."""
     return SurfaceMultipath(False, False, False, False, False, 0.0, 0.0, np.zeros((2, 1, 4)))
 
 
 class SceneArrays(NamedTuple):
-    """A scene as every tracer takes it: the border between declarations and kernels."""
+    """Arrays of one scene, packed from its declarations, as every tracer takes them."""
 
     bed: Bed
     solids: Solids
@@ -158,7 +158,7 @@ class SceneArrays(NamedTuple):
 
 
 class Poses(NamedTuple):
-    """Where the sonar is at each ping."""
+    """Position and attitude of the sonar at each ping."""
 
     x: NDArray[np.float64]  # (n,)
     y: NDArray[np.float64]  # (n,)

@@ -115,7 +115,7 @@ def _split_triangles(order, low, high, start, stop):
         if price < best:
             best, best_axis, best_slab, best_from, best_per_metre = price, axis, slab, centre_low, per_metre
     if best_axis < 0:
-        return (start + stop) // 2  # all centres in one place: any half will do
+        return (start + stop) // 2  # all centres coincide: any split will do
     return _partition(order, low, high, start, stop, best_axis, best_slab, best_from, best_per_metre)
 
 

@@ -143,7 +143,7 @@ def _frustum_section(frustum, ex, ey, rim):
         turned -= 2.0 * math.pi * math.floor(turned / (2.0 * math.pi) + 0.5)
         low, high = min(low, turned), max(high, turned)
     for k in range(corners, count):
-        rim[k] = NEVER  # a tangent is no rim
+        rim[k] = NEVER  # a point of tangency is not a rim
     return _forward(centre, centre + low, centre + high)
 
 
@@ -155,7 +155,7 @@ def _tangents(ae, ak, ac, length, side, angles, count):
     root = q * q - p * w
     if root < -ROUNDING * q * q or p == 0.0:
         return count
-    # Through the very apex of a cone both are one, and rounding must not lose it.
+    # Through the apex of a cone both tangents coincide; rounding must not lose this double root.
     root = math.sqrt(max(root, 0.0))
     big = -(q + math.copysign(root, q))
     for u in (big / p, w / big if big != 0.0 else -q / p):

@@ -13,7 +13,7 @@ SIDE, FIRST_END, LAST_END = 0, -1, 1
 
 
 class FrustumShape(NamedTuple):
-    """A cylinder, a cone or a part of one: numbers alone."""
+    """A cylinder, a cone or a truncated cone, as scalars."""
 
     x: float  # centre of its first end, from the origin of the line or plane
     y: float
@@ -172,8 +172,8 @@ def intersect_sphere(cx, cy, cz, radius, dx, dy, dz):
 def intersect_frustum(frustum, dx, dy, dz):
     """Distances and faces at which a line enters a frustum and leaves it.
 
-    A frustum is what a cone and a slab have in common, and so is the stretch of any line inside it: at the rim no ray
-    slips between the side and an end.
+    A frustum is the intersection of a cone and a slab. The stretch of a line inside it is the intersection of its
+    stretches inside both, so that no ray slips between the side and an end at the rim.
 
     Parameters
     ----------
@@ -273,7 +273,7 @@ def frustum_normal(px, py, pz, ax, ay, az, radius, taper, face):
     nx, ny, nz = px - lean * ax, py - lean * ay, pz - lean * az
     squared = nx * nx + ny * ny + nz * nz
     if squared == 0.0:
-        # The very tip has none; its axis is in the middle of all that are near.
+        # The apex has no normal; the axis is the mean of the normals around it.
         tip = -math.copysign(1.0, taper)
         return tip * ax, tip * ay, tip * az
     per_norm = 1.0 / math.sqrt(squared)

@@ -1,4 +1,4 @@
-"""Watertight rays against triangles: none slips between two that share an edge, and boxes keep far ones out of the way.
+"""Watertight intersection of rays with triangles: no ray slips between two that share an edge.
 
 Woop, Benthin and Wald (2013), "Watertight ray/triangle intersection": the corners are sheared so that the ray runs
 along the third axis, and three areas in the plane across it tell whether it passes inside. In plain IEEE arithmetic a
@@ -13,13 +13,13 @@ from typing import NamedTuple
 
 from insonify.kernels.common.jit import inlined, inlined_ieee, kernel
 
-MARGIN = 1e-12  # of all lengths: boxes grow by this, so that rounding never hides one
+MARGIN = 1e-12  # share of all lengths by which boxes grow, so that rounding never misses one
 NO_TRIANGLE = -1
 LEVEL = 1e300  # stands for one over a component that is zero
 
 
 class Shear(NamedTuple):
-    """A ray in the axes of its own triangle test."""
+    """Sheared axes of one ray's triangle test, in which the ray runs along the third axis."""
 
     along: int  # axis in which it goes fastest
     first: int  # the other two
@@ -34,7 +34,7 @@ class Shear(NamedTuple):
 
 @kernel
 def intersect_mesh_bundle(solids, mesh, bundle, reach, hits):
-    """Intersect a bundle of rays with all triangles and keep those that lie before what the rays have hit.
+    """Intersect a bundle of rays with all triangles and keep the hits nearer than those found so far.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def _intersect_triangle(corners, triangle, shear):
     if (u < 0.0 or v < 0.0 or w < 0.0) and (u > 0.0 or v > 0.0 or w > 0.0):
         return math.inf
     whole = u + v + w
-    # Seen exactly edge-on a triangle is nothing.
+    # A triangle seen exactly edge-on is not hit.
     if whole == 0.0:
         return math.inf
     return shear.sz * (u * az + v * bz + w * cz) / whole
@@ -153,7 +153,7 @@ def _intersect_triangle(corners, triangle, shear):
 
 @inlined
 def _reciprocal(component):
-    """One over a direction's component; of a ray that is level in it, more than any length."""
+    """Inverse of a component of a direction; for a component of zero, a value greater than any length."""
     return LEVEL if component == 0.0 else 1.0 / component
 
 

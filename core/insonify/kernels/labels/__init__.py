@@ -1,1 +1,1 @@
-"""What each range bin shows: target, material, path, incidence."""
+"""Labels of each range bin: target, material, propagation path, incidence."""

@@ -1,7 +1,7 @@
 """Labels of range bins of pings that are traced by refracted rays: greatest contributor and its place.
 
-Every ray's echo, and every one that comes back by another path, is noted as the sweep's segments are. Where nothing
-returns though rays would come down there on the mean bed, were nothing in their way, there is shadow.
+The echo of every ray and every mixed path is noted like that of the sweep's segments. A bin is in shadow if it holds
+no echo although unobstructed rays would land there on the mean bed.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def label_refracted_pings(arrays, poses, rays, contributions, labels):
             for k in range(rays):
                 b, value, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
                 _enter(arrays, hits, arrivals, k, b, value, cosine, contributions, intensity)
-                # A tube that closes counts as wider than it is.
+                # The width of a tube that closes at a caustic is bounded from below.
                 if b >= 0 and value > 0.0 and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
                     labels.caustic[ping, side, b] = True
             if landings.fold < np.inf:
@@ -79,7 +79,7 @@ def label_refracted_pings(arrays, poses, rays, contributions, labels):
 
 @kernel
 def _enter(arrays, hits, arrivals, k, b, value, cosine, contributions, intensity):
-    """Note the echo of what ray k has met."""
+    """Note the echo of the hit of ray k."""
     if b < 0 or value <= 0.0:
         return
     body, bodies = hits.body[k], arrays.solids.shape.size
@@ -94,10 +94,10 @@ def _enter(arrays, hits, arrivals, k, b, value, cosine, contributions, intensity
 
 @kernel
 def _mark_landings(landings, bin_length, hidden):
-    """Mark the bins in which the mean bed would be seen; those that hold an echo are taken out later."""
+    """Mark the bins in which the mean bed would be visible; those that hold an echo are unmarked later."""
     for i in range(landings.range.size - 1):
         near, far = landings.range[i], landings.range[i + 1]
-        # Between probe rays that close which land far apart there is a jump, and no ray comes down.
+        # Probe rays this close in elevation that land far apart enclose a jump, in which no ray lands.
         jump = landings.angle[i + 1] - landings.angle[i] < CLOSE
         if near == near and far == far and not jump:
             first, last = int(min(near, far) / bin_length), int(max(near, far) / bin_length)

@@ -1,4 +1,4 @@
-"""Labels of range bins as the sweep finds them: greatest contributor, its place and incidence, and what is hidden.
+"""Labels of range bins from the sweep: greatest contributor, its place and incidence, and whether bed is hidden.
 
 The planes of the sweep are walked once more. Every visible segment and facet adds its energy to the bins it spans,
 contributor by contributor: each material of the bed is one, and so is each target. Whether a bin holds an echo at all
@@ -49,13 +49,13 @@ from insonify.kernels.targets.primitives import load_primitive
 class BinLabels(NamedTuple):
     """Labels of each range bin, by ping, side and bin."""
 
-    # A material of the bed, or materials in all + index of a target; the next so many by the next way; or NOBODY.
+    # Material of the bed, or number of materials + index of a target, offset for each later path; or NOBODY.
     contributor: NDArray[np.int32]
     energy: NDArray[np.float32]  # of that contributor, in units of all bins at that range
     shadow: NDArray[np.bool_]  # whether bed lies there, hidden, and nothing returns by the direct path
     ground_range: NDArray[np.float32]  # m, NaN where nothing returns
     incidence: NDArray[np.float32]  # rad, NaN where nothing returns
-    caustic: NDArray[np.bool_]  # whether a ray at a caustic returns, whose tube counts as wider than it is
+    caustic: NDArray[np.bool_]  # whether a ray at a caustic returns, whose tube's width is bounded from below
 
 
 def empty_labels(pings: int, bins: int) -> BinLabels:
@@ -97,14 +97,14 @@ class LabelledSegment(NamedTuple):
 
     segment: BedSegment
     contributor: int
-    range_ratio: float  # ground range as it seems through the water over what it is
+    range_ratio: float  # apparent ground range over the true one
     law: int
     bin_length: float
 
 
 @kernel
 def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multipath, contributions, labels):
-    """Label every range bin of pings with its greatest contributor, as the sweep finds them.
+    """Label every range bin of pings with its greatest contributor, by the sweep.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def label_bins(contributions, straight, by_surface, labels, ping, side):
 
 @kernel
 def _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributions):
-    """Note what every visible segment of a profile contributes, and mark the bins of bed out of sight."""
+    """Note the contribution of every visible segment of a profile, and mark the bins that hidden bed spans."""
     occlusion = occlusion_of(zbuffer, cells)
     x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
     weights, ratios, law, bin_length = echoes.weight, profile.range_ratio, arrays.law, arrays.bin_length
@@ -209,7 +209,7 @@ def _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributi
 
 @kernel
 def _note_partial_segment(contributions, labelled, x_from, start, x_to, occlusion):
-    """Note the visible stretches of a segment that rises into sight at ``start``, and mark those between as hidden."""
+    """Note the visible stretches of a segment above the horizon from ``start`` on, and mark the hidden ones between."""
     segment, bin_length, seen_to = labelled.segment, labelled.bin_length, x_from
     low, high = launch_angle(segment, start), launch_angle(segment, x_to)
     while low < high:
@@ -235,7 +235,7 @@ def _foot(segment, x_from, x_to):
 
 @kernel
 def _mark_hidden(segment, x_from, x_to, bin_length, hidden):
-    """Mark the bins spanned by a hidden stretch of a segment, if the beam takes it in."""
+    """Mark the bins spanned by a hidden stretch of a segment inside the beam."""
     start, stop = slant_range(segment, x_from), slant_range(segment, x_to)
     if x_to > x_from and segment.weight + segment.weight_rate * 0.5 * (x_from + x_to) > 0.0:
         nearest = slant_range(segment, _foot(segment, x_from, x_to))
@@ -297,7 +297,7 @@ def _ground_range_at_slant(segment, r, outward):
 
 @kernel
 def _note_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, contributions):
-    """Note what the nearest target in every cell of the z-buffer contributes, facet by facet as the sweep has it."""
+    """Note the contribution of the nearest target in every cell of the z-buffer, facet by facet as in the sweep."""
     solids, mesh, table, pattern = arrays.solids, arrays.mesh, arrays.reflectivity, arrays.pattern
     law, bin_length, bodies = arrays.law, arrays.bin_length, solids.shape.size
     bed, knot = BedHorizon(profile.x, profile.z, horizon, knots), -1

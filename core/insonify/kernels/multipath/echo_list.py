@@ -1,4 +1,4 @@
-"""Echoes by the sea surface on their way into range bins: where each begins and ends, its energy, its contributor.
+"""List of echoes by way of the sea surface, each with its slant ranges, energy and contributor.
 
 Waves spread every echo in range: each facet of the sea surface takes its share of the energy at its own delay.
 """
@@ -18,7 +18,7 @@ from insonify.kernels.multipath.image_sources import PATH_COUNT
 # Columns of a list.
 NEAR, FAR, ENERGY, RISE, TILT, GROUND_RANGE, COSINE, CONTRIBUTOR, COLUMNS = 0, 1, 2, 3, 4, 5, 6, 7, 8
 ROOM = 16384
-ENOUGH = 4096  # echoes after which a list is deposited, with room for what comes before that is asked
+ENOUGH = 4096  # echoes after which a list is deposited; the room left takes those before the next check
 
 
 class SurfaceEcho(NamedTuple):
@@ -35,7 +35,7 @@ class SurfaceEcho(NamedTuple):
 
 
 class EchoSink(NamedTuple):
-    """Where echoes of one side of one ping go."""
+    """Range bins and contributors that take the echoes of one side of one ping."""
 
     bins: NDArray[np.int64]  # difference array
     contributions: ContributorTable

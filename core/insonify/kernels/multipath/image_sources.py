@@ -1,7 +1,7 @@
 """Image sources: the sonar mirrored in the level sea surface and in the bed beneath it.
 
-The surface is a perfect mirror at its own height. The bed beneath the sonar is one too, level there, for the second
-bottom echo: of the energy it leaves R0², as its material has it. Derived in docs/theory/multipath.md.
+The surface is a perfect mirror at its own height. For the second bottom echo the bed beneath the sonar is a level
+mirror, which reflects the share R0² of the energy that its material sets. Derived in docs/theory/multipath.md.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ class ImageSource(NamedTuple):
     """The sonar, or one of its images."""
 
     height: float  # above the sonar, m
-    mirrored: bool  # whether sound that comes down from it set out as steeply upwards
-    share: float  # of the energy that the mirrors leave
+    mirrored: bool  # whether sound that comes down from it left the sonar upwards at the same angle
+    share: float  # share of the energy that the mirrors reflect
     above: float  # height above the sea surface, m; 0 for the sonar itself
 
 
 class ImagePath(NamedTuple):
-    """A propagation path as two images of the sonar, out by one and back by the other, and what its echoes need."""
+    """A propagation path by two images of the sonar, out by one and back by the other, with the waves on its way."""
 
     one: ImageSource  # the lower of the two
     other: ImageSource
-    orders: int  # 2 if they differ, for sound takes them either way round
+    orders: int  # 2 if they differ, because sound travels the path in both directions
     passes: int  # of the sea surface
     path: int  # SURFACE_BOTTOM, SURFACE_BOTTOM_SURFACE or SECOND_BOTTOM
     law: int
@@ -121,7 +121,7 @@ def image_pair(arrays, path, x, y, z):
 def pair_response(one, other, tabulated, two_way):
     """Two-way response of the beam out by one image and back by the other, from those there and back by each.
 
-    A top-hat that takes in the lower of two images takes in the higher one too.
+    A top-hat that covers the lower of two images covers the higher one too.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def pair_response(one, other, tabulated, two_way):
 
 @inlined
 def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair):
-    """Bistatic strength of a surface for a pair of images, in all its orders, times what mirrors leave of the energy.
+    """Bistatic strength of a surface for a pair of images, times its orders and the share that mirrors reflect.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Echoes by way of the sea surface, by single rays from the images of the sonar above it.
 
-Images are exact for level mirrors. What a ray of an image meets first returns to that image straight along the ray;
-the sonar itself receives it if a ray back to it meets nothing. A ray that something high in the water keeps from the
+Images are exact for level mirrors. The first hit of an image's ray returns an echo to that image along the ray; the
+sonar itself receives one if the straight ray back to it is unobstructed. A ray that is obstructed before it passes the
 surface is lost.
 """
 
@@ -104,7 +104,7 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
 
 @inlined
 def _beam_of_image(arrays, beam, image):
-    """Axes of one side of a ping as its image has them: higher up, and in the surface upside down."""
+    """Axes of one side of a ping's beam for an image of the sonar: raised, and upside down by the sea surface."""
     turned = -1.0 if image.mirrored else 1.0
     # R + R' <= 2r and R' - R <= the height of the image.
     reach = arrays.bins * arrays.bin_length + 0.5 * image.height
@@ -117,7 +117,7 @@ def _beam_of_image(arrays, beam, image):
 
 @inlined
 def _retro_strength(arrays, fan, weight, path, meeting):
-    """Strength of what returns along the path that it came by from an image, with the record's 1/r⁴ taken out."""
+    """Strength of the echo that returns to an image along its own ray, with the record's 1/r⁴ taken out."""
     cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
     if cosine <= 0.0:
         return 0.0
@@ -130,7 +130,7 @@ def _retro_strength(arrays, fan, weight, path, meeting):
 
 @inlined
 def _azimuth_ratio(arrays, beam, path):
-    """Azimuths of a top-hat at an image over those at the sonar, the fewer: law `light` averages over the latter."""
+    """Azimuths of a top-hat at an image over those at the sonar: law `light` averages over the latter."""
     dx, dy, dz = path.x - beam.x, path.y - beam.y, path.z - beam.z
     level = math.sqrt(dx * dx + dy * dy)
     straight = level / math.sqrt(level * level + dz * dz)
@@ -140,7 +140,7 @@ def _azimuth_ratio(arrays, beam, path):
 
 @kernel
 def _is_blocked(arrays, beam, image, bundle, hits, k):
-    """Whether a ray does not come by the surface, or meets something on its way up to it."""
+    """Whether a ray does not pass the surface, or is obstructed on its way up to it."""
     if not -bundle.dz[k] * hits.distance[k] > image.above:
         return True
     if not image.mirrored:

@@ -178,7 +178,7 @@ def _add_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
     plane, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, straight_grid())
     near_field, per_height = fan.near_field[k], fan.reach[k]
     height = max(plane.z - arrays.bed.low, LOWEST)
-    # If sound passes the beam but once, the higher image's beam counts, which takes in what lies farther out.
+    # If sound passes the beam only once, the beam of the higher image counts, which reaches farther out.
     one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
     highest = pair.other.height if one_way else pair.one.height
     reach = min(per_height * (height + highest), arrays.bins * arrays.bin_length)
@@ -196,7 +196,7 @@ def _add_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
 
 @inlined
 def _deposit(arrays, passes, path, echoes, n, sink):
-    """Deposit listed echoes, spread by as many passes of the sea surface."""
+    """Deposit listed echoes, spread according to their passes of the sea surface."""
     deposit_echoes(echoes, n, arrays.multipath.facets[passes - 1], arrays.bin_length, path, sink)
 
 
@@ -224,7 +224,7 @@ def _view_from_image(arrays, count, image, plane, sector, reach, workspace, k):
 
 @kernel
 def _list_bed(arrays, count, pair, cells, workspace, sink):
-    """List what of a profile both images see; return the number of echoes not deposited yet."""
+    """List the echoes of the bed that both images see; return the number of echoes not deposited yet."""
     profile, echoes, one, other = workspace.profile, workspace.echoes, workspace.images[0], workspace.images[1]
     x, slope, area, material = profile.x, profile.slope, profile.area, profile.material
     z_one, launch_one, horizon_one, r_one, weight_one = one.z, one.launch, one.horizon, one.r, one.weight
@@ -261,7 +261,7 @@ def _list_bed(arrays, count, pair, cells, workspace, sink):
 
 @kernel
 def _list_visible_to_both(segment, pair, x_from, x_to, occlusions, echoes, n):
-    """List what no target hides from either image of a segment, between two ground ranges."""
+    """List the echoes of a segment between two ground ranges that no target hides from either image."""
     low, high = launch_angle(segment.one, x_from), launch_angle(segment.one, x_to)
     while low < high:
         opened, closed = next_visible(occlusions[0], segment.one, low, high)
@@ -276,7 +276,7 @@ def _list_visible_to_both(segment, pair, x_from, x_to, occlusions, echoes, n):
 
 @kernel
 def _list_visible_to_higher(segment, pair, x_from, x_to, occlusion, echoes, n):
-    """List what no target hides from the higher image of a segment, between two ground ranges."""
+    """List the echoes of a segment between two ground ranges that no target hides from the higher image."""
     low, high = launch_angle(segment.other, x_from), launch_angle(segment.other, x_to)
     while low < high:
         opened, closed = next_visible(occlusion, segment.other, low, high)
@@ -320,7 +320,7 @@ def _list_stretch(segment, pair, x_from, x_to, echoes, n):
 
 @kernel
 def _nearest_ground_range(segment, x_from, x_to):
-    """Ground range at which the echo of a segment comes from nearest; slant range falls towards it and grows beyond."""
+    """Ground range of the nearest echo of a segment; slant range falls towards it and grows beyond."""
     if _range_rate(segment, x_from) >= 0.0:
         return x_from
     if _range_rate(segment, x_to) <= 0.0:
@@ -376,7 +376,8 @@ def _list_part(segment, pair, x_from, x_to, near, far, echoes, n):
 def _add_surface_echo(arrays, poses, ping, side, echoes, sink):
     """Add the echo of the sea surface straight above: of an image source twice as far away as the surface.
 
-    It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; in law `light`, a lamp in a mirror.
+    It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; under law `light` it is the image of a
+    lamp in a mirror.
     """
     image = surface_image(arrays, poses.z[ping])
     depth, law = image.above, arrays.law

@@ -157,6 +157,6 @@ def _list_facet(pattern, pair, facet, cos_other, numbers, sectors, contributor, 
 
 @inlined
 def _distance(distance, c, s, raised):
-    """Distance from the higher image of what lies in the direction (c, s) of the lower one."""
+    """Distance from the higher image to a point in the direction (c, s) from the lower one."""
     height = distance * s - raised
     return math.sqrt(distance * distance * c * c + height * height)

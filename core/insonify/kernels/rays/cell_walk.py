@@ -2,7 +2,7 @@
 
 Along a ray the height above one cell is a quadratic in distance. Its value at the border between two cells is carried
 from one to the next, so no ray slips through a shared edge. The bed is solid and seen from above: a ray that comes
-into it from the side or starts inside it ends there, and hears nothing.
+into it from the side or starts inside it ends there and returns no echo.
 
 Theory: docs/theory/sweep.md.
 """
@@ -25,7 +25,7 @@ NOTHING = -2
 SKIN = 1e-9  # share of the coordinates: a point closer to the bed is on it, and a ray that starts there does not hit it
 FOREVER = 1e300
 
-# Handing a scene's arrays from function to function, ray by ray, costs more than the walk itself.
+# Passing a scene's arrays from function to function, ray by ray, costs more than the walk itself.
 
 
 class Ray(NamedTuple):
@@ -76,10 +76,11 @@ def find_first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
 
     Parameters
     ----------
-    bed, solids, mesh : Bed, Solids, Mesh
+    bed, solids : Bed, Solids
     near : ndarray of int64
         Rows of the solids that the rays may meet, ``count`` of them.
     count : int
+    mesh : Mesh
     bundle : RayBundle of ndarrays, shape (n,)
     reach : float
         Distance after which a ray ends, m.
@@ -100,7 +101,7 @@ def find_first_hits(bed, solids, near, count, mesh, bundle, reach, hits):
 
 @kernel
 def _meet_solids(solids, near, count, bundle, reach, hits):
-    """Begin the hits with the nearest solid that each ray meets within ``reach``."""
+    """Initialise the hits with the nearest solid that each ray meets within ``reach``."""
     for k in range(bundle.x.size):
         hits.distance[k], hits.body[k], hits.material[k] = math.inf, NOTHING, 0
         hits.nx[k], hits.ny[k], hits.nz[k] = 0.0, 0.0, 0.0

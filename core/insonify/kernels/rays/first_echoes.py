@@ -178,7 +178,7 @@ def weigh_by_pattern(arrays, beam, bundle, hits, weight, weighed):
 
 @kernel
 def deposit_hits(bundle, hits, weight, reflectivity, law, fan, bin_length, sums):
-    """Sum of what hits return, bin by bin.
+    """Sum of the echoes of hits in each range bin.
 
     Parameters
     ----------
@@ -243,7 +243,7 @@ def ray_echo(bundle, hits, k, reflectivity, law, fan, bin_length):
 
 @kernel
 def elevation_tilt(dx, dy, dz, nx, ny, nz):
-    """|n·e| of a surface's normal with the way in which a growing elevation moves a ray.
+    """|n·e| of a surface's normal n and the direction e in which a growing elevation moves a ray.
 
     Parameters
     ----------

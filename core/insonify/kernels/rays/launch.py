@@ -1,9 +1,9 @@
-"""Directions in which straight rays are sent, and what angle each stands for.
+"""Launch directions of straight rays, and the angle that each stands for.
 
 On a level bed the rays of the main stratum hit at equal steps of slant range; a second stratum takes the elevations
 above it, up to the highest thing there is to see. Across a beam azimuths follow the golden ratio: of a level top-hat
 over the exact width of the cone |sin φ_b| = cos θ |sin φ| <= sin(w/2) at each elevation, of any other half evenly over
-all that is heard, half as the pattern has it. The beam as a cone is derived in docs/theory/beam.md.
+the azimuths in the beam, half in proportion to the pattern. The beam as a cone is derived in docs/theory/beam.md.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class SideBeam(NamedTuple):
     axis_x: float  # unit vector about which the beam's cones lie: the fish's own, or the heading of a level beam
     axis_y: float
     axis_z: float
-    s_low: float  # sines of the angles from the plane athwart it between which anything is heard
+    s_low: float  # sines of the angles from the plane athwart it between which the beam responds
     s_high: float
     own_x: float  # unit vector towards the side, of the pitched and rolled fish
     own_y: float
@@ -49,7 +49,7 @@ class SideBeam(NamedTuple):
 
 
 class RayLaunch(NamedTuple):
-    """Directions of the rays of one side in the sonar's own axes, and what each stands for."""
+    """Directions of the rays of one side in the sonar's own axes, and the weight of each."""
 
     ahead: NDArray[np.float64]  # (n,) unit directions
     abeam: NDArray[np.float64]  # (n,)

@@ -1,7 +1,7 @@
-"""Hits of straight rays by steps of one length, as in the paper's day: the first step below a surface is the hit.
+"""Hits of straight rays by marching in fixed steps: the first step below a surface is the hit.
 
-What is thinner than a step can be stepped over; that is the method. A mesh has no inside to step into: its triangles
-are met where they are.
+The method may step over anything thinner than a step. A mesh has no inside to sample: its triangles are intersected
+exactly.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def _march(bed, solids, near, count, ray, ceiling, reach, step):
 
 @inlined_before_typing
 def _sample(bed, solids, near, count, ray, before, t, step):
-    """Test the sample at distance t: where what it is in began since the last sample, the body, and the clearance.
+    """Test the sample at distance t: distance of the surface crossed since the last sample, body, and clearance.
 
     ``before`` is the clearance above the bed of the last sample, a step nearer.
     """

@@ -1,4 +1,4 @@
-"""Paths through mirrors and bodies: what a path meets next, and how its energy splits there.
+"""Paths by specular reflection and refraction: the next surface of a path, and the split of its energy there.
 
 At every hit the energy splits: R0² goes on as in a mirror, 1 − R0² refracts into a closed body by Snell's law with the
 body's speed ratio ν, or is lost in the bed; beyond the critical angle all of it is reflected. The bed's cells are flat
@@ -49,7 +49,7 @@ class SpecularPath(NamedTuple):
 
 
 class Intersection(NamedTuple):
-    """What a path meets next."""
+    """The next surface that a path meets."""
 
     distance: float
     body: int  # NOTHING if it meets nothing
@@ -80,7 +80,7 @@ def start_path(bundle, k):
 
 @inlined
 def advance_to(arrays, path, meeting):
-    """Path where it has arrived at what it meets.
+    """Path advanced to the surface that it meets.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def offset_from_surface(x, y, z, length):
 
 @inlined
 def _slowness(arrays, path):
-    """Travel time of a metre where a path is, in metres of water."""
+    """Travel time per metre where a path is, in metres of water."""
     return 1.0 if path.inside == WATER else 1.0 / arrays.interface[_material(arrays, path.inside), 1]
 
 
@@ -135,7 +135,7 @@ def _material(arrays, body):
 
 @kernel
 def split_path(arrays, path, meeting, longest, waiting):
-    """Queue what goes on from a hit: the reflected part, and the refracted one if there is a closed body.
+    """Queue the paths that leave a hit: the reflected one, and the refracted one if the body is closed.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def split_path(arrays, path, meeting, longest, waiting):
 
 @inlined
 def _reflect_path(arrays, path, meeting, cosine, share):
-    """Path that goes on as from a mirror, with a share of the energy."""
+    """Path after specular reflection, with a share of the energy."""
     nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
     off = offset_from_surface(path.x, path.y, path.z, path.length)
     bent = differentiate_normal(arrays.solids, path.up, path, meeting)
@@ -183,7 +183,7 @@ def _reflect_path(arrays, path, meeting, cosine, share):
 
 @inlined
 def _refract_path(arrays, path, meeting, cosine, speeds, root, share):
-    """Path that passes into a body, or out of it, with a share of the energy: Snell's law in vectors."""
+    """Path after refraction into a body or out of it, with a share of the energy: Snell's law in vectors."""
     nx, ny, nz, dx, dy, dz = meeting.nx, meeting.ny, meeting.nz, path.dx, path.dy, path.dz
     off = offset_from_surface(path.x, path.y, path.z, path.length)
     bend = speeds * cosine - root
@@ -200,7 +200,7 @@ def _refract_path(arrays, path, meeting, cosine, speeds, root, share):
 
 @inlined
 def _lets_through(arrays, path, meeting):
-    """Whether there is water, or a body, behind what is met."""
+    """Whether sound passes a surface: water or a closed body lies behind it."""
     triangle = meeting.body - arrays.solids.shape.size
     if path.inside != WATER or triangle < 0:
         return meeting.body != BED
@@ -210,7 +210,7 @@ def _lets_through(arrays, path, meeting):
 
 @inlined
 def meet_next(arrays, path, reach):
-    """Next thing that a path meets, from outside a body or from inside.
+    """Next surface that a path meets, from outside a body or from inside.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ def meet_next(arrays, path, reach):
 
 @kernel
 def meet_scene(arrays, x, y, z, dx, dy, dz, reach):
-    """Nearest thing in a scene along a straight ray.
+    """Nearest surface of a scene along a straight ray.
 
     Parameters
     ----------
@@ -265,7 +265,7 @@ def meet_scene(arrays, x, y, z, dx, dy, dz, reach):
 
 @kernel
 def _leave_solids(solids, path):
-    """Exit from a solid; where another of the same target goes on, from that."""
+    """Exit from a solid, or from the last of the overlapping solids of the same target."""
     body, total = path.inside, 0.0
     x, y, z = path.x, path.y, path.z
     off = offset_from_surface(x, y, z, path.length)

@@ -83,7 +83,7 @@ def transfer(shift, path, surface):
 
 @inlined
 def reflect(shift, cosine, path, surface, bent):
-    """Turn a differential with a ray that a mirror turns.
+    """Differential of a ray after specular reflection.
 
     Parameters
     ----------
@@ -113,16 +113,18 @@ def reflect(shift, cosine, path, surface, bent):
 
 @inlined
 def refract(shift, cosine, speeds, root, path, surface, bent):
-    """Turn a differential with a ray that passes into or out of a body.
+    """Differential of a ray after refraction into or out of a body.
 
     Parameters
     ----------
-    shift, cosine, path, surface, bent
+    shift, cosine
         As in `reflect`.
     speeds : float
         Ratio ν of the speed of sound behind the surface to that before it.
     root : float
         Cosine of the angle of refraction.
+    path, surface, bent
+        As in `reflect`.
 
     Returns
     -------
@@ -142,7 +144,7 @@ def refract(shift, cosine, speeds, root, path, surface, bent):
 
 @inlined
 def differentiate_normal(solids, shift, path, surface):
-    """How the normal of a surface moves with the place of a differential: not at all on facets and the bed's cells.
+    """Change of a surface's normal along a differential; zero on facets and on the bed's cells.
 
     Parameters
     ----------

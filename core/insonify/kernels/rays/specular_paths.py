@@ -1,6 +1,6 @@
-"""Echoes after the first: rays that mirror-like surfaces turn and bodies let through.
+"""Echoes after the first: of rays that surfaces reflect like mirrors and that bodies transmit.
 
-Energy splits at every hit as `path_tracing` says. A path X of length s, on which a metre inside a body counts 1/ν
+Energy splits at every hit as in `path_tracing`. A path X of length s, on which a metre inside a body counts 1/ν
 because the record counts time, carries the share w of its energy to a point P. There a tube of solid angle dΩ covers
 dA = a dΩ, where a follows from the tube's differentials, through curved mirrors and lenses too; it is s² / cos α on the
 far side of flat ones. Where d_X is the way X arrives, α its incidence and σ the bistatic strength, P receives
@@ -62,7 +62,7 @@ class PathHit(NamedTuple):
 
 @kernel
 def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
-    """Echoes of the rays of one side from beyond their first hits, bin by bin.
+    """Add the echoes of one side's rays after their first hits to the range bins.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def follow_specular_paths(arrays, bundle, reach):
 
 @inlined
 def _add_retro_echo(arrays, fan, weight, path, meeting, sums):
-    """Add the echo along the path itself, of one that has arrived."""
+    """Add the echo of a path's hit that returns along the path itself."""
     b = int(path.length / arrays.bin_length)
     cosine = -(meeting.nx * path.dx + meeting.ny * path.dy + meeting.nz * path.dz)
     if b >= sums.size or cosine <= 0.0:

@@ -1,6 +1,6 @@
 """Pulse and delay of the mean echo: the pulse spreads it over range, fluctuations of the water shift it.
 
-Beyond the last bin the echo is taken to go on as it is there, so that an even bed is even to the end.
+Beyond the last bin the echo is continued at its last value, so that a uniform bed stays uniform to the end.
 
 Theory: docs/theory/speckle.md.
 """
@@ -31,7 +31,7 @@ def convolve_pulse(record, taps, before, out):
         for side in range(sides):
             for tap in range(taps.size):
                 late = tap - before
-                # Slices that are walked from 0: an index that might be negative would keep it off the vector units.
+                # The slices are indexed from 0: an index that might be negative prevents vectorisation.
                 echo, heard = record[ping, side, max(-late, 0) :], out[ping, side, max(late, 0) :]
                 for k in range(min(echo.size, heard.size)):
                     heard[k] += echo[k] * taps[tap]
@@ -41,7 +41,7 @@ def convolve_pulse(record, taps, before, out):
 
 @kernel
 def delay_pings(record, bins_late, out):
-    """Delay every ping by its own number of bins; energy in between is shared.
+    """Delay every ping by its own number of bins; a fractional delay shares energy between two bins.
 
     Parameters
     ----------

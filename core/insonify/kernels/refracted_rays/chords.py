@@ -142,14 +142,14 @@ def march_chords(bed, solids, mesh, batch, rays, met):
 
 @inlined
 def _limit(chords, met, k, c):
-    """Distance along chord c up to which ray k may meet anything nearer than what is known, m."""
+    """Distance along chord c up to which a hit of ray k is nearer than the known one, m."""
     limit = chords[c, LENGTH] + OVERLAP
     return min(limit, met.distance[k]) if c == met.chord[k] else limit
 
 
 @kernel
 def _meet_bodies(solids, batch, rays, met):
-    """Begin the hits of a batch with the first solid on each ray."""
+    """Initialise the hits of a batch with the first solid on each ray."""
     chords = batch.chords
     for k in range(rays):
         met.chord[k], met.distance[k], met.body[k], met.material[k] = (
@@ -178,7 +178,7 @@ def _meet_bodies(solids, batch, rays, met):
 
 @kernel
 def _meet_mesh(solids, mesh, batch, rays, met):
-    """Enter the first triangle on each ray where it comes before what is known."""
+    """Replace the hit of each ray by its first triangle where that is nearer."""
     chords = batch.chords
     for k in range(rays):
         if not batch.meshed[k]:
@@ -200,7 +200,7 @@ def _meet_mesh(solids, mesh, batch, rays, met):
 
 @kernel
 def _meet_bed(bed, batch, rays, met):
-    """Enter the bed where it comes before what is known; a ray that is inside it has ended there."""
+    """Replace the hit of each ray by the bed where that is nearer; a ray inside the bed ends there."""
     chords = batch.chords
     for k in range(rays):
         for c in range(batch.start[k], min(met.chord[k] + 1, batch.start[k + 1])):

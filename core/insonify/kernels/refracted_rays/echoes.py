@@ -37,7 +37,7 @@ from insonify.kernels.refracted_rays.hits import (
 from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
 from insonify.kernels.refracted_rays.probe_rays import Waveguide, aim_refracted_rays, empty_landings
 
-SLACK = 0.1  # share of its distance by which a body heard along arcs may lie beside a beam of straight rays
+SLACK = 0.1  # share of its distance by which a body insonified along arcs may lie outside a beam of straight rays
 
 
 @kernel
@@ -175,7 +175,7 @@ def _may_touch(beam, cx, cy, cz, bound):
 
 @kernel
 def _deposit_refracted(arrays, hits, arrivals, weight, sums):
-    """Sum what hits return into range bins; the range factor, which holds 1/r⁴, comes after."""
+    """Sum the echoes of hits into range bins, before the range factor, which holds 1/r⁴."""
     sums[:] = 0.0
     for k in range(weight.size):
         b, value, _ = refracted_echo(arrays, hits, arrivals, weight, k)

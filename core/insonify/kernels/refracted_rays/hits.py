@@ -1,10 +1,9 @@
 """First hits of rays that water bends, along their arcs, and how the rays arrive there.
 
-A ray stays in the vertical plane it is sent in: of water that differs along a line it feels what lies in that plane;
-horizontal refraction is left out. Above everything it goes from node to node of the water in one step; from there on
-each arc is cut into chords so short that they leave it by no more than a share of a millimetre, and the chords are
-tested for hits. From the hit on the arc itself is taken again: time, direction and the width of the ray tube are its
-own.
+A ray stays in the vertical plane in which it is launched: horizontal refraction is neglected. Above the bed and all
+targets it advances from node to node of the water in one step. Below, each arc is cut into chords so short that they
+deviate from it by a fraction of a millimetre, and the chords are tested for hits. Travel time, direction and the width
+of the ray tube at a hit are those of the arc.
 """
 
 from __future__ import annotations
@@ -40,16 +39,16 @@ from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, 
 
 SAGITTA = 1e-4  # m by which a chord may leave its arc
 MOST_ARCS = 4096  # of one ray: a trapped one is given up
-CLEAR = 1e-3  # m above the highest thing and off any node of the water, where rays are first asked what they meet
+CLEAR = 1e-3  # m above the highest thing and off any node of the water, below which rays are tested for hits
 TOGETHER = 64  # rays of a batch
 STATE = 8  # numbers of the state of a ray at the start of an arc
-# At a caustic the tube closes, and rays alone make sound infinite. Airy's function peaks where the tube is about
+# At a caustic the tube closes, and ray theory makes intensity infinite. Airy's function peaks where the tube is about
 # (λ / πr)^⅓ as wide as one that nothing focuses: 0.02 at 400 kHz and 100 m. No tube counts as narrower.
 CAUSTIC = 0.02
 
 
 class Arrivals(NamedTuple):
-    """How rays arrive at what they meet, (n,) each."""
+    """Directions, tube widths, sound speeds and places with which rays arrive at their hits, (n,) each."""
 
     dx: NDArray[np.float64]  # unit direction
     dy: NDArray[np.float64]
@@ -62,7 +61,7 @@ class Arrivals(NamedTuple):
 
 
 class LandedRays(NamedTuple):
-    """Rays, what each meets, and how it arrives there."""
+    """Rays with their hits, and their arrivals there."""
 
     bundle: RayBundle
     hits: Hits
@@ -210,7 +209,7 @@ def _disc_crossing(plane, cx, cy, bound):
 
 @kernel
 def _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins):
-    """Follow rays and lay chords where they may meet anything; return the chords, and how the ray begins each arc."""
+    """Chords of rays where they may meet anything, and the state of each ray at the start of each arc."""
     height, speed, station, surface = water.height, water.speed, water.station, water.surface
     axis_x, axis_y, rows, start = water.axis_x, water.axis_y, batch.chords, batch.start
     latest = reach / water.reference
@@ -246,7 +245,7 @@ def _lay_chords(water, bundle, first, count, reach, march, limits, batch, begins
 
 @inlined
 def lay_in_section(axis_x, axis_y, plane):
-    """How the vertical plane of a ray lies to the stations of the water.
+    """Position and direction of a ray's vertical plane relative to the stations of the water.
 
     Parameters
     ----------
@@ -306,14 +305,14 @@ def _write_chords(rows, chord, arc, pieces, turn, whole, plane, limit, ray):
 
 @inlined
 def _keep_arc_start(begins, arc, ray):
-    """Write how a ray begins an arc."""
+    """Write the state of a ray at the start of an arc."""
     begins[arc, 0], begins[arc, 1], begins[arc, 2], begins[arc, 3] = ray.x, ray.z, ray.cosine, ray.sine
     begins[arc, 4], begins[arc, 5], begins[arc, 6], begins[arc, 7] = ray.speed, ray.time, ray.p, ray.q
 
 
 @kernel
 def _arrive(water, rays, first, count, reach, batch, begins, met):
-    """Take the arcs on which chords have met anything to those places: how rays arrive."""
+    """Arrivals of rays at their hits, along the arcs whose chords were hit."""
     bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
     height, speed, station, reference = water.height, water.speed, water.station, water.reference
     axis_x, axis_y, rows = water.axis_x, water.axis_y, batch.chords

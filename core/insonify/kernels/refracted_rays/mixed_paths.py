@@ -1,11 +1,11 @@
 """Mixed paths: echoes that go out by one refracted ray and come back by another.
 
-A ray that lands knows its own way; for each other elevation at which a probe ray comes down near there, the ray that
-lands on the same spot is found by Newton's steps and sent, to see whether anything is in its way. Of two paths A and B
+Each ray that lands gives one path. For each other elevation at which a probe ray comes down near there, Newton's steps
+find the ray to the same spot, which is then traced to see whether anything obstructs it. Of two paths A and B
 with slant ranges r_A and r_B the echo comes at R = (r_A + r_B) / 2, of which each path's own landings bring one half:
 out by A, on which dΩ lands as ever, and back by B. It enters as σ(d_A, d_B) dΩ R⁴ / (cos α_A q_B x / cosθ_B), and for a
 knife as σ dθ R⁴ / ((x / cosθ_A) cos α_A q_B x / cosθ_B); law `light` has |(d_A + d_B) · dP| / 2 for the step of range,
-as `specular_paths` has it.
+as in `specular_paths`.
 
 Theory: docs/theory/refraction.md.
 """
@@ -37,7 +37,7 @@ SEEN = 0.02  # m by which the landings of two paths may lie apart: chords leave 
 
 @kernel
 def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, rays):
-    """Echoes out by the paths of one side's rays and back by others.
+    """Mixed echoes of one side's rays: out along one path and back along another to the same place.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, rays):
 
 @kernel
 def _pair_paths(waveguide, z, landings, rays, weight):
-    """Find the other rays to where rays have landed: the numbers of those, and the elevations of the others."""
+    """Numbers of the rays that have landed, and elevations of other rays to the same places."""
     bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
     pairs, angles = np.empty(weight.size, np.int64), np.empty(weight.size)
     found = np.empty(MOST_WAYS + 1)
@@ -117,7 +117,7 @@ def _pair_paths(waveguide, z, landings, rays, weight):
 
 @kernel
 def _find_other_path(waveguide, z, angle, x, height):
-    """Elevation at which a ray comes to a place, from a guess; NaN if that leads nowhere."""
+    """Elevation of a ray to a given place, from an initial guess; NaN if Newton's steps do not converge."""
     water = waveguide.water
     for _ in range(TRIES):
         ray = launch_ray(water.height, water.speed, water.station, waveguide.plane, z, math.cos(angle), math.sin(angle))
@@ -142,7 +142,7 @@ def _find_other_path(waveguide, z, angle, x, height):
 
 @inlined
 def _is_new(found, ways, angle):
-    """Whether a ray is none of those known."""
+    """Whether a ray differs from all those known."""
     for way in range(ways):
         if abs(found[way] - angle) < SAME:
             return False
@@ -159,7 +159,7 @@ def _enlarge_row(row):
 
 @inlined
 def _mixed_echo(arrays, beam, weight, rays, k, other_rays, m):
-    """Bin and value of what goes out by ray k and back by the other ray m to the same place."""
+    """Bin and value of the echo out along ray k and back along another ray m to the same place."""
     bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
     others, met, back = other_rays.bundle, other_rays.hits, other_rays.arrivals
     fan, law = arrays.half_width > 0.0, arrays.law

@@ -1,4 +1,4 @@
-"""Directions in which refracted rays are sent: probe rays go first and tell where there is anything to hit.
+"""Launch directions of refracted rays, from probe rays that show where there is anything to hit.
 
 Between two probes that hit a level bed, rays lie at equal steps of its slant range; where a probe only comes as low as
 something may stand, as dense as they lie on a level bed at the end of the range, at most half of all. Elevations from
@@ -21,7 +21,7 @@ from insonify.kernels.refraction.arcs import ENDLESS, HIGH, LOW, RANGE
 from insonify.kernels.refraction.section_arcs import SectionPlane, advance_ray, launch_ray
 
 PROBE_RAYS = 256
-CROWD = 6.0  # concentration of the first probe rays about the horizontal, where a degree makes the most metres
+CROWD = 6.0  # concentration of the first probe rays about the horizontal, where range changes most per degree
 APART = 1.0 / 512.0  # share of the range by which two probe rays may land apart; farther apart others go between
 CLOSE = 1e-9  # rad between two probe rays that land far apart, or one nowhere, below which none goes between
 MOST_PROBE_RAYS = 8192
@@ -37,7 +37,7 @@ class Waveguide(NamedTuple):
 
 
 class ProbeRay(NamedTuple):
-    """What becomes of a ray that is sent at one elevation."""
+    """Landing of a probe ray of one elevation on the mean bed."""
 
     angle: float  # rad, up positive
     near: bool  # whether it comes below the highest thing
@@ -69,7 +69,7 @@ def empty_landings():
 
 @kernel
 def aim_refracted_rays(launch, waveguide, z, half_width, law, spreads):
-    """Aim all rays of a side; what is left over has no weight.
+    """Aim all rays of a side; rays that are not needed get weight 0.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def aim_refracted_rays(launch, waveguide, z, half_width, law, spreads):
 
 @kernel
 def _weigh_elevations(waveguide, z):
-    """Send probe rays; return where they land, and how many rays belong between each two by comparison."""
+    """Send probe rays; return where they land, and the relative number of rays between each two."""
     probes = [_send_probe(waveguide, z, _first_angle(0))]
     waiting = [probes[0]]
     waiting.pop()

@@ -1,9 +1,9 @@
-"""Sheets of rays, each integrated over elevation: nearer to the truth than as many rays one by one.
+"""Sheets of rays, each integrated over elevation: more accurate than as many single rays.
 
 The rays of a sheet keep one place within the beam and follow one another in elevation. Where two neighbours land on one
-surface, and as far apart as their own landings grow, what is returned between them is spread over the range between
-them, its kink, if there is one, found by how far apart they are. Anything else between two neighbours, the edge of a
-shadow or of a target, is halved until what is left is a small share of a bin.
+surface, as far apart as the growths of their ranges predict, the energy between them is spread over the range between
+them; their distance also locates a kink of the surface. Any other gap between neighbours, such as the edge of a shadow
+or of a target, is halved until it is a small share of a bin.
 
 Theory: docs/theory/error.md.
 """
@@ -52,7 +52,7 @@ OF_THREE = 3  # rays of a gap: both ends and the middle
 
 
 class SheetEchoes(NamedTuple):
-    """What the rays of one sheet return, by ascending elevation."""
+    """Echoes of the rays of one sheet, by ascending elevation."""
 
     angle: NDArray[np.float64]  # (n,) elevation, rad
     distance: NDArray[np.float64]  # (n,) slant range, m, infinite where nothing is met
@@ -101,7 +101,7 @@ def trace_ray_sheets(arrays, poses, sheets, rays, out):
 
 @kernel
 def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
-    """Sum what sheets of straight rays return."""
+    """Sum the echoes of sheets of straight rays."""
     bodies, top = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
     top = max(top, highest_elevation(arrays.bed.high - beam.z, 0.0, beam.reach))
     launch = empty_launch(rays)
@@ -118,7 +118,7 @@ def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
 
 @kernel
 def _add_refracted_sheets(arrays, beam, pitch, sheets, rays, sums):
-    """Sum what sheets of rays return that follow arcs."""
+    """Sum the echoes of sheets of rays along arcs."""
     waveguide, launch = make_waveguide(arrays, beam), empty_launch(rays)
     # Law `light` of a knife: weights are the angles that rays stand for.
     landings = aim_refracted_rays(launch, waveguide, beam.z, 0.0, LIGHT, True)
@@ -137,7 +137,7 @@ def _add_refracted_sheets(arrays, beam, pitch, sheets, rays, sums):
 
 @kernel
 def _add_mixed(arrays, beam, pitch, waveguide, landings, launch, place, shift, sums):
-    """Sum what goes out by the rays of one place within the beam and back by others.
+    """Sum the mixed echoes out along the rays of one place within the beam and back along others.
 
     It comes ray by ray; every sheet has its rays shifted within what they stand for, so that all fill the elevations.
     """
@@ -208,7 +208,7 @@ def _trace_refracted_sheet(arrays, beam, pitch, angle, place):
 
 @kernel
 def _send(arrays, beam, pitch, angle, place):
-    """Point rays to one place, in [0, 1), within the beam; tell what each stands for per radian of elevation."""
+    """Point rays to one place, in [0, 1), within the beam; return the weight of each per radian of elevation."""
     n, fan, tabulated = angle.size, arrays.half_width > 0.0, arrays.pattern.tabulated
     centre, extent = arrays.pattern.centre, widest_extent(arrays.pattern)
     launch, bundle = empty_launch(n), empty_bundle(n)
@@ -230,9 +230,9 @@ def _send(arrays, beam, pitch, angle, place):
 
 @inlined
 def _azimuth(centre, extent, main, level, place):
-    """Azimuth of a place in [0, 1) within a beam with a pattern, and what it grows by per place.
+    """Azimuth of a place in [0, 1) within a beam with a pattern, and its derivative with respect to that place.
 
-    Half the places are in the main lobe, where that is less than half of what is heard; away from it they lie ever
+    Half the places are in the main lobe, where that is less than half of the beam's extent; away from it they lie ever
     farther apart. Over azimuths φ, level · sin φ runs from centre - extent to centre + extent.
     """
     low, high = max((centre - extent) / level, -1.0), min((centre + extent) / level, 1.0)
@@ -251,7 +251,7 @@ def _azimuth(centre, extent, main, level, place):
 
 @kernel
 def _spread_or_split(landed, together, bin_length, sums):
-    """Sum what is returned between neighbours over the bins that it spans; list those gaps that must be halved.
+    """Spread the energy between neighbouring rays over the bins that it spans; list the gaps that must be halved.
 
     So many rays at a time are neighbours of one another.
     """
@@ -279,7 +279,7 @@ def _spread_or_split(landed, together, bin_length, sums):
 
 @inlined
 def _spread_between(landed, k, angle, one, other, bin_length, sums):
-    """Spread what is returned between two neighbours over the range between them, on either side of its kink."""
+    """Spread the energy between two neighbours over the range between them, on either side of its kink."""
     near, far, share = landed.distance[k], landed.distance[k + 1], 0.5
     if abs(one - other) > KINKED * max(one, other):
         # The growth is one up to the kink and the other beyond: the distance between both landings gives its place.

@@ -4,11 +4,11 @@ From one sonar, a place reached by one ray alone is known by that ray's launch a
 
     x' = r' cosθ0,  z' = r' sinθ0,  r' = reference speed · τ,
 
-it stays behind and before the same places as it is in truth, and sound goes straight to it: horizon, z-buffer and bins
-need not know of the water. This map is as smooth as the water, straight down and level with the sonar too, so that
+it keeps its order before and behind other places, and sound goes straight to it: horizon, z-buffer and bins can
+ignore the refraction. This map is as smooth as the water, straight down and level with the sonar too, so that
 tables of x'/x and z' - z are coarse and their errors small.
 
-With q the distance across the ray per launch angle, N = q/r' tells what the map does to energy. A piece of surface
+With q the distance across the ray per launch angle, N = q/r' gives the effect of the map on energy. A piece of surface
 ds seen at incidence α spans the launch angle dθ0 = cosα ds / q, and one-way intensity over that at 1 m is
 cosθ0 / (x |q|) = (x'/x) / (N r'²). Hence the true incidence, spreading and along-track width follow from N. Derived in
 docs/theory/refraction.md.
@@ -69,7 +69,7 @@ def _interpolate_table(bending, z, table):
 
     Parameters
     ----------
-    apparent : ApparentTables
+    bending : ApparentTables
     z : float
         Height of the sonar, m.
     table : ndarray of float32, shape (rows, columns, 4)
@@ -85,7 +85,7 @@ def _interpolate_table(bending, z, table):
 
 @inlined_uncounted
 def straight_grid():
-    """Grid of no table: sound goes straight.
+    """Grid without a table, for water in which sound goes straight.
 
     Returns
     -------
@@ -100,7 +100,7 @@ def prepare_table(bending, z, table):
 
     Parameters
     ----------
-    apparent, z, table
+    bending, z, table
         As in `_interpolate_table`.
 
     Returns
@@ -118,7 +118,7 @@ def prepare_table(bending, z, table):
 
 @inlined
 def look_up_position(table, grid, x, z):
-    """Entries of a table for a place, bilinear; beyond the table as at its edge.
+    """Entries of a table for a place, bilinear, clamped at the table's edges.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def _bilinear(table, j, i, what):
 
 @inlined
 def _overhangs(x, level, count):
-    """Whether any wall, so steep that the water matters, would hang over at its apparent position."""
+    """Whether any steep wall of a profile would overhang at its apparent position."""
     leaning = 0
     for k in range(count - 1):
         run = x[k + 1] - x[k]

@@ -1,11 +1,11 @@
 """Rays through layered water: in each layer speed is linear in height, so that a ray is an arc of a circle.
 
-An arc is told by its *tangents* T: the tangents at its two ends meet, and T is the sum of their lengths. With κ the
-curvature, s the arc's length, u0 and u1 the directions at its ends,
+An arc is described by its *tangents* T: the tangents at its two ends meet, and T is the sum of their lengths. With κ
+the curvature, s the arc's length, u0 and u1 the directions at its ends,
 
     T = 2 tan(κs/2) / κ,   displacement = T (u0 + u1)/2,   ∫c ds = T (c0 + c1)/2,
 
-so that nothing is divided by the gradient, rays may be vertical, and turning points are no places apart. κ = gξ with g
+so that nothing is divided by the gradient, rays may be vertical, and turning points need no special case. κ = gξ with g
 the gradient and ξ = cosθ/c Snell's constant; θ is positive upwards, and κ is positive for rays that bend down.
 
 The ray tube follows p and q of dynamic ray tracing (Červený 2001, chapter 4; Jensen et al., Computational Ocean
@@ -331,7 +331,7 @@ def bend_tube(ray, strength, flat):
     strength : float
         Jump of the gradient over the sine of the angle at which the ray meets it, 1/s.
     flat : bool
-        Whether that sine is below ``GRAZING`` and was capped, which the ray then remembers.
+        Whether that sine is below ``GRAZING`` and was capped, which the ray's state then records.
 
     Returns
     -------

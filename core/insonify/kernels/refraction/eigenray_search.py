@@ -116,7 +116,7 @@ def _angle_uncertainty(edge):
 
 @kernel
 def _trace_crossings(height, speed, span, angle, rows):
-    """Follow a ray and write what it is wherever it comes to the height asked for; x is infinite where it does not."""
+    """Follow a ray and write its state wherever it comes to the height asked for; x is infinite where it does not."""
     for row in rows:
         row[ANGLE], row[X] = angle, math.inf
     cosine = math.cos(angle) if abs(angle) < 0.5 * math.pi else 0.0
@@ -155,7 +155,7 @@ def _trace_crossings(height, speed, span, angle, rows):
 
 @inlined
 def _keep_crossing(row, ray, turns, tops, bottoms):
-    """Write what a ray is where it comes to the height asked for."""
+    """Write the state of a ray where it comes to the height asked for."""
     row[X], row[TIME], row[TUBE] = ray.x, ray.time, ray.q
     row[COSINE], row[SINE] = ray.cosine, ray.sine
     row[TURNS], row[TOPS], row[BOTTOMS], row[GRAZED] = turns, tops, bottoms, 1.0 if ray.grazed else 0.0
@@ -163,7 +163,7 @@ def _keep_crossing(row, ray, turns, tops, bottoms):
 
 @inlined
 def _copy_row(given, taken):
-    """Copy what is kept of a ray."""
+    """Copy the state of a ray."""
     for column in range(COLUMNS):
         taken[column] = given[column]
 

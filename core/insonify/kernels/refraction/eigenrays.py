@@ -90,7 +90,7 @@ def _vertical_ray(height, speed, z_from, z_to):
 
 @kernel
 def follow_to_range(height, speed, ray, x, low, high):
-    """Follow a ray to a ground range, or to where it ends before.
+    """Follow a ray to a ground range, or to its end if that comes first.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Rays through water that differs along a line: in each triangle of its lattice speed is linear, and a ray is an arc.
 
 Every cell between two nodes of height and two stations is cut along the diagonal on which speed differs less, so that
-a sloping layer keeps its shape. A ray stays in its vertical plane; what would bend it sideways is left out. Functions
-that take a ray through any water are here too: through layers as `arcs` has it, or through a section.
+a sloping layer keeps its shape. A ray stays in its vertical plane: horizontal refraction is neglected.
+Functions that trace a ray through any water, layered as in `arcs` or a section, are here too.
 
 Theory: docs/theory/refraction.md.
 """
@@ -35,7 +35,7 @@ LEVEL = 1e-12  # cosine below which a plane lies across the stations; change of 
 
 
 class SectionPlane(NamedTuple):
-    """How a ray's vertical plane lies to the stations of the water."""
+    """Position and direction of a ray's vertical plane relative to the stations of the water."""
 
     place: float  # along their axis of ground range 0, m
     along: float  # metres along their axis per metre of range: the cosine between them

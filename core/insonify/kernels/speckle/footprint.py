@@ -58,7 +58,7 @@ def lattice_columns(beam, corners, pitch, row):
 
 @inlined
 def beam_footprint(beam, lowest, highest):
-    """Trapezoid that holds all the bed that one side's beam takes in.
+    """Trapezoid that encloses all the bed inside one side's beam.
 
     Parameters
     ----------
@@ -86,9 +86,9 @@ def beam_footprint(beam, lowest, highest):
 
 @inlined
 def _foremost(beam, sine, depth, across):
-    """Greatest way ahead at which the beam takes in bed at a distance across: a·cos p + z·sin p = s·√(x² + a² + z²).
+    """Greatest distance ahead of bed inside the beam, at a distance across: a·cos p + z·sin p = s·√(x² + a² + z²).
 
-    The way grows ever faster with the range, so that a straight line over its ends holds all between.
+    The distance ahead is convex in the distance across, so that the chord over its ends encloses all between.
     """
     cos_pitch = math.sqrt(1.0 - beam.axis_z * beam.axis_z)
     s, tip = min(sine / cos_pitch, STEEPEST), abs(beam.axis_z) * depth / cos_pitch

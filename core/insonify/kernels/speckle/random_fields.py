@@ -1,4 +1,4 @@
-"""Random fields over pings and range bins of which any block of pings sees its own part.
+"""Random fields over pings and range bins that are the same however the pings are divided into blocks.
 
 White noise is hashed at nodes, one node a ping or, for a field that changes more slowly, every 2, 4, 8 ... pings, and
 smoothed along the track by a triangle: at most eight nodes a ping, however slowly the field changes. The weights'

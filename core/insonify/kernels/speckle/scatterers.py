@@ -1,10 +1,10 @@
 """Coherent speckle: echoes of single scatterers, added up as waves.
 
-Scatterers lie on the bed and on targets at hashed places, as many in each lot as a Poisson number says, and scatter
-with circular Gaussian amplitudes. Each that the sonar sees adds its wave, of the energy that its share of the area
-sends back on average, to a signal over slant range that is finer than the pulse. What a pulse takes in of the signal at
-once is one sample; its energy is the record. The mean over all scatterers that might have been is the sweep's own
-record. Derived in docs/theory/speckle.md.
+Scatterers lie on the bed and on targets at hashed places, a Poisson number in each lot, and scatter with circular
+Gaussian amplitudes. Each visible scatterer adds its wave, with the mean energy of its share of the area, to a signal
+over slant range that is sampled finer than the pulse. The sum of the signal over the pulse is one sample, whose energy
+enters the record. The mean over all realisations of the scatterers is the sweep's record.
+Derived in docs/theory/speckle.md.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ HALF, LOW_HALF, UNIT = np.uint64(32), np.uint64(0xFFFFFFFF), 2.0**-32
 
 
 class Scatterers(NamedTuple):
-    """How scatterers are strewn, and how slant range turns their phases."""
+    """Density of scatterers, and the turns of their phases per metre of slant range."""
 
     seed: int
     density: float  # per m², on average
@@ -44,7 +44,7 @@ class Scatterers(NamedTuple):
 
 
 class PulseTaps(NamedTuple):
-    """What one sample takes in of the coherent signal."""
+    """Amplitudes with which one sample sums the coherent signal over the pulse."""
 
     samples: int  # per bin, the mean of whose energies the bin holds
     cells: int  # of the line, per sample
@@ -119,7 +119,7 @@ def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed
     poses : Poses
         n pings.
     fan : AzimuthFan
-        Planes that tell what of the bed is visible, their azimuths ascending.
+        Planes in which the visible bed is found, their azimuths ascending.
     scatterers : Scatterers
     pulse : PulseTaps
     profile : Profile
@@ -232,7 +232,7 @@ def _add_lot(patch, material, key, mean, arrays, beam, near, waves, signal):
         place = sample_patch(patch, _upper_uniform(bits), _lower_uniform(bits))
         echo = _observe(beam, arrays.pattern, place.x, place.y, place.z, place.nx, place.ny, place.nz)
         if patch.kind == FACE and echo.cosine < 0.0:
-            # Triangles send back from both sides.
+            # Triangles scatter from both sides.
             echo = _observe(beam, arrays.pattern, place.x, place.y, place.z, -place.nx, -place.ny, -place.nz)
         if echo.response > 0.0 and not _is_behind_targets(arrays.solids, arrays.mesh, near, beam, echo):
             bed, _, _, _, _ = meet_bed(arrays.bed, Ray(beam.x, beam.y, beam.z, echo.dx, echo.dy, echo.dz), echo.r)
@@ -243,7 +243,7 @@ def _add_lot(patch, material, key, mean, arrays, beam, near, waves, signal):
 
 @inlined
 def _observe(beam, pattern, x, y, z, nx, ny, nz):
-    """See a place of the world with its outward normal; NaN, where there is no bed, is not seen."""
+    """Echo geometry of a place with its outward normal; a place at NaN, without a bed, is not visible."""
     x, y, z = x - beam.x, y - beam.y, z - beam.z
     r = math.sqrt(x * x + y * y + z * z)
     dx, dy, dz = x / r, y / r, z / r
@@ -266,7 +266,7 @@ def _mean_energy(table, material, echo):
 
 @inlined
 def _add_wave(energy, r, bits, waves, factor, real, imaginary):
-    """Add the wave of one scatterer whose share of the area sends back that energy per m² on average."""
+    """Add the wave of one scatterer, from the mean energy per m² of its share of the area."""
     place = r / waves.bin_length
     energy *= waves.share * factor[min(int(place), factor.size - 1)]
     # Circular Gaussian: exponential energy, uniform phase (Goodman 2007, *Speckle phenomena in optics*, ch. 2).

@@ -23,7 +23,7 @@ class BedSegment(NamedTuple):
     offset: float
     slope: float
     area: float  # 1 + |∇z|²
-    weight: float  # what its plane stands for: along-track width, or share of the beam; at nadir, were it linear
+    weight: float  # weight of its plane (along-track width, or share of the beam), extrapolated linearly to nadir
     weight_rate: float  # by which that grows per metre of ground range
     diffuse: float
     specular: float

@@ -54,7 +54,7 @@ class AzimuthFan(NamedTuple):
     angle: NDArray[np.float64]
     far_angle: NDArray[np.float64]
     near_field: NDArray[np.float64]  # per metre of the sonar's height above the lowest bed
-    reach: NDArray[np.float64]  # ground range to which the beam takes in anything of the plane, likewise per metre
+    reach: NDArray[np.float64]  # greatest ground range in the plane inside the beam, per metre of that height
 
 
 class SweepWorkspace(NamedTuple):
@@ -216,7 +216,7 @@ def _add_steps(count, place, early, late, bins):
 
 @inlined_uncounted
 def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
-    """Put the echoes of what one plane cuts of the bed and of targets into a difference array.
+    """Put the echoes of the bed and of the targets that one plane cuts into a difference array.
 
     Parameters
     ----------
@@ -239,7 +239,7 @@ def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
         Cells of the z-buffer, or -1 - k if the sonar is inside body k; and knots of the profile.
     """
     profile, echoes, zbuffer, table = workspace
-    # A scene without bodies does not even ask: that alone costs some 0.3 µs a plane.
+    # A scene without bodies skips the call, which alone costs some 0.3 µs a plane.
     cells = fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer) if zbuffer.body.size > 0 else 0
     if cells < 0:
         return cells, 0

@@ -29,7 +29,7 @@ HALVINGS = 10  # that find where a facet comes out of the bed
 
 @kernel_uncounted
 def deposit_visible_stretches(segment, x_from, x_to, occlusion, law, bin_length, bins):
-    """Spread the echo of what no target hides of a segment of the bed over the range bins.
+    """Spread the echo of a bed segment, less the parts that targets hide, over the range bins.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ class Facet(NamedTuple):
 
 
 class BedHorizon(NamedTuple):
-    """A profile with its running horizon, before which targets stand."""
+    """A profile of the bed with its running horizon, which may hide targets."""
 
     x: NDArray[np.float64]  # ground range of the knots, m
     z: NDArray[np.float64]  # height above the sonar, m
@@ -165,7 +165,7 @@ def deposit_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cel
 
 @inlined_uncounted
 def count_facets(zbuffer, cell):
-    """Into how many facets a cell of a z-buffer is divided, and the ground range of its middle.
+    """Count the facets into which a cell of a z-buffer is divided, and return the ground range of its middle.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def _is_clear(distance, angle, bed, knot):
 
 @inlined_uncounted
 def _facet_count(facet):
-    """Into how many facets a cell is divided: one that is long against its range has not one density."""
+    """Count the facets of a cell: each is short against its range, so that one density holds for it."""
     nearest = min(facet.near, facet.far)
     # Law of cosines: two sides and the angle between them give the third.
     along = facet.far - facet.near
@@ -252,7 +252,7 @@ def _intersect_facet(primitive, low, high):
 
 @inlined_uncounted
 def is_facet_met(facet):
-    """Whether there is anything of a facet, all of it met.
+    """Whether a facet is not empty and its beginning, middle and end are all hit.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ class SegmentEchoes(NamedTuple):
     r: NDArray[np.float64]  # slant range of the knots, m
     launch: NDArray[np.float32]  # tan of the launch angle above the horizontal, knots
     horizon: NDArray[np.float32]  # greatest launch slope so far, knots
-    weight: NDArray[np.float32]  # what the plane stands for there, knots
+    weight: NDArray[np.float32]  # weight of the plane there, knots
     cos_squared: NDArray[np.float32]  # of the incidence, segments
     scale: NDArray[np.float32]  # what turns a scattering strength into energy per bin, segments
     energy: NDArray[np.float32]  # per bin in fixed-point units, of segments visible whole
@@ -154,7 +154,7 @@ def _raise_horizon(horizon, least):
 
 @inlined_uncounted
 def _measure_segments(segments, profile, echoes, law, bin_length):
-    """Incidence of segments and their energy per strength, and which are too long to be of one density.
+    """Incidence of segments, their energy per unit of strength, and marks of those too long for one density.
 
     The incidence, its cosine squared, is that at the middle, from the height of the segment's line over nadir. Law
     `light`: a bin takes the radiance itself. Law `sonar`: area over slant range, of a strip 1 m wide. Both are negative
@@ -178,7 +178,7 @@ def _measure_segments(segments, profile, echoes, law, bin_length):
 
 @inlined_uncounted
 def weigh_knots(x, z, r, sector, pattern, law, out):
-    """Factor that a plane's sector puts on the echo of each knot, as `sector_weight` has it for one place.
+    """Factor by which a plane's sector multiplies the echo of each knot, as `sector_weight` for one place.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ def _weigh_pattern(x, z, r, sector, parts, out):
 
 @inlined_uncounted
 def _apply_gain(count, gain, weights):
-    """Multiply the weights of knots by what refraction makes of their energy."""
+    """Multiply the weights of knots by the gain of refraction."""
     for i in range(count):
         weights[i] *= gain[i]
 
@@ -239,7 +239,8 @@ def _apply_weights(segments, weights, scale):
 def _mark_cut(segments, launch, horizon, area, hidden_from, hidden_to, cut, energy):
     """Mark visible segments that are uneven, rise above the horizon or may be hidden by a target; clear their energy.
 
-    Energy is left only to segments visible whole. Across a hole in the bed the area is NaN, which is not itself.
+    Energy is left only to segments visible whole. Across a hole in the bed the area is NaN, which compares unequal to
+    itself.
     """
     real = launch.dtype.type
     hidden_from, hidden_to, nothing = real(hidden_from), real(hidden_to), real(0.0)

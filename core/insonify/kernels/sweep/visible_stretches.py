@@ -70,7 +70,7 @@ def _mark_visible(knots, x, z, area, edges):
     """Walk a profile outward with one running horizon; return how many edges its visible stretches have."""
     count, horizon = 0, NADIR
     for i in range(knots - 1):
-        # Straight down it is, whatever the knot's height. NaN, a hole in the bed, compares false and hides nothing.
+        # The bed straight below is visible at any height of the knot. NaN, a hole in the bed, compares false.
         here = z[i] / x[i] if x[i] > 0.0 else NADIR
         horizon = here if here > horizon else horizon
         if not (z[i + 1] > horizon * x[i + 1] and area[i] == area[i]):
@@ -103,7 +103,7 @@ def is_bed_visible(borders, reach, edges, edge_count, sine, x):
     bool
     """
     k, longest = np.searchsorted(borders, sine), np.argmax(reach)
-    # Where the beam takes in nothing of a plane any more, the next one inwards stands for what little is left.
+    # Beyond the beam's reach in a plane, the next plane inwards stands for the azimuths that remain.
     while x > reach[k] and k != longest:
         k += 1 if k < longest else -1
     return np.searchsorted(edges[k, : edge_count[k]], x) % 2 == 1

@@ -1,1 +1,1 @@
-"""Targets in one plane: primitives, angular z-buffer, occlusion, apparent targets in bent sound."""
+"""Targets in one plane: primitives, angular z-buffer, occlusion, apparent targets in refracting water."""

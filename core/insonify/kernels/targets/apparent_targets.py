@@ -1,6 +1,6 @@
-"""Apparent positions of targets in layered water: each primitive as a source in even water would show it.
+"""Apparent positions of targets in layered water: each primitive as seen from a source in uniform water.
 
-Near a target the rays of one plane are nearly those of a source in even water: straight, from the centre of their
+Near a target the rays of one plane are nearly those of a source in uniform water: straight, from the centre of their
 wavefront, the *apparent source*. The cross-section of a convex body is taken from there, and directions and distances
 are turned into launch angles and slant ranges. A triangle's straight line stays one between its ends, each put at its
 apparent position. Derived in docs/theory/refraction.md.
@@ -24,7 +24,7 @@ FIELDS = 11  # numbers of an apparent source
 
 
 class ApparentSource(NamedTuple):
-    """Source in even water that stands for the refraction of the rays to one primitive."""
+    """Source in uniform water that stands for the refraction of the rays to one primitive."""
 
     bent: bool
     launch_cosine: float  # of the ray to the primitive's middle
@@ -176,7 +176,7 @@ def _keep_primitive(zbuffer, kept, body, source, low, high):
 
 @inlined_uncounted
 def _energy_gain(wide, tube, one_wide, loud):
-    """Factor that refraction puts on a primitive's energy, as on a profile's; law LIGHT spreads nothing."""
+    """Factor by which refraction multiplies a primitive's energy, as for a profile; law LIGHT has no spreading."""
     if not loud:
         return 1.0
     return (wide * wide if one_wide else wide) / tube

@@ -15,7 +15,7 @@ TINY = 1e-300
 
 
 class Primitive(NamedTuple):
-    """One primitive by itself: numbers alone, for tables handed between functions cost more than the geometry."""
+    """One primitive as scalars, because passing tables between functions costs more than the geometry."""
 
     kind: int  # SPHERE, FRUSTUM or TRIANGLE
     x: float  # centre of a sphere, or of a frustum's first end, from the sonar; of a triangle's line
@@ -56,7 +56,7 @@ def load_primitive(solids, mesh, plane, body, line, source):
     if k >= 0:
         level, up = mesh.normal[k, 0] * plane.ex + mesh.normal[k, 1] * plane.ey, mesh.normal[k, 2]
         if source.bent:
-            # Back by as much as the ray has turned, so that its launch angle tells the incidence.
+            # Turned back by as much as the ray has turned, so that its launch angle gives the incidence.
             c, s = source.arrival_cosine, source.arrival_sine
             level, up = level * c + up * s, up * c - level * s
         dx, dz = line[2] - line[0], line[3] - line[1]
@@ -107,7 +107,7 @@ def _intersect_straight(primitive, c, s):
     """Distance of a primitive along a straight ray from its apparent source, and the cosine of the incidence."""
     if primitive.kind == TRIANGLE:
         distance = (primitive.x * primitive.az - primitive.z * primitive.ax) / (c * primitive.az - s * primitive.ax)
-        # Triangles send back from both sides.
+        # Triangles scatter from both sides.
         return (distance if distance > 0.0 else math.inf), abs(c * primitive.level_x + s * primitive.level_y)
     dx, dy = c * primitive.level_x, c * primitive.level_y
     if primitive.kind == SPHERE:
