@@ -41,7 +41,7 @@ class Family:
         self.name, self.package = name, package
         self._models: dict[str, type[BaseModel]] = {}
         self._discovered = False
-        self._in_use = False
+        self._used: set[type[BaseModel]] = set()
 
     def add(self, model: type[BaseModel]) -> None:
         """Add a kind; a declaration of this family does so when its class is made."""
@@ -49,7 +49,7 @@ class Family:
         if kind is None:
             return
         self._models[kind] = model
-        if self._in_use and self._discovered:
+        if self._discovered and issubclass(model, tuple(self._used)):
             rebuild_declarations()
 
     @contextmanager
@@ -68,9 +68,9 @@ class Family:
         found = sorted(self._models.items(), key=lambda item: getattr(item[1], "rank", 0))
         return {kind: model for kind, model in found if issubclass(model, base)}
 
-    def use(self) -> None:
-        """Note that a field has taken the kinds over, so that a later one makes it take them over anew."""
-        self._in_use = True
+    def use(self, base: type[BaseModel]) -> None:
+        """Note that a field holds the kinds that derive from a class: a later one of these rebuilds the field."""
+        self._used.add(base)
 
     def _discover(self) -> None:
         """Import the package's modules and what installed packages bring; classes add themselves."""
@@ -130,7 +130,7 @@ class KindOf:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Accept every kind of the family, told apart by its name."""
         choices = {str(kind_name(model)): handler.generate_schema(model) for model in self.models}
-        self.family.use()
+        self.family.use(self.base)
         return core_schema.tagged_union_schema(choices, discriminator=self.kind)
 
 
