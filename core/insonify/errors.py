@@ -1,4 +1,4 @@
-"""The one error that a person who uses the package is told about."""
+"""The error that reports a mistake in a scene or a file to the user."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 
 class SceneError(ValueError):
-    """A mistake in a scene, said in one sentence that names the field, the value and the remedy."""
+    """A mistake in a scene, in one sentence that names the field, the value and the remedy."""
 
 
 @contextmanager

@@ -30,7 +30,7 @@ def bundled_meshes() -> dict[str, Path]:
 
 
 def file_version(path: str | Path) -> tuple[int, int]:
-    """Tell one content of a file from the next; zeros for what is not a file, which the reader refuses."""
+    """Return numbers that change with the content of a file; zeros for anything else, which the reader refuses."""
     file = Path(path)
     if not file.is_file():
         return 0, 0

@@ -1,4 +1,4 @@
-"""Find what extends the program: the modules of a package, and what installed packages announce as entry points."""
+"""Find extensions: the modules of a package, and the entry points that installed packages announce."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The whole way in one page: scene → plan → trace → receive → Dataset."""
+"""Simulation of a scene's record, step by step: scene → plan → trace → receive → Dataset."""
 
 from __future__ import annotations
 
@@ -36,21 +36,21 @@ class Simulation:
     Attributes
     ----------
     scene : Scene
-        What was declared.
+        The declaration.
     plan : Plan
-        How it is traced.
+        Methods and settings of the tracing.
     ground : AnyGround
         The bed.
     arrays : SceneArrays
         The whole scene as tracers take it; of endless ground only the piece at the start of the track.
     reduced : SceneArrays
-        The scene less what the plan leaves out: this is traced.
+        The scene without the effects that the plan omits; this one is traced.
     tiles : TerrainTiles
         The ground about each ping, with as many nodes as the plan keeps.
     tracer : Tracer
-        How echoes are found.
+        The method that finds echoes.
     reception : Reception
-        What the receiver makes of them.
+        The receiver, which turns echoes into the record.
     """
 
     scene: Scene
@@ -63,15 +63,15 @@ class Simulation:
     reception: Reception
 
     def poses(self, pings: NDArray[np.int64]) -> Poses:
-        """Return where the sonar is at the given pings; beyond the track's last the tow goes on."""
+        """Return position and attitude of the sonar at the given pings; beyond the track's last the tow goes on."""
         return make_poses(self.scene, self.ground, pings)
 
     def line(self, pings: NDArray[np.int64]) -> TowLine:
-        """Return where the line of the tow leads, from which the fish strays by its motion."""
+        """Return positions and headings along the line of the tow, without the motion of the fish about it."""
         return tow_line_at(self.scene, pings)
 
     def altitude(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return how high above the bed beneath the sonar is, in metres, with the bed smoothed as a fish follows it."""
+        """Return the altitude of the sonar above the bed, in metres, with the bed smoothed as a fish follows it."""
         return self.poses(pings).z - bed_beneath(self.scene, self.ground, pings)
 
     def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
@@ -99,7 +99,7 @@ class Simulation:
         return record_echoes(self.reception, trace, self.reduced, pings)
 
     def truth(self, pings: NDArray[np.int64]) -> RecordLabels:
-        """Tell what every bin of the given pings shows.
+        """Label every range bin of the given pings.
 
         Parameters
         ----------
@@ -184,7 +184,7 @@ def simulate(
     forced : mapping of str to str, optional
         Choices that are not left to the plan, as in `insonify.plan`.
     truth : bool
-        Whether to add what every bin shows: the target, the material, shadow, ground range, incidence and path, as
+        Whether to add labels of every bin: the target, the material, shadow, ground range, incidence and path, as
         `Simulation.truth` has them.
     progress : callable, optional
         Called with the pings done and the pings in all.

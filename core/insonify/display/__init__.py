@@ -1,1 +1,1 @@
-"""How a record is shown: picture, sheet, page with scales, ray diagram, palettes."""
+"""Display of a record: picture, sheet, page with scales, ray diagram, palettes."""

@@ -1,4 +1,4 @@
-"""How a record is shown: names only, so that the command line need not load what draws."""
+"""Display options of a record, by name alone, so that the command line loads no plotting library."""
 
 from __future__ import annotations
 

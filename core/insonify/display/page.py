@@ -30,7 +30,7 @@ class PageCaption(NamedTuple):
     ----------
     title : str
     line : str
-        Line that says how the record was made.
+        Line that describes how the record was made.
     level : str
         Level to which the echoes are relative.
     """
@@ -175,7 +175,7 @@ def _headings(figure: Figure, whole: tuple[int, int], width: int, look: DisplayO
 
 
 def caption_scene(scene: Scene, look: DisplayOptions) -> PageCaption:
-    """Caption of a simulated record: how it was made."""
+    """Caption of a simulated record: tow, beam, frequency, bin and ping spacing."""
     sonar = scene.sonar
     parts = [
         _tow(scene),
@@ -198,7 +198,7 @@ def _tow(scene: Scene) -> str:
 
 
 def caption_record(record: xr.Dataset, along: float, look: DisplayOptions) -> PageCaption:
-    """Caption of a record read from a file: what its data tell.
+    """Caption of a record read from a file, from its own data.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Pictures of records as arrays: normalisation, contrast, palette, slant and ground range.
 
 A record falls by tens of decibels with range. A picture shows its amplitude relative to a perfect Lambert bed under the
-same ping, or a recording relative to its own median at every range, so that an even bed is even and the rest
-stands out.
+same ping, or a recording relative to its own median at every range, so that a uniform bed looks uniform and the
+rest stands out.
 """
 
 from __future__ import annotations

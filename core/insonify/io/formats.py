@@ -120,11 +120,11 @@ class FormatRegistry(Generic[Content]):
             write(beside, parts)
 
     def refusal(self, path: str | Path, fault: str, remedy: str) -> SceneError:
-        """Say in one sentence what is wrong with a file and what to do."""
+        """Return one sentence with the fault of a file and the remedy."""
         return SceneError(self.error.format(path=path, fault=fault, remedy=remedy))
 
     def unreadable(self, path: str | Path, error: Exception, remedy: str) -> SceneError:
-        """Say in one sentence, with a library's reason, that a file cannot be read, and what to do."""
+        """Return one sentence that a file cannot be read, with a library's reason and the remedy."""
         return self.refusal(path, f"cannot be read ({reason(error)})", remedy)
 
 

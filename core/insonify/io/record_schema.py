@@ -1,4 +1,4 @@
-"""How a record is laid out as a Dataset: names, units and meanings, for simulations and recordings alike."""
+"""Schema of a record as a Dataset: names, units and meanings, for simulations and recordings alike."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def coordinates(times: NDArray[np.float64], slant_range: NDArray[np.floating], s
 
 
 def platform(columns: Iterable[NDArray[np.float64]]) -> dict[str, Any]:
-    """Return the variables that tell where the sonar was.
+    """Return the variables of the sonar's position and attitude.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def echo_variable(intensity: NDArray[np.float32]) -> dict[str, Any]:
 def label_variables(
     columns: Mapping[str, NDArray[Any]], targets: Sequence[str], materials: Sequence[str], paths: Sequence[str]
 ) -> dict[str, Any]:
-    """Return the variables that tell what each bin shows, with the names behind their numbers.
+    """Return the variables that label each range bin, with the names of their numbers.
 
     Parameters
     ----------

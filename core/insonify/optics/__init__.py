@@ -1,1 +1,1 @@
-"""The scene as light shows it: rays of sight through the same bodies and materials, to a picture."""
+"""Picture of a scene by light: camera rays through the same bodies and materials as sound."""

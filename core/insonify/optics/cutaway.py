@@ -21,7 +21,7 @@ SLENDER = 0.62  # shorter side over the longer one, at least
 SHADOW = 1.4  # times the distance of a target: as far as its shadow is shown
 THICK = 0.035  # of the longer side, below the lowest bed
 ROOM = 0.02  # of it, above the highest thing
-SWATH = 0.9  # of the ground range heard, shown of a bed without targets
+SWATH = 0.9  # share of the ground range that is shown of a bed without targets
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ INK, FAINT = "#f2f6f8", "#b9cbd3"
 
 
 def write_light(path: Path, optical: OpticalScene) -> tuple[int, int]:
-    """Draw a scene as light shows it, with its title, and write it as PNG.
+    """Draw a scene by light, with its title, and write it as PNG.
 
     Parameters
     ----------

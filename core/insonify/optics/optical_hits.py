@@ -77,7 +77,7 @@ def _followed(arrays: SceneArrays, starts: Vectors, ways: Vectors, ray: NDArray[
     whence = np.where(paths.bounce[:, None] == 0, starts[paths.ray], paths.position[before])
     way = paths.position - whence
     way /= np.linalg.norm(way, axis=1, keepdims=True)
-    # A ray from just before the hit finds a normal only if it runs in the water.
+    # A ray from just before the hit finds the normal only if it runs in the water.
     near, _, normal = cast(arrays, paths.position - SHORT * way, way, reach=2.0 * SHORT)
     within = np.isinf(near)
     share = np.where(within, 0.0, paths.throughput)

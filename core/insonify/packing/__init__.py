@@ -1,1 +1,1 @@
-"""The border from a scene to the arrays of the kernels: scene arrays, navigation, targets, tables."""
+"""Packing of a scene into the arrays that kernels take: bed, targets, navigation and tables."""

@@ -36,9 +36,9 @@ def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTab
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
     poses : Poses
-        Where the sonar is, n pings.
+        Poses of the sonar, n pings.
 
     Returns
     -------
@@ -79,7 +79,7 @@ def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTab
 def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Nodes of the water, extended below the lowest bed with the gradient that holds there.
 
-    No sound goes there; but a ray that would come up again from there seems to come from below the bed, which hides it.
+    No sound goes there, but a ray that turns up again from there appears to come from below the bed, which hides it.
     """
     water, low = arrays.water, arrays.bed.low
     above = water.height > low
@@ -94,7 +94,7 @@ def _extend_below_bed(arrays: SceneArrays) -> tuple[NDArray[np.float64], NDArray
 
 
 def _extent_of(arrays: SceneArrays, stretch: float) -> _Extent:
-    """Extent from the lowest of the bed to the highest of all there is, and as far as anything is heard."""
+    """Extent of a table: from the lowest bed to the highest body, and out to the record's range."""
     top = max(arrays.bed.high, _top(arrays.solids), float(arrays.mesh.corners[:, :, 2].max(initial=-math.inf)))
     first = math.floor((arrays.bed.low - SECANT) / ROW_STEP)
     last = math.ceil(min(top + SECANT, arrays.water.surface) / ROW_STEP)

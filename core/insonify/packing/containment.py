@@ -38,7 +38,7 @@ def refuse_sonar_in_mesh(arrays: SceneArrays, poses: Poses) -> None:
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
     poses : Poses
         Where the sonar is.
 

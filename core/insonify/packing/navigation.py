@@ -64,7 +64,7 @@ def take_poses(poses: Poses, places: NDArray[np.int64] | slice) -> Poses:
 
 
 def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Height of the bed under the line as a fish can follow it: a mean over one altitude to either side.
+    """Smoothed height of the bed under the line, which a fish can follow: a mean over one altitude to either side.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> ND
     """
     share = np.arange(1 - SAMPLES, SAMPLES) / SAMPLES
     weight = (1.0 + np.cos(math.pi * share)) / (2.0 * SAMPLES)
-    # The altitude of a track at a depth over a measured bed is only known from its heights.
+    # The altitude of a tow at a given depth over a measured bed follows from the bed's heights alone.
     reach = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed
     numbers = np.asarray(pings, dtype=np.float64)
     parts = np.array_split(numbers, math.ceil(max(numbers.size, 1) / TOGETHER))
@@ -112,7 +112,7 @@ def platform_columns(poses: Poses, ground: AnyGround) -> tuple[NDArray[np.float6
 
 
 def refuse_track_off_bed(scene: Scene, ground: AnyGround) -> None:
-    """Refuse a tow that never comes within range of a bed that ends somewhere, unless a target may be heard.
+    """Refuse a tow that never comes within range of a bounded bed, unless a target may be in range.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def refuse_track_off_bed(scene: Scene, ground: AnyGround) -> None:
 
 
 def _height(scene: Scene, ground: AnyGround, line: TowLine, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Heights of the sonar above the datum, but for its heave."""
+    """Heights of the sonar above the datum, without its heave."""
     known = recorded_at(scene, pings)
     if "depth" in known:
         return -known["depth"] - ground.datum

@@ -1,4 +1,4 @@
-"""A scene less what the plan leaves out."""
+"""Reduced scene: the arrays of a scene without the effects and targets that the plan omits."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from insonify.scene.surfaces import WAYS
 def reduce_scene(
     arrays: SceneArrays, *, bed: Bed, ways: Collection[str], bounces: int, targets: Collection[int]
 ) -> SceneArrays:
-    """Leave out of a scene what the plan leaves out.
+    """Remove from a scene's arrays the targets, paths and bounces that the plan omits.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def reduce_scene(
     bed : Bed
         With as many nodes as are modelled.
     ways : collection of str
-        Ways by the sea surface that are heard.
+        Paths by the sea surface that are modelled.
     bounces : int
         Mirror-like bounces followed.
     targets : collection of int
@@ -45,7 +45,7 @@ def reduce_scene(
 
 
 def _without_others(arrays: SceneArrays, solids: NDArray[np.bool_], triangles: NDArray[np.bool_]) -> SceneArrays:
-    """Scene with some of its solids and triangles alone."""
+    """Scene with only some of its solids and triangles."""
     if solids.all() and triangles.all():
         return arrays
     mesh = arrays.mesh

@@ -58,7 +58,7 @@ def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
 
 
 def make_bed(ground: Ground) -> Bed:
-    """Lay a ground's heights out for the kernels, both ways round."""
+    """Bed of a ground's heights for the kernels, stored row by row and column by column."""
     heights = np.ascontiguousarray(ground.heights, dtype=np.float32)
     return Bed(
         heights=heights,

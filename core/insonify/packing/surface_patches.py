@@ -1,4 +1,4 @@
-"""Patches of the surfaces of a scene's solids and meshes, over which scatterers are strewn."""
+"""Patches of the surfaces of a scene's solids and meshes, over which scatterers are distributed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Targets as the kernels see them: solids and triangles where they lie."""
+"""Solids and triangles of all targets in world coordinates, as arrays for the kernels."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def make_bodies(scene: Scene, ground: AnyGround) -> tuple[Solids, Mesh, list[Ref
 
 
 def _placed(scene: Scene, ground: AnyGround) -> Iterator[Shape]:
-    """Shape of every target where it lies."""
+    """Shape of every target in world coordinates."""
     for number, target in enumerate(scene.targets):
         with located(f"targets.{number}"):
             shape = target.placed(ground)
@@ -41,7 +41,7 @@ def _placed(scene: Scene, ground: AnyGround) -> Iterator[Shape]:
 
 
 def pack_solids(rows: Sequence[Solid], material: NDArray[np.int64], target: NDArray[np.int64]) -> Solids:
-    """Lay balls and frustums out for the kernels, with the row of each one's material and its target's number."""
+    """Pack balls and frustums for the kernels, with the row of each one's material and its target's number."""
     return Solids(
         shape=np.array([SPHERE if row.is_ball else FRUSTUM for row in rows], dtype=np.int64),
         start=np.array([row.start for row in rows], dtype=np.float64).reshape(-1, 3),
@@ -55,7 +55,7 @@ def pack_solids(rows: Sequence[Solid], material: NDArray[np.int64], target: NDAr
 
 
 def _mesh(shapes: list[Shape], before: int) -> Mesh:
-    """Lay the triangles of all targets out for the kernels; their materials follow those before."""
+    """Pack the triangles of all targets for the kernels; their materials follow those before."""
     target = _numbers([len(shape.triangles) for shape in shapes])
     corners = np.concatenate([Shape().triangles, *(shape.triangles for shape in shapes)])
     return build_mesh(corners, before + target, target)

@@ -27,9 +27,9 @@ class TerrainTiles:
     Parameters
     ----------
     ground : AnyGround
-        What is beneath.
+        The bed.
     reach : float
-        Slant range to which it is heard, in metres.
+        Greatest slant range of the record, in metres.
     """
 
     def __init__(self, ground: AnyGround, reach: float) -> None:

@@ -105,7 +105,7 @@ def _pieces(track: Track) -> _Pieces:
 
 
 def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -> dict[str, Column]:
-    """Interpolate what recorded files say of the fish; its first row is the first ping.
+    """Interpolate the recorded position and attitude of the fish at pings; the first row is the first ping.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -
     Raises
     ------
     SceneError
-        If a file cannot be read, or two parts of the scene have a say in one thing.
+        If a file cannot be read, or two parts of the scene set the same quantity.
     """
     track = scene.track
     recordings = [recording for motion in track.motions if (recording := motion.recording()) is not None]

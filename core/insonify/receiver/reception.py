@@ -67,7 +67,7 @@ class Reception:
     gain: Curve
 
     def expected(self, echo: Curve) -> Curve:
-        """Mean record of an even bed with the given echo of an ideal pulse, without reverberation, (bins,)."""
+        """Mean record of a uniform bed with the given echo of an ideal pulse, without reverberation, (bins,)."""
         return (echo * self.taps.weights.sum() * self.source + self.noise) * self.gain
 
 
@@ -153,7 +153,7 @@ def record_echoes(
     arrays : SceneArrays
         The scene. Where materials have K speckle of their own it is traced a second time, with every reflectivity
         divided by its material's shape: echoes are linear in the reflectivity, so that the ratio of both is the mean
-        of 1/ν over what a bin hears.
+        of 1/ν over the echoes of a bin.
     pings : (n,) int64
         Ping numbers.
 

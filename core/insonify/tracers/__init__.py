@@ -1,1 +1,1 @@
-"""Ways of tracing a scene's pings, from poses to the intensity that each channel hears, bin by bin."""
+"""Methods of tracing a scene's pings: from poses to the intensity of each channel in every range bin."""

@@ -1,6 +1,6 @@
-"""The azimuth fan: where the planes of a beam lie, what azimuths each stands for, and how far out it is heard.
+"""Azimuth fan of a beam: azimuths of its planes, the sector that each stands for, and the ground range it reaches.
 
-A beam is a cone, a plane is not: derived in docs/theory/beam.md.
+A beam is a cone about the fish's axis, which the planes sample. Derived in docs/theory/beam.md.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
     poses : Poses
-        Where the sonar is and how it lies.
+        Poses of the sonar.
     planes : int
         Planes across the main lobe; 1 for one that stands for the whole beam.
 
@@ -74,7 +74,7 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
     for number, (height, pitch, spread) in enumerate(kinds):
         pitches = step * np.unique([pitch - spread, pitch + spread])
         if arrays.multipath.enabled and not arrays.pattern.two_way:
-            # A surface path is heard if either of its directions is in the beam; the image is pitched the other way.
+            # A surface path is received if either of its directions is in the beam; the image is pitched the other way.
             pitches = np.unique([*pitches, *-pitches])
         beam = pattern_planes(arrays, planes, 2.0 ** (height / HEIGHTS_PER_OCTAVE), pitches)
         laid.append((np.flatnonzero(which.ravel() == number), beam))
@@ -108,7 +108,7 @@ def lay_planes_of_images(
 
 
 def _whole_beam(arrays: SceneArrays) -> AzimuthFan:
-    """Lay one plane along the axis of a beam, to stand for all of it.
+    """Lay one plane along the axis of a beam, which stands for the whole beam.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def pattern_planes(arrays: SceneArrays, planes: int, height: float, pitches: NDA
 
 
 class _Outline(NamedTuple):
-    """What of a scene the planes of its pattern depend on."""
+    """Parts of a scene on which the planes of its beam pattern depend."""
 
     centre: float
     extent: tuple[float, ...]
@@ -291,7 +291,7 @@ class _Cone:
         taken = np.flatnonzero((off <= self.main_half * 1.001).any(axis=0))
         heard = np.flatnonzero((off <= self.half).any(axis=0))
         if not heard.size:
-            # Azimuths that are nowhere heard are skipped, up to the nearest that is.
+            # Azimuths outside the beam at every range are skipped, up to the nearest one inside.
             return float(max((off - self.half).min(), SIDELOBE_STEP * 2.0 * self.main / planes) / cosine)
         if not taken.size and not self.targets:
             growth = SIDELOBE_GROWTH * (off - self.main_half).min()
@@ -310,7 +310,7 @@ class _Cone:
         return float(2.0 * self.main_half[:, at].min() / planes * coarser)
 
     def heard_to(self, low: float, high: float) -> float:
-        """Ground range to which anything of an azimuth sector is heard, m; 0 if nothing is."""
+        """Greatest ground range at which any of an azimuth sector is in the beam, m; 0 if it is nowhere."""
         sine_low, sine_high = math.sin(low), math.sin(high)
         heard = ((sine_high >= self.centre - self.half) & (sine_low <= self.centre + self.half)).any(axis=0)
         places = np.flatnonzero(heard)

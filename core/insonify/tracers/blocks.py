@@ -1,4 +1,4 @@
-"""Pings shared among threads in blocks, each traced by a kernel that says whether the sonar is inside a target."""
+"""Pings shared among threads in blocks, each traced by a kernel whose status reports a sonar inside a target."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ def trace_blocks(
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
     poses : Poses
-        Where the sonar is, n pings.
+        Poses of the sonar, n pings.
     trace : callable
         Takes the poses of pings first to last - 1, ``first`` and ``last``; returns a kernel's status: -1 - k if the
         sonar is inside solid k, else 0.

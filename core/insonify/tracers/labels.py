@@ -1,4 +1,4 @@
-"""Labels of a record: what every bin shows, by the geometry of the sweep."""
+"""Labels of a record by the geometry of the sweep: target, material and path of every range bin."""
 
 from __future__ import annotations
 
@@ -21,34 +21,34 @@ from insonify.packing.navigation import take_poses
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.blocks import trace_blocks
 
-NOTHING = -2  # target of a bin in which nothing is heard
+NOTHING = -2  # target of a bin without an echo
 NO_MATERIAL = -1
 NO_PATH = -1
 PATHS = ("direct", "surface_bottom", "surface_bottom_surface", "second_bottom", "surface", "crosstalk")
 
 
 class RecordLabels(NamedTuple):
-    """What each bin shows, (n, 2, bins) each.
+    """Labels of every range bin: greatest contributor, its place and path, and shadow; (n, 2, bins) each.
 
     Attributes
     ----------
     target_id : int16
-        Index of the declared target that is the bin's greatest contributor, -1 for the bed, -2 where nothing is heard
-        but perhaps the sea surface.
+        Index of the declared target that is the bin's greatest contributor, -1 for the bed, -2 where there is
+        no echo, except perhaps of the sea surface.
     material : int16
         Its row of the material table, -1 where there is none.
     shadow : bool
-        Whether bed lies at that slant range, is hidden, and nothing is heard on the direct path.
+        Whether bed lies at that slant range, is hidden, and no echo comes by the direct path.
     ground_range : float32
-        Of the contributor's strongest piece, in metres; NaN where nothing is heard.
+        Of the contributor's strongest echo, in metres; NaN without an echo.
     incidence : float32
-        Of the sound on that piece, from its normal, in degrees, the greater of two if it comes and goes by different
-        ways; NaN where nothing is heard.
+        Of that echo on its surface, from the normal, in degrees, the greater of two if sound comes and goes by
+        different paths; NaN without an echo.
     path : int8
-        Place among `PATHS` of how that contributor's sound went, -1 where nothing is heard.
+        Place of that contributor's propagation path among `PATHS`, -1 without an echo.
     caustic : bool
-        Whether sound is heard that the water focuses to a caustic: there rays alone do not tell how loud it is, and
-        their tubes count as no narrower than Airy's function allows.
+        Whether the echo comes by a caustic of the water: ray theory does not give its intensity, and the ray tubes
+        count as no narrower than Airy's function allows.
     """
 
     target_id: NDArray[np.int16]
@@ -69,20 +69,20 @@ def trace_labels(
     crosstalk: float = 0.0,
     threads: int | None = None,
 ) -> RecordLabels:
-    """Tell what every bin of every ping shows, for an ideal pulse: where an echo begins.
+    """Label every range bin of every ping, for an ideal pulse: where an echo begins.
 
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
     poses : Poses
-        Where the sonar is, n pings.
+        Poses of the sonar, n pings.
     planes : int
         Planes across a fan beam; a knife has one.
     rays : int
         Rays per side of pings from which refracted sound comes to some places along several rays, or along none.
     crosstalk : float
-        Share of its energy with which each side's echo is heard on the other.
+        Share of the energy of each side that leaks into the other.
     threads : int, optional
         Threads to use, all cores when left out. The result does not depend on it.
 
@@ -183,7 +183,7 @@ def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> RecordLabel
 
 
 def _with_crosstalk(own: RecordLabels, energy: NDArray[np.float32], crosstalk: float) -> RecordLabels:
-    """Labels with the other side's contributor wherever what is heard of it exceeds one's own."""
+    """Labels with the other side's contributor wherever its crosstalk exceeds the side's own echo."""
     across = crosstalk * energy[:, ::-1] > energy
     columns = {name: np.where(across, column[:, ::-1], column) for name, column in own._asdict().items()}
     columns["path"][across] = PATHS.index("crosstalk")

@@ -1,4 +1,4 @@
-"""The march: rays in steps of fixed length, as in the paper's day, which the other methods are measured against."""
+"""The march: rays in steps of fixed length, the classical method with which the other methods are compared."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ def trace(
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
     poses : Poses
-        Where the sonar is, n pings.
+        Poses of the sonar, n pings.
     step : float
         Length of a step in metres; what is thinner can be stepped over.
     rays : int

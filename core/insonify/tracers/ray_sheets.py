@@ -1,4 +1,4 @@
-"""Sheets of rays: the reference of the charts, nearer to the truth than as many rays one by one."""
+"""Sheets of rays: the reference of the charts, more accurate than as many single rays."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ def trace(
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it, without multipath and bounces.
+        The packed scene, without multipath and bounces.
     poses : Poses
-        Where the sonar is, n pings.
+        Poses of the sonar, n pings.
     sheets : int
         Sheets across the beam; a knife has one.
     rays : int
-        Rays per sheet and side to begin with; at edges more are sent.
+        Rays per sheet and side to begin with; at edges more are added.
     threads : int, optional
         Threads to use, all cores when left out. The result does not depend on it.
 

@@ -1,4 +1,4 @@
-"""Exact rays, one by one: the reference that other methods are judged by."""
+"""Exact rays, one by one: the reference for the other methods."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int |
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
     poses : Poses
-        Where the sonar is, n pings.
+        Poses of the sonar, n pings.
     rays : int
         Rays per side and ping.
     threads : int, optional
@@ -56,7 +56,7 @@ def cast(
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
     origins : (n, 3) array_like
         Where the rays start: local x and y, height above the datum, in metres.
     directions : (n, 3) array_like
@@ -118,7 +118,7 @@ def follow(
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
     origins, directions : (n, 3) array_like
         Where the rays start, in the water, and where they go; as in `cast`.
     bounces : int

@@ -1,4 +1,4 @@
-"""The tracers: what each offers, and which one traces a scene."""
+"""The tracers, their common interface, and the choice of the one that traces a scene."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Tracer(Protocol):
 
 @dataclass(frozen=True)
 class EnergyTracer:
-    """A tracer that sums the energy of echoes: all it needs of a scene is in its arrays."""
+    """A tracer that sums the energy of echoes, from a scene's arrays alone."""
 
     trace: Callable[..., Record]
     bins_beyond: int = 0
@@ -58,7 +58,7 @@ def make_tracer(method: str, scene: Scene, arrays: SceneArrays) -> Tracer:
     scene : Scene
         What was declared.
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
 
     Returns
     -------

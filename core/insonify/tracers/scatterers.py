@@ -1,4 +1,4 @@
-"""Coherent speckle: single scatterers, in sight by the sweep, whose waves interfere.
+"""Coherent speckle: interfering waves of single scatterers, whose visibility the sweep decides.
 
 Derived in docs/theory/speckle.md.
 """
@@ -63,11 +63,11 @@ class ScattererTracer:
         Parameters
         ----------
         arrays : SceneArrays
-            The scene as kernels see it.
+            The packed scene.
         poses : Poses
-            Where the sonar is, n pings.
+            Poses of the sonar, n pings.
         planes : int
-            Planes across the beam, in which the sweep tells what of the bed is visible; at least two, for visibility is
+            Planes across the beam, in which the sweep finds the visible bed; at least two, for visibility is
             interpolated between them.
         threads : int, optional
             Threads to use, all cores when left out. The result does not depend on it.
@@ -75,7 +75,7 @@ class ScattererTracer:
         Returns
         -------
         (n, 2, bins) float32
-            Intensity of the two channels, port first, as the pulse hears it.
+            Intensity of the two channels, port first, after the pulse.
 
         Raises
         ------
@@ -108,7 +108,7 @@ def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
     scene : Scene
         What was declared.
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
 
     Returns
     -------
@@ -153,7 +153,7 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, b
     Returns
     -------
     Pulse
-        One sample a bin, or several where a bin is longer than the pulse resolves, so that nothing goes unheard; the
+        One sample a bin, or several where a bin is longer than the pulse resolves, so that no echo is missed; the
         squares of its taps sum to the pulse's equivalent length. An ideal pulse is one bin long.
 
     Raises
@@ -213,7 +213,7 @@ def _extend_range(arrays: SceneArrays, bins: int) -> SceneArrays:
 
 
 def _narrowed(arrays: SceneArrays, patches: SurfacePatches, poses: Poses) -> SceneArrays:
-    """Scene whose beam pattern leaves out directions of many scatterers where next to nothing is heard.
+    """Scene whose beam pattern leaves out directions of many scatterers and negligible sensitivity.
 
     Of every row of its table the outermost columns go, and rows nearer than anything lies become no wider than others.
     """

@@ -1,6 +1,6 @@
-"""The sweep: a few vertical planes cut the scene, and one running horizon in each tells what is heard.
+"""The sweep: a few vertical planes cut the scene, and one running horizon in each decides which bed is visible.
 
-Through layered water it goes by tables of apparent positions; pings for which none hold are traced by rays. Derived in
+Through layered water it goes by tables of apparent positions; pings without valid tables are traced by rays. Derived in
 docs/theory/sweep.md.
 """
 
@@ -34,9 +34,9 @@ def trace(
     Parameters
     ----------
     arrays : SceneArrays
-        The scene as kernels see it.
+        The packed scene.
     poses : Poses
-        Where the sonar is, n pings.
+        Poses of the sonar, n pings.
     planes : int
         Planes across a fan beam; a knife has one.
     rays : int
@@ -44,7 +44,7 @@ def trace(
     threads : int, optional
         Threads to use, all cores when left out. The result does not depend on it.
     double : bool
-        Whether to calculate in double precision throughout, to tell what single precision costs.
+        Whether to calculate in double precision throughout, to measure the error of single precision.
 
     Returns
     -------

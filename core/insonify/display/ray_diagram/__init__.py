@@ -1,1 +1,1 @@
-"""Ray diagrams: the profile of a water and what it does to sound."""
+"""Ray diagrams: sound-speed profile of a water, and the rays, shadow zones and caustics in it."""

@@ -162,7 +162,7 @@ def _scales(left: Any, right: Any, diagram: RayDiagram) -> None:
 
 
 def _entries(diagram: RayDiagram) -> list[tuple[Any, str]]:
-    """List the marks and names of the legend: all that is drawn besides the rays."""
+    """List the marks and names of the legend: everything drawn besides the rays."""
     entries: list[tuple[Any, str]] = []
     if diagram.shadow.mean() > FAINTEST:
         entries.append((Patch(color=SHADE, alpha=0.52, linewidth=0), "shadow zone: no direct ray"))
@@ -187,7 +187,7 @@ def _write_headings(figure: Figure, diagram: RayDiagram) -> None:
 
 
 def _describe(diagram: RayDiagram) -> str:
-    """State where the sonar is, and which bed it does not hear."""
+    """State the place of the sonar, and the ranges of bed that no sound reaches."""
     said = [f"sonar at {diagram.source_depth:.4g} m, mean bed at {diagram.bottom:.4g} m"]
     said += [f"no sound on the bed {stretch}" for stretch in _stretches(diagram)]
     if diagram.target is not None:

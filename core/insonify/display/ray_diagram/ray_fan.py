@@ -57,7 +57,7 @@ def trace_fan(water: Water, height: float, limits: RayLimits, columns: int) -> R
     limits : Limits
         Range, bed and surface, where rays end.
     columns : int
-        Ranges to tell, from 0 to the farthest.
+        Number of ranges, from 0 to the farthest.
 
     Returns
     -------

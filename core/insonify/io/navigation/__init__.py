@@ -29,7 +29,7 @@ def read_navigation(path: str) -> RecordedNavigation:
         One sentence with what is wrong with the file and the remedy.
     """
     found = NAVIGATION.reader(path)(path)
-    # A recording that was never told its pitch holds a column without numbers.
+    # A recording without a pitch sensor holds a column without numbers.
     found = {
         name: column
         for name, column in found.items()

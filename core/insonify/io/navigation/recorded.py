@@ -1,4 +1,4 @@
-"""Recorded navigation: where the sonar was and how it lay in the water, by time."""
+"""Recorded navigation: position and attitude of the sonar by time."""
 
 from __future__ import annotations
 

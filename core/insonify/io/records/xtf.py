@@ -48,9 +48,9 @@ class _Ping(NamedTuple):
 def read_xtf(path: str | Path) -> xr.Dataset:
     """Read a side-scan recording.
 
-    Samples are amplitudes: their standard deviation in even patches of a raw recording is half their mean, as for the
-    envelope of fully developed speckle (0.523); an intensity would have a ratio of 1. ``intensity`` is the square of
-    the samples, in the units of the recorder.
+    Samples are amplitudes: their standard deviation in uniform patches of a raw recording is half their mean, as for
+    the envelope of fully developed speckle (0.523); an intensity would have a ratio of 1. ``intensity`` is the square
+    of the samples, in the units of the recorder.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def _lay(row: NDArray[np.float32], channel: _Channel, bin_length: float) -> None
 
 
 def _frequency(header: Any) -> float:
-    """Carrier frequency of the first side-scan channel in Hz, 0 if not told; files have it in kHz."""
+    """Carrier frequency of the first side-scan channel in Hz, 0 if the file lacks it; files have it in kHz."""
     given = (float(info.Frequency) for info in header.ChanInfo if info.TypeOfChannel in SIDES)
     frequency = next(given, 0.0)
     return 1e3 * frequency if 0.0 < frequency < 1e4 else frequency

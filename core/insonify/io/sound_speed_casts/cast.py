@@ -1,4 +1,4 @@
-"""A sound-speed cast: the water as an instrument found it on its way down."""
+"""A sound-speed cast: properties of the water by depth, measured on the way down."""
 
 from __future__ import annotations
 
