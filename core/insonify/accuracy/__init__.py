@@ -1,1 +1,1 @@
-"""How accurate and how fast: errors, displacement, similarity, timing, charts, stability cases."""
+"""Accuracy and speed: record errors, displacement, similarity, timing, charts and stability cases."""

@@ -1,6 +1,6 @@
-"""Errors of a record against its reference, as every tolerance and every chart means them.
+"""Errors of a record against its reference, as used by tolerances and charts.
 
-Both records are divided by the flat-bed curve of the same scene, so that the strong echoes of near bins do not rule.
+Both records are divided by the flat-bed curve of the scene, so that the strong echoes of near bins do not dominate.
 
 Theory: docs/theory/error.md.
 """
@@ -27,7 +27,7 @@ class RecordErrors:
     all_bins : float
         ‖a − b‖ / ‖b‖ over all bins from the first return.
     beyond : float
-        The same over bins beyond 1.4 times the altitude: the error that a tolerance means.
+        The same over bins beyond 1.4 times the altitude: the error to which a tolerance refers.
     energy_bias : float
         Energy of a over that of b, less 1.
     dark_leakage : float

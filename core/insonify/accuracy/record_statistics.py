@@ -25,7 +25,7 @@ SEGMENT = 128  # samples of a segment whose spectrum is taken
 ENOUGH = 20_000  # segments that settle a spectrum
 DARK = -10.0  # dB below the median from which a block is a shadow
 BLOCK = (4, 16)  # pings and bins of such a block
-FEWEST = 1e-3  # share of all blocks; fewer are chance, not shadows
+FEWEST = 1e-3  # least share of all blocks; fewer are due to chance, not shadows
 SILENCE = -60.0  # dB; nothing counts as darker
 
 

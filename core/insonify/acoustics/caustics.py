@@ -1,4 +1,4 @@
-"""Caustics: where rays touch them, and the pressure there, which rays alone make infinite."""
+"""Caustics: points at which rays touch them, and the finite pressure nearby, where ray theory diverges."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ ROOM = 256
 def caustics(
     water: WaterKind, source_depth: float, angles: ArrayLike, *, max_range: float, bottom: float | None = None
 ) -> xr.Dataset:
-    """Find where rays touch caustics: where the tube has no width.
+    """Find the points at which rays touch caustics, where the ray tube has no width.
 
     Parameters
     ----------
@@ -64,16 +64,16 @@ def caustics(
 def airy_pressure(
     frequency: float, times: tuple[ArrayLike, ArrayLike], amplitudes: tuple[ArrayLike, ArrayLike]
 ) -> NDArray[np.float64]:
-    """Sound pressure near a caustic, where one ray comes that has touched it and one that has not; finite on it.
+    """Sound pressure near a caustic from the ray that has touched it and the one that has not; finite on it.
 
     Parameters
     ----------
     frequency : float
         Hz.
     times : (array_like, array_like)
-        Of the ray that comes first and of the other, in seconds.
+        Arrival times of the first ray and of the other, in seconds.
     amplitudes : (array_like, array_like)
-        What each would bring alone, as rays tell it; both grow without end towards the caustic, where they meet.
+        Amplitude of each ray alone by ray theory; both diverge towards the caustic, where the rays meet.
 
     Returns
     -------

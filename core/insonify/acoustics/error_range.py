@@ -1,4 +1,4 @@
-"""Slant range from which an error counts: nearer bins hold the strong, steep echoes that no tolerance means."""
+"""Slant range beyond which errors count; nearer bins hold strong echoes near nadir, to which no tolerance applies."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ Values = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SoundSpeedField:
-    """Speed of sound, linear between its points (of a section: in the triangles that rays see) and even beyond them.
+    """Speed of sound, linear between its points (in a section over triangles) and constant beyond them.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class SoundSpeedField:
     speed : (m, n) float64
         m/s.
     heading : float
-        Of that line, radians counter-clockwise from +x.
+        Heading of that line, radians counter-clockwise from +x.
     """
 
     depth: Values
@@ -56,7 +56,7 @@ class SoundSpeedField:
             return np.asarray(np.interp(along, self.distance, self.speed[:, 0]))
         i, onwards = _within(self.distance, along)
         j, downwards = _within(self.depth, below)
-        # As rays see it: each cell in two triangles, cut along the diagonal on which speed differs less.
+        # As in the ray tracer: each cell is two triangles, split along the diagonal with the smaller change of speed.
         top, bottom, top_next, bottom_next = (self.speed[i + m, j + k] for m, k in ((0, 0), (0, 1), (1, 0), (1, 1)))
         rising = np.abs(top_next - bottom) <= np.abs(bottom_next - top)
         upper = downwards < np.where(rising, 1.0 - onwards, onwards)
@@ -67,7 +67,7 @@ class SoundSpeedField:
 
 
 def _within(places: Values, wanted: Values) -> tuple[NDArray[np.int64], Values]:
-    """Find the piece between two places, and the share of it that lies behind, 0 or 1 beyond the outermost."""
+    """Find the interval that holds each value and the fraction of it below the value, 0 or 1 outside all intervals."""
     piece = np.clip(np.searchsorted(places, wanted, side="right") - 1, 0, places.size - 2)
     return piece, np.clip((wanted - places[piece]) / (places[piece + 1] - places[piece]), 0.0, 1.0)
 
@@ -78,7 +78,7 @@ def make_sound_speed_field(water: WaterKind) -> SoundSpeedField:
     Raises
     ------
     SceneError
-        If a cast cannot be read or is no water that sound could pass.
+        If a cast cannot be read or holds an impossible sound speed.
     """
     return _kept_field(water, water.version)
 

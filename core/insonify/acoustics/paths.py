@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Values = NDArray[np.float64]
 ENDS = ("range", "bottom", "surface", "nowhere", "trapped")  # by the codes of `kernels.refraction.ray_paths`
-POINTS = 201  # of a path when no ranges are given
+POINTS = 201  # points of a path when no ranges are given
 
 
 def ray_paths(
@@ -123,7 +123,7 @@ def eigenrays(
 def shadow_zones(
     water: WaterKind, source_depth: float, depth: float, *, max_range: float, bottom: float | None = None
 ) -> Values:
-    """Find the ground ranges at which no direct ray comes to a depth.
+    """Find the shadow zones: ground ranges at which no direct ray reaches a depth.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def shadow_zones(
     source_depth, depth : float
         Metres.
     max_range : float
-        How far to look, in metres.
+        Greatest ground range of the search, in metres.
     bottom : float, optional
         Depth of a level bed at which rays end, in metres; there is none when left out.
 
@@ -158,7 +158,7 @@ def shadow_zones(
 def prepare_paths(
     water: WaterKind, source_depth: float, angles: ArrayLike, max_range: float, bottom: float | None
 ) -> tuple[LaidWater, Values, RayLimits]:
-    """Check parameters of `ray_paths`: the water as kernels take it, the angles, and where rays end."""
+    """Check parameters of `ray_paths` and return the packed water, the launch angles and the limits of rays."""
     launch = np.atleast_1d(np.asarray(angles, dtype=np.float64))
     if launch.ndim != 1:
         raise SceneError(f"angles: an array of {launch.ndim} dimensions is no list of angles; flatten it")
@@ -174,7 +174,7 @@ def prepare_paths(
 
 
 def _as_paths(launch: Values, points: RayPoints, ends: NDArray[np.int64]) -> xr.Dataset:
-    """Dataset of whole rays; the longest gives the number of points."""
+    """Dataset of ray paths, with as many points as the longest has."""
     import xarray as xr
 
     there = np.isfinite(points.x)
@@ -195,11 +195,11 @@ def _as_paths(launch: Values, points: RayPoints, ends: NDArray[np.int64]) -> xr.
 
 
 def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
-    """Dataset of rays that join two points."""
+    """Dataset of the eigenrays between two points."""
     import xarray as xr
 
     launch = -rows[:, ANGLE]
-    # x/cosθ0 is the tube's other width, which a vertical ray has like the first.
+    # x/cosθ0 is the horizontal width of the ray tube; for a vertical ray both widths are equal.
     wide = np.abs(rows[:, TUBE]) if target_range == 0.0 else target_range / np.cos(launch)
     with np.errstate(divide="ignore"):
         intensity = 1.0 / (wide * np.abs(rows[:, TUBE]))
@@ -219,7 +219,7 @@ def _as_eigenrays(rows: Values, target_range: float) -> xr.Dataset:
 
 
 def _below_surface(water: WaterKind) -> LaidWater:
-    """Water as kernels take it, with heights above the sea surface."""
+    """Water packed for the kernels, with heights above the sea surface."""
     layers = make_sound_speed_field(water)
     return LaidWater(
         bent=True,
@@ -270,7 +270,7 @@ def _check(name: str, value: float, good: bool, remedy: str) -> None:
 
 
 def _check_depths(depth: float, bottom: float | None, name: str = "source_depth") -> None:
-    """Refuse a point that is not in the water."""
+    """Raise an error for a point outside the water."""
     _check(name, depth, depth >= 0.0, "give metres below the sea surface")
     if bottom is not None:
         _check("bottom", bottom, bottom > 0.0, "give metres below the sea surface")

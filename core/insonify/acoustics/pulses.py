@@ -38,7 +38,7 @@ def envelope(pulse: PulseKind, offset: NDArray[np.float64], sound_speed: float) 
     Parameters
     ----------
     pulse : PulseKind
-        Of some length.
+        Pulse of finite length.
     offset : float64 array
         Slant range beyond that of the point, in metres.
     sound_speed : float
@@ -47,7 +47,7 @@ def envelope(pulse: PulseKind, offset: NDArray[np.float64], sound_speed: float) 
     Returns
     -------
     float64 array
-        Signed where a filter makes it so.
+        Amplitude; negative values occur in sidelobes of a filter.
     """
     return pulse.envelope(2.0 * np.asarray(offset) / sound_speed)
 
@@ -112,7 +112,7 @@ def coherence(pulse: PulseKind, sound_speed: float, bin_length: float) -> NDArra
     -------
     (n,) float64
         At 0 to n - 1 bins apart, 0 beyond: the envelope's own correlation ∫h(r) h(r + Δ) dr / ∫h². For a tone it is
-        1 − Δ/(cτ/2); of a chirp's response, `COHERENT_CELLS` on either hand count.
+        1 − Δ/(cτ/2); of a chirp's response, `COHERENT_CELLS` on either side count.
     """
     exact = pulse.coherence(0.5 * sound_speed * pulse.length / bin_length)
     return _integrated_coherence(pulse, sound_speed, bin_length) if exact is None else exact
@@ -127,7 +127,7 @@ def _integrated_coherence(pulse: PulseKind, sound_speed: float, bin_length: floa
     count = math.ceil(length / step)  # on either hand
     offset = (np.arange(-count, count, dtype=np.float64) + 0.5) * step
     response = envelope(pulse, offset, sound_speed)
-    size = 4 * count  # so that the ends do not meet
+    size = 4 * count  # so that the correlation does not wrap around
     correlation = np.fft.irfft(np.abs(np.fft.rfft(response, size)) ** 2, size)
     longest = (2.0 if pulse.two_sided else 1.0) * length
     lags = np.arange(max(math.ceil(longest / bin_length), 1)) * per_bin

@@ -1,4 +1,4 @@
-"""Rays through water as kernels take it: their paths, eigenrays between two points, and shadow zones."""
+"""Ray paths, eigenrays between two points and shadow zones in water packed for the kernels."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from insonify.kernels.refraction.ray_paths import RayLimits, RayPoints, trace_ra
 from insonify.kernels.refraction.section_arcs import SectionPlane
 
 Values = NDArray[np.float64]
-ROOM = 64  # eigenrays for which there is room at first
+ROOM = 64  # initial capacity for eigenrays
 FAN = 4000  # rays sent through a section to find those that join two points
 HALVINGS = 60  # of the angle between two rays of that fan
 SEAM = 1e-5  # share of the farthest range: two insonified stretches this close are one
@@ -106,7 +106,7 @@ def join_points(water: Water, z_from: float, z_to: float, x: float, low: float, 
 
 
 def _critical_angles(water: Water, span: EndPoints) -> Values:
-    """Launch angles at which rays graze a node, an end of the water or the height asked for, in radians, ascending."""
+    """Launch angles at which rays graze a node, an end of the water or the target height, in radians, ascending."""
     nodes = (water.height > span.low) & (water.height < span.high)
     heights = np.array([z for z in (span.z_to, span.low, span.high) if math.isfinite(z)])
     speeds = np.concatenate([water.speed[0][nodes], np.interp(heights, water.height, water.speed[0])])
@@ -117,14 +117,14 @@ def _critical_angles(water: Water, span: EndPoints) -> Values:
 
 
 def _join_across(water: Water, span: EndPoints) -> Values:
-    """Find the rays between two points of a section: by a fan, halved where the point lies between two of its rays."""
+    """Find the eigenrays between two points of a section by bisecting a fan of rays about the point."""
     lower, upper = sorted((span.z_from, span.z_to))
     heights = np.linspace(lower - span.x, upper + span.x, FAN // 2)
     angles = np.union1d(np.arctan2(heights - span.z_from, span.x), np.linspace(-0.5, 0.5, FAN // 2 + 2)[1:-1] * math.pi)
     fan = _arrive(water, span, angles)
     first, last = fan[:-1], fan[1:]
     between = _opposite_signs(_miss(span, first), _miss(span, last))
-    # About an extremum of the height two more rays may lie between.
+    # Two more eigenrays may lie on either side of an extremum of the height over the launch angle.
     nears = _rise(span, first) * _miss(span, first) < 0.0
     leaves = _rise(span, last) * _miss(span, last) > 0.0
     hidden = ~between & nears & leaves
@@ -142,12 +142,12 @@ def _join_across(water: Water, span: EndPoints) -> Values:
 
 
 def _opposite_signs(a: Values, b: Values) -> NDArray[np.bool_]:
-    """Whether one of two is above 0 and the other is not; never for NaN."""
+    """Whether one of two values is above 0 and the other is not; never for NaN."""
     return np.isfinite(a) & np.isfinite(b) & ((a > 0.0) != (b > 0.0))
 
 
 def _arrive(water: Water, span: EndPoints, angles: Values) -> Values:
-    """Rays at the range of a point; column X holds their height there, NaN for those that do not come."""
+    """Rays at the range of a point; column X holds their height there, NaN for rays that do not reach it."""
     # A point on a reflecting boundary lies between rays that are reflected before it and beyond it.
     most = span.reflections + (span.z_to in (span.low, span.high))
     limits = RayLimits(span.x, span.low, span.high, most > 0, most > 0)
@@ -158,24 +158,24 @@ def _arrive(water: Water, span: EndPoints, angles: Values) -> Values:
     counted = {TURNS: points.turns, TOPS: points.tops, BOTTOMS: points.bottoms, GRAZED: points.grazed}
     for column, values in (kept | counted).items():
         rows[:, column] = values[:, 0]
-    # A ray that ends before has its end as its first point.
+    # The first point of a ray that ends before that range is its end.
     rows[(points.x[:, 0] != span.x) | (rows[:, TOPS] + rows[:, BOTTOMS] > most), X] = math.nan
     return rows
 
 
 def _miss(span: EndPoints, rows: Values) -> Values:
-    """Height of rays above the point, in metres; beyond an end of the water on which it lies, if they went on."""
+    """Height of rays above the point, in metres, unfolded across a reflecting boundary on which the point lies."""
     return _reflection_sign(span, rows) * (rows[:, X] - span.z_to)
 
 
 def _rise(span: EndPoints, rows: Values) -> Values:
-    """dz/dθ0 of that height, in m/rad."""
+    """Slope dz/dθ0 of the height above the point over the launch angle, in m/rad."""
     mirrored = (rows[:, TOPS] + rows[:, BOTTOMS]) % 2 == 1
     return _reflection_sign(span, rows) * np.where(mirrored, -1.0, 1.0) * rows[:, TUBE] / rows[:, COSINE]
 
 
 def _reflection_sign(span: EndPoints, rows: Values) -> Values:
-    """-1 for rays that an end of the water with the point on it has turned upside down, otherwise 1."""
+    """Sign of the unfolded height: -1 after an odd number of reflections at the boundary with the point, else 1."""
     if span.z_to == span.low:
         return 1.0 - 2.0 * (rows[:, BOTTOMS] % 2)
     if span.z_to == span.high:
@@ -186,7 +186,7 @@ def _reflection_sign(span: EndPoints, rows: Values) -> Values:
 def _bisect(
     water: Water, span: EndPoints, a: Values, b: Values, value: Callable[[EndPoints, Values], Values]
 ) -> Values:
-    """Find the rays between ``a`` and ``b`` at which a value of them changes its sign: those less often reflected."""
+    """Bisect between rays ``a`` and ``b`` to the sign change of a value; return the ray with fewer reflections."""
     above = value(span, a) > 0.0
     first, last = a.copy(), b.copy()
     for _ in range(HALVINGS):
@@ -198,7 +198,7 @@ def _bisect(
 
 
 def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: float, farthest: float) -> Values:
-    """Find the ranges at which no direct ray comes to a height in layered water.
+    """Find the shadow zones: ranges at which no direct ray reaches a height in layered water.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: flo
     z_from, z_to, low, high : float
         As in `join_points`; rays end at ``low`` and ``high``.
     farthest : float
-        Ground range up to which is looked, in metres.
+        Greatest ground range of the search, in metres.
 
     Returns
     -------
@@ -221,7 +221,7 @@ def find_shadows(water: Water, z_from: float, z_to: float, low: float, high: flo
     pieces = lit.reshape(-1, 2)
     shadows, reached = [], 0.0
     for begin, end in pieces[np.argsort(pieces[:, 0], kind="stable")]:
-        # Rays on either side of a critical angle come to the same place within rounding.
+        # Rays on either side of a critical angle arrive at the same range within rounding.
         if begin > reached + SEAM * farthest:
             shadows.append((reached, min(begin, farthest)))
         reached = max(reached, end)

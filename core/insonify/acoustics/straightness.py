@@ -1,4 +1,4 @@
-"""Error of straight rays where water bends sound, estimated in closed form."""
+"""Error of straight rays in refracting water, estimated in closed form."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ class RefractionEffect(NamedTuple):
     Attributes
     ----------
     shift : float
-        Metres of slant range by which it lies elsewhere than on a straight line through water of the sonar's speed.
+        Displacement in slant range from a straight ray at the sound speed of the sonar, in metres.
     level : float
-        Share by which it is louder or fainter, at most.
+        Greatest relative change of its level.
     most : float
-        The greater of the two, shift in bins, were all the water as unlike that at the sonar as it gets anywhere.
+        Bound: the greater of shift in bins and level if all water differed from that at the sonar by the maximum.
     """
 
     shift: float
@@ -41,7 +41,7 @@ def estimate_refraction(scene: Scene) -> RefractionEffect:
 
     Returns
     -------
-    Bending
+    RefractionEffect
         To first order travel time is that along the straight line (Fermat), R·mean(1/c). By Snell's law the cosine of
         the grazing angle grows with the speed, so that its sine squared falls by 2 Δc/c · cot²θ; backscatter goes with
         that, spreading there and back with as much again at most.

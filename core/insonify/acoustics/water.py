@@ -85,7 +85,7 @@ def _cut(layers: SoundSpeedField, top: float, bottom: float) -> SoundSpeedField:
     ends = [depth for depth in (top, bottom) if layers.depth[0] <= depth <= layers.depth[-1]]
     depth = np.sort(np.concatenate([within, ends]))
     if depth.size == 0:
-        # All points lie outside: the nearer end holds.
+        # All points lie outside: the sound speed of the nearer end applies.
         depth = layers.depth[:1] if bottom < layers.depth[0] else layers.depth[-1:]
     speed = np.stack([np.interp(depth, layers.depth, profile) for profile in layers.speed])
     return SoundSpeedField(depth, layers.distance, speed, layers.heading)

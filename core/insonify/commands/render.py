@@ -42,7 +42,7 @@ def register(subparsers: Any) -> None:
     picture.add_argument("--palette", choices=PALETTES, help="colour map (default: copper)")
     picture.add_argument("--side", choices=SIDES, help="channels to draw (default: both)")
     picture.add_argument("--ground-range", action="store_true", help="convert slant range to ground range")
-    picture.add_argument("--gain", type=decibels, metavar="DB", help="brighten by so many decibels (default: 0)")
+    picture.add_argument("--gain", type=decibels, metavar="DB", help="brighten by this many decibels (default: 0)")
     add_method(parser)
     parser.set_defaults(run=run)
 

@@ -1,4 +1,4 @@
-"""What there is: frozen, validated declarations, and TOML in and out."""
+"""Declarations of a scene: frozen, validated, read from TOML and written to it."""
 
 from insonify.errors import SceneError
 from insonify.files import bundled_meshes, bundled_scenes, resources

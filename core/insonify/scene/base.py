@@ -1,4 +1,4 @@
-"""What every declaration shares: frozen, validated, one place for a parameter's bounds, unit and description."""
+"""Base of all declarations: frozen, validated, with bounds, unit and description of each parameter in one place."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 from insonify.scene.kinds import Family, declare
 
-# m, along x or y; no map reaches farther, and farther out numbers would tell places apart no finer than relief is.
+# m, along x or y: no map reaches farther, and beyond it the resolution of numbers is coarser than relief.
 Place = Annotated[float, Field(ge=-1e8, le=1e8)]
 
 
@@ -39,12 +39,12 @@ class Declaration(BaseModel):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **options: Any) -> None:
-        """Join the family."""
+        """Add a new kind to its family."""
         declare(cls, cls.family)
 
     @property
     def idle_fields(self) -> frozenset[str]:
-        """Fields that change nothing as the others are; no slider is shown for them."""
+        """Names of the fields without effect at the present values of the others; no slider is shown for them."""
         return frozenset()
 
     def value_in_force(self, field: str) -> float | None:

@@ -1,4 +1,4 @@
-"""Make scenes: from plain values, from edits of another scene; say what is wrong in one sentence."""
+"""Scenes from plain values and from edits of another scene, with one-sentence errors."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def build(values: Mapping[str, Any]) -> Scene:
 
 
 def plain(scene: Scene) -> dict[str, Any]:
-    """Spell a scene out as TOML-ready values; fields that are None are left out, for TOML has no null."""
+    """Convert a scene to plain values for TOML, without fields that are None, because TOML has no null."""
     return scene.model_dump(mode="json", exclude_none=True)
 
 
 def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
-    """Apply all changes, then validate the whole.
+    """Apply changes to a scene, then validate the whole scene.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
 
 
 def read_setting(text: str) -> tuple[str, Any]:
-    """Split ``path.to.field=value``; the value is TOML, and anything that is not stands for its own text."""
+    """Split ``path.to.field=value``; a value that is not TOML stands for its own text."""
     path, equals, literal = text.partition("=")
     path = path.strip()
     if not equals or not path:
@@ -99,12 +99,12 @@ def _put(values: dict[str, Any], path: str, value: Any) -> None:
 
 
 class _Switched(str):
-    """A kind just changed: fields of the one before that the new one lacks are dropped."""
+    """Name of a changed kind with that of the previous kind, whose other fields are dropped."""
 
     before: str
 
     def __new__(cls, kind: str, before: str) -> _Switched:
-        """Make a name that remembers the one it took the place of."""
+        """Return the name of a kind that also holds the name of the kind it replaces."""
         switched = super().__new__(cls, kind)
         switched.before = before
         return switched
@@ -119,14 +119,14 @@ def _child(place: Any, key: str, path: str) -> Any:
 
 
 def _expanded(walked: list[str], value: Any) -> dict[str, Any]:
-    """Turn a bare name on the way down a path into the table it stands for."""
+    """Replace a bare name along a path by the table that it stands for."""
     if isinstance(value, str):
         return {"name" if walked[-1] == "material" else "kind": value}
     return {}
 
 
 def _drop_foreign_fields(values: dict[str, Any]) -> dict[str, Any]:
-    """Drop what the new kind of a switched choice does not know."""
+    """Drop the fields that the new kind of a changed choice does not have."""
     return {key: _shared_fields(child, Scene, key) for key, child in values.items()}
 
 
@@ -146,7 +146,7 @@ def _shared_fields(value: Any, parent: type[BaseModel], key: str) -> Any:
 
 
 def _foreign_fields(models: tuple[type[BaseModel], ...], model: type[BaseModel], kind: _Switched) -> frozenset[str]:
-    """Fields of the kind before that the new one lacks, or that are columns of another table."""
+    """Fields of the previous kind that the new one lacks, or that are columns of another table."""
     before = _model_of_kind(models, kind.before)
     if before is None:
         return frozenset()
@@ -164,10 +164,10 @@ def _model_of_kind(models: tuple[type[BaseModel], ...], kind: Any) -> type[BaseM
 
 
 def _sentence(error: ValidationError) -> str:
-    """Say the first fault in one sentence: field, value, remedy."""
+    """Describe the first fault in one sentence: field, value, remedy."""
     faults = error.errors()
     path = _path(faults[0]["loc"])
-    # Where a field may be several things, the one that the value comes nearest to fails deepest within.
+    # Where a field accepts several types, the error of the closest type lies at the greatest depth.
     fault = max((f for f in faults if _path(f["loc"]).startswith(path)), key=lambda f: len(f["loc"]))
     where = _path(fault["loc"]) or "scene"
     kind, value = fault["type"], fault["input"]
@@ -200,7 +200,7 @@ def _sentence(error: ValidationError) -> str:
     return f"{where}: {_shown(value)} is not {wanted}; {remedy}"
 
 
-# What pydantic's kinds of faults say a value should have been, and the remedy.
+# Expected value and remedy by pydantic's type of fault.
 _WANTED = {
     "float": ("a number", "give a plain number"),
     "int": ("a whole number", "give a number without a fraction"),

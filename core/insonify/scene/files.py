@@ -1,4 +1,4 @@
-"""Scenes on disk: TOML in and out."""
+"""Scenes read from TOML files and written to them."""
 
 from __future__ import annotations
 

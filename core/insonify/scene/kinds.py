@@ -76,8 +76,8 @@ class Family:
         """Import the package's modules and what installed packages bring; classes add themselves."""
         if self._discovered:
             return
-        # A kind that holds others of its family asks for them while its own module is being imported: what remains is
-        # then imported first, and the outer loop finds it done.
+        # A kind that holds others of its family needs them while its own module is being imported: the other modules
+        # are then imported first, and the outer loop has nothing left to do.
         if self.package is not None:
             modules_in(self.package)
         for entry in announced(f"insonify.{self.name}"):
@@ -135,14 +135,14 @@ class KindOf:
 
 
 def declare(model: type[BaseModel], family: Family | None) -> None:
-    """Take note of a declaration when its class is made, and add it to its family."""
+    """Register a declaration when its class is made, and add it to its family."""
     _DECLARED.append(model)
     if family is not None:
         family.add(model)
 
 
 def rebuild_declarations() -> None:
-    """Let the fields of all declarations take the kinds of their families over anew."""
+    """Update the fields of all declarations to the present kinds of their families."""
     models_of.cache_clear()
     # In the order in which they were made: a declaration comes after all that it holds.
     for model in _DECLARED:

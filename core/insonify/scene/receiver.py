@@ -1,4 +1,4 @@
-"""What the receiver does to the echo, and what it hears besides."""
+"""Receiver of the sonar: speckle, gain, noise, reverberation and crosstalk."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from insonify.scene.speckles.none import NoSpeckle
 
 
 class Receiver(Declaration):
-    """What becomes of the echo on its way into the record."""
+    """Effects between the echo and the record: speckle, gain, noise, reverberation and crosstalk."""
 
     speckle: Annotated[SpeckleKind, KindOf(SPECKLES, default="none")] = parameter(
         NoSpeckle(), description="interference of scatterers within a cell"
     )
     fluctuation: Annotated[FluctuationKind, KindOf(FLUCTUATIONS, default="none")] = parameter(
-        NoFluctuation(), description="how pings differ in loudness"
+        NoFluctuation(), description="variation of the level from ping to ping"
     )
     reverberation: Annotated[ReverberationKind, KindOf(REVERBERATIONS, default="none")] = parameter(
         NoReverberation(), description="echoes of the water and its surface"
     )
     noise: Annotated[NoiseKind, KindOf(NOISES, default="none")] = parameter(
-        NoNoise(), description="what is heard without any echo"
+        NoNoise(), description="noise received besides the echoes"
     )
     source_level: float = parameter(
         0.0,
@@ -45,7 +45,7 @@ class Receiver(Declaration):
     crosstalk: float | None = parameter(
         None,
         unit="dB",
-        description="level at which each side hears the other's echoes (not at all when left out)",
+        description="level at which each side receives the other's echoes (not at all when left out)",
         ge=-200.0,
         le=0.0,
         slider=(-80.0, 0.0),

@@ -1,4 +1,4 @@
-"""Attitudes: which way a body's bow, port side and top point."""
+"""Rotation matrix of a body from its heading, pitch and roll."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 
 def exact_cos(degrees: float) -> float:
-    """Cosine that is exactly 0 or ±1 on the axes, so that what lies along the grid stays on it."""
+    """Cosine that is exactly 0 or ±1 on the axes, so that bodies aligned with the grid remain aligned."""
     quarter = degrees / 90.0
     return (1.0, 0.0, -1.0, 0.0)[int(quarter) % 4] if quarter == int(quarter) else math.cos(math.radians(degrees))
 
 
 def rotation_matrix(heading: float, pitch: float, roll: float) -> NDArray[np.float64]:
-    """Turn a body first by its heading about z, then by its pitch, then by its roll, each about its own turned axes.
+    """Rotate a body by its heading about z, then by its pitch and its roll, each about its own rotated axes.
 
     Parameters
     ----------

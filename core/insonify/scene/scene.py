@@ -1,4 +1,4 @@
-"""The whole scene."""
+"""Scene: the complete declaration of a simulation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from insonify.scene.waters.uniform import UniformWater
 
 DEFAULT_ALTITUDE = 10.0
 SCHEMA = 1
-# Cells of the bed along a range: a slice holds a dozen knots for each, and of endless ground a square is held.
+# Limits of bed cells along a range: a slice holds a dozen knots per cell, and endless ground is stored as a square.
 MOST_CELLS, MOST_ENDLESS_CELLS = 262_144, 4096
 
 
@@ -37,10 +37,10 @@ class Scene(Declaration):
     schema_version: Literal[1] = parameter(SCHEMA, description="version of the scene format")
     title: str = parameter("Untitled", description="what the scene shows", max_length=200)
     description: str = parameter("", description="a paragraph: what it shows, what to move", max_length=5000)
-    seed: int = parameter(1, description="number from which everything random derives", ge=0, le=2**63 - 1)
+    seed: int = parameter(1, description="seed of all random numbers", ge=0, le=2**63 - 1)
     world: World = parameter(World(), description="place on Earth")
     seabed: Seabed = parameter(Seabed(), description="the bed")
-    targets: tuple[AnyTarget, ...] = parameter((), description="things on the bed")
+    targets: tuple[AnyTarget, ...] = parameter((), description="targets on the bed")
     water: AnyWater = parameter(UniformWater(), description="the water")
     sonar: Sonar = parameter(Sonar(), description="the sonar")
     track: Track = parameter(Track(), description="the tow")
@@ -48,7 +48,7 @@ class Scene(Declaration):
 
     @model_validator(mode="after")
     def _ping_rate_fits_the_range(self) -> Scene:
-        # Other waters tell their speed once they are laid out.
+        # The speed of other waters is known only after they are built.
         if self.water.only_speed is not None:
             self.sonar.refuse_haste(self.water.only_speed)
             self.sonar.refuse_long_pulse(self.water.only_speed)
@@ -56,7 +56,7 @@ class Scene(Declaration):
 
     @model_validator(mode="after")
     def _slices_can_be_held(self) -> Scene:
-        # A DEM tells its own spacing once it is read.
+        # The spacing of a DEM is known only after it is read.
         if not self.seabed.relief.measured:
             self.refuse_long_slices(self.seabed.spacing)
         return self
@@ -85,7 +85,7 @@ class Scene(Declaration):
         if self.altitude <= 0.0 and not self.seabed.relief.measured:
             raise ValueError(
                 f"track.depth {self.track.depth:g} m puts the sonar into the bed at {self.seabed.depth:g} m; "
-                "lessen it or deepen seabed.depth"
+                "reduce it or deepen seabed.depth"
             )
         return self
 
@@ -93,8 +93,8 @@ class Scene(Declaration):
     def _reverberation_has_energy(self) -> Scene:
         if self.sonar.law == "light" and self.receiver.reverberation.echoes:
             raise ValueError(
-                f"receiver.reverberation {self.receiver.reverberation.kind!r} is energy of water and surface, which "
-                "the light of sonar.law 'light' does not have; take law 'sonar' or leave the reverberation out"
+                f"receiver.reverberation {self.receiver.reverberation.kind!r} is scattered by water and surface, which "
+                "sonar.law 'light' does not model; take law 'sonar' or leave the reverberation out"
             )
         return self
 
@@ -104,13 +104,13 @@ class Scene(Declaration):
             return self
         if self.sonar.law == "light":
             raise ValueError(
-                "receiver.speckle 'coherent' adds up waves, which the light of sonar.law 'light' is not made of; "
+                "receiver.speckle 'coherent' sums waves, which sonar.law 'light' does not model; "
                 "take law 'sonar' or another speckle"
             )
         if not self.sonar.beam.has_width:
             raise ValueError(
-                "receiver.speckle 'coherent' hears the scatterers within the beam, and sonar.beam 'knife' has no width "
-                "that any could lie in; take a fan or another speckle"
+                "receiver.speckle 'coherent' sums the scatterers within the beam, and sonar.beam 'knife' has no width; "
+                "take a fan or another speckle"
             )
         return self
 
@@ -130,7 +130,7 @@ class Scene(Declaration):
         if self.sonar.range > most * spacing:
             raise SceneError(
                 f"sonar.range {self.sonar.range:g} m is {self.sonar.range / spacing:.3g} times the seabed.spacing of "
-                f"{spacing:g} m, and of {of_what} no more than {most} cells are held; shorten the range to "
+                f"{spacing:g} m, and at most {most} cells of {of_what} are held; shorten the range to "
                 f"{most * spacing:.4g} m or widen the spacing"
             )
 

@@ -1,4 +1,4 @@
-"""The bed: how deep, how rough, of what."""
+"""Seabed of a scene: mean depth, relief and material."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Seabed(Declaration):
         0.1, unit="m", description="spacing of the relief grid", gt=0.0, le=1e4, slider=(0.05, 1.0), log=True
     )
     relief: Annotated[ReliefKind, KindOf(RELIEFS, default="flat")] = parameter(Flat(), description="shape of the bed")
-    material: AnyMaterialMap = parameter(Material(), description="what the bed is made of")
+    material: AnyMaterialMap = parameter(Material(), description="material of the bed")
 
     @model_validator(mode="after")
     def _relief_fits_the_grid(self) -> Seabed:
@@ -33,10 +33,10 @@ class Seabed(Declaration):
 
     @property
     def random_reliefs(self) -> tuple[RandomRelief, ...]:
-        """The random reliefs that add up to the bed; none of a bed that is not random."""
+        """The random reliefs that add up to the bed; empty for a bed that is not random."""
         return self.relief.parts
 
     @property
     def endless(self) -> bool:
-        """Whether the bed never repeats and never ends."""
+        """Whether the bed is endless, without a period."""
         return any(part.endless for part in self.random_reliefs)

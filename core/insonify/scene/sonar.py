@@ -1,4 +1,4 @@
-"""The sonar: beam, pulse, range and how the record is made from them."""
+"""Sonar of a scene: beam, pulse, range, bins and scattering law."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from insonify.scene.pulses.tone import Tone
 from insonify.scene.vertical_beams import VERTICAL_BEAMS, VerticalBeamKind
 from insonify.scene.vertical_beams.uniform import UniformVerticalBeam
 
-MOST_BINS = 100_000  # of a record, and that a pulse may last
+MOST_BINS = 100_000  # greatest number of bins per side of a record, and of bins that a pulse may last
 
 
 class Sonar(Declaration):
@@ -45,11 +45,11 @@ class Sonar(Declaration):
         "sonar", description="energy of the insonified area, or the paper's radiance per ray"
     )
     bounces: int = parameter(
-        0, description="mirror-like bounces and passages followed after the first echo", ge=0, le=16, slider=(0, 8)
+        0, description="specular reflections and refractions followed after the first echo", ge=0, le=16, slider=(0, 8)
     )
 
     def refuse_haste(self, sound_speed: float) -> None:
-        """Refuse pings that follow each other before echoes from the whole range are back.
+        """Raise an error if a ping follows before the echoes from the whole range have returned.
 
         Parameters
         ----------
@@ -68,7 +68,7 @@ class Sonar(Declaration):
             )
 
     def refuse_long_pulse(self, sound_speed: float) -> None:
-        """Refuse a pulse that lasts more bins than can be told apart.
+        """Raise an error if a pulse lasts more bins than a record may have.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Where the sonar is towed."""
+"""Track of the towed sonar: line, altitude or depth, speed and motion."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from insonify.scene.motions.straight import Straight
 
 
 class Track(Declaration):
-    """A line at constant speed, and how the fish strays from it."""
+    """Straight track at constant speed, and the motion of the towfish about it."""
 
     start: tuple[Place, Place] = parameter((0.0, 0.0), unit="m", description="position of the first ping")
     heading: float = parameter(
@@ -46,7 +46,7 @@ class Track(Declaration):
         False, description="count the altitude from the bed beneath, smoothed over one altitude to either side"
     )
     motion: Annotated[MotionKind, KindOf(MOTIONS, default="straight")] = parameter(
-        Straight(), description="how the fish strays from its line"
+        Straight(), description="motion of the towfish about its line"
     )
 
     @model_validator(mode="after")
@@ -63,15 +63,15 @@ class Track(Declaration):
 
     @property
     def motions(self) -> tuple[SingleMotion, ...]:
-        """The motions at work, one or several."""
+        """The motions of the towfish, one or several."""
         return self.motion.parts
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Kinds of motion at work, each once; none for a straight tow."""
+        """Kinds of motion of the towfish, each once; none for a straight track."""
         return tuple(dict.fromkeys(motion.kind for motion in self.motions if motion.moves))
 
     @property
     def heave(self) -> float:
-        """How far the fish may rise above and sink below its own height, in metres."""
+        """Greatest rise and sink of the towfish about its mean height, in metres."""
         return sum(motion.greatest_heave for motion in self.motions)

@@ -38,7 +38,7 @@ def build_ground(scene: Scene) -> AnyGround:
     Raises
     ------
     SceneError
-        If a file cannot be read, a period holds no wave, or no relief gives the record of a pattern.
+        If a file cannot be read, a period holds no wave, or no relief reproduces the record of a pattern.
     """
     seabed = scene.seabed
     material = seabed.material

@@ -33,11 +33,11 @@ ComplexField = NDArray[np.complex128]
 TILE = 512  # nodes along a side of a tile, on every lattice
 TAPS = 128  # along a side of the filter of a band
 HIGHEST = 0.75  # share of its Nyquist frequency that the waves of an interpolated lattice reach
-FEATURE = 6.0  # steps of the coarsest filter's spectrum in the finest feature of the density
+FEATURE = 6.0  # frequency steps of the coarsest filter across the finest feature of the density
 FAINT = 1e-9  # share of the variance that may be neglected
 HALF_BAND = 12  # pairs of taps of the half-band filter
 KAISER = 9.0  # shape of its window: images are 90 dB down
-KEPT_TILES = 40  # of one pyramid, 2 MB each
+KEPT_TILES = 40  # tiles kept per pyramid, 2 MB each
 
 
 class EndlessField:
@@ -91,7 +91,7 @@ class EndlessField:
         return total
 
     def complex_tile(self, row: int, column: int) -> ComplexField:
-        """Analytic signal on one tile: the imaginary part is the Hilbert transform; without the part made in place."""
+        """Analytic signal on one tile (imaginary part: Hilbert transform), without the part of the finest lattice."""
         total = np.zeros((TILE, TILE), dtype=np.complex128)
         for band, pyramids in zip(self._bands, self._moved):
             if pyramids[0].variance <= FAINT * self.variance:
@@ -124,7 +124,7 @@ class _Pyramid:
 
     def __init__(self, band: Band, spacing: float, first: int, seed: int, stream: int) -> None:
         last = max(first, math.ceil(math.log2(FEATURE / (TAPS * spacing * band.feature))))
-        # Two fields make one modulated band, each with half of the waves of either sign.
+        # Two fields make one modulated band; each holds half of the waves of either sign of frequency.
         share = 1.0 if band.wave is None else 2.0
         self._lattices = {
             level: _Lattice(
@@ -201,7 +201,7 @@ class _Lattice:
 def gather_tiles(
     tile: Callable[[int, int], NDArray[Any]], first: tuple[int, int], shape: tuple[int, int]
 ) -> NDArray[Any]:
-    """Rectangle of nodes put together from tiles.
+    """Rectangle of nodes assembled from tiles.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def gather_tiles(
     Returns
     -------
     (ny, nx) array
-        Of the type of the tiles.
+        Values of the nodes, in the data type of the tiles.
     """
     rows, columns = (_pieces(low, count) for low, count in zip(first, shape))
     whole = np.empty(shape, dtype=tile(rows[0].tile, columns[0].tile).dtype)
@@ -226,11 +226,11 @@ def gather_tiles(
 
 
 class _Piece(NamedTuple):
-    """Run of nodes that lie in one tile."""
+    """Contiguous run of nodes along one axis that lie in one tile."""
 
     tile: int
-    part: slice  # of the tile
-    whole: slice  # of all nodes asked for
+    part: slice  # nodes within the tile
+    whole: slice  # nodes within the requested row
 
 
 def _pieces(first: int, count: int) -> list[_Piece]:

@@ -1,4 +1,4 @@
-"""Endless ground: tiles and windows of it are computed where they are needed."""
+"""Endless ground, whose tiles and windows are computed on demand."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from insonify.terrain.ground import Ground, bilinear
 Column = NDArray[np.float64]
 Tiles = Callable[[int, int], NDArray[Any]]
 
-KEPT_TILES = 192  # of heights, 1 MB each
-KEPT_WINDOWS = 4  # of heights and of materials
+KEPT_TILES = 192  # tiles of heights kept, 1 MB each
+KEPT_WINDOWS = 4  # windows of heights and materials kept
 WORKERS = 2
 
 
@@ -86,7 +86,7 @@ class EndlessGround:
         )
 
     def around(self, centre: tuple[float, float], half: float) -> Ground:
-        """Ground that holds a square around a place, as `window`."""
+        """Ground of a square around a place, stored as in `window`."""
         (cell,) = self.cell(np.array(centre[:1]), np.array(centre[1:]))
         return self.window(int(cell[0]), int(cell[1]), half)
 
@@ -113,7 +113,7 @@ class EndlessGround:
         return bilinear(lambda k, m: self._at(j + k, i + m), fu, fv)
 
     def height_near(self, x: Column, y: Column) -> Column:
-        """Height as in `height_at`, because there is ground everywhere."""
+        """Bilinear height above the datum as in `height_at`, because there is ground everywhere."""
         return self.height_at(x, y)
 
     def _at(self, row: NDArray[np.int64], column: NDArray[np.int64]) -> Column:
@@ -133,7 +133,7 @@ AnyGround = Ground | EndlessGround
 
 
 def keep_tiles(tile: Tiles) -> Tiles:
-    """Return the function of tiles with its last results kept."""
+    """Return the function of tiles with a cache of its last results."""
     return lru_cache(maxsize=KEPT_TILES)(tile)
 
 
@@ -152,7 +152,7 @@ def _thinned(ground: EndlessGround, every: int) -> EndlessGround:
 
 @lru_cache(maxsize=KEPT_WINDOWS)
 def _torus(tiles: Tiles, first: tuple[int, int], side: int) -> NDArray[Any]:
-    """Square of nodes, each stored where its wrapped indices point."""
+    """Square of nodes, each stored at its indices modulo the size of the square."""
     rows, columns = (range(low // TILE, (low + side - 1) // TILE + 1) for low in first)
     places = [(row, column) for row in rows for column in columns]
     if len(places) <= KEPT_TILES:

@@ -1,4 +1,4 @@
-"""Random relief without an end, tile by tile."""
+"""Random relief of endless ground, tile by tile."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ Tiles = Callable[[int, int], Field]
 
 
 def endless_heights(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
-    """Tiles of the sum of several reliefs.
+    """Tiles of heights of endless ground, the sum of several random reliefs.
 
     Parameters
     ----------
     parts : tuple of relief
-        Each takes random numbers of its own.
+        Reliefs to add; each has its own stream of random numbers.
     spacing : float
         Metres between nodes.
     seed : int
-        What the landscape derives from.
+        Seed of the landscape.
 
     Returns
     -------
     callable
-        Of a tile's row and column, whose nodes are (row · TILE + j, column · TILE + i): (TILE, TILE) float64, metres
-        above the mean bed.
+        Function of the row and column of a tile with nodes (row · TILE + j, column · TILE + i), which returns
+        (TILE, TILE) float64: metres above the mean bed.
     """
     extendable = [part for part in parts if isinstance(part, ExtendableRelief)]
     made = [_masked(part, spacing, seed, RELIEF_PART * number) for number, part in enumerate(extendable)]

@@ -48,7 +48,7 @@ class Ground:
     datum: float
 
     def around(self, centre: tuple[float, float], half: float) -> Ground:
-        """Ground that holds a square around a place: this ground itself, which is held as a whole."""
+        """Ground of a square around a place: this ground itself, which is stored as a whole."""
         del centre, half
         return self
 
@@ -105,7 +105,7 @@ class Ground:
         return np.where(inside, bilinear(lambda k, m: z[rows[k], columns[m]], fu, fv), np.nan)
 
     def height_near(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Bilinear height above the datum, where there is no bed that of the nearest bed; continuous.
+        """Bilinear height above the datum, continued outside the bed by the height of the nearest bed.
 
         Parameters
         ----------

@@ -14,7 +14,7 @@ from insonify.terrain.endless_ground import EndlessGround
 from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.periodic_relief import periodic_heights
 
-SHOWN = 1024  # nodes along a side of endless ground
+SHOWN = 1024  # nodes along a side of the picture of endless ground
 
 
 def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 1) -> Field:
@@ -25,8 +25,8 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
     seabed : Seabed
         Depth, spacing and relief.
     shape : (ny, nx), optional
-        Samples of one period along y and x, of endless ground nodes from the origin; the grid of the seabed when left
-        out. The same seed gives the same landscape on every shape; its rms is exact on the grid of the seabed.
+        Samples of one period along y and x, or nodes of endless ground from the origin; the grid of the seabed when
+        left out. The same seed gives the same landscape on every shape; its rms is exact on the grid of the seabed.
     seed : int
         Seed of the landscape.
 
@@ -60,7 +60,7 @@ def relief_picture(scene: Scene) -> NDArray[np.uint8]:
     Parameters
     ----------
     scene : Scene
-        Gives the bed.
+        Scene whose bed is drawn.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The grid of a bed: its cells, their size and place."""
+"""Grid of a bed: number, size and position of its cells."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Map = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class Lattice:
-    """Number, spacing and place of the cells of a bed.
+    """Number, spacing and position of the cells of a bed.
 
     Attributes
     ----------

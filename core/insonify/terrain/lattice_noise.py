@@ -1,4 +1,4 @@
-"""White noise on an endless lattice: every value is a hash of its place."""
+"""White noise on an endless lattice, each value of which is a hash of its position."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def lattice_noise(seed: int, stream: int, spacing: float, rows: range, columns: 
     spacing : float
         Spacing of the lattice; lattices of different spacings have different numbers.
     rows, columns : range
-        Places, of any sign; first column and number of columns are even.
+        Indices of either sign; the first column and the number of columns are even.
 
     Returns
     -------
     (rows, columns) float64
-        Each a function of seed, stream, spacing and place alone.
+        Values that depend on seed, stream, spacing and position alone.
     """
     key = splitmix64(splitmix64(splitmix64(np.uint64(seed)) ^ np.uint64(stream)) ^ np.float64(spacing).view(np.uint64))
     keys = _mixed(np.uint64(key) ^ np.array(rows, dtype=np.int64).view(np.uint64))

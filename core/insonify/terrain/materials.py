@@ -1,4 +1,4 @@
-"""Maps of what the bed is made of: one index per cell, and the random fields that maps are cut from."""
+"""Maps of the materials of a bed, one index per cell, and the random fields from which they are thresholded."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ Cuts = tuple[float, ...]
 
 @dataclass(frozen=True)
 class BedCells(Lattice):
-    """Cells of a bed, and random fields over them.
+    """Cells of a bed, and the random fields over them from which maps of materials are made.
 
-    What a place is made of depends on the seed and the place, not on the grid; only the borders of bands move by a
-    little, for a finer grid has finer waves.
+    The material of a place depends on the seed and the place, not on the grid; only the borders of bands move slightly,
+    because a finer grid has finer waves.
 
     Attributes
     ----------
     seed : int
-        What they derive from.
+        Seed of the random fields.
     """
 
     seed: int = 0
 
     def patches(self, size: float, count: int) -> Map:
-        """Give every cell to the nearest of hashed points, one per square; squares divide the period of a bed."""
+        """Assign every cell to the nearest of hashed points, one per square; squares divide the period of a bed."""
         ny, nx = self.shape
         repeat = 0
         if self.periodic:
@@ -51,9 +51,9 @@ class BedCells(Lattice):
         return indices
 
     def bands(self, beta: float, count: int) -> Map:
-        """Cut a fractal field so that every band covers an equal area."""
+        """Split a fractal field by height into bands of equal area."""
         ny, nx = self.shape
-        # A square field, cropped, for its waves are to be as long in x as in y.
+        # A square field is cropped, so that waves are as long in x as in y.
         side = (max(ny, nx),) * 2
         field = unmasked_heights(Fractal(beta=beta, rms=1.0), side, side, self.seed, MATERIAL_BANDS)[:ny, :nx]
         cuts = np.quantile(field, np.arange(1, count) / count)
@@ -62,7 +62,7 @@ class BedCells(Lattice):
 
 @dataclass(frozen=True)
 class TileCells(BedCells):
-    """Cells of one tile of endless ground.
+    """Cells of one tile of endless ground, and the random fields over them.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class TileCells(BedCells):
     period: float = 0.0
 
     def bands(self, beta: float, count: int) -> Map:
-        """Cut a fractal field so that every band covers an equal area, as is to be expected."""
+        """Split a fractal field by height into bands of equal expected area."""
         field = _endless_field(beta, self.period, self.spacing, self.seed)
         cuts = [NormalDist().inv_cdf(k / count) * math.sqrt(field.variance) for k in range(1, count)]
         return np.searchsorted(cuts, field.tile(*self.tile)).astype(np.uint8)
@@ -93,7 +93,7 @@ def material_indices(material: MaterialMap, lattice: Lattice, seed: int) -> Map:
 
 
 def endless_materials(material: MaterialMap, period: float, spacing: float, seed: int) -> Callable[[int, int], Map]:
-    """Tiles of a map, (TILE, TILE) uint8; what is cut from a fractal field is smooth beyond a period."""
+    """Tiles of a map of materials, (TILE, TILE) uint8; fractal fields are smooth beyond a period."""
 
     def tile(row: int, column: int) -> Map:
         x0, y0 = column * TILE * spacing, row * TILE * spacing

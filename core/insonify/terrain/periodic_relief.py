@@ -22,13 +22,13 @@ def periodic_heights(parts: tuple[RandomRelief, ...], shape: Shape, reference: S
     Parameters
     ----------
     parts : tuple of relief
-        All of one period; each takes random numbers of its own.
+        Reliefs of one period; each has its own stream of random numbers.
     shape : (ny, nx)
         Samples per period along y and x.
     reference : (ny, nx)
         Grid on which every rms holds exactly.
     seed : int
-        What the landscape derives from.
+        Seed of the landscape.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def unmasked_heights(relief: RandomRelief, shape: Shape, reference: Shape, seed:
 
 
 def _heights(part: RandomRelief, number: int, shape: Shape, reference: Shape, seed: int) -> Field:
-    """Heights of one relief of a sum, where its mask lets it be."""
+    """Heights of one relief of a sum, weighted by its mask."""
     heights = unmasked_heights(part, shape, reference, seed, RELIEF + RELIEF_PART * number)
     if part.mask.spread is not None:
         heights *= _mask(part.mask, part.period, WaveGrid(shape, seed, RELIEF_MASK + RELIEF_PART * number))
@@ -73,9 +73,9 @@ def _heights(part: RandomRelief, number: int, shape: Shape, reference: Shape, se
 
 
 def _mask(mask: MaskKind, period: float, grid: WaveGrid) -> Field:
-    """Share of the relief that a mask lets be, 0 to 1."""
+    """Weight of a mask on its relief, 0 to 1."""
     waves = density_waves(mask.density(LONGEST_WAVES / period), period, grid)
     level = math.sqrt(grid.variance(waves))
     field = grid.field(waves) / level
-    # The patches cover their share of the very period, not of what periods are like in the mean.
+    # The patches cover their share of this very period, not only of an average period.
     return mask.weigh(field, float(np.quantile(field, 1.0 - mask.coverage)))

@@ -1,4 +1,4 @@
-"""Where methods of this kind fail, and what this project does instead: every failure beside its remedy, measured."""
+"""Cases of numerical failure of common methods, each measured beside the method that avoids it."""
 
 from insonify.accuracy.stability.case import Approach, Outcome, StabilityCase, measure_case
 from insonify.accuracy.stability.cases import CASES

@@ -1,4 +1,4 @@
-"""Numba as it fails: the only compiled code outside the kernels, for what goes wrong there is of the compiler."""
+"""Failures of compiled code: the only Numba functions outside the kernels, to show what a compiler does."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 
 def mean_of_known(values: NDArray[np.float64]) -> float:
-    """Mean of what is not NaN."""
+    """Mean of the values that are not NaN."""
     total, count = 0.0, 0
     for k in range(values.size):
         if math.isnan(values[k]):
@@ -28,7 +28,7 @@ def guarded_mean(values: NDArray[np.float64], licences: Any) -> float:
 
 
 def root(value: float) -> float:
-    """Square root, refusing what has none."""
+    """Square root that raises an error for negative numbers."""
     if value < 0.0:
         raise ValueError("negative")
     return math.sqrt(value)

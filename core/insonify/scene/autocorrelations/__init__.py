@@ -20,7 +20,7 @@ class AutocorrelationKind(Choice):
 
     @property
     def feature(self) -> float:
-        """Frequency over which the spectrum changes at its finest, cycles a metre."""
+        """Width of the finest feature of the spectrum, in cycles per metre."""
         raise NotImplementedError
 
     def density(self, variance: float) -> Density:
@@ -35,5 +35,5 @@ class AutocorrelationKind(Choice):
 
 
 def squared_phase(fx: Field, fy: Field, length: float) -> Field:
-    """(k length)² of waves in cycles a metre."""
+    """Squared product (k length)² of wave number and length, for waves in cycles per metre."""
     return np.asarray((2.0 * math.pi * length) ** 2 * (fx**2 + fy**2))

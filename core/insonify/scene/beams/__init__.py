@@ -1,7 +1,7 @@
 """Horizontal beams, one file a kind.
 
-Directions are told by s, the sine of their angle from the plane athwart the fish; sensitivities are energies of both
-ways, 1 on the axis far away.
+Directions are given as s, the sine of their angle from the plane across the towfish; sensitivities are two-way
+energies, 1 on the axis in the far field.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Values = NDArray[np.float64]
 
 
 class Sounding(NamedTuple):
-    """What a beam depends on beside its own fields: speed of sound (m/s), frequency (Hz) and slant range (m)."""
+    """Speed of sound (m/s), frequency (Hz) and slant range (m), on which a beam depends besides its own fields."""
 
     sound_speed: float
     frequency: float
@@ -42,7 +42,7 @@ class BeamTable(NamedTuple):
     first_range : float
         Slant range of the first row, in metres; a quarter of an octave lies between rows.
     extent : (rows,) float64
-        Half of what each row spans, as sine.
+        Half of the span of each row, as sine.
     energy : (rows, COLUMNS) float64
     """
 
@@ -54,15 +54,15 @@ class BeamTable(NamedTuple):
 class BeamKind(Choice):
     """Sensitivity of the sonar along the track.
 
-    A kind says half the width of its main lobe, how far it is heard, and its response. One that changes with range
+    A kind declares the half width of its main lobe, its extent and its response. A beam that changes with range
     overrides `tabulate`.
 
     Attributes
     ----------
     top_hat : bool
-        Whether it hears all directions within its half width alike and nothing beyond.
+        Whether the sensitivity is uniform within the half width and zero beyond.
     has_width : bool
-        Whether it hears anything beside the plane athwart the fish.
+        Whether the beam is sensitive beside the plane across the towfish.
     error_law : str
         Kind of the beam whose measured errors and costs the plan takes: knife, fan, gaussian or array.
     by_frequency : bool
@@ -87,26 +87,26 @@ class BeamKind(Choice):
 
     @property
     def passes(self) -> int:
-        """How often sound passes the beam: going and coming, or once."""
+        """Number of passes of sound through the beam pattern: two-way or one-way."""
         return 2
 
     @property
     def aperture(self) -> float:
-        """Length of what makes the beam, which is as wide in its near field, in metres."""
+        """Length of the aperture, which is also the width of the beam in its near field, in metres."""
         return 0.0
 
     def half_width(self, sounding: Sounding) -> float:
-        """Half of what the main lobe spans, in radians."""
+        """Half of the span of the main lobe, in radians."""
         raise NotImplementedError
 
     def half_power(self, sounding: Sounding) -> float:
-        """Sine at which the beam hears half as much as on its axis, far off; 0 for a top-hat."""
+        """Sine of the half width at half power in the far field; 0 for a top-hat."""
         del sounding
         return 0.0
 
     def extent(self, sounding: Sounding) -> float:
-        """Sine beyond which nothing is heard."""
-        return max(math.sin(self.half_width(sounding)), 1e-9)  # a knife has none, but a row spans something
+        """Sine beyond which the sensitivity is 0."""
+        return max(math.sin(self.half_width(sounding)), 1e-9)  # a knife has no width, but a row must have a span
 
     def response(self, s: Values, sounding: Sounding) -> Values:
         """Sensitivity by direction about the axis."""

@@ -23,7 +23,7 @@ class GaussianBeam(AimedBeam):
     width: float = parameter(
         1.0, unit="°", description="one-way full beamwidth to -3 dB", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
     )
-    two_way: bool = parameter(True, description="whether sound passes the beam going and coming, or once")
+    two_way: bool = parameter(True, description="whether the pattern applies to transmission and reception, or once")
 
     @property
     def words(self) -> str:
@@ -46,7 +46,7 @@ class GaussianBeam(AimedBeam):
         return math.asin(min(self._s_three_decibels * times, 1.0))
 
     def half_power(self, sounding: Sounding) -> float:
-        """Sine at which the beam hears half as much as on its axis."""
+        """Sine of the half width at half power."""
         del sounding
         return self._s_three_decibels / math.sqrt(self.passes)
 

@@ -12,13 +12,13 @@ from insonify.scene.beams import COLUMNS, ROWS_PER_OCTAVE, BeamTable, Sounding, 
 from insonify.scene.beams.aimed import AimedBeam
 
 ELEMENTS = 1024  # as its pattern is computed
-# Lobes heard on either hand of the main lobe, in steps of wavelength over length; beyond lies less than 0.5 %.
+# Sidelobes that count on either side of the main lobe, in steps of wavelength over length; beyond lies less than 0.5 %.
 LOBES = {True: 6.0, False: 32.0}
 # Half the main lobe of each taper to its first null, in the same steps.
 FIRST_NULL = {"uniform": 1.0, "cosine": 1.5, "hamming": 2.0, "taylor": 1.36}
 TAYLOR_SIDELOBES, TAYLOR_NEARLY_EQUAL = 30, 4  # dB, and how many of them are nearly equal
 FAR = 0.4  # share of the range at which the main lobe is taken to be as wide as there
-# Width at half power of a line array's far field, in wavelengths over its length, one way and there and back.
+# Width at half power of a line array's far field, in wavelengths over its length, one way and two way.
 HALF_POWER = {
     "uniform": (0.886, 0.638),
     "cosine": (1.189, 0.851),
@@ -28,7 +28,7 @@ HALF_POWER = {
 
 
 class LineArray(AimedBeam):
-    """The beam of a line of transducers, with its sidelobes, wider than far away within its near field."""
+    """The beam of a line array, with its sidelobes and its near field, in which it is wider than in the far field."""
 
     rank = 40
     by_frequency = True
@@ -40,7 +40,7 @@ class LineArray(AimedBeam):
     taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
         "uniform", description="weight of the elements; a tapered array has lower sidelobes and a wider beam"
     )
-    two_way: bool = parameter(True, description="whether sound passes the beam going and coming, or once")
+    two_way: bool = parameter(True, description="whether the pattern applies to transmission and reception, or once")
 
     @property
     def words(self) -> str:
@@ -67,7 +67,7 @@ class LineArray(AimedBeam):
         return math.asin(min(max(far, near + 0.5 * far), 1.0))
 
     def half_power(self, sounding: Sounding) -> float:
-        """Sine at which the beam hears half as much as on its axis, far off."""
+        """Sine of the half width at half power in the far field."""
         width = HALF_POWER[self.taper][self.two_way]
         return 0.5 * width * sounding.sound_speed / sounding.frequency / self.length
 

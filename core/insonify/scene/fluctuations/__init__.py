@@ -19,11 +19,11 @@ class LevelStatistics(NamedTuple):
 
 
 class FluctuationKind(Choice):
-    """How pings differ in loudness."""
+    """Variation of the received level from ping to ping."""
 
     family = FLUCTUATIONS
 
     @property
     def statistics(self) -> LevelStatistics | None:
-        """How levels and delays are distributed; None where pings do not differ."""
+        """Distribution of levels and delays; None where pings do not vary."""
         return None

@@ -36,5 +36,5 @@ class Lognormal(FluctuationKind):
 
     @property
     def statistics(self) -> LevelStatistics:
-        """How levels and delays are distributed."""
+        """Distribution of levels and delays."""
         return LevelStatistics(self.level, self.correlation_time, self.travel_time)

@@ -1,4 +1,4 @@
-"""Masks of a relief, one file a kind: where on the bed it is."""
+"""Masks that limit a relief to parts of the bed, one file a kind."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ MASKS = Family("masks", "insonify.scene.masks")
 
 
 class MaskKind(Choice):
-    """Where a relief is, of a bed that is level elsewhere."""
+    """Part of the bed that a relief covers; elsewhere the bed is level."""
 
     family = MASKS
 
@@ -29,5 +29,5 @@ class MaskKind(Choice):
         raise NotImplementedError
 
     def weigh(self, field: Field, threshold: float) -> Field:
-        """Share of the relief that is left, from a field of unit variance and its value on the borders."""
+        """Weight of the relief, 0 to 1, from a field of unit variance and its value on the borders."""
         raise NotImplementedError

@@ -48,7 +48,7 @@ class PatchMask(MaskKind):
         return lambda fx, fy: np.asarray(level * np.exp(-0.5 * (fx**2 + fy**2) / spread**2))
 
     def weigh(self, field: Field, threshold: float) -> Field:
-        """Share of the relief that is left, from 0 outside the patches to 1 inside."""
+        """Weight of the relief, from 0 outside the patches to 1 inside."""
         # The field's rms slope is π/size, so that a border so many sizes wide spans π times that of its values.
         share = np.clip((field - threshold) / (math.pi * self.softness) + 0.5, 0.0, 1.0)
         return np.asarray(share * share * (3.0 - 2.0 * share))

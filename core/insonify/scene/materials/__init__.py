@@ -1,4 +1,4 @@
-"""What the bed and the targets are made of: named materials, numbers, and one file a kind of map of several."""
+"""Materials of bed and targets: named ones, their scattering parameters, and one file a kind of map."""
 
 from insonify.scene.materials.base import MATERIAL_MAPS, AnyMaterialMap, Cells, MaterialMap
 from insonify.scene.materials.catalogue import MATERIALS, NamedMaterial

@@ -1,4 +1,4 @@
-"""What a bed is made of, place by place, and the defaults of what the rest of the program asks of it."""
+"""Base of maps of materials, with the defaults of all that the rest of the program uses of a map."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ class Cells(Protocol):
 
 
 class MaterialMap(Declaration):
-    """What a bed is made of; a kind declares its ``kind``, its fields, its `materials` and their `indices`."""
+    """Map of the materials of a bed; a kind declares its ``kind``, its fields, its `materials` and their `indices`."""
 
     family = MATERIAL_MAPS
     kind: str = parameter(description="kind of map")
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """The materials in it."""
+        """The materials of the map."""
         raise NotImplementedError(f"the map {self.kind!r} declares no materials")
 
     def indices(self, cells: Cells) -> Map:
@@ -90,7 +90,7 @@ class MaterialMap(Declaration):
 
     @property
     def layout(self) -> MaterialMap:
-        """The map without its materials' numbers, which move no border."""
+        """The map without the scattering parameters of its materials, on which no border depends."""
         return self
 
     @property

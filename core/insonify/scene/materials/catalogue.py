@@ -21,7 +21,7 @@ Density = Annotated[float, Field(gt=0.0, allow_inf_nan=True)]
 
 
 class NamedMaterial(Declaration):
-    """Numbers, colour and source of a named material."""
+    """Scattering parameters, colour and source of a named material."""
 
     diffuse: Share = parameter(description="share of energy scattered evenly (Lambert)")
     specular: Share = parameter(description="share of energy in the mirror lobe (Phong)")
@@ -38,14 +38,14 @@ class NamedMaterial(Declaration):
 
     @property
     def reflectivity(self) -> Reflectivity:
-        """Numbers of a surface of it."""
+        """Scattering parameters of a surface of the material."""
         # R0 = (ρν − 1) / (ρν + 1) of two fluids at normal incidence, so written that nothing overflows for a mirror.
         reflection = 1.0 - 2.0 / (self.density * self.speed_ratio + 1.0)
         return Reflectivity(self.diffuse, self.specular, self.shininess, reflection, self.speed_ratio)
 
 
 class Catalogue(Mapping[str, NamedMaterial]):
-    """Named materials by their names: the bundled ones, then those of installed packages, which replace none."""
+    """Named materials by name: the bundled ones, then those of installed packages, which cannot replace others."""
 
     def __init__(self) -> None:
         self._kept: dict[str, NamedMaterial] = {}
@@ -61,7 +61,7 @@ class Catalogue(Mapping[str, NamedMaterial]):
 
     @contextmanager
     def including(self, folder: Path) -> Iterator[None]:
-        """Know the materials of one more folder within the block, as tests do."""
+        """Add the materials of another folder within the block, for tests."""
         kept = dict(self._materials())
         try:
             self._kept.update(read_materials(folder))

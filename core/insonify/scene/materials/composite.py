@@ -1,4 +1,4 @@
-"""What maps of several materials share."""
+"""Base of maps of several materials."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class CompositeMap(MaterialMap):
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """The materials in it."""
+        """The materials of the map."""
         return self.of
 
     @property
     def layout(self) -> CompositeMap:
-        """The map without its materials' numbers, which move no border."""
+        """The map without the scattering parameters of its materials, on which no border depends."""
         return self.model_copy(update={"of": (Material(),) * len(self.of)})

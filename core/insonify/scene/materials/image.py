@@ -57,7 +57,7 @@ class ImageMap(CompositeMap):
         if max(ny, nx) > LARGEST_SIDE:
             raise SceneError(
                 f"width: a picture {self.width:g} m wide covers {nx} by {ny} cells of seabed.spacing {spacing:g} m; "
-                f"lessen it or widen the spacing to stay within {LARGEST_SIDE} a side"
+                f"reduce it or widen the spacing to stay within {LARGEST_SIDE} a side"
             )
         return ny, nx
 

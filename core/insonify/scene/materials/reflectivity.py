@@ -1,4 +1,4 @@
-"""How a surface returns sound: shares, lobe and interface."""
+"""Reflectivity of a surface: diffuse and specular shares, lobe, and impedance of the interface."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Reflectivity(NamedTuple):
-    """Numbers of a surface.
+    """Scattering parameters of a surface.
 
     Attributes
     ----------

@@ -35,7 +35,7 @@ class Material(MaterialMap):
     )
     reflection: float | None = parameter(
         None,
-        description="share of the amplitude reflected in mirror-like bounces (R0)",
+        description="share of the amplitude reflected specularly at normal incidence (R0)",
         ge=0.0,
         le=1.0,
         slider=(0.0, 1.0),
@@ -71,7 +71,7 @@ class Material(MaterialMap):
 
     @property
     def reflectivity(self) -> Reflectivity:
-        """Numbers that apply: the given ones, else the named material's."""
+        """Scattering parameters in force: the given ones, else the named material's."""
         given = {field: getattr(self, field) for field in Reflectivity._fields}
         named = MATERIALS[self.name].reflectivity
         return named._replace(**{field: number for field, number in given.items() if number is not None})

@@ -1,4 +1,4 @@
-"""Motions of the fish, one file a kind."""
+"""Motions of the towfish, one file a kind."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ Turning = tuple[float, float, float]
 
 
 class MotionKind(Choice):
-    """How the fish strays from its line."""
+    """Motion of the towfish about its line."""
 
     family = MOTIONS
 
     @property
     def parts(self) -> tuple[SingleMotion, ...]:
-        """The motions at work, one or several."""
+        """The motions of the towfish, one or several."""
         raise NotImplementedError
 
 
 class SingleMotion(MotionKind):
-    """One motion, which may be at work together with others.
+    """One motion, which can be combined with others.
 
     Attributes
     ----------
     moves : bool
-        Whether the fish does anything but go straight.
+        Whether the towfish leaves a straight, level line.
     keeps_line : bool
         Whether it stays within `greatest_sway` of the track's line.
     tilts : bool
@@ -62,7 +62,7 @@ class SingleMotion(MotionKind):
         return 0.0
 
     def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
-        """How far the fish is moved at times (s) after the first ping: metres to port and up, degrees of its angles."""
+        """Displacement of the towfish at times (s) after the first ping: metres to port and up, degrees of attitude."""
         del time
         return {}
 
@@ -72,5 +72,5 @@ class SingleMotion(MotionKind):
         return None
 
     def recording(self) -> tuple[str, RecordedNavigation] | None:
-        """Read what a file says of the fish, and return it with the file's path."""
+        """Read the motion of the towfish from a file, and return it with the file's path."""
         return None

@@ -1,4 +1,4 @@
-"""Motions to and fro, each about its own axis."""
+"""Sinusoidal motions, each about its own axis."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from insonify.scene.motions import Axis, SingleMotion
 
 
 class Oscillation(SingleMotion):
-    """A motion to and fro: amplitude · sin(2π t / period + phase), with t from the first ping on."""
+    """A sinusoidal motion: amplitude · sin(2π t / period + phase), with t from the first ping on."""
 
     keeps_line = True
     axis: ClassVar[Axis]
     amplitude: float
     period: float = parameter(
-        8.0, unit="s", description="time to and fro", ge=0.1, le=1e5, slider=(1.0, 60.0), log=True
+        8.0, unit="s", description="period of the motion", ge=0.1, le=1e5, slider=(1.0, 60.0), log=True
     )
     phase: float = parameter(
         0.0,
         unit="°",
-        description="how far the motion is at the first ping",
+        description="phase of the motion at the first ping",
         ge=-360.0,
         le=360.0,
         slider=(-180.0, 180.0),
     )
 
     def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
-        """How far the fish is moved along or about its axis at times after the first ping."""
+        """Displacement of the towfish along or about its axis at times after the first ping."""
         # Whole periods go first, so that the sine is as exact far along the tow.
         turns = np.remainder(time / self.period, 1.0) + self.phase / 360.0
         return {self.axis: self.amplitude * np.sin(2.0 * math.pi * turns)}

@@ -14,7 +14,7 @@ from insonify.scene.motions import SingleMotion
 
 
 class Recorded(SingleMotion):
-    """Motion recorded in a file; what the file leaves out is as without it."""
+    """Motion recorded in a file; quantities that the file lacks keep their declared values."""
 
     rank = 80
     tilts = True

@@ -34,11 +34,11 @@ class PulseKind(Choice):
 
     @property
     def resolution(self) -> float:
-        """Seconds between two echoes that can be told apart."""
+        """Time between two echoes that can be resolved, in seconds."""
         return self.length
 
     def cell(self, sound_speed: float) -> float:
-        """Slant range between two echoes that can be told apart, in metres."""
+        """Slant range between two echoes that can be resolved, in metres."""
         return 0.5 * sound_speed * self.resolution
 
     def envelope(self, time: NDArray[np.float64]) -> NDArray[np.float64]:

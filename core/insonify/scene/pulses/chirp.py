@@ -47,11 +47,11 @@ class Chirp(PulseKind):
 
     @property
     def resolution(self) -> float:
-        """Seconds between two echoes that can be told apart."""
+        """Time between two echoes that can be resolved, in seconds."""
         return 1.0 / self.bandwidth
 
     def cell(self, sound_speed: float) -> float:
-        """Slant range between two echoes that can be told apart, in metres, c/2B."""
+        """Slant range between two echoes that can be resolved, in metres, c/2B."""
         return 0.5 * sound_speed / self.bandwidth
 
     def envelope(self, time: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -27,7 +27,7 @@ class Tone(PulseKind):
         return self.duration
 
     def envelope(self, time: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Amplitude of a point's echo: it is heard as it was sent."""
+        """Amplitude of a point's echo: the envelope of the transmitted pulse."""
         return np.where((time >= 0.0) & (time < self.duration), 1.0, 0.0)
 
     def taps(self, length: float) -> NDArray[np.float64]:
@@ -35,7 +35,7 @@ class Tone(PulseKind):
         return tone_taps(length)
 
     def coherence(self, length: float) -> NDArray[np.float64]:
-        """Correlation of two bins: the share of the tone that both hear, 1 − Δ/(cτ/2)."""
+        """Correlation of two bins: the share of the tone within both, 1 − Δ/(cτ/2)."""
         return 1.0 - np.arange(max(math.ceil(length), 1)) / length
 
 

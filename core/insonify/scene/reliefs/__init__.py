@@ -55,7 +55,7 @@ class ReliefKind(Choice):
 
     @property
     def parts(self) -> tuple[RandomRelief, ...]:
-        """The random reliefs that add up to the bed; none of a bed that is not random."""
+        """The random reliefs that add up to the bed; empty for a bed that is not random."""
         return ()
 
     @property

@@ -104,7 +104,7 @@ class Fractal(ExtendableRelief):
 
     @property
     def idle_fields(self) -> frozenset[str]:
-        """Fields that change nothing: the exponents of the other decays."""
+        """Fields without effect: the exponents of the other decays."""
         return super().idle_fields | ({"beta_x", "beta_y"} if self.decay == "isotropic" else {"beta"})
 
     def value_in_force(self, field: str) -> float | None:
@@ -181,7 +181,7 @@ class Fractal(ExtendableRelief):
             what = f"{HIGHEST_PEAK:g} of the Nyquist frequency," if self.endless else "the Nyquist frequency of"
             raise ValueError(
                 f"relief.peaks {[list(peak) for peak in self.peaks]} reach {what} {nyquist:g} "
-                f"cycles per period; keep below it or lessen spacing {spacing:g} m"
+                f"cycles per period; keep below it or reduce spacing {spacing:g} m"
             )
 
 

@@ -1,4 +1,4 @@
-"""What all reliefs made from random numbers share."""
+"""Base of all reliefs made from random numbers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MOST_CELLS = 16384  # a side, of a bed that is made
 
 
 class RandomRelief(ReliefKind):
-    """Relief that repeats after a period, and what may mask it.
+    """Periodic random relief, with an optional mask.
 
     A kind says its spectral density, or makes its heights from random waves in another way.
 
@@ -114,7 +114,7 @@ class RandomRelief(ReliefKind):
 
 
 class ExtendableRelief(RandomRelief):
-    """Relief that can also go on for ever without repeating.
+    """Random relief that can also be endless, without a period.
 
     A kind adds the bands of its spectrum, and how it shapes waves where heights are no Gaussian field.
 
@@ -142,7 +142,7 @@ class ExtendableRelief(RandomRelief):
 
     @property
     def idle_fields(self) -> frozenset[str]:
-        """Fields that change nothing: the period of endless ground, unless the spectrum levels off there."""
+        """Fields without effect: the period of endless ground, unless the spectrum levels off there."""
         without_period = self.endless and not self.levels_off
         return super().idle_fields | ({"period"} if without_period else frozenset())
 

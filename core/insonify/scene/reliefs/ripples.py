@@ -46,7 +46,7 @@ class Ripples(ExtendableRelief):
     )
     bandwidth_along: float = parameter(
         0.08,
-        description="likewise along the crests; more makes them shorter, with more forks and ends",
+        description="spread of the wave numbers along the crests; more makes them shorter, with more forks and ends",
         gt=0.0,
         le=0.5,
         slider=(0.01, 0.3),
@@ -139,7 +139,7 @@ class Ripples(ExtendableRelief):
         if self.wavelength < FEWEST_CELLS * spacing * (1.0 - 1e-9):
             raise ValueError(
                 f"relief.wavelength {self.wavelength:g} m spans fewer than {FEWEST_CELLS} cells of spacing "
-                f"{spacing:g} m; lengthen it or lessen the spacing"
+                f"{spacing:g} m; lengthen it or reduce the spacing"
             )
         if 2.0 * self.wavelength > self.period and not self.endless:
             raise ValueError(

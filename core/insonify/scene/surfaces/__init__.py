@@ -16,12 +16,12 @@ class SurfaceKind(Choice):
 
     @property
     def reflects(self) -> bool:
-        """Whether there is a surface at all."""
+        """Whether the sea surface reflects sound."""
         return False
 
     @property
     def paths(self) -> tuple[bool, bool, bool, bool]:
-        """Which paths by the surface sound takes, in the order of `WAYS`."""
+        """Whether each multipath by the surface is modelled, in the order of `WAYS`."""
         return False, False, False, False
 
     @property

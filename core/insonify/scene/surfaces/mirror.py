@@ -9,18 +9,16 @@ from insonify.scene.surfaces import SurfaceKind
 class MirrorSurface(SurfaceKind):
     """A sea surface that reflects all sound; each path by it has a switch of its own."""
 
-    surface_bottom: bool = parameter(
-        True, description="what comes by the surface and goes straight, or the other way round: out by one, back by one"
-    )
-    surface_bottom_surface: bool = parameter(True, description="what goes out and comes back by the surface")
+    surface_bottom: bool = parameter(True, description="paths by the surface one way and direct the other way")
+    surface_bottom_surface: bool = parameter(True, description="paths by the surface both ways")
     second_bottom: bool = parameter(
-        True, description="what the bed beneath the sonar and then the surface send to the bed once more, either way"
+        True, description="paths by the bed beneath the sonar and then the surface one way, direct the other way"
     )
     surface_echo: bool = parameter(True, description="the echo of the surface straight above the sonar")
 
     @property
     def reflects(self) -> bool:
-        """Whether there is a surface at all."""
+        """Whether the sea surface reflects sound."""
         return True
 
     @property

@@ -17,7 +17,7 @@ CALM = 0.02  # m/s, of a wind whose waves are all finer: E₁(3000) is nothing
 
 
 class RoughSurface(MirrorSurface):
-    """A sea raised by the wind: echoes by the surface keep their energy and are smeared in range."""
+    """A sea raised by the wind: multipath keeps its energy and is smeared in range."""
 
     rank = 30
     kind: Literal["rough"] = "rough"

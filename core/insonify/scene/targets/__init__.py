@@ -1,4 +1,4 @@
-"""Targets on, in or over the bed: one file a shape, with its fields and all that the rest asks of it."""
+"""Targets on, in or over the bed: one file a shape, with its fields and geometry."""
 
 from insonify.scene.targets.base import TARGETS, AnyTarget, BedSurface, Body, Posed, Target
 

@@ -1,4 +1,4 @@
-"""What every target has, and the defaults of what the rest of the program asks of one."""
+"""Base of all targets, with the defaults of all that the rest of the program uses of a target."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from insonify.scene.targets.sides import Side, Sight, rough_side
 Height = Annotated[float, Field(ge=-2e4, le=2e4)]
 Position = tuple[Place, Place] | tuple[Place, Place, Height]
 TARGETS = Family("targets", "insonify.scene.targets")
-LEAST = 0.001  # m, of whatever measures a target
+LEAST = 0.001  # m, greatest dimension of a target
 LOWEST_GAP, HIGHEST_GAP = -100.0, 1000.0
 
 
@@ -33,7 +33,7 @@ def angle(description: str) -> Any:
 
 
 class BedSurface(Protocol):
-    """What a target is placed on."""
+    """Ground on which a target is placed."""
 
     @property
     def spacing(self) -> float:
@@ -56,7 +56,7 @@ class Target(Declaration):
     Attributes
     ----------
     combed : float
-        Error of a single plane across the target, as a share of what its sides return: see
+        Error of a single plane across the target, as a share of the echo of its sides: see
         ``insonify.planning.fitted_laws``.
     """
 
@@ -66,7 +66,7 @@ class Target(Declaration):
     position: Position = parameter(
         unit="m", description="[x, y] of its centre when its height follows the bed, or [x, y, z] (z up, surface 0)"
     )
-    material: Material = parameter(Material(name="steel"), description="what the target is made of")
+    material: Material = parameter(Material(name="steel"), description="material of the target")
 
     @model_validator(mode="after")
     def _one_height(self) -> Target:
@@ -132,7 +132,7 @@ class Target(Declaration):
         return _kept_outline(self, None if path is None else file_version(path))
 
     def sides(self, sight: Sight) -> Iterator[Side]:
-        """Sides of the target as the sonar sees them, for the plan; taken for rough unless a kind knows better."""
+        """Sides of the target as seen by the sonar, for the plan; of rough shape unless a kind overrides this."""
         yield rough_side(self.outline.faces, self.material.reflectivity, sight)
 
     @classmethod
@@ -190,5 +190,5 @@ AnyTarget = Annotated[Target, KindOf(TARGETS)]
 
 @lru_cache(maxsize=256)
 def _kept_outline(target: Target, version: tuple[int, int] | None) -> Outline:
-    del version  # part of the key alone: a file written anew is measured anew
+    del version  # part of the key alone: a changed file is measured again
     return target.shape().outline

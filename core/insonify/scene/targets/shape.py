@@ -40,7 +40,7 @@ class Solid(NamedTuple):
             yield self.start + self.length * self.axis, self.radius + self.taper * self.length
 
     def across(self, direction: Vector) -> float:
-        """How far a rim reaches along a unit vector, over its radius: the sine of its angle from the axis."""
+        """Extent of a rim along a unit vector over its radius: the sine of the angle between vector and axis."""
         return math.sqrt(max(1.0 - float(self.axis @ direction) ** 2, 0.0))
 
     @property
@@ -51,7 +51,7 @@ class Solid(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """Measures of a shape: all that is needed of triangles where they need not be looked at one by one."""
+    """Bounding box, facing areas and number of triangles of a shape."""
 
     solids: tuple[Solid, ...] = ()
     half: Triple = (0.0, 0.0, 0.0)  # m, half the sides of a box about the origin that holds the triangles
@@ -65,7 +65,7 @@ class Outline(NamedTuple):
         return max(math.hypot(*self.half), *(_farthest(*end) for end in ends), 0.0)
 
     def extent(self, direction: Sequence[float]) -> float:
-        """How far the shape reaches from the origin along a unit vector, to the farther side."""
+        """Greatest extent of the shape from the origin along a unit vector."""
         way = np.asarray(direction)
         reach = [sum(half * abs(part) for half, part in zip(self.half, direction))]
         for solid in self.solids:
@@ -74,7 +74,7 @@ class Outline(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """What a target is made of: balls and frustums, triangles, or both."""
+    """Shape of a target: balls and frustums, triangles, or both."""
 
     solids: tuple[Solid, ...] = ()
     triangles: NDArray[np.float64] = np.zeros((0, 3, 3))  # corners, counter-clockwise from outside

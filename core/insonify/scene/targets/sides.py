@@ -1,7 +1,7 @@
-"""Sides of targets as the sonar sees them: how strong, how long along the track and how deep in slant range.
+"""Sides of targets as seen by the sonar: echo strength, length along the track and depth in slant range.
 
-First-order estimates for the plan: a side is lit evenly and hides no other one. Vectors are along the track, away from
-it and up.
+First-order estimates for the plan: a side is evenly insonified and hides no other one. Vectors have components along
+the track, away from it and up.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ FRONT = 0.35
 
 
 class Side(NamedTuple):
-    """A side of a target."""
+    """Echo and extent of one side of a target."""
 
     echo: float  # m², of σ over that of a perfect Lambert surface seen straight on
     along: float  # m, its length along the track
@@ -27,7 +27,7 @@ class Side(NamedTuple):
 
 
 class Sight(NamedTuple):
-    """A target as it lies before the sonar."""
+    """Orientation and size of a target relative to the sonar."""
 
     bow: Triple
     port: Triple

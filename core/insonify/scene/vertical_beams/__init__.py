@@ -35,5 +35,5 @@ class VerticalBeamKind(Choice):
 
     @property
     def shades(self) -> bool:
-        """Whether some grazing angles are heard better than others."""
+        """Whether the sensitivity depends on the grazing angle."""
         return self.response.shape != "every_grazing"

@@ -15,5 +15,5 @@ class UniformVerticalBeam(VerticalBeamKind):
 
     @property
     def words(self) -> str:
-        """Name of the beam for captions: none, for it leaves nothing out."""
+        """Name of the beam for captions: empty, because it covers all grazing angles."""
         return ""

@@ -30,7 +30,7 @@ class SoundSpeeds(NamedTuple):
     distance : (m,) float64
         Metres along a line through the scene's (0, 0), increasing; one for water that is everywhere the same.
     heading : float
-        Of that line, radians counter-clockwise from +x.
+        Heading of that line, radians counter-clockwise from +x.
     """
 
     depth: Values
@@ -40,7 +40,7 @@ class SoundSpeeds(NamedTuple):
 
 
 class WaterKind(Choice):
-    """What every kind of water has beside its speed of sound.
+    """Base of all kinds of water: sound speed, absorption and sea surface.
 
     Attributes
     ----------
@@ -54,16 +54,16 @@ class WaterKind(Choice):
     reference_speed: float | None = parameter(
         None,
         unit="m/s",
-        description="speed by which the receiver turns time into slant range (the speed at the sonar when left out)",
+        description="speed with which the receiver converts time to slant range (the speed at the sonar when left out)",
         ge=1300.0,
         le=1700.0,
         slider=(1400.0, 1600.0),
     )
     absorption: Annotated[AbsorptionKind, KindOf(ABSORPTIONS, default="none", number="constant")] = parameter(
-        NoAbsorption(), description="what the water swallows"
+        NoAbsorption(), description="absorption of sound by the water"
     )
     surface: Annotated[SurfaceKind, KindOf(SURFACES, default="none")] = parameter(
-        NoSurface(), description="the sea surface as a mirror, and the ghosts that it makes"
+        NoSurface(), description="the sea surface as a mirror, and its multipath"
     )
 
     @property
@@ -82,7 +82,7 @@ class WaterKind(Choice):
         Raises
         ------
         SceneError
-            If a cast cannot be read or is no water that sound could pass.
+            If a cast cannot be read or holds an impossible sound speed.
         """
         raise NotImplementedError
 

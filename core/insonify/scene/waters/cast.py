@@ -1,4 +1,4 @@
-"""Water as an instrument measured it."""
+"""Water measured by an instrument."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from insonify.scene.waters.layered import (
 from insonify.scene.waters.polyline import approximate_pchip, thin_polyline
 from insonify.scene.waters.sound_speed import EQUATIONS
 
-CAST_TOLERANCE = 0.02  # m/s by which straight pieces may miss a measured speed, which is no more exact
+CAST_TOLERANCE = 0.02  # m/s, greatest error of straight pieces: the accuracy of a measured speed
 
 
 class CastWater(WaterKind):
-    """Water as an instrument measured it on its way down."""
+    """Water measured by an instrument cast."""
 
     rank = 40
     kind: Literal["cast"] = "cast"

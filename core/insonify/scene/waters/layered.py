@@ -1,4 +1,4 @@
-"""Waters told at depths."""
+"""Waters given by their properties at depths."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class LayeredWater(WaterKind):
 
 
 def check_order(what: str, places: tuple[float, ...], instead: str) -> None:
-    """Refuse places between which nothing can be interpolated."""
+    """Raise an error for places that do not increase, between which nothing can be interpolated."""
     if not 2 <= len(places) <= MOST:
         raise ValueError(f"must have from 2 to {MOST} points, not {len(places)}; {instead}")
     for before, after in itertools.pairwise(places):
@@ -49,7 +49,7 @@ def check_order(what: str, places: tuple[float, ...], instead: str) -> None:
 
 
 def check_length(what: str, count: int, depth: tuple[float, ...]) -> None:
-    """Refuse a column that has not one value for each depth."""
+    """Raise an error for a column without exactly one value for each depth."""
     if count != len(depth):
         numbers = f"{count} number{'s' * (count != 1)}"
         raise ValueError(f"{what} has {numbers} for {len(depth)} depths; give one for each depth")

@@ -96,7 +96,7 @@ def _over_mean(scene: Scene) -> Curve:
 
 
 def _beats(record: Curve) -> float:
-    """Contrast, along a quick tow, of all that is longer than four ripples."""
+    """Contrast along a fast tow of all wavelengths beyond four ripples."""
     scene = load_scene("breaks-beats")
     apart, waves = scene.track.speed / scene.sonar.ping_rate, np.fft.rfft(record, axis=0)
     long = np.abs(np.fft.rfftfreq(record.shape[0], apart)) < 0.25 / _ripple(scene)
@@ -188,7 +188,7 @@ def _draw_sparse(figure: Figure) -> None:
 THEME = StabilityTheme("Beams", 7, (
     StabilityCase(
         "Too few planes across a fan",
-        "A target narrower than the distance between two planes is heard only where a plane meets it.",
+        "A target narrower than the distance between two planes returns an echo only where a plane meets it.",
         "variation of a small sphere's echo within the beam", "%",
         Approach("Uses as few planes as a tolerance of 1 allows.",
                  lambda: _comb(_past_a_ball().few), 100.0),

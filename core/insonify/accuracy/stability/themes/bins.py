@@ -99,7 +99,7 @@ def cell_area(r: float, height: float, width: float, length: float) -> float:
 
 @lru_cache(maxsize=1)
 def _first_return() -> tuple[float, float, float]:
-    """Energy of the first bin that hears the bed: by the textbook's cell, by the sweep, and in closed form."""
+    """Energy of the first bin with an echo of the bed: by the textbook's cell, by the sweep, and in closed form."""
     scene = make_level_scene({"sonar.beam": {"kind": "fan", "width": 1.0}})
     arrays = prepare(scene).arrays
     first = round(10.0 / arrays.bin_length)

@@ -19,7 +19,7 @@ from insonify.display.style import FAINT, INK
 from insonify.scene import load_scene
 
 Values = NDArray[np.float64]
-# Sound slows down with depth, so that the bed is heard up to the ray that grazes the surface.
+# Sound slows down with depth, so that the bed is insonified up to the ray that grazes the surface.
 DOWNWARD, FISH, BED = profile([0.0, 40.0], [1500.0, 1496.0]), 10.0, 40.0
 BEYOND = (1700.0, 1800.0, 1900.0, 2000.0, 2200.0)
 
@@ -84,7 +84,7 @@ def crossings() -> int:
 
 @lru_cache(maxsize=1)
 def _lost() -> tuple[float, float]:
-    """Percentage of those rays that are lost by a search from the straight line, and by ours."""
+    """Percentage of eigenrays lost by a search from the straight line, and by `find_eigenrays`."""
     exact = crossings()
     found = eigenrays(CHANNEL, FROM, ACROSS, TO, bottom=200.0).sizes["eigenray"]
     return 100.0 * (exact - newton()) / exact, 100.0 * abs(exact - found) / exact
@@ -143,7 +143,7 @@ def _stepped_hits() -> tuple[Values, Values]:
 
 
 def stepped_limit() -> float:
-    """Farthest of those hits."""
+    """Farthest range at which integrated rays are seen to hit the bed."""
     return float(np.nanmax(_stepped_hits()[1]))
 
 
@@ -165,7 +165,7 @@ def exact_time(across: float, depth: tuple[float, float]) -> Decimal:
 
 
 def single_time(across: float, depth: tuple[float, float]) -> float:
-    """Likewise in float32."""
+    """Time between two points in one gradient as `exact_time`, in float32."""
     g = np.float32(0.016)
     c = [np.float32(1500.0) + g * np.float32(z) for z in depth]
     square = np.float32(across) ** 2 + np.float32(depth[1] - depth[0]) ** 2

@@ -47,7 +47,7 @@ def _taken_by_noise() -> float:
 
 
 def _refusal(wrong: dict[str, Any]) -> str:
-    """Tell what is said of a relief; nothing if it is made."""
+    """Error message for a relief; empty if it is accepted."""
     try:
         _fractal(**wrong)
     except SceneError as error:
@@ -99,7 +99,7 @@ def _common_waves(field: Field) -> Field:
 
 
 def _unlike(one: Field, other: Field) -> float:
-    """By how much the waves differ that both grids hold, over those of the second."""
+    """Relative difference of the waves that both grids resolve."""
     a, b = (np.fft.rfft2(field, norm="forward")[:40, 1:40] for field in (one, other))
     a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
     return float(100.0 * np.linalg.norm(a - b))
@@ -165,7 +165,7 @@ def _draw_grids(figure: Figure) -> None:
 
 
 def smoothed(field: Field) -> Field:
-    """Keep of a relief what both grids hold, over its rms."""
+    """Relief low-passed to the waves that both grids resolve, over its rms."""
     half = np.fft.rfft2(field, norm="forward")
     half[40:-40], half[:, 40:] = 0.0, 0.0
     wave = np.fft.irfft2(half, field.shape, norm="forward")

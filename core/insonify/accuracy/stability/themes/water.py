@@ -43,7 +43,7 @@ def plain_range(c0: float, c1: float, thick: float, angle: float) -> float:
 
 
 def exact_range(c0: float, c1: float, thick: float, angle: float) -> float:
-    """Likewise, with 60 digits."""
+    """Range over which a ray crosses a layer as `plain_range`, with 60 digits."""
     with localcontext() as context:
         context.prec = 60
         cosine = Decimal(math.cos(angle))
@@ -156,7 +156,7 @@ def _taken_by_interpolation() -> float:
 
 
 def _refusal(given: dict[str, Any]) -> str:
-    """Tell what is said of a profile; nothing if it is taken."""
+    """Error message for a profile; empty if it is accepted."""
     try:
         edit(make_level_scene(), {"water.kind": "profile", **{f"water.{key}": value for key, value in given.items()}})
     except SceneError as error:
