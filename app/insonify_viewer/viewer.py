@@ -285,7 +285,7 @@ class Viewer(QObject):
             self.window.say(scene.title)
 
     def _tell_growth(self, answer: TracedPings) -> None:
-        """Tell the panels of new pings, and of another plan if the pings are traced by one."""
+        """Notify the panels of new pings, and of another plan if the pings are traced by one."""
         current = answer.fine and answer.number == self._number
         growth = RecordGrowth(answer, self.record, current, complete=not self._missing().size)
         replanned = current and answer.simulation is not self._planned

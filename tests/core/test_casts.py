@@ -184,7 +184,7 @@ WRONG = [
     ("cast.csv", "", ["holds no table"]),
     ("cast.csv", "depth,speed\n", ["holds no table"]),
     ("cast.csv", "depth,colour\n1,2\n2,3\n", ["neither the speed of sound nor", "sound_speed"]),
-    ("cast.csv", "place,speed\n1,1500\n2,1501\n", ["tells no depth"]),
+    ("cast.csv", "place,speed\n1,1500\n2,1501\n", ["has no depth"]),
     ("cast.csv", "1,2\n2,3\n", ["no columns that look like sound speed", "names of the columns"]),
     ("cast.csv", "1,1500,1501\n2,1500,1501\n", ["2 columns that look like sound speed"]),
     ("cast.csv", "depth,speed\n1,1500\n", ["1 usable depths of 1 rows"]),

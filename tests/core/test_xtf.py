@@ -189,7 +189,7 @@ def mutilated(path: Path, fault: str) -> Path:
         ("cut in a start", "ends within the packet at byte"),
         ("no length", "holds no XTF packet at byte 1024"),
         ("noise", "holds no XTF packet at byte 1024"),
-        ("too few channels", "tells of more channels than ping 0 has"),
+        ("too few channels", "declares more channels than ping 0 has"),
     ],
 )
 def test_a_broken_file_is_one_sentence(tmp_path, capsys, fault, expected):

@@ -1,4 +1,4 @@
-"""What a panel of the window gives and what it is told."""
+"""Base class of the window's panels: widgets that they provide, and events that they receive."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Panel(Protocol):
     """A part of the window with a task of its own: a controller and its widget.
 
     A panel is made with a `Workbench` before the window shows it. A panel class derives from this one and defines what
-    it gives; it overrides the methods for what it wants to be told, all of which run on the main thread.
+    it provides; it overrides the methods of the events it needs, all of which run on the main thread.
 
     Attributes
     ----------

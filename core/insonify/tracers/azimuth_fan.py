@@ -50,7 +50,7 @@ def lay_planes(arrays: SceneArrays, poses: Poses, planes: int) -> list[tuple[NDA
 
     Returns
     -------
-    list of ((m,) int64, Planes)
+    list of ((m,) int64, AzimuthFan)
         Pings that share their planes, by their places among the poses. Heights are rounded up and pitches to a part
         of the beam, so that a ping's planes depend on the ping alone and a level tow needs one set.
     """
@@ -93,7 +93,7 @@ def lay_planes_of_images(
 
     Returns
     -------
-    list of ((m,) int64, Planes, Planes)
+    list of ((m,) int64, AzimuthFan, AzimuthFan)
         Pings that share both fans, by their places among the poses. Without a surface both are those of the sonar.
     """
     laid = lay_planes(arrays, poses, planes)
@@ -117,9 +117,9 @@ def _whole_beam(arrays: SceneArrays) -> AzimuthFan:
 
     Returns
     -------
-    Planes
+    AzimuthFan
         One on either side. Every range is as loud as the whole beam would make it over ground that is even along the
-        track; of what differs along the track within the beam, the plane tells nothing.
+        track; variation along the track within the beam is lost.
     """
     half, pattern = arrays.half_width, arrays.pattern
     # s = cos θ sin φ, so that an integral over s is one over azimuths times cos θ cos φ, and x is r cos θ.
@@ -141,9 +141,9 @@ def beam_planes(half_width: float, planes: int) -> AzimuthFan:
 
     Returns
     -------
-    Planes
+    AzimuthFan
         Inner planes at equal steps across the beam, then outer ones in growing steps towards the bow and the stern:
-        near nadir a beam is a cone that takes in all azimuths. Each reaches only as far as the beam hears it; lengths
+        near nadir a beam is a cone that takes in all azimuths. Each reaches only as far as it is in the beam; lengths
         are per metre of the sonar's height above the lowest bed, so that every ping has planes of its own.
     """
     if half_width <= 0.0:
@@ -199,7 +199,7 @@ def pattern_planes(arrays: SceneArrays, planes: int, height: float, pitches: NDA
 
     Returns
     -------
-    Planes
+    AzimuthFan
         Edges laid from the beam's far end outwards on both hands. Each step is the main lobe's width divided by the
         planes, at the farthest place where the lobe takes in that azimuth. Across sidelobes steps are twice as wide,
         and grow if there are no targets that could fall between. Lengths are per metre of height.
@@ -300,7 +300,7 @@ class _Cone:
             return SIDELOBE_STEP * self._main_step(heard[-1], planes) / cosine
         step = self._main_step(taken[-1], planes)
         if self.targets:
-            # Sidelobes hear farther out than the main lobe takes in this azimuth, and a target there may be small.
+            # Sidelobes receive from farther out than the main lobe takes in this azimuth; a target there may be small.
             step = min(step, SIDELOBE_STEP * self._main_step(heard[-1], planes))
         return step / cosine
 

@@ -88,8 +88,8 @@ def trace_labels(
 
     Returns
     -------
-    Truth
-        Arrays (n, 2, bins), port first. Bins in which the sweep of as many planes and rays hears nothing, and no
+    RecordLabels
+        Arrays (n, 2, bins), port first. Bins in which the sweep of as many planes and rays has no echo, and no
         others, are without a contributor.
 
     Raises

@@ -40,7 +40,7 @@ def trace(
     if not 1 <= sheets <= rays:
         raise SceneError(f"rays: {rays} a sheet of {sheets} sheets is too few; give at least as many as sheets, from 1")
     if not can_trace(arrays):
-        raise SceneError("sheets: hear first echoes alone; take rays for ghosts and bounces")
+        raise SceneError("sheets: trace first echoes alone; take rays for multipath and bounces")
     out = empty_record(arrays, poses)
 
     def block(part: Poses, first: int, last: int) -> int:

@@ -128,7 +128,7 @@ def follow(
 
     Returns
     -------
-    Paths
+    PathHits
 
     Raises
     ------

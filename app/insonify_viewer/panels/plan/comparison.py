@@ -52,13 +52,13 @@ def relative_difference(before: RecordSnapshot, after: RecordSnapshot) -> float 
 
     Parameters
     ----------
-    before, after : Heard
+    before, after : RecordSnapshot
         Records with the same bins.
 
     Returns
     -------
     float or None
-        rms of the difference over that of the record before, beyond 1.4 altitudes, as the error of a method is told;
+        rms of the difference over that of the record before, beyond 1.4 altitudes, as the error of a method is given;
         None if they have too few pings in common.
     """
     _, ours, theirs = np.intersect1d(before.ping, after.ping, assume_unique=True, return_indices=True)

@@ -137,7 +137,7 @@ def _sides(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> dict[
     sides: dict[int, _Channel] = {}
     for _ in range(ping.NumChansToFollow):
         if at + size > body.size:
-            raise RECORDS.refusal(path, f"tells of more channels than ping {ping.PingNumber} has", "export it again")
+            raise RECORDS.refusal(path, f"declares more channels than ping {ping.PingNumber} has", "export it again")
         channel = XTFPingChanHeader.from_buffer_copy(body[at : at + size])
         info = header.ChanInfo[channel.ChannelNumber % len(header.ChanInfo)]
         samples, length = _samples(path, info, channel, body[at + size :])
@@ -179,7 +179,7 @@ def _channel(path: Path, ping: Any, channel: Any, samples: NDArray[Any]) -> _Cha
     speed = next((speed for speed in (known, given) if 1300.0 <= speed <= 1700.0), DEFAULT_SPEED)
     reach = reach if reach > 0.0 else speed * lasts / 2.0
     if not 0.0 < reach < 1e5:
-        raise RECORDS.refusal(path, f"tells no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
+        raise RECORDS.refusal(path, f"has no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
     return _Channel(amplitude, reach, speed)
 
 

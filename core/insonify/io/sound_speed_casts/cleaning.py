@@ -52,12 +52,12 @@ def _used(path: str, columns: Columns) -> tuple[str, ...]:
     """Names of the columns that make up the cast."""
     known = {name for name, column in columns.items() if np.isfinite(column).any()}
     if "depth" not in known:
-        raise CASTS.refusal(path, "tells no depth", "name a column depth (m)")
+        raise CASTS.refusal(path, "has no depth", "name a column depth (m)")
     whole = ("sound_speed", *(("temperature", "salinity") if {"temperature", "salinity"} <= known else ()))
     used = tuple(name for name in whole if name in known)
     if not used:
         raise CASTS.refusal(
-            path, "tells neither the speed of sound nor temperature and salinity", "name a column sound_speed (m/s)"
+            path, "has neither the speed of sound nor temperature and salinity", "name a column sound_speed (m/s)"
         )
     return ("depth", *used)
 

@@ -131,7 +131,7 @@ def pick_azimuth(pattern, level, tip, r, place):
     """Azimuth of a ray within a beam, and the angle it stands for.
 
     Over azimuths φ, s = level · sin φ + tip. Half the rays are spread evenly over all that the beam takes in, for the
-    sidelobes; half as the pattern has it, for the main lobe. Each stands for one over the density of both.
+    sidelobes; half follow the pattern, for the main lobe. Each stands for one over the joint density.
 
     Parameters
     ----------

@@ -70,7 +70,7 @@ def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
     capacity : int
         Knots at most.
     dtype : dtype
-        Single precision or, to tell what it costs, double.
+        Single precision or, to measure its error, double.
 
     Returns
     -------
@@ -202,7 +202,7 @@ def _add_strip(bed, walk, column, start, end, count, profile):
     # The ends lie between two nodes; the first is computed from the pair behind it, before that pair is overwritten.
     z_end, across_end = _interpolate(low, high, inner, (v_end - behind) * step - inner, fu + end * du, spacing)
     z_start, across[0] = _interpolate(low, high, 0, (v_start - behind) * step, fu + start * du, spacing)
-    # Two strips share this knot; beside a hole in the bed only one of them knows its height.
+    # Two strips share this knot; beside a hole in the bed only one of them has its height.
     z[0] = before if head > 0 and before == before else z_start - z0
     z[segments], across[segments] = z_end - z0, across_end
     for halving in range(halvings):

@@ -13,7 +13,7 @@ w / (a cos α) per area across X, and two echoes of it come back:
 The record's range factor, 1/R⁴ and absorption over 2R, comes after the sum as for every echo, so that the two enter as
 w² σ s⁴ dΩ / (a cos² α) and 2 w σ R⁴ dΩ / (r² cos α). At a caustic, where a vanishes, it counts as no less than a share
 of s². Law `light` spreads nothing: a ray stands for the step of range that P makes as its elevation grows,
-|(d_X + d_D) · dP| / 2. A knife, 1 m wide at all ranges, knows the tube's width in elevation alone. A surface scatters
+|(d_X + d_D) · dP| / 2. A knife, 1 m wide at all ranges, uses the tube's width in elevation alone. A surface scatters
 to the water alone.
 
 Theory: docs/theory/scattering.md.

@@ -76,7 +76,7 @@ def empty_sweep_workspace(
     arrays : SceneArrays
     apparent : ApparentTables
     dtype : dtype
-        Single precision or, to tell what it costs, double.
+        Single precision or, to measure its error, double.
 
     Returns
     -------

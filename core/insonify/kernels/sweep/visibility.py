@@ -55,7 +55,7 @@ def empty_segment_echoes(capacity: int, dtype: DTypeLike = np.float32) -> Segmen
     capacity : int
         Knots at most.
     dtype : dtype
-        Single precision or, to tell what it costs, double.
+        Single precision or, to measure its error, double.
 
     Returns
     -------
