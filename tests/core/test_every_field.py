@@ -53,7 +53,7 @@ def fields(model: type[BaseModel], path: str = "") -> Iterator[str]:
 
 EVERY = set(fields(Scene))
 WHY_NOT |= {
-    path: "makes ghosts, which water that bends sound has none of"
+    path: "adds multipath, which refracting water does not support"
     for path in EVERY
     if ".surface" in path and path.startswith("water[") and not path.startswith("water[uniform]")
 }
