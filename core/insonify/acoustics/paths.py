@@ -37,7 +37,7 @@ def ray_paths(
 
     Parameters
     ----------
-    water : Water
+    water : WaterKind
         A scene's water of any kind. Through a section rays run along its line, from distance 0 onwards.
     source_depth : float
         Metres.
@@ -84,12 +84,14 @@ def eigenrays(
 
     Parameters
     ----------
-    water : Water
+    water : WaterKind
         A scene's water of any kind; through a section rays run along its line, from distance 0 onwards.
-    source_depth, target_depth : float
+    source_depth : float
         Metres.
     target_range : float
-        Ground range between the two, in metres.
+        Ground range between the two points, in metres.
+    target_depth : float
+        Metres.
     bottom : float, optional
         Depth of a level bed, in metres; there is none when left out.
     reflections : int
@@ -127,7 +129,7 @@ def shadow_zones(
 
     Parameters
     ----------
-    water : Water
+    water : WaterKind
         A scene's water of any kind but a section.
     source_depth, depth : float
         Metres.
