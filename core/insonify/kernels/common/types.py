@@ -152,7 +152,7 @@ class SceneArrays(NamedTuple):
     bins: int  # per side
     bin_length: float  # true slant range that one bin spans, m
     range_factor: NDArray[np.float64]  # (bins,) spreading and absorption at the bin centres
-    bounces: int = 0  # mirror-like bounces followed after the first echo
+    bounces: int = 0  # specular reflections and transmissions followed after the first echo
     water: Water = still_water()
     multipath: SurfaceMultipath = no_surface_multipath()
 
