@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.water import recording_speed
+from insonify.io.georeference import Georeference
 from insonify.io.record_schema import coordinates, echo_variable, join_blocks, label_variables, platform
 from insonify.kernels.common.types import Poses, SceneArrays, still_water
 from insonify.packing.navigation import bed_beneath, make_poses, platform_columns, refuse_track_off_bed
@@ -248,12 +249,31 @@ def simulate_blocks(
         "tolerance": tolerance,
         "version": version("insonify"),
     }
+    attributes |= _sonar_attributes(scene) | _place_attributes(scene)
     if forced:
         attributes["model"] = " ".join(f"{subject}={choice}" for subject, choice in forced.items())
     size = simulation.plan.block if block is None else block
     for first in range(0, scene.track.pings, size):
         pings = np.arange(first, min(first + size, scene.track.pings), dtype=np.int64)
         yield _make_dataset(simulation, pings, attributes, truth)
+
+
+def _sonar_attributes(scene: Scene) -> dict[str, float]:
+    """Frequency in Hz, and the one-way widths and the depression of the beams in degrees, as far as they have any."""
+    sonar = scene.sonar
+    told = {
+        "frequency": sonar.frequency,
+        "beam_width": getattr(sonar.beam, "width", None),
+        "vertical_beam_width": getattr(sonar.vertical, "width", None),
+        "vertical_beam_tilt": getattr(sonar.vertical, "tilt", None),
+    }
+    return {name: value for name, value in told.items() if value is not None}
+
+
+def _place_attributes(scene: Scene) -> dict[str, Any]:
+    """Where the scene lies on Earth, if it says so."""
+    origin = scene.world.origin
+    return {} if origin is None else Georeference(scene.world.crs, origin).attributes()
 
 
 def _make_dataset(

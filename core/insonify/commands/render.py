@@ -32,9 +32,9 @@ def register(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "render",
         help=f"simulate a record: {PICTURE} (picture), {written}",
-        description="Simulate the record of a scene and write it in the format of its suffix. NetCDF is written block "
-        "by block, so memory does not grow with the number of pings. A record may stand in place of the scene: "
-        f"{RECORDS.describe(RECORDS.readable())}. It is drawn, or written in another format, as it is.",
+        description="Simulate the record of a scene and write it in the format of its suffix. NetCDF and XTF are "
+        "written block by block, so memory does not grow with the number of pings. A record may stand in place "
+        f"of the scene: {RECORDS.describe(RECORDS.readable())}. It is drawn, or written in another format, as it is.",
     )
     add_scene(parser)
     add_output(parser, (PICTURE, *RECORDS.writable()), f"{PICTURE} (picture), {written}")
@@ -43,6 +43,10 @@ def register(subparsers: Any) -> None:
     picture.add_argument("--side", choices=SIDES, help="channels to draw (default: both)")
     picture.add_argument("--ground-range", action="store_true", help="convert slant range to ground range")
     picture.add_argument("--gain", type=decibels, metavar="DB", help="brighten by this many decibels (default: 0)")
+    files = parser.add_argument_group("files")
+    for option in RECORDS.options():
+        default = f"{option.description} (default: {option.choices[0]})"
+        files.add_argument(f"--{option.name}", choices=option.choices, help=default)
     add_method(parser)
     parser.set_defaults(run=run)
 
@@ -58,17 +62,32 @@ def run(arguments: argparse.Namespace) -> None:
     if given and not _is_picture(path):
         option = f"--{next(iter(given)).replace('_', '-')}"
         raise SceneError(f"{option} applies to pictures, not to {path.name}; leave it out or end the name in {PICTURE}")
+    choices = _write_options(arguments, path)
     if is_record(arguments.scene):
-        pings, bins = _render_record(arguments, path, DisplayOptions(**given))
+        pings, bins = _render_record(arguments, path, DisplayOptions(**given), choices)
     else:
         scene = chosen_scene(arguments)
         options = {"method": arguments.method, "tolerance": arguments.tolerance, "forced": chosen_model(arguments)}
-        write(scene, path, DisplayOptions(**given), **options)
+        write(scene, path, DisplayOptions(**given), choices, **options)
         pings, bins = scene.track.pings, scene.sonar.bins
     say(f"{path}: {pings} pings of 2 x {bins} bins")
 
 
-def _render_record(arguments: argparse.Namespace, path: Path, look: DisplayOptions) -> tuple[int, int]:
+def _write_options(arguments: argparse.Namespace, path: Path) -> dict[str, str]:
+    """Return the choices of a format that were given; refuse those of another format than the file's."""
+    given = {
+        option.name: value for option in RECORDS.options() if (value := getattr(arguments, option.name)) is not None
+    }
+    known = {option.name for option in RECORDS.options(path.suffix)}
+    strange = next((name for name in given if name not in known), None)
+    if strange is not None:
+        raise SceneError(f"--{strange} is no option of {path.suffix} files, such as {path.name}; leave it out")
+    return given
+
+
+def _render_record(
+    arguments: argparse.Namespace, path: Path, look: DisplayOptions, choices: Mapping[str, str]
+) -> tuple[int, int]:
     """Read a record and write it by suffix; return its pings and bins."""
     untouched: dict[str, object] = {"set": [], "seed": None, "method": "auto", "tolerance": 0.03, "model": []}
     changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
@@ -76,7 +95,7 @@ def _render_record(arguments: argparse.Namespace, path: Path, look: DisplayOptio
         raise SceneError(f"--{changed} applies to scenes, and {arguments.scene} is a record; leave it out")
     record = read_record(arguments.scene)
     if not _is_picture(path):
-        write_record(path, [record])
+        write_record(path, [record], **choices)
     else:
         # lazy: the other commands need neither Matplotlib nor the kernels
         from insonify.display.page import caption_record, write_page
@@ -91,6 +110,7 @@ def write(
     scene: Scene,
     path: Path,
     look: DisplayOptions,
+    choices: Mapping[str, str] | None = None,
     *,
     method: str = "auto",
     tolerance: float = 0.03,
@@ -103,8 +123,10 @@ def write(
     scene : Scene
     path : Path
         A picture, or a record of a format in `RECORDS`; appears only when whole.
-    look : Look
+    look : DisplayOptions
         For pictures.
+    choices : mapping of str to str, optional
+        Of the record's format, see `insonify.io.formats.WriteOption`.
     method, tolerance, forced
         As in `insonify.simulate`.
     """
@@ -114,7 +136,7 @@ def write(
     pings = scene.track.pings
     blocks = tracked(simulate_blocks(scene, method=method, tolerance=tolerance, forced=forced), pings)
     if not _is_picture(path):
-        write_record(path, blocks)
+        write_record(path, blocks, **(choices or {}))
         return
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.display.page import caption_scene, write_page

@@ -6,13 +6,31 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from insonify.errors import SceneError
 from insonify.io.atomic import replacing
 from insonify.plugins import announced, modules_in
 
 Content = TypeVar("Content")
+
+
+class WriteOption(NamedTuple):
+    """A choice that a format offers when it is written, which becomes an option of the commands that write.
+
+    Attributes
+    ----------
+    name : str
+        Keyword of the format's ``write``; the option is ``--name``.
+    choices : tuple of str
+        The first is the default.
+    description : str
+        One line for help texts.
+    """
+
+    name: str
+    choices: tuple[str, ...]
+    description: str
 
 
 @dataclass(frozen=True)
@@ -28,14 +46,17 @@ class FileFormat(Generic[Content]):
     read : callable, optional
         Takes the path of a file that exists and returns its content; None if the format is only written.
     write : callable, optional
-        Takes a path and an iterable of successive parts; None if the format is only read. It writes a new file, which
-        replaces the old one when it is complete.
+        Takes a path, an iterable of successive parts and the options; None if the format is only read. It writes a new
+        file, which replaces the old one when it is complete.
+    options : tuple of WriteOption
+        Choices of writing.
     """
 
     description: str
     suffixes: tuple[str, ...]
     read: Callable[[str], Content] | None = None
-    write: Callable[[Path, Iterable[Content]], None] | None = None
+    write: Callable[..., None] | None = None
+    options: tuple[WriteOption, ...] = ()
 
 
 class FormatRegistry(Generic[Content]):
@@ -113,11 +134,27 @@ class FormatRegistry(Generic[Content]):
             raise self.refusal(path, "does not exist", f"give the path of {self.contents}{alternative}")
         return read
 
-    def write(self, path: Path, parts: Iterable[Content]) -> None:
-        """Write a file by its suffix, which must be one of `writable`; it appears only when it is complete."""
+    def options(self, suffix: str | None = None) -> tuple[WriteOption, ...]:
+        """Return the choices of the formats that can be written: of all, or of the one with a suffix."""
+        written = [
+            each for each in self.formats() if each.write and (suffix is None or suffix.lower() in each.suffixes)
+        ]
+        return tuple(option for each in written for option in each.options)
+
+    def write(self, path: Path, parts: Iterable[Content], **options: str) -> None:
+        """Write a file by its suffix, which must be one of `writable`; it appears only when it is complete.
+
+        Parameters
+        ----------
+        path : Path
+        parts : iterable
+            Successive parts of the content.
+        **options : str
+            Choices among the format's `WriteOption`; the first of each where left out.
+        """
         write = next(each.write for each in self.formats() if each.write and path.suffix.lower() in each.suffixes)
         with replacing(path) as beside:
-            write(beside, parts)
+            write(beside, parts, **options)
 
     def refusal(self, path: str | Path, fault: str, remedy: str) -> SceneError:
         """Return one sentence with the fault of a file and the remedy."""

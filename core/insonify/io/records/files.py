@@ -55,7 +55,7 @@ def read_record(path: str | Path) -> xr.Dataset:
     return record
 
 
-def write_record(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
+def write_record(path: str | Path, blocks: Iterable[xr.Dataset], **options: str) -> None:
     """Write a record by the suffix of its file.
 
     Parameters
@@ -64,8 +64,10 @@ def write_record(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
         File to create or replace; it appears only when complete.
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
+    **options : str
+        Choices of the format, such as ``bits="8"`` of XTF.
     """
-    RECORDS.write(Path(path), blocks)
+    RECORDS.write(Path(path), blocks, **options)
 
 
 def _fault(record: xr.Dataset) -> str | None:

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.formats import FileFormat
+from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.record_schema import ACROSS, coordinates, labels, platform
 from insonify.io.records.files import RECORDS
-from insonify.io.records.xtf_track import platform_columns, seconds
+from insonify.io.records.xtf_track import find_place, platform_columns, seconds, start_time
+from insonify.io.records.xtf_writer import PROGRAM, SAMPLE_TYPES, counts, write_xtf
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -146,7 +147,8 @@ def _sides(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> dict[
         if side is not None and side not in sides and samples.size:
             if info.CorrectionFlags == GROUND_RANGE:
                 raise RECORDS.refusal(path, "is corrected to ground range", "export it in slant range")
-            sides[side] = _channel(path, ping, channel, samples[::-1] if side == 0 else samples)
+            near_to_far = samples[::-1] if side == 0 else samples
+            sides[side] = _channel(path, ping, channel, near_to_far, _unit(header, info, samples.dtype))
     return sides
 
 
@@ -166,10 +168,16 @@ def _samples(path: Path, info: Any, channel: Any, body: NDArray[np.uint8]) -> tu
     return body[:length].view(kind), length
 
 
-def _channel(path: Path, ping: Any, channel: Any, samples: NDArray[Any]) -> _Channel:
+def _unit(header: Any, info: Any, dtype: np.dtype[Any]) -> float:
+    """Amplitude of one count; that of other recorders, whose ``VoltScale`` is often a mere habit, counts as 1."""
+    return float(info.VoltScale) / counts(dtype) if header.RecordingProgramName == PROGRAM else 1.0
+
+
+def _channel(path: Path, ping: Any, channel: Any, samples: NDArray[Any], unit: float) -> _Channel:
     """Scale the samples of a channel and determine their slant range."""
     # A weight N means that the samples were multiplied by 2^N.
-    amplitude = np.ldexp(np.abs(samples.astype(np.float64)), -int(np.clip(channel.Weight, -40, 40))).astype(np.float32)
+    scaled = np.abs(samples.astype(np.float64)) * unit
+    amplitude = np.ldexp(scaled, -int(np.clip(channel.Weight, -40, 40))).astype(np.float32)
     if not (np.isfinite(amplitude).all() and amplitude.max() < 1e18):  # its square must fit a float32
         raise RECORDS.refusal(path, f"has samples in ping {ping.PingNumber} that are no echoes", "export it again")
     reach, lasts = float(channel.SlantRange), float(channel.TimeDuration)
@@ -206,8 +214,15 @@ def _dataset(path: Path, header: Any, pings: list[_Ping]) -> xr.Dataset:
     return xr.Dataset(
         {"intensity": (ACROSS, amplitude**2, labels("1", "square of the samples"))},
         coordinates(times, slant_range, channels[0].sound_speed),
-        {"title": path.name, "frequency": _frequency(header)},
+        {"title": path.name, "frequency": _frequency(header)} | _time_and_place(header, headers),
     ).assign(platform(columns))
+
+
+def _time_and_place(header: Any, headers: list[Any]) -> dict[str, Any]:
+    """Attributes of when and where the recording begins, as far as it tells."""
+    start, place = start_time(headers[0]), find_place(header, headers)
+    told = {} if start is None else {"time_coverage_start": start}
+    return told | ({} if place is None else place.attributes())
 
 
 def _lay(row: NDArray[np.float32], channel: _Channel, bin_length: float) -> None:
@@ -227,4 +242,10 @@ def _frequency(header: Any) -> float:
     return 1e3 * frequency if 0.0 < frequency < 1e4 else frequency
 
 
-XTF = FileFormat("eXtended Triton Format", (".xtf",), read_xtf)
+XTF = FileFormat(
+    "eXtended Triton Format",
+    (".xtf",),
+    read_xtf,
+    write_xtf,
+    (WriteOption("bits", tuple(SAMPLE_TYPES), "size of a sample of XTF"),),
+)

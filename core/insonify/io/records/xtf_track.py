@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from datetime import datetime
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.georeference import Georeference, from_degrees, local_georeference
+
 DAY = 86400.0  # s
 DEGREES = 3  # of NavUnits; others are metres
-EARTH = 6_378_137.0, 6.694380e-3  # semi-major axis in m and squared eccentricity of WGS 84
 FARTHEST = 1e8  # m, of any map's coordinates
 KNOT = 1852.0 / 3600.0  # m/s
 
@@ -37,6 +39,21 @@ def seconds(headers: list[Any]) -> NDArray[np.float64]:
     if not np.ptp(clock) > 0.0:
         return np.arange(len(headers), dtype=np.float64)
     return np.unwrap(clock, period=DAY) - clock[0]
+
+
+def start_time(header: Any) -> str | None:
+    """Return the date and time of the first ping as ISO 8601 text; None if its date is none.
+
+    Parameters
+    ----------
+    header : pyxtf.XTFPingHeader
+    """
+    date = int(header.Year), int(header.Month), int(header.Day)
+    clock = int(header.Hour), int(header.Minute), int(header.Second), 10_000 * int(header.HSeconds)
+    try:
+        return datetime(*date, *clock).isoformat()
+    except ValueError:
+        return None
 
 
 def platform_columns(header: Any, headers: list[Any], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
@@ -71,36 +88,53 @@ def platform_columns(header: Any, headers: list[Any], times: NDArray[np.float64]
     )  # fmt: skip
 
 
+def find_place(header: Any, headers: list[Any]) -> Georeference | None:
+    """Return the place of the first fix, which is (0, 0) of the record; None if the recording has no fix.
+
+    The coordinate reference system of positions in metres is not told by the format.
+
+    Parameters
+    ----------
+    header : pyxtf.XTFFileHeader
+        For the units of positions.
+    headers : list of pyxtf.XTFPingHeader
+        Of the pings.
+    """
+    x, y, fixed = _fixes(header, headers)
+    if not fixed.any():
+        return None
+    first = float(x[np.argmax(fixed)]), float(y[np.argmax(fixed)])
+    return local_georeference(*first) if header.NavUnits == DEGREES else Georeference("", first)
+
+
 def _positions(
     header: Any, headers: list[Any], times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Positions in metres east and north of the first fix."""
-    x = _told(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
-    y = _told(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
-    limit = 180.0 if header.NavUnits == DEGREES else FARTHEST
-    fixed = ((x != 0.0) | (y != 0.0)) & (np.abs(x) <= limit) & (np.abs(y) <= limit)
-    if not fixed.any():
+    place = find_place(header, headers)
+    x, y, fixed = _fixes(header, headers)
+    if place is None:
         speed = _told(headers, "SensorSpeed", "ShipSpeed") * KNOT
         run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
         return np.zeros_like(run), run
-    first = int(np.argmax(fixed))
-    east, north = np.where(fixed, x, x[first]) - x[first], np.where(fixed, y, y[first]) - y[first]
-    if header.NavUnits == DEGREES:
-        per_degree = _metres_per_degree(y[first])
-        east, north = east * per_degree[0], north * per_degree[1]
     # Fixes repeat because they are rarer than pings; positions between them are interpolated.
     moved = fixed.copy()
     moved[1:] &= (x[1:] != x[:-1]) | (y[1:] != y[:-1])
-    moved[first] = True
+    moved[np.argmax(fixed)] = True
+    east, north = np.zeros_like(x), np.zeros_like(y)
+    if place.crs:
+        east[moved], north[moved] = from_degrees(place, x[moved], y[moved])
+    else:
+        east[moved], north[moved] = x[moved] - place.origin[0], y[moved] - place.origin[1]
     return _filled(east, moved, times), _filled(north, moved, times)
 
 
-def _metres_per_degree(latitude: float) -> tuple[float, float]:
-    """Length of a degree of longitude and of latitude on the ellipsoid, by its radii of curvature there."""
-    axis, e2 = EARTH
-    bent = 1.0 - e2 * np.sin(np.radians(latitude)) ** 2
-    meridian, normal = axis * (1.0 - e2) / bent**1.5, axis / np.sqrt(bent)
-    return np.radians(normal * np.cos(np.radians(latitude))), np.radians(meridian)
+def _fixes(header: Any, headers: list[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Positions as the file has them, and which of them are fixes: not zero and within the map."""
+    x = _told(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
+    y = _told(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
+    widest, highest = (180.0, 90.0) if header.NavUnits == DEGREES else (FARTHEST, FARTHEST)
+    return x, y, ((x != 0.0) | (y != 0.0)) & (np.abs(x) <= widest) & (np.abs(y) <= highest)
 
 
 def _column(headers: list[Any], name: str, unknown: float = 0.0) -> NDArray[np.float64]:

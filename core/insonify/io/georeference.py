@@ -1,0 +1,135 @@
+"""Place of a record on Earth: its own x and y, map coordinates, longitude and latitude."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.errors import SceneError
+
+Values = NDArray[np.float64]
+DEGREES = "EPSG:4326"  # longitude and latitude on WGS 84
+UTM_NORTH, UTM_SOUTH = 32600, 32700  # EPSG codes of the zones of WGS 84, less the number of the zone
+LATITUDES_OF_UTM = (-80.0, 84.0)
+
+
+class Georeference(NamedTuple):
+    """Where the x and y of a record lie.
+
+    Attributes
+    ----------
+    crs : str
+        Coordinate reference system of the map, as PROJ takes it; empty if it is not known.
+    origin : (float, float)
+        Easting and northing of (0, 0) on that map, in metres.
+    """
+
+    crs: str
+    origin: tuple[float, float]
+
+    def attributes(self) -> dict[str, Any]:
+        """Return the attributes that keep the place in a record."""
+        told = {"origin_x": float(self.origin[0]), "origin_y": float(self.origin[1])}
+        return {"crs": self.crs} | told if self.crs else told
+
+
+def find_georeference(attributes: Mapping[Any, Any]) -> Georeference | None:
+    """Return the place that the attributes of a record tell; None if they tell none."""
+    if "origin_x" not in attributes or "origin_y" not in attributes:
+        return None
+    return Georeference(str(attributes.get("crs", "")), (float(attributes["origin_x"]), float(attributes["origin_y"])))
+
+
+def local_georeference(longitude: float, latitude: float) -> Georeference:
+    """Return a map true to scale about a place: x runs east and y north from it (transverse Mercator)."""
+    return Georeference(f"+proj=tmerc +lat_0={latitude!r} +lon_0={longitude!r} +ellps=WGS84 +units=m", (0.0, 0.0))
+
+
+def utm_zone(longitude: float, latitude: float) -> str:
+    """Return the EPSG code of the 6° zone of the Universal Transverse Mercator grid (WGS 84) that holds a place.
+
+    Raises
+    ------
+    SceneError
+        If the place lies beyond the grid, near a pole.
+    """
+    south, north = LATITUDES_OF_UTM
+    if not south <= latitude <= north:
+        raise SceneError(f"latitude {latitude:.4g}° is beyond the zones of UTM; choose a map with --crs")
+    zone = int((longitude + 180.0) // 6.0) % 60 + 1
+    return f"EPSG:{(UTM_NORTH if latitude >= 0.0 else UTM_SOUTH) + zone}"
+
+
+def to_degrees(place: Georeference, x: Values, y: Values) -> tuple[Values, Values]:
+    """Return longitude and latitude on WGS 84.
+
+    Parameters
+    ----------
+    place : Georeference
+        With a coordinate reference system.
+    x, y : float64
+        Of the record, in metres.
+
+    Returns
+    -------
+    tuple of float64
+        Degrees, east and north positive.
+
+    Raises
+    ------
+    SceneError
+        If the coordinate reference system is not known to PROJ.
+    """
+    return project(place.crs, DEGREES, x + place.origin[0], y + place.origin[1])
+
+
+def from_degrees(place: Georeference, longitude: Values, latitude: Values) -> tuple[Values, Values]:
+    """Return the record's x and y, in metres, of longitudes and latitudes; the inverse of `to_degrees`."""
+    easting, northing = project(DEGREES, place.crs, longitude, latitude)
+    return easting - place.origin[0], northing - place.origin[1]
+
+
+def project(source: str, target: str, x: Values, y: Values) -> tuple[Values, Values]:
+    """Transform coordinates from one reference system to another; x is the easting or the longitude.
+
+    Raises
+    ------
+    SceneError
+        If a system is not known to PROJ.
+    """
+    found = _transformer(source, target).transform(x, y)
+    return np.asarray(found[0], dtype=np.float64), np.asarray(found[1], dtype=np.float64)
+
+
+def convergence(place: Georeference) -> float:
+    """Return the bearing of the map's north at the record's origin, in degrees clockwise from true north.
+
+    Parameters
+    ----------
+    place : Georeference
+        With a coordinate reference system. The bearing changes by about 0.01° over a kilometre.
+    """
+    from pyproj import Geod  # lazy: a tenth of a second to import, and only files with a place need it
+
+    step = 10.0  # m, over which a degree's rounding does not matter
+    longitude, latitude = to_degrees(place, np.zeros(2), np.array([0.0, step]))
+    bearing, _, _ = Geod(ellps="WGS84").inv(longitude[0], latitude[0], longitude[1], latitude[1])
+    return float(bearing)
+
+
+@lru_cache(maxsize=16)
+def _transformer(source: str, target: str) -> Any:
+    from pyproj import Transformer  # lazy, as above
+    from pyproj.exceptions import ProjError
+
+    try:
+        return Transformer.from_crs(source, target, always_xy=True)
+    except ProjError:
+        told = target if source == DEGREES else source
+        raise SceneError(
+            f"crs {told!r} is not a coordinate reference system known to PROJ; give one such as 'EPSG:32631'"
+        ) from None

@@ -1,0 +1,248 @@
+"""Records as side-scan recordings in the eXtended Triton Format (XTF), in the conventions that its readers share.
+
+The structures are those of pyxtf. Where the format leaves a choice, the fields follow what pyxtf, auvlib, MBES-lib
+(OpenSidescan) and SidescanTools take from them:
+
+- Samples are amplitudes, port far to near, starboard near to far. The top bit of integers of 16 and 32 bits stays
+  clear, because auvlib reads them as signed. ``Weight`` is 0, because auvlib shifts samples by it in a way of its own.
+- ``SoundVelocity`` is half the sound speed, as the format defines it (round trip, 750 m/s by default), and
+  ``SecondsPerPing`` is the listening time, so that their product is the slant range, which SidescanTools computes.
+- Positions are longitude and latitude, never 0, which stands for no fix.
+- Dates are valid, because pyxtf and auvlib sort by them.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import tempfile
+from collections.abc import Iterable, Iterator
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.io.georeference import Georeference, convergence, find_georeference, to_degrees
+from insonify.io.record_schema import PLATFORM
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PROGRAM = b"insonify"
+KNOT = 1852.0 / 3600.0  # m/s
+ALIGNMENT = 64  # bytes, to a multiple of which packets are padded
+DEGREES, METRES = 3, 0  # of NavUnits
+SLANT_RANGE = 1  # of CorrectionFlags
+# A record without a place is put into the sea north of Mallorca, on the central meridian of a UTM zone.
+NOWHERE = Georeference("+proj=tmerc +lat_0=40 +lon_0=3 +ellps=WGS84 +units=m", (0.0, 0.0))
+MADE_UP = " (place made up)"
+NO_DATE = "2000-01-01T00:00:00"
+# Vertical beam, in degrees, where the record tells none: from the horizontal to nadir.
+TILT, OPENING = 45.0, 90.0
+
+
+class SampleType(NamedTuple):
+    """How samples are stored.
+
+    Attributes
+    ----------
+    code : int
+        ``SampleFormat`` of the channel.
+    dtype : str
+        Little-endian type of NumPy.
+    bits : int
+        Significant bits of an integer; 0 of a float.
+    """
+
+    code: int
+    dtype: str
+    bits: int
+
+
+SAMPLE_TYPES = {
+    "16": SampleType(3, "<u2", 15),
+    "8": SampleType(8, "u1", 8),
+    "32": SampleType(2, "<u4", 31),
+    "float": SampleType(5, "<f4", 0),
+}
+
+
+class _Survey(NamedTuple):
+    """What a whole record tells besides its echoes."""
+
+    attributes: dict[str, Any]
+    times: NDArray[np.float64]  # (pings,) s
+    platform: dict[str, NDArray[np.float64]]  # (pings,) each, by the names of PLATFORM
+    slant_range: float  # m, of the far edge of the last bin
+    duration: float  # s, two-way, to that edge
+    bins: int
+    loudest: float  # greatest amplitude
+
+
+def counts(dtype: np.dtype[Any]) -> float:
+    """Return how many values an unsigned integer has, which together make ``VoltScale`` of amplitude; 1 for floats."""
+    return 2.0 ** (8 * dtype.itemsize) if dtype.kind == "u" else 1.0
+
+
+def write_xtf(path: str | Path, blocks: Iterable[xr.Dataset], bits: str = "16") -> None:
+    """Write a record as a side-scan recording.
+
+    Amplitudes go through a temporary file beside the recording, because the scale of integers follows from the
+    greatest. Memory does not grow with the echoes.
+
+    Parameters
+    ----------
+    path : str or Path
+        File to write.
+    blocks : iterable of Dataset
+        Successive pings, as from ``simulate_blocks``.
+    bits : str
+        ``16``, ``8``, ``32`` or ``float``: size of a sample. The unit of integers is a power of two, so that the
+        amplitudes read back are exactly the rounded ones.
+    """
+    kind = SAMPLE_TYPES[bits]
+    with tempfile.TemporaryFile(dir=Path(path).parent) as spool, Path(path).open("wb") as file:
+        survey = _spool(blocks, spool)
+        unit = _unit(survey.loudest, kind)
+        file.write(bytes(_file_header(survey, kind, unit)))
+        spool.seek(0)
+        for header in _ping_headers(survey):
+            sides = np.fromfile(spool, dtype=np.float32, count=2 * survey.bins).reshape(2, survey.bins)
+            file.write(_packet(header, survey, sides, kind, unit))
+
+
+def _spool(blocks: Iterable[xr.Dataset], spool: IO[bytes]) -> _Survey:
+    """Store the amplitudes of all pings one after another; keep their navigation."""
+    parts: list[xr.Dataset] = []
+    loudest = 0.0
+    for block in blocks:
+        amplitude = np.sqrt(block["intensity"].transpose("ping_time", "channel", "range_sample").values)
+        np.ascontiguousarray(amplitude, dtype=np.float32).tofile(spool)
+        loudest = max(loudest, float(amplitude.max()))
+        parts.append(block.drop_vars([name for name in block.data_vars if name not in PLATFORM]).load())
+    first = parts[0]
+    edge = float(first["slant_range"][-1] + first["slant_range"][0])  # the first centre is half a bin from 0
+    duration = edge * float(first["travel_time"][-1] / first["slant_range"][-1])
+    unknown = np.full(sum(part.sizes["ping_time"] for part in parts), np.nan)
+    columns = {
+        name: np.concatenate([part[name].values for part in parts]) if name in first else unknown for name in PLATFORM
+    }
+    times = np.concatenate([part["ping_time"].values for part in parts])
+    return _Survey(first.attrs, times, columns, edge, duration, first.sizes["range_sample"], loudest)
+
+
+def _unit(loudest: float, kind: SampleType) -> float:
+    """Amplitude of one count: the smallest power of two that holds the greatest amplitude; 1 for floats."""
+    if kind.bits == 0 or not loudest > 0.0:
+        return 1.0
+    _, exponent = math.frexp(loudest)
+    unit = math.ldexp(1.0, exponent - kind.bits)
+    return unit if round(loudest / unit) < 2**kind.bits else 2.0 * unit
+
+
+def _file_header(survey: _Survey, kind: SampleType, unit: float) -> Any:
+    from pyxtf import XTFFileHeader  # its import is not needed by other commands
+
+    header = XTFFileHeader()
+    header.RecordingProgramName, header.RecordingProgramVersion = PROGRAM, b"1"
+    header.SonarName = PROGRAM
+    place, title = find_georeference(survey.attributes), str(survey.attributes.get("title", ""))
+    note = title[:63] if place else f"{title[: 63 - len(MADE_UP)]}{MADE_UP}"
+    header.NoteString = note.encode("ascii", "replace")
+    header.NavUnits = METRES if place is not None and not place.crs else DEGREES
+    header.NumberOfSonarChannels = 2
+    for number, (name, side) in enumerate(((b"PORT", 1), (b"STARBOARD", 2))):
+        info = header.ChanInfo[number]
+        info.ChannelName, info.TypeOfChannel, info.SubChannelNumber = name, side, number
+        info.CorrectionFlags, info.UniPolar, info.BeamsPerArray = SLANT_RANGE, 1, 1
+        info.SampleFormat, info.BytesPerSample = kind.code, np.dtype(kind.dtype).itemsize
+        info.VoltScale = unit * counts(np.dtype(kind.dtype))
+        info.Frequency = float(survey.attributes.get("frequency", 0.0)) / 1e3
+        info.HorizBeamAngle = float(survey.attributes.get("beam_width", 0.0))
+        info.TiltAngle = float(survey.attributes.get("vertical_beam_tilt", TILT))
+        info.BeamWidth = float(survey.attributes.get("vertical_beam_width", OPENING))
+    return header
+
+
+def _ping_headers(survey: _Survey) -> Iterator[Any]:
+    """Yield the header of every ping: time, navigation, attitude and sound speed."""
+    from pyxtf import XTFPingHeader
+
+    columns = _navigation(survey)
+    start = datetime.fromisoformat(str(survey.attributes.get("time_coverage_start", NO_DATE)))
+    for number, time in enumerate(survey.times):
+        header = XTFPingHeader()
+        header.NumChansToFollow, header.PingNumber = 2, number
+        _set_time(header, start + timedelta(seconds=round(float(time), 2)))
+        for name, column in columns.items():
+            setattr(header, name, column[number])
+        header.ComputedSoundVelocity = 2.0 * survey.slant_range / survey.duration
+        header.SoundVelocity = survey.slant_range / survey.duration
+        yield header
+
+
+def _set_time(header: Any, time: datetime) -> None:
+    """Set the time of a ping and of its fix, which resolve 10 ms."""
+    hundredths = time.microsecond // 10_000
+    header.Year, header.Month, header.Day = time.year, time.month, time.day
+    header.JulianDay = time.timetuple().tm_yday
+    header.Hour, header.Minute, header.Second, header.HSeconds = time.hour, time.minute, time.second, hundredths
+    header.FixTimeHour, header.FixTimeMinute, header.FixTimeSecond = time.hour, time.minute, time.second
+    header.FixTimeHsecond = hundredths
+
+
+def _navigation(survey: _Survey) -> dict[str, NDArray[np.float64]]:
+    """Return the fields of navigation by their names in a ping header; 0 where the record tells nothing."""
+    platform, place = survey.platform, find_georeference(survey.attributes) or NOWHERE
+    x, y = platform["platform_x"], platform["platform_y"]
+    if place.crs:
+        east, north = to_degrees(place, x, y)
+        bearing = 90.0 - platform["platform_heading"] + convergence(place)
+    else:
+        east, north = x + place.origin[0], y + place.origin[1]
+        bearing = 90.0 - platform["platform_heading"]
+    # North is 360°, because 0 stands for no compass.
+    bearing = 360.0 - np.mod(-bearing, 360.0)
+    speed = _speed(survey.times, x, y) / KNOT
+    return {
+        name: np.nan_to_num(column)
+        for name, column in {
+            "SensorXcoordinate": east, "ShipXcoordinate": east, "SensorYcoordinate": north, "ShipYcoordinate": north,
+            "SensorHeading": bearing, "ShipGyro": bearing, "SensorSpeed": speed, "ShipSpeed": speed,
+            "SensorPitch": platform["platform_pitch"], "SensorRoll": platform["platform_roll"],
+            "SensorDepth": platform["platform_depth"], "SensorPrimaryAltitude": platform["platform_altitude"],
+        }.items()
+    }  # fmt: skip
+
+
+def _speed(times: NDArray[np.float64], x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Speed over ground at every ping, in m/s; 0 where it cannot be told."""
+    if times.size < 2 or not (np.diff(times) > 0.0).all():
+        return np.zeros_like(x)
+    return np.hypot(np.gradient(x, times), np.gradient(y, times))
+
+
+def _packet(header: Any, survey: _Survey, sides: NDArray[np.float32], kind: SampleType, unit: float) -> bytes:
+    """Return a ping with both channels, padded with zeros."""
+    body = b""
+    for number, amplitude in enumerate(sides):
+        stored = amplitude if kind.bits == 0 else np.rint(amplitude.astype(np.float64) / unit)
+        ordered = stored[::-1] if number == 0 else stored
+        body += bytes(_channel_header(number, header, survey)) + ordered.astype(kind.dtype).tobytes()
+    size = ctypes.sizeof(header) + len(body)
+    header.NumBytesThisRecord = math.ceil(size / ALIGNMENT) * ALIGNMENT
+    return bytes(header) + body + bytes(header.NumBytesThisRecord - size)
+
+
+def _channel_header(number: int, ping: Any, survey: _Survey) -> Any:
+    from pyxtf import XTFPingChanHeader
+
+    header = XTFPingChanHeader()
+    header.ChannelNumber, header.NumSamples = number, survey.bins
+    header.SlantRange = survey.slant_range
+    header.GroundRange = math.sqrt(max(survey.slant_range**2 - ping.SensorPrimaryAltitude**2, 0.0))
+    header.TimeDuration = header.SecondsPerPing = survey.duration
+    header.Frequency = round(float(survey.attributes.get("frequency", 0.0)) / 1e3)
+    return header

@@ -1,0 +1,234 @@
+"""XTF written here: what this reader, pyxtf and the formulas of other readers find in it."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pyproj
+import pytest
+import pyxtf
+import xarray as xr
+
+from insonify.cli import main
+from insonify.io.record_schema import coordinates, echo_variable, platform
+from insonify.io.records import read_record, write_record
+from insonify.scene import SceneError, edit, load_scene
+from insonify.simulation import simulate
+
+REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
+BITS = {"8": 8, "16": 15, "32": 31}
+SPEED = 1480.0
+
+
+def made_record(amplitude: np.ndarray, **attributes) -> xr.Dataset:
+    """Record of amplitudes (pings, 2, bins) along a bend, 0.05 m bins, 4 pings a second."""
+    pings, _, bins = amplitude.shape
+    time = np.arange(pings) / 4.0
+    columns = (
+        3.0 + 2.0 * time, -7.0 + 0.5 * time**2, 20.0 + np.sin(time), 9.0 - 0.1 * time,
+        30.0 * time - 170.0, 2.0 * np.cos(time), 5.0 * np.sin(time),
+    )  # fmt: skip
+    variables = echo_variable((amplitude.astype(np.float64) ** 2).astype(np.float32)) | platform(columns)
+    slant_range = (np.arange(bins) + 0.5) * 0.05
+    return xr.Dataset(
+        variables, coordinates(time, slant_range, SPEED), {"title": "bend", "frequency": 400e3, **attributes}
+    )
+
+
+def random_counts(bits: int, pings: int = 7, bins: int = 40) -> np.ndarray:
+    # A float32 amplitude holds 24 bits, its square is stored as float32: 11 bits survive that exactly.
+    counts = np.random.default_rng(4).integers(0, 2**bits, (pings, 2, bins)).astype(np.float64)
+    counts[0, 0, 0] = 2**bits - 1
+    return counts
+
+
+def packets(path: Path) -> tuple[pyxtf.XTFFileHeader, list[pyxtf.XTFPingHeader]]:
+    header, found = pyxtf.xtf_read(str(path))
+    assert list(found) == [pyxtf.XTFHeaderType.sonar]
+    return header, found[pyxtf.XTFHeaderType.sonar]
+
+
+@pytest.mark.parametrize("bits", BITS)
+def test_integers_round_amplitudes_to_their_unit(tmp_path, bits):
+    amplitude = np.random.default_rng(3).exponential(1e-3, (5, 2, 64))
+    record = made_record(amplitude)
+    write_record(tmp_path / "a.xtf", [record], bits=bits)
+    header, pings = packets(tmp_path / "a.xtf")
+    exact = np.sqrt(record.intensity.values)
+    unit = header.ChanInfo[0].VoltScale / 256.0 ** header.ChanInfo[0].BytesPerSample
+    assert 0.5 * 2 ** BITS[bits] <= exact.max() / unit < 2 ** BITS[bits]
+    for number, ping in enumerate(pings):
+        np.testing.assert_array_equal(ping.data[0][::-1], np.rint(exact[0, number].astype(np.float64) / unit))
+        np.testing.assert_array_equal(ping.data[1], np.rint(exact[1, number].astype(np.float64) / unit))
+    read = np.sqrt(read_record(tmp_path / "a.xtf").intensity.values)
+    np.testing.assert_allclose(read, exact, rtol=2e-7, atol=0.5 * unit)
+
+
+@pytest.mark.parametrize("bits", BITS)
+def test_rounded_amplitudes_come_back_exactly(tmp_path, bits):
+    counts = random_counts(min(BITS[bits], 12))
+    record = made_record(np.ldexp(counts, -20))
+    write_record(tmp_path / "a.xtf", [record], bits=bits)
+    np.testing.assert_array_equal(read_record(tmp_path / "a.xtf").intensity, record.intensity)
+
+
+def test_floats_keep_every_amplitude(tmp_path):
+    record = made_record(np.random.default_rng(3).exponential(1e-6, (5, 2, 64)))
+    write_record(tmp_path / "a.xtf", [record], bits="float")
+    _, pings = packets(tmp_path / "a.xtf")
+    amplitude = np.sqrt(record.intensity.values)
+    np.testing.assert_array_equal([ping.data[0][::-1] for ping in pings], amplitude[0])
+    np.testing.assert_array_equal([ping.data[1] for ping in pings], amplitude[1])
+    np.testing.assert_allclose(read_record(tmp_path / "a.xtf").intensity, record.intensity, rtol=2e-7)
+
+
+def test_silence_is_written(tmp_path):
+    write_record(tmp_path / "a.xtf", [made_record(np.zeros((3, 2, 8)))])
+    assert not read_record(tmp_path / "a.xtf").intensity.any()
+
+
+def test_navigation_comes_back(tmp_path):
+    record = made_record(random_counts(8))
+    write_record(tmp_path / "a.xtf", [record])
+    read = read_record(tmp_path / "a.xtf")
+    # North at the first fix, 3 m east of the map's meridian, is 2e-5° off its grid.
+    for name in ("platform_x", "platform_y"):
+        np.testing.assert_allclose(read[name], record[name] - record[name][0], atol=1e-5)
+    for name in ("depth", "altitude", "pitch", "roll", "heading"):
+        np.testing.assert_allclose(read[f"platform_{name}"], record[f"platform_{name}"], rtol=1e-6, atol=2e-5)
+    np.testing.assert_allclose(read.ping_time, record.ping_time, atol=1e-9)
+    np.testing.assert_allclose(read.slant_range, record.slant_range, rtol=1e-6)
+    np.testing.assert_allclose(read.travel_time, record.travel_time, rtol=1e-6)
+    assert read.attrs["frequency"] == 400e3
+
+
+@pytest.mark.parametrize("size", [1, 2, 7])
+def test_the_file_does_not_depend_on_the_blocks(tmp_path, size):
+    record = made_record(np.random.default_rng(3).exponential(1e-3, (7, 2, 16)))
+    write_record(tmp_path / "a.xtf", [record])
+    write_record(tmp_path / "b.xtf", [record.isel(ping_time=slice(k, k + size)) for k in range(0, 7, size)])
+    assert (tmp_path / "a.xtf").read_bytes() == (tmp_path / "b.xtf").read_bytes()
+
+
+def test_fields_are_what_other_readers_need(tmp_path):
+    pings, bins = 7, 40
+    record = made_record(random_counts(15, pings, bins))
+    write_record(tmp_path / "a.xtf", [record])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        header, found = packets(tmp_path / "a.xtf")
+    assert header.NavUnits == 3
+    reach = bins * 0.05
+    times = [ping.get_time() for ping in found]  # pyxtf sorts by it
+    np.testing.assert_allclose(np.diff(times) / np.timedelta64(1, "s"), 0.25)
+    assert pyxtf.concatenate_channel(found, header, 0).shape == (pings, bins)
+    for ping in found:
+        assert ping.NumBytesThisRecord % 64 == 0
+        assert ping.SensorXcoordinate != 0.0  # MBES-lib takes 0 for no position
+        assert ping.SensorYcoordinate != 0.0
+        assert 0.0 < ping.SensorHeading <= 360.0  # 0 is taken for no compass
+        assert ping.SensorSpeed > 0.0
+        assert 1 <= ping.JulianDay <= 366
+        np.testing.assert_allclose(2.0 * ping.SoundVelocity, ping.ComputedSoundVelocity)
+        np.testing.assert_allclose(ping.ComputedSoundVelocity, SPEED, rtol=1e-6)
+        for channel, samples in zip(ping.ping_chan_headers, ping.data):
+            assert channel.Weight == 0  # auvlib shifts samples by it
+            assert (samples.view(np.int16) >= 0).all()  # auvlib reads them as signed
+            # SidescanTools computes the range from these, other readers from TimeDuration.
+            np.testing.assert_allclose(channel.SecondsPerPing * ping.SoundVelocity, reach, rtol=1e-6)
+            np.testing.assert_allclose(channel.TimeDuration * SPEED / 2.0, channel.SlantRange, rtol=1e-6)
+            np.testing.assert_allclose(channel.SlantRange, reach, rtol=1e-6)
+            assert 0.0 <= channel.GroundRange < channel.SlantRange
+            assert channel.Frequency == 400
+    for info in header.ChanInfo[:2]:
+        assert info.TiltAngle > 0.0  # MBES-lib, auvlib
+        assert info.BeamWidth > 0.0
+        assert info.Frequency == 400.0
+        assert info.CorrectionFlags == 1
+
+
+def test_places_on_a_map_become_degrees_and_true_headings(tmp_path):
+    origin = (560_000.0, 6_500_000.0)
+    record = made_record(random_counts(8), crs="EPSG:32631", origin_x=origin[0], origin_y=origin[1])
+    write_record(tmp_path / "a.xtf", [record])
+    _, pings = packets(tmp_path / "a.xtf")
+    lon, lat = pyproj.Transformer.from_crs("EPSG:32631", "EPSG:4326", always_xy=True).transform(
+        record.platform_x.values + origin[0], record.platform_y.values + origin[1]
+    )
+    np.testing.assert_allclose([ping.SensorXcoordinate for ping in pings], lon, atol=1e-10)
+    np.testing.assert_allclose([ping.SensorYcoordinate for ping in pings], lat, atol=1e-10)
+    bend = pyproj.Proj("EPSG:32631").get_factors(lon[0], lat[0]).meridian_convergence
+    expected = 90.0 - record.platform_heading + bend
+    off = (np.array([ping.SensorHeading for ping in pings]) - expected + 180.0) % 360.0 - 180.0
+    np.testing.assert_allclose(off, 0.0, atol=1e-4)
+    # What is read keeps its place on Earth: a local map about the first fix.
+    read = read_record(tmp_path / "a.xtf")
+    back = pyproj.Transformer.from_crs(read.attrs["crs"], "EPSG:32631", always_xy=True)
+    x, y = back.transform(read.platform_x.values, read.platform_y.values)
+    np.testing.assert_allclose(x - origin[0], record.platform_x, atol=1e-3)
+    np.testing.assert_allclose(y - origin[1], record.platform_y, atol=1e-3)
+
+
+def test_metres_of_an_unknown_map_stay_metres(tmp_path):
+    record = made_record(random_counts(8), origin_x=5e5, origin_y=6e6)
+    write_record(tmp_path / "a.xtf", [record])
+    header, pings = packets(tmp_path / "a.xtf")
+    assert header.NavUnits == 0
+    np.testing.assert_allclose([ping.SensorXcoordinate for ping in pings], 5e5 + record.platform_x)
+    read = read_record(tmp_path / "a.xtf")
+    assert "crs" not in read.attrs
+    np.testing.assert_allclose(read.attrs["origin_x"], 5e5 + 3.0)
+    np.testing.assert_allclose(read.attrs["origin_y"], 6e6 - 7.0)
+
+
+def test_what_is_not_known_stays_unknown(tmp_path):
+    record = made_record(random_counts(8))
+    for name in ("platform_altitude", "platform_heading", "platform_depth"):
+        record[name] = record[name] * np.nan
+    write_record(tmp_path / "a.xtf", [record])
+    read = read_record(tmp_path / "a.xtf")
+    for name in ("platform_altitude", "platform_heading", "platform_depth"):
+        assert np.isnan(read[name]).all()
+
+
+def test_a_map_that_is_not_known_is_one_sentence(tmp_path):
+    record = made_record(random_counts(8), crs="EPSG:nowhere", origin_x=0.0, origin_y=0.0)
+    with pytest.raises(SceneError, match="crs 'EPSG:nowhere' is not a coordinate reference system known to PROJ"):
+        write_record(tmp_path / "a.xtf", [record])
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("bits", ["16", "8"])
+def test_a_simulation_is_written_by_the_command(tmp_path, capsys, bits):
+    path = tmp_path / "a.xtf"
+    words = ["pipe-span", "--set", "track.pings=5", "--set", "sonar.bins=100"]
+    assert main(["render", *words, "-o", str(path), "--bits", bits]) == 0
+    assert "5 pings of 2 x 100 bins" in capsys.readouterr().out
+    scene = edit(load_scene("pipe-span"), {"track.pings": 5, "sonar.bins": 100})
+    expected, read = simulate(scene), read_record(path)
+    amplitude = np.sqrt(expected.intensity.values)
+    np.testing.assert_allclose(np.sqrt(read.intensity.values), amplitude, atol=amplitude.max() / 2 ** BITS[bits])
+    assert read.attrs["frequency"] == scene.sonar.frequency
+    np.testing.assert_allclose(read.platform_altitude, expected.platform_altitude, rtol=1e-6)
+
+
+def test_options_of_other_formats_are_refused(tmp_path, capsys):
+    assert main(["render", "pipe-span", "-o", str(tmp_path / "a.nc"), "--bits", "8"]) == 2
+    assert "--bits is no option of .nc files, such as a.nc; leave it out" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["render", "--help"])
+    assert "--bits {16,8,32,float}" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
+def test_a_real_recording_is_copied_without_loss(tmp_path):
+    record = read_record(REAL)
+    write_record(tmp_path / "a.xtf", [record])
+    (_, before), (_, after) = packets(REAL), packets(tmp_path / "a.xtf")
+    for one, other in zip(before, after, strict=True):
+        np.testing.assert_array_equal(one.data, other.data)
+    # The first ping has no fix. The second repeats its place in the copy, and repeated fixes are interpolated.
+    record, read = (each.isel(ping_time=slice(2, None)) for each in (record, read_record(tmp_path / "a.xtf")))
+    assert read.attrs["time_coverage_start"] == "2013-09-10T21:13:08"
+    for name in ("x", "y", "depth", "altitude", "heading", "pitch", "roll"):
+        np.testing.assert_allclose(read[f"platform_{name}"], record[f"platform_{name}"], rtol=1e-5, atol=1e-4)
