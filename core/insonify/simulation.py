@@ -20,7 +20,7 @@ from insonify.packing.scene_arrays import make_bed, pack_scene
 from insonify.packing.terrain_tiles import TerrainTiles
 from insonify.packing.track import TowLine, tow_line_at
 from insonify.planning import Plan, plan
-from insonify.receiver import Reception, prepare_reception, record_echoes
+from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
 from insonify.scene import Scene, SceneError, scene_to_toml
 from insonify.terrain import AnyGround, build_ground
 from insonify.tracers.labels import PATHS, RecordLabels, trace_labels
@@ -90,10 +90,11 @@ class Simulation:
         """
         pings = np.asarray(pings, dtype=np.int64)
         poses = self.poses(pings)
+        trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
 
-        def trace(arrays: SceneArrays) -> NDArray[np.float32]:
-            def trace_tile(tile: SceneArrays, some: Poses) -> tuple[NDArray[np.float32]]:
-                return (self.tracer.trace(tile, some, **self.plan.settings),)
+        def trace(arrays: SceneArrays) -> Traced:
+            def trace_tile(tile: SceneArrays, some: Poses) -> tuple[Traced]:
+                return (trace_pings(tile, some, **self.plan.settings),)
 
             return self.tiles.map(trace_tile, arrays, poses)[0]
 

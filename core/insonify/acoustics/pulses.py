@@ -15,6 +15,7 @@ SAMPLES = 64  # of a response, per bin and per resolution cell
 AT_ONCE = 1 << 18  # samples that are integrated together
 # Resolution cells beyond which sidelobes of a response, then below 1/50, do not count for coherence.
 COHERENT_CELLS = 16
+MOST_SAMPLES = 1 << 25  # of summed waves: half a gigabyte
 
 
 class Taps(NamedTuple):
@@ -50,6 +51,22 @@ def envelope(pulse: PulseKind, offset: NDArray[np.float64], sound_speed: float) 
         Amplitude; negative values occur in sidelobes of a filter.
     """
     return pulse.envelope(2.0 * np.asarray(offset) / sound_speed)
+
+
+def samples_per_bin(pulse: PulseKind, sound_speed: float, bin_length: float) -> int:
+    """Count the samples of a bin at which waves are summed: one, or as many as the pulse resolves within the bin.
+
+    Parameters
+    ----------
+    pulse : PulseKind
+        An ideal pulse resolves a bin.
+    sound_speed : float
+        m/s.
+    bin_length : float
+        True slant range of a bin, in metres.
+    """
+    resolution = 0.5 * sound_speed * pulse.resolution or bin_length
+    return math.ceil(min(bin_length / resolution, float(MOST_SAMPLES)) * (1.0 - 1e-9))
 
 
 @lru_cache(maxsize=16)

@@ -12,10 +12,12 @@ from insonify.kernels.common.streams import PING_DELAY, PING_GAIN
 from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.receiver.pulse import delay_pings
 from insonify.kernels.speckle.random_fields import fill_slow_normals
+from insonify.receiver.waves import Waves
 from insonify.scene import Scene
 
 # White noise smoothed by a triangle of half width 1 is correlated by the cubic B-spline, which is 1/e at this lag.
 CORRELATION_LAG = 0.85972
+TINY = np.finfo(np.float32).tiny
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,18 @@ class Fluctuation:
         out = np.empty_like(record)
         delay_pings(record, self.delay * self._slow_normals(pings, PING_DELAY), out)
         return out
+
+    def shift_waves(self, waves: Waves, pings: NDArray[np.int64], samples: int) -> Waves:
+        """Waves of every ping delayed: energies as of `shifted`, phases between those of neighbouring samples."""
+        if self.delay == 0.0:
+            return waves
+        late = samples * self.delay * self._slow_normals(pings, PING_DELAY)
+        energy, real, imaginary = (np.empty_like(waves.real) for _ in range(3))
+        delay_pings(waves.real**2 + waves.imaginary**2, late, energy)
+        delay_pings(waves.real, late, real)
+        delay_pings(waves.imaginary, late, imaginary)
+        amplitude = np.sqrt(energy / np.maximum(real**2 + imaginary**2, TINY))
+        return Waves(amplitude * real, amplitude * imaginary)
 
     def _slow_normals(self, pings: NDArray[np.int64], stream: int) -> NDArray[np.float64]:
         """One number for each ping of a stationary normal process of mean 0 and variance 1."""

@@ -1,4 +1,4 @@
-"""Random fields of exponential numbers, correlated over pings and bins."""
+"""Random fields over pings and bins: complex Gaussian waves and their exponential energies."""
 
 from __future__ import annotations
 
@@ -8,7 +8,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.speckle.random_fields import add_filtered_energy, fill_white_noise, smooth_noise
+from insonify.kernels.speckle.random_fields import (
+    add_filtered_energy,
+    add_filtered_waves,
+    fill_white_noise,
+    smooth_noise,
+)
+from insonify.receiver.waves import Waves
 
 # ∫|ρ|² of white noise smoothed by a triangle of half width 1: its correlation ρ is the cubic B-spline.
 TRIANGLE_INTERVAL = 151.0 / 140.0
@@ -16,8 +22,8 @@ NARROWEST_TRIANGLE = 0.5  # pings; a triangle no wider than the distance of ping
 
 
 @dataclass(frozen=True, eq=False)
-class ExponentialField:
-    """Exponential numbers of mean 1, a function of ping, side and bin alone.
+class WaveField:
+    """Complex Gaussian waves of mean energy 1, a function of ping, side and bin alone.
 
     Attributes
     ----------
@@ -36,12 +42,17 @@ class ExponentialField:
     half_width: NDArray[np.float64]
 
     def energies(self, pings: NDArray[np.int64], looks: int = 1) -> NDArray[np.float32]:
-        """Mean of ``looks`` independent exponential fields, (n, 2, bins)."""
+        """Mean of the energies of ``looks`` independent fields, exponential numbers each, (n, 2, bins)."""
         bins = self.half_width.size - self.taps.size + 1
         out = np.zeros((pings.size, 2, bins), np.float32)
         for look in range(looks):
             add_filtered_energy(*self._noise(pings, self.stream + look), self.taps, np.float32(1.0 / looks), out)
         return out
+
+    def add_to(self, waves: Waves, energy: NDArray[np.floating], pings: NDArray[np.int64], look: int = 0) -> None:
+        """Add the field of one look, with the given mean energy, (n or 1, 2 or 1, bins)."""
+        mean = np.ascontiguousarray(energy, dtype=np.float32)
+        add_filtered_waves(*self._noise(pings, self.stream + look), self.taps, mean, waves.real, waves.imaginary)
 
     def _noise(self, pings: NDArray[np.int64], stream: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Complex noise of variance 1, white along range, (n, 2, m - 1 + bins) each part."""
@@ -69,7 +80,7 @@ class ExponentialField:
         return [(int(spacings[low]), slice(low, high)) for low, high in pairwise(edges) if high > low]
 
 
-def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDArray[np.float64]) -> ExponentialField:
+def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDArray[np.float64]) -> WaveField:
     """Random field with a given correlation along range and along the track.
 
     Parameters
@@ -84,8 +95,8 @@ def make_field(seed: int, stream: int, taps: NDArray[np.float64], interval: NDAr
 
     Returns
     -------
-    ExponentialField
+    WaveField
     """
     wide = np.maximum(interval / TRIANGLE_INTERVAL, NARROWEST_TRIANGLE)
     early = np.full(taps.size - 1, wide[0])
-    return ExponentialField(seed, stream, taps.astype(np.float32), np.concatenate([early, wide]))
+    return WaveField(seed, stream, taps.astype(np.float32), np.concatenate([early, wide]))

@@ -1,4 +1,7 @@
-"""Receiver chain: pulse, reverberation, speckle, crosstalk, fluctuation, source level, noise and gain, in order."""
+"""Receiver chain: pulse, speckle, reverberation, crosstalk, fluctuation, source level, noise and gain, in order.
+
+Theory: docs/theory/speckle.md.
+"""
 
 from __future__ import annotations
 
@@ -9,20 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.flat_bed import flat_bed_curve
-from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps
-from insonify.kernels.common.streams import AMBIENT_NOISE
+from insonify.acoustics.pulses import Taps, coherent_taps, pulse_taps, samples_per_bin
+from insonify.kernels.common.streams import AMBIENT_NOISE, REVERBERATION
 from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.receiver.pulse import convolve_pulse
 from insonify.packing.navigation import bed_beneath, make_poses
 from insonify.parallel import in_parallel
 from insonify.receiver.fluctuation import Fluctuation, make_fluctuation
 from insonify.receiver.levels import crosstalk, noise_level, power, reverberation, time_varied_gain
-from insonify.receiver.random_fields import ExponentialField, make_field
+from insonify.receiver.random_fields import WaveField, make_field
 from insonify.receiver.speckle import Speckle, divide_by_shape, make_speckle
+from insonify.receiver.waves import Waves, no_waves, split_waves, steady_waves
 from insonify.scene import Scene
 from insonify.terrain import AnyGround
 
 Record = NDArray[np.float32]
+Traced = NDArray[np.float32] | NDArray[np.complex128]
 Curve = NDArray[np.float64]
 
 
@@ -37,19 +42,21 @@ class Reception:
     reverberation : (bins,) float64
         Mean intensity of volume and surface reverberation.
     fluctuation, speckle : Fluctuation, Speckle or None
-        None where the scene has none.
+        None where the scene has none; interfering scatterers are no speckle of the receiver's.
     divided_by_shape : (materials, 3) float64 or None
         Reflectivities over the shape of each material's K speckle; None where the receiver's own shape holds for all.
     coherent : bool
-        Whether traced intensities already hold pulse and speckle, because single scatterers interfered.
+        Whether traced echoes already hold pulse and speckle, because single scatterers interfered.
+    samples : int
+        Samples of a bin at which waves are summed; 1 unless scatterers interfere.
     crosstalk : float
         Share of the energy of each channel that leaks into the other.
     source : float
         Source level as a factor of intensity.
     noise : float
         Mean intensity of the noise.
-    noise_field : ExponentialField
-        Distribution of the noise about that mean.
+    reverberation_field, noise_field : WaveField
+        Waves of both, of mean energy 1.
     gain : (bins,) float64
         Time-varied gain.
     """
@@ -60,11 +67,28 @@ class Reception:
     speckle: Speckle | None
     divided_by_shape: Curve | None
     coherent: bool
+    samples: int
     crosstalk: float
     source: float
     noise: float
-    noise_field: ExponentialField
+    reverberation_field: WaveField
+    noise_field: WaveField
     gain: Curve
+
+    @property
+    def speckled(self) -> bool:
+        """Whether echoes have phases, which a mean over all of them has not."""
+        return self.coherent or self.speckle is not None
+
+    @property
+    def sums_waves(self) -> bool:
+        """Whether echoes meet waves of another origin, so that amplitudes add rather than energies."""
+        return self.noise > 0.0 or (self.speckled and (self.crosstalk > 0.0 or bool(self.reverberation.any())))
+
+    @property
+    def looks(self) -> int:
+        """Independent records averaged."""
+        return 1 if self.speckle is None else self.speckle.looks
 
     def expected(self, echo: Curve) -> Curve:
         """Mean record of a uniform bed with the given echo of an ideal pulse, without reverberation, (bins,)."""
@@ -120,7 +144,8 @@ def make_reception(
     if arrays.law == LIGHT:
         # Law light: the radiance of the paper does not depend on the length of the pulse.
         taps = Taps(taps.weights / taps.weights.sum(), taps.before)
-    coherent = coherent_taps(pulse, speed, arrays.bin_length)
+    coherent = scene.receiver.speckle.interferes
+    samples = samples_per_bin(pulse, speed, arrays.bin_length) if coherent else 1
     source, noise = power(scene.receiver.source_level), noise_level(scene)
     echo = source * float(taps.weights.sum()) * flat_bed_curve(arrays, altitude)
     water = reverberation(scene.receiver.reverberation, arrays, altitude, depth).astype(np.float32)
@@ -130,17 +155,28 @@ def make_reception(
         fluctuation=make_fluctuation(scene, arrays),
         speckle=make_speckle(scene, arrays),
         divided_by_shape=divide_by_shape(scene, arrays, k_shapes),
-        coherent=scene.receiver.speckle.interferes,
+        coherent=coherent,
+        samples=samples,
         crosstalk=crosstalk(scene),
         source=source,
         noise=noise,
-        noise_field=make_field(scene.seed, AMBIENT_NOISE, coherent, np.zeros(arrays.bins)),
+        reverberation_field=_restless_field(scene, arrays, REVERBERATION, samples),
+        noise_field=_restless_field(scene, arrays, AMBIENT_NOISE, samples),
         gain=time_varied_gain(scene, arrays, echo, noise, depth),
     )
 
 
+def _restless_field(scene: Scene, arrays: SceneArrays, stream: int, samples: int) -> WaveField:
+    """Waves that the receiver's filter correlates along range and that are new in every ping.
+
+    Whatever drifts by a quarter of the wavelength between pings returns another phase: 1 mm at 400 kHz.
+    """
+    taps = coherent_taps(scene.sonar.pulse, arrays.water.reference, arrays.bin_length / samples)
+    return make_field(scene.seed, stream, taps, np.zeros(arrays.bins * samples))
+
+
 def record_echoes(
-    reception: Reception, trace: Callable[[SceneArrays], Record], arrays: SceneArrays, pings: NDArray[np.int64]
+    reception: Reception, trace: Callable[[SceneArrays], Traced], arrays: SceneArrays, pings: NDArray[np.int64]
 ) -> Record:
     """Trace pings and turn their echoes into a record.
 
@@ -149,7 +185,7 @@ def record_echoes(
     reception : Reception
         From `make_reception`.
     trace : callable
-        From a scene to the intensity of its echoes, (n, 2, bins).
+        From a scene to the intensity of its echoes, (n, 2, bins), or to their waves, as `receive` takes them.
     arrays : SceneArrays
         The scene. Where materials have K speckle of their own it is traced a second time, with every reflectivity
         divided by its material's shape: echoes are linear in the reflectivity, so that the ratio of both is the mean
@@ -163,7 +199,7 @@ def record_echoes(
         Intensity as received.
     """
     traced = trace(arrays)
-    divided: Record | None = None
+    divided: Traced | None = None
     if reception.divided_by_shape is not None:
         divided = trace(arrays._replace(reflectivity=reception.divided_by_shape))
 
@@ -171,18 +207,18 @@ def record_echoes(
         part = slice(first, last)
         return receive(reception, traced[part], pings[part], None if divided is None else divided[part])
 
-    return np.concatenate(in_parallel(block, pings.size)) if pings.size else traced
+    return np.concatenate([np.zeros((0, 2, arrays.bins), np.float32), *in_parallel(block, pings.size)])
 
 
-def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], divided: Record | None = None) -> Record:
-    """Turn traced intensities into a record.
+def receive(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None = None) -> Record:
+    """Turn traced echoes into a record.
 
     Parameters
     ----------
     reception : Reception
         From `make_reception`.
-    traced : (n, 2, bins) float32
-        Intensity for an ideal pulse, or of interfering scatterers.
+    traced : (n, 2, bins) float32 or (n, 2, bins * samples) complex128
+        Intensity for an ideal pulse, or of interfering scatterers; the waves of these where `Reception.sums_waves`.
     pings : (n,) int64
         Ping numbers.
     divided : (n, 2, bins) float32, optional
@@ -194,45 +230,119 @@ def receive(reception: Reception, traced: Record, pings: NDArray[np.int64], divi
     (n, 2, bins) float32
         Intensity as received; the traced array itself where nothing applies.
     """
-    record = _speckled(reception, traced, pings, divided)
+    received = _sum_of_waves if reception.sums_waves else _echoes_alone
+    record = received(reception, traced, pings, divided)
+    if (reception.gain != 1.0).any():
+        record = record * reception.gain.astype(np.float32)
+    return record
+
+
+def _echoes_alone(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None) -> Record:
+    """Record of echoes that meet no other waves; without speckle, mean energies add, those of the water as well."""
+    record = np.asarray(traced, np.float32) if reception.coherent else _spread(reception, traced)
+    if not reception.speckled and reception.reverberation.any():
+        record = record + reception.reverberation.astype(np.float32)
+    record = _delayed(reception, record, pings)
+    if reception.speckle is not None:
+        record = record * reception.speckle.factors(pings, _inverse_shape(reception, record, divided, pings))
     if reception.crosstalk > 0.0:
         record = record + np.float32(reception.crosstalk) * record[:, ::-1]
     if reception.fluctuation is not None:
         record = record * reception.fluctuation.gains(pings)
     if reception.source != 1.0:
         record = record * np.float32(reception.source)
-    if reception.noise > 0.0:
-        record = record + np.float32(reception.noise) * reception.noise_field.energies(pings)
-    if (reception.gain != 1.0).any():
-        record = record * reception.gain.astype(np.float32)
     return record
 
 
-def _speckled(reception: Reception, traced: Record, pings: NDArray[np.int64], divided: Record | None) -> Record:
-    """Record after pulse, reverberation and speckle, unless coherent scatterers hold pulse and speckle already."""
-    if reception.coherent:
-        return _interfered(reception, traced, pings)
-    record = _delayed(reception, traced, pings)
+def _sum_of_waves(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None) -> Record:
+    """Energy of the sum of the waves of echo, reverberation, crosstalk and noise, averaged over the looks."""
+    record = np.zeros((pings.size, 2, reception.gain.size), np.float32)
+    echo_waves = _echo_waves(reception, traced, pings, divided)
+    reverberation, noise = _background(reception, pings)
+    for look in range(reception.looks):
+        waves = echo_waves(look)
+        if reception.speckled and reception.crosstalk > 0.0:
+            if reverberation is not None:
+                reception.reverberation_field.add_to(waves, reverberation, pings, look)
+            waves.leak(reception.crosstalk)
+        if noise is not None:
+            reception.noise_field.add_to(waves, noise, pings, look)
+        waves.detect_into(record, 1.0 / reception.looks)
+    return record
+
+
+def _echo_waves(
+    reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None
+) -> Callable[[int], Waves]:
+    """Waves of the echoes by the number of the look, at the level of the source."""
+    if not reception.speckled:
+        steady = steady_waves(_echoes_alone(reception, traced, pings, divided))
+        return lambda look: steady
+    level = _level(reception, pings)
     if reception.speckle is None:
-        return record
-    inverse_shape: Record | None = None
-    if divided is not None:
-        # Mean of 1/ν over the echoes of a bin, weighted by their energy.
-        weighted = _delayed(reception, divided, pings, reception.speckle.inverse_shape)
-        inverse_shape = np.divide(weighted, record, out=np.zeros_like(record), where=record > 0.0)
-    return record * reception.speckle.factors(pings, inverse_shape)
+        waves = split_waves(traced * np.sqrt(level))
+        if reception.fluctuation is not None:
+            waves = reception.fluctuation.shift_waves(waves, pings, reception.samples)
+        return lambda look: waves
+    speckle, record = reception.speckle, _delayed(reception, _spread(reception, traced), pings)
+    mean = level * speckle.textured(record, pings, _inverse_shape(reception, record, divided, pings))
+
+    def speckled(look: int) -> Waves:
+        waves = no_waves(pings.size, mean.shape[2])
+        speckle.field.add_to(waves, mean, pings, look)
+        return waves
+
+    return speckled
 
 
-def _interfered(reception: Reception, traced: Record, pings: NDArray[np.int64]) -> Record:
-    """Add speckled reverberation to coherent echoes, then delay the pings."""
-    record = traced
-    if reception.speckle is not None and reception.reverberation.any():
-        record = record + reception.reverberation.astype(np.float32) * reception.speckle.factors(pings)
-    return record if reception.fluctuation is None else reception.fluctuation.shifted(record, pings)
+def _background(reception: Reception, pings: NDArray[np.int64]) -> tuple[Record | None, Record | None]:
+    """Mean energies of the waves that add before and after crosstalk, (n or 1, 1, samples); None where there are none.
+
+    Without crosstalk the water's waves and the noise, both Gaussian and new in every ping, are drawn as one.
+    """
+    water = _water_energy(reception, pings)
+    noise = np.full((1, 1, reception.gain.size), reception.noise, np.float32) if reception.noise > 0.0 else None
+    if water is not None and reception.crosstalk == 0.0:
+        noise, water = water + np.float32(reception.noise), None
+    return _sampled(water, reception.samples), _sampled(noise, reception.samples)
+
+
+def _water_energy(reception: Reception, pings: NDArray[np.int64]) -> Record | None:
+    """Mean energy of reverberation that is speckled, (n, 1, bins); None where there is none."""
+    if not reception.speckled or not reception.reverberation.any():
+        return None
+    each = np.tile(reception.reverberation.astype(np.float32), (pings.size, 1, 1))
+    return _level(reception, pings) * _delayed(reception, each, pings)
+
+
+def _sampled(energy: Record | None, samples: int) -> Record | None:
+    """Energies of bins, repeated for each of their samples."""
+    return energy if energy is None or samples == 1 else np.repeat(energy, samples, axis=2)
+
+
+def _level(reception: Reception, pings: NDArray[np.int64]) -> Record:
+    """Factor of intensity by which source level and fluctuation raise every ping, (n or 1, 1, 1)."""
+    source = np.full((1, 1, 1), reception.source, np.float32)
+    return source if reception.fluctuation is None else source * reception.fluctuation.gains(pings)
+
+
+def _inverse_shape(
+    reception: Reception, record: Record, divided: Traced | None, pings: NDArray[np.int64]
+) -> Record | None:
+    """Mean of 1/ν over the echoes of a bin, weighted by their energy; None where the receiver's own ν holds."""
+    if divided is None:
+        return None
+    weighted = _delayed(reception, _spread(reception, divided), pings)
+    return np.divide(weighted, record, out=np.zeros_like(record), where=record > 0.0)
+
+
+def _spread(reception: Reception, traced: Traced) -> Record:
+    """Echoes spread by the pulse over range bins; ``traced`` itself for an ideal pulse."""
+    return _convolved(reception.taps, np.asarray(traced, np.float32))
 
 
 def _convolved(taps: Taps, traced: Record) -> Record:
-    """Echoes spread by the pulse over range bins; ``traced`` itself for an ideal pulse."""
+    """Echoes spread by the taps over range bins; ``traced`` itself for one tap."""
     if taps.weights.size == 1:
         return traced
     record = np.zeros_like(traced)
@@ -240,9 +350,6 @@ def _convolved(taps: Taps, traced: Record) -> Record:
     return record
 
 
-def _delayed(reception: Reception, traced: Record, pings: NDArray[np.int64], share: float = 1.0) -> Record:
-    """Convolve echoes with the pulse, add a share of the reverberation, delay the pings."""
-    record = _convolved(reception.taps, traced)
-    if reception.reverberation.any():
-        record = record + (share * reception.reverberation).astype(np.float32)
+def _delayed(reception: Reception, record: Record, pings: NDArray[np.int64]) -> Record:
+    """Record with its pings delayed as they fluctuate."""
     return record if reception.fluctuation is None else reception.fluctuation.shifted(record, pings)

@@ -16,7 +16,7 @@ from insonify.acoustics.resolution_cell import along_track_angle, bin_centres, c
 from insonify.kernels.common.streams import SPECKLE, TEXTURE
 from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.speckle.random_fields import transform_distribution
-from insonify.receiver.random_fields import ExponentialField, make_field
+from insonify.receiver.random_fields import WaveField, make_field
 from insonify.scene import Scene
 
 SMALLEST_SHAPE, LARGEST_SHAPE = 0.05, 1e4
@@ -31,7 +31,7 @@ class BedTexture:
 
     Attributes
     ----------
-    field : ExponentialField
+    field : WaveField
         Exponential numbers, correlated as far as resolution cells overlap.
     shape : float
         ν of the gamma distribution in a cell of the reference size.
@@ -39,7 +39,7 @@ class BedTexture:
         Size of the resolution cells over the reference size.
     """
 
-    field: ExponentialField
+    field: WaveField
     shape: float
     growth: NDArray[np.float64]
 
@@ -61,7 +61,7 @@ class Speckle:
 
     Attributes
     ----------
-    field : ExponentialField
+    field : WaveField
         Energy of interfering scatterers.
     looks : int
         Independent records averaged.
@@ -69,7 +69,7 @@ class Speckle:
         Present for K speckle.
     """
 
-    field: ExponentialField
+    field: WaveField
     looks: int
     texture: BedTexture | None
 
@@ -85,9 +85,15 @@ class Speckle:
         factors = self.field.energies(pings, self.looks)
         return factors if self.texture is None else factors * self.texture.strengths(pings, inverse_shape)
 
+    def textured(
+        self, mean: NDArray[np.float32], pings: NDArray[np.int64], inverse_shape: NDArray[np.float32] | None
+    ) -> NDArray[np.float32]:
+        """Mean echoes times the bed's strength in each cell: the mean over all phases of its scatterers."""
+        return mean if self.texture is None else mean * self.texture.strengths(pings, inverse_shape)
+
 
 def make_speckle(scene: Scene, arrays: SceneArrays) -> Speckle | None:
-    """Speckle that a scene declares, None where it declares none.
+    """Speckle that multiplies a scene's mean echoes, None where it declares none or traces scatterers one by one.
 
     Along range, scatterers interfere over the length of the pulse. Along the track, two pings a distance d apart
     receive a scatterer at angle φ with phases 2kdφ apart. Their amplitudes correlate as the transform of the two-way
@@ -96,14 +102,13 @@ def make_speckle(scene: Scene, arrays: SceneArrays) -> Speckle | None:
     as resolution cells overlap, rθ along the track.
     """
     declared = scene.receiver.speckle
-    if not declared.speckled:
+    if not declared.speckled or declared.interferes:
         return None
     speed, pulse = arrays.water.reference, scene.sonar.pulse
     taps = coherent_taps(pulse, speed, arrays.bin_length)
     advance = scene.track.speed / scene.sonar.ping_rate
     wavelength = speed / scene.sonar.frequency
     field = make_field(scene.seed, SPECKLE, taps, 0.5 * wavelength / coherence_angle(arrays) / advance)
-    # Where scatterers interfere in the tracer, these are the factors of the reverberation alone.
     looks, declared_texture = declared.independent_records, declared.texture
     if declared_texture is None:
         return Speckle(field, looks, None)

@@ -10,6 +10,7 @@ from insonify.kernels.common.types import SceneArrays
 from insonify.scene import Scene
 from insonify.tracers import march, rays, scatterers, sweep
 from insonify.tracers.blocks import Record
+from insonify.tracers.scatterers import Waves
 
 
 class Tracer(Protocol):
@@ -27,6 +28,13 @@ class Tracer(Protocol):
         a target. A ping's record depends on its own pose alone, not on the other pings nor on the number of threads.
         """
 
+    @property
+    def trace_waves(self) -> Callable[..., Waves] | None:
+        """Trace pings likewise, but return the complex amplitudes of every bin's samples, (n, 2, bins * samples).
+
+        None for a tracer that sums the energy of echoes, which has no phases.
+        """
+
 
 @dataclass(frozen=True)
 class EnergyTracer:
@@ -34,6 +42,7 @@ class EnergyTracer:
 
     trace: Callable[..., Record]
     bins_beyond: int = 0
+    trace_waves: None = None
 
 
 def _energy(trace: Callable[..., Record]) -> Callable[[Scene, SceneArrays], Tracer]:

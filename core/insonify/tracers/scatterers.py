@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.pulses import envelope, pulse_taps
+from insonify.acoustics.pulses import MOST_SAMPLES, envelope, pulse_taps, samples_per_bin
 from insonify.acoustics.resolution_cell import along_track_angle, bin_centres
 from insonify.kernels.bed.slice import empty_profile, profile_capacity
 from insonify.kernels.common.types import Poses, SceneArrays
-from insonify.kernels.speckle.scatterers import PulseTaps, Scatterers, empty_signal, trace_scatterers
+from insonify.kernels.speckle.scatterers import PulseTaps, Scatterers, detect_samples, empty_signal, trace_scatterers
 from insonify.kernels.speckle.surface_patches import SurfacePatches
 from insonify.kernels.sweep.sweep import AzimuthFan
 from insonify.kernels.sweep.visible_stretches import empty_visible_bed
@@ -26,12 +26,10 @@ from insonify.scene.pulses import PulseKind as DeclaredPulse
 from insonify.tracers.azimuth_fan import lay_planes
 from insonify.tracers.blocks import Record, empty_record, trace_blocks
 
+Waves = NDArray[np.complex128]
 IN_A_CELL = 32.0  # scatterers, where the scene does not say how many
 MOST = 1e7  # scatterers of one ping
-MOST_SAMPLES, MOST_KNOTS = (
-    1 << 25,
-    1 << 26,
-)  # samples of the summed waves, knots of all planes of a beam: half a gigabyte each
+MOST_KNOTS = 1 << 26  # of all planes of a beam: half a gigabyte
 MOST_PATCHES = 250_000  # of all boxes and meshes
 FAINT = 1e-3  # share of the beam's energy that may be left out
 RESOLVED = 8  # least cells of the line per resolution cell of the pulse
@@ -58,7 +56,16 @@ class ScattererTracer:
         return math.ceil((self.pulse.taps.size - self.pulse.before) / (self.pulse.samples * self.pulse.cells))
 
     def trace(self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Record:
-        """Trace pings scatterer by scatterer.
+        """Intensity of the sum of all scatterers' waves after the pulse, (n, 2, bins) float32, port first.
+
+        Parameters and errors as of `trace_waves`.
+        """
+        out = empty_record(arrays, poses)
+        detect_samples(self.trace_waves(arrays, poses, planes=planes, threads=threads), self.pulse.samples, out)
+        return out
+
+    def trace_waves(self, arrays: SceneArrays, poses: Poses, *, planes: int = 16, threads: int | None = None) -> Waves:
+        """Sum of all scatterers' waves after the pulse, sample by sample.
 
         Parameters
         ----------
@@ -74,8 +81,8 @@ class ScattererTracer:
 
         Returns
         -------
-        (n, 2, bins) float32
-            Intensity of the two channels, port first, after the pulse.
+        (n, 2, bins * samples) complex128
+            Amplitudes of the two channels, port first; a bin is as loud as its samples are on average.
 
         Raises
         ------
@@ -84,13 +91,13 @@ class ScattererTracer:
         """
         further = _narrowed(_extend_range(arrays, self.bins_beyond), self.scatterers.patches, poses)
         capacity = profile_capacity(further.bins * further.bin_length, arrays.bed.spacing)
-        out = empty_record(arrays, poses)
+        out = self._empty_waves(arrays, poses)
         for places, laid in lay_planes(further, poses, max(planes, 2)):
             some, beam = take_poses(poses, places), _sort_planes(laid)
             _refuse_fine_bed(beam.azimuth.size, capacity, arrays)
-            traced = empty_record(arrays, some)
+            traced = self._empty_waves(arrays, some)
 
-            def block(part: Poses, first: int, last: int, beam: AzimuthFan = beam, traced: Record = traced) -> int:
+            def block(part: Poses, first: int, last: int, beam: AzimuthFan = beam, traced: Waves = traced) -> int:
                 sight = empty_visible_bed(beam.azimuth, capacity)
                 room = empty_profile(capacity), sight, empty_signal(further.bins, self.pulse)
                 return trace_scatterers(further, part, beam, self.scatterers, self.pulse, *room, traced[first:last])
@@ -98,6 +105,9 @@ class ScattererTracer:
             trace_blocks(arrays, some, block, threads)
             out[places] = traced
         return out
+
+    def _empty_waves(self, arrays: SceneArrays, poses: Poses) -> Waves:
+        return np.zeros((poses.x.size, 2, arrays.bins * self.pulse.samples), np.complex128)
 
 
 def make_tracer(scene: Scene, arrays: SceneArrays) -> ScattererTracer:
@@ -162,7 +172,7 @@ def heard_at_once(pulse: DeclaredPulse, sound_speed: float, bin_length: float, b
         If the line is too long to be held.
     """
     resolution = 0.5 * sound_speed * pulse.resolution or bin_length
-    samples = math.ceil(min(bin_length / resolution, float(MOST_SAMPLES)) * (1.0 - 1e-9))
+    samples = samples_per_bin(pulse, sound_speed, bin_length)
     # An even number, so that the sample lies in the middle.
     cells = 2 * math.ceil(0.5 * RESOLVED * bin_length / samples / resolution)
     step = bin_length / samples / cells

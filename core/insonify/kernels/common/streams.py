@@ -13,12 +13,15 @@ RELIEF_MASK = 4
 RELIEF_PART = 1 << 20
 RELIEF_BAND = 1 << 14
 
-# Receiver. Look n of speckle adds n.
+# Receiver. Look n of speckle, noise and reverberation adds n.
 SPECKLE = 1000
 TEXTURE = 2000
 PING_GAIN = 3000
 PING_DELAY = 3001
 AMBIENT_NOISE = 4000
+REVERBERATION = 4100
+INTERFERENCE = 4200
+DROPPED_PINGS = 4201
 
 # Coherent speckle.
 BED_SCATTERERS = 5000

@@ -176,6 +176,66 @@ def add_filtered_energy(real, imaginary, taps, share, out):
 
 
 @kernel
+def add_filtered_waves(real, imaginary, taps, energy, wave_re, wave_im):
+    """Filter complex noise along range and add it, with the given mean energy, to waves.
+
+    Parameters
+    ----------
+    real, imaginary : ndarray of float32, shape (n, 2, taps - 1 + bins)
+        The noise begins so many bins before the record as the filter looks back.
+    taps : ndarray of float32
+    energy : ndarray of float32, shape (n or 1, 2 or 1, bins)
+        Mean energy; one row stands for all.
+    wave_re, wave_im : ndarray of float32, shape (n, 2, bins)
+        Added to.
+    """
+    pings, sides, bins = wave_re.shape
+    line_re, line_im = np.empty(bins, np.float32), np.empty(bins, np.float32)
+    for ping in range(pings):
+        for side in range(sides):
+            line_re[:], line_im[:] = 0.0, 0.0
+            for tap in range(taps.size):
+                early = taps.size - 1 - tap
+                before_re, before_im = real[ping, side, early:], imaginary[ping, side, early:]
+                for k in range(bins):
+                    line_re[k] += taps[tap] * before_re[k]
+                    line_im[k] += taps[tap] * before_im[k]
+            mean = energy[min(ping, energy.shape[0] - 1), min(side, energy.shape[1] - 1)]
+            for k in range(bins):
+                amplitude = math.sqrt(mean[k])
+                wave_re[ping, side, k] += amplitude * line_re[k]
+                wave_im[ping, side, k] += amplitude * line_im[k]
+
+
+@kernel
+def add_detected(wave_re, wave_im, samples, share, out):
+    """Detect waves: add a share of their energy, the mean over each bin's samples, to a record.
+
+    Parameters
+    ----------
+    wave_re, wave_im : ndarray of float32, shape (n, 2, bins * samples)
+    samples : int
+        Of a bin.
+    share : float
+    out : ndarray of float32, shape (n, 2, bins)
+        Added to.
+    """
+    pings, sides, bins = out.shape
+    for ping in range(pings):
+        for side in range(sides):
+            if samples == 1:
+                re, im = wave_re[ping, side], wave_im[ping, side]
+                for k in range(bins):
+                    out[ping, side, k] += share * (re[k] * re[k] + im[k] * im[k])
+                continue
+            for k in range(bins):
+                total = np.float32(0.0)
+                for place in range(k * samples, (k + 1) * samples):
+                    total += wave_re[ping, side, place] ** 2 + wave_im[ping, side, place] ** 2
+                out[ping, side, k] += share * total / np.float32(samples)
+
+
+@kernel
 def transform_distribution(field, table, first, per_octave, place):
     """Give an exponential field another distribution, by a table of log₂ of the new value over log₂ of the old one.
 

@@ -46,7 +46,7 @@ class Scatterers(NamedTuple):
 class PulseTaps(NamedTuple):
     """Amplitudes with which one sample sums the coherent signal over the pulse."""
 
-    samples: int  # per bin, the mean of whose energies the bin holds
+    samples: int  # per bin, whose mean energy the bin holds
     cells: int  # of the line, per sample
     taps: NDArray[np.float64]  # amplitudes, from the nearest cell to the farthest
     before: int  # how many of them lie nearer than the middle of the sample
@@ -110,7 +110,7 @@ def empty_signal(bins: int, pulse: PulseTaps) -> CoherentSignal:
 
 @kernel
 def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed, signal, out):
-    """Record pings as the coherent sum of single scatterers.
+    """Sum the waves of single scatterers at every sample of the record.
 
     Parameters
     ----------
@@ -128,8 +128,8 @@ def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed
         Work space.
     signal : CoherentSignal
         Work space.
-    out : ndarray of float32, shape (n, 2, bins)
-        Takes the intensity.
+    out : ndarray of complex128, shape (n, 2, bins * samples)
+        Takes the waves after the pulse.
 
     Returns
     -------
@@ -154,19 +154,38 @@ def trace_scatterers(arrays, poses, fan, scatterers, pulse, profile, visible_bed
 
 @kernel
 def _sample_pulse(real, imaginary, pulse, out):
-    """Mean energy of each bin's samples of the signal."""
-    taps, middle, sample = pulse.taps, pulse.cells // 2, 0
-    for k in range(out.size):
-        total = 0.0
-        for _ in range(pulse.samples):
-            start = sample * pulse.cells + middle
-            re, im = 0.0, 0.0
-            for tap in range(taps.size):
-                re += taps[tap] * real[start + tap]
-                im += taps[tap] * imaginary[start + tap]
-            total += re * re + im * im
-            sample += 1
-        out[k] = total / pulse.samples
+    """Sum the signal over the pulse at every sample."""
+    taps, middle = pulse.taps, pulse.cells // 2
+    for sample in range(out.size):
+        start = sample * pulse.cells + middle
+        re, im = 0.0, 0.0
+        for tap in range(taps.size):
+            re += taps[tap] * real[start + tap]
+            im += taps[tap] * imaginary[start + tap]
+        out[sample] = complex(re, im)
+
+
+@kernel
+def detect_samples(waves, samples, out):
+    """Intensity of every bin: the mean energy of its samples.
+
+    Parameters
+    ----------
+    waves : ndarray of complex128, shape (n, 2, bins * samples)
+    samples : int
+        Of a bin.
+    out : ndarray of float32, shape (n, 2, bins)
+        Filled.
+    """
+    pings, sides, bins = out.shape
+    for ping in range(pings):
+        for side in range(sides):
+            for k in range(bins):
+                total = 0.0
+                for sample in range(k * samples, (k + 1) * samples):
+                    wave = waves[ping, side, sample]
+                    total += wave.real * wave.real + wave.imag * wave.imag
+                out[ping, side, k] = total / samples
 
 
 @kernel

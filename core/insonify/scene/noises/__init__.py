@@ -15,5 +15,5 @@ class NoiseKind(Choice):
 
     @property
     def mean_level(self) -> float | None:
-        """Mean level in dB of noise of exponential intensity; None for silence."""
+        """Mean level in dB of Gaussian noise; None for silence."""
         return None

@@ -9,7 +9,7 @@ from insonify.scene.noises import NoiseKind
 
 
 class AmbientNoise(NoiseKind):
-    """Noise of the sea and the receiver, of exponential intensity."""
+    """Noise of the sea and the receiver: a Gaussian wave, of exponential intensity where there is no echo."""
 
     rank = 20
     kind: Literal["ambient"] = "ambient"

@@ -1,0 +1,244 @@
+"""Noise, reverberation and crosstalk are waves: they add to the echo before detection, for every speckle."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import special
+
+from beds import arrays_of
+from insonify.kernels.speckle import random_fields
+from insonify.receiver import Reception, make_reception, receive
+from insonify.scene import edit, load_scene
+from insonify.simulation import prepare, simulate
+
+PINGS, BINS = 500, 200
+ECHO = 1e-9
+RATIOS = (-20.0, -10.0, -3.0, 0.0, 3.0, 10.0, 20.0)  # dB, of noise to echo
+RAYLEIGH = math.sqrt(4.0 / math.pi - 1.0)
+SPECKLES = {
+    "none": "none",
+    "rayleigh": "rayleigh",
+    "looks": {"kind": "rayleigh", "looks": 4},
+    "k": {"kind": "k", "shape": 1.5},
+    "k_looks": {"kind": "k", "shape": 3.0, "looks": 2},
+}
+
+
+def ready(speckle, bins=BINS, **changes) -> Reception:
+    # 5 m a ping: neither speckle nor the bed's texture is correlated from ping to ping.
+    declared = edit(
+        load_scene("default"),
+        {"receiver.speckle": SPECKLES.get(speckle, speckle), "sonar.pulse": "ideal", "track.speed": 50.0}
+        | {path.replace("__", "."): value for path, value in changes.items()},
+    )
+    arrays = arrays_of(np.zeros((4, 4)), bins=bins, bin_length=0.05, half_width=math.radians(0.5), spreading=True)
+    return make_reception(declared, arrays, altitude=100.0, depth=100.0)
+
+
+def even(pings=PINGS, bins=BINS) -> np.ndarray:
+    return np.full((pings, 2, bins), ECHO, np.float32)
+
+
+def variation(energy: np.ndarray) -> float:
+    amplitude = np.sqrt(energy.astype(float))
+    return float(amplitude.std() / amplitude.mean())
+
+
+def rice(noise: float) -> tuple[float, float]:
+    """Means of amplitude and energy of a wave of energy 1 in Gaussian noise (Rice 1944)."""
+    k = 0.5 / noise
+    mean = math.sqrt(math.pi * noise) / 2.0 * ((1.0 + 2.0 * k) * special.i0e(k) + 2.0 * k * special.i1e(k))
+    return mean, 1.0 + noise
+
+
+def speckled(looks: int, shape: float | None, noise: float) -> tuple[float, float]:
+    """Means of amplitude and energy: √(gamma number of ``looks``) over a mean that itself is gamma-distributed."""
+    root = math.exp(special.gammaln(looks + 0.5) - special.gammaln(looks)) / math.sqrt(looks)
+    if shape is None:
+        return root * math.sqrt(1.0 + noise), 1.0 + noise
+    # By quantiles, whose density needs no care near 0.
+    strength = special.gammaincinv(shape, (np.arange(200_000) + 0.5) / 200_000) / shape
+    return root * float(np.sqrt(strength + noise).mean()), 1.0 + noise
+
+
+EXACT = {
+    "none": rice,
+    "rayleigh": lambda noise: speckled(1, None, noise),
+    "looks": lambda noise: speckled(4, None, noise),
+    "k": lambda noise: speckled(1, 1.5, noise),
+    "k_looks": lambda noise: speckled(2, 3.0, noise),
+}
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize("speckle", SPECKLES)
+def test_noise_adds_before_detection(speckle, ratio):
+    noise = 10.0 ** (ratio / 10.0)
+    record = receive(
+        ready(speckle, receiver__noise={"kind": "ambient", "level": 10.0 * math.log10(ECHO) + ratio}),
+        even(),
+        np.arange(PINGS),
+    ).astype(float)
+    record /= ECHO
+    amplitude, energy = EXACT[speckle](noise)
+    n = record.size
+    assert record.mean() == pytest.approx(energy, abs=4.0 * record.std() / math.sqrt(n))
+    wanted = math.sqrt(energy / amplitude**2 - 1.0)
+    assert variation(record) == pytest.approx(wanted, abs=0.006)
+    if speckle == "rayleigh":
+        assert wanted == pytest.approx(RAYLEIGH)
+
+
+def test_the_sum_of_two_rayleigh_waves_is_one():
+    for ratio in RATIOS:
+        noise = {"kind": "ambient", "level": 10.0 * math.log10(ECHO) + ratio}
+        record = receive(ready("rayleigh", receiver__noise=noise), even(), np.arange(PINGS))
+        assert variation(record) == pytest.approx(RAYLEIGH, abs=0.004)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize("crosstalk", [None, -10.0])
+def test_reverberation_adds_before_detection(ratio, crosstalk):
+    # The echo is made to stand in that ratio to the reverberation of every bin.
+    changes = {"receiver__reverberation": "volume", "receiver__crosstalk": crosstalk}
+    reception = ready("rayleigh", **changes)
+    water = reception.reverberation * 10.0 ** (-ratio / 10.0)
+    traced = np.broadcast_to(water.astype(np.float32), (PINGS, 2, BINS)).copy()
+    record = receive(reception, traced, np.arange(PINGS)).astype(float)
+    share = 1.0 if crosstalk is None else 1.1
+    total = (water + reception.reverberation) * share
+    assert (record / total).mean() == pytest.approx(1.0, abs=4.0 / math.sqrt(record.size / 2))
+    assert variation(record / total) == pytest.approx(RAYLEIGH, abs=0.004)
+
+
+def test_the_bed_s_texture_is_not_that_of_the_water():
+    reception = ready("k", receiver__reverberation="volume")
+    record = receive(reception, np.zeros((PINGS, 2, BINS), np.float32), np.arange(PINGS)) / reception.reverberation
+    assert variation(record) == pytest.approx(RAYLEIGH, abs=0.004)
+    assert record.mean() == pytest.approx(1.0, abs=4.0 / math.sqrt(record.size))
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_crosstalk_adds_before_detection(ratio):
+    # The share leaks from a side that is louder or softer, so that both sides' waves stand in that ratio.
+    share = 10.0**-2
+    traced = even()
+    traced[:, 1] *= 10.0 ** (ratio / 10.0) / share
+    record = receive(ready("rayleigh", receiver__crosstalk=-20.0), traced, np.arange(PINGS)).astype(float)[:, 0]
+    total = ECHO * (1.0 + 10.0 ** (ratio / 10.0))
+    assert record.mean() == pytest.approx(total, rel=4.0 / math.sqrt(record.size))
+    assert variation(record) == pytest.approx(RAYLEIGH, abs=0.006)
+
+
+def test_what_leaks_is_the_other_side_s_own_wave():
+    traced = even()
+    traced[:, 1] = 0.0
+    record = receive(ready("rayleigh", receiver__crosstalk=-20.0), traced, np.arange(PINGS))
+    np.testing.assert_allclose(record[:, 1], 0.01 * record[:, 0], rtol=1e-5)
+    alone = receive(ready("rayleigh"), traced, np.arange(PINGS))
+    np.testing.assert_allclose(record[:, 0], alone[:, 0], rtol=1e-5)
+
+
+def test_without_speckle_echoes_have_no_phase_and_their_mean_energies_add():
+    reception = ready("none", receiver__reverberation="volume", receiver__crosstalk=-10.0)
+    record = receive(reception, even(), np.arange(PINGS))
+    np.testing.assert_allclose(record, np.broadcast_to(1.1 * (ECHO + reception.reverberation), record.shape), rtol=1e-5)
+
+
+@pytest.mark.parametrize("pulse", [{"kind": "tone", "duration": 2e-4}, {"kind": "chirp", "bandwidth": 6e3}])
+def test_the_sum_is_correlated_as_its_parts(pulse):
+    # Echo and noise pass the same filter: of any two waves of one correlation, so is the sum's.
+    noise = {"kind": "ambient", "level": 10.0 * math.log10(3.0 * ECHO)}
+    pings = np.arange(3000)
+    both = receive(ready("rayleigh", receiver__noise=noise, sonar__pulse=pulse), even(3000), pings).astype(float)
+    alone = receive(ready("rayleigh", sonar__pulse=pulse), even(3000), pings).astype(float)
+    for lag in (1, 2, 3):
+        found, wanted = (_correlation(record[:, :, 20:], lag) for record in (both, alone))
+        assert found == pytest.approx(wanted, abs=4.0 * math.sqrt(3.0 / both.size))
+
+
+def _correlation(record: np.ndarray, lag: int) -> float:
+    centred = record / record.mean() - 1.0
+    return float((centred[:, :, lag:] * centred[:, :, :-lag]).mean() / (centred**2).mean())
+
+
+@pytest.mark.parametrize("speckle", SPECKLES)
+def test_each_wave_belongs_to_its_seed_ping_side_and_bin(speckle):
+    changes = {
+        "receiver__noise": {"kind": "ambient", "level": -90.0},
+        "receiver__reverberation": {"kind": "volume", "volume_strength": -30.0},
+        "receiver__crosstalk": -10.0,
+        "receiver__fluctuation": {"kind": "lognormal", "travel_time": 1e-4},
+        "sonar__pulse": "tone",
+    }
+    reception, traced = ready(speckle, **changes), even(40)
+    whole = receive(reception, traced, np.arange(40))
+    order = np.random.default_rng(1).permutation(40)
+    np.testing.assert_array_equal(receive(reception, traced[order], order), whole[order])
+    for first, last in ((0, 1), (7, 9), (13, 40)):
+        np.testing.assert_array_equal(receive(reception, traced[first:last], np.arange(first, last)), whole[first:last])
+    # A shorter record of the same bins is the beginning of a longer one.
+    short = receive(ready(speckle, 150, **changes), even(40, 150), np.arange(40))
+    np.testing.assert_allclose(short[:, :, :140], whole[:, :, :140], rtol=1e-5)
+    assert not np.array_equal(receive(ready(speckle, seed=2, **changes), traced, np.arange(40)), whole)
+
+
+def test_no_wave_is_made_where_none_is_declared(monkeypatch):
+    def refuse(*arguments):
+        raise AssertionError("noise is drawn for a receiver without any")
+
+    monkeypatch.setattr("insonify.receiver.random_fields.add_filtered_waves", refuse)
+    for speckle in SPECKLES:
+        receive(ready(speckle), even(4), np.arange(4))
+    monkeypatch.setattr("insonify.receiver.random_fields.fill_white_noise", refuse)
+    receive(ready("none", receiver__crosstalk=-10.0), even(4), np.arange(4))
+    assert random_fields.add_filtered_waves is not refuse
+
+
+COHERENT = {
+    "receiver.speckle": "coherent",
+    "seabed.relief": "flat",
+    "seabed.spacing": 0.5,
+    "seabed.material": {"diffuse": 0.5, "specular": 0.0},
+    "targets": [],
+    "track.speed": 50.0,
+    "track.pings": 100,
+}
+
+
+@pytest.mark.parametrize("bins", [1000, 200])
+@pytest.mark.parametrize("ratio", [-10.0, 0.0, 10.0])
+def test_scatterers_interfere_with_noise(ratio, bins):
+    # With 200 bins each holds the mean over several resolution cells, in the noise as in the echo.
+    scene = edit(load_scene("default"), COHERENT | {"sonar.bins": bins})
+    alone = simulate(scene).intensity.values.astype(float)
+    first, last = int(0.5 * bins), int(0.6 * bins)
+    level = alone[:, :, first:last].mean()
+    noisy = edit(scene, {"receiver.noise": {"kind": "ambient", "level": 10.0 * math.log10(level) + ratio}})
+    record = simulate(noisy).intensity.values.astype(float)[:, :, first:last]
+    curve = alone[:, :, first:last].mean(axis=(0, 1))
+    total = curve + level * 10.0 ** (ratio / 10.0)
+    n = record.size / 2
+    assert (record / total).mean() == pytest.approx(1.0, abs=4.0 / math.sqrt(n))
+    still = variation(alone[:, :, first:last] / curve)
+    assert variation(record / total) == pytest.approx(still, abs=0.015)
+    if bins == 1000:
+        assert still == pytest.approx(RAYLEIGH, abs=0.015)
+
+
+def test_scatterers_and_reverberation_take_each_block_alike():
+    changes = {
+        "receiver.noise": {"kind": "ambient", "level": -100.0},
+        "receiver.reverberation": "volume",
+        "receiver.crosstalk": -10.0,
+        "receiver.fluctuation": {"kind": "lognormal", "travel_time": 1e-4},
+        "track.speed": 2.0,
+    }
+    simulation = prepare(edit(load_scene("default"), COHERENT | changes))
+    pings = np.arange(12)
+    whole = simulation.intensity(pings)
+    np.testing.assert_array_equal(simulation.intensity(pings[5:8]), whole[5:8])
+    np.testing.assert_array_equal(simulation.intensity(pings[::-1]), whole[::-1])
