@@ -51,7 +51,7 @@ def _of_motions(path: str, needs: dict) -> dict[str, tuple[dict, dict]]:
         return needs | {key.replace("track.motion", place): value for key, value in changes.items()}
 
     found = {}
-    for kind in ("sway", "heave", "yaw", "pitch", "roll"):
+    for kind in ("surge", "sway", "heave", "yaw", "pitch", "roll"):
         # A roll is heard by a vertical beam alone.
         swinging = within({"track.motion": {"kind": kind, "amplitude": 2.0}}) | {"sonar.vertical": "gaussian"}
         for name, value in (("amplitude", 3.0), ("period", 4.0), ("phase", 90.0)):

@@ -18,7 +18,7 @@ from insonify_viewer.fields import part_at
 
 Changes = dict[str, Any]
 SLOWEST = 1e-3  # Hz, a ping rate that any range allows
-SWINGS = ("sway", "heave", "yaw", "pitch", "roll")
+SWINGS = ("surge", "sway", "heave", "yaw", "pitch", "roll")
 
 
 def add_dependent_edits(scene: Scene, changes: Mapping[str, Any]) -> tuple[Changes, str]:

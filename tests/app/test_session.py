@@ -90,7 +90,8 @@ def test_a_sum_of_motions_has_every_swing(default: Scene) -> None:
     found = parameters(session.scene)
     assert found["track.motion.of.0.amplitude"].label == "heave amplitude"
     assert found["track.motion.of.0.amplitude"].value == 0.7
-    assert {found[f"track.motion.of.{k}.period"].label.split()[0] for k in range(5)} == {
+    assert {found[f"track.motion.of.{k}.period"].label.split()[0] for k in range(6)} == {
+        "surge",
         "sway",
         "heave",
         "yaw",

@@ -88,6 +88,7 @@ def test_a_circle_stays_a_circle_after_a_hundred_million_pings():
 @pytest.mark.parametrize(
     ("kind", "quarter"),
     [
+        ("surge", {"x": math.sqrt(0.75) * 3.0, "y": 0.5 * 3.0}),
         ("sway", {"x": -0.5 * 3.0, "y": math.sqrt(0.75) * 3.0}),
         ("heave", {"z": 3.0}),
         ("yaw", {"heading": math.radians(3.0)}),

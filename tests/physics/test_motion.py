@@ -9,8 +9,10 @@ import pytest
 import xarray as xr
 
 from insonify.display.picture import LevelBed, normalise
+from insonify.packing.navigation import make_poses
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate, simulate_blocks
+from insonify.terrain import build_ground
 
 LEVEL = edit(
     load_scene("default"),
@@ -93,3 +95,16 @@ def test_pitch_moves_an_echo_along_the_track(method):
         ]
         energy = (echo[0] - echo[1]).sel(channel="port").clip(min=0.0).sum("range_sample").values
         assert np.average(np.arange(40), weights=energy) * 0.1 + 8.0 + shift == pytest.approx(10.0 + shift, abs=0.06)
+
+
+def test_a_surge_spaces_pings_unevenly():
+    # x = v t + a sin(2π t / T): the spacing swings between (v ± 2π a / T) / rate.
+    surge = {"kind": "surge", "amplitude": 0.5, "period": 8.0}
+    scene = edit(load_scene("default"), {"track.motion": surge, "track.pings": 800})
+    poses = make_poses(scene, build_ground(scene), np.arange(800))
+    spacing = np.diff(poses.x)
+    swing = 2.0 * math.pi * 0.5 / 8.0 / scene.sonar.ping_rate
+    even = scene.track.speed / scene.sonar.ping_rate
+    assert spacing.max() == pytest.approx(even + swing, rel=1e-3)
+    assert spacing.min() == pytest.approx(even - swing, rel=1e-3)
+    assert not poses.y.any()

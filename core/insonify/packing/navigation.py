@@ -49,8 +49,8 @@ def make_poses(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> Pos
     zero = np.zeros(line.x.shape)
     moved = _displacement(scene, pings)
     return Poses(
-        x=line.x - moved["sway"] * np.sin(line.heading),
-        y=line.y + moved["sway"] * np.cos(line.heading),
+        x=line.x + moved["surge"] * np.cos(line.heading) - moved["sway"] * np.sin(line.heading),
+        y=line.y + moved["surge"] * np.sin(line.heading) + moved["sway"] * np.cos(line.heading),
         z=_height(scene, ground, line, pings) + moved["heave"],
         heading=line.heading + np.radians(moved["yaw"]),
         pitch=known.get("pitch", zero) + np.radians(moved["pitch"]),
@@ -143,7 +143,7 @@ def _height(scene: Scene, ground: AnyGround, line: TowLine, pings: NDArray[np.in
 
 
 def _displacement(scene: Scene, pings: NDArray[np.int64]) -> dict[Axis, NDArray[np.float64]]:
-    """Sum of all motions by the axis that they act on: metres to port and up, degrees of the angles."""
+    """Sum of all motions by the axis that they act on: metres ahead, to port and up, degrees of the angles."""
     time = np.asarray(pings, dtype=np.float64) / scene.sonar.ping_rate
     total: dict[Axis, NDArray[np.float64]] = {axis: np.zeros(time.shape) for axis in get_args(Axis)}
     for motion in scene.track.motions:

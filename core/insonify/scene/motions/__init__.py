@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from insonify.io.navigation import RecordedNavigation
 
 MOTIONS = Family("motions", "insonify.scene.motions")
-Axis = Literal["sway", "heave", "yaw", "pitch", "roll"]
+Axis = Literal["surge", "sway", "heave", "yaw", "pitch", "roll"]
 Turning = tuple[float, float, float]
 
 
@@ -53,7 +53,7 @@ class SingleMotion(MotionKind):
 
     @property
     def greatest_sway(self) -> float:
-        """Greatest distance from the line, in metres, of a motion that keeps to it."""
+        """Greatest distance from its place on the line, in metres, of a motion that keeps to it."""
         return 0.0
 
     @property
@@ -62,7 +62,7 @@ class SingleMotion(MotionKind):
         return 0.0
 
     def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:
-        """Displacement of the towfish at times (s) after the first ping: metres to port and up, degrees of attitude."""
+        """Displacement of the towfish at times (s) after the first ping: metres ahead, to port, up; degrees."""
         del time
         return {}
 

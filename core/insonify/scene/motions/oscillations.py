@@ -37,6 +37,22 @@ class Oscillation(SingleMotion):
         return {self.axis: self.amplitude * np.sin(2.0 * math.pi * turns)}
 
 
+class Surge(Oscillation):
+    """Surge: the fish gains and loses way along its line, so that pings crowd together and thin out."""
+
+    rank = 15
+    axis = "surge"
+    kind: Literal["surge"] = "surge"
+    amplitude: float = parameter(
+        0.5, unit="m", description="greatest distance ahead of an even tow", ge=0.0, le=100.0, slider=(0.0, 5.0)
+    )
+
+    @property
+    def greatest_sway(self) -> float:
+        """Amplitude, in metres."""
+        return self.amplitude
+
+
 class Sway(Oscillation):
     """Sway to port and starboard of the line; the fish keeps its heading and crabs."""
 
