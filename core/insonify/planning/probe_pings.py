@@ -1,0 +1,127 @@
+"""Choice of the few pings of a track on which a plan measures errors.
+
+Some pings are spread over the track, one at an irregular place within each of as many equal parts, so that no period of
+bed or motion falls in step with them. The greatest excursions of the fish are added, and pings in which the beam
+crosses targets: a target may be met by one ping in a thousand.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.types import Poses
+from insonify.packing.navigation import make_poses
+from insonify.packing.track import tow_line_at
+from insonify.scene import Scene
+from insonify.terrain import AnyGround
+
+SPREAD = 8  # pings over the track
+ACROSS, MOST_ACROSS = 3, 12  # pings across each target, fewer where there are many targets; across all of them
+EXCURSIONS = 256  # pings among which the greatest excursions of the fish are found
+COARSE_TRACK = 2048  # pings at which distances to targets are first evaluated
+FARTHER = 1e-3  # weight of the distance of a target against that from the beam's axis: of two passes the nearer one
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+
+Pings = NDArray[np.int64]
+
+
+class ProbePings(NamedTuple):
+    """Pings on which errors are measured.
+
+    Attributes
+    ----------
+    spread : (n,) int64
+        Pings over the whole track.
+    across : (m,) int64
+        Pings in which the beam crosses targets.
+    """
+
+    spread: Pings
+    across: Pings
+
+    @property
+    def all(self) -> Pings:
+        """All of them, (n + m,)."""
+        return np.concatenate([self.spread, self.across])
+
+
+def choose_probe_pings(scene: Scene, ground: AnyGround, targets: tuple[int, ...]) -> ProbePings:
+    """Choose the pings on which a plan measures errors.
+
+    Parameters
+    ----------
+    scene : Scene
+    ground : AnyGround
+        The bed.
+    targets : tuple of int
+        Indices of the targets in reach of the track.
+
+    Returns
+    -------
+    ProbePings
+        A function of the scene alone.
+    """
+    pings = scene.track.pings
+    spread = _spread(pings, SPREAD)
+    if scene.track.motions:
+        many = _spread(pings, EXCURSIONS)
+        spread = np.union1d(spread, _excursions(make_poses(scene, ground, many), many))
+    return ProbePings(spread, _across(scene, targets))
+
+
+def _spread(pings: int, count: int) -> Pings:
+    """One ping from each of ``count`` equal parts of the track.
+
+    Its place within the part is the fraction of k² times the golden ratio: unlike that of k, in step with no period.
+    """
+    edges = np.arange(min(count, pings) + 1) * pings // min(count, pings)
+    within = GOLDEN * np.arange(1, edges.size) ** 2 % 1.0
+    return edges[:-1] + (within * np.diff(edges)).astype(np.int64)
+
+
+def _excursions(poses: Poses, pings: Pings) -> Pings:
+    """Pings of the lowest and highest sonar and of the greatest pitch, roll and yaw about their means."""
+    columns = (poses.z, -poses.z, *(np.abs(column - column.mean()) for column in poses[3:]))
+    return np.array([pings[int(np.argmax(column))] for column in columns if np.ptp(column) > 0.0], dtype=np.int64)
+
+
+def _across(scene: Scene, targets: tuple[int, ...]) -> Pings:
+    """Pings in which the axis of the beam meets each target: near its middle and towards both ends."""
+    if not targets:
+        return np.zeros(0, dtype=np.int64)
+    each = max(min(ACROSS, MOST_ACROSS // len(targets)), 1)
+    step = scene.track.speed / scene.sonar.ping_rate
+    found: list[int] = []
+    nearest = sorted((_nearest_ping(scene, number), number) for number in targets)
+    for (_, ping), number in nearest[:MOST_ACROSS]:
+        half = 0.5 * scene.targets[number].outline.radius / step
+        places = np.array([0.0, -1.0, 1.0][:each]) * max(half, 1.0) + (GOLDEN * (number + 1) % 1.0 - 0.5) * half
+        found += (ping + np.rint(places).astype(np.int64)).tolist()
+    return np.unique(np.clip(np.array(found, dtype=np.int64), 0, scene.track.pings - 1))
+
+
+def _nearest_ping(scene: Scene, number: int) -> tuple[float, int]:
+    """Distance in metres of a target from the ping whose beam axis passes nearest to it, and that ping."""
+    last = scene.track.pings - 1
+    stride = -(-scene.track.pings // COARSE_TRACK)
+    pings = np.arange(0, last + 1, stride)
+    while True:
+        miss, distance = _miss(scene, number, pings)
+        best = int(np.argmin(miss + FARTHER * distance))
+        if stride == 1:
+            return float(distance[best]), int(pings[best])
+        pings = np.arange(max(pings[best] - stride, 0), min(pings[best] + stride, last) + 1)
+        stride = 1
+
+
+def _miss(scene: Scene, number: int, pings: Pings) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Distance along the track between the beam's axis and a target, and that between sonar and target, m."""
+    line = tow_line_at(scene, pings)
+    dx, dy = (scene.targets[number].position[k] - column for k, column in enumerate((line.x, line.y)))
+    c, s = np.cos(line.heading), np.sin(line.heading)
+    along, away = dx * c + dy * s, np.abs(dy * c - dx * s)
+    return np.abs(along - math.tan(math.radians(scene.sonar.beam.axis)) * away), np.hypot(along, away)

@@ -1,0 +1,59 @@
+"""Pings on which a plan measures errors."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from insonify.packing.navigation import make_poses
+from insonify.planning.probe_pings import SPREAD, choose_probe_pings
+from insonify.scene import edit, load_scene
+from insonify.terrain import build_ground
+
+DEFAULT = load_scene("default")
+BARE = edit(DEFAULT, {"targets": []})
+
+
+def chosen(scene, targets=()):
+    return choose_probe_pings(scene, build_ground(scene), targets)
+
+
+@pytest.mark.parametrize("pings", [1, 3, 8, 9, 512, 100_000])
+def test_pings_are_spread_over_the_track(pings):
+    found = chosen(edit(BARE, {"track.pings": pings})).all
+    assert found.size == np.unique(found).size == min(pings, SPREAD)
+    assert (found == chosen(edit(BARE, {"track.pings": pings, "seed": 9})).all).all()
+    edges = np.arange(found.size + 1) * pings // found.size
+    assert ((edges[:-1] <= found) & (found < edges[1:])).all()
+
+
+@pytest.mark.parametrize("period", range(2, 105))
+def test_no_period_falls_in_step_with_them(period):
+    # The mean of the phases as vectors: 1 for pings in step with the period, 0 for phases all around the circle.
+    phase = chosen(edit(BARE, {"track.pings": 64 * 13})).all % period / period
+    assert abs(np.exp(2j * np.pi * phase).mean()) < 0.8
+
+
+def test_the_greatest_excursions_of_the_fish_are_among_them():
+    rolling = edit(BARE, {"track.pings": 5000, "track.motion": {"kind": "roll", "amplitude": 5.0, "period": 9.0}})
+    many = chosen(rolling)
+    roll = make_poses(rolling, build_ground(rolling), many.spread).roll
+    assert np.degrees(np.abs(roll).max()) > 4.9
+
+
+@pytest.mark.parametrize("squint", [0.0, 8.0])
+def test_a_target_that_one_ping_in_a_thousand_meets_is_crossed(squint):
+    ball = {"kind": "sphere", "position": [1234.0, 30.0], "radius": 0.3}
+    scene = edit(BARE, {"targets": [ball], "track.pings": 20_000, "sonar.beam.squint": squint})
+    found = chosen(scene, (0,)).across
+    step = scene.track.speed / scene.sonar.ping_rate
+    start = scene.track.start[0]
+    ahead = 1234.0 - (start + found * step) - np.tan(np.radians(squint)) * (30.0 - scene.track.start[1])
+    assert 1 <= found.size <= 3
+    assert (np.abs(ahead) <= 0.3 + step).all()
+
+
+def test_many_targets_are_crossed_by_few_pings_and_the_nearest_first():
+    balls = [{"kind": "sphere", "position": [3.0 * k, 10.0 + k]} for k in range(30)]
+    found = chosen(edit(BARE, {"targets": balls}), tuple(range(30))).across
+    assert 6 <= found.size <= 12
