@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import os
 
 from insonify.io.meshes import read_mesh
+from insonify.parallel import count_threads
 from insonify.planning import Plan
 from insonify.scene import Scene
 from insonify.scene.materials import Material
@@ -37,7 +37,7 @@ def most_bytes(scene: Scene) -> float:
     """Bytes that arrays of a scene may take at once, three pings at a time."""
     knots = KNOTS_PER_CELL * cells_along(scene) + 64.0
     lines = min(scene.track.pings, 64) * 2.0 * (scene.sonar.bins + pulse_bins(scene))
-    held = ALWAYS + (os.cpu_count() or 1) * knots * PER_KNOT + _grid(scene) * PER_CELL + lines * PER_BIN
+    held = ALWAYS + count_threads() * knots * PER_KNOT + _grid(scene) * PER_CELL + lines * PER_BIN
     held += MOST_PLANES * knots * 16.0 if isinstance(scene.receiver.speckle, Coherent) else 0.0
     held += 0.0 if isinstance(scene.water, UniformWater) else OF_BENT_SOUND
     held += OF_MESHES if any(target.kind == "mesh" for target in scene.targets) else 0.0

@@ -1,18 +1,77 @@
-"""Pings shared among threads: kernels release the GIL, and results do not depend on the number of threads."""
+"""Pings shared among the threads of one pool: kernels release the GIL, and results do not depend on the threads."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache, partial
+from typing import Generic, TypeVar
+
+from insonify.cores import default_threads, most_threads
+from insonify.errors import SceneError
 
 Result = TypeVar("Result")
-SMALLEST = 8  # pings worth handing to a thread
+Made = TypeVar("Made")
+SMALLEST = 8  # pings worth handing to a thread, for most kernels
+
+_limit: ContextVar[int | None] = ContextVar("threads", default=None)
 
 
-def in_parallel(block: Callable[[int, int], Result], count: int, threads: int | None = None) -> list[Result]:
+class PerThread(threading.local, Generic[Made]):
+    """One object for each thread that asks for it, such as the work space of a kernel.
+
+    Parameters
+    ----------
+    make : callable
+        Makes the object.
+
+    Attributes
+    ----------
+    own : object
+        That of the current thread.
+    """
+
+    def __init__(self, make: Callable[[], Made]) -> None:
+        # A `threading.local` is initialised anew in every thread that touches it.
+        self.own = make()
+
+
+@contextmanager
+def limited_threads(threads: int | None) -> Iterator[None]:
+    """Limit the threads that work on what is called within the block; None leaves the limit as it is.
+
+    Raises
+    ------
+    SceneError
+        If there are none.
+    """
+    if threads is not None and threads < 1:
+        raise SceneError(f"threads: {threads} is too few; give at least 1")
+    token = _limit.set(_limit.get() if threads is None else threads)
+    try:
+        yield
+    finally:
+        _limit.reset(token)
+
+
+def count_threads(threads: int | None = None) -> int:
+    """Return the number of threads that work at a time, which the argument, `limited_threads` and the process limit."""
+    asked = [number for number in (threads, _limit.get()) if number is not None]
+    return min(*asked, most_threads()) if asked else default_threads()
+
+
+def in_parallel(
+    block: Callable[[int, int], Result], count: int, threads: int | None = None, least: int = SMALLEST
+) -> list[Result]:
     """Call ``block(first, last)`` over [0, count) in shares, on several threads.
+
+    The calling thread takes part. The others come from one pool of the process, however many callers it has; a share
+    may call `in_parallel` itself and is helped by those that are free.
 
     Parameters
     ----------
@@ -21,18 +80,65 @@ def in_parallel(block: Callable[[int, int], Result], count: int, threads: int | 
     count : int
         Number of pings.
     threads : int, optional
-        All cores when left out.
+        As many as `limited_threads` and the process allow when left out.
+    least : int
+        Pings worth handing to a thread, which takes 0.1 ms to wake up.
 
     Returns
     -------
     list
         What the calls returned, in order of the pings.
     """
-    workers = threads or os.cpu_count() or 1
-    # Several shares a worker: one that meets targets, or a busy core, does not keep the others waiting.
-    size = max(SMALLEST, -(-count // (4 * workers))) if workers > 1 else max(count, 1)
-    shares = [(first, min(first + size, count)) for first in range(0, count, size)]
-    if workers == 1 or len(shares) < 2:
-        return [block(*share) for share in shares]
-    with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(lambda share: block(*share), shares))
+    workers = min(count_threads(threads), max(count // least, 1))
+    shares = [(0, count)] if workers == 1 else list(_shares(count, workers, least))
+    return _work_off([partial(block, *share) for share in shares], workers) if count > 0 else []
+
+
+def _shares(count: int, workers: int, least: int) -> Iterator[tuple[int, int]]:
+    """Split [0, count) into shares of two thirds of what each worker has left: long ones, then shorter ones.
+
+    Each share costs a call of a kernel, some 40 µs, and the last ones keep a busy core, or pings that cross targets,
+    from making the others wait.
+    """
+    first = 0
+    while first < count:
+        last = min(first + max(least, 2 * (count - first) // (3 * workers)), count)
+        yield first, last
+        first = last
+
+
+def _work_off(tasks: list[Callable[[], Result]], workers: int) -> list[Result]:
+    """Results of tasks that this thread and some of the pool take one after the other."""
+    if workers == 1:
+        return [task() for task in tasks]
+    found: dict[int, Result] = {}
+    waiting = iter(enumerate(tasks))  # the GIL makes its steps atomic
+
+    def work() -> None:
+        try:
+            for number, task in waiting:
+                found[number] = task()
+        except BaseException:
+            deque(waiting, maxlen=0)  # the others end with the tasks that they are at
+            raise
+
+    helpers: list[Future[None]] = [_pool().submit(work) for _ in range(workers - 1)]
+    try:
+        work()
+    finally:
+        # Helpers that have not begun, because the pool is busy, are not waited for.
+        begun = [helper for helper in helpers if not helper.cancel()]
+        wait(begun)
+    for helper in begun:
+        helper.result()
+    return [found[number] for number in range(len(tasks))]
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    """Threads of this process beside the one that calls; they begin when first needed."""
+    return ThreadPoolExecutor(max(most_threads() - 1, 1), thread_name_prefix="insonify")
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_pool.cache_clear)  # threads do not survive a fork

@@ -60,7 +60,7 @@ def make_apparent_tables(arrays: SceneArrays, poses: Poses) -> tuple[ApparentTab
     below = np.floor(poses.z / SONAR_STEP).astype(np.int64)
     numbers = range(int(below.min()), int(below.max()) + 2)
     key = height.tobytes(), speed.tobytes(), extent
-    made = in_parallel(lambda first, last: [_table(*key, k) for k in numbers[first:last]], len(numbers))
+    made = in_parallel(lambda first, last: [_table(*key, k) for k in numbers[first:last]], len(numbers), least=1)
     tables = [table for share in made for table in share]
     bending = ApparentTables(
         bent=True,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.parallel import in_parallel
 from insonify.scene.materials import Reflectivity
 from insonify.terrain.endless_field import TILE, gather_tiles
 from insonify.terrain.ground import Ground, bilinear
@@ -21,7 +21,6 @@ Tiles = Callable[[int, int], NDArray[Any]]
 
 KEPT_TILES = 192  # tiles of heights kept, 1 MB each
 KEPT_WINDOWS = 4  # windows of heights and materials kept
-WORKERS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +155,5 @@ def _torus(tiles: Tiles, first: tuple[int, int], side: int) -> NDArray[Any]:
     rows, columns = (range(low // TILE, (low + side - 1) // TILE + 1) for low in first)
     places = [(row, column) for row in rows for column in columns]
     if len(places) <= KEPT_TILES:
-        with ThreadPoolExecutor(WORKERS) as pool:
-            list(pool.map(lambda place: tiles(*place), places))
+        in_parallel(lambda first, last: [tiles(*place) for place in places[first:last]], len(places), least=1)
     return np.roll(gather_tiles(tiles, first, (side, side)), (first[0] % side, first[1] % side), axis=(0, 1))

@@ -6,20 +6,20 @@ same seed gives the same landscape on every grid.
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
 import numpy as np
 import scipy.fft
 
 from insonify.kernels.common.hashing import wave_noise
+from insonify.parallel import count_threads, in_parallel
 from insonify.scene.reliefs.spectrum import Density, Field, Waves
 
 Shape = tuple[int, int]
 
 # Largest noise that is kept for the next call: 2048 squared takes 34 MB.
 KEPT_CELLS = 2048**2
-WORKERS = 2
+MOST_THREADS = 2  # more do not shorten a transform that memory limits
 # Rows filtered together, so that intermediate arrays stay in the processor cache, which halves the time.
 ROWS = 64
 
@@ -48,12 +48,12 @@ class WaveGrid:
         waves = np.empty_like(noise)
         fx, fy = self.frequencies()
 
-        def filter_rows(first: int) -> None:
-            rows = slice(first, first + ROWS)
-            np.multiply(noise[rows], amplitude(fx, fy[rows]), out=waves[rows])
+        def filter_groups(first: int, last: int) -> None:
+            for group in range(first, last):
+                rows = slice(group * ROWS, (group + 1) * ROWS)
+                np.multiply(noise[rows], amplitude(fx, fy[rows]), out=waves[rows])
 
-        with ThreadPoolExecutor(WORKERS) as pool:
-            list(pool.map(filter_rows, range(0, self.shape[0], ROWS)))
+        in_parallel(filter_groups, -(-self.shape[0] // ROWS), MOST_THREADS, least=1)
         return waves
 
     def frequencies(self) -> tuple[Field, Field]:
@@ -68,12 +68,13 @@ class WaveGrid:
 
     def field(self, waves: Waves) -> Field:
         """Sum of waves, (ny, nx); the array of waves is overwritten, which halves the time."""
-        columns = scipy.fft.ifft(waves, axis=0, norm="forward", workers=WORKERS, overwrite_x=True)
-        return np.asarray(scipy.fft.irfft(columns, n=self.shape[1], axis=1, norm="forward", workers=WORKERS))
+        workers = count_threads(MOST_THREADS)
+        columns = scipy.fft.ifft(waves, axis=0, norm="forward", workers=workers, overwrite_x=True)
+        return np.asarray(scipy.fft.irfft(columns, n=self.shape[1], axis=1, norm="forward", workers=workers))
 
     def transform(self, field: Field) -> Waves:
         """Waves of a field."""
-        return np.asarray(scipy.fft.rfft2(field, norm="forward", workers=WORKERS))
+        return np.asarray(scipy.fft.rfft2(field, norm="forward", workers=count_threads(MOST_THREADS)))
 
 
 def frequencies(shape: Shape) -> tuple[Field, Field]:

@@ -16,7 +16,7 @@ Record = NDArray[np.float32]
 
 
 def trace_blocks(
-    arrays: SceneArrays, poses: Poses, trace: Callable[[Poses, int, int], int], threads: int | None
+    arrays: SceneArrays, poses: Poses, trace: Callable[[Poses, int, int], int], threads: int | None, least: int = 1
 ) -> None:
     """Trace pings block by block, on several threads.
 
@@ -31,6 +31,8 @@ def trace_blocks(
         sonar is inside solid k, else 0.
     threads : int or None
         Threads to use, all cores if None.
+    least : int
+        Pings worth handing to a thread.
 
     Raises
     ------
@@ -42,9 +44,14 @@ def trace_blocks(
         return int(trace(take_poses(poses, slice(first, last)), first, last))
 
     refuse_sonar_in_mesh(arrays, poses)
-    refuse_sonar_in_solid(arrays.solids, in_parallel(block, poses.x.size, threads))
+    refuse_sonar_in_solid(arrays.solids, in_parallel(block, poses.x.size, threads, least))
 
 
 def empty_record(arrays: SceneArrays, poses: Poses) -> Record:
     """Record of zeros, (pings, 2, bins)."""
     return np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
+
+
+def new_record(arrays: SceneArrays, poses: Poses) -> Record:
+    """Record without values, (pings, 2, bins), for a tracer that sets every bin."""
+    return np.empty((poses.x.size, 2, arrays.bins), dtype=np.float32)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,10 @@ from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.navigation import take_poses
+from insonify.parallel import PerThread
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.blocks import trace_blocks
+from insonify.tracers.sweep import pings_a_thread
 
 NOTHING = -2  # target of a bin without an echo
 NO_MATERIAL = -1
@@ -138,17 +140,17 @@ def _find(
     contributors = _contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
     found = empty_labels(poses.x.size, arrays.bins)
 
-    def block(part: Poses, first: int, last: int) -> int:
+    def make_room() -> tuple[Any, ...]:
         room = empty_sweep_workspace(arrays, apparent)
-        images, table = (
-            empty_multipath_workspace(arrays, room.profile),
-            empty_contributor_table(contributors, arrays.bins),
-        )
-        return label_swept_pings(
-            arrays, part, *beams, apparent, room, images, table, labels_of_pings(found, first, last)
-        )
+        images = empty_multipath_workspace(arrays, room.profile)
+        return room, images, empty_contributor_table(contributors, arrays.bins)
 
-    trace_blocks(arrays, poses, block, threads)
+    rooms = PerThread(make_room)
+
+    def block(part: Poses, first: int, last: int) -> int:
+        return label_swept_pings(arrays, part, *beams, apparent, *rooms.own, labels_of_pings(found, first, last))
+
+    trace_blocks(arrays, poses, block, threads, pings_a_thread(beams[0]))
     return found
 
 

@@ -15,9 +15,12 @@ from insonify.kernels.refraction.apparent_positions import ApparentTables
 from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, sweep_pings
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.navigation import take_poses
+from insonify.parallel import PerThread
 from insonify.tracers.azimuth_fan import lay_planes_of_images
-from insonify.tracers.blocks import Record, empty_record, trace_blocks
+from insonify.tracers.blocks import Record, new_record, trace_blocks
 from insonify.tracers.rays import trace as trace_rays
+
+PLANES_A_THREAD = 64  # planes of both sides worth handing to a thread, some 0.4 ms
 
 
 def trace(
@@ -57,14 +60,14 @@ def trace(
         If the sonar runs into a target.
     """
     apparent, folded = make_apparent_tables(arrays, poses)
-    out = empty_record(arrays, poses)
+    out = new_record(arrays, poses)
     if folded.any():
         out[folded] = trace_rays(arrays, take_poses(poses, np.flatnonzero(folded)), rays=rays, threads=threads)
     clear = np.flatnonzero(~folded)
     for among, beam, lifted in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
         places = clear[among]
         some = take_poses(poses, places)
-        traced = out if places.size == poses.x.size else empty_record(arrays, some)
+        traced = out if places.size == poses.x.size else new_record(arrays, some)
         _trace_alike(arrays, some, (beam, lifted), apparent, double, threads, traced)
         if traced is not out:
             out[places] = traced
@@ -83,13 +86,19 @@ def _trace_alike(
     """Trace pings that share their planes, those of the sonar and those of its image in the sea surface."""
     real = np.float64 if double else np.float32
     beam, lifted = beams
+    rooms = PerThread(lambda: empty_sweep_workspace(arrays, apparent, real))
 
     def block(part: Poses, first: int, last: int) -> int:
-        room = empty_sweep_workspace(arrays, apparent, real)
+        room = rooms.own
         status = sweep_pings(arrays, part, beam, apparent, room, out[first:last])
         if arrays.multipath.enabled and status == 0:
             images = empty_multipath_workspace(arrays, room.profile)
             sweep_multipath(arrays, part, beam, lifted, images, empty_contributor_table(0, 0), out[first:last])
         return int(status)
 
-    trace_blocks(arrays, poses, block, threads)
+    trace_blocks(arrays, poses, block, threads, pings_a_thread(beam))
+
+
+def pings_a_thread(beam: AzimuthFan) -> int:
+    """Return the number of pings worth handing to a thread."""
+    return max(PLANES_A_THREAD // beam.azimuth.size, 1)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import platform
 from importlib.metadata import version
 from pathlib import Path
+
+from insonify.cores import usable_cores
 
 
 def describe_machine() -> str:
     """Describe the processor, its cores and the versions of the software."""
     parts = (
         _processor(),
-        f"{os.cpu_count()} cores, one thread used",
+        f"{usable_cores()} cores, one thread used",
         platform.system(),
         f"Python {platform.python_version()}",
         f"Numba {version('numba')}",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from time import process_time
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.navigation import take_poses
+from insonify.parallel import count_threads
 from insonify.tracers import ray_sheets, rays
 
 RESOLVED = 10.0  # ratio of an error to the change of the reference that resolves it
@@ -118,7 +118,7 @@ def trace_exact_rays(arrays: SceneArrays, poses: Poses, count: int, told: Callab
         return ray_sheets.trace(arrays, pose, sheets=across, rays=count // across, threads=1)
 
     records = []
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with ThreadPoolExecutor(count_threads()) as pool:
         try:
             for record in pool.map(single, (take_poses(poses, slice(k, k + 1)) for k in range(poses.x.size))):
                 records.append(record)

@@ -1,0 +1,181 @@
+"""Threads: how many the process may use, and work shared among them."""
+
+import multiprocessing
+import os
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from insonify import cores
+from insonify.parallel import PerThread, count_threads, in_parallel, limited_threads
+from insonify.scene import SceneError
+
+
+@pytest.fixture(autouse=True)
+def _fresh_count():
+    cores.most_threads.cache_clear()
+    yield
+    cores.most_threads.cache_clear()
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 8, 100, 10_000])
+@pytest.mark.parametrize("threads", [1, 2, 3, None])
+@pytest.mark.parametrize("least", [1, 8])
+def test_shares_cover_every_ping_once_and_in_order(count, threads, least):
+    shares = in_parallel(lambda first, last: (first, last), count, threads, least)
+    assert [ping for first, last in shares for ping in range(first, last)] == list(range(count))
+    assert all(last - first >= least for first, last in shares[:-1])
+
+
+def test_few_pings_stay_on_the_calling_thread():
+    assert in_parallel(lambda first, last: threading.get_ident(), 64, least=64) == [threading.get_ident()]
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_no_more_threads_work_than_allowed(threads):
+    at_work, most, lock = [], [], threading.Lock()
+
+    def block(first, last):
+        with lock:
+            at_work.append(first)
+            most.append(len(at_work))
+        time.sleep(0.002)
+        at_work.remove(first)
+
+    with limited_threads(threads):
+        in_parallel(block, 400)
+    assert max(most) <= threads
+
+
+def test_several_callers_share_one_pool():
+    names = set()
+
+    def call():
+        in_parallel(lambda first, last: (names.add(threading.current_thread().name), time.sleep(0.002)), 400)
+
+    callers = [threading.Thread(target=call, name=f"caller {k}") for k in range(4)]
+    for caller in callers:
+        caller.start()
+    for caller in callers:
+        caller.join()
+    assert len({name for name in names if name.startswith("insonify")}) <= max(cores.most_threads() - 1, 1)
+
+
+def test_a_share_may_share_its_own_work():
+    inner = in_parallel(lambda first, last: sum(in_parallel(lambda a, b: b - a, 40 * (last - first))), 100)
+    assert sum(inner) == 4000
+
+
+def test_an_error_stops_the_others_and_is_raised():
+    begun = []
+
+    def block(first, last):
+        begun.append(first)
+        if first == 0:
+            raise ValueError("the first share")
+        time.sleep(0.005)
+
+    with pytest.raises(ValueError, match="the first share"):
+        in_parallel(block, 10_000, threads=2)
+    assert len(begun) <= 3
+
+
+def test_each_thread_makes_its_own_room_once():
+    rooms = PerThread(lambda: [])
+
+    def block(first, last):
+        rooms.own.append(first)
+        time.sleep(0.002)
+        return threading.get_ident(), rooms.own
+
+    by_thread = {}
+    for thread, room in in_parallel(block, 400):
+        assert by_thread.setdefault(thread, room) is room
+    assert len({id(room) for room in by_thread.values()}) == len(by_thread)
+
+
+def test_arguments_and_the_variable_limit_threads(monkeypatch):
+    monkeypatch.setenv(cores.VARIABLE, "3")
+    assert count_threads() == 3
+    assert count_threads(2) == 2
+    assert count_threads(8) == 3
+    with limited_threads(2):
+        assert count_threads() == 2
+        assert count_threads(1) == 1
+        assert count_threads(3) == 2
+        with limited_threads(None):
+            assert count_threads() == 2
+    assert count_threads() == 3
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "two", "1.5"])
+def test_a_mistaken_variable_is_one_sentence(monkeypatch, value):
+    monkeypatch.setenv(cores.VARIABLE, value)
+    with pytest.raises(SceneError, match=f"^INSONIFY_THREADS: '{value}' is no number of threads; set it to .*$"):
+        count_threads()
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="this system has no affinity")
+def test_affinity_counts():
+    code = "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))}); "
+    code += "from insonify.parallel import count_threads; print(count_threads())"
+    alone = {name: value for name, value in os.environ.items() if name != cores.VARIABLE}
+    done = subprocess.run([sys.executable, "-c", code], env=alone, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "1"
+
+
+@pytest.mark.parametrize(
+    ("groups", "files", "quota"),
+    [
+        ("0::/\n", {"cpu.max": "150000 100000\n"}, 1.5),
+        ("0::/\n", {"cpu.max": "max 100000\n"}, float("inf")),
+        ("0::/job/step\n", {"job/step/cpu.max": "max 100000\n", "job/cpu.max": "200000 100000\n"}, 2.0),
+        ("0::/job/../other\n", {"other/cpu.max": "100000 100000\n"}, 1.0),
+        (
+            "4:memory:/x\n3:cpu,cpuacct:/docker/x\n",
+            {"cpu/cpu.cfs_quota_us": "300000\n", "cpu/cpu.cfs_period_us": "100000\n"},
+            3.0,
+        ),
+        ("3:cpu:/\n", {"cpu/cpu.cfs_quota_us": "-1\n", "cpu/cpu.cfs_period_us": "100000\n"}, float("inf")),
+        ("nonsense\n", {"cpu.max": "nonsense\n"}, float("inf")),
+    ],
+)
+def test_the_quota_of_control_groups_counts(monkeypatch, tmp_path, groups, files, quota):
+    (tmp_path / "groups").write_text(groups)
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.setattr(cores, "GROUPS", tmp_path / "groups")
+    monkeypatch.setattr(cores, "MOUNT", tmp_path)
+    assert cores._quota() == quota
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: set(range(64)), raising=False)
+    assert cores.usable_cores() == min(64, quota if quota != 1.5 else 2)
+
+
+def test_a_worker_process_takes_one_thread_unless_told_otherwise(monkeypatch):
+    for value, threads in ((None, 1), ("2", 2)):
+        if value is None:
+            monkeypatch.delenv(cores.VARIABLE, raising=False)
+        else:
+            monkeypatch.setenv(cores.VARIABLE, value)
+        with multiprocessing.get_context("spawn").Pool(1) as pool:
+            assert pool.apply(count_threads) == threads
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
+def test_a_forked_process_has_a_pool_of_its_own():
+    code = """
+import os, time
+from insonify.parallel import in_parallel
+work = lambda: sum(in_parallel(lambda first, last: (time.sleep(0.001), last - first)[1], 400, 2))
+assert work() == 400
+child = os.fork()
+if child == 0:
+    os._exit(0 if work() == 400 else 1)
+print(os.waitpid(child, 0)[1])
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.strip() == "0"
