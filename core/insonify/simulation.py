@@ -4,30 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.water import recording_speed
-from insonify.io.georeference import Georeference
-from insonify.io.record_schema import coordinates, echo_variable, join_blocks, label_variables, platform
+from insonify.dataset import Columns, make_dataset, record_attributes
 from insonify.kernels.common.types import Poses, SceneArrays, still_water
-from insonify.packing.navigation import bed_beneath, make_poses, platform_columns, refuse_track_off_bed
+from insonify.packing.navigation import bed_beneath, make_poses, refuse_track_off_bed, take_poses
 from insonify.packing.reduced_scene import reduce_scene
 from insonify.packing.scene_arrays import make_bed, pack_scene
 from insonify.packing.terrain_tiles import TerrainTiles
 from insonify.packing.track import TowLine, tow_line_at
+from insonify.parallel import count_threads, limited_threads
 from insonify.planning import Plan, plan
 from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
-from insonify.scene import Scene, SceneError, scene_to_toml
+from insonify.scene import Scene, SceneError
 from insonify.terrain import AnyGround, build_ground
-from insonify.tracers.labels import PATHS, RecordLabels, trace_labels
+from insonify.tracers.labels import RecordLabels, trace_labels
 from insonify.tracers.registry import Tracer, make_tracer
 
 if TYPE_CHECKING:
     import xarray as xr
+
+BLOCK_TIME = 0.25  # s, predicted for a block
+BLOCK_BYTES = 20e6  # of a block; a stream holds two and what is needed to make one
+ECHO_BYTES, LABEL_BYTES = 4, 48  # of one bin with all copies
+
+Echoes = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +56,8 @@ class Simulation:
         The method that finds echoes.
     reception : Reception
         The receiver, which turns echoes into the record.
+    threads : int, optional
+        Greatest number of threads that work on it.
     """
 
     scene: Scene
@@ -62,6 +68,7 @@ class Simulation:
     tiles: TerrainTiles
     tracer: Tracer
     reception: Reception
+    threads: int | None = None
 
     def poses(self, pings: NDArray[np.int64]) -> Poses:
         """Return position and attitude of the sonar at the given pings; beyond the track's last the tow goes on."""
@@ -89,7 +96,25 @@ class Simulation:
             Linear intensity, port first; each ping is a function of the scene and its number alone.
         """
         pings = np.asarray(pings, dtype=np.int64)
-        poses = self.poses(pings)
+        return self.record(pings, self.poses(pings))
+
+    def record(self, pings: NDArray[np.int64], poses: Poses, out: Echoes | None = None) -> Echoes:
+        """Trace and receive pings whose poses are known.
+
+        Parameters
+        ----------
+        pings : (n,) int64
+            Ping numbers.
+        poses : Poses
+            Their poses.
+        out : (n, 2, bins) float32, optional
+            Takes the intensity.
+
+        Returns
+        -------
+        (n, 2, bins) float32
+            Linear intensity, port first: ``out``, if it is given.
+        """
         trace_pings = (self.reception.sums_waves and self.tracer.trace_waves) or self.tracer.trace
 
         def trace(arrays: SceneArrays) -> Traced:
@@ -98,7 +123,8 @@ class Simulation:
 
             return self.tiles.map(trace_tile, arrays, poses)[0]
 
-        return record_echoes(self.reception, trace, self.reduced, pings)
+        with limited_threads(self.threads):
+            return record_echoes(self.reception, trace, self.reduced, pings, out)
 
     def truth(self, pings: NDArray[np.int64]) -> RecordLabels:
         """Label every range bin of the given pings.
@@ -114,22 +140,38 @@ class Simulation:
             Arrays (n, 2, bins), port first. It comes from the geometry of the sweep whatever the method, and is that
             of an ideal pulse: a longer one carries each echo on into the bins that follow.
         """
+        pings = np.asarray(pings, dtype=np.int64)
+        return self.labels(self.poses(pings))
+
+    def labels(self, poses: Poses) -> RecordLabels:
+        """Label every range bin of pings whose poses are known, as `truth` does."""
         settings = {name: number for name, number in self.plan.settings.items() if name in ("planes", "rays")}
 
         def label_tile(tile: SceneArrays, some: Poses) -> RecordLabels:
             return trace_labels(tile, some, crosstalk=self.reception.crosstalk, **settings)
 
-        return RecordLabels(*self.tiles.map(label_tile, self.reduced, self.poses(np.asarray(pings, dtype=np.int64))))
+        with limited_threads(self.threads):
+            return RecordLabels(*self.tiles.map(label_tile, self.reduced, poses))
+
+    def pings_within(self, seconds: float) -> int:
+        """Return the number of pings that take about so long by the plan's prediction, at least 1."""
+        with limited_threads(self.threads):
+            return max(1, int(min(seconds * count_threads() / max(self.plan.cost, 1e-7), 1e9)))
 
 
 def prepare(
-    scene: Scene, *, method: str = "auto", tolerance: float = 0.03, forced: Mapping[str, str] | None = None
+    scene: Scene,
+    *,
+    method: str = "auto",
+    tolerance: float = 0.03,
+    forced: Mapping[str, str] | None = None,
+    threads: int | None = None,
 ) -> Simulation:
     """Plan a scene, build its ground and make its receiver ready.
 
     Parameters
     ----------
-    scene, method, tolerance, forced
+    scene, method, tolerance, forced, threads
         As in `simulate`.
 
     Returns
@@ -141,7 +183,12 @@ def prepare(
     SceneError
         One sentence with what is wrong and the remedy.
     """
-    chosen = plan(scene, tolerance, method=method, forced=forced)
+    with limited_threads(threads):
+        return _prepare(scene, plan(scene, tolerance, method=method, forced=forced), threads)
+
+
+def _prepare(scene: Scene, chosen: Plan, threads: int | None) -> Simulation:
+    """Make a planned scene ready to be traced."""
     ground = build_ground(scene)
     refuse_track_off_bed(scene, ground)
     arrays = pack_scene(scene, ground)
@@ -161,6 +208,7 @@ def prepare(
         tiles=TerrainTiles(kept, (arrays.bins + tracer.bins_beyond) * arrays.bin_length),
         tracer=tracer,
         reception=prepare_reception(scene, ground, arrays),
+        threads=threads,
     )
 
 
@@ -172,6 +220,7 @@ def simulate(
     forced: Mapping[str, str] | None = None,
     truth: bool = False,
     progress: Callable[[int, int], None] | None = None,
+    threads: int | None = None,
 ) -> xr.Dataset:
     """Simulate a scene's whole record.
 
@@ -190,6 +239,9 @@ def simulate(
         `Simulation.truth` has them.
     progress : callable, optional
         Called with the pings done and the pings in all.
+    threads : int, optional
+        Greatest number of threads; all cores that the process may use, or `INSONIFY_THREADS`, when left out. The
+        record does not depend on it.
 
     Returns
     -------
@@ -201,14 +253,20 @@ def simulate(
     SceneError
         One sentence with what is wrong and the remedy.
     """
-    blocks = []
-    done = 0
-    for block in simulate_blocks(scene, method=method, tolerance=tolerance, forced=forced, truth=truth):
-        blocks.append(block)
-        done += block.sizes["ping_time"]
+    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
+    simulation = prepare(scene, **asked, threads=threads)
+    pings = np.arange(scene.track.pings, dtype=np.int64)
+    poses = simulation.poses(pings)
+    size = _block_size(simulation, truth, streamed=False)
+    columns: Columns = {}
+    for first in range(0, pings.size, size):
+        part = slice(first, first + size)
+        columns = _enter_block(columns, simulation, pings, poses, part, truth)
         if progress is not None:
-            progress(done, scene.track.pings)
-    return join_blocks(blocks)
+            progress(min(part.stop, pings.size), pings.size)
+    return make_dataset(
+        scene, simulation.ground, pings, poses, columns, record_attributes(scene, simulation.plan, **asked)
+    )
 
 
 def simulate_blocks(
@@ -219,15 +277,17 @@ def simulate_blocks(
     forced: Mapping[str, str] | None = None,
     truth: bool = False,
     block: int | None = None,
+    threads: int | None = None,
 ) -> Iterator[xr.Dataset]:
     """Simulate a scene's record block by block, so that memory does not grow with its length.
 
     Parameters
     ----------
-    scene, method, tolerance, forced, truth
+    scene, method, tolerance, forced, truth, threads
         As in `simulate`.
     block : int, optional
-        Pings at a time; as planned when left out. The record does not depend on it.
+        Pings at a time; when left out, as many as take a quarter of a second and 20 MB. The record does not depend on
+        it.
 
     Yields
     ------
@@ -241,55 +301,43 @@ def simulate_blocks(
     """
     if block is not None and block < 1:
         raise SceneError(f"block: {block} pings at a time are none; give at least 1")
-    simulation = prepare(scene, method=method, tolerance=tolerance, forced=forced)
-    attributes: dict[str, Any] = {
-        "title": scene.title,
-        "scene": scene_to_toml(scene),
-        "plan": "\n".join(simulation.plan.lines()),
-        "method": method,
-        "tolerance": tolerance,
-        "version": version("insonify"),
-    }
-    attributes |= _sonar_attributes(scene) | _place_attributes(scene)
-    if forced:
-        attributes["model"] = " ".join(f"{subject}={choice}" for subject, choice in forced.items())
-    size = simulation.plan.block if block is None else block
+    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
+    simulation = prepare(scene, **asked, threads=threads)
+    attributes = record_attributes(scene, simulation.plan, **asked)
+    size = _block_size(simulation, truth, streamed=True) if block is None else block
     for first in range(0, scene.track.pings, size):
         pings = np.arange(first, min(first + size, scene.track.pings), dtype=np.int64)
-        yield _make_dataset(simulation, pings, attributes, truth)
+        poses = simulation.poses(pings)
+        columns = _trace_columns(simulation, pings, poses, truth)
+        yield make_dataset(scene, simulation.ground, pings, poses, columns, attributes)
 
 
-def _sonar_attributes(scene: Scene) -> dict[str, float]:
-    """Frequency in Hz, and the one-way widths and the depression of the beams in degrees, as far as they have any."""
-    sonar = scene.sonar
-    told = {
-        "frequency": sonar.frequency,
-        "beam_width": getattr(sonar.beam, "width", None),
-        "vertical_beam_width": getattr(sonar.vertical, "width", None),
-        "vertical_beam_tilt": getattr(sonar.vertical, "tilt", None),
-    }
-    return {name: value for name, value in told.items() if value is not None}
+def _block_size(simulation: Simulation, truth: bool, *, streamed: bool) -> int:
+    """Return the number of pings to trace at a time, by time and by the memory that a block takes."""
+    bytes_a_ping = 2 * simulation.scene.sonar.bins * (ECHO_BYTES + LABEL_BYTES * truth)
+    fitting = int(BLOCK_BYTES / bytes_a_ping) if streamed or truth else simulation.scene.track.pings
+    return max(1, min(fitting, simulation.pings_within(BLOCK_TIME)))
 
 
-def _place_attributes(scene: Scene) -> dict[str, Any]:
-    """Where the scene lies on Earth, if it says so."""
-    origin = scene.world.origin
-    return {} if origin is None else Georeference(scene.world.crs, origin).attributes()
+def _enter_block(
+    whole: Columns, simulation: Simulation, pings: NDArray[np.int64], poses: Poses, part: slice, truth: bool
+) -> Columns:
+    """Simulate some of the pings and enter them in the columns of a record, which their first block makes."""
+    some = take_poses(poses, part)
+    if part.start == 0 and part.stop >= pings.size:
+        return _trace_columns(simulation, pings, some, truth)
+    out = whole["intensity"][part] if whole else None
+    for name, column in _trace_columns(simulation, pings[part], some, truth, out).items():
+        if name not in whole:
+            whole[name] = np.empty((pings.size, *column.shape[1:]), column.dtype)
+        if column is not out:
+            whole[name][part] = column
+    return whole
 
 
-def _make_dataset(
-    simulation: Simulation, pings: NDArray[np.int64], attributes: dict[str, Any], truth: bool
-) -> xr.Dataset:
-    """Record of one block of pings."""
-    import xarray as xr  # takes longer to import than a preview takes to trace
-
-    scene, sonar, ground = simulation.scene, simulation.scene.sonar, simulation.ground
-    slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
-    variables = echo_variable(simulation.intensity(pings))
-    variables |= platform(platform_columns(simulation.poses(pings), ground))
-    if truth:
-        targets = [f"{target.kind}_{number}" for number, target in enumerate(scene.targets)]
-        materials = [*ground.names, *(target.material.name for target in scene.targets)]
-        variables |= label_variables(simulation.truth(pings)._asdict(), targets, materials, PATHS)
-    coords = coordinates(pings / sonar.ping_rate, slant_range, recording_speed(scene, ground.datum))
-    return xr.Dataset(variables, coords, attributes)
+def _trace_columns(
+    simulation: Simulation, pings: NDArray[np.int64], poses: Poses, truth: bool, out: Echoes | None = None
+) -> Columns:
+    """Intensity of some pings, and their labels if asked for, (n, 2, bins) each."""
+    labels = simulation.labels(poses)._asdict() if truth else {}
+    return {"intensity": simulation.record(pings, poses, out)} | labels

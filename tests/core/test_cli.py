@@ -58,6 +58,10 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
         (["render", "default", "-o", "x.png", "--seed", "two"], "seed: 'two' is not a whole number"),
         (["render", "default"], "arguments are required: -o/--output"),
         (["plan", "default", "--set", "sonar.beam=laser"], "choose one of knife, fan"),
+        (
+            ["render", "default", "-o", "x.nc", "--threads", "0"],
+            "'0' is no number of threads; give a whole number from 1",
+        ),
         (["plan", "default", "--model", "planes"], "write SUBJECT=CHOICE, such as planes=16"),
         (["plan", "default", "--model", "plane=4"], "'plane' is no choice of a plan; choose one of method, planes"),
         (["plan", "default", "--model", "planes=0"], "model planes: '0' will not do; give a whole number from 1"),
@@ -131,6 +135,13 @@ def test_npz_holds_what_simulate_returns(tmp_path):
     with np.load(path) as read:
         assert read["intensity"].shape == (2, 3, 100)
         assert read["intensity"].dtype == np.float32
+
+
+def test_threads_leave_the_record_alone(tmp_path):
+    for threads in ("1", "2"):
+        assert main(["render", *SMALL, "--threads", threads, "-o", str(tmp_path / f"{threads}.npz")]) == 0
+    one, two = (np.load(tmp_path / f"{threads}.npz")["intensity"] for threads in "12")
+    np.testing.assert_array_equal(one, two)
 
 
 @pytest.mark.parametrize("options", [[], ["--side", "port"], ["--ground-range", "--palette", "pen", "--gain", "-3"]])

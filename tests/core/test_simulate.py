@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from insonify import simulation as module
 from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.simulation import prepare, simulate, simulate_blocks
 
-BLOCK = 64  # pings, as planned
 ALIKE = {"planes": "8", "spacing": "1"}  # records that differ in their scenes alone
 SMALL = edit(
     load_scene("default"),
@@ -49,12 +50,44 @@ def test_blocks_of_no_pings_are_refused(block):
 
 
 def test_blocks_of_any_size_make_the_same_record():
-    scene = small(BLOCK + 7, receiver__speckle="rayleigh")
-    whole = simulate(scene)
+    scene = small(71, receiver__speckle="rayleigh")
+    whole = simulate(scene, threads=1)
     for block in (1, 13, 1000):
-        parts = list(simulate_blocks(scene, block=block))
-        assert len(parts) == math.ceil((BLOCK + 7) / block)
+        parts = list(simulate_blocks(scene, block=block, threads=3))
+        assert len(parts) == math.ceil(71 / block)
         xr.testing.assert_identical(xr.concat(parts, "ping_time", combine_attrs="override"), whole)
+
+
+@pytest.mark.parametrize("truth", [False, True])
+def test_a_whole_record_traced_in_several_blocks_is_the_same(monkeypatch, truth):
+    scene = small(71, receiver__speckle="rayleigh")
+    whole = simulate(scene, truth=truth)
+    monkeypatch.setattr(module, "BLOCK_TIME", 1e-9)  # one ping a block
+    xr.testing.assert_identical(simulate(scene, truth=truth), whole)
+    assert [block.sizes["ping_time"] for block in simulate_blocks(scene, truth=truth)] == 71 * [1]
+
+
+def test_a_stream_holds_no_more_than_64_mb_however_long_it_is():
+    def peak(pings):
+        scene = edit(small(pings), {"sonar.beam": "knife", "targets": [], "sonar.bins": 2000})
+        blocks = simulate_blocks(scene)
+        next(blocks)
+        tracemalloc.start()
+        for block in blocks:
+            assert block.sizes["ping_time"] > 64
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        return most
+
+    short, long = peak(6000), peak(12000)
+    assert short < long * 1.2
+    assert long < 64e6
+
+
+@pytest.mark.parametrize("threads", [0, -2])
+def test_no_threads_are_refused(threads):
+    with pytest.raises(SceneError, match=f"^threads: {threads} is too few; give at least 1$"):
+        simulate(small(1), threads=threads)
 
 
 def test_any_ping_is_a_function_of_the_scene_and_its_number():
@@ -78,10 +111,11 @@ def test_far_along_the_tow_the_pings_are_as_exact():
     np.testing.assert_allclose(far, near, rtol=1e-3, atol=1e-6 * near.max())
 
 
-def test_progress_runs_to_the_end():
+def test_progress_runs_to_the_end(monkeypatch):
     seen = []
-    simulate(small(2 * BLOCK + 3), progress=lambda done, total: seen.append((done, total)))
-    assert seen == [(BLOCK, 2 * BLOCK + 3), (2 * BLOCK, 2 * BLOCK + 3), (2 * BLOCK + 3, 2 * BLOCK + 3)]
+    monkeypatch.setattr(module, "_block_size", lambda *_, **__: 64)
+    simulate(small(2 * 64 + 3), progress=lambda done, total: seen.append((done, total)))
+    assert seen == [(64, 2 * 64 + 3), (2 * 64, 2 * 64 + 3), (2 * 64 + 3, 2 * 64 + 3)]
 
 
 @pytest.mark.parametrize(("method", "scatter"), [("sweep", 1e-6), ("march", 0.5), ("rays", 0.1)])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from insonify.commands.options import add_output, add_scene, chosen_output, chosen_scene, say
+from insonify.commands.options import add_output, add_scene, add_threads, chosen_output, chosen_scene, say
 
 
 def register(subparsers: Any) -> None:
@@ -18,6 +18,7 @@ def register(subparsers: Any) -> None:
     )
     add_scene(parser)
     add_output(parser, (".png",))
+    add_threads(parser)
     parser.set_defaults(run=run)
 
 
@@ -28,6 +29,8 @@ def run(arguments: argparse.Namespace) -> None:
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.optics.light_page import write_light
     from insonify.optics.optical_scene import make_optical_scene
+    from insonify.parallel import limited_threads
 
-    width, height = write_light(path, make_optical_scene(scene))
+    with limited_threads(arguments.threads):
+        width, height = write_light(path, make_optical_scene(scene))
     say(f"{path}: {width} x {height} pixels")

@@ -61,6 +61,16 @@ def add_method(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_threads(parser: argparse.ArgumentParser) -> None:
+    """Add the option that limits the threads."""
+    parser.add_argument(
+        "--threads",
+        type=_count,
+        metavar="N",
+        help="greatest number of threads, e.g. 2 (default: INSONIFY_THREADS, or the cores that the process may use)",
+    )
+
+
 class _Methods:
     """Names of the methods, read when they are needed: the planner takes half of the time to load a command."""
 
@@ -193,6 +203,12 @@ def decibels(text: str) -> float:
 def say(line: str) -> None:
     """Write a line to standard output."""
     sys.stdout.write(f"{line}\n")
+
+
+def _count(text: str) -> int:
+    if not (text.isdecimal() and int(text) > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of threads; give a whole number from 1")
+    return int(text)
 
 
 def _share(text: str) -> float:

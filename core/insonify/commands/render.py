@@ -11,6 +11,7 @@ from insonify.commands.options import (
     add_method,
     add_output,
     add_scene,
+    add_threads,
     chosen_model,
     chosen_output,
     chosen_scene,
@@ -48,6 +49,7 @@ def register(subparsers: Any) -> None:
         default = f"{option.description} (default: {option.choices[0]})"
         files.add_argument(f"--{option.name}", choices=option.choices, help=default)
     add_method(parser)
+    add_threads(parser)
     parser.set_defaults(run=run)
 
 
@@ -68,7 +70,7 @@ def run(arguments: argparse.Namespace) -> None:
     else:
         scene = chosen_scene(arguments)
         options = {"method": arguments.method, "tolerance": arguments.tolerance, "forced": chosen_model(arguments)}
-        write(scene, path, DisplayOptions(**given), choices, **options)
+        write(scene, path, DisplayOptions(**given), choices, **options, threads=arguments.threads)
         pings, bins = scene.track.pings, scene.sonar.bins
     say(f"{path}: {pings} pings of 2 x {bins} bins")
 
@@ -89,7 +91,14 @@ def _render_record(
     arguments: argparse.Namespace, path: Path, look: DisplayOptions, choices: Mapping[str, str]
 ) -> tuple[int, int]:
     """Read a record and write it by suffix; return its pings and bins."""
-    untouched: dict[str, object] = {"set": [], "seed": None, "method": "auto", "tolerance": 0.03, "model": []}
+    untouched: dict[str, object] = {
+        "set": [],
+        "seed": None,
+        "method": "auto",
+        "tolerance": 0.03,
+        "model": [],
+        "threads": None,
+    }
     changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
     if changed is not None:
         raise SceneError(f"--{changed} applies to scenes, and {arguments.scene} is a record; leave it out")
@@ -115,6 +124,7 @@ def write(
     method: str = "auto",
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
+    threads: int | None = None,
 ) -> None:
     """Simulate a scene and write its record or picture.
 
@@ -127,14 +137,15 @@ def write(
         For pictures.
     choices : mapping of str to str, optional
         Of the record's format, see `insonify.io.formats.WriteOption`.
-    method, tolerance, forced
+    method, tolerance, forced, threads
         As in `insonify.simulate`.
     """
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.simulation import simulate_blocks
 
     pings = scene.track.pings
-    blocks = tracked(simulate_blocks(scene, method=method, tolerance=tolerance, forced=forced), pings)
+    asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
+    blocks = tracked(simulate_blocks(scene, **asked), pings)
     if not _is_picture(path):
         write_record(path, blocks, **(choices or {}))
         return
@@ -144,7 +155,7 @@ def write(
     from insonify.display.sheet import gather_sheet
     from insonify.simulation import prepare
 
-    level = LevelBed(prepare(scene, method=method, tolerance=tolerance, forced=forced))
+    level = LevelBed(prepare(scene, **asked))
     write_page(path, gather_sheet(blocks, level.curves, pings, look), look, caption_scene(scene, look))
 
 

@@ -29,6 +29,7 @@ from insonify.terrain import AnyGround
 Record = NDArray[np.float32]
 Traced = NDArray[np.float32] | NDArray[np.complex128]
 Curve = NDArray[np.float64]
+TOGETHER = 256  # pings received at a time, so that intermediate arrays stay in the processor cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +177,11 @@ def _restless_field(scene: Scene, arrays: SceneArrays, stream: int, samples: int
 
 
 def record_echoes(
-    reception: Reception, trace: Callable[[SceneArrays], Traced], arrays: SceneArrays, pings: NDArray[np.int64]
+    reception: Reception,
+    trace: Callable[[SceneArrays], Traced],
+    arrays: SceneArrays,
+    pings: NDArray[np.int64],
+    out: Record | None = None,
 ) -> Record:
     """Trace pings and turn their echoes into a record.
 
@@ -192,6 +197,8 @@ def record_echoes(
         of 1/ν over the echoes of a bin.
     pings : (n,) int64
         Ping numbers.
+    out : (n, 2, bins) float32, optional
+        Takes the record; traced intensities are overwritten with it when left out.
 
     Returns
     -------
@@ -203,11 +210,25 @@ def record_echoes(
     if reception.divided_by_shape is not None:
         divided = trace(arrays._replace(reflectivity=reception.divided_by_shape))
 
-    def block(first: int, last: int) -> Record:
-        part = slice(first, last)
-        return receive(reception, traced[part], pings[part], None if divided is None else divided[part])
+    record = _place_of(traced, arrays.bins) if out is None else out
 
-    return np.concatenate([np.zeros((0, 2, arrays.bins), np.float32), *in_parallel(block, pings.size)])
+    def block(first: int, last: int) -> None:
+        for low in range(first, last, TOGETHER):
+            part = slice(low, min(low + TOGETHER, last))
+            echoes = traced[part]
+            received = receive(reception, echoes, pings[part], None if divided is None else divided[part])
+            if received is not echoes or record is not traced:
+                record[part] = received
+
+    in_parallel(block, pings.size)
+    return record
+
+
+def _place_of(traced: Traced, bins: int) -> Record:
+    """Record that may take the place of traced echoes: their own array if it holds intensities, else a new one."""
+    if np.iscomplexobj(traced):
+        return np.empty((*traced.shape[:2], bins), np.float32)
+    return np.asarray(traced, np.float32)
 
 
 def receive(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None = None) -> Record:

@@ -1,0 +1,120 @@
+"""A simulated record as a Dataset: its variables, coordinates and attributes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.water import recording_speed
+from insonify.io.georeference import Georeference
+from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform
+from insonify.kernels.common.types import Poses
+from insonify.packing.navigation import platform_columns
+from insonify.planning import Plan
+from insonify.scene import Scene, scene_to_toml
+from insonify.terrain import AnyGround
+from insonify.tracers.labels import PATHS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Columns = dict[str, NDArray[Any]]
+
+_version = cache(version)  # reads a file
+
+
+def make_dataset(
+    scene: Scene,
+    ground: AnyGround,
+    pings: NDArray[np.int64],
+    poses: Poses,
+    columns: Columns,
+    attributes: Mapping[str, Any],
+) -> xr.Dataset:
+    """Make the Dataset of some pings.
+
+    Parameters
+    ----------
+    scene : Scene
+    ground : AnyGround
+        Its bed.
+    pings : (n,) int64
+        Ping numbers.
+    poses : Poses
+        Their poses.
+    columns : dict of str to (n, 2, bins) array
+        ``intensity``, and labels by their names if there are any.
+    attributes : mapping
+        From `record_attributes`.
+
+    Returns
+    -------
+    Dataset
+        Dimensions (channel, ping_time, range_sample).
+    """
+    import xarray as xr  # takes longer to import than a preview takes to trace
+
+    sonar = scene.sonar
+    slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
+    labels = {name: column for name, column in columns.items() if name != "intensity"}
+    variables = echo_variable(columns["intensity"]) | platform(platform_columns(poses, ground))
+    if labels:
+        targets = [f"{target.kind}_{number}" for number, target in enumerate(scene.targets)]
+        materials = [*ground.names, *(target.material.name for target in scene.targets)]
+        variables |= label_variables(labels, targets, materials, PATHS)
+    coords = coordinates(pings / sonar.ping_rate, slant_range, recording_speed(scene, ground.datum))
+    return xr.Dataset(variables, coords, attributes)
+
+
+def record_attributes(
+    scene: Scene, plan: Plan, method: str, tolerance: float, forced: Mapping[str, str] | None
+) -> dict[str, Any]:
+    """Attributes of a record: the scene, how it was simulated, and by which version.
+
+    Parameters
+    ----------
+    scene : Scene
+    plan : Plan
+        By which it was simulated.
+    method, tolerance, forced
+        As in `insonify.simulate`.
+
+    Returns
+    -------
+    dict of str to str or float
+    """
+    attributes: dict[str, Any] = {
+        "title": scene.title,
+        "scene": scene_to_toml(scene),
+        "plan": "\n".join(plan.lines()),
+        "method": method,
+        "tolerance": tolerance,
+        "version": _version("insonify"),
+    }
+    attributes |= _sonar_attributes(scene) | _place_attributes(scene)
+    if forced:
+        attributes["model"] = " ".join(f"{subject}={choice}" for subject, choice in forced.items())
+    return attributes
+
+
+def _sonar_attributes(scene: Scene) -> dict[str, float]:
+    """Frequency in Hz, and the one-way widths and the depression of the beams in degrees, as far as they have any."""
+    sonar = scene.sonar
+    told = {
+        "frequency": sonar.frequency,
+        "beam_width": getattr(sonar.beam, "width", None),
+        "vertical_beam_width": getattr(sonar.vertical, "width", None),
+        "vertical_beam_tilt": getattr(sonar.vertical, "tilt", None),
+    }
+    return {name: value for name, value in told.items() if value is not None}
+
+
+def _place_attributes(scene: Scene) -> dict[str, Any]:
+    """Where the scene lies on Earth, if it says so."""
+    origin = scene.world.origin
+    return {} if origin is None else Georeference(scene.world.crs, origin).attributes()
