@@ -7,6 +7,7 @@ import difflib
 import importlib.metadata
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
@@ -14,6 +15,7 @@ from typing import Any, NoReturn
 from insonify.commands import render
 from insonify.commands.options import add_scene, check_output, chosen_scene
 from insonify.display.display_options import DisplayOptions
+from insonify.errors import FileWarning
 from insonify.plugins import announced, modules_in
 from insonify.scene import SceneError, bundled_scenes
 
@@ -41,7 +43,10 @@ def main(words: Sequence[str] | None = None) -> int:
         0, 2 after a mistake, 130 after an interrupt.
     """
     try:
-        code = _run(list(sys.argv[1:] if words is None else words))
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", FileWarning)
+            warnings.showwarning = _warn
+            code = _run(list(sys.argv[1:] if words is None else words))
         sys.stdout.flush()
         return code
     except SceneError as error:
@@ -61,6 +66,14 @@ def main(words: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         sys.stderr.write("insonify: interrupted; no file was touched\n")
         return INTERRUPTED
+
+
+def _warn(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+    """Write what a file lacks as one sentence, and other warnings as Python does."""
+    if issubclass(category, FileWarning):
+        sys.stderr.write(f"insonify: {' '.join(str(message).split())}\n")
+    else:
+        sys.stderr.write(warnings.formatwarning(message, category, *where[:2]))
 
 
 def _complain(sentence: str) -> int:

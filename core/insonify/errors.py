@@ -10,6 +10,10 @@ class SceneError(ValueError):
     """A mistake in a scene, in one sentence that names the field, the value and the remedy."""
 
 
+class FileWarning(UserWarning):
+    """What of a file is used although not all of it can be, in one sentence."""
+
+
 @contextmanager
 def located(path: str) -> Iterator[None]:
     """Put the dotted path of a part of a scene in front of the field that an error within names.

@@ -11,6 +11,7 @@ import xarray as xr
 from PIL import Image
 
 from insonify.cli import main
+from insonify.errors import FileWarning
 from insonify.io.records import read_record, write_record
 from insonify.io.records.xtf import read_xtf
 from insonify.scene import SceneError, edit, load_scene
@@ -169,6 +170,7 @@ def mutilated(path: Path, fault: str) -> Path:
         "empty": b"",
         "text": b"title = 'a scene'\n" * 100,
         "header alone": content[:1024],
+        "first cut": content[: 1024 + size - 100],
         "cut": content[:-100],
         "cut in a start": content[:-size] + content[-size:][:9],
         "no length": content[:1034] + bytes(4) + content[1038:],
@@ -185,8 +187,7 @@ def mutilated(path: Path, fault: str) -> Path:
         ("empty", "has 0 bytes, less than the header of an XTF file; copy it again"),
         ("text", "is not an XTF file"),
         ("header alone", "holds no side-scan pings; give a recording with port or starboard channels"),
-        ("cut", "ends within the packet at byte"),
-        ("cut in a start", "ends within the packet at byte"),
+        ("first cut", "ends within the packet at byte 1024, before one ping is whole; copy it again"),
         ("no length", "holds no XTF packet at byte 1024"),
         ("noise", "holds no XTF packet at byte 1024"),
         ("too few channels", "declares more channels than ping 0 has"),
@@ -199,6 +200,103 @@ def test_a_broken_file_is_one_sentence(tmp_path, capsys, fault, expected):
     assert written.err.count("\n") == 1
     assert expected in written.err
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("fault", ["cut", "cut in a start"])
+def test_a_cut_file_keeps_its_whole_pings_and_warns(tmp_path, capsys, fault):
+    path = mutilated(write_xtf(tmp_path / "a.xtf", [PING, PING, PING]), fault)
+    assert main(["render", str(path), "-o", str(tmp_path / "a.npz")]) == 0
+    written = capsys.readouterr()
+    whole = 1 if fault == "cut in a start" else 2
+    assert f"{whole} pings of 2 x 4 bins" in written.out
+    assert written.err.count("\n") == 1
+    assert "a.xtf: ends within the packet at byte" in written.err
+    assert "the whole pings before are read" in written.err
+    with pytest.warns(FileWarning, match="ends within the packet"):
+        record = read_xtf(path)
+    np.testing.assert_allclose(amplitudes(record)[:, 0], [[1, 2, 3, 4], [10, 20, 30, 40]])
+
+
+def two_frequencies(tmp_path: Path) -> Path:
+    """Write low port, low starboard, high port and high starboard channels in each ping."""
+    pings = [{"samples": [FAR_TO_NEAR, NEAR_TO_FAR, [7] * 8, [9] * 8]}] * 3
+    path = write_xtf(tmp_path / "a.xtf", pings, channels=(PORT, STARBOARD, PORT, STARBOARD))
+    content = bytearray(path.read_bytes())
+    for number, frequency in enumerate((100.0, 100.0, 400.0, 400.0)):
+        where = 256 + 128 * number + pyxtf.XTFChanInfo.Frequency.offset
+        content[where : where + 4] = np.float32(frequency).tobytes()
+    path.write_bytes(content)
+    return path
+
+
+@pytest.mark.parametrize(("wanted", "frequency", "bins"), [(None, 100e3, 4), (1e5, 100e3, 4), (4.1e5, 400e3, 8)])
+def test_both_frequencies_can_be_read(tmp_path, capsys, wanted, frequency, bins):
+    path = two_frequencies(tmp_path)
+    record = read_record(path, wanted)
+    assert record.attrs["frequency"] == frequency
+    assert record.attrs["frequencies"] == "100000, 400000"
+    expected = [[1, 2, 3, 4], [10, 20, 30, 40]] if bins == 4 else [[7] * 8, [9] * 8]
+    np.testing.assert_allclose(amplitudes(record)[:, 2], expected)
+    words = [] if wanted is None else ["--frequency", str(wanted)]
+    assert main(["render", str(path), "-o", str(tmp_path / "a.npz"), *words]) == 0
+    assert f"2 x {bins} bins" in capsys.readouterr().out
+
+
+def test_a_frequency_that_is_not_there_is_one_sentence(tmp_path, capsys):
+    with pytest.raises(SceneError, match=r"has no channels of 900000 Hz; choose 100000 or 400000$"):
+        read_record(two_frequencies(tmp_path), 9e5)
+    write_record(tmp_path / "a.nc", [read_record(tmp_path / "a.xtf")])
+    with pytest.raises(SceneError, match="holds one frequency alone; leave the choice of a frequency out"):
+        read_record(tmp_path / "a.nc", 4e5)
+    assert main(["render", "pipe-span", "-o", str(tmp_path / "a.png"), "--frequency", "4e5"]) == 2
+    assert "--frequency applies to recordings; write --set sonar.frequency" in capsys.readouterr().err
+
+
+def test_channels_that_ping_in_turn_are_told_apart(tmp_path):
+    """A sonar may ping at one frequency, then at the other."""
+    path = two_frequencies(tmp_path)
+    content = bytearray(path.read_bytes())
+    chan = ctypes.sizeof(pyxtf.XTFPingChanHeader)
+    size = -(-(256 + 4 * chan + 2 * 2 * (4 + 8)) // 64) * 64
+    ping = content[1024 : 1024 + size]
+    low = 256 + 2 * (chan + 8)
+    high = ping[:256] + ping[low : low + 2 * (chan + 16)]
+    for packet in (high, content[1024 + size : 1024 + 2 * size]):
+        packet[4:6] = (2).to_bytes(2, "little")
+    high[10:14] = len(high).to_bytes(4, "little")
+    lower = content[1024 + size : 1024 + 2 * size]
+    lower[4:6] = (2).to_bytes(2, "little")
+    path.write_bytes(bytes(content[:1024] + high + lower))
+    assert read_record(path, 4e5).sizes["ping_time"] == read_record(path, 1e5).sizes["ping_time"] == 1
+    np.testing.assert_allclose(amplitudes(read_record(path, 4e5))[:, 0], [[7] * 8, [9] * 8])
+
+
+@pytest.mark.parametrize(
+    ("name", "called"),
+    [("a.sl2", "Lowrance"), ("a.SL3", "Lowrance"), ("b.son", "Humminbird"), ("c.rsd", "Garmin"),
+     ("d.s7k", "Teledyne Reson s7k"), ("e.all", "Kongsberg"), ("f.sdf", "Klein")],
+)  # fmt: skip
+@pytest.mark.parametrize("command", [["render", "-o", "out.png"], ["plan"], ["compare", "wreck", "-o", "out.png"]])
+def test_formats_of_others_are_named_with_a_converter(tmp_path, capsys, monkeypatch, name, called, command):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / name).write_bytes(bytes(range(256)))
+    assert main([command[0], name, *command[1:]]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"insonify: {name}: is in the format {called}")
+    assert "which is not read here; export it as XTF, for example with S" in error
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize("content", [b"\0" * 100, b"title\0\0", bytes(range(256)), b"\x7fELF\x02\x01\x01\0"])
+def test_a_binary_file_is_not_taken_for_toml(tmp_path, capsys, content):
+    path = tmp_path / "a.bin"
+    path.write_bytes(content)
+    assert main(["plan", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert "TOML (" not in error
+    assert "give a" in error
+    assert "TOML file" in error
+    assert error.count("\n") == 1
 
 
 def test_what_cannot_be_understood_is_refused(tmp_path):

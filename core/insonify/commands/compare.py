@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from insonify.commands.options import add_output, chosen_output, is_record, say
+from insonify.commands.options import add_frequency, add_output, chosen_output, is_record, say
 from insonify.io.records import RECORDS, read_record
 from insonify.scene import load_scene
 
@@ -27,6 +27,7 @@ def register(subparsers: Any) -> None:
         metavar="RECORD",
         help=f"a record: {RECORDS.describe(RECORDS.readable())}; or a scene, which is simulated: a name or a TOML file",
     )
+    add_frequency(parser)
     add_output(parser, (".png",))
     parser.set_defaults(run=run)
 
@@ -34,7 +35,7 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Read or simulate two records and write the page that compares them."""
     path = chosen_output(arguments)
-    first, second = (_record(name) for name in arguments.records)
+    first, second = (_record(name, arguments.frequency) for name in arguments.records)
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.accuracy.comparison_page import write_comparison
 
@@ -43,10 +44,10 @@ def run(arguments: argparse.Namespace) -> None:
     say(str(path))
 
 
-def _record(name: str) -> xr.Dataset:
-    """Read a record, or simulate a scene."""
+def _record(name: str, frequency: float | None) -> xr.Dataset:
+    """Read a record, of one frequency where it can hold several, or simulate a scene."""
     if is_record(name):
-        return read_record(name)
+        return read_record(name, frequency if "frequency" in RECORDS.selects(name) else None)
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.simulation import simulate
 

@@ -100,7 +100,14 @@ def chosen_model(arguments: argparse.Namespace) -> dict[str, str]:
 
 def is_record(name: str) -> bool:
     """Whether a name is, by its suffix, the file of a record rather than a scene."""
-    return Path(name).suffix.lower() in RECORDS.readable()
+    return Path(name).suffix.lower() in (*RECORDS.readable(), *RECORDS.foreign())
+
+
+def add_frequency(parser: argparse.ArgumentParser) -> None:
+    """Add the option that selects the frequency of a recording with several."""
+    parser.add_argument(
+        "--frequency", type=_number, metavar="HZ", help="carrier frequency of a recording with several, e.g. 400e3"
+    )
 
 
 def chosen_scene(arguments: argparse.Namespace) -> Scene:
@@ -113,6 +120,8 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
     """
     if is_record(arguments.scene):
         name = arguments.scene
+        if Path(name).suffix.lower() in RECORDS.foreign():
+            RECORDS.reader(name)
         raise SceneError(f"{name}: this is a record, not a scene; draw it with 'insonify render {name} -o OUT.png'")
     scene = load_scene(arguments.scene)
     changes = dict(read_setting(text) for text in arguments.set)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from insonify.commands.options import (
+    add_frequency,
     add_method,
     add_output,
     add_scene,
@@ -38,6 +39,7 @@ def register(subparsers: Any) -> None:
         f"of the scene: {RECORDS.describe(RECORDS.readable())}. It is drawn, or written in another format, as it is.",
     )
     add_scene(parser)
+    add_frequency(parser)
     add_output(parser, (PICTURE, *RECORDS.writable()), f"{PICTURE} (picture), {written}")
     picture = parser.add_argument_group("pictures")
     picture.add_argument("--palette", choices=PALETTES, help="colour map (default: copper)")
@@ -69,6 +71,8 @@ def run(arguments: argparse.Namespace) -> None:
         pings, bins = _render_record(arguments, path, DisplayOptions(**given), choices)
     else:
         scene = chosen_scene(arguments)
+        if arguments.frequency is not None:
+            raise SceneError("--frequency applies to recordings; write --set sonar.frequency=… for a scene")
         options = {"method": arguments.method, "tolerance": arguments.tolerance, "forced": chosen_model(arguments)}
         write(scene, path, DisplayOptions(**given), choices, **options, threads=arguments.threads)
         pings, bins = scene.track.pings, scene.sonar.bins
@@ -102,7 +106,7 @@ def _render_record(
     changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
     if changed is not None:
         raise SceneError(f"--{changed} applies to scenes, and {arguments.scene} is a record; leave it out")
-    record = read_record(arguments.scene)
+    record = read_record(arguments.scene, arguments.frequency)
     if not _is_picture(path):
         write_record(path, [record], **choices)
     else:

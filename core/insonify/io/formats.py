@@ -50,13 +50,19 @@ class FileFormat(Generic[Content]):
         file, which replaces the old one when it is complete.
     options : tuple of WriteOption
         Choices of writing.
+    selects : tuple of str
+        Keywords of ``read`` that select a part of the content, such as ``frequency``.
+    converter : str
+        Of a format that is neither read nor written: the program that converts it to one that is.
     """
 
     description: str
     suffixes: tuple[str, ...]
-    read: Callable[[str], Content] | None = None
+    read: Callable[..., Content] | None = None
     write: Callable[..., None] | None = None
     options: tuple[WriteOption, ...] = ()
+    selects: tuple[str, ...] = ()
+    converter: str = ""
 
 
 class FormatRegistry(Generic[Content]):
@@ -106,6 +112,10 @@ class FormatRegistry(Generic[Content]):
         """Suffixes of the formats that can be written."""
         return tuple(suffix for each in self.formats() if each.write for suffix in each.suffixes)
 
+    def foreign(self) -> tuple[str, ...]:
+        """Suffixes of the formats that are known by name alone and need a converter."""
+        return tuple(suffix for each in self.formats() if each.converter for suffix in each.suffixes)
+
     def describe(self, suffixes: Iterable[str]) -> str:
         """List suffixes with the names of their formats, for help texts: ``.nc (netCDF), .npz (NumPy arrays)``."""
         names = {suffix: each.description for each in self.formats() for suffix in each.suffixes}
@@ -126,13 +136,24 @@ class FormatRegistry(Generic[Content]):
             If the format is not known or there is no such file.
         """
         suffix = Path(path).suffix.lower()
-        read = next((each.read for each in self.formats() if each.read and suffix in each.suffixes), None)
+        found = [each for each in self.formats() if suffix in each.suffixes]
+        read = next((each.read for each in found if each.read), None)
+        foreign = next((each for each in found if each.converter), None)
+        if read is None and foreign is not None:
+            raise self.refusal(
+                path, f"is in the format {foreign.description}, which is not read here", foreign.converter
+            )
         if read is None:
             known = f"give a file that ends in one of {', '.join(self.readable())}{alternative}"
             raise self.refusal(path, "is not a format known here", known)
         if not Path(path).is_file():
             raise self.refusal(path, "does not exist", f"give the path of {self.contents}{alternative}")
         return read
+
+    def selects(self, path: str) -> tuple[str, ...]:
+        """Return the keywords by which a part of a file can be selected when it is read."""
+        suffix = Path(path).suffix.lower()
+        return tuple(name for each in self.formats() if suffix in each.suffixes for name in each.selects)
 
     def options(self, suffix: str | None = None) -> tuple[WriteOption, ...]:
         """Return the choices of the formats that can be written: of all, or of the one with a suffix."""

@@ -43,6 +43,8 @@ def load_scene(name_or_path: str | Path) -> Scene:
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is no text in UTF-8"
         raise SceneError(f"scene {str(name_or_path)!r}: cannot be read ({reason}); give a readable TOML file") from None
+    if "\0" in text:
+        raise SceneError(f"scene {str(name_or_path)!r}: is a binary file, not text; give a TOML file")
     return scene_from_toml(text, source=path)
 
 

@@ -24,13 +24,15 @@ NEEDED = {"intensity": ACROSS, "slant_range": ACROSS[2:]} | {
 OPTIONAL_VALUES = ("platform_altitude",)  # may be NaN for some pings or all
 
 
-def read_record(path: str | Path) -> xr.Dataset:
+def read_record(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     """Read a record by the suffix of its file.
 
     Parameters
     ----------
     path : str or Path
         A file of one of the formats of `RECORDS`.
+    frequency : float, optional
+        Carrier frequency in Hz, of a recording with several; the first when left out.
 
     Returns
     -------
@@ -43,8 +45,11 @@ def read_record(path: str | Path) -> xr.Dataset:
         One sentence with what is wrong with the file and the remedy.
     """
     read = RECORDS.reader(str(path))
+    selected = {} if frequency is None else {"frequency": frequency}
+    if selected and "frequency" not in RECORDS.selects(str(path)):
+        raise RECORDS.refusal(path, "holds one frequency alone", "leave the choice of a frequency out")
     try:
-        record = read(str(path))
+        record = read(str(path), **selected)
     except SceneError:
         raise
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:

@@ -15,9 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.io.formats import FileFormat, WriteOption
-from insonify.io.record_schema import ACROSS, coordinates, labels, platform
 from insonify.io.records.files import RECORDS
-from insonify.io.records.xtf_track import find_place, platform_columns, seconds, start_time
+from insonify.io.records.recording import (
+    Side,
+    Track,
+    assemble,
+    check_amplitude,
+    choose_frequency,
+    frequency_attributes,
+    plausible_speed,
+    warn_of_cut,
+)
+from insonify.io.records.xtf_track import fixes, platform_columns, seconds, start_time
 from insonify.io.records.xtf_writer import PROGRAM, SAMPLE_TYPES, counts, write_xtf
 
 if TYPE_CHECKING:
@@ -29,24 +38,15 @@ BLOCK = 1024  # bytes of a file header; one more block for every six further cha
 SAMPLES = {2: "<u4", 3: "<u2", 5: "<f4", 8: "u1"}  # by SampleFormat
 BY_BYTES = {1: "u1", 2: "<u2", 4: "<u4"}  # by BytesPerSample, where SampleFormat is 0
 GROUND_RANGE = 2  # of CorrectionFlags
-DEFAULT_SPEED = 1500.0  # m/s, where the file has no plausible one
-WIDEST = 8  # bins per sample of the longest ping; a corrupt range gives more
-
-
-class _Channel(NamedTuple):
-    """Echoes of one side of one ping."""
-
-    amplitude: NDArray[np.float32]  # (samples,) near to far
-    slant_range: float  # m, of its last edge
-    sound_speed: float  # m/s, as the sonar took it
 
 
 class _Ping(NamedTuple):
     header: Any  # pyxtf.XTFPingHeader
-    sides: dict[int, _Channel]
+    bands: dict[int, dict[int, Side]]  # port and starboard of each frequency
+    frequencies: dict[int, float]  # of the bands, as the ping has them
 
 
-def read_xtf(path: str | Path) -> xr.Dataset:
+def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     """Read a side-scan recording.
 
     Samples are amplitudes: their standard deviation in uniform patches of a raw recording is half their mean, as for
@@ -56,7 +56,9 @@ def read_xtf(path: str | Path) -> xr.Dataset:
     Parameters
     ----------
     path : str or Path
-        An ``.xtf`` file.
+        An ``.xtf`` file. If it ends within a ping, the pings before are read, with a warning.
+    frequency : float, optional
+        Carrier frequency in Hz, of a recording with several; the first when left out.
 
     Returns
     -------
@@ -78,7 +80,13 @@ def read_xtf(path: str | Path) -> xr.Dataset:
     pings = list(_pings(path, content, header))
     if not pings:
         raise RECORDS.refusal(path, "holds no side-scan pings", "give a recording with port or starboard channels")
-    return _dataset(path, header, pings)
+    told = _frequencies(header, pings)
+    chosen = choose_frequency(path, list(told.values()), frequency)
+    band = list(told)[chosen]
+    pings = [ping for ping in pings if band in ping.bands]
+    track = _track(header, [ping.header for ping in pings])
+    track.attributes.update(frequency_attributes(list(told.values()), chosen))
+    return assemble(path, [ping.bands[band] for ping in pings], track)
 
 
 def _content(path: Path) -> NDArray[np.uint8]:
@@ -102,7 +110,7 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
     from pyxtf import XTFPacketStart, XTFPingHeader
 
     at = BLOCK * max(1, -(-_channels(header) // 6))
-    smallest = ctypes.sizeof(XTFPacketStart)
+    smallest, whole = ctypes.sizeof(XTFPacketStart), 0
     while at < content.size:
         start = content[at : at + smallest]
         if not start.any() and not content[at:].any():
@@ -111,15 +119,17 @@ def _pings(path: Path, content: NDArray[np.uint8], header: Any) -> Iterator[_Pin
         if packet is not None and (packet.MagicNumber != MAGIC or packet.NumBytesThisRecord < smallest):
             raise RECORDS.refusal(path, f"holds no XTF packet at byte {at}", "copy or export it again")
         if packet is None or at + packet.NumBytesThisRecord > content.size:
-            raise RECORDS.refusal(path, f"ends within the packet at byte {at}", "copy or export it again")
+            warn_of_cut(path, at, whole)
+            return
         body = content[at : at + packet.NumBytesThisRecord]
         if packet.HeaderType == SONAR_PACKET:
             if body.size < ctypes.sizeof(XTFPingHeader):
                 raise RECORDS.refusal(path, f"has a ping too short for its header at byte {at}", "export it again")
             ping = XTFPingHeader.from_buffer_copy(body[: ctypes.sizeof(XTFPingHeader)])
-            sides = _sides(path, header, ping, body[ctypes.sizeof(XTFPingHeader) :])
-            if sides:
-                yield _Ping(ping, sides)
+            found = _read_ping(path, header, ping, body[ctypes.sizeof(XTFPingHeader) :])
+            if found.bands:
+                whole += 1
+                yield found
         at += packet.NumBytesThisRecord
 
 
@@ -130,26 +140,27 @@ def _channels(header: Any) -> int:
     return arrays + sum(int(getattr(header, f"NumberOf{kind}Channels")) for kind in kinds)
 
 
-def _sides(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> dict[int, _Channel]:
-    """Read the first port and the first starboard channel of a ping, not those of a second frequency."""
+def _read_ping(path: Path, header: Any, ping: Any, body: NDArray[np.uint8]) -> _Ping:
+    """Read the port and starboard channels of a ping."""
     from pyxtf import XTFPingChanHeader
 
-    size, at = ctypes.sizeof(XTFPingChanHeader), 0
-    sides: dict[int, _Channel] = {}
+    size, at, known = ctypes.sizeof(XTFPingChanHeader), 0, _bands(header)
+    found = _Ping(ping, {}, {})
     for _ in range(ping.NumChansToFollow):
         if at + size > body.size:
             raise RECORDS.refusal(path, f"declares more channels than ping {ping.PingNumber} has", "export it again")
         channel = XTFPingChanHeader.from_buffer_copy(body[at : at + size])
-        info = header.ChanInfo[channel.ChannelNumber % len(header.ChanInfo)]
+        number = channel.ChannelNumber % len(header.ChanInfo)
+        info = header.ChanInfo[number]
         samples, length = _samples(path, info, channel, body[at + size :])
         at += size + length
-        side = SIDES.get(info.TypeOfChannel)
-        if side is not None and side not in sides and samples.size:
-            if info.CorrectionFlags == GROUND_RANGE:
-                raise RECORDS.refusal(path, "is corrected to ground range", "export it in slant range")
-            near_to_far = samples[::-1] if side == 0 else samples
-            sides[side] = _channel(path, ping, channel, near_to_far, _unit(header, info, samples.dtype))
-    return sides
+        if number in known and samples.size:
+            row, band = SIDES[info.TypeOfChannel], known[number]
+            near_to_far = samples[::-1] if row == 0 else samples
+            side = _side(path, ping, (info, channel), near_to_far, _unit(header, info, samples.dtype))
+            found.bands.setdefault(band, {}).setdefault(row, side)
+            found.frequencies[band] = float(channel.Frequency)
+    return found
 
 
 def _samples(path: Path, info: Any, channel: Any, body: NDArray[np.uint8]) -> tuple[NDArray[Any], int]:
@@ -173,73 +184,54 @@ def _unit(header: Any, info: Any, dtype: np.dtype[Any]) -> float:
     return float(info.VoltScale) / counts(dtype) if header.RecordingProgramName == PROGRAM else 1.0
 
 
-def _channel(path: Path, ping: Any, channel: Any, samples: NDArray[Any], unit: float) -> _Channel:
+def _side(path: Path, ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: float) -> Side:
     """Scale the samples of a channel and determine their slant range."""
+    info, channel = headers
+    if info.CorrectionFlags == GROUND_RANGE:
+        raise RECORDS.refusal(path, "is corrected to ground range", "export it in slant range")
     # A weight N means that the samples were multiplied by 2^N.
     scaled = np.abs(samples.astype(np.float64)) * unit
     amplitude = np.ldexp(scaled, -int(np.clip(channel.Weight, -40, 40))).astype(np.float32)
-    if not (np.isfinite(amplitude).all() and amplitude.max() < 1e18):  # its square must fit a float32
-        raise RECORDS.refusal(path, f"has samples in ping {ping.PingNumber} that are no echoes", "export it again")
+    check_amplitude(path, ping.PingNumber, amplitude)
     reach, lasts = float(channel.SlantRange), float(channel.TimeDuration)
     given = float(ping.SoundVelocity)
     given = 2.0 * given if 650.0 <= given <= 850.0 else given  # one-way, as half the speed
     known = 2.0 * reach / lasts if reach > 0.0 and lasts > 0.0 else given
-    speed = next((speed for speed in (known, given) if 1300.0 <= speed <= 1700.0), DEFAULT_SPEED)
+    speed = plausible_speed(known, given)
     reach = reach if reach > 0.0 else speed * lasts / 2.0
     if not 0.0 < reach < 1e5:
         raise RECORDS.refusal(path, f"has no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
-    return _Channel(amplitude, reach, speed)
+    return Side(amplitude, reach, speed)
 
 
-def _dataset(path: Path, header: Any, pings: list[_Ping]) -> xr.Dataset:
-    """Record of the pings on a common grid of slant range, with the median bin length."""
-    import xarray as xr  # slow to import, and no other command needs it at its start
-
-    channels = [side for ping in pings for side in ping.sides.values()]
-    bin_length = sorted(side.slant_range / side.amplitude.size for side in channels)[len(channels) // 2]
-    bins = max(round(side.slant_range / bin_length) for side in channels)
-    most = max(side.amplitude.size for side in channels)
-    if bins > WIDEST * most:
-        raise RECORDS.refusal(
-            path, f"has slant ranges up to {bins * bin_length:.3g} m in bins of {bin_length:.3g} m", "export it again"
-        )
-    amplitude = np.zeros((2, len(pings), bins), dtype=np.float32)
-    for number, ping in enumerate(pings):
-        for side, channel in ping.sides.items():
-            _lay(amplitude[side, number], channel, bin_length)
-    headers = [ping.header for ping in pings]
+def _track(header: Any, headers: list[Any]) -> Track:
+    """Navigation of the pings, and when and where the recording begins, as far as it tells."""
     times = seconds(headers)
-    columns = platform_columns(header, headers, times)
-    slant_range = (np.arange(bins) + 0.5) * bin_length
-    return xr.Dataset(
-        {"intensity": (ACROSS, amplitude**2, labels("1", "square of the samples"))},
-        coordinates(times, slant_range, channels[0].sound_speed),
-        {"title": path.name, "frequency": _frequency(header)} | _time_and_place(header, headers),
-    ).assign(platform(columns))
+    start, place = start_time(headers[0]), fixes(header, headers).place
+    told: dict[str, Any] = {} if start is None else {"time_coverage_start": start}
+    return Track(times, platform_columns(header, headers, times), told | ({} if place is None else place.attributes()))
 
 
-def _time_and_place(header: Any, headers: list[Any]) -> dict[str, Any]:
-    """Attributes of when and where the recording begins, as far as it tells."""
-    start, place = start_time(headers[0]), find_place(header, headers)
-    told = {} if start is None else {"time_coverage_start": start}
-    return told | ({} if place is None else place.attributes())
+def _bands(header: Any) -> dict[int, int]:
+    """Return the frequency that side-scan channels belong to, counted from 0, by the order of ports and starboards."""
+    kinds = [SIDES.get(info.TypeOfChannel) for info in header.ChanInfo]
+    return {number: kinds[:number].count(kind) for number, kind in enumerate(kinds) if kind is not None}
 
 
-def _lay(row: NDArray[np.float32], channel: _Channel, bin_length: float) -> None:
-    """Store a channel in its row; one of another bin length is interpolated."""
-    samples, step = channel.amplitude, channel.slant_range / channel.amplitude.size
-    if abs(channel.slant_range - samples.size * bin_length) < 0.5 * bin_length:
-        row[: samples.size] = samples[: row.size]
-        return
-    count = min(round(channel.slant_range / bin_length), row.size)
-    row[:count] = np.interp((np.arange(count) + 0.5) * bin_length, (np.arange(samples.size) + 0.5) * step, samples)
+def _frequencies(header: Any, pings: list[_Ping]) -> dict[int, float]:
+    """Return the carrier frequencies of the bands that have pings, in Hz; 0 where the file lacks one.
 
-
-def _frequency(header: Any) -> float:
-    """Carrier frequency of the first side-scan channel in Hz, 0 if the file lacks it; files have it in kHz."""
-    given = (float(info.Frequency) for info in header.ChanInfo if info.TypeOfChannel in SIDES)
-    frequency = next(given, 0.0)
-    return 1e3 * frequency if 0.0 < frequency < 1e4 else frequency
+    Files have it in kHz, in the header or in the pings.
+    """
+    found: dict[int, float] = {}
+    bands = _bands(header)
+    for band in sorted({band for ping in pings for band in ping.bands}):
+        numbers = [number for number, each in bands.items() if each == band]
+        given = [float(header.ChanInfo[number].Frequency) for number in numbers]
+        told = next((ping.frequencies[band] for ping in pings if band in ping.frequencies), 0.0)
+        frequency = next((value for value in (*given, told) if 0.0 < value < 1e7), 0.0)
+        found[band] = 1e3 * frequency if frequency < 1e4 else frequency
+    return found
 
 
 XTF = FileFormat(
@@ -247,5 +239,6 @@ XTF = FileFormat(
     (".xtf",),
     read_xtf,
     write_xtf,
-    (WriteOption("bits", tuple(SAMPLE_TYPES), "size of a sample of XTF"),),
+    selects=("frequency",),
+    options=(WriteOption("bits", tuple(SAMPLE_TYPES), "size of a sample of XTF"),),
 )

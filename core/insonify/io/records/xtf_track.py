@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.georeference import Georeference, from_degrees, local_georeference
+from insonify.io.records.fixes import DAY, Fixes, fill_gaps, heading_from_compass
 
-DAY = 86400.0  # s
 DEGREES = 3  # of NavUnits; others are metres
-FARTHEST = 1e8  # m, of any map's coordinates
 KNOT = 1852.0 / 3600.0  # m/s
 
 
@@ -80,18 +78,15 @@ def platform_columns(header: Any, headers: list[Any], times: NDArray[np.float64]
     depth, height = _told(headers, "SensorDepth"), _told(headers, "SensorPrimaryAltitude", "SensorAuxAltitude")
     compass = _told(headers, "SensorHeading", "ShipGyro")
     pitch, roll = _column(headers, "SensorPitch"), _column(headers, "SensorRoll")
-    x, y = _positions(header, headers, times)
-    heading = 90.0 - np.degrees(np.unwrap(np.radians(_filled(compass, told & (compass != 0.0)))))
+    x, y = fixes(header, headers).positions(times) or _dead_reckoning(headers, times)
     return (
-        x, y, _filled(depth, depth > 0.0), _filled(height, height > 0.0),
-        (heading + 180.0) % 360.0 - 180.0, _filled(pitch, told), _filled(roll, told),
+        x, y, fill_gaps(depth, depth > 0.0), fill_gaps(height, height > 0.0),
+        heading_from_compass(compass, told & (compass != 0.0)), fill_gaps(pitch, told), fill_gaps(roll, told),
     )  # fmt: skip
 
 
-def find_place(header: Any, headers: list[Any]) -> Georeference | None:
-    """Return the place of the first fix, which is (0, 0) of the record; None if the recording has no fix.
-
-    The coordinate reference system of positions in metres is not told by the format.
+def fixes(header: Any, headers: list[Any]) -> Fixes:
+    """Return the positions of the fish, or of the ship where those are all zero.
 
     Parameters
     ----------
@@ -100,41 +95,16 @@ def find_place(header: Any, headers: list[Any]) -> Georeference | None:
     headers : list of pyxtf.XTFPingHeader
         Of the pings.
     """
-    x, y, fixed = _fixes(header, headers)
-    if not fixed.any():
-        return None
-    first = float(x[np.argmax(fixed)]), float(y[np.argmax(fixed)])
-    return local_georeference(*first) if header.NavUnits == DEGREES else Georeference("", first)
-
-
-def _positions(
-    header: Any, headers: list[Any], times: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Positions in metres east and north of the first fix."""
-    place = find_place(header, headers)
-    x, y, fixed = _fixes(header, headers)
-    if place is None:
-        speed = _told(headers, "SensorSpeed", "ShipSpeed") * KNOT
-        run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
-        return np.zeros_like(run), run
-    # Fixes repeat because they are rarer than pings; positions between them are interpolated.
-    moved = fixed.copy()
-    moved[1:] &= (x[1:] != x[:-1]) | (y[1:] != y[:-1])
-    moved[np.argmax(fixed)] = True
-    east, north = np.zeros_like(x), np.zeros_like(y)
-    if place.crs:
-        east[moved], north[moved] = from_degrees(place, x[moved], y[moved])
-    else:
-        east[moved], north[moved] = x[moved] - place.origin[0], y[moved] - place.origin[1]
-    return _filled(east, moved, times), _filled(north, moved, times)
-
-
-def _fixes(header: Any, headers: list[Any]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-    """Positions as the file has them, and which of them are fixes: not zero and within the map."""
     x = _told(headers, "SensorXcoordinate", "ShipXcoordinate", unknown=np.inf)
     y = _told(headers, "SensorYcoordinate", "ShipYcoordinate", unknown=np.inf)
-    widest, highest = (180.0, 90.0) if header.NavUnits == DEGREES else (FARTHEST, FARTHEST)
-    return x, y, ((x != 0.0) | (y != 0.0)) & (np.abs(x) <= widest) & (np.abs(y) <= highest)
+    return Fixes(x, y, header.NavUnits == DEGREES)
+
+
+def _dead_reckoning(headers: list[Any], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Positions along +y from the recorded speed, of a recording without a fix."""
+    speed = _told(headers, "SensorSpeed", "ShipSpeed") * KNOT
+    run = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(times))])
+    return np.zeros_like(run), run
 
 
 def _column(headers: list[Any], name: str, unknown: float = 0.0) -> NDArray[np.float64]:
@@ -146,13 +116,3 @@ def _told(headers: list[Any], *names: str, unknown: float = 0.0) -> NDArray[np.f
     """Return the first of several columns that is not all zero."""
     columns = [_column(headers, name, unknown) for name in names]
     return next((column for column in columns if column.any()), columns[0])
-
-
-def _filled(
-    values: NDArray[np.float64], known: NDArray[np.bool_], at: NDArray[np.float64] | None = None
-) -> NDArray[np.float64]:
-    """Interpolate values that are not known; NaN where none is."""
-    if not known.any():
-        return np.full(values.shape, np.nan)
-    at = np.arange(values.size, dtype=np.float64) if at is None else at
-    return np.interp(at, at[known], values[known])

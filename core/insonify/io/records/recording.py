@@ -1,0 +1,142 @@
+"""Assembly of recordings of real sonars: the pings of one frequency on a common grid of slant range."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.errors import FileWarning
+from insonify.io.record_schema import ACROSS, coordinates, labels, platform
+from insonify.io.records.files import RECORDS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+DEFAULT_SPEED = 1500.0  # m/s, where the file has no plausible one
+PLAUSIBLE_SPEEDS = (1300.0, 1700.0)  # m/s
+WIDEST = 8  # bins per sample of the longest ping; a corrupt range gives more
+LOUDEST = 1e18  # the square of an amplitude must fit a float32
+NEAR = 0.1  # relative difference of frequencies that still mean the same
+
+
+class Side(NamedTuple):
+    """Echoes of one side of one ping."""
+
+    amplitude: NDArray[np.float32]  # (samples,) near to far
+    slant_range: float  # m, of its last edge
+    sound_speed: float  # m/s, as the sonar took it
+
+
+class Track(NamedTuple):
+    """Time, position and attitude of pings, and what else a recording tells."""
+
+    times: NDArray[np.float64]  # (pings,) s since the first
+    columns: Sequence[NDArray[np.float64]]  # in the order and units of PLATFORM
+    attributes: dict[str, Any]
+
+
+def plausible_speed(*speeds: float) -> float:
+    """Return the first of some sound speeds that water can have, in m/s; the default if none."""
+    low, high = PLAUSIBLE_SPEEDS
+    return next((speed for speed in speeds if low <= speed <= high), DEFAULT_SPEED)
+
+
+def check_amplitude(path: Path, ping: int, amplitude: NDArray[np.float32]) -> None:
+    """Refuse samples that are no echoes: not finite, or too large for their square to be stored."""
+    if not (np.isfinite(amplitude).all() and amplitude.max() < LOUDEST):
+        raise RECORDS.refusal(path, f"has samples in ping {ping} that are no echoes", "export it again")
+
+
+def warn_of_cut(path: Path, at: int, whole: int) -> None:
+    """Warn that a recording ends within a packet, at a byte; refuse it if no packet before holds echoes."""
+    if whole == 0:
+        raise RECORDS.refusal(path, f"ends within the packet at byte {at}, before one ping is whole", "copy it again")
+    warnings.warn(
+        FileWarning(f"{path}: ends within the packet at byte {at}; the whole pings before are read"), stacklevel=2
+    )
+
+
+def choose_frequency(path: Path, told: Sequence[float], wanted: float | None) -> int:
+    """Return which of the frequencies of a recording is meant.
+
+    Parameters
+    ----------
+    path : Path
+    told : sequence of float
+        Carrier frequencies in Hz, 0 where the file does not tell.
+    wanted : float, optional
+        In Hz; the first if left out.
+
+    Raises
+    ------
+    SceneError
+        If none is within a tenth of the wanted one.
+    """
+    if wanted is None:
+        return 0
+    near = [abs(frequency - wanted) for frequency in told]
+    best = int(np.argmin(near))
+    if near[best] > NEAR * wanted:
+        known = " or ".join(f"{frequency:g}" for frequency in told if frequency > 0.0)
+        remedy = f"choose {known}" if known else "leave it out"
+        raise RECORDS.refusal(path, f"has no channels of {wanted:g} Hz", remedy)
+    return best
+
+
+def frequency_attributes(told: Sequence[float], chosen: int) -> dict[str, Any]:
+    """Return the attributes of the chosen frequency in Hz, and of all where there are several."""
+    several = {"frequencies": ", ".join(f"{frequency:g}" for frequency in told)} if len(told) > 1 else {}
+    return {"frequency": told[chosen]} | several
+
+
+def assemble(path: Path, pings: Sequence[dict[int, Side]], track: Track) -> xr.Dataset:
+    """Lay the pings of a recording on a common grid of slant range, with the median bin length.
+
+    Parameters
+    ----------
+    path : Path
+    pings : sequence of dict
+        Port (0) and starboard (1) of every ping, at least one of them.
+    track : Track
+        Of the same pings.
+
+    Returns
+    -------
+    Dataset
+        As `simulate` makes it; intensity is the square of the amplitudes, 0 where nothing was recorded.
+    """
+    import xarray as xr  # slow to import, and no other command needs it at its start
+
+    sides = [side for ping in pings for side in ping.values()]
+    bin_length = sorted(side.slant_range / side.amplitude.size for side in sides)[len(sides) // 2]
+    bins = max(round(side.slant_range / bin_length) for side in sides)
+    most = max(side.amplitude.size for side in sides)
+    if bins > WIDEST * most:
+        raise RECORDS.refusal(
+            path, f"has slant ranges up to {bins * bin_length:.3g} m in bins of {bin_length:.3g} m", "export it again"
+        )
+    amplitude = np.zeros((2, len(pings), bins), dtype=np.float32)
+    for number, ping in enumerate(pings):
+        for row, side in ping.items():
+            _lay(amplitude[row, number], side, bin_length)
+    slant_range = (np.arange(bins) + 0.5) * bin_length
+    return xr.Dataset(
+        {"intensity": (ACROSS, amplitude**2, labels("1", "square of the samples"))},
+        coordinates(track.times, slant_range, sides[0].sound_speed),
+        {"title": path.name} | track.attributes,
+    ).assign(platform(track.columns))
+
+
+def _lay(row: NDArray[np.float32], side: Side, bin_length: float) -> None:
+    """Store a side in its row; one of another bin length is interpolated."""
+    samples, step = side.amplitude, side.slant_range / side.amplitude.size
+    if abs(side.slant_range - samples.size * bin_length) < 0.5 * bin_length:
+        row[: samples.size] = samples[: row.size]
+        return
+    count = min(round(side.slant_range / bin_length), row.size)
+    row[:count] = np.interp((np.arange(count) + 0.5) * bin_length, (np.arange(samples.size) + 0.5) * step, samples)

@@ -1,0 +1,157 @@
+"""JSF recordings: messages of side-scan data as EdgeTech describes them."""
+
+import numpy as np
+import pytest
+
+from insonify.cli import main
+from insonify.errors import FileWarning
+from insonify.io.records import read_record, write_record
+from insonify.scene import SceneError
+from jsf_files import message, trace, write_jsf
+
+PING = {"samples": [np.array([1, 2, 3, 4]), np.array([10, 20, 30, 40])]}
+
+
+def amplitudes(record):
+    return np.sqrt(record["intensity"].values)
+
+
+def test_envelopes_are_amplitudes_near_to_far(tmp_path):
+    record = read_record(write_jsf(tmp_path / "a.jsf", [PING, PING]))
+    np.testing.assert_allclose(amplitudes(record)[:, 1], [[1, 2, 3, 4], [10, 20, 30, 40]])
+    step = 1480.0 * 40e-6 / 2.0
+    np.testing.assert_allclose(record.slant_range, step * np.array([0.5, 1.5, 2.5, 3.5]))
+    np.testing.assert_allclose(record.travel_time, 40e-6 * np.array([0.5, 1.5, 2.5, 3.5]))
+    np.testing.assert_allclose(record.ping_time, [0.0, 1.0])
+    assert record.attrs["frequency"] == 410e3
+    assert record.attrs["time_coverage_start"] == "2023-11-14T22:13:20"
+
+
+def test_weights_are_taken_out(tmp_path):
+    record = read_record(write_jsf(tmp_path / "a.jsf", [PING, {**PING, "weight": 3}, {**PING, "weight": -2}]))
+    np.testing.assert_allclose(amplitudes(record)[1], np.outer([1.0, 0.125, 4.0], [10, 20, 30, 40]))
+
+
+def test_analytic_signals_become_magnitudes(tmp_path):
+    signal = np.array([[3, 4], [-5, 12], [8, -15]])
+    record = read_record(write_jsf(tmp_path / "a.jsf", [{"samples": [signal, 2 * signal], "format": 1}]))
+    np.testing.assert_allclose(amplitudes(record)[:, 0], [[5, 13, 17], [10, 26, 34]])
+
+
+def test_a_ping_may_have_more_than_65535_samples(tmp_path):
+    samples = np.arange(70_000) % 1000
+    record = read_record(write_jsf(tmp_path / "a.jsf", [{"samples": [samples, samples], "interval": 1000}]))
+    assert record.sizes["range_sample"] == 70_000
+    np.testing.assert_allclose(amplitudes(record)[1, 0], samples, rtol=1e-6)
+
+
+def test_late_recording_and_fractions_of_a_nanosecond_count(tmp_path):
+    record = read_record(write_jsf(tmp_path / "a.jsf", [{**PING, "skipped": 2, "fraction": 128, "interval": 1000}]))
+    np.testing.assert_allclose(amplitudes(record)[0, 0], [0, 0, 1, 2, 3, 4])
+    np.testing.assert_allclose(record.travel_time, 1000.5e-9 * (np.arange(6) + 0.5))
+    older = read_record(write_jsf(tmp_path / "b.jsf", [{**PING, "fraction": 128, "interval": 1000}], version=9))
+    np.testing.assert_allclose(older.travel_time, 1000e-9 * (np.arange(4) + 0.5))
+
+
+def test_the_platform_in_the_conventions_of_scenes(tmp_path):
+    east = np.array([-68.0, -68.0, -67.999, -67.999])
+    north = np.array([48.0, 48.0, 48.001, 48.001])
+    pings = [
+        {
+            **PING, "x": round(x * 60e4), "y": round(y * 60e4), "heading": 9000, "pitch": 546, "roll": -1092,
+            "depth": 20_000, "altitude": 5_250,
+        }
+        for x, y in zip(east, north)
+    ]  # fmt: skip
+    record = read_record(write_jsf(tmp_path / "a.jsf", pings))
+    np.testing.assert_allclose(record.platform_x, np.array([0, 0.5, 1, 1]) * 74.6286, rtol=1e-4)
+    np.testing.assert_allclose(record.platform_y, np.array([0, 0.5, 1, 1]) * 111.2, rtol=1e-3)
+    np.testing.assert_allclose(record.platform_heading, 0.0, atol=1e-9)
+    np.testing.assert_allclose(record.platform_pitch, 3.0, atol=0.003)
+    np.testing.assert_allclose(record.platform_roll, -6.0, atol=0.003)
+    np.testing.assert_allclose(record.platform_depth, 20.0)
+    np.testing.assert_allclose(record.platform_altitude, 5.25)
+    assert "+lat_0=48.0 +lon_0=-68.0" in record.attrs["crs"]
+
+
+@pytest.mark.parametrize(("units", "metres"), [(1, 1e-3), (3, 0.1), (4, 0.01)])
+def test_positions_may_be_in_parts_of_a_metre(tmp_path, units, metres):
+    pings = [{**PING, "x": round((5e5 + 2.0 * n) / metres), "y": round(4e5 / metres), "units": units} for n in range(4)]
+    record = read_record(write_jsf(tmp_path / "a.jsf", pings))
+    np.testing.assert_allclose(record.platform_x, 2.0 * np.arange(4), atol=1e-9)
+    assert (record.attrs["origin_x"], record.attrs["origin_y"]) == (5e5, 4e5)
+    assert "crs" not in record.attrs
+
+
+def test_what_is_not_valid_is_not_a_number(tmp_path):
+    pings = [{**PING, "validity": 1 << 6, "altitude": 5000, "heading": 100, "depth": 7000, "x": 1, "y": 1}] * 2
+    record = read_record(write_jsf(tmp_path / "a.jsf", pings))
+    np.testing.assert_allclose(record.platform_altitude, 5.0)
+    for name in ("depth", "heading", "pitch", "roll"):
+        assert np.isnan(record[f"platform_{name}"]).all()
+    assert "origin_x" not in record.attrs
+
+
+@pytest.mark.parametrize(("wanted", "frequency"), [(None, 410e3), (4e5, 410e3), (9e5, 887.68e3)])
+def test_each_subsystem_can_be_read(tmp_path, wanted, frequency):
+    # 65536 + 22000 to 65536 + 24464 in units of 10 Hz: the top bits stand in another field.
+    path = write_jsf(tmp_path / "a.jsf", [PING, PING], subsystems=(21, 20))
+    record = read_record(path, wanted)
+    np.testing.assert_allclose(record.attrs["frequency"], frequency)
+    assert record.attrs["frequencies"] == "410000, 887680"
+    assert record.sizes["ping_time"] == 2
+
+
+def test_milliseconds_of_the_day_refine_the_second(tmp_path):
+    day = 1_700_000_000 % 86_400 * 1000
+    record = read_record(write_jsf(tmp_path / "a.jsf", [{**PING, "time": 1_700_000_000, "milliseconds": day + 250 * n}
+                                                        for n in range(5)]))  # fmt: skip
+    np.testing.assert_allclose(record.ping_time, 0.25 * np.arange(5), atol=1e-6)
+
+
+@pytest.mark.parametrize("less", [5, 250, 3 * 248 + 20])
+def test_a_cut_file_keeps_its_whole_pings_and_warns(tmp_path, capsys, less):
+    path = write_jsf(tmp_path / "a.jsf", [PING] * 4)
+    path.write_bytes(path.read_bytes()[: -60 - less])
+    with pytest.warns(FileWarning, match="ends within the packet at byte .*; the whole pings before are read"):
+        record = read_record(path)
+    assert record.sizes["ping_time"] == (2 if less > 500 else 3)
+    assert (record.intensity.values > 0.0).all()
+    assert main(["render", str(path), "-o", str(tmp_path / "a.png")]) == 0
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("content", "expected"),
+    [
+        (b"", "holds no side-scan pings; give a recording of subsystem 20, 21 or 22"),
+        (b"title = 'a scene'\n", "holds no JSF message at byte 0; copy or export it again"),
+        (message(80, trace([1], 0))[:100], "ends within the packet at byte 0, before one ping is whole; copy it again"),
+        (message(80, bytes(100)), "has a ping too short for its header; export it again"),
+        (message(80, trace([1], format=2)), "has data of format 2 in ping 0, which is no envelope; export it as env"),
+        (message(80, trace([1])[:-2]), "has a ping with less than the 1 samples it announces; export it again"),
+        (message(80, trace([1], interval=0)), "has no sampling interval of ping 0; export it again"),
+        (message(80, trace([1], skipped=2**31)), "has no sampling interval of ping 0; export it again"),
+        (message(80, trace([1]), subsystem=0), "holds no side-scan pings"),
+    ],
+)
+def test_a_broken_file_is_one_sentence(tmp_path, capsys, content, expected):
+    path = tmp_path / "a.jsf"
+    path.write_bytes(content)
+    with pytest.raises(SceneError, match=r"a\.jsf: "):
+        read_record(path)
+    assert main(["render", str(path), "-o", str(tmp_path / "a.png")]) == 2
+    error = capsys.readouterr().err
+    assert expected in error
+    assert error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_recording_becomes_xtf(tmp_path):
+    pings = [{**PING, "x": -408_000_00 + n, "y": 288_000_00, "heading": 4500, "altitude": 5000} for n in range(1, 5)]
+    record = read_record(write_jsf(tmp_path / "a.jsf", pings))
+    write_record(tmp_path / "a.xtf", [record])
+    copy = read_record(tmp_path / "a.xtf")
+    np.testing.assert_array_equal(copy.intensity, record.intensity)
+    np.testing.assert_allclose(copy.platform_x, record.platform_x, atol=1e-4)
+    assert copy.attrs["time_coverage_start"] == record.attrs["time_coverage_start"]
