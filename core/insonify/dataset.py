@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.water import recording_speed
-from insonify.io.georeference import Georeference
+from insonify.io.georeference import Georeference, find_georeference
 from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform
 from insonify.kernels.common.types import Poses
 from insonify.packing.navigation import platform_columns
@@ -62,7 +62,8 @@ def make_dataset(
     sonar = scene.sonar
     slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
     labels = {name: column for name, column in columns.items() if name != "intensity"}
-    variables = echo_variable(columns["intensity"]) | platform(platform_columns(poses, ground))
+    variables = echo_variable(columns["intensity"])
+    variables |= platform(platform_columns(poses, ground), find_georeference(attributes))
     if labels:
         targets = [f"{target.kind}_{number}" for number, target in enumerate(scene.targets)]
         materials = [*ground.names, *(target.material.name for target in scene.targets)]

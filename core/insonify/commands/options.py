@@ -174,9 +174,9 @@ def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Pa
         One sentence with the remedy.
     """
     path, where = Path(name), f"{option} {name}"
-    if path.is_dir():
+    if path.is_dir() and not _is_store(path):
         raise SceneError(f"{where}: is a folder; give the name of a file in it")
-    if path.exists() and not path.is_file():
+    if path.exists() and not (path.is_file() or path.is_dir()):
         raise SceneError(f"{where}: is a device, not a file; give another name")
     if path.suffix.lower() not in suffixes:
         raise SceneError(
@@ -189,6 +189,11 @@ def check_output(name: str, suffixes: tuple[str, ...], option: str = "-o") -> Pa
     if locked is not None:
         raise SceneError(f"{where}: {str(locked)!r} is write-protected; allow writing or give another name")
     return path
+
+
+def _is_store(path: Path) -> bool:
+    """Whether a folder is a record that may be replaced: one that Zarr made, or an empty one."""
+    return path.suffix.lower() in RECORDS.folders() and ((path / "zarr.json").is_file() or not any(path.iterdir()))
 
 
 def tracked(blocks: Iterator[xr.Dataset], pings: int) -> Iterator[xr.Dataset]:

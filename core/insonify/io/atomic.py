@@ -1,8 +1,9 @@
-"""Write a file whole or not at all."""
+"""Write a file, or a folder that counts as one, whole or not at all."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import sys
 import threading
@@ -35,12 +36,35 @@ def replacing(path: str | Path) -> Iterator[Path]:
     try:
         with _terminated_cleanly():
             yield beside
-            beside.replace(final)
+            _put(beside, final)
     except OSError as error:
         # The error names the final path, not the temporary one.
         raise type(error)(error.errno, error.strerror or str(error), str(path)) from error
     finally:
-        beside.unlink(missing_ok=True)
+        _remove(beside)
+
+
+def _put(beside: Path, final: Path) -> None:
+    """Put a finished file or folder in its place; a folder is swapped with the old one, which is then removed."""
+    if not (beside.is_dir() and final.is_dir()):
+        beside.replace(final)
+        return
+    old = final.with_name(f".{final.stem}.{os.getpid()}.old{final.suffix}")
+    final.replace(old)
+    try:
+        beside.replace(final)
+    except OSError:
+        old.replace(final)
+        raise
+    _remove(old)
+
+
+def _remove(path: Path) -> None:
+    """Remove a file or a folder, if there is one."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
 
 
 @contextmanager

@@ -52,6 +52,8 @@ class FileFormat(Generic[Content]):
         Choices of writing.
     selects : tuple of str
         Keywords of ``read`` that select a part of the content, such as ``frequency``.
+    folder : bool
+        Whether a file of the format is a folder.
     converter : str
         Of a format that is neither read nor written: the program that converts it to one that is.
     """
@@ -62,6 +64,7 @@ class FileFormat(Generic[Content]):
     write: Callable[..., None] | None = None
     options: tuple[WriteOption, ...] = ()
     selects: tuple[str, ...] = ()
+    folder: bool = False
     converter: str = ""
 
 
@@ -112,6 +115,10 @@ class FormatRegistry(Generic[Content]):
         """Suffixes of the formats that can be written."""
         return tuple(suffix for each in self.formats() if each.write for suffix in each.suffixes)
 
+    def folders(self) -> tuple[str, ...]:
+        """Suffixes of the formats whose files are folders."""
+        return tuple(suffix for each in self.formats() if each.folder for suffix in each.suffixes)
+
     def foreign(self) -> tuple[str, ...]:
         """Suffixes of the formats that are known by name alone and need a converter."""
         return tuple(suffix for each in self.formats() if each.converter for suffix in each.suffixes)
@@ -146,7 +153,7 @@ class FormatRegistry(Generic[Content]):
         if read is None:
             known = f"give a file that ends in one of {', '.join(self.readable())}{alternative}"
             raise self.refusal(path, "is not a format known here", known)
-        if not Path(path).is_file():
+        if not (Path(path).is_dir() if any(each.folder for each in found) else Path(path).is_file()):
             raise self.refusal(path, "does not exist", f"give the path of {self.contents}{alternative}")
         return read
 

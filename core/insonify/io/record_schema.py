@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.georeference import Georeference, to_degrees
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -22,6 +24,12 @@ PLATFORM = {
     "platform_pitch": ("degree", "pitch, bow up"),
     "platform_roll": ("degree", "roll, port up"),
 }
+
+GEOGRAPHIC = {
+    "platform_longitude": {"units": "degrees_east", "standard_name": "longitude", "long_name": "longitude on WGS 84"},
+    "platform_latitude": {"units": "degrees_north", "standard_name": "latitude", "long_name": "latitude on WGS 84"},
+}
+CONVENTIONS = {"Conventions": "CF-1.10"}
 
 
 def coordinates(times: NDArray[np.float64], slant_range: NDArray[np.floating], sound_speed: float) -> dict[str, Any]:
@@ -50,20 +58,26 @@ def coordinates(times: NDArray[np.float64], slant_range: NDArray[np.floating], s
     }
 
 
-def platform(columns: Iterable[NDArray[np.float64]]) -> dict[str, Any]:
+def platform(columns: Iterable[NDArray[np.float64]], place: Georeference | None = None) -> dict[str, Any]:
     """Return the variables of the sonar's position and attitude.
 
     Parameters
     ----------
     columns : iterable of (pings,) float64
         In the order and the units of ``PLATFORM``.
+    place : Georeference, optional
+        Where x and y lie; with a map it adds longitude and latitude.
 
     Returns
     -------
     dict
         By name, as a Dataset takes them.
     """
-    return {name: ("ping_time", column, labels(*told)) for (name, told), column in zip(PLATFORM.items(), columns)}
+    found = {name: ("ping_time", column, labels(*told)) for (name, told), column in zip(PLATFORM.items(), columns)}
+    if place is not None and place.crs:
+        degrees = to_degrees(place, found["platform_x"][1], found["platform_y"][1])
+        found |= {name: ("ping_time", column, told) for (name, told), column in zip(GEOGRAPHIC.items(), degrees)}
+    return found
 
 
 def labels(unit: str, text: str) -> dict[str, str]:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.io.formats import FileFormat
+from insonify.io.record_schema import CONVENTIONS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -92,7 +93,7 @@ def _lay_out(file: Any, block: xr.Dataset) -> None:
         chunks = None if is_text or ALONG not in variable.dims else [max(size, 1) for size in variable.shape]
         made = file.createVariable(name, stored, variable.dims, chunksizes=chunks)
         made.setncatts(_attributes(block, str(name), variable))
-    file.setncatts({"Conventions": "CF-1.10"} | {key: _plain(value) for key, value in block.attrs.items()})
+    file.setncatts(CONVENTIONS | {key: _plain(value) for key, value in block.attrs.items()})
 
 
 def _attributes(block: xr.Dataset, name: str, variable: xr.Variable) -> dict[str, Any]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import FileWarning
+from insonify.io.georeference import find_georeference
 from insonify.io.record_schema import ACROSS, coordinates, labels, platform
 from insonify.io.records.files import RECORDS
 
@@ -129,7 +130,7 @@ def assemble(path: Path, pings: Sequence[dict[int, Side]], track: Track) -> xr.D
         {"intensity": (ACROSS, amplitude**2, labels("1", "square of the samples"))},
         coordinates(track.times, slant_range, sides[0].sound_speed),
         {"title": path.name} | track.attributes,
-    ).assign(platform(track.columns))
+    ).assign(platform(track.columns, find_georeference(track.attributes)))
 
 
 def _lay(row: NDArray[np.float32], side: Side, bin_length: float) -> None:

@@ -1,0 +1,84 @@
+"""Records as Zarr stores (version 3), one shard for a block of pings, written shard by shard."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from insonify.io.formats import FileFormat
+from insonify.io.record_schema import CONVENTIONS, join_blocks
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+ALONG = "ping_time"
+CHUNK, SHARD = 64, 1024  # pings that are read together, and pings in one file
+
+
+def write_zarr(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
+    """Write a record shard by shard, so that memory does not grow with the number of pings.
+
+    Parameters
+    ----------
+    path : str or Path
+        Folder to write.
+    blocks : iterable of Dataset
+        Successive pings, as from ``simulate_blocks``. The store does not depend on how many a block has.
+    """
+    import zarr  # slow to import, and no other format needs it
+
+    with warnings.catch_warnings():
+        # All libraries that read version 3 know consolidated metadata and text, which are not in its core.
+        warnings.simplefilter("ignore", zarr.errors.UnstableSpecificationWarning)
+        warnings.simplefilter("ignore", zarr.errors.ZarrUserWarning)
+        for number, part in enumerate(_regrouped(blocks, SHARD)):
+            place: dict[str, Any] = {"append_dim": ALONG} if number else {"mode": "w", "encoding": _layout(part)}
+            # Text of any length is one type in all libraries, text of a fixed length is not.
+            stored = part.assign_coords(channel=part["channel"].astype(object)).assign_attrs(CONVENTIONS)
+            stored.to_zarr(path, zarr_format=3, consolidated=False, **place)
+        zarr.consolidate_metadata(path, zarr_format=3)
+
+
+def read_zarr(path: str | Path) -> xr.Dataset:
+    """Read a record from a Zarr store, such as `write_zarr` makes."""
+    import xarray as xr  # slow to import too
+
+    with xr.open_dataset(path, engine="zarr") as record:
+        return record.load()
+
+
+def _layout(part: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Chunks and shards of the variables that grow with the pings."""
+    return {
+        str(name): {
+            "chunks": tuple(_chunk(str(dim), size) for dim, size in variable.sizes.items()),
+            "shards": tuple(SHARD if dim == ALONG else size for dim, size in variable.sizes.items()),
+        }
+        for name, variable in part.variables.items()
+        if ALONG in variable.dims
+    }
+
+
+def _chunk(dimension: str, size: int) -> int:
+    return {ALONG: CHUNK, "channel": 1}.get(dimension, size)
+
+
+def _regrouped(blocks: Iterable[xr.Dataset], size: int) -> Iterator[xr.Dataset]:
+    """Yield the pings of blocks of any lengths in blocks of a given one; the last may be shorter."""
+    held: list[xr.Dataset] = []
+    for block in blocks:
+        held.append(block)
+        while sum(each.sizes[ALONG] for each in held) >= size:
+            whole = join_blocks(held)
+            yield whole.isel({ALONG: np.s_[:size]})
+            rest = whole.isel({ALONG: np.s_[size:]})
+            held = [rest] if rest.sizes[ALONG] else []
+    if held:
+        yield join_blocks(held)
+
+
+ZARR = FileFormat("Zarr", (".zarr",), read_zarr, write_zarr, folder=True)

@@ -1,0 +1,140 @@
+"""Zarr stores and netCDF files: what xarray shows, in shards that do not depend on the blocks."""
+
+import warnings
+
+import numpy as np
+import pytest
+import xarray as xr
+import zarr
+
+from insonify.cli import main
+from insonify.io.atomic import replacing
+from insonify.io.records import read_record, write_record
+from insonify.io.records.zarr_store import CHUNK, SHARD
+from insonify.scene import SceneError, edit, load_scene
+from insonify.simulation import simulate, simulate_blocks
+
+SMALL = {"track.pings": 5, "sonar.bins": 100}
+
+
+def small_scene(**changes):
+    return edit(load_scene("pipe-span"), SMALL | changes)
+
+
+def long_record(pings: int) -> xr.Dataset:
+    record = simulate(small_scene())
+    many = record.isel(ping_time=np.arange(pings) % 5)
+    return many.assign_coords(ping_time=("ping_time", 0.1 * np.arange(pings), record.ping_time.attrs))
+
+
+@pytest.mark.parametrize("suffix", [".zarr", ".nc"])
+def test_xarray_shows_units_and_values(tmp_path, suffix):
+    scene = small_scene(**{"world.crs": "EPSG:32631", "world.origin": [5e5, 4e6]})
+    path = tmp_path / f"a{suffix}"
+    write_record(path, simulate_blocks(scene, truth=True, block=2))
+    expected = simulate(scene, truth=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with xr.open_dataset(path) as found:
+            found = found.load()
+    xr.testing.assert_equal(found, expected)
+    assert found.attrs == expected.attrs | {"Conventions": "CF-1.10"}
+    for name in set(found.variables) - {"channel", "target_id", "material", "path", "shadow", "caustic"}:
+        assert found[name].attrs["units"], name
+        assert found[name].attrs["long_name"], name
+    assert found.target_id.attrs["flag_meanings"].split()[:2] == ["nothing", "bed"]
+    assert found.platform_longitude.attrs["standard_name"] == "longitude"
+    np.testing.assert_allclose(found.platform_longitude[0], 3.0, atol=1e-5)
+    xr.testing.assert_equal(read_record(path), expected)
+
+
+def test_blocks_of_pings_share_a_file(tmp_path):
+    record = long_record(2 * SHARD + 300)
+    write_record(tmp_path / "a.zarr", [record])
+    store = zarr.open_group(tmp_path / "a.zarr", mode="r")
+    assert store.metadata.zarr_format == 3
+    assert store["intensity"].shards == (2, SHARD, 100)
+    assert store["intensity"].chunks == (1, CHUNK, 100)
+    files = sorted(file for file in (tmp_path / "a.zarr" / "intensity").rglob("*") if file.is_file())
+    assert len(files) == 3 + 1  # shards and the array's own description
+    np.testing.assert_array_equal(store["intensity"][:], record.intensity)
+
+
+def files_in(folder):
+    return {file.relative_to(folder): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+
+
+@pytest.mark.parametrize("size", [100, 700, 3000])
+def test_the_store_does_not_depend_on_the_blocks(tmp_path, size):
+    record = long_record(SHARD + 200)
+    write_record(tmp_path / "a.zarr", [record])
+    parts = [record.isel(ping_time=slice(first, first + size)) for first in range(0, SHARD + 200, size)]
+    write_record(tmp_path / "b.zarr", iter(parts))
+    assert files_in(tmp_path / "a.zarr") == files_in(tmp_path / "b.zarr")
+
+
+def test_a_store_is_written_and_read_by_the_command(tmp_path, capsys):
+    path = tmp_path / "a.zarr"
+    words = ["pipe-span", "--set", "track.pings=5", "--set", "sonar.bins=100", "-o", str(path)]
+    for _ in range(2):  # the second time it replaces the first
+        assert main(["render", *words]) == 0
+    assert main(["render", str(path), "-o", str(tmp_path / "a.png")]) == 0
+    assert main(["render", str(path), "-o", str(tmp_path / "a.xtf")]) == 0
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["a.png", "a.xtf", "a.zarr"]
+    assert capsys.readouterr().err == ""
+
+
+def test_a_folder_of_the_user_is_not_replaced(tmp_path, capsys):
+    path = tmp_path / "mine.zarr"
+    path.mkdir()
+    (path / "thesis.txt").write_text("words")
+    assert main(["render", "pipe-span", "-o", str(path)]) == 2
+    assert "mine.zarr: is a folder; give the name of a file in it" in capsys.readouterr().err
+    assert (path / "thesis.txt").read_text() == "words"
+
+
+def test_a_failed_write_leaves_the_old_store(tmp_path):
+    record = long_record(5)
+    path = tmp_path / "a.zarr"
+    write_record(path, [record])
+    before = files_in(path)
+
+    def blocks():
+        yield record
+        raise OSError("disk full")
+
+    with pytest.raises(OSError, match="disk full"):
+        write_record(path, blocks())
+    assert files_in(path) == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_swap_that_fails_puts_the_old_folder_back(tmp_path, monkeypatch):
+    final = tmp_path / "a.zarr"
+    final.mkdir()
+    (final / "old").touch()
+    rename = type(final).replace
+
+    def refuse(self, target):
+        if ".part" in self.name:
+            raise OSError(13, "Permission denied")
+        return rename(self, target)
+
+    monkeypatch.setattr(type(final), "replace", refuse)
+    with pytest.raises(OSError, match="Permission denied"), replacing(final) as beside:
+        beside.mkdir()
+    assert [file.name for file in tmp_path.rglob("*")] == ["a.zarr", "old"]
+
+
+@pytest.mark.parametrize("fault", ["missing", "empty", "text", "broken"])
+def test_what_is_no_store_is_one_sentence(tmp_path, fault):
+    path = tmp_path / "a.zarr"
+    if fault == "text":
+        path.write_text("no store")
+    elif fault != "missing":
+        path.mkdir()
+    if fault == "broken":
+        (path / "zarr.json").write_text('{"zarr_format": 3, "node_type"')
+    with pytest.raises(SceneError, match=r"a\.zarr: (does not exist|cannot be read)") as caught:
+        read_record(path)
+    assert "\n" not in str(caught.value)
