@@ -27,14 +27,13 @@ from insonify.kernels.common.types import LIGHT
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.surface_multipath import add_multipath
 from insonify.kernels.refraction.apparent_positions import prepare_table
+from insonify.kernels.sweep.facets import divide_facet, facet_curve, facet_weight, is_facet_met, part_echo
 from insonify.kernels.sweep.partial_segments import BedSegment, slant_range
 from insonify.kernels.sweep.sweep import aim_plane, load_segment, sweep_plane, visible_from
 from insonify.kernels.sweep.target_echoes import (
     BedHorizon,
     count_facets,
-    facet_energies,
     ground_range_at,
-    is_facet_met,
     knot_before,
     launch_angle,
     primitive_material,
@@ -44,6 +43,8 @@ from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.apparent_targets import load_apparent_source
 from insonify.kernels.targets.occlusion import next_visible, occlusion_of
 from insonify.kernels.targets.primitives import load_primitive
+
+HALVES = 2  # parts of a facet at least, whose energies its labels add up
 
 
 class BinLabels(NamedTuple):
@@ -317,7 +318,19 @@ def _note_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cells
             facet = visible_facet(primitive, low, high, k, facets, bed, knot)
             if is_facet_met(facet):
                 open_contributor(contributions, who)
-                first, second = facet_energies(facet, source.gain, material, sector, pattern, law, bin_length)
-                x = facet.centre * facet.cosine / source.level
-                spread_contribution(contributions, who, facet.near, facet.centre, first, x, facet.incidence, bin_length)
-                spread_contribution(contributions, who, facet.centre, facet.far, second, x, facet.incidence, bin_length)
+                weight = facet_weight(facet, source.gain, sector, pattern, law)
+                _note_facet(facet, weight, material, who, source.level, law, bin_length, contributions)
+
+
+@inlined
+def _note_facet(facet, weight, material, who, level, law, bin_length, contributions):
+    """Note the contribution of one facet, part by part as in the sweep."""
+    curve, x, per_bin = facet_curve(facet), facet.centre * facet.cosine / level, 1.0 / bin_length
+    near, centre, far = facet.near * per_bin, facet.centre * per_bin, facet.far * per_bin
+    parts, _ = divide_facet(facet, 1.0 - facet.incidence * facet.incidence, material, near, centre, far)
+    parts = max(parts, HALVES)
+    start = facet.near
+    for k in range(parts):
+        stop, cosine, energy = part_echo(facet, curve, k, parts, start, weight, material, law, per_bin)
+        spread_contribution(contributions, who, start, stop, energy, x, cosine, bin_length)
+        start = stop

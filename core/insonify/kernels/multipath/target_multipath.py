@@ -21,11 +21,18 @@ from insonify.kernels.multipath.image_sources import (
     spreading_ratio,
     tilt_delay,
 )
+from insonify.kernels.sweep.facets import (
+    along_curve,
+    cos_incidence,
+    divide_facet,
+    facet_curve,
+    is_facet_met,
+    tilt_in_plane,
+)
 from insonify.kernels.sweep.target_echoes import (
     BedHorizon,
     count_facets,
     horizon_at,
-    is_facet_met,
     knot_before,
     primitive_material,
     visible_facet,
@@ -34,6 +41,7 @@ from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.apparent_targets import load_apparent_source
 from insonify.kernels.targets.primitives import TRIANGLE, Primitive, intersect_primitive, load_primitive
 
+HALVES = 2  # parts of a facet at least, to follow the lobe between two ways
 BEFORE = 1e-4  # share of a distance by which another primitive must come nearer to hide a place
 
 
@@ -128,31 +136,52 @@ def _incidence_at_higher(facet, primitive, body, raised, ridge, zbuffer, cells):
 
 @inlined
 def _list_facet(pattern, pair, facet, cos_other, numbers, sectors, contributor, echoes, n):
-    """List a facet that both images see; its ends give the slant ranges, its middle the strength."""
+    """List a facet that both images see, part by part; its middle gives weight, spreading and delays."""
     law, raised = pair.law, pair.other.height - pair.one.height
     x, a = facet.centre * facet.cosine, facet.centre * facet.sine
     r_other, b = _distance(facet.centre, facet.cosine, facet.sine, raised), a - raised
-    mirrored = 2.0 * facet.incidence * cos_other - (x * x + a * b) / (facet.centre * r_other)
-    value = pair_strength(facet.incidence, cos_other, mirrored, numbers[0], numbers[1], numbers[2], pair)
     one = sector_weight(x, -a if pair.one.mirrored else a, facet.centre, sectors[0], pattern, law)
     other = sector_weight(x, -b if pair.other.mirrored else b, r_other, sectors[1], pattern, law)
-    value *= pair_response(one, other, pattern.tabulated, pattern.two_way) * spreading_ratio(facet.centre, r_other, law)
-    c_low, s_low, c_high, s_high = math.cos(facet.low), math.sin(facet.low), math.cos(facet.high), math.sin(facet.high)
-    near = 0.5 * (facet.near + _distance(facet.near, c_low, s_low, raised))
-    middle = 0.5 * (facet.centre + r_other)
-    far = 0.5 * (facet.far + _distance(facet.far, c_high, s_high, raised))
-    if law == LIGHT:
-        first, second = value * abs(middle - near) / pair.bin_length, value * abs(far - middle) / pair.bin_length
-    else:
-        # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
-        first = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6)
-        second = first
+    weight = pair_response(one, other, pattern.tabulated, pattern.two_way) * spreading_ratio(facet.centre, r_other, law)
     rms, variance = pair.rms_height, pair.slope_variance
     rise = height_delay(pair.one, -a, facet.centre, rms) + height_delay(pair.other, -b, r_other, rms)
     tilt = tilt_delay(pair.one, -a, facet.centre, variance) + tilt_delay(pair.other, -b, r_other, variance)
-    cosine = min(facet.incidence, cos_other)
-    n = list_echo(echoes, n, SurfaceEcho(near, middle, first, rise, tilt, x, cosine, contributor))
-    return list_echo(echoes, n, SurfaceEcho(middle, far, second, rise, tilt, x, cosine, contributor))
+    mirrored = 2.0 * facet.incidence * cos_other - (x * x + a * b) / (facet.centre * r_other)
+    curve, near = facet_curve(facet), _pair_range(facet.near, facet.low, raised)
+    far, per_bin = _pair_range(facet.far, facet.high, raised), 1.0 / pair.bin_length
+    middle, off_mirror = 0.5 * (facet.centre + r_other), max(0.5 - 0.5 * mirrored, 0.0)
+    parts, _ = divide_facet(facet, off_mirror, numbers, near * per_bin, middle * per_bin, far * per_bin)
+    parts = max(parts, HALVES)
+    for k in range(parts):
+        far, energy = _part_of_pair(facet, curve, k, parts, near, numbers, pair, raised)
+        echo = SurfaceEcho(near, far, weight * energy, rise, tilt, x, min(facet.incidence, cos_other), contributor)
+        n, near = list_echo(echoes, n, echo), far
+    return n
+
+
+@inlined
+def _part_of_pair(facet, curve, k, parts, near, numbers, pair, raised):
+    """Slant range at which part k of a facet ends and its energy, out by one image and back by the other."""
+    angle = facet.low + (k + 0.5) / parts * curve.angle
+    r, c, s = along_curve(facet, curve, (k + 0.5) / parts), math.cos(angle), math.sin(angle)
+    far = _pair_range(along_curve(facet, curve, (k + 1.0) / parts), facet.low + (k + 1.0) / parts * curve.angle, raised)
+    tilt = tilt_in_plane(curve, r, (k + 0.5) / parts)
+    cosine, r_other = cos_incidence(curve, tilt), _distance(r, c, s, raised)
+    # Parts of the higher image's direction along the lower one's and across it; the normal is -(1, -tilt) in the plane.
+    along, across = (r - raised * s) / r_other, -raised * c / r_other
+    cos_other = cosine * (along - tilt * across)
+    mirrored = 2.0 * cosine * cos_other - along
+    value = pair_strength(cosine, cos_other, mirrored, numbers[0], numbers[1], numbers[2], pair)
+    if pair.law == LIGHT:
+        return far, value * abs(far - near) / pair.bin_length
+    # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
+    return far, value * r * curve.angle / (parts * cosine)
+
+
+@inlined
+def _pair_range(distance, angle, raised):
+    """Slant range of an echo out by the lower image, in a direction and at a distance, and back by the higher one."""
+    return 0.5 * (distance + _distance(distance, math.cos(angle), math.sin(angle), raised))
 
 
 @inlined

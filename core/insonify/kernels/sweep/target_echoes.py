@@ -11,15 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.beam.azimuth_sector import sector_weight
 from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
-from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
-from insonify.kernels.common.scattering import backscatter_strength
-from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import NEVER
+from insonify.kernels.sweep.facets import Facet, deposit_facet
 from insonify.kernels.sweep.partial_segments import FINE, deposit_partial_segment
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE, bisect_directions
-from insonify.kernels.targets.apparent_targets import load_apparent_source
+from insonify.kernels.targets.apparent_targets import load_apparent_source, rays_apart
 from insonify.kernels.targets.occlusion import next_visible
 from insonify.kernels.targets.primitives import intersect_primitive, load_primitive
 
@@ -90,19 +87,6 @@ def ground_range_at(segment, angle):
     return segment.offset / (math.tan(angle) - segment.slope)
 
 
-class Facet(NamedTuple):
-    """A small part of a body, wholly visible."""
-
-    low: float  # launch angle at which it begins, rad
-    high: float  # and ends
-    cosine: float  # of the launch angle of its middle
-    sine: float
-    near: float  # distances along its beginning, its middle and its end
-    centre: float
-    far: float
-    incidence: float  # cosine of the incidence in the middle
-
-
 class BedHorizon(NamedTuple):
     """A profile of the bed with its running horizon, which may hide targets."""
 
@@ -147,20 +131,21 @@ def deposit_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cel
         source = load_apparent_source(sector.bent, sources[nearest[cell]])
         gain, material = source.gain, (table[row, 0], table[row, 1], table[row, 2])
         c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-        facet = Facet(edge[cell], edge[cell + 1], c, s, near[cell], distance[cell], far[cell], incidence[cell])
+        arc = rays_apart(source, distance[cell])
+        facet = Facet(edge[cell], edge[cell + 1], c, s, near[cell], distance[cell], far[cell], incidence[cell], arc)
         facets = _facet_count(facet)
         # Neighbouring cells mostly meet neighbouring places.
         farthest = max(facet.near * cosine[cell], facet.far * cosine[cell + 1])
         knot = knot_before(bed, farthest, knot)
         ridge = horizon_at(bed, knot, farthest)
         if facets == 1 and ridge * cosine[cell] <= sine[cell]:
-            _deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins)
+            deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins)
             continue
         body, line = zbuffer.body[nearest[cell]], zbuffer.line[nearest[cell]]
         primitive = load_primitive(solids, mesh, plane, body, line, source)
         for k in range(facets):
             facet = visible_facet(primitive, edge[cell], edge[cell + 1], k, facets, bed, knot)
-            _deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins)
+            deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins)
 
 
 @inlined_uncounted
@@ -180,7 +165,9 @@ def count_facets(zbuffer, cell):
     cosine, sine = zbuffer.cosine, zbuffer.sine
     c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
     low, high, distance = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.distance[cell]
-    return _facet_count(Facet(low, high, c, s, zbuffer.near[cell], distance, zbuffer.far[cell], 1.0)), distance * c
+    return _facet_count(
+        Facet(low, high, c, s, zbuffer.near[cell], distance, zbuffer.far[cell], 1.0, distance)
+    ), distance * c
 
 
 @inlined_uncounted
@@ -247,33 +234,7 @@ def _intersect_facet(primitive, low, high):
     c, s = math.cos(0.5 * (low + high)), math.sin(0.5 * (low + high))
     centre, incidence = intersect_primitive(primitive, c, s)
     far, _ = intersect_primitive(primitive, math.cos(high), math.sin(high))
-    return Facet(low, high, c, s, near, centre, far, incidence)
-
-
-@inlined_uncounted
-def is_facet_met(facet):
-    """Whether a facet is not empty and its beginning, middle and end are all hit.
-
-    Parameters
-    ----------
-    facet : Facet
-
-    Returns
-    -------
-    bool
-    """
-    return facet.low < facet.high and max(facet.near, facet.far, facet.centre) < NEVER
-
-
-@inlined_uncounted
-def _deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins):
-    """Spread the energy of one facet over the range bins; its ends give the slant ranges, its middle the strength."""
-    if not is_facet_met(facet):
-        return
-    first, second = facet_energies(facet, gain, material, sector, pattern, law, bin_length)
-    last, per_bin = bins.size - 2, 1.0 / bin_length
-    spread_energy(bins, facet.near * per_bin, facet.centre * per_bin, first, last)
-    spread_energy(bins, facet.centre * per_bin, facet.far * per_bin, second, last)
+    return Facet(low, high, c, s, near, centre, far, incidence, rays_apart(primitive.source, centre))
 
 
 @inlined_uncounted
@@ -294,39 +255,6 @@ def primitive_material(solids, mesh, zbuffer, p):
     """
     body, bodies = zbuffer.body[p], solids.shape.size
     return solids.material[body] if body < bodies else mesh.material[body - bodies]
-
-
-@inlined_uncounted
-def facet_energies(facet, gain, material, sector, pattern, law, bin_length):
-    """Energies of the two halves of a facet, in fixed-point units.
-
-    Parameters
-    ----------
-    facet : Facet
-    gain : float
-        What refraction makes of the energy.
-    material : tuple of float
-        Lambert's share, Phong's share and its exponent.
-    sector : AzimuthSector
-    pattern : BeamPattern
-    law : int
-    bin_length : float
-        m.
-
-    Returns
-    -------
-    tuple of two float
-        Nearer and farther than the middle in launch angle.
-    """
-    value = backscatter_strength(facet.incidence, material[0], material[1], material[2], law)
-    x, z = facet.centre * facet.cosine, facet.centre * facet.sine
-    value *= gain * sector_weight(x, z, facet.centre, sector, pattern, law)
-    if law == LIGHT:
-        density = value / bin_length * FIXED_POINT
-        return density * abs(facet.centre - facet.near), density * abs(facet.far - facet.centre)
-    # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
-    half = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6) * FIXED_POINT
-    return half, half
 
 
 @inlined_uncounted

@@ -61,6 +61,24 @@ def load_apparent_source(bent, row):
 
 
 @inlined_uncounted
+def rays_apart(source, distance):
+    """Distance across the rays per launch angle at a slant range: how far apart neighbouring rays are there.
+
+    Parameters
+    ----------
+    source : ApparentSource
+    distance : float
+        Slant range, m.
+
+    Returns
+    -------
+    float
+        m/rad, in units of slant range; the slant range itself where sound goes straight.
+    """
+    return source.opening * (distance - source.offset)
+
+
+@inlined_uncounted
 def _store_apparent_source(source, row):
     """Store an apparent source in its row of the z-buffer."""
     row[0], row[1] = source.launch_cosine, source.launch_sine

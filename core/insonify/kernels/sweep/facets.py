@@ -1,0 +1,317 @@
+"""Facets of targets in one plane: how their slant range and incidence change along them, and the echo of their parts.
+
+Along a facet the slant range is taken as the parabola through its beginning, middle and end, and the incidence follows
+from the parabola's slope: no surface is intersected again. Derived in docs/theory/sweep.md.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from insonify.kernels.beam.azimuth_sector import sector_weight
+from insonify.kernels.common.jit import inlined_uncounted
+from insonify.kernels.common.range_bins import FIXED_POINT, spread_energy
+from insonify.kernels.common.scattering import backscatter_strength
+from insonify.kernels.common.types import LIGHT
+from insonify.kernels.geometry.cross_sections import NEVER
+
+MOST_PARTS = 16
+LOBE_END = 8.0  # n sin²α at which a specular lobe of exponent n has fallen to exp(-16)
+LOBE_TURN = 0.15  # n times the squared change of incidence along a facet up to which the lobe's mean is a series
+PER_LOBE = 6.0  # parts per 1/√n of incidence beyond it: three per standard deviation of the lobe
+UNEVEN = 100.0  # parts squared, per share of a facet's energy that an even density puts beyond a border between bins
+
+
+class Facet(NamedTuple):
+    """A small part of a body, wholly visible."""
+
+    low: float  # launch angle at which it begins, rad
+    high: float  # and ends
+    cosine: float  # of the launch angle of its middle
+    sine: float
+    near: float  # distances along its beginning, its middle and its end
+    centre: float
+    far: float
+    incidence: float  # cosine of the incidence in the middle
+    arc: float  # distance across the rays per launch angle, m/rad; the distance where sound goes straight
+
+
+class FacetCurve(NamedTuple):
+    """Slant range and incidence along a facet, from the launch angle of its middle."""
+
+    angle: float  # launch angle that it fills, rad
+    rate: float  # dr/dθ in the middle, m/rad
+    bend: float  # half of d²r/dθ², m/rad²
+    gain: float  # tan² of the incidence is gain · tilt² + left, with the tilt in the plane
+    left: float
+    per_arc: float  # one over the distance across the rays per launch angle
+    offset: float  # distance in the middle less that arc, m
+
+
+@inlined_uncounted
+def is_facet_met(facet):
+    """Whether a facet is not empty and its beginning, middle and end are all hit.
+
+    Parameters
+    ----------
+    facet : Facet
+
+    Returns
+    -------
+    bool
+    """
+    return facet.low < facet.high and max(facet.near, facet.far, facet.centre) < NEVER
+
+
+@inlined_uncounted
+def facet_curve(facet):
+    """Parabola of slant range through the beginning, middle and end of a facet, and the tilt that is left across it.
+
+    Parameters
+    ----------
+    facet : Facet
+
+    Returns
+    -------
+    FacetCurve
+    """
+    angle = facet.high - facet.low
+    rate = (facet.far - facet.near) / angle
+    bend = 2.0 * (facet.near - 2.0 * facet.centre + facet.far) / (angle * angle)
+    cos_squared = max(facet.incidence * facet.incidence, 1e-12)
+    tilt = rate / facet.arc
+    tilt_squared, tan_squared = tilt * tilt, (1.0 - cos_squared) / cos_squared
+    # At a body's edge, where the slope grows without bound, the parabola's is scaled to the incidence.
+    gain = tan_squared / tilt_squared if tan_squared < tilt_squared else 1.0
+    left = max(tan_squared - tilt_squared, 0.0)
+    return FacetCurve(angle, rate, bend, gain, left, 1.0 / facet.arc, facet.centre - facet.arc)
+
+
+@inlined_uncounted
+def along_curve(facet, curve, share):
+    """Slant range at a share of the launch angle of a facet.
+
+    Parameters
+    ----------
+    facet : Facet
+    curve : FacetCurve
+    share : float
+        0 where it begins, 1 where it ends.
+
+    Returns
+    -------
+    float
+        m.
+    """
+    delta = (share - 0.5) * curve.angle
+    return facet.centre + delta * (curve.rate + delta * curve.bend)
+
+
+@inlined_uncounted
+def tilt_in_plane(curve, distance, share):
+    """Tangent of the tilt of a facet within the plane, at a share of its launch angle.
+
+    Parameters
+    ----------
+    curve : FacetCurve
+    distance : float
+        Slant range there, m.
+    share : float
+
+    Returns
+    -------
+    float
+        (1/r) dr/dθ.
+    """
+    delta = (share - 0.5) * curve.angle
+    return (curve.rate + 2.0 * delta * curve.bend) / (distance - curve.offset)
+
+
+@inlined_uncounted
+def cos_incidence(curve, tilt):
+    """Cosine of the incidence where a facet has some tilt within the plane: its tan² is gain · tilt² + left.
+
+    Parameters
+    ----------
+    curve : FacetCurve
+    tilt : float
+
+    Returns
+    -------
+    float
+    """
+    return 1.0 / math.sqrt(1.0 + curve.left + curve.gain * tilt * tilt)
+
+
+@inlined_uncounted
+def divide_facet(facet, sine_squared, material, near, centre, far):
+    """Count the parts in which the echo of a facet must be summed, and average the specular lobe if one part will do.
+
+    Parameters
+    ----------
+    facet : Facet
+    sine_squared : float
+        Of the incidence in the middle, or of half the angle by which two ways differ from a mirror's.
+    material : tuple of float
+        Lambert's share, Phong's share and its exponent.
+    near, centre, far : float
+        Positions of the echo's beginning, middle and end, in bins.
+
+    Returns
+    -------
+    tuple
+        Parts, 1 if strength and density hardly change along the facet; and Phong's share times the ratio of the lobe's
+        mean over the facet to the lobe in its middle.
+    """
+    angle, specular, exponent = facet.high - facet.low, material[1], material[2]
+    per_length = 1.0 / (angle * facet.arc)
+    tilt = (facet.far - facet.near) * per_length
+    turn = 4.0 * (facet.near - 2.0 * facet.centre + facet.far) * per_length - tilt * tilt * angle
+    cos_squared = facet.incidence * facet.incidence
+    turn *= cos_squared
+    width = exponent * turn * turn
+    parts, change = 1.0, 0.0
+    if specular > 0.0 and exponent * sine_squared < LOBE_END + 0.5 * width:
+        change = 0.5 * exponent * math.sqrt(sine_squared * turn * turn)
+        if width > LOBE_TURN:
+            parts = 1.0 + PER_LOBE * math.sqrt(width)
+        else:
+            # Mean of exp(-2 n α²) over a change of the tilt in the plane: docs/theory/sweep.md
+            specular *= 1.0 + width * (exponent * tilt * tilt * cos_squared * (2.0 / 3.0) - 1.0 / 6.0)
+    if int(near) != int(far) or int(near) != int(centre):
+        span = max(abs(centre - near), abs(far - centre))
+        uneven = 0.5 * abs(near - 2.0 * centre + far) + change * span
+        if uneven * UNEVEN > 4.0 * span:
+            parts = max(parts, math.sqrt(UNEVEN * uneven / span))
+    return int(min(parts, MOST_PARTS)), specular
+
+
+@inlined_uncounted
+def deposit_facet(facet, gain, material, sector, pattern, law, bin_length, bins):
+    """Spread the energy of one facet over the range bins.
+
+    Parameters
+    ----------
+    facet : Facet
+    gain : float
+        What refraction makes of the energy.
+    material : tuple of float
+        Lambert's share, Phong's share and its exponent.
+    sector : AzimuthSector
+    pattern : BeamPattern
+    law : int
+    bin_length : float
+        m.
+    bins : ndarray of int64
+        Difference array, in fixed-point units.
+    """
+    if not is_facet_met(facet):
+        return
+    last, per_bin, weight = bins.size - 2, 1.0 / bin_length, facet_weight(facet, gain, sector, pattern, law)
+    near, centre, far = facet.near * per_bin, facet.centre * per_bin, facet.far * per_bin
+    parts, mean_lobe = divide_facet(facet, 1.0 - facet.incidence * facet.incidence, material, near, centre, far)
+    if parts == 1:
+        first, second = half_energies(facet, weight, (material[0], mean_lobe, material[2]), law, per_bin)
+        if int(near) == int(far) and int(near) == int(centre):
+            if near < last:
+                energy = np.int64(first + second)
+                bins[int(near)] += energy
+                bins[int(near) + 1] -= energy
+            return
+        spread_energy(bins, near, centre, first, last)
+        spread_energy(bins, centre, far, second, last)
+        return
+    curve = facet_curve(facet)
+    start = facet.near
+    for k in range(parts):
+        stop, _, energy = part_echo(facet, curve, k, parts, start, weight, material, law, per_bin)
+        spread_energy(bins, start * per_bin, stop * per_bin, energy, last)
+        start = stop
+
+
+@inlined_uncounted
+def facet_weight(facet, gain, sector, pattern, law):
+    """Factor of a facet's energy that beam, refraction and fixed-point units make.
+
+    Parameters
+    ----------
+    facet : Facet
+    gain : float
+        What refraction makes of the energy.
+    sector : AzimuthSector
+    pattern : BeamPattern
+    law : int
+
+    Returns
+    -------
+    float
+    """
+    x, z = facet.centre * facet.cosine, facet.centre * facet.sine
+    return gain * FIXED_POINT * sector_weight(x, z, facet.centre, sector, pattern, law)
+
+
+@inlined_uncounted
+def half_energies(facet, weight, material, law, per_bin):
+    """Energies of the two halves of a facet of one strength, in fixed-point units.
+
+    Parameters
+    ----------
+    facet : Facet
+    weight : float
+        Of `facet_weight`.
+    material : tuple of float
+    law : int
+    per_bin : float
+        Bins per metre.
+
+    Returns
+    -------
+    tuple of two float
+        Nearer and farther than the middle in launch angle.
+    """
+    value = weight * backscatter_strength(facet.incidence, material[0], material[1], material[2], law)
+    if law == LIGHT:
+        return (
+            value * per_bin * abs(facet.centre - facet.near),
+            value * per_bin * abs(facet.far - facet.centre),
+        )
+    # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
+    half = 0.5 * value * facet.centre * (facet.high - facet.low) / max(facet.incidence, 1e-6)
+    return half, half
+
+
+@inlined_uncounted
+def part_echo(facet, curve, k, parts, start, weight, material, law, per_bin):
+    """Where part k of a facet ends, the cosine of its incidence, and its energy in fixed-point units.
+
+    Parameters
+    ----------
+    facet : Facet
+    curve : FacetCurve
+    k, parts : int
+        Which part of how many.
+    start : float
+        Slant range at which it begins, m.
+    weight : float
+        Of `facet_weight`.
+    material : tuple of float
+    law : int
+    per_bin : float
+        Bins per metre.
+
+    Returns
+    -------
+    tuple of three float
+        Slant range in metres, cosine, energy.
+    """
+    stop, middle = along_curve(facet, curve, (k + 1.0) / parts), (k + 0.5) / parts
+    distance = along_curve(facet, curve, middle)
+    cosine = cos_incidence(curve, tilt_in_plane(curve, distance, middle))
+    value = weight * backscatter_strength(cosine, material[0], material[1], material[2], law)
+    if law == LIGHT:
+        return stop, cosine, value * per_bin * abs(stop - start)
+    # Area dA = width · r dθ / cos α, seen at incidence α: docs/theory/sweep.md
+    return stop, cosine, value * distance * curve.angle / (parts * cosine)

@@ -1,0 +1,56 @@
+"""Echoes of round and flat targets with specular lobes of any width, against a grid of rays in plain NumPy."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from beds import arrays_of, mesh_of, poses_of
+from brute_force import box, cylinder, sphere, target_record
+from insonify.scene.rotation import rotation_matrix
+from insonify.tracers import ray_sheets, sweep
+
+NO_BED = np.full((4, 4), np.nan)
+HEIGHT, BINS, BIN = 10.0, 600, 0.05
+FAN = math.radians(0.5)
+BALL = ((0.05, 12.0, 0.6), 0.6)
+PIPE = ((-4.0, 13.0, 0.5), (5.0, 12.5, 0.7), 0.3)
+CENTRE, HALF = np.array([0.3, 13.0, 1.0]), np.array([1.2, 0.9, 0.4])
+# One face looks at the sonar.
+AXES = rotation_matrix(0.0, 0.0, math.degrees(math.atan2(CENTRE[1], HEIGHT - CENTRE[2])))
+QUADS = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+
+
+def box_mesh():
+    vertices = np.array(list(itertools.product((-1.0, 1.0), repeat=3))) * HALF @ AXES.T + CENTRE
+    return mesh_of(vertices, [face for a, b, c, d in QUADS for face in ((a, b, c), (a, c, d))])
+
+
+TARGETS = {
+    "sphere": (sphere(*BALL), {"solids": [BALL]}, (-0.73, -0.59)),
+    "pipe": (cylinder(*PIPE), {"solids": [PIPE]}, (-0.67, -0.60)),
+    "box": (box(CENTRE, AXES, HALF), {"mesh": box_mesh()}, (-0.72, -0.48)),
+}
+
+
+@pytest.mark.parametrize("shininess", [25.0, 100.0, 1000.0])
+@pytest.mark.parametrize("half_width", [0.0, FAN])
+@pytest.mark.parametrize("name", TARGETS)
+def test_an_echo_is_that_of_a_grid_of_rays(name, half_width, shininess):
+    meet, bodies, elevations = TARGETS[name]
+    material = (0.5, 0.45, shininess)
+    arrays = arrays_of(
+        NO_BED, 10.0, half_width=half_width, bins=BINS, bin_length=BIN, reflectivity=[material], **bodies
+    )
+    right = target_record(
+        meet, material, height=HEIGHT, half_width=half_width, bins=BINS, bin_length=BIN, elevations=elevations
+    )
+    for record in (
+        sweep.trace(arrays, poses_of(0.0, 0.0, HEIGHT), planes=64),
+        ray_sheets.trace(arrays, poses_of(0.0, 0.0, HEIGHT), sheets=256, rays=4096),
+    ):
+        assert np.linalg.norm(record[0, 0] - right) < 0.002 * np.linalg.norm(right)
+        assert record[0, 0].sum() == pytest.approx(right.sum(), rel=0.001)

@@ -1,0 +1,104 @@
+"""Echoes of bare targets by brute force: a grid of rays in plain NumPy, apart from the program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+# Takes an origin (3,) and unit directions (..., 3); gives distances, infinite where nothing is met, and the cosines of
+# the incidence.
+Meeting = Callable[[Array, Array], tuple[Array, Array]]
+Material = tuple[float, float, float]
+
+
+def strength(cosine: Array, material: Material) -> Array:
+    """Backscattering strength of law `sonar` from the cosine of the incidence."""
+    diffuse, specular, shininess = material
+    lobe = np.clip(2.0 * cosine * cosine - 1.0, 0.0, None) ** shininess
+    return cosine * cosine * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * lobe)
+
+
+def sphere(centre: ArrayLike, radius: float) -> Meeting:
+    """Meeting of rays with a sphere."""
+
+    def meet(origin: Array, way: Array) -> tuple[Array, Array]:
+        to_centre = np.asarray(centre) - origin
+        along = way @ to_centre
+        past = to_centre @ to_centre - along * along
+        depth = np.sqrt(np.clip(radius * radius - past, 0.0, None))
+        return np.where(past < radius * radius, along - depth, np.inf), depth / radius
+
+    return meet
+
+
+def cylinder(start: ArrayLike, end: ArrayLike, radius: float) -> Meeting:
+    """Meeting of rays with the side of a cylinder whose ends are out of sight."""
+
+    def meet(origin: Array, way: Array) -> tuple[Array, Array]:
+        first = np.asarray(start, dtype=float) - origin
+        axis = np.asarray(end, dtype=float) - np.asarray(start, dtype=float)
+        length = np.linalg.norm(axis)
+        axis = axis / length
+        across, foot = way - (way @ axis)[..., None] * axis, first - (first @ axis) * axis
+        a, b = (across * across).sum(axis=-1), across @ foot
+        root = np.sqrt(np.clip(b * b - a * (foot @ foot - radius * radius), 0.0, None))
+        distance = (b - root) / a
+        place = distance * (way @ axis) - first @ axis
+        met = (root > 0.0) & (place >= 0.0) & (place <= length)
+        return np.where(met, distance, np.inf), root / radius
+
+    return meet
+
+
+def box(centre: ArrayLike, axes: Array, half: ArrayLike) -> Meeting:
+    """Meeting of rays with a box whose axes are the columns of a rotation."""
+
+    def meet(origin: Array, way: Array) -> tuple[Array, Array]:
+        start, own = (origin - np.asarray(centre)) @ axes, way @ axes
+        own = np.where(own == 0.0, 1e-30, own)
+        one, other = (-np.asarray(half) - start) / own, (np.asarray(half) - start) / own
+        enters, leaves = np.minimum(one, other), np.maximum(one, other).min(axis=-1)
+        face, distance = enters.argmax(axis=-1)[..., None], enters.max(axis=-1)
+        cosine = np.abs(np.take_along_axis(own, face, -1)[..., 0])
+        return np.where((distance < leaves) & (distance > 0.0), distance, np.inf), cosine
+
+    return meet
+
+
+def target_record(
+    meet: Meeting,
+    material: Material,
+    *,
+    height: float,
+    half_width: float,
+    bins: int,
+    bin_length: float,
+    elevations: tuple[float, float],
+    across: int = 1500,
+    up: int = 3000,
+) -> Array:
+    """Energy per bin of the port side of a level sonar at (0, 0, height) heading along x, law `sonar`.
+
+    A knife (half width 0) has ``across`` times ``up`` rays of one plane, so that both beams are as well resolved.
+    """
+    steps = across * up if half_width == 0.0 else up
+    edges = np.linspace(*elevations, steps + 1)
+    middles, step = 0.5 * (edges[1:] + edges[:-1]), edges[1] - edges[0]
+    record, origin = np.zeros(bins), np.array([0.0, 0.0, height])
+    for theta in np.array_split(middles, max(steps // 64 if half_width > 0.0 else steps // 100_000, 1)):
+        theta = theta[:, None]
+        cone = np.arcsin(np.sin(half_width) / np.cos(theta))
+        azimuth = cone * (2.0 * (np.arange(across) + 0.5) / across - 1.0) if half_width > 0.0 else 0.0 * theta
+        level, up = np.cos(theta), np.sin(theta) + 0.0 * azimuth
+        distance, cosine = meet(origin, np.stack([level * np.sin(azimuth), level * np.cos(azimuth), up], axis=-1))
+        met = np.isfinite(distance) & (cosine > 0.0)
+        distance, cosine = np.where(met, distance, 0.0), np.where(met, cosine, 1.0)
+        area = distance / cosine * step
+        if half_width > 0.0:
+            area = area * distance * level * 2.0 * cone / across
+        energy = (strength(cosine, material) * area)[met]
+        record += np.bincount((distance[met] / bin_length).astype(int), energy, bins)[:bins]
+    return record
