@@ -10,7 +10,7 @@ from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache, partial
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 from insonify.cores import default_threads, most_threads
 from insonify.errors import SceneError
@@ -19,6 +19,7 @@ Result = TypeVar("Result")
 Made = TypeVar("Made")
 SMALLEST = 8  # pings worth handing to a thread, for most kernels
 
+_END = object()
 _limit: ContextVar[int | None] = ContextVar("threads", default=None)
 
 
@@ -132,6 +133,20 @@ def _work_off(tasks: list[Callable[[], Result]], workers: int) -> list[Result]:
     for helper in begun:
         helper.result()
     return [found[number] for number in range(len(tasks))]
+
+
+def one_ahead(items: Iterator[Result]) -> Iterator[Result]:
+    """Yield items; the next one is made on another thread while the caller works on the last."""
+    with ThreadPoolExecutor(1, thread_name_prefix="insonify ahead") as maker:
+        waiting = maker.submit(_next, items)
+        while (item := waiting.result()) is not _END:
+            waiting = maker.submit(_next, items)
+            yield cast("Result", item)
+            del item  # the caller has done with it
+
+
+def _next(items: Iterator[Result]) -> object:
+    return next(items, _END)
 
 
 @cache

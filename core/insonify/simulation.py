@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 BLOCK_TIME = 0.25  # s, predicted for a block
-BLOCK_BYTES = 20e6  # of a block; a stream holds two and what is needed to make one
+BLOCK_BYTES = 16e6  # of a block; a stream that is written holds three
 ECHO_BYTES, LABEL_BYTES = 4, 48  # of one bin with all copies
 
 Echoes = NDArray[np.float32]
@@ -286,7 +286,7 @@ def simulate_blocks(
     scene, method, tolerance, forced, truth, threads
         As in `simulate`.
     block : int, optional
-        Pings at a time; when left out, as many as take a quarter of a second and 20 MB. The record does not depend on
+        Pings at a time; when left out, as many as take a quarter of a second and 16 MB. The record does not depend on
         it.
 
     Yields

@@ -10,7 +10,7 @@ import time
 import pytest
 
 from insonify import cores
-from insonify.parallel import PerThread, count_threads, in_parallel, limited_threads
+from insonify.parallel import PerThread, count_threads, in_parallel, limited_threads, one_ahead
 from insonify.scene import SceneError
 
 
@@ -179,3 +179,36 @@ print(os.waitpid(child, 0)[1])
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
     assert done.stdout.strip() == "0"
+
+
+def test_one_item_ahead_is_made_meanwhile():
+    made = []
+
+    def items():
+        for number in range(5):
+            made.append(number)
+            yield number
+
+    seen = []
+    for item in one_ahead(items()):
+        time.sleep(0.01)
+        seen.append((item, len(made)))
+    assert [item for item, _ in seen] == list(range(5))
+    assert [count for _, count in seen] == [2, 3, 4, 5, 5]
+
+
+def test_an_error_of_the_maker_comes_after_the_items_before_it():
+    def items():
+        yield 1
+        raise ValueError("the second")
+
+    ahead = one_ahead(items())
+    assert next(ahead) == 1
+    with pytest.raises(ValueError, match="the second"):
+        next(ahead)
+
+
+def test_a_caller_that_leaves_early_leaves_no_thread():
+    for _ in one_ahead(iter(range(1000))):
+        break
+    assert not [thread for thread in threading.enumerate() if "ahead" in thread.name]

@@ -52,6 +52,25 @@ def test_netcdf_reads_back_what_was_written(tmp_path):
         assert read.attrs == {"Conventions": "CF-1.10"} | whole.attrs
 
 
+@pytest.mark.parametrize("pings", [(5, 5, 2), (700, 700, 3), (1, 1)])
+def test_compression_loses_nothing_and_takes_less(tmp_path, pings):
+    starts = np.cumsum([0, *pings])
+    parts = [block(int(first), count, bins=500) for first, count in zip(starts, pings)]
+    for name in ("none", "zlib"):
+        write_record(tmp_path / f"{name}.nc", parts, compression=name)
+    plain, packed = (xr.load_dataset(tmp_path / f"{name}.nc") for name in ("none", "zlib"))
+    xr.testing.assert_identical(plain, packed)
+    np.testing.assert_array_equal(packed.intensity, xr.concat(parts, "ping_time").intensity)
+    assert (tmp_path / "zlib.nc").stat().st_size < (tmp_path / "none.nc").stat().st_size
+
+
+def test_chunks_hold_whole_pings_of_one_channel(tmp_path):
+    write_record(tmp_path / "record.nc", [block(0, 1500, bins=500), block(1500, 40, bins=500)])
+    with netCDF4.Dataset(tmp_path / "record.nc") as file:
+        assert file["intensity"].chunking() == [1, 500, 500]  # a megabyte
+        assert file["platform_x"].chunking() == [1500]
+
+
 def test_only_the_pings_are_without_limit(tmp_path):
     write_record(tmp_path / "record.nc", [block(0, 3)])
     with netCDF4.Dataset(tmp_path / "record.nc") as file:

@@ -145,11 +145,12 @@ def write(
         As in `insonify.simulate`.
     """
     # lazy: the other commands need neither Matplotlib nor the kernels
+    from insonify.parallel import one_ahead
     from insonify.simulation import simulate_blocks
 
     pings = scene.track.pings
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
-    blocks = tracked(simulate_blocks(scene, **asked), pings)
+    blocks = tracked(one_ahead(simulate_blocks(scene, **asked)), pings)
     if not _is_picture(path):
         write_record(path, blocks, **(choices or {}))
         return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,17 +12,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.formats import FileFormat
+from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.record_schema import CONVENTIONS
 
 if TYPE_CHECKING:
     import xarray as xr
 
 ALONG = "ping_time"
+CHUNK_BYTES = 1e6
 EPOCH = "nanoseconds since 1970-01-01"
 
 
-def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
+def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset], *, compression: str = "none") -> None:
     """Write a record block by block.
 
     Parameters
@@ -30,6 +32,8 @@ def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
         File to write.
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
+    compression : str
+        ``none`` or ``zlib``, which is lossless.
     """
     import netCDF4  # slow to import, and no other command needs it at its start
 
@@ -37,7 +41,7 @@ def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     try:
         for block in blocks:
             with _disk_errors():
-                append_to(file, block)
+                append_to(file, block, compression)
     finally:
         with _disk_errors():
             file.close()
@@ -60,7 +64,7 @@ def _disk_errors() -> Iterator[None]:
         raise OSError(errno.EIO, f"could not be written ({error})") from error
 
 
-def append_to(file: Any, block: xr.Dataset) -> None:
+def append_to(file: Any, block: xr.Dataset, compression: str = "none") -> None:
     """Append a block of pings to an open netCDF file; the first block defines its variables.
 
     Parameters
@@ -69,10 +73,12 @@ def append_to(file: Any, block: xr.Dataset) -> None:
         Open for writing.
     block : Dataset
         Pings that follow those in the file.
+    compression : str
+        As in `write_netcdf`.
     """
     first = ALONG not in file.dimensions
     if first:
-        _lay_out(file, block)
+        _lay_out(file, block, compression)
     start = 0 if first else len(file.dimensions[ALONG])
     stop = start + block.sizes[ALONG]
     for name, variable in block.variables.items():
@@ -83,17 +89,30 @@ def append_to(file: Any, block: xr.Dataset) -> None:
             file[name][...] = _stored(variable.values)
 
 
-def _lay_out(file: Any, block: xr.Dataset) -> None:
+def _lay_out(file: Any, block: xr.Dataset, compression: str) -> None:
     """Define dimensions, variables and attributes; only the dimension of pings is unlimited."""
+    packed: dict[str, Any] = {} if compression == "none" else {"compression": compression, "complevel": 1}
     for name, size in block.sizes.items():
         file.createDimension(name, None if name == ALONG else size)
     for name, variable in block.variables.items():
         is_text = variable.dtype.kind in "UOT"
         stored = str if is_text else _stored(variable.values[..., :0] if variable.ndim else variable.values).dtype
-        chunks = None if is_text or ALONG not in variable.dims else [max(size, 1) for size in variable.shape]
-        made = file.createVariable(name, stored, variable.dims, chunksizes=chunks)
+        chunked = not is_text and ALONG in variable.dims
+        layout = {"chunksizes": _chunks(variable), "fill_value": False, **packed} if chunked else {}
+        made = file.createVariable(name, stored, variable.dims, **layout)
         made.setncatts(_attributes(block, str(name), variable))
     file.setncatts(CONVENTIONS | {key: _plain(value) for key, value in block.attrs.items()})
+
+
+def _chunks(variable: xr.Variable) -> list[int]:
+    """Sizes of a variable's chunks: of one channel, equal parts of the first block of pings, a megabyte at most."""
+    sizes = dict(zip(variable.dims, variable.shape))
+    pings = max(sizes[ALONG], 1)
+    sizes["channel"] = 1
+    bytes_a_ping = variable.dtype.itemsize * math.prod(size for name, size in sizes.items() if name != ALONG)
+    parts = math.ceil(pings * bytes_a_ping / CHUNK_BYTES)
+    sizes[ALONG] = math.ceil(pings / max(parts, 1))
+    return [max(sizes[name], 1) for name in variable.dims]
 
 
 def _attributes(block: xr.Dataset, name: str, variable: xr.Variable) -> dict[str, Any]:
@@ -125,4 +144,10 @@ def _plain(value: Any) -> Any:
     )
 
 
-NETCDF = FileFormat("netCDF", (".nc",), read_netcdf, write_netcdf)
+NETCDF = FileFormat(
+    "netCDF",
+    (".nc",),
+    read_netcdf,
+    write_netcdf,
+    options=(WriteOption("compression", ("none", "zlib"), "lossless compression of netCDF"),),
+)

@@ -1,0 +1,164 @@
+"""From call to Dataset, file and picture, beside the tracer's own time: run with `pytest -m bench -s tests/bench`.
+
+A knife over a bare bed of 1024², 2 × 1000 bins and an ideal pulse: the less a ping costs to trace, the more the rest
+counts. All calls take turns in one process. The floor only reads a ping's heights and writes its bins.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import numpy as np
+import pytest
+
+from insonify.accuracy.timing import time_calls
+from insonify.commands.render import write
+from insonify.display.display_options import DisplayOptions
+from insonify.display.picture import LevelBed, normalise
+from insonify.kernels.common.jit import kernel
+from insonify.parallel import count_threads
+from insonify.receiver import receive
+from insonify.scene import edit, load_scene
+from insonify.simulation import prepare, simulate, simulate_blocks
+
+pytestmark = pytest.mark.bench
+DEFAULT = load_scene("default")
+BARE = edit(DEFAULT, {"sonar.beam": "knife", "targets": [], "sonar.pulse": "ideal"})
+THREADS = [1, count_threads()]
+
+
+@kernel
+def read_and_write(heights, reach, out):
+    """Read the heights abeam of every ping on both sides and write its bins."""
+    rows, columns = heights.shape
+    for ping in range(out.shape[0]):
+        row = heights[ping % rows]
+        for side in range(2):
+            first = columns // 2 * side
+            bins = out[ping, side]
+            for k in range(bins.size):
+                bins[k] = row[first + k * reach // bins.size]
+
+
+def floor(simulation, pings):
+    """Call that reads the heights and writes the bins of some pings."""
+    bed, bins = simulation.reduced.bed, simulation.scene.sonar.bins
+    reach = min(int(simulation.scene.sonar.range / bed.spacing), bed.transposed.shape[1] // 2 - 1)
+    return lambda: read_and_write(bed.transposed, reach, np.empty((pings, 2, bins), np.float32))
+
+
+def tracer(simulation, pings, threads):
+    """Call of the tracer alone, poses and planes known."""
+    arrays, poses = simulation.reduced, simulation.poses(np.arange(pings))
+    return lambda: simulation.tracer.trace(arrays, poses, threads=threads, **simulation.plan.settings)
+
+
+def viewer(simulation, pings):
+    """Call of what the viewer's worker does with a screen of pings."""
+    level, numbers = LevelBed(simulation), np.arange(pings)
+    return lambda: normalise(simulation.intensity(numbers), level.curves(numbers))
+
+
+def say(capsys, text):
+    with capsys.disabled():
+        sys.stdout.write(f"\n{text}")
+
+
+def tell(capsys, title, timings, pings, own):
+    say(capsys, f"{title}:")
+    for name, timing in timings.items():
+        over = 1e3 * (timing.median - 1.5 * timings[own].median)
+        say(
+            capsys,
+            f"  {name:32s} {1e6 * timing.median / pings:8.2f} µs a ping ± {100 * timing.spread:3.0f} %, "
+            f"{timing.median / timings[own].median:6.2f} × the tracer, 1.5 × {over:+.1f} ms",
+        )
+
+
+@pytest.mark.parametrize("pings", [512, 20_000])
+@pytest.mark.parametrize("threads", THREADS)
+def test_from_call_to_dataset(capsys, pings, threads):
+    scene = edit(BARE, {"track.pings": pings})
+    simulation = prepare(scene, threads=threads)
+    calls = {
+        "floor": floor(simulation, pings),
+        "tracer": tracer(simulation, pings, threads),
+        "intensity": lambda: simulation.intensity(np.arange(pings)),
+        "viewer": viewer(simulation, pings),
+        "prepare": lambda: prepare(scene, threads=threads),
+        "simulate": lambda: simulate(scene, threads=threads),
+        "simulate_blocks": lambda: [None for _ in simulate_blocks(scene, threads=threads)],
+    }
+    timings = time_calls(calls, rounds=9 if pings < 5000 else 7)
+    tell(capsys, f"{pings} pings, {threads} threads", timings, pings, "tracer")
+
+
+@pytest.mark.parametrize("pings", [512, 20_000])
+def test_from_command_to_file(capsys, tmp_path, pings):
+    scene = edit(BARE, {"track.pings": pings})
+    threads = count_threads()
+    simulation = prepare(scene)
+    data = np.zeros((pings, 2, scene.sonar.bins), np.float32)
+
+    def plain():
+        with open(tmp_path / "plain", "wb") as file:
+            data.tofile(file)
+
+    calls = {
+        "tracer": tracer(simulation, pings, threads),
+        "simulate": lambda: simulate(scene),
+        "as many bytes": plain,
+    }
+    for name in ("record.nc", "record.npz", "record.png"):
+        calls[name] = lambda path=tmp_path / name: write(scene, path, DisplayOptions())
+    timings = time_calls(calls, rounds=5)
+    tell(capsys, f"{pings} pings to a file, {threads} threads", timings, pings, "tracer")
+    disk = timings["as many bytes"].median
+    for name in ("record.nc", "record.npz"):
+        size, took = os.path.getsize(tmp_path / name), timings[name].median
+        say(
+            capsys,
+            f"  {name}: {size / took / 1e6:,.0f} MB/s, {100 * disk / took:.0f} % of {data.nbytes / disk / 1e6:,.0f}",
+        )
+
+
+def test_threads(capsys):
+    counts = sorted({1, min(2, count_threads()), count_threads()})
+    fan = edit(DEFAULT, {"sonar.pulse": "ideal"})
+    for name, scene, pings in (
+        ("knife", BARE, 512),
+        ("knife", BARE, 20_000),
+        ("fan, as planned", edit(fan, {"targets": []}), 512),
+        ("fan with targets, as planned", fan, 512),
+    ):
+        simulation = prepare(scene)
+        timings = time_calls({n: tracer(simulation, pings, n) for n in counts}, rounds=9)
+        times = ", ".join(
+            f"{n}: {1e6 * timing.median / pings:.2f} µs a ping (× {timings[1].median / timing.median:.2f}, "
+            f"± {100 * timing.spread:.0f} %)"
+            for n, timing in timings.items()
+        )
+        say(capsys, f"{name}, {pings} pings, threads {times}")
+
+
+def test_share_of_the_receiver(capsys):
+    """What tracing and each stage of the receiver take of the default scene's own record, one thread."""
+    pings = np.arange(512)
+    for name, changes in {
+        "knife, no targets": {"sonar.beam": "knife", "targets": []},
+        "default": {},
+        "default, Rayleigh": {"receiver.speckle": "rayleigh"},
+        "default, Rayleigh and noise": {"receiver.speckle": "rayleigh", "receiver.noise": "ambient"},
+    }.items():
+        simulation = prepare(edit(DEFAULT, changes), threads=1)
+        traced = simulation.tracer.trace(simulation.reduced, simulation.poses(pings), **simulation.plan.settings)
+        timings = time_calls(
+            {
+                "tracer": tracer(simulation, pings.size, 1),
+                "receiver": lambda ready=simulation.reception, traced=traced: receive(ready, traced, pings),
+            },
+            rounds=7,
+        )
+        trace, rest = (1e6 * timings[part].median / pings.size for part in ("tracer", "receiver"))
+        say(capsys, f"{name}: tracer {trace:.1f} µs a ping, receiver {rest:.1f} ({100 * rest / (trace + rest):.0f} %)")
