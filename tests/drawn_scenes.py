@@ -45,6 +45,7 @@ def scenes(draw: Draw) -> dict[str, Any]:
         _fit_height(draw, seabed, track)
         _fit_materials(draw, values)
         _fit_sonar(sonar, values.get("receiver", {}))
+        _fit_gains(draw, values.get("receiver", {}))
         _fit_water(draw, values.get("water", {}))
         for target in values["targets"]:
             _fit_target(draw, target, reach)
@@ -143,6 +144,15 @@ def _fit_sonar(sonar: dict[str, Any], receiver: dict[str, Any]) -> None:
     coherent = receiver.get("speckle", {}).get("kind") == "coherent"
     if coherent and (sonar.get("law") == "light" or sonar["beam"]["kind"] == "knife" or sonar["bounces"] > 0):
         receiver.pop("speckle")
+
+
+def _fit_gains(draw: Draw, receiver: dict[str, Any]) -> None:
+    """Let the places of gains ascend."""
+    for holder, key in ((receiver.get("tvg", {}), "gains"), (receiver.get("recorder", {}), "gain")):
+        pairs = holder.get(key)
+        if isinstance(pairs, list):
+            levels = [level for _, level in pairs] or [0.0]
+            holder[key] = [[place, level] for place, level in zip(_ascending(draw, len(levels), 0.0, 50.0), levels)]
 
 
 def declared(model: type[BaseModel]) -> st.SearchStrategy[dict[str, Any]]:

@@ -38,6 +38,9 @@ SURFACE = {"receiver.reverberation": "surface", **BY_DEPTH}
 BOTH = {**SURFACE, "receiver.reverberation": {"kind": "both", "volume_strength": -30.0}}
 NOISE = {"receiver.noise": "ambient"}
 TVG = {"receiver.tvg": "power"}
+TABLE = {"receiver.tvg": {"kind": "table", "by": "bin", "gains": [[0.0, 0.0], [100.0, 20.0]]}}
+RINGING = {"receiver.ringing": "decay"}
+FOREIGN = {"receiver.interference": {"kind": "sonar", "ping_rate": 20.0, "duration": 5e-3}}
 TURN = {"track.motion": {"kind": "turn", "rate": 20.0, "begin": 0.2, "duration": 0.5}}
 SUM = {"track.motion": {"kind": "sum", "of": ["straight", "heave"]}}
 RECORDED = {"track.motion": {"kind": "recorded", "path": "TOW"}}
@@ -185,7 +188,20 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "receiver.tvg": ({}, TVG),
     "receiver.tvg[power].spreading": (TVG, {"receiver.tvg.spreading": 40.0}),
     "receiver.tvg[power].absorption": (TVG, {"receiver.tvg.absorption": 100.0}),
+    "receiver.tvg[table].by": (TABLE, {"receiver.tvg.by": "time"}),
+    "receiver.tvg[table].gains": (TABLE, {"receiver.tvg.gains.1.1": 30.0}),
+    "receiver.tvg[table].interpolation": (TABLE, {"receiver.tvg.interpolation": "steps"}),
     "receiver.crosstalk": ({}, {"receiver.crosstalk": -20.0}),
+    "receiver.ringing": ({}, RINGING),
+    "receiver.interference": ({}, FOREIGN),
+    "receiver.interference[sonar].level": (FOREIGN, {"receiver.interference.level": -50.0}),
+    "receiver.interference[sonar].ping_rate": (FOREIGN, {"receiver.interference.ping_rate": 13.0}),
+    "receiver.interference[sonar].duration": (FOREIGN, {"receiver.interference.duration": 1e-2}),
+    "receiver.recorder.gain": ({}, {"receiver.recorder.gain": [[0.0, 0.0], [0.5, 6.0]]}),
+    "receiver.recorder.side_gain": ({}, {"receiver.recorder.side_gain": 3.0}),
+    "receiver.recorder.bits": ({}, {"receiver.recorder.bits": 8}),
+    "receiver.recorder.full_scale": ({}, {"receiver.recorder.full_scale": -60.0}),
+    "receiver.recorder.dropped_pings": ({}, {"receiver.recorder.dropped_pings": 0.5}),
 }
 # Materials of a map are materials like any other.
 CHANGES |= {
@@ -285,6 +301,7 @@ WHY_NOT = {
     "sonar": PART,
     "track": PART,
     "receiver": PART,
+    "receiver.recorder": PART,
     "seabed.relief[mimic].of[pattern].heading": "dunes lie along the track",
     "seabed.relief[mimic].of[pattern].of[uniform].name": "is for numbers not given; dunes have but a diffuse share",
     "seabed.relief[mimic].of[pattern].of[uniform].specular": "is 0: no slope imitates a mirror lobe",

@@ -247,8 +247,7 @@ def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
     from insonify.acoustics.resolution_cell import bin_centres, coherence_angle
 
     scene, arrays = simulation.scene, simulation.arrays
-    receiver = scene.receiver
-    if arrays.half_width <= 0.0 or {receiver.speckle.kind, receiver.noise.kind, receiver.fluctuation.kind} != {"none"}:
+    if arrays.half_width <= 0.0 or not scene.receiver.steady:
         return None
     step = scene.track.speed / scene.sonar.ping_rate
     return coherence_angle(arrays) * bin_centres(arrays) / step

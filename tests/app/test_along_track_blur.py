@@ -64,7 +64,13 @@ def apart(record: np.ndarray, wanted: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize(
-    "changes", [{"sonar.beam": "knife"}, {"receiver.speckle": "rayleigh"}, {"receiver.noise": "ambient"}]
+    "changes",
+    [
+        {"sonar.beam": "knife"},
+        {"receiver.speckle": "rayleigh"},
+        {"receiver.noise": "ambient"},
+        {"receiver.recorder.dropped_pings": 0.1},
+    ],
 )
 def test_what_is_random_or_has_no_width_is_not_smeared(small: Any, changes: dict[str, str]) -> None:
     simulator = Simulator(StandIn)

@@ -9,6 +9,7 @@ from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.resolution_cell import bin_centres, surface_echo, volume_echo
 from insonify.kernels.common.types import SceneArrays
 from insonify.scene import Scene
+from insonify.scene.gains import RangeBins
 from insonify.scene.reverberations import ReverberationKind
 
 Curve = NDArray[np.float64]
@@ -64,8 +65,11 @@ def time_varied_gain(scene: Scene, arrays: SceneArrays, echo: Curve, noise: floa
         the noise, and constant beyond. Source level and gain together are limited to `GREATEST_GAIN`.
     """
     r = bin_centres(arrays)
-    audible = np.flatnonzero(echo > max(noise, SMALLEST))
-    r = np.minimum(r, r[audible[-1]] if audible.size else r[0])
+    bins = RangeBins(np.arange(r.size, dtype=np.float64), r, 2.0 * r / arrays.water.reference)
+    if scene.receiver.tvg.stops_at_noise:
+        audible = np.flatnonzero(echo > max(noise, SMALLEST))
+        last = audible[-1] if audible.size else 0
+        bins = RangeBins(*(np.minimum(column, column[last]) for column in bins))
     absorption = absorption_coefficient(scene.water.absorption, scene.sonar.frequency, abs(depth))
-    decibels = scene.receiver.tvg.decibels(r, absorption)
+    decibels = scene.receiver.tvg.decibels(bins, absorption)
     return np.asarray(10.0 ** (np.minimum(decibels, GREATEST_GAIN - scene.receiver.source_level) / 10.0))

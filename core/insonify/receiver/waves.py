@@ -25,6 +25,12 @@ class Waves:
     real: Record
     imaginary: Record
 
+    def add(self, energy: Record, turns: Record) -> None:
+        """Add waves of given energies and phases (turns), (n or 1, 2 or 1, columns)."""
+        amplitude, phase = np.sqrt(energy), np.float32(2.0 * np.pi) * turns
+        np.add(self.real, amplitude * np.cos(phase), out=self.real)
+        np.add(self.imaginary, amplitude * np.sin(phase), out=self.imaginary)
+
     def leak(self, share: float) -> None:
         """Add to each side the other side's waves, with a share of their energy."""
         for part in (self.real, self.imaginary):

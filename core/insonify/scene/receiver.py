@@ -1,4 +1,4 @@
-"""Receiver of the sonar: speckle, gain, noise, reverberation and crosstalk."""
+"""Receiver of the sonar: speckle, reverberation, noise and other waves, gain, recorder."""
 
 from __future__ import annotations
 
@@ -9,17 +9,22 @@ from insonify.scene.fluctuations import FLUCTUATIONS, FluctuationKind
 from insonify.scene.fluctuations.none import NoFluctuation
 from insonify.scene.gains import GAINS, GainKind
 from insonify.scene.gains.none import NoTvg
+from insonify.scene.interferences import INTERFERENCES, InterferenceKind
+from insonify.scene.interferences.none import NoInterference
 from insonify.scene.kinds import KindOf
 from insonify.scene.noises import NOISES, NoiseKind
 from insonify.scene.noises.none import NoNoise
+from insonify.scene.recorder import Recorder
 from insonify.scene.reverberations import REVERBERATIONS, ReverberationKind
 from insonify.scene.reverberations.none import NoReverberation
+from insonify.scene.ringings import RINGINGS, RingingKind
+from insonify.scene.ringings.none import NoRinging
 from insonify.scene.speckles import SPECKLES, SpeckleKind
 from insonify.scene.speckles.none import NoSpeckle
 
 
 class Receiver(Declaration):
-    """Effects between the echo and the record: speckle, gain, noise, reverberation and crosstalk."""
+    """Effects between the echo and the record: speckle, reverberation, noise and other waves, gain, recorder."""
 
     speckle: Annotated[SpeckleKind, KindOf(SPECKLES, default="none")] = parameter(
         NoSpeckle(), description="interference of scatterers within a cell"
@@ -32,6 +37,12 @@ class Receiver(Declaration):
     )
     noise: Annotated[NoiseKind, KindOf(NOISES, default="none")] = parameter(
         NoNoise(), description="noise received besides the echoes"
+    )
+    interference: Annotated[InterferenceKind, KindOf(INTERFERENCES, default="none")] = parameter(
+        NoInterference(), description="pings of another sonar"
+    )
+    ringing: Annotated[RingingKind, KindOf(RINGINGS, default="none")] = parameter(
+        NoRinging(), description="ringing of the transducer after transmission"
     )
     source_level: float = parameter(
         0.0,
@@ -50,3 +61,10 @@ class Receiver(Declaration):
         le=0.0,
         slider=(-80.0, 0.0),
     )
+    recorder: Recorder = parameter(Recorder(), description="amplifier and converter")
+
+    @property
+    def steady(self) -> bool:
+        """Whether all pings are received and recorded alike, without anything random or timed."""
+        kinds = {part.kind for part in (self.speckle, self.fluctuation, self.noise, self.interference)}
+        return kinds == {"none"} and self.recorder.dropped_pings == 0.0 and len(self.recorder.gain_steps) == 1

@@ -24,11 +24,13 @@ from insonify.scene.targets import Target
 from insonify.scene.waters import WaterKind
 from insonify_viewer.fields import ChoiceField, FileField, NumberField, Parameter, part_at
 
-SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver")
+SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver", "receiver.recorder")
 PAIR_NAMES = {
     "peaks": ("fx", "fy"),
     "points": ("lag", "value"),
     "gap": ("along", "height"),
+    "gain": ("from", "level"),
+    "gains": ("at", "level"),
     "position": ("x", "y", "z"),
     "start": ("x", "y"),
 }
@@ -78,7 +80,7 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
     """
     found = []
     for name in SECTIONS:
-        part = getattr(scene, name)
+        part = part_at(scene, name)
         if name == "targets":
             for index, target in enumerate(part):
                 path = f"targets.{index}"
@@ -88,7 +90,7 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
             parameters = _inside(scene, part, name, 0)
             if name == "seabed":
                 parameters += tuple(_of_field(scene, scene, "seed", "", 0))
-            found.append(FieldSection(name, name.capitalize(), parameters))
+            found.append(FieldSection(name, name.rpartition(".")[2].capitalize(), parameters))
     return tuple(section for section in found if section.parameters)
 
 
@@ -171,7 +173,8 @@ def _of_tuple(
         elif isinstance(item, tuple):
             for k, number in enumerate(item):
                 between = _neighbours(value, index) if name == "gap" and k == 0 else None
-                yield _number(field, f"{place}.{k}", f"{single} {index + 1} {axes[k]}", indent, number, ends=between)
+                row = _number(field, f"{place}.{k}", f"{single} {index + 1} {axes[k]}", indent, number, ends=between)
+                yield replace(row, slider=None, unit="") if axes[k] in ("from", "at") else row
         else:
             if name == "size":
                 yield _number(field, place, SIDES[index], indent, item)
@@ -241,7 +244,9 @@ def known_speed(scene: Scene) -> float:
 
 
 def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
-    """Whether a field is hidden: the others make it meaningless, or it is a column that is shown as a curve."""
+    """Whether a field is hidden: it is a section of its own, meaningless beside others, or shown as a curve."""
+    if f"{path}.{name}" in SECTIONS:
+        return True
     if isinstance(part, WaterKind) and name in part.table and isinstance(getattr(part, name), tuple):
         return True
     if path.startswith("seabed.relief.of") and isinstance(part, PatternMap | Material):

@@ -1,1 +1,1 @@
-"""The receiver along a ping: the pulse spreads echoes over bins."""
+"""The receiver along a ping: the pulse spreads echoes over bins, and other sonars are received."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar, NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,12 +13,27 @@ from insonify.scene.kinds import Family
 GAINS = Family("gains", "insonify.scene.gains")
 
 
+class RangeBins(NamedTuple):
+    """Range bins to be amplified: their numbers from 0, and the slant ranges (m) and travel times (s) of centres."""
+
+    number: NDArray[np.float64]
+    slant_range: NDArray[np.float64]
+    travel_time: NDArray[np.float64]
+
+
 class GainKind(Choice):
-    """Time-varied gain."""
+    """Time-varied gain.
+
+    Attributes
+    ----------
+    stops_at_noise : bool
+        Whether the gain of the last bin in which a level bed of albedo 1 exceeds the noise holds beyond.
+    """
 
     family = GAINS
+    stops_at_noise: ClassVar[bool] = True
 
-    def decibels(self, slant_range: NDArray[np.float64], absorption: float) -> NDArray[np.float64]:
-        """Gain in dB at slant ranges (m), in water of that absorption (Np/m)."""
+    def decibels(self, bins: RangeBins, absorption: float) -> NDArray[np.float64]:
+        """Gain in dB of range bins, in water of that absorption (Np/m)."""
         del absorption
-        return np.zeros(slant_range.shape)
+        return np.zeros(bins.number.shape)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.scene.absorptions import NEPER_PER_DB
 from insonify.scene.base import parameter
-from insonify.scene.gains import GainKind
+from insonify.scene.gains import GainKind, RangeBins
 
 
 class PowerTvg(GainKind):
@@ -34,7 +34,7 @@ class PowerTvg(GainKind):
         slider=(0.0, 400.0),
     )
 
-    def decibels(self, slant_range: NDArray[np.float64], absorption: float) -> NDArray[np.float64]:
+    def decibels(self, bins: RangeBins, absorption: float) -> NDArray[np.float64]:
         """Gain in dB, spreading · log₁₀ r + 2αr with α in dB/m."""
         loss = absorption if self.absorption is None else self.absorption * NEPER_PER_DB / 1e3
-        return self.spreading * np.log10(slant_range) + 2.0 * loss / NEPER_PER_DB * slant_range
+        return self.spreading * np.log10(bins.slant_range) + 2.0 * loss / NEPER_PER_DB * bins.slant_range

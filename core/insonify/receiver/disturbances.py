@@ -1,0 +1,78 @@
+"""Waves of a known course that are not echoes: ringing after transmission and pings of another sonar."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.streams import INTERFERENCE
+from insonify.kernels.common.types import SceneArrays
+from insonify.kernels.receiver.foreign_pings import Timing, fill_foreign_pings
+from insonify.receiver.levels import power
+from insonify.scene import Scene
+
+Record = NDArray[np.float32]
+
+
+@dataclass(frozen=True, eq=False)
+class Disturbances:
+    """Ringing and interference of a scene.
+
+    Attributes
+    ----------
+    seed : int
+        Of the scene.
+    ringing : (1, 1, columns) float32 or None
+        Intensity of the ringing in every bin, or in every sample of a bin.
+    interference : float
+        Intensity of the other sonar's pings, 0 where there is none.
+    timing : Timing
+        When bins are received and when the other sonar pings.
+    columns : int
+        Bins, or samples of all bins.
+    """
+
+    seed: int
+    ringing: Record | None
+    interference: float
+    timing: Timing
+    columns: int
+
+    def waves(self, pings: NDArray[np.int64]) -> Iterator[tuple[Record, Record]]:
+        """Yield intensity and phase (turns) of each wave, (n or 1, 1, columns); both sides receive it alike."""
+        if self.ringing is not None:
+            yield self.ringing, np.zeros_like(self.ringing)
+        if self.interference > 0.0:
+            share, turns = np.empty((2, pings.size, self.columns), np.float32)
+            fill_foreign_pings(self.seed, INTERFERENCE, pings, self.timing, share, turns)
+            yield np.float32(self.interference) * share[:, None], turns[:, None]
+
+
+def make_disturbances(scene: Scene, arrays: SceneArrays, samples: int) -> Disturbances | None:
+    """Ringing and interference that a scene declares, None where it declares neither.
+
+    Parameters
+    ----------
+    scene : Scene
+    arrays : SceneArrays
+        Gives the bins and the speed of sound by which they are timed.
+    samples : int
+        Samples of a bin at which waves are summed.
+    """
+    bin_time, columns = 2.0 * arrays.bin_length / arrays.water.reference / samples, arrays.bins * samples
+    level = scene.receiver.ringing.decibels((np.arange(columns, dtype=np.float64) + 0.5) * np.float64(bin_time))
+    foreign = scene.receiver.interference.pings
+    if level is None and foreign is None:
+        return None
+    ringing = None if level is None else 10.0 ** ((level + scene.receiver.source_level) / 10.0)
+    interval, duration = (1.0, 0.0) if foreign is None else (1.0 / foreign.rate, foreign.duration)
+    return Disturbances(
+        seed=scene.seed,
+        ringing=None if ringing is None else ringing.astype(np.float32)[None, None],
+        interference=0.0 if foreign is None else power(foreign.level),
+        timing=Timing(1.0 / scene.sonar.ping_rate, bin_time, interval, min(duration, interval)),
+        columns=columns,
+    )

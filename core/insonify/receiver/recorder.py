@@ -1,0 +1,95 @@
+"""Amplifier and converter of the recorder: gains, full scale, bits, lost pings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.streams import DROPPED_PINGS
+from insonify.kernels.receiver.foreign_pings import fill_uniform
+from insonify.receiver.levels import SMALLEST, power
+from insonify.scene import Scene
+from insonify.scene.recorder import Recorder
+
+LARGEST = float(np.finfo(np.float32).max)
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What a recorder makes of detected intensities.
+
+    Attributes
+    ----------
+    seed : int
+        Of the scene.
+    times : (k,) float64
+        From which the gains hold, in seconds after the first ping.
+    gains : (k,) float64
+        Factors of intensity.
+    sides : (2,) float64
+        Factors of intensity of port and starboard.
+    full_scale : float
+        Greatest intensity that is recorded.
+    steps : int
+        Steps of amplitude from 0 to full scale; 0 where nothing is rounded.
+    dropped : float
+        Share of the pings that are lost.
+    ping_rate : float
+        Pings per second.
+    """
+
+    seed: int
+    times: NDArray[np.float64]
+    gains: NDArray[np.float64]
+    sides: NDArray[np.float64]
+    full_scale: float
+    steps: int
+    dropped: float
+    ping_rate: float
+
+    def record(self, detected: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Record detected intensities, (n, 2, bins)."""
+        step = np.maximum(np.searchsorted(self.times, pings / self.ping_rate, side="right") - 1, 0)
+        amplified = detected * (self.gains[step, None, None] * self.sides[:, None])
+        kept = np.minimum(amplified, self.full_scale)
+        if self.steps:
+            # Envelope detectors are converted, so amplitudes are rounded and not intensities.
+            codes = np.rint(np.sqrt(kept / self.full_scale) * self.steps)
+            kept = (codes / self.steps) ** 2 * self.full_scale
+        if self.dropped > 0.0:
+            chance = np.empty(pings.size)
+            fill_uniform(self.seed, DROPPED_PINGS, pings, chance)
+            kept[chance < self.dropped] = 0.0
+        return kept.astype(np.float32)
+
+
+def make_recording(scene: Scene, loudest: float) -> Recording | None:
+    """Prepare the recorder of a scene, None for one that changes nothing.
+
+    Parameters
+    ----------
+    scene : Scene
+    loudest : float
+        Intensity of a level bed of albedo 1 in its loudest bin, the full scale of a converter that declares none.
+    """
+    declared = scene.receiver.recorder
+    if declared == Recorder():
+        return None
+    times, gains = np.array(declared.gain_steps).T
+    steps = 0 if declared.bits == "float" else 2**declared.bits - 1
+    if declared.full_scale is not None:
+        full_scale = power(declared.full_scale)
+    else:
+        full_scale = max(loudest, SMALLEST) if steps else LARGEST
+    return Recording(
+        seed=scene.seed,
+        times=times,
+        gains=10.0 ** (gains / 10.0),
+        sides=10.0 ** (np.array([0.5, -0.5]) * declared.side_gain / 10.0),
+        full_scale=full_scale,
+        steps=steps,
+        dropped=declared.dropped_pings,
+        ping_rate=scene.sonar.ping_rate,
+    )

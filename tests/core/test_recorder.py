@@ -1,0 +1,214 @@
+"""Recorder, gain table, ringing and interference: each does what it says, is off by default, and costs no order."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beds import arrays_of
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.receiver import make_reception, receive
+from insonify.scene import SceneError, edit, load_scene, scene_from_toml, scene_to_toml
+
+BINS, BIN_LENGTH, ALTITUDE = 1000, 0.05, 10.0
+BIN_TIME = 2.0 * BIN_LENGTH / 1500.0
+RATE = 10.0  # pings per second of the default scene
+
+
+def ready(bins=BINS, **changes):
+    declared = edit(
+        load_scene("default"), {"sonar.pulse": "ideal"} | {p.replace("__", "."): v for p, v in changes.items()}
+    )
+    return make_reception(declared, arrays(bins), altitude=ALTITUDE, depth=20.0)
+
+
+def arrays(bins=BINS):
+    flat = np.zeros((4, 4))
+    return arrays_of(flat, bins=bins, bin_length=BIN_LENGTH, half_width=math.radians(0.5), spreading=True)
+
+
+def even(pings=4, bins=BINS, energy=1e-6):
+    return np.full((pings, 2, bins), energy, np.float32)
+
+
+def of(traced, pings=None, **changes):
+    pings = np.arange(len(traced)) if pings is None else pings
+    return receive(ready(traced.shape[2], **changes), traced, pings)
+
+
+def test_all_is_off_by_default():
+    traced = even()
+    assert of(traced) is traced
+
+
+def test_a_gain_lifts_the_record():
+    np.testing.assert_allclose(of(even(), receiver__recorder__gain=6.0), 1e-6 * 10.0**0.6, rtol=1e-6)
+
+
+def test_gain_steps_hold_from_their_time_on():
+    steps = [[1.0, 0.0], [2.0, 6.0], [2.5, -3.0]]
+    record = of(even(40), receiver__recorder__gain=steps)
+    expected = np.repeat([0.0, 6.0, -3.0], [20, 5, 15])
+    np.testing.assert_allclose(10.0 * np.log10(record[:, 0, 0] / 1e-6), expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("gain", [[], [[0.0, 1.0], [0.0, 2.0]], [[2.0, 1.0], [1.0, 2.0]], 300.0])
+def test_gains_out_of_order_or_bounds_are_refused(gain):
+    with pytest.raises(SceneError, match=r"^receiver\.recorder\.gain"):
+        ready(receiver__recorder__gain=gain)
+
+
+def test_sides_differ_by_the_gain_of_port_over_starboard():
+    record = of(even(), receiver__recorder__side_gain=4.0)
+    np.testing.assert_allclose(10.0 * np.log10(record[:, 0] / record[:, 1]), 4.0, atol=1e-5)
+    # Half to either hand, so that the record is as loud in decibels.
+    np.testing.assert_allclose(10.0 * np.log10(record[:, 0] * record[:, 1] / 1e-12), 0.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_bits_round_the_amplitude_to_steps_of_full_scale(bits):
+    traced = np.random.default_rng(0).exponential(1e-6, (4, 2, BINS)).astype(np.float32)
+    full_scale = 10.0 * math.log10(4e-6)
+    record = of(traced, receiver__recorder__bits=bits, receiver__recorder__full_scale=full_scale).astype(float)
+    codes = np.sqrt(record / 4e-6) * (2**bits - 1)
+    np.testing.assert_allclose(codes, np.rint(codes), atol=0.01)
+    wanted = np.minimum(np.sqrt(traced.astype(float) / 4e-6), 1.0) * (2**bits - 1)
+    assert np.abs(codes - wanted).max() < 0.51
+    assert (traced > 4e-6).any()
+    assert codes.max() == pytest.approx(2**bits - 1, rel=1e-6)
+
+
+def test_left_out_full_scale_is_the_loudest_bin_of_a_perfect_level_bed():
+    loudest = flat_bed_curve(arrays(), ALTITUDE).max()
+    traced = even(energy=10.0 * loudest)
+    np.testing.assert_allclose(of(traced, receiver__recorder__bits=8), loudest, rtol=1e-6)
+    # It follows source and time-varied gain; a gain of the recorder's own brings the record to clip.
+    louder = of(even(energy=0.5 * loudest), receiver__recorder__bits=8, receiver__source_level=20.0)
+    np.testing.assert_allclose(louder, 50.0 * loudest, rtol=0.01)
+    clipped = of(even(energy=0.5 * loudest), receiver__recorder__bits=8, receiver__recorder__gain=6.0)
+    np.testing.assert_allclose(clipped, loudest, rtol=1e-6)
+
+
+def test_float_clips_only_at_a_declared_full_scale():
+    record = of(even(energy=3.0), receiver__recorder__full_scale=0.0)
+    np.testing.assert_allclose(record, 1.0, rtol=1e-6)
+
+
+def test_dropped_pings_are_silent_and_so_many():
+    record = of(even(20_000, 2), receiver__recorder__dropped_pings=0.1)
+    lost = ~record.any(axis=(1, 2))
+    assert lost.mean() == pytest.approx(0.1, abs=4.0 * math.sqrt(0.09 / 20_000))
+    assert (record[~lost] == np.float32(1e-6)).all()
+    # Each by chance of its own.
+    both = (lost[1:] & lost[:-1]).mean()
+    assert both == pytest.approx(0.01, abs=4.0 * math.sqrt(0.01 / 20_000))
+    assert not of(even(), receiver__recorder__dropped_pings=1.0).any()
+
+
+TABLE = [[2.0, 0.0], [4.0, 10.0], [8.0, 50.0]]
+
+
+def test_a_gain_table_by_bin():
+    linear = {"kind": "table", "by": "bin", "gains": TABLE}
+    record = of(even(bins=12), receiver__tvg=linear)[0, 0].astype(float)
+    expected = np.interp(np.arange(12), *np.array(TABLE).T)
+    np.testing.assert_allclose(10.0 * np.log10(record / 1e-6), expected, atol=1e-5)
+    steps = of(even(bins=12), receiver__tvg=linear | {"interpolation": "steps"})[0, 0].astype(float)
+    np.testing.assert_allclose(10.0 * np.log10(steps / 1e-6), [0.0] * 4 + [10.0] * 4 + [50.0] * 4, atol=1e-5)
+
+
+def test_a_gain_table_by_time_counts_from_transmission():
+    gains = [[0.0, 0.0], [0.06, 60.0]]
+    record = of(even(), receiver__tvg={"kind": "table", "gains": gains})[0, 0].astype(float)
+    time = (np.arange(BINS) + 0.5) * BIN_TIME
+    np.testing.assert_allclose(10.0 * np.log10(record / 1e-6), np.minimum(1e3 * time, 60.0), atol=1e-4)
+
+
+def test_a_gain_table_goes_on_beyond_the_noise():
+    changes = {"receiver__tvg": {"kind": "table", "by": "bin", "gains": [[0, 0.0], [999, 40.0]]}}
+    loud = ready(receiver__noise={"kind": "ambient", "level": 0.0}, **changes)
+    np.testing.assert_allclose(10.0 * np.log10(loud.gain), np.arange(BINS) * 40.0 / 999.0, atol=1e-9)
+
+
+def test_a_gain_table_out_of_order_is_refused():
+    with pytest.raises(SceneError, match=r"^receiver\.tvg\.gains.* increasing time or bin"):
+        ready(receiver__tvg={"kind": "table", "gains": [[1.0, 0.0], [0.5, 3.0]]})
+
+
+def test_ringing_decays_after_transmission():
+    ringing = {"kind": "decay", "level": -30.0, "time": 2e-3}
+    record = of(np.zeros((2, 2, BINS), np.float32), receiver__ringing=ringing, receiver__source_level=100.0)
+    time = (np.arange(BINS) + 0.5) * BIN_TIME
+    np.testing.assert_allclose(10.0 * np.log10(record[1, 1]), 70.0 - 10.0 / math.log(10.0) * time / 2e-3, atol=1e-3)
+
+
+def test_ringing_is_a_wave_beside_the_speckled_echo():
+    ringing = {"kind": "decay", "level": -60.0, "time": 1.0}
+    record = of(even(1000, 100), receiver__ringing=ringing, receiver__speckle="rayleigh", track__speed=50.0)
+    # A steady wave of energy a beside a Gaussian one of 1: mean 1 + a, variance 1 + 2a.
+    a = 10.0 ** (-0.4343 * 50.0 * BIN_TIME)
+    values = record.astype(float) / 1e-6
+    assert values.mean() == pytest.approx(1.0 + a, abs=4.0 * math.sqrt((1.0 + 2.0 * a) / values.size))
+    assert values.var() == pytest.approx(1.0 + 2.0 * a, rel=0.02)
+
+
+def interference(**changes):
+    return {"receiver__interference": {"kind": "sonar", "level": -50.0, "ping_rate": 7.0, "duration": 1e-3} | changes}
+
+
+def test_another_sonar_pings_at_its_own_rate():
+    pings = np.arange(400)
+    record = of(np.zeros((400, 2, BINS), np.float32), pings, **interference(ping_rate=7.123))
+    np.testing.assert_array_equal(record[:, 0], record[:, 1])
+    heard = record[:, 0].astype(float) * 1e5
+    assert heard.max() == pytest.approx(1.0, rel=1e-5)
+    # All the energy of its pings that fall into the time of listening: 7.123 Hz · 1 ms of each second.
+    listening = 400 * BINS * BIN_TIME
+    assert heard.sum() * BIN_TIME == pytest.approx(7.123 * 1e-3 * listening, rel=0.05)
+    # Each begins 1/7.123 s after the last.
+    row, column = np.nonzero(np.diff(heard, axis=1) > 0.0)
+    begins = row / RATE + (column + 1) * BIN_TIME
+    begins = begins[np.r_[True, np.diff(begins) > 5e-4]]
+    off = np.mod(begins - begins[0] + 0.5 / 7.123, 1.0 / 7.123) - 0.5 / 7.123
+    assert np.abs(off).max() < 2.0 * BIN_TIME
+
+
+def test_the_pings_of_another_sonar_have_phases_of_their_own():
+    foreign = interference(level=-60.0, ping_rate=1e3, duration=1e-3)  # always on, as loud as the echo
+    record = of(even(400, 200), receiver__speckle="rayleigh", track__speed=50.0, **foreign).astype(float) / 1e-6
+    assert record.mean() == pytest.approx(2.0, abs=4.0 * math.sqrt(3.0 / record.size) * 3.0)
+    assert record.var() == pytest.approx(3.0, rel=0.05)
+    assert not np.array_equal(record, of(even(400, 200), seed=2, receiver__speckle="rayleigh", **foreign))
+
+
+def test_without_speckle_energies_add():
+    ringing = {"kind": "decay", "level": -60.0, "time": 1.0}
+    foreign = interference(level=-60.0, ping_rate=1e3, duration=1e-3)
+    record = of(even(), receiver__ringing=ringing, **foreign).astype(float) / 1e-6
+    time = (np.arange(BINS) + 0.5) * BIN_TIME
+    np.testing.assert_allclose(record, np.broadcast_to(2.0 + np.exp(-time), record.shape), rtol=1e-5)
+
+
+@pytest.mark.parametrize("speckle", ["none", "rayleigh"])
+def test_every_ping_is_a_function_of_its_number(speckle):
+    changes = {
+        "receiver__speckle": speckle,
+        "receiver__ringing": "decay",
+        "receiver__tvg": "table",
+        "receiver__recorder": {"bits": 8, "gain": [[0.0, 0.0], [1.0, 3.0]], "side_gain": 1.0, "dropped_pings": 0.2},
+    }
+    changes |= interference()
+    traced = np.random.default_rng(0).exponential(1e-6, (40, 2, 200)).astype(np.float32)
+    whole = of(traced, **changes)
+    order = np.random.default_rng(1).permutation(40)
+    np.testing.assert_array_equal(of(traced[order], order, **changes), whole[order])
+    np.testing.assert_array_equal(of(traced[7:9], np.array([7, 8]), **changes), whole[7:9])
+
+
+def test_a_recorder_is_written_and_read():
+    declared = edit(load_scene("default"), {"receiver.recorder": {"bits": 8, "gain": [[0.0, 1.0], [3.0, 2.0]]}})
+    assert scene_from_toml(scene_to_toml(declared)) == declared
+    with pytest.raises(SceneError, match=r"^receiver\.recorder\.bits.*12"):
+        edit(declared, {"receiver.recorder.bits": 12})
