@@ -146,7 +146,7 @@ def test_a_link_keeps_pointing_where_it_did(tmp_path):
 def test_a_full_disk_is_called_by_its_name(tmp_path, monkeypatch):
     """The netCDF library reports it as a RuntimeError, often only when the file is closed."""
 
-    def full(file, block):
+    def full(*_: object):
         raise RuntimeError("NetCDF: HDF error")
 
     monkeypatch.setattr(insonify.io.records.netcdf, "append_to", full)

@@ -91,7 +91,10 @@ def append_to(file: Any, block: xr.Dataset, compression: str = "none") -> None:
 
 def _lay_out(file: Any, block: xr.Dataset, compression: str) -> None:
     """Define dimensions, variables and attributes; only the dimension of pings is unlimited."""
-    packed: dict[str, Any] = {} if compression == "none" else {"compression": compression, "complevel": 1}
+    # Without compression, rows go to the file directly; a cache of chunks would only copy them once more.
+    packed: dict[str, Any] = (
+        {"chunk_cache": 1} if compression == "none" else {"compression": compression, "complevel": 1}
+    )
     for name, size in block.sizes.items():
         file.createDimension(name, None if name == ALONG else size)
     for name, variable in block.variables.items():
