@@ -81,11 +81,11 @@ def test_one_new_file_adds_a_format(tmp_path, monkeypatch):
     assert registry.writable() == ()
     assert registry.describe(registry.readable()) == ".txt (plain text), .odd (odd text)"
     (tmp_path / "Ab.TXT").touch()
-    assert registry.reader(str(tmp_path / "Ab.TXT"))("Ab") == "AB"
+    assert registry.read(str(tmp_path / "Ab.TXT")) == str(tmp_path / "Ab.TXT").upper()
     with pytest.raises(SceneError, match=r"^shelf: ab\.nc is not a format known here; give a file that ends in one of"):
-        registry.reader("ab.nc")
+        registry.read("ab.nc")
     with pytest.raises(SceneError, match=r"^shelf: ab\.odd does not exist; give the path of a text$"):
-        registry.reader("ab.odd")
+        registry.read("ab.odd")
     for name in ("shelf", "shelf.plain", "stranger"):
         monkeypatch.delitem(sys.modules, name)
 

@@ -191,3 +191,13 @@ def test_scale_turns_units_into_metres_about_the_middle(tmp_path):
     corners = prepare(load_scene(scene)).arrays.mesh.corners
     np.testing.assert_allclose(corners.min(axis=(0, 1)), [4.5, 6.25, 0.0], atol=1e-12)
     np.testing.assert_allclose(corners.max(axis=(0, 1)), [5.5, 7.75, 0.5], atol=1e-12)
+
+
+def test_triangles_lost_by_rounding_far_from_the_origin_are_dropped(tmp_path, capfd):
+    path = tmp_path / "far.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1e14 0 0\nv 0 1e14 0\nf 1 2 3\nf 1 4 5\n")
+    scene = tmp_path / "scene.toml"
+    scene.write_text(f'[[targets]]\nkind = "mesh"\nposition = [0.1, 0.3]\nscale = 1e-6\npath = "{path}"\n')
+    with np.errstate(all="raise"):
+        mesh = prepare(load_scene(scene)).arrays.mesh
+    assert np.isfinite(mesh.normal).all()

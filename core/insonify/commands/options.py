@@ -121,7 +121,7 @@ def chosen_scene(arguments: argparse.Namespace) -> Scene:
     if is_record(arguments.scene):
         name = arguments.scene
         if Path(name).suffix.lower() in RECORDS.foreign():
-            RECORDS.reader(name)
+            RECORDS.format_of(name)
         raise SceneError(f"{name}: this is a record, not a scene; draw it with 'insonify render {name} -o OUT.png'")
     scene = load_scene(arguments.scene)
     changes = dict(read_setting(text) for text in arguments.set)

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar, cast
 
 from insonify.errors import SceneError
 from insonify.io.atomic import replacing
+from insonify.io.file_access import check_folder, check_regular, guarded
 from insonify.plugins import announced, modules_in
 
 Content = TypeVar("Content")
@@ -44,7 +46,8 @@ class FileFormat(Generic[Content]):
     suffixes : tuple of str
         In lower case, each with its dot.
     read : callable, optional
-        Takes the path of a file that exists and returns its content; None if the format is only written.
+        Takes the path of a regular file and returns its content; None if the format is only written. It may raise
+        anything: `FormatRegistry.read` makes one sentence of it.
     write : callable, optional
         Takes a path, an iterable of successive parts and the options; None if the format is only read. It writes a new
         file, which replaces the old one when it is complete.
@@ -56,6 +59,8 @@ class FileFormat(Generic[Content]):
         Whether a file of the format is a folder.
     converter : str
         Of a format that is neither read nor written: the program that converts it to one that is.
+    remedy : str
+        What to do with a file that its library cannot read.
     """
 
     description: str
@@ -66,6 +71,7 @@ class FileFormat(Generic[Content]):
     selects: tuple[str, ...] = ()
     folder: bool = False
     converter: str = ""
+    remedy: str = "export it again"
 
 
 class FormatRegistry(Generic[Content]):
@@ -128,8 +134,31 @@ class FormatRegistry(Generic[Content]):
         names = {suffix: each.description for each in self.formats() for suffix in each.suffixes}
         return ", ".join(f"{suffix} ({names[suffix]})" for suffix in suffixes)
 
-    def reader(self, path: str, alternative: str = "") -> Callable[[str], Content]:
-        """Return what reads a file, by its suffix.
+    def read(self, path: str, alternative: str = "", **selected: Any) -> Content:
+        """Read a file by its suffix.
+
+        Parameters
+        ----------
+        path : str
+        alternative : str
+            What else may be given, for the remedy.
+        **selected
+            Keywords among the format's ``selects``.
+
+        Raises
+        ------
+        SceneError
+            One sentence, if the format is not known, there is no such regular file, or it cannot be read.
+        """
+        found = self.format_of(path, alternative)
+        refusal = partial(self.refusal, path)
+        with guarded(refusal, found.remedy):
+            check = check_folder if found.folder else check_regular
+            check(path, f"give the path of {self.contents}{alternative}")
+            return cast("Callable[..., Content]", found.read)(path, **selected)
+
+    def format_of(self, path: str, alternative: str = "") -> FileFormat[Content]:
+        """Return the format in which a file is read, by its suffix.
 
         Parameters
         ----------
@@ -140,22 +169,19 @@ class FormatRegistry(Generic[Content]):
         Raises
         ------
         SceneError
-            If the format is not known or there is no such file.
+            If the format is not read here.
         """
         suffix = Path(path).suffix.lower()
         found = [each for each in self.formats() if suffix in each.suffixes]
-        read = next((each.read for each in found if each.read), None)
+        readable = next((each for each in found if each.read), None)
         foreign = next((each for each in found if each.converter), None)
-        if read is None and foreign is not None:
-            raise self.refusal(
-                path, f"is in the format {foreign.description}, which is not read here", foreign.converter
-            )
-        if read is None:
-            known = f"give a file that ends in one of {', '.join(self.readable())}{alternative}"
-            raise self.refusal(path, "is not a format known here", known)
-        if not (Path(path).is_dir() if any(each.folder for each in found) else Path(path).is_file()):
-            raise self.refusal(path, "does not exist", f"give the path of {self.contents}{alternative}")
-        return read
+        if readable is not None:
+            return readable
+        if foreign is not None:
+            fault = f"is in the format {foreign.description}, which is not read here"
+            raise self.refusal(path, fault, foreign.converter)
+        known = f"give a file that ends in one of {', '.join(self.readable())}{alternative}"
+        raise self.refusal(path, "is not a format known here", known)
 
     def selects(self, path: str) -> tuple[str, ...]:
         """Return the keywords by which a part of a file can be selected when it is read."""
@@ -187,12 +213,3 @@ class FormatRegistry(Generic[Content]):
     def refusal(self, path: str | Path, fault: str, remedy: str) -> SceneError:
         """Return one sentence with the fault of a file and the remedy."""
         return SceneError(self.error.format(path=path, fault=fault, remedy=remedy))
-
-    def unreadable(self, path: str | Path, error: Exception, remedy: str) -> SceneError:
-        """Return one sentence that a file cannot be read, with a library's reason and the remedy."""
-        return self.refusal(path, f"cannot be read ({reason(error)})", remedy)
-
-
-def reason(error: Exception) -> str:
-    """Return the beginning of an error's message on one line, or the error's name where it has none."""
-    return " ".join(str(error).split())[:120] or type(error).__name__

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import located
+from insonify.io.meshes import has_area
 from insonify.kernels.common.types import FRUSTUM, SPHERE, Mesh, Solids
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.scene import Scene
@@ -58,7 +59,8 @@ def _mesh(shapes: list[Shape], before: int) -> Mesh:
     """Pack the triangles of all targets for the kernels; their materials follow those before."""
     target = _numbers([len(shape.triangles) for shape in shapes])
     corners = np.concatenate([Shape().triangles, *(shape.triangles for shape in shapes)])
-    return build_mesh(corners, before + target, target)
+    whole = has_area(corners)  # triangles far smaller than their distance from the origin lose it by rounding
+    return build_mesh(corners[whole], before + target[whole], target[whole])
 
 
 def _numbers(counts: list[int]) -> NDArray[np.int64]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,12 @@ import tomli_w
 
 from insonify.errors import SceneError
 from insonify.files import bundled_meshes, bundled_scenes
+from insonify.io.file_access import MISSING, guarded, read_text
 from insonify.scene.edit import build, plain
 from insonify.scene.scene import Scene
 
 DEFAULT_SCENE = "default"
+LARGEST = 2**24  # bytes of a scene
 
 
 def load_scene(name_or_path: str | Path) -> Scene:
@@ -35,17 +38,17 @@ def load_scene(name_or_path: str | Path) -> Scene:
     """
     named = bundled_scenes().get(str(name_or_path))
     path = named or Path(name_or_path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")  # some editors begin with a byte order mark
-    except FileNotFoundError:
-        names = ", ".join(bundled_scenes())
-        raise SceneError(f"scene {str(name_or_path)!r}: no such file; give a TOML file or one of {names}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no text in UTF-8"
-        raise SceneError(f"scene {str(name_or_path)!r}: cannot be read ({reason}); give a readable TOML file") from None
+    with guarded(partial(_unreadable, name_or_path), "give a readable TOML file"):
+        text = read_text(path, largest=LARGEST)
     if "\0" in text:
         raise SceneError(f"scene {str(name_or_path)!r}: is a binary file, not text; give a TOML file")
     return scene_from_toml(text, source=path)
+
+
+def _unreadable(name_or_path: str | Path, fault: str, remedy: str) -> SceneError:
+    if fault == MISSING:
+        fault, remedy = "no such file", f"give a TOML file or one of {', '.join(bundled_scenes())}"
+    return SceneError(f"scene {str(name_or_path)!r}: {fault}; {remedy}")
 
 
 def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:

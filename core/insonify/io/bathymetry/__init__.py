@@ -28,8 +28,7 @@ def read_grid(path: str) -> Grid:
     SceneError
         One sentence with what is wrong with the file and the remedy.
     """
-    read = read_sample if path.startswith(SAMPLE) else BATHYMETRY.reader(path)
-    grid = read(path)
+    grid = read_sample(path) if path.startswith(SAMPLE) else BATHYMETRY.read(path)
     if not np.isfinite(grid.heights).any():
         raise BATHYMETRY.refusal(path, "holds no valid height", "check its nodata value")
     return grid

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import zipfile
-from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.bathymetry.grid import BATHYMETRY, Grid, check_size, check_type
+from insonify.io.bathymetry.grid import BATHYMETRY, HEIGHT, Grid, check_size, check_type
+from insonify.io.file_access import FileFault, check_expansion
 from insonify.io.formats import FileFormat
+from insonify.io.numpy_files import Archive, read_npy
 
 NAMES = ("elevation", "z")
 SAMPLE = "sample:"
@@ -25,14 +24,13 @@ SAMPLES = {
 
 def read_array(path: str) -> Grid:
     """Read ``.npy``, or ``.npz``: its ``elevation`` or ``z``, else its first 2-D array; rows run towards +y."""
-    try:
-        stored = np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        raise BATHYMETRY.unreadable(path, error, "save it with numpy.save or numpy.savez") from None
-    if isinstance(stored, np.ndarray):
-        return Grid(_heights(path, stored))
-    with stored:
-        return Grid(_heights(path, _pick(path, stored)))
+    if path.lower().endswith(".npy"):
+        array = read_npy(path)
+    else:
+        with Archive(path) as stored:
+            array = _pick(stored)
+    check_expansion(path, array.size * HEIGHT)
+    return Grid(_heights(array))
 
 
 def read_sample(path: str) -> Grid:
@@ -46,35 +44,28 @@ def read_sample(path: str) -> Grid:
         )
     file, key, northern_first = SAMPLES[name]
     with np.load(Path(str(cbook.get_sample_data(file, asfileobj=False)))) as stored:
-        heights = _heights(path, stored[key])
+        heights = _heights(stored[key])
     return Grid(np.ascontiguousarray(heights[::-1]) if northern_first else heights)
 
 
-def _pick(path: str, stored: Mapping[str, Any]) -> NDArray[Any]:
+def _pick(stored: Archive) -> NDArray[Any]:
     """Return the array that holds the heights: elevation or z, else the first 2-D array."""
-    arrays = map(partial(_get, path, stored), [*(name for name in NAMES if name in stored), *stored])
+    arrays = map(stored.__getitem__, [*(name for name in NAMES if name in stored.names), *stored.names])
     found = next((array for array in arrays if array.ndim == 2), None)
     if found is None:
-        raise BATHYMETRY.refusal(path, "holds no 2-D array", "save the heights as a 2-D array named elevation")
+        raise FileFault("holds no 2-D array", "save the heights as a 2-D array named elevation")
     return found
 
 
-def _get(path: str, stored: Mapping[str, Any], name: str) -> NDArray[Any]:
-    try:
-        return np.asarray(stored[name])
-    except (OSError, ValueError, zipfile.BadZipFile) as error:
-        raise BATHYMETRY.unreadable(path, error, "save it with numpy.savez as plain numbers") from None
-
-
-def _heights(path: str, array: NDArray[Any]) -> NDArray[np.float64]:
+def _heights(array: NDArray[Any]) -> NDArray[np.float64]:
     """Check an array of heights and replace infinite values by NaN."""
     if array.ndim != 2:
-        raise BATHYMETRY.refusal(path, f"has {array.ndim} dimensions", "save the heights as a 2-D array")
-    check_type(path, array.dtype)
-    check_size(path, array.shape)
+        raise FileFault(f"has {array.ndim} dimensions", "save the heights as a 2-D array")
+    check_type(array.dtype)
+    check_size(array.shape)
     heights = array.astype(np.float64)
     heights[~np.isfinite(heights)] = np.nan
     return heights
 
 
-ARRAYS = FileFormat("NumPy array", (".npy", ".npz"), read_array)
+ARRAYS = FileFormat("NumPy array", (".npy", ".npz"), read_array, remedy="save it with numpy.save or numpy.savez")

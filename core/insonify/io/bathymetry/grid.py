@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.file_access import FileFault
 from insonify.io.formats import FormatRegistry
 
 # A bed of 16384² float32 nodes takes 1 GB.
 LARGEST_SIDE = 16384
+HEIGHT = 8  # bytes of a height
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,17 +43,15 @@ BATHYMETRY: FormatRegistry[Grid] = FormatRegistry(
 )
 
 
-def check_size(path: str, shape: tuple[int, ...]) -> None:
+def check_size(shape: tuple[int, ...]) -> None:
     """Refuse a grid too small to span a cell or too large to hold."""
     if min(shape) < 2:
-        raise BATHYMETRY.refusal(path, f"is only {shape[1]} by {shape[0]} heights", "give at least 2 by 2")
+        raise FileFault(f"is only {shape[1]} by {shape[0]} heights", "give at least 2 by 2")
     if max(shape) > LARGEST_SIDE:
-        raise BATHYMETRY.refusal(
-            path, f"is {shape[1]} by {shape[0]} heights", f"crop or thin it to {LARGEST_SIDE} a side"
-        )
+        raise FileFault(f"is {shape[1]} by {shape[0]} heights", f"crop or thin it to {LARGEST_SIDE} a side")
 
 
-def check_type(path: str, stored: np.dtype[Any]) -> None:
+def check_type(stored: np.dtype[Any]) -> None:
     """Refuse values that are not real numbers: complex numbers, booleans, text."""
     if stored.kind not in "fiu":
-        raise BATHYMETRY.refusal(path, f"holds {stored} values", "save the heights as real numbers")
+        raise FileFault(f"holds {stored} values", "save the heights as real numbers")

@@ -2,80 +2,96 @@
 
 from __future__ import annotations
 
-import warnings
+import math
+import os
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.io.bathymetry.grid import BATHYMETRY, Grid, check_size, check_type
+from insonify.io.bathymetry.grid import HEIGHT, Grid, check_size, check_type
+from insonify.io.file_access import FileFault, check_companions, check_expansion
 from insonify.io.formats import FileFormat
+from insonify.io.isolation import run_isolated
 
+DRIVERS = {".tif": "GTiff", ".tiff": "GTiff", ".bag": "BAG", ".asc": "AAIGrid"}
+REMEDY = "give a valid GeoTIFF, BAG or ESRI ASCII grid"
+FARTHEST = 1e9  # m, of map coordinates
+SPACINGS = (1e-4, 1e6)  # m
 ELEVATION = 1  # band that holds the heights
 
 
 def read_raster(path: str) -> Grid:
     """Read the first band of a raster; a BAG of varying resolution is resampled to its finest."""
-    # GDAL takes a fifth of a second to load; only rasters need it.
-    from rasterio.errors import NotGeoreferencedWarning, RasterioError
+    check_companions(path)
+    if os.path.abspath(path).startswith("/vsi"):
+        raise FileFault("is a virtual file to GDAL", "give it another path")
+    return run_isolated(read_with_gdal, path)
 
-    try:
-        with warnings.catch_warnings():
-            # A TIFF without georeference is accepted: the scene gives its spacing.
-            warnings.simplefilter("ignore", NotGeoreferencedWarning)
-            with _open(path) as raster:
-                return _read(path, raster)
-    except RasterioError as error:
-        raise BATHYMETRY.unreadable(path, error, "give a valid GeoTIFF, BAG or ESRI ASCII grid") from None
+
+def read_with_gdal(path: str) -> Grid:
+    """Read a raster in this process, which GDAL may crash."""
+    with _open(path) as raster:
+        return _read(path, raster)
 
 
 def _open(path: str) -> Any:
     """Open a raster, a BAG of varying resolution at its finest rather than at its coarse overview."""
+    # GDAL takes a fifth of a second to load; only rasters need it.
     import rasterio
 
-    raster = rasterio.open(path)
+    driver = DRIVERS[Path(path).suffix.lower()]
+    raster = rasterio.open(path, driver=driver)
     if raster.tags().get("HAS_SUPERGRIDS") != "TRUE":
         return raster
     raster.close()
-    return rasterio.open(path, MODE="RESAMPLED_GRID", RES_STRATEGY="MIN")
+    return rasterio.open(path, driver=driver, MODE="RESAMPLED_GRID", RES_STRATEGY="MIN")
 
 
 def _read(path: str, raster: Any) -> Grid:
-    check_size(path, raster.shape)
-    check_type(path, np.dtype(raster.dtypes[ELEVATION - 1]))
+    check_size(raster.shape)
+    check_expansion(path, raster.width * raster.height * HEIGHT)
+    check_type(np.dtype(raster.dtypes[ELEVATION - 1]))
     heights = _flipped(raster.read(ELEVATION, masked=True))
+    # A TIFF without georeference is accepted: the scene gives its spacing.
     if raster.crs is None and raster.transform.is_identity:
         return Grid(heights)
-    _check_metres(path, raster)
+    _check_metres(raster)
     transform = raster.transform
     if transform.b != 0.0 or transform.d != 0.0 or transform.a <= 0.0 or transform.e >= 0.0:
-        raise BATHYMETRY.refusal(
-            path, "is not laid out north up", "warp it to a north-up grid, for example with gdalwarp"
-        )
+        raise FileFault("is not laid out north up", "warp it to a north-up grid, for example with gdalwarp")
+    _check_transform(transform)
     # Heights lie at the centres of pixels; the last row is the southernmost.
     x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
     return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y))
 
 
+def _check_transform(transform: Any) -> None:
+    """Refuse pixels and corners of sizes that no map has."""
+    if not all(SPACINGS[0] <= abs(side) <= SPACINGS[1] for side in (transform.a, transform.e)):
+        sizes = f"has pixels of {transform.a:g} by {-transform.e:g} m"
+        raise FileFault(sizes, f"give a size from {SPACINGS[0]:g} to {SPACINGS[1]:g} m")
+    if not math.hypot(transform.c, transform.f) <= FARTHEST:
+        raise FileFault(f"lies at {transform.c:g}, {transform.f:g} m", "georeference it again")
+
+
 def _flipped(band: Any) -> NDArray[np.float64]:
     """Heights with rows from south to north, NaN where there is none."""
-    heights = np.ma.filled(band.astype(np.float64), np.nan)
-    heights[~np.isfinite(heights)] = np.nan
-    return np.ascontiguousarray(heights[::-1])
+    heights = np.empty(band.shape)
+    heights[...] = band.data[::-1]
+    heights[np.ma.getmaskarray(band)[::-1] | ~np.isfinite(heights)] = np.nan
+    return heights
 
 
-def _check_metres(path: str, raster: Any) -> None:
+def _check_metres(raster: Any) -> None:
     """Refuse coordinates that are not in metres; a grid without a reference system is taken to be."""
     if raster.crs is None:
         return
     if raster.crs.is_geographic:
-        raise BATHYMETRY.refusal(
-            path, "is in degrees", "project it to metres, for example with gdalwarp -t_srs EPSG:32633"
-        )
+        raise FileFault("is in degrees", "project it to metres, for example with gdalwarp -t_srs EPSG:32633")
     if raster.crs.is_projected and abs(raster.crs.linear_units_factor[1] - 1.0) > 1e-9:
-        raise BATHYMETRY.refusal(
-            path, f"is in {raster.crs.linear_units}", "project it to metres, for example with gdalwarp -t_srs"
-        )
+        raise FileFault(f"is in {raster.crs.linear_units}", "project it to metres, for example with gdalwarp -t_srs")
 
 
-RASTERS = FileFormat("GeoTIFF, BAG or ESRI ASCII grid", (".tif", ".tiff", ".bag", ".asc"), read_raster)
+RASTERS = FileFormat("GeoTIFF, BAG or ESRI ASCII grid", tuple(DRIVERS), read_raster, remedy=REMEDY)

@@ -1,5 +1,5 @@
 """Meshes of triangles: a format is one module here that holds a `FileFormat`."""
 
-from insonify.io.meshes.mesh import MESHES, read_mesh
+from insonify.io.meshes.mesh import MESHES, has_area, read_mesh
 
-__all__ = ["MESHES", "read_mesh"]
+__all__ = ["MESHES", "has_area", "read_mesh"]

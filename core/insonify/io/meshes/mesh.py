@@ -43,12 +43,12 @@ def read_mesh(path: str) -> NDArray[np.float64]:
 
 @kept_until_changed(maxsize=8)
 def _read_triangles(path: str) -> NDArray[np.float64]:
-    corners = MESHES.reader(path, f", or the name of a bundled mesh ({', '.join(bundled_meshes())})")(path)
+    corners = MESHES.read(path, f", or the name of a bundled mesh ({', '.join(bundled_meshes())})")
     if len(corners) > MOST_TRIANGLES:
         raise MESHES.refusal(path, f"has {len(corners)} triangles", f"thin it to at most {MOST_TRIANGLES}")
     if not (np.abs(corners) < FARTHEST).all():
         raise MESHES.refusal(path, f"has corners that are not finite or lie beyond {FARTHEST:g}", "export it again")
-    corners = corners[_has_area(corners)]
+    corners = corners[has_area(corners)]
     if not len(corners):
         raise MESHES.refusal(path, "holds no triangles", "check that it is whole and holds surfaces")
     # lazy: SciPy's sparse graphs, which only meshes need
@@ -57,7 +57,17 @@ def _read_triangles(path: str) -> NDArray[np.float64]:
     return wind_outwards(corners)
 
 
-def _has_area(corners: NDArray[np.float64]) -> NDArray[np.bool_]:
+def has_area(corners: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether triangles have an area beyond rounding error.
+
+    Parameters
+    ----------
+    corners : (n, 3, 3) float64
+
+    Returns
+    -------
+    (n,) bool
+    """
     edges = corners - np.roll(corners, 1, axis=1)
     longest_squared = (edges**2).sum(axis=2).max(axis=1)
     area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)

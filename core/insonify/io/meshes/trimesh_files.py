@@ -2,29 +2,50 @@
 
 from __future__ import annotations
 
-import logging
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.file_access import companion, open_regular
 from insonify.io.formats import FileFormat
-from insonify.io.meshes.mesh import MESHES
+from insonify.io.isolation import run_isolated
+
+REMEDY = "export it again as OBJ, STL, PLY or glTF"
+
+
+class _Companions(Mapping[str, bytes]):
+    """Files that a mesh refers to, such as buffers of glTF, as trimesh asks for them."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+
+    def __getitem__(self, name: str) -> bytes:
+        with open_regular(companion(self.path, name)) as file:
+            return file.read()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(())
+
+    def __len__(self) -> int:
+        return 0
 
 
 def read_z_up(path: str) -> NDArray[np.float64]:
     """Corners of all triangles of a file whose z points up, (n, 3, 3)."""
+    return run_isolated(read_with_trimesh, path)
+
+
+def read_with_trimesh(path: str) -> NDArray[np.float64]:
+    """Read the corners in this process, which a file may keep busy for ever."""
     import trimesh  # half a second, which only scenes with meshes pay for
 
-    logger = logging.getLogger("trimesh")
-    was, logger.disabled = logger.disabled, True
-    try:
+    with open_regular(path) as file:
         # Textures and merged corners are of no use here.
-        mesh = trimesh.load_scene(path, process=False, skip_materials=True).to_mesh()
-        return np.asarray(mesh.vertices, np.float64).reshape(-1, 3)[np.asarray(mesh.faces, np.int64).reshape(-1, 3)]
-    except Exception as error:  # every format's reader fails in ways of its own
-        raise MESHES.unreadable(path, error, "export it again as OBJ, STL, PLY or glTF") from None
-    finally:
-        logger.disabled = was
+        kind = path.rpartition(".")[2].lower()
+        scene = trimesh.load_scene(file, file_type=kind, resolver=_Companions(path), process=False, skip_materials=True)
+    mesh = scene.to_mesh()
+    return np.asarray(mesh.vertices, np.float64).reshape(-1, 3)[np.asarray(mesh.faces, np.int64).reshape(-1, 3)]
 
 
 def read_y_up(path: str) -> NDArray[np.float64]:
@@ -32,7 +53,7 @@ def read_y_up(path: str) -> NDArray[np.float64]:
     return read_z_up(path)[..., [0, 2, 1]] * [1.0, -1.0, 1.0]
 
 
-OBJ = FileFormat("OBJ", (".obj",), read_z_up)
-STL = FileFormat("STL", (".stl",), read_z_up)
-PLY = FileFormat("PLY", (".ply",), read_z_up)
-GLTF = FileFormat("glTF", (".gltf", ".glb"), read_y_up)
+OBJ = FileFormat("OBJ", (".obj",), read_z_up, remedy=REMEDY)
+STL = FileFormat("STL", (".stl",), read_z_up, remedy=REMEDY)
+PLY = FileFormat("PLY", (".ply",), read_z_up, remedy=REMEDY)
+GLTF = FileFormat("glTF", (".gltf", ".glb"), read_y_up, remedy=REMEDY)

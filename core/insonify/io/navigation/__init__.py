@@ -28,7 +28,7 @@ def read_navigation(path: str) -> RecordedNavigation:
     SceneError
         One sentence with what is wrong with the file and the remedy.
     """
-    found = NAVIGATION.reader(path)(path)
+    found = NAVIGATION.read(path)
     # A recording without a pitch sensor holds a column without numbers.
     found = {
         name: column

@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import warnings
-from pathlib import Path
-
 import numpy as np
 
+from insonify.io.file_access import FileFault, read_text
 from insonify.io.formats import FileFormat
-from insonify.io.navigation.recorded import NAVIGATION, Columns, find_columns
+from insonify.io.navigation.recorded import Columns, find_columns
+
+REMEDY = "give one number in every column of every row"
 
 
 def read_csv(path: str) -> Columns:
     """Read the columns of navigation in a CSV file."""
-    try:
-        with Path(path).open(encoding="utf-8-sig") as file:
-            places = find_columns(file.readline().split(","))
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)  # a file without rows is refused below
-                table = np.loadtxt(file, delimiter=",", usecols=tuple(places.values()), ndmin=2) if places else None
-    except (OSError, ValueError) as error:
-        reason = str(error).splitlines()[0].rstrip(".;")
-        raise NAVIGATION.refusal(
-            path, f"cannot be read ({reason})", "give one number in every column of every row"
-        ) from None
-    if table is None:
+    lines = read_text(path).splitlines()
+    places = find_columns(lines[0].split(",")) if lines else {}
+    if not places:
         return {}
+    try:
+        table = np.loadtxt(lines[1:], delimiter=",", usecols=tuple(places.values()), ndmin=2)
+    except ValueError as error:
+        told = str(error).splitlines()[0].rstrip(".;")
+        raise FileFault(f"cannot be read ({told})", REMEDY) from None
     return dict(zip(places, np.ascontiguousarray(table.reshape(-1, len(places)).T)))
 
 
-CSV = FileFormat("comma-separated values", (".csv",), read_csv)
+CSV = FileFormat("comma-separated values", (".csv",), read_csv, remedy=REMEDY)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Iterable
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from insonify.errors import SceneError
+from insonify.io.file_access import guarded
 from insonify.io.formats import FormatRegistry
 from insonify.io.record_schema import ACROSS, CHANNELS
 
@@ -44,17 +44,12 @@ def read_record(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     SceneError
         One sentence with what is wrong with the file and the remedy.
     """
-    read = RECORDS.reader(str(path))
-    selected = {} if frequency is None else {"frequency": frequency}
+    selected: dict[str, Any] = {} if frequency is None else {"frequency": frequency}
     if selected and "frequency" not in RECORDS.selects(str(path)):
         raise RECORDS.refusal(path, "holds one frequency alone", "leave the choice of a frequency out")
-    try:
-        record = read(str(path), **selected)
-    except SceneError:
-        raise
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise RECORDS.unreadable(path, error, "give a record written by insonify") from None
-    fault = _fault(record)
+    record = RECORDS.read(str(path), **selected)
+    with guarded(partial(RECORDS.refusal, path), "give a record written by insonify"):
+        fault = _fault(record)
     if fault is not None:
         raise RECORDS.refusal(path, f"is no record ({fault})", "give one made by insonify")
     return record

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.file_access import one_at_a_time
 from insonify.io.formats import FileFormat, WriteOption
+from insonify.io.netcdf_files import read_stored
 from insonify.io.record_schema import CONVENTIONS
 
 if TYPE_CHECKING:
@@ -37,13 +39,14 @@ def write_netcdf(path: str | Path, blocks: Iterable[xr.Dataset], *, compression:
     """
     import netCDF4  # slow to import, and no other command needs it at its start
 
-    file = netCDF4.Dataset(path, "w", format="NETCDF4")
+    with one_at_a_time():
+        file = netCDF4.Dataset(path, "w", format="NETCDF4")
     try:
         for block in blocks:
-            with _disk_errors():
+            with one_at_a_time(), _disk_errors():
                 append_to(file, block, compression)
     finally:
-        with _disk_errors():
+        with one_at_a_time(), _disk_errors():
             file.close()
 
 
@@ -51,8 +54,9 @@ def read_netcdf(path: str | Path) -> xr.Dataset:
     """Read a record written by `write_netcdf`."""
     import xarray as xr  # slow to import too
 
-    with xr.open_dataset(path, engine="netcdf4") as record:
-        return record.load()
+    stored = read_stored(str(path))
+    variables = {name: xr.Variable(*variable) for name, variable in stored.variables.items()}
+    return xr.decode_cf(xr.Dataset(variables, attrs=stored.attributes))
 
 
 @contextmanager
@@ -152,5 +156,6 @@ NETCDF = FileFormat(
     (".nc",),
     read_netcdf,
     write_netcdf,
+    remedy="give a record written by insonify",
     options=(WriteOption("compression", ("none", "zlib"), "lossless compression of netCDF"),),
 )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from insonify.io.formats import FileFormat
+from insonify.io.numpy_files import Archive
 from insonify.io.record_schema import ACROSS, join_blocks
 
 if TYPE_CHECKING:
@@ -33,7 +34,10 @@ def write_npz(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     record = join_blocks(list(blocks))
     arrays = {str(name): variable.values for name, variable in record.variables.items()}
     arrays |= {f"{ATTRIBUTE}{key}": np.array(value) for key, value in record.attrs.items()}
-    arrays = {name: values.astype(str) if values.dtype.kind in "OT" else values for name, values in arrays.items()}
+    arrays = {
+        name: values.astype(object).astype(str) if values.dtype.kind in "OT" else values
+        for name, values in arrays.items()
+    }
     with Path(path).open("wb") as file:
         np.savez(file, **arrays)  # type: ignore[arg-type]
 
@@ -42,8 +46,8 @@ def read_npz(path: str | Path) -> xr.Dataset:
     """Read a record written by `write_npz`."""
     import xarray as xr  # slow to import, and no other command needs it at its start
 
-    with np.load(path, allow_pickle=False) as stored:
-        arrays = {name: stored[name] for name in stored.files}
+    with Archive(str(path)) as stored:
+        arrays = {name: stored[name] for name in stored.names}
     told = [name for name in arrays if name.startswith(ATTRIBUTE)]
     attributes = {name.removeprefix(ATTRIBUTE): arrays.pop(name).item() for name in told}
     sizes = dict(zip(ACROSS, arrays["intensity"].shape))
@@ -61,4 +65,4 @@ def _dimensions(name: str, shape: tuple[int, ...], sizes: dict[str, int]) -> tup
     return across[: len(shape)]
 
 
-NPZ = FileFormat("NumPy arrays", (".npz",), read_npz, write_npz)
+NPZ = FileFormat("NumPy arrays", (".npz",), read_npz, write_npz, remedy="give a record written by insonify")

@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from insonify.io.file_access import check_expansion
 from insonify.io.formats import FileFormat
+from insonify.io.isolation import run_isolated
+from insonify.io.netcdf_files import NUMBER
 from insonify.io.record_schema import CONVENTIONS, join_blocks
 
 if TYPE_CHECKING:
@@ -45,9 +48,18 @@ def write_zarr(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
 
 def read_zarr(path: str | Path) -> xr.Dataset:
     """Read a record from a Zarr store, such as `write_zarr` makes."""
-    import xarray as xr  # slow to import too
+    return run_isolated(read_with_zarr, str(path))
 
-    with xr.open_dataset(path, engine="zarr") as record:
+
+def read_with_zarr(path: str) -> xr.Dataset:
+    """Read a store in this process, which its codecs may crash."""
+    import xarray as xr  # slow to import too
+    import zarr
+
+    # Version 2 has a codec that unpickles.
+    group = zarr.open_group(path, mode="r", zarr_format=3)
+    check_expansion(path, sum(array.size * max(array.dtype.itemsize, NUMBER) for _, array in group.arrays()))
+    with xr.open_dataset(path, engine="zarr", zarr_format=3) as record:
         return record.load()
 
 
@@ -81,4 +93,4 @@ def _regrouped(blocks: Iterable[xr.Dataset], size: int) -> Iterator[xr.Dataset]:
         yield join_blocks(held)
 
 
-ZARR = FileFormat("Zarr", (".zarr",), read_zarr, write_zarr, folder=True)
+ZARR = FileFormat("Zarr", (".zarr",), read_zarr, write_zarr, folder=True, remedy="give a record written by insonify")

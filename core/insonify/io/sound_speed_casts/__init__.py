@@ -26,4 +26,4 @@ def read_cast(path: str) -> Cast:
     SceneError
         One sentence with what is wrong with the file and the remedy.
     """
-    return clean_cast(path, CASTS.reader(path)(path))
+    return clean_cast(path, CASTS.read(path))

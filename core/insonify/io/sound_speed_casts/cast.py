@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from insonify.io.formats import FormatRegistry
 
+ENCODING = "latin-1"  # accepts any byte
 Values = NDArray[np.float64]
 # Columns of a file by name: depth (m) and any of time (s), sound_speed (m/s), temperature (°C), salinity (practical).
 # NaN where a row has no value.
@@ -44,17 +44,3 @@ CASTS: FormatRegistry[Columns] = FormatRegistry(
     "insonify.sound_speed_cast_formats",
     "water.path: {path!r} {fault}; {remedy}",
 )
-
-
-def read_text(path: str) -> str:
-    """Text of a cast's file, read as Latin-1, which accepts any byte.
-
-    Raises
-    ------
-    SceneError
-        If the file cannot be opened.
-    """
-    try:
-        return Path(path).read_text(encoding="latin-1")
-    except OSError as error:
-        raise CASTS.refusal(path, f"cannot be read ({error.strerror})", "give a file that can be opened") from None

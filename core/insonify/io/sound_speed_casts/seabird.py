@@ -6,8 +6,9 @@ import re
 
 import numpy as np
 
+from insonify.io.file_access import read_text
 from insonify.io.formats import FileFormat
-from insonify.io.sound_speed_casts.cast import CASTS, Columns, Values, read_text
+from insonify.io.sound_speed_casts.cast import CASTS, ENCODING, Columns, Values
 
 WIDTH = 11  # characters of a column, for tables whose numbers run together
 BAD = -9.99e-29  # marks a missing value
@@ -35,7 +36,7 @@ def read_seabird(path: str) -> Columns:
     SceneError
         If it holds no table.
     """
-    text = read_text(path)
+    text = read_text(path, ENCODING)
     names = [match.group(1) for match in re.finditer(r"^# name \d+ = ([^:\r\n]+)", text, flags=re.MULTILINE)]
     if not names:
         raise CASTS.refusal(path, "names no columns as Sea-Bird does", "give a converted cast")

@@ -7,8 +7,9 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.file_access import read_text
 from insonify.io.formats import FileFormat
-from insonify.io.sound_speed_casts.cast import CASTS, Columns, Values, read_text
+from insonify.io.sound_speed_casts.cast import CASTS, ENCODING, Columns, Values
 
 BYTE_ORDER_MARK = "\u00ef\u00bb\u00bf"  # read as Latin-1
 SPEEDS = (1300.0, 1700.0)
@@ -38,7 +39,7 @@ def read_profile(path: str) -> Columns:
     SceneError
         If it holds no profile, or several.
     """
-    text = read_text(path)
+    text = read_text(path, ENCODING)
     sections = len(re.findall(r"^\s*section\b", text, flags=re.MULTILINE | re.IGNORECASE))
     if sections > 1:
         raise CASTS.refusal(path, f"holds {sections} casts", "keep one of its sections")
@@ -65,7 +66,7 @@ def read_table(path: str) -> Columns:
     SceneError
         If it holds no table, or columns that cannot be told apart.
     """
-    whole = read_text(path).removeprefix(BYTE_ORDER_MARK).splitlines()
+    whole = read_text(path, ENCODING).removeprefix(BYTE_ORDER_MARK).splitlines()
     lines = [line for line in whole if line.strip(" ,;\t") and line[0] != "#"]
     rows = [_numbers(line) for line in lines]
     names = _header(lines[0]) if lines and np.isnan(rows[0]).all() else None

@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import ValidationError
 
 from insonify.errors import SceneError
+from insonify.io.file_access import guarded, read_text
 from insonify.io.file_cache import kept_until_changed
-from insonify.io.formats import reason
 from insonify.scene.autocorrelations import AutocorrelationKind
 from insonify.scene.autocorrelations.table import Points, TabledAutocorrelation, density_of_points, feature_of_points
 from insonify.scene.base import FilePath, parameter
@@ -42,10 +42,8 @@ def read_autocorrelation(path: str) -> Points:
     SceneError
         If it cannot be read, or its points do not begin at lag 0 with 1 and go on to larger lags.
     """
-    try:
-        rows = np.genfromtxt(path, delimiter=",", comments="#", dtype=np.float64, ndmin=2)
-    except (OSError, ValueError) as error:
-        raise _refusal(path, f"cannot be read ({reason(error)})") from None
+    with guarded(lambda fault, remedy: _refusal(path, fault), ""):
+        rows = np.genfromtxt(read_text(path).splitlines(), delimiter=",", comments="#", dtype=np.float64, ndmin=2)
     # A line of names comes out as NaN.
     rows = rows[1:] if len(rows) and np.isnan(rows[0]).all() else rows
     if rows.shape[1] != 2 or not np.isfinite(rows).all():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import warnings
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from insonify.errors import SceneError
 from insonify.files import file_version
+from insonify.io.file_access import FileFault, check_expansion, guarded, open_regular
 from insonify.io.file_cache import kept_until_changed
-from insonify.io.formats import reason
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.materials.base import Cells, Map
 from insonify.scene.materials.composite import CompositeMap
@@ -20,7 +20,9 @@ from insonify.scene.materials.uniform import Material
 # Grey levels of Pillow's modes; colours are turned into the grey that an eye sees.
 LEVELS = {"1": 2, "L": 256, "I": 65536, "I;16": 65536, "I;16B": 65536, "I;16L": 65536}
 COLOURED = ("LA", "RGB", "RGBA", "CMYK", "YCbCr", "HSV", "LAB")
+FORMATS = ("PNG", "TIFF")
 LARGEST_SIDE = 16384
+PIXEL = 4  # bytes that a pixel takes while it is decoded
 
 
 class ImageMap(CompositeMap):
@@ -94,26 +96,25 @@ def read_picture(path: str, count: int) -> Map:
 
 def _read(path: str) -> tuple[NDArray[np.integer], int | None]:
     """Pixels from the top row, and how many grey levels they tell apart; None for numbers of a palette."""
-    from PIL import Image, UnidentifiedImageError  # which only beds with a picture pay for
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", Image.DecompressionBombWarning)
-            with Image.open(path) as picture:
-                mode = picture.mode
-                plain = picture.convert("L") if mode in COLOURED else picture
-                pixels = np.asarray(plain)
-    except FileNotFoundError:
-        raise _refusal(path, "does not exist", "give the path of a PNG or TIFF picture") from None
-    except (Image.DecompressionBombWarning, Image.DecompressionBombError):
-        raise _refusal(path, "is too large to be read", "thin it to 8192 pixels a side") from None
-    except (OSError, UnidentifiedImageError, ValueError, SyntaxError) as error:
-        raise _refusal(path, f"cannot be read ({reason(error)})", "give a PNG or TIFF picture") from None
+    with guarded(partial(_refusal, path), "give a PNG or TIFF picture"):
+        mode, pixels = _decode(path)
     if mode == "P":
         return pixels, None
-    if plain.mode not in LEVELS or not 0 <= int(pixels.min()) <= int(pixels.max()) < LEVELS[plain.mode]:
-        raise _refusal(path, f"holds pixels of mode {plain.mode}", "save it with 8 or 16 bits of grey or a palette")
-    return pixels, LEVELS[plain.mode]
+    if mode not in LEVELS or not 0 <= int(pixels.min()) <= int(pixels.max()) < LEVELS[mode]:
+        raise _refusal(path, f"holds pixels of mode {mode}", "save it with 8 or 16 bits of grey or a palette")
+    return pixels, LEVELS[mode]
+
+
+def _decode(path: str) -> tuple[str, NDArray[np.integer]]:
+    """Mode of a picture, colours turned into grey, and its pixels."""
+    from PIL import Image  # which only beds with a picture pay for
+
+    with open_regular(path) as file, Image.open(file, formats=FORMATS) as picture:
+        if max(picture.size) > LARGEST_SIDE:
+            raise FileFault("is too large to be read", "thin it to 8192 pixels a side")
+        check_expansion(path, picture.width * picture.height * PIXEL)
+        plain = picture.convert("L") if picture.mode in COLOURED else picture
+        return plain.mode, np.asarray(plain)
 
 
 def _pixels(place: NDArray[np.float64], size: float, count: int, period: float | None) -> NDArray[np.int64]:

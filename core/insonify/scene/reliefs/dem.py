@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from insonify.errors import SceneError
 from insonify.files import file_version
 from insonify.io.bathymetry import BATHYMETRY, Grid, read_grid
+from insonify.io.bathymetry.grid import LARGEST_SIDE
 from insonify.io.file_cache import kept_until_changed
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.reliefs import HeightGrid, ReliefKind
@@ -42,7 +43,7 @@ class Dem(ReliefKind):
         """Read the bed and place it, its centre at the local (0, 0) unless the file and the scene say where it lies."""
         if shape is not None:
             raise SceneError(f"shape: {shape} cannot be given to a measured bed, which has its own grid; leave it out")
-        grid = _squared(_read_grid(self.path), spacing)
+        grid = _squared(self.path, _read_grid(self.path), spacing)
         step = spacing if grid.spacing is None else grid.spacing[0]
         ny, nx = grid.heights.shape
         x0, y0 = -0.5 * (nx - 1) * step, -0.5 * (ny - 1) * step
@@ -64,12 +65,17 @@ def _on_earth(dem: Dem, heights: NDArray[np.float64]) -> NDArray[np.float64]:
     return heights
 
 
-def _squared(grid: Grid, spacing: float) -> Grid:
+def _squared(path: str, grid: Grid, spacing: float) -> Grid:
     """Grid with square cells of the finer of its two spacings."""
     dx, dy = grid.spacing or (spacing, spacing)
     if abs(dx - dy) <= SQUARE * min(dx, dy):
         return grid
     fine = min(dx, dy)
+    ny, nx = grid.heights.shape
+    if max(ny * dy, nx * dx) > LARGEST_SIDE * fine:
+        raise BATHYMETRY.refusal(
+            path, f"has cells of {dx:g} by {dy:g} m", f"resample it to square ones, at most {LARGEST_SIDE} a side"
+        )
     heights = _resampled(_resampled(grid.heights, dx / fine).T, dy / fine).T
     return Grid(np.ascontiguousarray(heights), (fine, fine), grid.corner)
 

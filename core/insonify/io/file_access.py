@@ -1,0 +1,226 @@
+"""Access to files of unknown origin: regular files only, bounded sizes, errors of libraries in one sentence."""
+
+from __future__ import annotations
+
+import errno
+import logging
+import os
+import stat
+import threading
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+
+from insonify.errors import FileWarning, SceneError
+
+LEAST_EXPANSION = 2**28  # bytes that any file may expand to
+EXPANSION = 64  # and its own bytes times this, which is more than measurements are compressed
+LARGEST_TEXT = 2**28  # bytes of a text file
+MISSING = "does not exist"
+_lock = threading.RLock()
+# A logger without a handler writes to standard error.
+for _library in ("trimesh", "rasterio", "PIL", "fiona"):
+    logging.getLogger(_library).addHandler(logging.NullHandler())
+
+
+class FileFault(Exception):
+    """What is wrong with a file, and the remedy; `guarded` makes a sentence of both.
+
+    Parameters
+    ----------
+    fault : str
+        Predicate of the file, such as "is a device".
+    remedy : str
+    """
+
+    def __init__(self, fault: str, remedy: str) -> None:
+        super().__init__(fault, remedy)
+        self.fault, self.remedy = fault, remedy
+
+
+@contextmanager
+def guarded(refusal: Callable[[str, str], SceneError], remedy: str) -> Iterator[None]:
+    """Turn every error of a block that reads a file into one sentence, and keep warnings off the terminal.
+
+    Parameters
+    ----------
+    refusal : callable
+        Makes the sentence of a fault and a remedy.
+    remedy : str
+        For errors of libraries, which say none.
+
+    Raises
+    ------
+    SceneError
+    """
+    told: list[warnings.WarningMessage] = []
+    try:
+        with one_at_a_time(), warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("ignore")
+            warnings.simplefilter("always", FileWarning)
+            yield
+    except SceneError:
+        raise
+    except FileFault as error:
+        raise refusal(error.fault, error.remedy) from None
+    except Exception as error:  # every library fails in ways of its own
+        raise refusal(f"cannot be read ({reason(error)})", remedy) from error
+    for warning in told:  # after the libraries' have been left out
+        warnings.warn(warning.message, stacklevel=4)
+
+
+def one_at_a_time() -> threading.RLock:
+    """Return the lock for what two threads may not do at once: to use HDF5, or to change the filter of warnings."""
+    return _lock
+
+
+def reason(error: Exception) -> str:
+    """Return the beginning of an error's message on one line, or the error's name where it has none."""
+    if isinstance(error, MemoryError):
+        return "it does not fit in memory"
+    if isinstance(error, UnicodeDecodeError):
+        return f"it is no text in {error.encoding.upper()}"
+    told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    return " ".join(told.split())[:120] or type(error).__name__
+
+
+def check_regular(path: str | Path, remedy: str = "give the path of a file") -> None:
+    """Refuse folders, devices, pipes and files that do not exist, without opening them.
+
+    Raises
+    ------
+    FileFault, OSError
+    """
+    try:
+        _check_mode(os.stat(path).st_mode, remedy)
+    except (FileNotFoundError, NotADirectoryError):
+        raise FileFault(MISSING, remedy) from None
+
+
+def check_folder(path: str | Path, remedy: str = "give the path of a folder") -> None:
+    """Refuse what is no folder, and a folder that holds anything but folders and regular files.
+
+    Raises
+    ------
+    FileFault, OSError
+    """
+    if not os.path.isdir(path):
+        raise FileFault(MISSING, remedy)
+    for place, folders, files in os.walk(path):
+        for name in (*folders, *files):
+            mode = os.lstat(os.path.join(place, name)).st_mode
+            if not (stat.S_ISDIR(mode) or stat.S_ISREG(mode)):
+                raise FileFault(f"holds {name[:80]!r}, which is no regular file", "remove that")
+
+
+def open_regular(path: str | Path) -> BinaryIO:
+    """Open a regular file for reading; never waits, as the opening of a pipe does.
+
+    Raises
+    ------
+    FileFault, OSError
+    """
+    check_regular(path)
+    return open(path, "rb", opener=_open_at_once)
+
+
+def read_text(path: str | Path, encoding: str = "utf-8-sig", largest: int = LARGEST_TEXT) -> str:
+    """Read a text file of limited size, with line ends of any system.
+
+    Raises
+    ------
+    FileFault, OSError, UnicodeDecodeError
+    """
+    with open_regular(path) as file:
+        content = file.read(largest + 1)
+    if len(content) > largest:
+        raise FileFault(f"is a text of more than {largest // 10**6} MB", "thin it")
+    return content.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")
+
+
+def largest_expansion(path: str | Path) -> int:
+    """Bytes that the content of a file may take in memory; a sparse file counts by what is stored of it."""
+    return max(LEAST_EXPANSION, EXPANSION * stored_bytes(path))
+
+
+def stored_bytes(path: str | Path) -> int:
+    """Bytes that a file, or all files of a folder, take on the disk, at most their lengths."""
+    if os.path.isdir(path):
+        return sum(stored_bytes(os.path.join(place, name)) for place, _, files in os.walk(path) for name in files)
+    status = os.stat(path)
+    return min(status.st_size, 512 * getattr(status, "st_blocks", status.st_size))
+
+
+def check_expansion(path: str | Path, expanded: int) -> None:
+    """Refuse a file that announces far more than is stored of it, before memory is allocated.
+
+    Raises
+    ------
+    FileFault
+    """
+    if expanded > largest_expansion(path):
+        raise FileFault(
+            f"announces {expanded / 1e9:.3g} GB, {EXPANSION} times more than it stores",
+            "save it without compression, or crop it",
+        )
+
+
+def check_companions(path: str | Path) -> None:
+    """Refuse a file beside which a device or a pipe has its name with another ending, which a library would open.
+
+    Raises
+    ------
+    FileFault
+    """
+    file = Path(path)
+    for other in file.parent.glob(f"{_literal(file.stem)}.*"):
+        if not (other.is_file() or other.is_dir() or not other.exists()):
+            raise FileFault(f"has {other.name!r} beside it, which is no regular file", "remove that")
+
+
+def companion(path: str | Path, name: str) -> Path:
+    """Return the path of a file that another file refers to, which must lie beside it or in a folder there.
+
+    Raises
+    ------
+    FileFault
+    """
+    folder = Path(path).resolve().parent
+    found = (folder / name).resolve() if "\0" not in name else folder
+    if not found.is_relative_to(folder) or Path(name).is_absolute() or found == folder:
+        raise FileFault(f"refers to {name[:80]!r}", "keep what it refers to beside it, under a relative path")
+    return found
+
+
+def _literal(stem: str) -> str:
+    return "".join(f"[{mark}]" if mark in "*?[" else mark for mark in stem)
+
+
+def _open_at_once(path: str, flags: int) -> int:
+    """Open a path that may have come to name a pipe since it was checked."""
+    descriptor = os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+    try:
+        _check_mode(os.fstat(descriptor).st_mode, "give the path of a file")
+    except BaseException:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _check_mode(mode: int, remedy: str) -> None:
+    if stat.S_ISDIR(mode):
+        raise FileFault(f"cannot be read ({os.strerror(errno.EISDIR)})", remedy)
+    if not stat.S_ISREG(mode):
+        raise FileFault("is a device or a pipe, not a file", remedy)
+
+
+def _renew_lock() -> None:
+    global _lock
+    _lock = threading.RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    # A thread that held the lock does not exist in the new process.
+    os.register_at_fork(after_in_child=_renew_lock)

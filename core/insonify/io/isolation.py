@@ -1,0 +1,153 @@
+"""Readers run in a process of their own, which may be killed: limits of time and memory, and no harm from a crash.
+
+GDAL, netCDF and trimesh read formats of great complexity. A damaged file can make them crash, loop, allocate without
+bound, or write to the terminal past Python.
+"""
+
+from __future__ import annotations
+
+import atexit
+import json
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from typing import IO, Any, TypeVar, cast
+
+from insonify.errors import SceneError
+from insonify.io.file_access import FileFault, largest_expansion, stored_bytes
+
+Result = TypeVar("Result")
+LONGEST = 15.0  # s to read a small file, the import of its library included
+SLOWEST = 1e6  # bytes per second of a large one
+COPIES = 3  # of the content, which readers hold at once
+START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from insonify.io import isolated; isolated.serve()"
+LENGTH = 8  # bytes of every length in an answer
+
+
+def run_isolated(read: Callable[[str], Result], path: str) -> Result:
+    """Call a reader in another process.
+
+    The process is kept for later calls. To be called within `guarded`, one at a time.
+
+    Parameters
+    ----------
+    read : callable
+        A function at the top level of a module; what it returns holds arrays and plain values.
+    path : str
+        A regular file.
+
+    Returns
+    -------
+    object
+        What the function returns.
+
+    Raises
+    ------
+    SceneError, FileFault
+        As the function raises them.
+    RuntimeError
+        With the reason, for all other errors.
+    """
+    path = os.path.abspath(path)
+    if not sys.executable:  # Python is embedded in another program
+        return read(path)
+    memory = COPIES * largest_expansion(path)
+    request = json.dumps([read.__module__, read.__name__, path, memory]).encode() + b"\n"
+    kind, value = _exchange(request, LONGEST + stored_bytes(path) / SLOWEST)
+    if kind == "refused":
+        raise SceneError(value)
+    if kind == "fault":
+        raise FileFault(*value)
+    if kind == "failed":
+        raise RuntimeError(value)
+    return cast("Result", value)
+
+
+class _Process:
+    """The other process and its pipes."""
+
+    def __init__(self) -> None:
+        self.owner = os.getpid()
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", START, json.dumps(sys.path)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+        )
+
+    def ask(self, request: bytes, seconds: float) -> Any:
+        """Send a request and return the answer; kills the process after the time."""
+        late = threading.Event()
+
+        def kill() -> None:
+            late.set()
+            self.process.kill()
+
+        timer = threading.Timer(seconds, kill)
+        timer.start()
+        try:
+            return self._answer(request)
+        except (OSError, EOFError):
+            if late.is_set():
+                raise FileFault(f"takes longer than {seconds:.0f} s to read", "export it again") from None
+            raise
+        finally:
+            timer.cancel()
+
+    def _answer(self, request: bytes) -> Any:
+        sent, received = cast("IO[bytes]", self.process.stdin), cast("IO[bytes]", self.process.stdout)
+        sent.write(request)
+        sent.flush()
+        count = int.from_bytes(_exactly(received, LENGTH), "little")
+        pieces = [_exactly(received, int.from_bytes(_exactly(received, LENGTH), "little")) for _ in range(count)]
+        # Written by this package's own code in the other process.
+        return pickle.loads(pieces[0], buffers=pieces[1:])
+
+    def stop(self) -> None:
+        if self.owner == os.getpid():  # not the process of a parent that has forked
+            self.process.kill()
+            self.process.communicate()
+
+
+_kept: _Process | None = None
+
+
+def _exchange(request: bytes, seconds: float) -> Any:
+    """Ask the process that is kept, or a new one."""
+    global _kept
+    if _kept is not None and (_kept.owner != os.getpid() or _kept.process.poll() is not None):
+        stop()
+    _kept = _kept or _Process()
+    try:
+        return _kept.ask(request, seconds)
+    except (OSError, EOFError):
+        raise FileFault("cannot be read (the library that reads it fails)", "export it again") from None
+    finally:
+        # An answer that was not read to its end would be taken for the next one.
+        if sys.exc_info()[0] is not None:
+            stop()
+
+
+def stop() -> None:
+    """End the process; a later call starts a new one."""
+    global _kept
+    if _kept is not None:
+        _kept.stop()
+        _kept = None
+
+
+def _exactly(stream: IO[bytes], count: int) -> bytearray:
+    content = bytearray(count)
+    view, at = memoryview(content), 0
+    while at < count:
+        got = stream.readinto(view[at:])  # type: ignore[attr-defined]
+        if not got:
+            raise EOFError
+        at += got
+    return content
+
+
+atexit.register(stop)

@@ -1,0 +1,146 @@
+"""Runs the command on mutated files, one case a line of standard input; a process of its own, which may die or hang."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import sys
+import tempfile
+import time
+import traceback
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fuzz.samples import SAMPLES, Sample
+from insonify import cli
+
+
+def peak_bytes() -> int:
+    """Highest resident memory of this process and of its children since `reset_peaks`."""
+    return sum(map(_peak, _processes()))
+
+
+def reset_peaks() -> None:
+    for number in _processes():
+        with contextlib.suppress(OSError):
+            Path(f"/proc/{number}/clear_refs").write_text("5", encoding="ascii")
+
+
+def _processes() -> list[str]:
+    found = [str(os.getpid())]
+    for task in Path("/proc/self/task").iterdir():
+        with contextlib.suppress(OSError):  # a thread that has ended
+            found += (task / "children").read_text(encoding="ascii").split()
+    return found
+
+
+def _peak(number: str) -> int:
+    try:
+        status = Path(f"/proc/{number}/status").read_text(encoding="ascii", errors="replace")
+        return int(status.partition("VmHWM:")[2].split()[0]) * 1024
+    except (OSError, IndexError):  # it has ended
+        return 0
+
+
+def lay_out(folder: Path, sample: Sample) -> Path:
+    """Write a valid file, and the scene that names it, into a folder; returns what the command is given."""
+    folder.mkdir(exist_ok=True)
+    sample.write(folder / sample.file)
+    if not sample.scene:
+        return folder / sample.file.partition("/")[0]
+    scene = folder / "scene.toml"
+    scene.write_text(sample.scene.format(file=sample.file), encoding="utf-8")
+    return scene
+
+
+class Bench:
+    """Folders with a valid file and its mutated copy, for one format."""
+
+    def __init__(self, root: Path, name: str) -> None:
+        self.name, self.sample = name, SAMPLES[name]
+        self.valid = lay_out(root / f"{name}-valid", self.sample)
+        self.input = lay_out(root / name, self.sample)
+        self.content = (root / f"{name}-valid" / self.sample.file).read_bytes()
+        self.file, self.out = root / name / self.sample.file, root / "out"
+
+    def words(self, template: tuple[str, ...]) -> list[str]:
+        return [word.format(input=self.input, valid=self.valid, out=self.out) for word in template]
+
+    def mutate(self, seed: int) -> list[str]:
+        """Write the mutated file of a seed; returns the words of the command."""
+        rng = np.random.default_rng([seed, *self.name.encode()])
+        with contextlib.suppress(RecursionError):
+            self.file.write_bytes(self.sample.mutate(self.content, rng))
+        commands = self.sample.commands
+        rare = len(commands) > 1 and rng.random() < 0.05
+        return self.words(commands[int(rng.integers(1, len(commands))) if rare else 0])
+
+
+def run(words: list[str]) -> dict[str, Any]:
+    """Run the command as the program does, with all that reaches the terminal caught."""
+    began, before = time.perf_counter(), resident()
+    code: Any = None
+    failure = ""
+    with captured() as caught:
+        try:
+            code = cli.main(words)
+        except SystemExit as leaving:
+            code = leaving.code
+        except BaseException:
+            failure = traceback.format_exc()
+    told = caught["text"]
+    return {
+        "code": code, "traceback": failure, "told": told[-2000:],
+        "seconds": time.perf_counter() - began, "bytes": peak_bytes() - before,
+    }  # fmt: skip
+
+
+def resident() -> int:
+    """Bytes that are held now."""
+    reset_peaks()
+    return peak_bytes()
+
+
+@contextlib.contextmanager
+def captured() -> Any:
+    """Catch standard error, of libraries in C too, and discard standard output."""
+    caught: dict[str, str] = {"text": ""}
+    with tempfile.TemporaryFile() as file:
+        kept, error, output = os.dup(2), sys.stderr, sys.stdout
+        os.dup2(file.fileno(), 2)
+        sys.stderr, sys.stdout = io.TextIOWrapper(os.fdopen(os.dup(2), "wb"), write_through=True), io.StringIO()
+        try:
+            yield caught
+        finally:
+            sys.stderr.close()
+            sys.stderr, sys.stdout = error, output
+            os.dup2(kept, 2)
+            os.close(kept)
+            file.seek(0)
+            caught["text"] = file.read().decode(errors="replace")
+
+
+def main() -> None:
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    benches: dict[str, Bench] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for line in sys.stdin:
+            name, seed = json.loads(line)
+            if name not in benches:
+                benches[name] = Bench(Path(folder), name)
+                first = benches[name]
+                for words in first.sample.commands:  # so that what is loaded once does not count
+                    done = run(first.words(tuple(word.replace("{input}", "{valid}") for word in words)))
+                    assert (done["code"], done["told"]) == (0, ""), done
+            found = run(benches[name].mutate(seed))
+            answers.write(json.dumps(found) + "\n")
+            answers.flush()
+
+
+if __name__ == "__main__":
+    main()
