@@ -188,9 +188,6 @@ class Simulator(QObject):
             self._called_back.emit(refuse, f"this scene cannot be simulated ({type(error).__name__}: {error})")
 
     def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
-        # lazy: loaded on the worker; the window opens before Numba is loaded
-        from insonify.display.picture import normalise
-
         modelling = request.modelling if request.fine else request.modelling.coarse
         simulation, level = self._prepared(request.scene, modelling, fine=request.fine)
         pings = request.pings
@@ -200,7 +197,7 @@ class Simulator(QObject):
             block = pings[start : start + size]
             begun = time.perf_counter()
             sent = block[::stride]
-            traced = normalise(simulation.intensity(sent), level.curves(sent))
+            traced = level.normalise(simulation.intensity(sent), sent)
             seconds = time.perf_counter() - begun
             if not request.fine:
                 self._cost = seconds / len(traced)

@@ -15,7 +15,7 @@ import pytest
 from insonify.accuracy.timing import time_calls
 from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
-from insonify.display.picture import LevelBed, normalise
+from insonify.display.picture import LevelBed
 from insonify.kernels.common.jit import kernel
 from insonify.parallel import count_threads
 from insonify.receiver import receive
@@ -57,7 +57,7 @@ def tracer(simulation, pings, threads):
 def viewer(simulation, pings):
     """Call of what the viewer's worker does with a screen of pings."""
     level, numbers = LevelBed(simulation), np.arange(pings)
-    return lambda: normalise(simulation.intensity(numbers), level.curves(numbers))
+    return lambda: level.normalise(simulation.intensity(numbers), numbers)
 
 
 def say(capsys, text):

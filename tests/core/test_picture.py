@@ -46,7 +46,7 @@ def record(intensity: np.ndarray, altitude: float = ALTITUDE) -> xr.Dataset:
 
 def even(level=1.0, bins: int = BINS):
     """Divide every ping by the same."""
-    return lambda pings: np.broadcast_to(level, (len(pings), 1, bins))
+    return lambda intensity, pings: normalise(intensity, np.broadcast_to(level, (len(pings), 1, bins)))
 
 
 def luminance(table: np.ndarray) -> np.ndarray:

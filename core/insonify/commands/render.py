@@ -161,7 +161,7 @@ def write(
     from insonify.simulation import prepare
 
     level = LevelBed(prepare(scene, **asked))
-    write_page(path, gather_sheet(blocks, level.curves, pings, look), look, caption_scene(scene, look))
+    write_page(path, gather_sheet(blocks, level.normalise, pings, look), look, caption_scene(scene, look))
 
 
 def _is_picture(path: Path) -> bool:

@@ -7,6 +7,7 @@ rest stands out.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,9 @@ from skimage import exposure
 
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.display.display_options import PALETTES, find_palettes
+from insonify.kernels.display.rows import average_bins, relate_amplitudes
+from insonify.packing.navigation import interpolate_bed_beneath
+from insonify.parallel import in_parallel
 from insonify.scene import SceneError
 
 if TYPE_CHECKING:
@@ -38,6 +42,7 @@ __all__ = [
     "normalise",
 ]
 
+ROWS_A_THREAD = 512  # rows worth handing to a thread, some 0.3 ms
 _rescale: Callable[..., Any] = exposure.rescale_intensity
 _ENOUGH = 200_000  # amplitudes that suffice for a percentile
 _PINGS = 2000  # pings that suffice for the median curve of a recording
@@ -102,10 +107,35 @@ class LevelBed:
         (n, 1, bins) float64
             Positive in every bin.
         """
-        eighths = np.rint(self._simulation.altitude(pings) / self._step).astype(np.int64)
+        curves, which = self._curves_of(pings)
+        return curves[which][:, None]
+
+    def normalise(self, intensity: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Compute amplitudes relative to the level beds of pings.
+
+        Parameters
+        ----------
+        intensity : (n, 2, bins) float32
+            Record of the pings.
+        pings : (n,) int64
+            Ping numbers.
+
+        Returns
+        -------
+        (n, 2, bins) float32
+            As `normalise` by the curves of the pings.
+        """
+        curves, which = self._curves_of(pings)
+        return _relate(intensity, curves, np.repeat(which, intensity.shape[1]))
+
+    def _curves_of(self, pings: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Curves, (curves, bins), and which of them each ping has."""
+        simulation = self._simulation
+        beneath = interpolate_bed_beneath(simulation.scene, simulation.ground, pings)
+        eighths = np.rint((simulation.poses(pings).z - beneath) / self._step).astype(np.int64)
         numbers, which = np.unique(np.maximum(eighths, 1), return_inverse=True)
         curves = np.array([self._kept(int(number)) for number in numbers])
-        return curves.reshape(-1, 1, self._simulation.arrays.bins)[which]
+        return curves.reshape(-1, simulation.arrays.bins), which
 
     @property
     def _step(self) -> float:
@@ -199,8 +229,24 @@ def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDA
     (..., bins) float32
         Square root of the ratio; 0 where the record is silent.
     """
-    # The ratio is formed in float64: far bins hold 1e-9 and less.
-    return np.sqrt(intensity * (1.0 / curve)).astype(np.float32)
+    curves = np.asarray(curve, dtype=np.float64)
+    which = np.arange(math.prod(curves.shape[:-1])).reshape(curves.shape[:-1])
+    return _relate(intensity, curves.reshape(-1, curves.shape[-1]), np.broadcast_to(which, intensity.shape[:-1]))
+
+
+def _relate(
+    intensity: NDArray[np.float32], curves: NDArray[np.float64], which: NDArray[np.int64]
+) -> NDArray[np.float32]:
+    """Amplitudes relative to the curve, (curves, bins), that each row of a record has."""
+    bins = intensity.shape[-1]
+    energies, inverse = np.ascontiguousarray(intensity, dtype=np.float32).reshape(-1, bins), 1.0 / curves
+    rows, out = np.ascontiguousarray(which).ravel(), np.empty(energies.shape, np.float32)
+
+    def block(first: int, last: int) -> None:
+        relate_amplitudes(energies[first:last], inverse, rows[first:last], out[first:last])
+
+    in_parallel(block, len(rows), least=ROWS_A_THREAD)
+    return out.reshape(intensity.shape)
 
 
 def choose_contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
@@ -328,16 +374,17 @@ def average_columns(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> ND
     -------
     (n, columns) float32
     """
-    n, bins = rows.shape
-    sums = np.zeros((n, bins + 1))
-    np.cumsum(rows, axis=1, dtype=np.float64, out=sums[:, 1:])
-    whole = np.minimum(edges.astype(np.int64), bins - 1)
-    below = np.take_along_axis(sums, whole, axis=1)
-    part = np.take_along_axis(rows, whole, axis=1) * (edges - whole)
-    totals = np.diff(below + part, axis=1)
-    widths = np.diff(edges, axis=1)
-    means = np.divide(totals, widths, out=np.zeros_like(totals), where=widths > 0.0)
-    return np.maximum(means, 0.0).astype(np.float32)
+    # Rows that share their edges are views of one row.
+    grids = edges[:1] if edges.strides[0] == 0 else edges
+    which = np.minimum(np.arange(len(rows)), len(grids) - 1)
+    values, at = np.ascontiguousarray(rows), np.ascontiguousarray(grids)
+    out = np.empty((len(rows), edges.shape[1] - 1), np.float32)
+
+    def block(first: int, last: int) -> None:
+        average_bins(values[first:last], at, which[first:last], out[first:last])
+
+    in_parallel(block, len(rows), least=ROWS_A_THREAD)
+    return out
 
 
 def colour_amplitudes(

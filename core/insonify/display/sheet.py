@@ -20,7 +20,8 @@ from insonify.display.picture import (
 )
 from insonify.scene import SceneError
 
-Curves = Callable[[NDArray[np.int64]], NDArray[np.float64]]
+Record = NDArray[np.float32]
+Relative = Callable[[Record, NDArray[np.int64]], Record]
 MOST_ROWS = 4096
 WIDTH = {"both": 1200, "port": 900, "starboard": 900}  # columns of a sheet
 HEIGHTS = (420, 1800)  # least and greatest number of rows of a sheet
@@ -47,15 +48,16 @@ class RecordSheet(NamedTuple):
     pings: int
 
 
-def gather_sheet(blocks: Iterable[xr.Dataset], curves: Curves, pings: int, look: DisplayOptions) -> RecordSheet:
+def gather_sheet(blocks: Iterable[xr.Dataset], relative: Relative, pings: int, look: DisplayOptions) -> RecordSheet:
     """Collect blocks of a record in a sheet.
 
     Parameters
     ----------
     blocks : iterable of Dataset
         Successive pings, as from ``simulate_blocks``.
-    curves : callable
-        Gives the curves of n ping numbers, (n, 1, bins), as `LevelBed.curves` does.
+    relative : callable
+        From intensities, (n, 2, bins), and their ping numbers to amplitudes relative to a curve, as
+        `LevelBed.normalise`.
     pings : int
         Number of pings of the whole record.
     look : DisplayOptions
@@ -79,9 +81,9 @@ def gather_sheet(blocks: Iterable[xr.Dataset], curves: Curves, pings: int, look:
         if done == 0:
             reach, ground_reach = _reaches(block, look)
         numbers = np.arange(done, done + block.sizes["ping_time"])
-        row = len(rows) - 1 - numbers[::-1] // together
-        np.add.at(rows, row, _columns(block, curves(numbers), columns, ground_reach, look.side))
-        np.add.at(counts, row, 1.0)
+        _add_rows(
+            rows, counts, numbers // together, _columns(block, numbers, relative, columns, ground_reach, look.side)
+        )
         track.add(block)
         done += block.sizes["ping_time"]
     rows /= np.maximum(counts, 1.0)
@@ -107,7 +109,9 @@ def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet
     RecordSheet
     """
     own = compute_median_curve(record)
-    return gather_sheet([record], lambda pings: own[pings], record.sizes["ping_time"], look)
+    return gather_sheet(
+        [record], lambda intensity, pings: normalise(intensity, own[pings]), record.sizes["ping_time"], look
+    )
 
 
 def compute_median_curve(record: xr.Dataset) -> NDArray[np.float64]:
@@ -172,11 +176,25 @@ def _bin_length(block: xr.Dataset) -> float:
     return 2.0 * float(block["slant_range"].values[0])
 
 
+def _add_rows(rows: Record, counts: Record, row: NDArray[np.int64], newest_first: Record) -> None:
+    """Add the columns of successive pings to the rows that they share, the oldest of which is the last."""
+    upwards = row[::-1]
+    starts = np.flatnonzero(np.diff(upwards, prepend=upwards[0] + 1))
+    places = len(rows) - 1 - upwards[starts]
+    rows[places] += np.add.reduceat(newest_first, starts, axis=0)
+    counts[places, 0] += np.diff(starts, append=row.size)
+
+
 def _columns(
-    block: xr.Dataset, curves: NDArray[np.float64], columns: int, ground_reach: float | None, side: str
+    block: xr.Dataset,
+    numbers: NDArray[np.int64],
+    relative: Relative,
+    columns: int,
+    ground_reach: float | None,
+    side: str,
 ) -> NDArray[np.float32]:
     intensity = block["intensity"].transpose("ping_time", "channel", "range_sample").values
     altitude = fill_altitude(block)
     per_side = columns // 2 if side == "both" else columns
     edges = compute_column_edges(altitude, intensity.shape[-1], _bin_length(block), per_side, ground_reach)
-    return mirror_channels(normalise(intensity, curves), edges, side)
+    return mirror_channels(relative(intensity, numbers), edges, side)

@@ -15,6 +15,7 @@ from insonify.scene.motions import Axis
 from insonify.terrain import AnyGround, EndlessGround
 
 SAMPLES = 64  # samples of the bed to either side of the fish
+KNOTS = 8  # of the smoothed bed, to an altitude along the track
 TOGETHER = 2048  # pings whose samples are held at once
 
 
@@ -89,6 +90,31 @@ def bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> ND
     parts = np.array_split(numbers, math.ceil(max(numbers.size, 1) / TOGETHER))
     lines = (tow_line_at(scene, part[:, None] + reach * share) for part in parts)
     return np.concatenate([ground.height_near(line.x, line.y) @ weight for line in lines])
+
+
+def interpolate_bed_beneath(scene: Scene, ground: AnyGround, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Smoothed height of the bed under the line, interpolated between some pings; a picture needs no more.
+
+    `bed_beneath` gives it at pings an eighth of an altitude apart, which the smoothing makes dense enough.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose track it is.
+    ground : AnyGround
+        The bed.
+    pings : (n,) int64
+        Ping numbers.
+
+    Returns
+    -------
+    (n,) float64
+        Metres above the datum; of each ping a function of its number alone.
+    """
+    pings_over = abs(sonar_height(scene, ground)) * scene.sonar.ping_rate / scene.track.speed
+    stride = max(int(pings_over / KNOTS), 1)
+    knots = np.unique(np.concatenate([pings // stride, pings // stride + 1]))
+    return np.interp(pings, stride * knots, bed_beneath(scene, ground, stride * knots))
 
 
 def platform_columns(poses: Poses, ground: AnyGround) -> tuple[NDArray[np.float64], ...]:

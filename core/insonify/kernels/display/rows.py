@@ -1,0 +1,59 @@
+"""Rows of a picture: amplitudes of one channel of a ping relative to a curve, and their averages over columns.
+
+Theory: docs/theory/error.md.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from insonify.kernels.common.jit import kernel
+
+
+@kernel
+def relate_amplitudes(intensity, inverse, curve_of, out):
+    """Compute the square root of intensities over their curves.
+
+    Parameters
+    ----------
+    intensity : ndarray of float32, shape (n, bins)
+    inverse : ndarray of float64, shape (curves, bins)
+        One over each curve.
+    curve_of : ndarray of int64, shape (n,)
+        Curve of each row.
+    out : ndarray of float32, shape (n, bins)
+        Takes the amplitudes.
+    """
+    for row in range(intensity.shape[0]):
+        energies, curve, amplitudes = intensity[row], inverse[curve_of[row]], out[row]
+        for k in range(energies.size):
+            # The ratio is formed in 64 bits: far bins hold 1e-9 and less, and their curve is as small.
+            amplitudes[k] = math.sqrt(np.float32(energies[k] * curve[k]))
+
+
+@kernel
+def average_bins(rows, edges, edges_of, out):
+    """Average rows between successive edges, parts of bins weighted by their width.
+
+    Parameters
+    ----------
+    rows : ndarray of float32, shape (n, bins)
+    edges : ndarray of float64, shape (grids, columns + 1)
+        Increasing positions in bins, from 0 to ``bins``; equal edges give 0.
+    edges_of : ndarray of int64, shape (n,)
+        Which of the grids each row has.
+    out : ndarray of float32, shape (n, columns)
+        Takes the averages.
+    """
+    bins = rows.shape[1]
+    for row in range(rows.shape[0]):
+        values, at, means = rows[row], edges[edges_of[row]], out[row]
+        for k in range(means.size):
+            near, far = at[k], at[k + 1]
+            first, last = min(int(near), bins - 1), min(int(far), bins - 1)
+            total = values[last] * (far - last) - values[first] * (near - first)
+            for bin_ in range(first, last):
+                total += values[bin_]
+            means[k] = max(total / (far - near), 0.0) if far > near else 0.0
