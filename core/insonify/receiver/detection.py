@@ -16,7 +16,7 @@ from insonify.receiver.reception import Reception, Traced, spread_echoes
 from insonify.receiver.waves import Waves, no_waves, split_waves, steady_waves
 
 Record = NDArray[np.float32]
-TOGETHER = 256  # pings received at a time, so that intermediate arrays stay in the processor cache
+TOGETHER = 64  # pings received at a time, so that intermediate arrays stay in the processor cache
 
 
 def record_echoes(
