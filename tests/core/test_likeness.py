@@ -87,6 +87,72 @@ def test_a_shadow_may_be_silent():
     assert "shadows without any echo" in measure_statistics(record(bed)).lines()
 
 
+def shadowed(intensity: np.ndarray) -> np.ndarray:
+    """Cast a shadow over some blocks of a bed."""
+    dark = intensity.copy()
+    dark[1, 96:112, 192:448] = 0.0
+    return dark
+
+
+def noise(seed: int, level: float) -> np.ndarray:
+    """Noise so many decibels below an even bed, amplified with it."""
+    return lambert() * 10.0 ** (level / 10.0) * speckle(seed)
+
+
+def converted(intensity: np.ndarray, full_scale: float, bits: int = 8) -> np.ndarray:
+    """Amplitudes rounded to steps of full scale."""
+    steps = 2**bits - 1
+    return np.rint(np.minimum(np.sqrt(intensity / full_scale), 1.0) * steps) ** 2
+
+
+@pytest.mark.parametrize("level", [-20.0, -12.0, -8.0, -6.0])
+def test_shadows_end_at_the_noise_floor_however_high(level):
+    # Bed and noise have independent phases: energies add on the average.
+    wanted = 10.0 * np.log10(1.0 + 10.0 ** (-level / 10.0))
+    found = measure_statistics(record(shadowed(lambert() * speckle(1)) + noise(2, level)))
+    assert found.shadow_depth == pytest.approx(wanted, abs=0.5)
+
+
+def test_a_noise_floor_that_rises_with_range_is_followed():
+    rising = 10.0 ** (np.linspace(-40.0, -6.0, BINS) / 10.0)
+    found = measure_statistics(record(shadowed(lambert() * speckle(1)) + lambert() * rising * speckle(2)))
+    shadow = 10.0 * np.log10(1.0 + 1.0 / rising[192:448])
+    assert found.shadow_depth == pytest.approx(np.median(shadow), abs=1.5)
+
+
+@pytest.mark.parametrize("level", [-40.0, -8.0, 3.0])
+def test_noise_and_spiky_speckle_are_no_shadows(level):
+    texture = np.random.default_rng(3).gamma(2.0, 0.5, size=(2, PINGS, BINS))
+    for bed in (lambert(), lambert() * texture):
+        found = measure_statistics(record(bed * speckle(1) + noise(2, level)))
+        assert np.isnan(found.shadow_depth)
+
+
+def test_eight_bits_measure_as_the_amplitudes_that_they_round():
+    even = speckle(1) * 1e4
+    fine = record(shadowed(even) + 1e4 * 10.0**-1.5 * speckle(2))
+    coarse = fine.assign(intensity=(fine.intensity.dims, converted(fine.intensity.values, 2e5).astype(np.float32)))
+    one, other = measure_statistics(fine), measure_statistics(coarse)
+    assert other.shadow_depth == pytest.approx(one.shadow_depth, abs=0.3)
+    assert np.median(other.variation) == pytest.approx(np.median(one.variation), abs=0.01)
+
+
+def test_eight_bits_tell_how_deep_a_silent_shadow_is_at_least():
+    # The bed's median amplitude is about 44 steps, so that half a step lies 39 dB below.
+    silent = measure_statistics(record(converted(shadowed(speckle(1)), 25.0)))
+    median = np.sqrt(np.log(2.0) / 25.0) * 255.0
+    assert silent.shadow_depth == pytest.approx(20.0 * np.log10(2.0 * median), abs=2.0)
+    assert f"shadows at least {silent.shadow_depth:.1f} dB deep" in silent.lines()
+
+
+def test_what_clips_or_falls_below_the_steps_is_not_counted_as_even():
+    r = (np.arange(BINS) + 0.5) * BIN
+    bed = speckle(1) * 1e4 * 10.0 ** (-r / 5.0)  # 51 dB from near to far: clipped here, one step there
+    found = measure_statistics(record(converted(bed, 2e3)))
+    assert np.median(found.variation) == pytest.approx(np.sqrt(4.0 / np.pi - 1.0), abs=0.02)
+    assert np.isnan(found.shadow_depth)
+
+
 def test_too_little_bed_is_one_sentence():
     with pytest.raises(SceneError, match="made up: has too little bed to measure; give at least 128 pings"):
         measure_statistics(record(lambert()[:, :100]))

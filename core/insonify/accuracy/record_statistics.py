@@ -22,11 +22,17 @@ from insonify.scene import SceneError
 PATCH = 16  # pings and bins of a patch
 EVENEST = 0.25  # share of the patches that count as even
 SEGMENT = 128  # samples of a segment whose spectrum is taken
-ENOUGH = 20_000  # segments that settle a spectrum
-DARK = -10.0  # dB below the median from which a block is a shadow
-BLOCK = (4, 16)  # pings and bins of such a block
+ENOUGH = 20_000  # segments that settle a spectrum, or amplitudes that settle a step
+BLOCK = (4, 16)  # pings and bins of a block that may lie in shadow
+BAND = 1024  # blocks at neighbouring ranges, at least, whose darkest give the noise floor there
+DARKEST = 4e-3  # share of them
 FEWEST = 1e-3  # least share of all blocks; fewer are due to chance, not shadows
+SPREADS = 5.0  # below the median, in spreads of the bed's own levels, that chance does not reach
+LEAST_DEPTH = 3.0  # dB
 SILENCE = -60.0  # dB; nothing counts as darker
+STEPS = 4.0  # least median amplitude, in steps of the record, from which it is measured
+OFF_STEP = 0.02  # greatest distance of an amplitude from a multiple of the step: 16 bits in single precision
+CLIPPED = 1e-4  # share of samples at the greatest amplitude from which it is taken for full scale
 
 
 class AmplitudeSpectrum(NamedTuple):
@@ -63,6 +69,8 @@ class RecordStatistics(NamedTuple):
         Along the track and across it; the latter in slant range.
     shadow_depth : float
         Median level of shadows, in dB below the record's own median; NaN where there are none.
+    silent : bool
+        Whether shadows hold less than half a step of the record, so that they may be deeper still.
     """
 
     variation: NDArray[np.float64]
@@ -70,16 +78,24 @@ class RecordStatistics(NamedTuple):
     along: AmplitudeSpectrum
     across: AmplitudeSpectrum
     shadow_depth: float
+    silent: bool
 
     def lines(self) -> list[str]:
         """Describe the statistics in three lines."""
         low, middle, high = np.percentile(self.variation, [10.0, 50.0, 90.0])
-        deep = "no shadows" if np.isnan(self.shadow_depth) else f"shadows {self.shadow_depth:.1f} dB deep"
         return [
             f"variation of amplitude in even patches {middle:.2f} ({low:.2f} to {high:.2f})",
-            "shadows without any echo" if self.shadow_depth >= -SILENCE else deep,
+            self._shadows(),
             f"slope of the spectrum along track {self.along.slope():.2f}, across {self.across.slope():.2f}",
         ]
+
+    def _shadows(self) -> str:
+        """Describe the shadows."""
+        if np.isnan(self.shadow_depth):
+            return "no shadows"
+        if self.shadow_depth >= -SILENCE:
+            return "shadows without any echo"
+        return f"shadows {'at least ' if self.silent else ''}{self.shadow_depth:.1f} dB deep"
 
 
 def measure_statistics(record: xr.Dataset) -> RecordStatistics:
@@ -100,12 +116,15 @@ def measure_statistics(record: xr.Dataset) -> RecordStatistics:
         If the record has too little bed.
     """
     intensity = record["intensity"].transpose("channel", "ping_time", "range_sample").values
-    amplitude = normalise(intensity, compute_median_curve(record)[:, 0])
+    curve = compute_median_curve(record)[:, 0]
+    amplitude = normalise(intensity, curve)
     r, altitude = record["slant_range"].values, fill_altitude(record)
-    bed = np.broadcast_to(r >= ERROR_ALTITUDES * altitude[:, None], amplitude.shape)
-    patches = _even_patches(amplitude, bed)
-    step = _ping_spacing(record)
-    along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), step)
+    step = _amplitude_step(intensity)
+    bed = np.broadcast_to(
+        (r >= ERROR_ALTITUDES * altitude[:, None]) & (np.sqrt(curve) >= STEPS * step), intensity.shape
+    )
+    patches = _even_patches(amplitude, bed & ~_clipped(intensity))
+    along = _spectrum(amplitude.swapaxes(1, 2), bed.swapaxes(1, 2), _ping_spacing(record))
     across = _spectrum(amplitude, bed, 2.0 * float(r[0]))
     if patches.size == 0 or along is None or across is None:
         raise SceneError(
@@ -114,7 +133,8 @@ def measure_statistics(record: xr.Dataset) -> RecordStatistics:
         )
     mean = patches.mean(axis=(1, 2))
     relative = (patches / mean[:, None, None]).reshape(len(patches), -1)
-    return RecordStatistics(relative.std(axis=1), relative, along, across, _shadow_depth(amplitude, bed))
+    limit = np.broadcast_to((0.5 * step) ** 2 / curve, bed.shape)
+    return RecordStatistics(relative.std(axis=1), relative, along, across, *_measure_shadows(amplitude, bed, limit))
 
 
 def _even_patches(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -144,13 +164,53 @@ def _spectrum(amplitude: NDArray[np.float32], bed: NDArray[np.bool_], step: floa
     return AmplitudeSpectrum(frequency[1:-1], np.median(power[:, 1:-1], axis=0) / np.log(2.0))
 
 
-def _shadow_depth(amplitude: NDArray[np.float32], bed: NDArray[np.bool_]) -> float:
-    """Median level of the blocks far below the median of all, as intensities in dB below it."""
-    heard = _tiles(bed, BLOCK).all(axis=(1, 2))
-    level = (_tiles(amplitude, BLOCK)[heard].astype(np.float64) ** 2).mean(axis=(1, 2))
-    decibels = 10.0 * np.log10(np.maximum(level / np.median(level), 10.0 ** (SILENCE / 10.0)))
-    dark = decibels[decibels < DARK]
-    return float(-np.median(dark)) if dark.size > FEWEST * level.size else float("nan")
+def _amplitude_step(intensity: NDArray[np.float32]) -> float:
+    """Step of the amplitudes of a record in bits, whose multiples they all are; 0 for any other record."""
+    amplitude = np.sqrt(intensity[intensity > 0.0].astype(np.float64))
+    if amplitude.size == 0:
+        return 0.0
+    step = float(amplitude.min())
+    multiples = amplitude[:: amplitude.size // ENOUGH + 1] / step
+    return step if np.abs(multiples - np.rint(multiples)).max() < OFF_STEP else 0.0
+
+
+def _clipped(intensity: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Find samples at full scale; none where the greatest intensity is rare."""
+    at_most = intensity >= intensity.max()
+    return at_most if at_most.sum() > CLIPPED * intensity.size else np.zeros(intensity.shape, dtype=np.bool_)
+
+
+def _measure_shadows(
+    amplitude: NDArray[np.float32], bed: NDArray[np.bool_], limit: NDArray[np.float64]
+) -> tuple[float, bool]:
+    """Depth of shadows in dB, NaN where there are none, and whether most are darker than the record resolves.
+
+    The darkest blocks at neighbouring ranges give the noise floor there, since nothing but noise is in a shadow. Where
+    it lies farther below the bed's median than the bed's own levels spread, blocks nearer the floor than the median, in
+    decibels, are shadows.
+    """
+    whole = _tiles(bed, BLOCK).all(axis=(1, 2))
+    level = (_tiles(amplitude, BLOCK)[whole].astype(np.float64) ** 2).mean(axis=(1, 2))
+    least = np.maximum(_tiles(limit, BLOCK)[whole].mean(axis=(1, 2)), 10.0 ** (SILENCE / 10.0) * np.median(level))
+    decibels = 10.0 * np.log10(np.maximum(level, least) / np.median(level))
+    columns = np.broadcast_to(
+        np.arange(bed.shape[2] // BLOCK[1]), (2, bed.shape[1] // BLOCK[0], bed.shape[2] // BLOCK[1])
+    )
+    order = np.argsort(columns.reshape(-1)[whole], kind="stable")
+    bands = np.array_split(order, max(order.size // BAND, 1))
+    dark = np.concatenate([band[_shadowed(decibels[band])] for band in bands])
+    if dark.size <= FEWEST * level.size:
+        return float("nan"), False
+    return float(-np.median(decibels[dark])), bool((level <= least)[dark].mean() > 0.5)
+
+
+def _shadowed(decibels: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which of the levels of one band are nearer its noise floor than its median."""
+    low, median = np.percentile(decibels, [16.0, 50.0])
+    floor = np.median(np.sort(decibels)[: max(int(DARKEST * decibels.size), 1)])
+    if median - floor < max(LEAST_DEPTH, SPREADS * (median - low)):
+        return np.zeros(decibels.shape, dtype=np.bool_)
+    return decibels < 0.5 * (floor + median)
 
 
 def _tiles(values: NDArray[np.generic], shape: tuple[int, int]) -> NDArray[np.generic]:
