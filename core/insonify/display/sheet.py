@@ -18,6 +18,7 @@ from insonify.display.picture import (
     mirror_channels,
     normalise,
 )
+from insonify.io.records.bottom_track import find_altitude
 from insonify.scene import SceneError
 
 Record = NDArray[np.float32]
@@ -155,7 +156,11 @@ def _reaches(block: xr.Dataset, look: DisplayOptions) -> tuple[float, float | No
     reach = block.sizes["range_sample"] * _bin_length(block)
     if not look.ground_range:
         return reach, None
-    lowest = float(fill_altitude(block).min())
+    lowest = float(find_altitude(block).min())
+    if not math.isfinite(lowest):
+        raise SceneError(
+            "--ground-range: the record tells no altitude and shows no first echo of the bed; leave it out"
+        )
     if lowest >= reach:
         raise SceneError(
             f"--ground-range: the record ends at a slant range of {reach:g} m, before the bed {lowest:g} m beneath; "
@@ -165,10 +170,8 @@ def _reaches(block: xr.Dataset, look: DisplayOptions) -> tuple[float, float | No
 
 
 def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
-    """Fill unknown altitudes of pings with the lowest known one; metres."""
-    altitude = block["platform_altitude"].values.astype(np.float64)
-    known = altitude[np.isfinite(altitude)]
-    return np.where(np.isfinite(altitude), altitude, known.min() if known.size else 0.0)
+    """Altitudes of pings as `find_altitude` has them, in metres; 0 where the record tells nothing of the bed."""
+    return np.nan_to_num(find_altitude(block))
 
 
 def _bin_length(block: xr.Dataset) -> float:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from insonify.errors import FileWarning
 from insonify.io.georeference import find_georeference
 from insonify.io.record_schema import ACROSS, coordinates, labels, platform
+from insonify.io.records.bottom_track import BOTTOM_TRACK, track_bottom
 from insonify.io.records.files import RECORDS
 
 if TYPE_CHECKING:
@@ -109,7 +110,8 @@ def assemble(path: Path, pings: Sequence[dict[int, Side]], track: Track) -> xr.D
     Returns
     -------
     Dataset
-        As `simulate` makes it; intensity is the square of the amplitudes, 0 where nothing was recorded.
+        As `simulate` makes it, and ``bottom_track`` beside the recorded ``platform_altitude``. Intensity is the square
+        of the amplitudes, 0 where nothing was recorded.
     """
     import xarray as xr  # slow to import, and no other command needs it at its start
 
@@ -125,9 +127,13 @@ def assemble(path: Path, pings: Sequence[dict[int, Side]], track: Track) -> xr.D
     for number, ping in enumerate(pings):
         for row, side in ping.items():
             _lay(amplitude[row, number], side, bin_length)
-    slant_range = (np.arange(bins) + 0.5) * bin_length
+    slant_range, intensity = (np.arange(bins) + 0.5) * bin_length, amplitude**2
+    bottom = track_bottom(intensity, bin_length)
     return xr.Dataset(
-        {"intensity": (ACROSS, amplitude**2, labels("1", "square of the samples"))},
+        {
+            "intensity": (ACROSS, intensity, labels("1", "square of the samples")),
+            BOTTOM_TRACK: (ACROSS[1], bottom, labels("m", "slant range of the first echo of the bed in the record")),
+        },
         coordinates(track.times, slant_range, sides[0].sound_speed),
         {"title": path.name} | track.attributes,
     ).assign(platform(track.columns, find_georeference(track.attributes)))
