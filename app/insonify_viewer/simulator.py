@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from insonify.display.picture import LevelBed
     from insonify.simulation import Simulation
 
-BLOCK = 64
+BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
 COARSE_TIME = 0.01  # s, time to trace all pings on screen while a slider moves
 MAX_STRIDE = 16
 QUIET, PATIENCE = 0.1, 0.7  # s without requests before a patient errand, and its longest wait
@@ -192,7 +192,7 @@ class Simulator(QObject):
         simulation, level = self._prepared(request.scene, modelling, fine=request.fine)
         pings = request.pings
         stride = 1 if request.fine else self._stride(len(pings))
-        size = BLOCK if request.fine else len(pings)
+        size = simulation.pings_within(BLOCK_TIME) if request.fine else len(pings)
         for start in range(0, len(pings), max(size, 1)):
             block = pings[start : start + size]
             begun = time.perf_counter()

@@ -137,7 +137,7 @@ def _work_off(tasks: list[Callable[[], Result]], workers: int) -> list[Result]:
 
 def one_ahead(items: Iterator[Result]) -> Iterator[Result]:
     """Yield items; the next one is made on another thread while the caller works on the last."""
-    with ThreadPoolExecutor(1, thread_name_prefix="insonify ahead") as maker:
+    with ThreadPoolExecutor(1, thread_name_prefix="one ahead") as maker:
         waiting = maker.submit(_next, items)
         while (item := waiting.result()) is not _END:
             waiting = maker.submit(_next, items)
@@ -152,7 +152,7 @@ def _next(items: Iterator[Result]) -> object:
 @cache
 def _pool() -> ThreadPoolExecutor:
     """Threads of this process beside the one that calls; they begin when first needed."""
-    return ThreadPoolExecutor(max(most_threads() - 1, 1), thread_name_prefix="insonify")
+    return ThreadPoolExecutor(max(most_threads() - 1, 1), thread_name_prefix="in parallel")
 
 
 if hasattr(os, "register_at_fork"):

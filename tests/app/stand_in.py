@@ -40,6 +40,9 @@ class StandIn:
     def altitude(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
         return self.poses(pings).z
 
+    def pings_within(self, seconds: float) -> int:
+        return 64
+
     def intensity(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         bins = self.scene.sonar.bins
         amplitude = np.zeros((len(pings), 2, bins))

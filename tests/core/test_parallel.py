@@ -61,7 +61,7 @@ def test_several_callers_share_one_pool():
         caller.start()
     for caller in callers:
         caller.join()
-    assert len({name for name in names if name.startswith("insonify")}) <= max(cores.most_threads() - 1, 1)
+    assert len({name for name in names if name.startswith("in parallel")}) <= max(cores.most_threads() - 1, 1)
 
 
 def test_a_share_may_share_its_own_work():
