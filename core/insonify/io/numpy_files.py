@@ -93,7 +93,10 @@ def _check_header(file: IO[bytes], length: int) -> None:
     version = np.lib.format.read_magic(file)
     if version not in HEADERS:
         raise FileFault(f"cannot be read (it is of version {version[0]}.{version[1]}, not a plain array)", remedy)
-    shape, _, kind = HEADERS[version](file, max_header_size=LONGEST_HEADER)
+    try:
+        shape, _, kind = HEADERS[version](file, max_header_size=LONGEST_HEADER)
+    except Exception:  # a header is Python text, of which the parser complains in many ways
+        raise FileFault("cannot be read (its header is damaged)", remedy) from None
     if kind.kind not in KINDS:
         raise FileFault(f"cannot be read (it holds {str(kind)[:80]} values)", remedy)
     announced = math.prod(shape) * kind.itemsize

@@ -1,0 +1,295 @@
+"""Files of unknown origin: what is opened, what is refused before it is opened, and how much may be expanded."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import stat
+import subprocess
+import sys
+import threading
+import warnings
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from insonify.errors import FileWarning
+from insonify.io import file_access
+from insonify.io.bathymetry import read_grid
+from insonify.io.file_access import FileFault, guarded
+from insonify.io.meshes import read_mesh
+from insonify.io.navigation import read_navigation
+from insonify.io.records import read_record
+from insonify.io.sound_speed_casts import read_cast
+from insonify.scene import SceneError, load_scene
+from insonify.scene.autocorrelations.file import read_autocorrelation
+from insonify.scene.materials.image import read_picture
+
+READERS = {
+    "scene.toml": load_scene,
+    "bed.npy": read_grid,
+    "bed.npz": read_grid,
+    "bed.tif": read_grid,
+    "bed.bag": read_grid,
+    "bed.asc": read_grid,
+    "tow.csv": read_navigation,
+    "tow.nc": read_navigation,
+    "cast.cnv": read_cast,
+    "cast.svp": read_cast,
+    "cast.csv": read_cast,
+    "body.obj": read_mesh,
+    "body.gltf": read_mesh,
+    "record.nc": read_record,
+    "record.npz": read_record,
+    "record.xtf": read_record,
+    "record.jsf": read_record,
+    "map.png": lambda path: read_picture(path, 2),
+    "lags.csv": read_autocorrelation,
+}
+
+
+@pytest.mark.parametrize("name", READERS)
+@pytest.mark.parametrize("make", [os.mkfifo, lambda path: path.symlink_to("/dev/zero")], ids=["pipe", "device"])
+def test_a_pipe_or_a_device_is_refused_at_once(tmp_path, name, make):
+    make(tmp_path / name)
+    with pytest.raises(SceneError, match=rf"{name}.* is a device or a pipe, not a file; give"):
+        READERS[name](str(tmp_path / name))
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_a_folder_is_refused(tmp_path, name):
+    (tmp_path / name).mkdir()
+    with pytest.raises(SceneError, match=rf"{name}.* cannot be read \(Is a directory\); give"):
+        READERS[name](str(tmp_path / name))
+
+
+def test_a_file_that_becomes_a_pipe_is_refused(tmp_path, monkeypatch):
+    os.mkfifo(tmp_path / "pipe")
+    monkeypatch.setattr(file_access, "check_regular", lambda path: None)
+    with pytest.raises(FileFault, match="pipe"):
+        file_access.open_regular(tmp_path / "pipe")
+
+
+@pytest.mark.parametrize("companion", ["bed.tif.msk", "bed.tif.ovr", "bed.tif.aux.xml", "bed.tfw"])
+def test_a_pipe_beside_a_raster_is_refused(tmp_path, companion):
+    (tmp_path / "bed.tif").write_bytes(b"II*\0")
+    os.mkfifo(tmp_path / companion)
+    with pytest.raises(SceneError, match="beside it, which is no regular file; remove that"):
+        read_grid(str(tmp_path / "bed.tif"))
+
+
+def test_rasters_in_other_formats_are_refused_under_an_allowed_suffix(tmp_path):
+    band = '<VRTRasterBand dataType="Float32" band="1" subClass="VRTDerivedRasterBand"/>'
+    for name in ("bed.tif", "bed.bag", "bed.asc"):
+        (tmp_path / name).write_text(f'<VRTDataset rasterXSize="4" rasterYSize="4">{band}</VRTDataset>')
+        with pytest.raises(SceneError, match="cannot be read"):
+            read_grid(str(tmp_path / name))
+
+
+def test_no_driver_of_gdal_is_left_that_asks_a_server_or_runs_code():
+    lines = (
+        "import os, rasterio; from insonify.io.isolated import SETTINGS; os.environ.update(SETTINGS)\n"
+        "with rasterio.Env() as environment: print(*environment.drivers())"
+    )
+    done = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True, check=True)
+    left = set(done.stdout.split())
+    assert {"GTiff", "BAG", "AAIGrid"} <= left
+    assert not left & {"VRT", "WMS", "WCS", "WMTS", "HTTP", "OGCAPI", "STACTA", "STACIT", "GTI", "netCDF", "Zarr"}
+
+
+@pytest.mark.parametrize("kind", ["EPS", "PDF", "GIF", "BMP", "PPM"])
+def test_pictures_are_png_or_tiff_whatever_their_name(tmp_path, kind, monkeypatch):
+    Image.new("RGB", (4, 4)).save(tmp_path / "made", format=kind)
+    (tmp_path / "made").rename(tmp_path / "map.png")
+    monkeypatch.setattr(subprocess, "Popen", None)  # nothing is handed to another program
+    with pytest.raises(SceneError, match=r"cannot be read .*; give a PNG or TIFF picture"):
+        read_picture(str(tmp_path / "map.png"), 2)
+
+
+def archive(path: Path, name: str, member: bytes, kind: int = zipfile.ZIP_DEFLATED) -> Path:
+    with zipfile.ZipFile(path, "w", kind) as made:
+        made.writestr(name, member)
+    return path
+
+
+def npy(array: np.ndarray, shape: tuple[int, ...] | None = None) -> bytes:
+    """Bytes of an array, of which the header may announce another shape."""
+    made = io.BytesIO()
+    header = {"descr": array.dtype.str, "fortran_order": False, "shape": shape or array.shape}
+    np.lib.format.write_array_header_1_0(made, header)
+    return made.getvalue() + array.tobytes()
+
+
+GRID = np.full((3, 4), -20.0)
+WRONG_ARRAYS = {
+    "more announced than there is": (npy(GRID, (3, 5)), "it announces .3, 5. values and holds 96 bytes"),
+    "less announced than there is": (npy(GRID, (3, 3)), "it announces .3, 3. values and holds 96 bytes"),
+    "a negative side": (npy(GRID, (-3, -4)), "it announces .-3, -4. values"),
+    "an enormous array": (npy(GRID, (10**6, 10**6)), "it announces .1000000, 1000000. values"),
+    "objects": (npy(GRID).replace(b"'<f8'", b"'|O' "), "it holds object values"),
+    "records": (npy(GRID).replace(b"'<f8'", b"'|V8'"), "it holds .*V8.* values"),
+    "a header without end": (b"\x93NUMPY\x01\x00\x10\x00" + b"(" * 16, "its header is damaged"),
+    "a header of another version": (
+        b"\x93NUMPY\x09\x00\x10\x00" + b" " * 16,
+        "it is of version 9.0, not a plain array",
+    ),
+}
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".npz"])
+@pytest.mark.parametrize("fault", WRONG_ARRAYS)
+def test_an_array_must_be_what_its_header_announces(tmp_path, suffix, fault):
+    content, words = WRONG_ARRAYS[fault]
+    path = tmp_path / f"bed{suffix}"
+    path.write_bytes(content) if suffix == ".npy" else archive(path, "z.npy", content)
+    with pytest.raises(SceneError, match=rf"bed{suffix}' cannot be read .*{words}.*; save it with numpy\.save"):
+        read_grid(str(path))
+
+
+def test_an_encrypted_archive_is_refused(tmp_path):
+    path = archive(tmp_path / "bed.npz", "z.npy", npy(GRID))
+    content = bytearray(path.read_bytes())
+    content[content.index(b"PK\x01\x02") + 8] |= 1
+    path.write_bytes(content)
+    with pytest.raises(SceneError, match=r"holds 'z' encrypted or packed in an unusual way; save it with numpy\.savez"):
+        read_grid(str(path))
+
+
+def test_an_archive_that_expands_without_bound_is_refused_before_it_is_expanded(tmp_path):
+    side = 7000
+    path = archive(tmp_path / "bed.npz", "z.npy", npy(np.zeros((side, side))))
+    assert path.stat().st_size < 10**6
+    with pytest.raises(SceneError, match=r"announces 0\.392 GB, 64 times more than it stores; save it without"):
+        read_grid(str(path))
+
+
+def test_a_sparse_file_counts_by_what_is_stored_of_it(tmp_path):
+    path = tmp_path / "bed.npy"
+    content = npy(np.zeros((0,)), (10_000, 10_000))
+    path.write_bytes(content)
+    os.truncate(path, len(content) + 8 * 10**8)
+    with pytest.raises(SceneError, match=r"announces 0\.8 GB, 64 times more than it stores"):
+        read_grid(str(path))
+
+
+def test_a_record_of_more_pings_than_are_stored_is_refused(tmp_path):
+    import netCDF4
+
+    with netCDF4.Dataset(tmp_path / "record.nc", "w") as file:
+        file.createDimension("ping_time", 10**10)
+        file.createVariable("platform_x", "f8", ("ping_time",), chunksizes=(1000,))
+        file.createVariable("time", "f8", ("ping_time",), chunksizes=(1000,))
+    for read in (read_record, read_navigation):
+        with pytest.raises(SceneError, match=r"announces .* GB, 64 times more than it stores; save it without"):
+            read(str(tmp_path / "record.nc"))
+
+
+def test_a_text_of_more_than_its_limit_is_refused(tmp_path):
+    (tmp_path / "scene.toml").write_bytes(b"#" * (2**24 + 1))
+    with pytest.raises(SceneError, match="is a text of more than 16 MB; thin it"):
+        load_scene(tmp_path / "scene.toml")
+
+
+def gltf(folder: Path) -> tuple[Path, dict]:
+    for name, content in trimesh.Scene(trimesh.creation.box()).export(file_type="gltf", merge_buffers=True).items():
+        (folder / name).write_bytes(content)
+    return folder / "model.gltf", json.loads((folder / "model.gltf").read_text())
+
+
+@pytest.mark.parametrize("place", ["../outside.bin", "{folder}/outside.bin", "link.bin"])
+def test_what_a_mesh_refers_to_lies_beside_it(tmp_path, place):
+    folder = tmp_path / "model"
+    folder.mkdir()
+    path, document = gltf(folder)
+    assert len(read_mesh(str(path))) == 12
+    (folder / document["buffers"][0]["uri"]).rename(tmp_path / "outside.bin")
+    (folder / "link.bin").symlink_to(tmp_path / "outside.bin")
+    document["buffers"][0]["uri"] = place.format(folder=tmp_path)
+    path.write_text(json.dumps(document))
+    os.utime(path, (1, 1))
+    with pytest.raises(SceneError, match=r"refers to '.*'; keep what it refers to beside it, under a relative path"):
+        read_mesh(str(path))
+
+
+def test_a_mesh_may_refer_to_a_folder_beside_it_but_not_to_a_pipe(tmp_path):
+    path, document = gltf(tmp_path)
+    (tmp_path / "data").mkdir()
+    (tmp_path / document["buffers"][0]["uri"]).rename(tmp_path / "data" / "b.bin")
+    document["buffers"][0]["uri"] = "data/b.bin"
+    path.write_text(json.dumps(document))
+    assert len(read_mesh(str(path))) == 12
+    (tmp_path / "data" / "b.bin").unlink()
+    os.mkfifo(tmp_path / "data" / "b.bin")
+    os.utime(path, (1, 1))
+    with pytest.raises(SceneError, match="is a device or a pipe"):
+        read_mesh(str(path))
+
+
+def test_a_store_with_a_pipe_in_it_is_refused(tmp_path):
+    (tmp_path / "record.zarr").mkdir()
+    os.mkfifo(tmp_path / "record.zarr" / "zarr.json")
+    with pytest.raises(SceneError, match=r"holds 'zarr\.json', which is no regular file; remove that"):
+        read_record(tmp_path / "record.zarr")
+
+
+def refusal(fault: str, remedy: str) -> SceneError:
+    return SceneError(f"it {fault}; {remedy}")
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (MemoryError(), "it cannot be read (it does not fit in memory); mend it"),
+        (RecursionError("too deep\nby far"), "it cannot be read (too deep by far); mend it"),
+        (KeyError("name"), "it cannot be read ('name'); mend it"),
+        (AssertionError(), "it cannot be read (AssertionError); mend it"),
+        (PermissionError(13, "Permission denied"), "it cannot be read (Permission denied); mend it"),
+        (FileFault("is odd", "even it"), "it is odd; even it"),
+        (SceneError("as it was"), "as it was"),
+    ],
+)
+def test_every_error_becomes_one_sentence(error, words):
+    with pytest.raises(SceneError) as caught, guarded(refusal, "mend it"):
+        raise error
+    assert str(caught.value) == words
+
+
+def test_warnings_of_libraries_are_left_out_and_those_of_files_are_not():
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        with guarded(refusal, "mend it"):
+            warnings.warn("of a library", stacklevel=1)
+            warnings.warn(FileWarning("of a file"), stacklevel=1)
+    assert [str(each.message) for each in told] == ["of a file"]
+
+
+def test_threads_read_one_at_a_time():
+    inside, most = [0], [0]
+
+    def read() -> None:
+        for _ in range(200):
+            with guarded(refusal, ""):
+                inside[0] += 1
+                most[0] = max(most[0], inside[0])
+                inside[0] -= 1
+
+    threads = [threading.Thread(target=read) for _ in range(4)]
+    before = list(warnings.filters)
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert most == [1]
+    assert warnings.filters == before
+
+
+def test_what_is_read_stays_as_it_was(tmp_path):
+    np.save(tmp_path / "bed.npy", GRID)
+    (tmp_path / "bed.npy").chmod(stat.S_IRUSR)
+    read_grid(str(tmp_path / "bed.npy"))
+    assert [path.name for path in tmp_path.iterdir()] == ["bed.npy"]

@@ -1,0 +1,170 @@
+"""Readers in a process of their own: what they return, and what becomes of crashes, loops and allocations."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from insonify.errors import SceneError
+from insonify.io import isolation
+from insonify.io.file_access import FileFault
+from insonify.io.isolation import run_isolated
+
+
+def give(path: str) -> dict[str, object]:
+    return {"path": path, "process": os.getpid(), "rows": np.arange(12.0).reshape(3, 4), "none": np.zeros((0, 2))}
+
+
+def crash(path: str) -> None:
+    os.abort()
+
+
+def loop(path: str) -> None:
+    while True:
+        pass
+
+
+def chatter(path: str) -> int:
+    os.write(1, b"on standard output")
+    os.write(2, b"on standard error")
+    print("and so on")  # noqa: T201
+    return 3
+
+
+def allocate(path: str) -> int:
+    return len(np.ones(2**28))  # 2 GB
+
+
+def refuse(path: str) -> None:
+    raise SceneError("it is refused; mend it")
+
+
+def find_fault(path: str) -> None:
+    raise FileFault("is odd", "even it")
+
+
+def fail(path: str) -> None:
+    raise KeyError("a name")
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> str:
+    (tmp_path / "file").write_bytes(b"content")
+    return str(tmp_path / "file")
+
+
+def test_what_a_reader_returns_comes_back(file, monkeypatch):
+    monkeypatch.chdir(Path(file).parent)
+    found = run_isolated(give, "file")
+    assert found["path"] == file
+    assert found["process"] != os.getpid()
+    np.testing.assert_array_equal(found["rows"], np.arange(12.0).reshape(3, 4))
+    assert found["none"].shape == (0, 2)
+    found["rows"][0] = 1.0  # the caller's own
+
+
+def test_the_process_is_kept(file):
+    assert run_isolated(give, file)["process"] == run_isolated(give, file)["process"]
+
+
+def test_a_crash_is_one_sentence_and_the_next_file_is_read(file):
+    with pytest.raises(FileFault, match="the library that reads it fails"):
+        run_isolated(crash, file)
+    assert run_isolated(chatter, file) == 3
+
+
+def test_a_loop_is_ended(file, monkeypatch):
+    monkeypatch.setattr(isolation, "LONGEST", 1.0)
+    began = time.perf_counter()
+    with pytest.raises(FileFault, match="takes longer than 1 s to read"):
+        run_isolated(loop, file)
+    assert time.perf_counter() - began < 5.0
+    assert run_isolated(chatter, file) == 3
+
+
+def test_nothing_that_a_reader_prints_reaches_the_terminal(file, capfd):
+    assert run_isolated(chatter, file) == 3
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="the system has no limit for memory")
+def test_memory_is_limited_by_the_size_of_the_file(file):
+    with pytest.raises(RuntimeError, match="does not fit in memory"):
+        run_isolated(allocate, file)
+    assert run_isolated(chatter, file) == 3
+
+
+def test_errors_come_back_as_they_are(file):
+    with pytest.raises(SceneError, match=r"^it is refused; mend it$"):
+        run_isolated(refuse, file)
+    with pytest.raises(FileFault) as caught:
+        run_isolated(find_fault, file)
+    assert (caught.value.fault, caught.value.remedy) == ("is odd", "even it")
+    with pytest.raises(RuntimeError, match="a name"):
+        run_isolated(fail, file)
+
+
+def test_an_interrupt_ends_the_process_and_the_next_file_is_read(file, monkeypatch):
+    run_isolated(chatter, file)
+    process = isolation._kept
+
+    def interrupted(*arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(isolation, "_exactly", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            run_isolated(give, file)
+    assert process.process.poll() is not None
+    assert run_isolated(chatter, file) == 3
+
+
+def test_a_process_that_has_ended_is_started_anew(file):
+    run_isolated(chatter, file)
+    isolation._kept.process.kill()
+    isolation._kept.process.wait()
+    assert run_isolated(chatter, file) == 3
+
+
+def test_an_idle_process_ends(file):
+    lines = "from insonify.io import isolated; isolated.IDLE = 0.2; isolated.serve()"
+    with subprocess.Popen([sys.executable, "-c", lines], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as idle:
+        assert idle.wait(timeout=20) == 0
+
+
+def ask(file: str, answers: object) -> None:
+    answers.put(run_isolated(give, file)["process"])
+
+
+@pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_other_processes_have_one_of_their_own(file, method):
+    mine = run_isolated(give, file)["process"]
+    context = multiprocessing.get_context(method)
+    answers = context.SimpleQueue()
+    child = context.Process(target=ask, args=(file, answers))
+    child.start()
+    theirs = answers.get()
+    child.join()
+    assert child.exitcode == 0
+    assert theirs != mine
+    assert run_isolated(give, file)["process"] == mine
+
+
+def test_a_program_that_ends_leaves_no_process(file):
+    lines = (
+        "import sys; from insonify.io.isolation import run_isolated; from test_isolation import give\n"
+        "print(run_isolated(give, sys.argv[1])['process'])"
+    )
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parent)}
+    command = [sys.executable, "-W", "error", "-c", lines, file]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    assert done.stderr == ""
+    assert not Path(f"/proc/{int(done.stdout)}").exists()
