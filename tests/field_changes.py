@@ -290,6 +290,7 @@ CHANGES |= {
     for field, value in (dict.fromkeys(WAYS, False) | ({"wind_speed": 7.0} if kind == "rough" else {})).items()
 }
 PART = "a part that is all its own fields"
+BALL = "turns a ball, which looks alike from all sides"
 WHY_NOT = {
     "schema_version": "says how the file is to be read",
     "title": "is for people; it stands in the record's attributes",
@@ -301,6 +302,7 @@ WHY_NOT = {
     "sonar": PART,
     "track": PART,
     "receiver": PART,
+    **{f"targets[sphere].{field}": BALL for field in ("heading", "pitch", "roll")},
     "receiver.recorder": PART,
     "seabed.relief[mimic].of[pattern].heading": "dunes lie along the track",
     "seabed.relief[mimic].of[pattern].of[uniform].name": "is for numbers not given; dunes have but a diffuse share",

@@ -8,10 +8,10 @@ import pytest
 from beds import arrays_of
 from insonify.kernels.common.types import FRUSTUM, Mesh
 from insonify.kernels.geometry.bvh import build_mesh
-from insonify.scene import SceneError, scene_from_toml
+from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.scene.rotation import rotation_matrix
 from insonify.scene.targets.shape import block
-from insonify.simulation import prepare
+from insonify.simulation import prepare, simulate
 from naive import NOTHING, body_depth, cast
 
 POSES = [(0, 0, 0), (90, 0, 0), (30, 20, 0), (30, 0, 40), (-70, 35, 110), (200, -90, 10), (10, 180, 0)]
@@ -189,3 +189,14 @@ def test_a_mistake_is_told_in_one_sentence(target, words):
     assert "\n" not in str(caught.value)
     for word in words:
         assert word in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["sphere", "cone", "box", "mesh"])
+def test_all_bodies_take_the_same_pose(kind):
+    path = {"path": "tetrapod"} if kind == "mesh" else {}
+    target = {"kind": kind, "position": [3.0, 12.0], "heading": 30.0, "pitch": 10.0, "roll": -5.0, "gap": 0.2, **path}
+    scene = edit(load_scene("default"), {"targets": [target], "track.pings": 40})
+    assert scene.targets[0].attitude == (30.0, 10.0, -5.0)
+    upright = edit(scene, {f"targets.0.{angle}": 0.0 for angle in ("heading", "pitch", "roll")})
+    alike = simulate(scene).intensity.equals(simulate(upright).intensity)
+    assert alike == (kind == "sphere")

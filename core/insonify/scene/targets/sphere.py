@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from typing import Literal
 
 from insonify.scene.base import parameter
-from insonify.scene.targets.base import LEAST, Body
+from insonify.scene.targets.base import LEAST, Posed
 from insonify.scene.targets.shape import Shape, ball
 from insonify.scene.targets.sides import FRONT, Side, Sight
 
 
-class Sphere(Body):
-    """A ball."""
+class Sphere(Posed):
+    """A ball; it takes the attitude that all targets take, and looks alike in any."""
 
     rank = 2
     combed = 0.09
@@ -23,6 +23,11 @@ class Sphere(Body):
     def shape(self) -> Shape:
         """Return one ball."""
         return Shape((ball(self.radius),))
+
+    @property
+    def idle_fields(self) -> frozenset[str]:
+        """Heading, pitch and roll, and the gap where z is given."""
+        return super().idle_fields | {"heading", "pitch", "roll"}
 
     def sides(self, sight: Sight) -> Iterator[Side]:
         """Yield the diffuse front and the glint in its middle."""
