@@ -274,3 +274,24 @@ def test_a_sea_with_every_way_closed_is_none(trace):
     arrays = arrays_of(rough(64, 64, 0.1), 0.5, periodic=True, bins=300, bin_length=0.1, half_width=0.02)
     poses = poses_of(0.1, 0.2, 7.0)
     np.testing.assert_array_equal(trace(under_sea(arrays, 13.0), poses), trace(arrays, poses))
+
+
+@pytest.mark.parametrize("tracer", ["sweep", "rays"])
+@pytest.mark.parametrize("way", BOTTOM_WAYS)
+def test_waves_bring_echoes_into_the_record_from_beyond_its_end(way, tracer):
+    """A record that ends where a path begins is the beginning of a longer one, and the sea's waves are in both."""
+    first = {"surface_bottom": 50.0, "surface_bottom_surface": 80.0, "second_bottom": 70.0}[way]
+    trace = {"sweep": sweep.trace, "rays": lambda arrays, poses: rays.trace(arrays, poses, rays=1 << 18)}[tracer]
+    short, long = (
+        ghost(
+            trace,
+            arrays_of(FLAT, 0.1, periodic=True, bins=round(end / 0.1), bin_length=0.1, half_width=math.radians(0.5)),
+            poses_of(0.0, 0.0, ALTITUDE),
+            ALTITUDE + DEPTH,
+            way,
+            wind_speed=4.0,
+        )[0, 0]
+        for end in (first + 0.1, first + 10.0)
+    )
+    noise = 2e-3 if tracer == "sweep" else 0.03
+    np.testing.assert_allclose(short, long[: short.size], rtol=noise, atol=noise * short.max())

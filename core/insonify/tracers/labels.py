@@ -142,7 +142,7 @@ def _find(
 
     def make_room() -> tuple[Any, ...]:
         room = empty_sweep_workspace(arrays, apparent)
-        images = empty_multipath_workspace(arrays, room.profile)
+        images = empty_multipath_workspace(arrays)
         return room, images, empty_contributor_table(contributors, arrays.bins)
 
     rooms = PerThread(make_room)

@@ -92,7 +92,7 @@ def _trace_alike(
         room = rooms.own
         status = sweep_pings(arrays, part, beam, apparent, room, out[first:last])
         if arrays.multipath.enabled and status == 0:
-            images = empty_multipath_workspace(arrays, room.profile)
+            images = empty_multipath_workspace(arrays, real)
             sweep_multipath(arrays, part, beam, lifted, images, empty_contributor_table(0, 0), out[first:last])
         return int(status)
 

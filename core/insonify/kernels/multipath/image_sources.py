@@ -41,6 +41,7 @@ class ImagePath(NamedTuple):
     bin_length: float  # m
     rms_height: float  # of the waves, m
     slope_variance: float  # of the waves, along one direction
+    reach: float  # slant range over a calm sea up to which waves may bring an echo into the record, m
 
 
 @inlined
@@ -107,14 +108,37 @@ def image_pair(arrays, path, x, y, z):
         ImagePath, and whether the path is traced at all.
     """
     multipath, sonar = arrays.multipath, _sonar_itself()
-    common = arrays.law, arrays.bin_length, multipath.rms_height, multipath.slope_variance
+    passes = 2 if path == SURFACE_BOTTOM_SURFACE else 1
+    reach = arrays.bins * arrays.bin_length + wave_advance(multipath, passes)
+    common = arrays.law, arrays.bin_length, multipath.rms_height, multipath.slope_variance, reach
     if path == SURFACE_BOTTOM:
-        return ImagePath(sonar, surface_image(arrays, z), 2, 1, path, *common), multipath.surface_bottom
+        return ImagePath(sonar, surface_image(arrays, z), 2, passes, path, *common), multipath.surface_bottom
     if path == SURFACE_BOTTOM_SURFACE:
         image = surface_image(arrays, z)
-        return ImagePath(image, image, 1, 2, path, *common), multipath.surface_bottom_surface
+        return ImagePath(image, image, 1, passes, path, *common), multipath.surface_bottom_surface
     image = bottom_image(arrays, x, y, z)
-    return ImagePath(sonar, image, 2, 1, path, *common), multipath.second_bottom and image.share > 0.0
+    return ImagePath(sonar, image, 2, passes, path, *common), multipath.second_bottom and image.share > 0.0
+
+
+@kernel
+def wave_advance(multipath, passes):
+    """Greatest slant range by which waves can shorten a path by way of the sea surface.
+
+    Parameters
+    ----------
+    multipath : SurfaceMultipath
+    passes : int
+        Of the sea surface, 1 or 2.
+
+    Returns
+    -------
+    float
+        m; 0 over a calm sea.
+    """
+    if not multipath.enabled:
+        return 0.0
+    # Of η sin θ for each pass; tilts only lengthen.
+    return -passes * multipath.rms_height * multipath.facets[passes - 1, :, 0].min()
 
 
 @inlined

@@ -15,7 +15,7 @@ from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.types import LIGHT, SONAR
-from insonify.kernels.multipath.image_sources import bottom_image, height_delay, surface_image, tilt_delay
+from insonify.kernels.multipath.image_sources import bottom_image, height_delay, surface_image, tilt_delay, wave_advance
 from insonify.kernels.rays.cell_walk import NOTHING, find_first_hits
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch
 from insonify.kernels.rays.launch import (
@@ -30,6 +30,9 @@ from insonify.kernels.rays.launch import (
 )
 from insonify.kernels.rays.path_tracing import Intersection, advance_to, meet_scene, start_path
 from insonify.kernels.rays.specular_paths import mixed_echo
+
+MOST_PASSES = 2  # of the sea surface
+REACH_STEPS = 16.0  # to a record's length, by which rays reach beyond it
 
 
 @kernel
@@ -76,6 +79,7 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
     count, top = list_solids_in_beam(arrays.solids, arrays.mesh, seen_from, near)
     top = max(top, highest_elevation(arrays.bed.high - seen_from.z, 0.0, seen_from.reach))
     spreads = fan and arrays.pattern.tabulated
+    farthest = arrays.bins * arrays.bin_length + wave_advance(multipath, 1)
     aim_rays(launch, seen_from.z, top, seen_from.reach, arrays.half_width, arrays.law, spreads)
     if spreads:
         spread_over_pattern(launch, arrays.pattern, seen_from.z, seen_from.reach, pitch)
@@ -98,7 +102,7 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
             weight = launch.weight[k] * image.share
             if arrays.law == LIGHT and fan and not arrays.pattern.tabulated:
                 weight *= _azimuth_ratio(arrays, beam, path)
-            r, value = mixed_echo(arrays, beam, fan, out, weight, path, meeting)
+            r, value = mixed_echo(arrays, beam, fan, out, weight, path, meeting, farthest)
             _add_spread_echo(r, value, rise, tilt, multipath.facets[0], arrays.bin_length, sums)
 
 
@@ -106,8 +110,11 @@ def _add_image(arrays, beam, image, pitch, near, launch, bundle, hits, sums):
 def _beam_of_image(arrays, beam, image):
     """Axes of one side of a ping's beam for an image of the sonar: raised, and upside down by the sea surface."""
     turned = -1.0 if image.mirrored else 1.0
+    record = arrays.bins * arrays.bin_length
+    # In whole steps, so that a calm sea and most rough ones have the same rays.
+    steps = max(math.ceil(REACH_STEPS * wave_advance(arrays.multipath, MOST_PASSES) / record), 1)
     # R + R' <= 2r and R' - R <= the height of the image.
-    reach = arrays.bins * arrays.bin_length + 0.5 * image.height
+    reach = record * (1.0 + steps / REACH_STEPS) + 0.5 * image.height
     return SideBeam(
         beam.x, beam.y, beam.z + image.height, beam.ahead_x, beam.ahead_y, beam.side_x, beam.side_y,
         beam.axis_x, beam.axis_y, turned * beam.axis_z, beam.s_low, beam.s_high,

@@ -14,11 +14,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import raise_sector
 from insonify.kernels.beam.pattern import two_way_response
-from insonify.kernels.bed.slice import Profile, slice_bed
+from insonify.kernels.bed.slice import Profile, empty_profile, profile_capacity, slice_bed
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.types import LIGHT, SONAR, SceneArrays
@@ -42,6 +42,7 @@ from insonify.kernels.multipath.image_sources import (
     spreading_ratio,
     surface_image,
     tilt_delay,
+    wave_advance,
 )
 from insonify.kernels.multipath.target_multipath import list_target_echoes
 from insonify.kernels.rays.launch import orient_beam
@@ -55,6 +56,7 @@ from insonify.kernels.targets.occlusion import next_visible, occlusion_of
 
 HALVINGS = 40  # that find where a segment comes nearest to both images
 MOST_PARTS = 1024
+MOST_PASSES = 2  # of the sea surface
 
 
 class ImageProfile(NamedTuple):
@@ -98,23 +100,24 @@ class PairedSegment(NamedTuple):
     shininess: float
 
 
-def empty_multipath_workspace(arrays: SceneArrays, profile: Profile) -> MultipathWorkspace:
-    """Make room for what two images see of a profile, which is sliced anew for them.
+def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32) -> MultipathWorkspace:
+    """Make room for what two images see of a profile.
 
     Parameters
     ----------
     arrays : SceneArrays
-    profile : Profile
-        Room for its knots.
+    dtype : dtype
+        Of the profile: single precision or double.
 
     Returns
     -------
     MultipathWorkspace
     """
-    capacity = profile.x.size
+    reach = arrays.bins * arrays.bin_length + wave_advance(arrays.multipath, MOST_PASSES)
+    capacity = profile_capacity(reach, arrays.bed.spacing)
     images = ImageProfile(*np.zeros((6, capacity))), ImageProfile(*np.zeros((6, capacity)))
     zbuffers = empty_zbuffer(arrays.solids, arrays.mesh), empty_zbuffer(arrays.solids, arrays.mesh)
-    return MultipathWorkspace(profile, images, zbuffers, empty_echo_list())
+    return MultipathWorkspace(empty_profile(capacity, dtype), images, zbuffers, empty_echo_list())
 
 
 @kernel
@@ -181,7 +184,7 @@ def _add_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
     # If sound passes the beam only once, the beam of the higher image counts, which reaches farther out.
     one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
     highest = pair.other.height if one_way else pair.one.height
-    reach = min(per_height * (height + highest), arrays.bins * arrays.bin_length)
+    reach = min(per_height * (height + highest), pair.reach)
     count = slice_bed(arrays.bed, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, workspace.profile)
     one = raise_sector(sector, near_field * (height + pair.one.height))
     other = raise_sector(sector, near_field * (height + pair.other.height))
@@ -232,14 +235,14 @@ def _list_bed(arrays, count, pair, cells, workspace, sink):
     r_other, weight_other = other.r, other.weight
     table, tabulated, two_way = arrays.reflectivity, arrays.pattern.tabulated, arrays.pattern.two_way
     occlusions = occlusion_of(workspace.zbuffers[0], cells[0]), occlusion_of(workspace.zbuffers[1], cells[1])
-    farthest, open_to_all, n = arrays.bins * arrays.bin_length, cells[0] == 0 and cells[1] == 0, 0
+    open_to_all, n = cells[0] == 0 and cells[1] == 0, 0
     for i in range(count - 1):
         if not (launch_one[i + 1] > horizon_one[i] and launch_other[i + 1] > horizon_other[i]):
             continue
         near = pair_response(weight_one[i], weight_other[i], tabulated, two_way)
         far = pair_response(weight_one[i + 1], weight_other[i + 1], tabulated, two_way)
         dx, rise = x[i + 1] - x[i], np.float64(slope[i])
-        beyond = 0.5 * (r_one[i] + r_other[i]) - dx * math.sqrt(1.0 + rise * rise) > farthest
+        beyond = 0.5 * (r_one[i] + r_other[i]) - dx * math.sqrt(1.0 + rise * rise) > pair.reach
         if beyond or not near + far > 0.0 or not area[i] > 0.0:
             continue
         row, rate = material[i], (far - near) / dx

@@ -97,7 +97,7 @@ def add_specular_echoes(arrays, beam, bundle, hits, weight, sums):
             path = advance_to(arrays, path, meeting)
             if path.inside == WATER:
                 _add_retro_echo(arrays, fan, out * weight[k], path, meeting, sums)
-                distance, value = mixed_echo(arrays, beam, fan, out, weight[k], path, meeting)
+                distance, value = mixed_echo(arrays, beam, fan, out, weight[k], path, meeting, reach)
                 b = int(distance / arrays.bin_length)
                 if b < sums.size:
                     sums[b] += value
@@ -164,7 +164,7 @@ def _add_retro_echo(arrays, fan, weight, path, meeting, sums):
 
 
 @inlined
-def mixed_echo(arrays, beam, fan, out, weight, path, meeting):
+def mixed_echo(arrays, beam, fan, out, weight, path, meeting, reach):
     """Echo out along a path that has arrived and straight back, and the other way round.
 
     Parameters
@@ -179,6 +179,8 @@ def mixed_echo(arrays, beam, fan, out, weight, path, meeting):
         What its ray stands for.
     path, meeting : SpecularPath, Intersection
         The path as it arrives, and what it has met.
+    reach : float
+        Slant range from which an echo comes too late, m.
 
     Returns
     -------
@@ -191,7 +193,7 @@ def mixed_echo(arrays, beam, fan, out, weight, path, meeting):
     r, nx, ny, nz = math.sqrt(sx * sx + sy * sy + sz * sz), meeting.nx, meeting.ny, meeting.nz
     sx, sy, sz, distance = sx / r, sy / r, sz / r, 0.5 * (path.length + r)
     cosine, straight = -(nx * path.dx + ny * path.dy + nz * path.dz), -(nx * sx + ny * sy + nz * sz)
-    if distance >= arrays.bins * arrays.bin_length or cosine <= 0.0 or straight <= 0.0:
+    if distance >= reach or cosine <= 0.0 or straight <= 0.0:
         return distance, 0.0
     passed = pair_sensitivity(arrays, beam, fan, out, sx, sy, sz, r)
     if passed == 0.0:
