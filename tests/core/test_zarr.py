@@ -116,7 +116,7 @@ def test_a_swap_that_fails_puts_the_old_folder_back(tmp_path, monkeypatch):
     rename = type(final).replace
 
     def refuse(self, target):
-        if ".part" in self.name:
+        if ".unfinished-" in self.name:
             raise OSError(13, "Permission denied")
         return rename(self, target)
 

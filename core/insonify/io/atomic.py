@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import signal
 import sys
 import threading
@@ -12,12 +10,18 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
+from insonify.io.unfinished import FORMER, clear_leftovers, remove, temporary_path
+
+# Sent by schedulers when time is up, by a terminal that is closed, and by Ctrl-\.
+REQUESTS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)]
+
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path beside the final one; the finished file replaces the final one.
 
-    After an error, an interrupt or a request to terminate, the old file is unchanged and no temporary file is left.
+    After an error, an interrupt or a request to end, the old file is unchanged and no temporary file is left. What a
+    killed process left is removed by the next one that writes the same file.
 
     Parameters
     ----------
@@ -32,16 +36,18 @@ def replacing(path: str | Path) -> Iterator[Path]:
     final = Path(path)
     # A link is followed, so that the file it points to is replaced, not the link.
     final = final.resolve() if final.is_symlink() else final
-    beside = final.with_name(f".{final.stem}.{os.getpid()}.part{final.suffix}")
     try:
-        with _terminated_cleanly():
-            yield beside
-            _put(beside, final)
+        clear_leftovers(final)
+        beside = temporary_path(final)
+        try:
+            with _terminated_cleanly():
+                yield beside
+                _put(beside, final)
+        finally:
+            remove(beside)
     except OSError as error:
         # The error names the final path, not the temporary one.
         raise type(error)(error.errno, error.strerror or str(error), str(path)) from error
-    finally:
-        _remove(beside)
 
 
 def _put(beside: Path, final: Path) -> None:
@@ -49,36 +55,28 @@ def _put(beside: Path, final: Path) -> None:
     if not (beside.is_dir() and final.is_dir()):
         beside.replace(final)
         return
-    old = final.with_name(f".{final.stem}.{os.getpid()}.old{final.suffix}")
+    old = temporary_path(final, FORMER)
     final.replace(old)
     try:
         beside.replace(final)
     except OSError:
         old.replace(final)
         raise
-    _remove(old)
-
-
-def _remove(path: Path) -> None:
-    """Remove a file or a folder, if there is one."""
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)
+    remove(old)
 
 
 @contextmanager
 def _terminated_cleanly() -> Iterator[None]:
-    """Turn SIGTERM, which a scheduler sends when time is up, into an exit that runs the clean-up."""
-    before = signal.getsignal(signal.SIGTERM)
-    if before is not signal.SIG_DFL or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    signal.signal(signal.SIGTERM, _leave)
+    """Turn requests to end the process into an exit that runs the clean-up, where nobody else handles them."""
+    is_main = threading.current_thread() is threading.main_thread()
+    caught = [number for number in REQUESTS if is_main and signal.getsignal(number) is signal.SIG_DFL]
+    for number in caught:
+        signal.signal(number, _leave)
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number in caught:
+            signal.signal(number, signal.SIG_DFL)
 
 
 def _leave(number: int, frame: object) -> NoReturn:
