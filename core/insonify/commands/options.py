@@ -214,6 +214,14 @@ def decibels(text: str) -> float:
     return value
 
 
+def metres(text: str) -> float:
+    """Parse a length."""
+    value = _number(text)
+    if not 1e-3 <= value <= 1e6:
+        raise argparse.ArgumentTypeError(f"{text} is out of bounds; give metres from 0.001 to 1000000")
+    return value
+
+
 def say(line: str) -> None:
     """Write a line to standard output."""
     sys.stdout.write(f"{line}\n")

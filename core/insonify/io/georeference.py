@@ -124,12 +124,18 @@ def convergence(place: Georeference) -> float:
 @lru_cache(maxsize=16)
 def _transformer(source: str, target: str) -> Any:
     from pyproj import Transformer  # lazy, as above
-    from pyproj.exceptions import ProjError
+
+    return Transformer.from_crs(_system(source), _system(target), always_xy=True)
+
+
+@lru_cache(maxsize=16)
+def _system(crs: str) -> Any:
+    from pyproj import CRS  # lazy, as above
+    from pyproj.exceptions import CRSError
 
     try:
-        return Transformer.from_crs(source, target, always_xy=True)
-    except ProjError:
-        told = target if source == DEGREES else source
+        return CRS.from_user_input(crs)
+    except CRSError:
         raise SceneError(
-            f"crs {told!r} is not a coordinate reference system known to PROJ; give one such as 'EPSG:32631'"
+            f"crs {crs!r} is not a coordinate reference system known to PROJ; give one such as 'EPSG:32631'"
         ) from None

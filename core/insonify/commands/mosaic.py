@@ -1,0 +1,67 @@
+"""``insonify mosaic``: records on a map, as a GeoTIFF."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from insonify.commands.options import add_frequency, add_output, chosen_output, metres, say
+from insonify.io.records import RECORDS, read_record
+from insonify.surveys.choices import ALTITUDES, OVERLAPS
+
+EXAMPLE = "example: insonify mosaic line1.xtf line2.xtf -o mosaic.tif --cell 0.25 --overlap nearest"
+
+
+def register(subparsers: Any) -> None:
+    """Add ``mosaic``."""
+    parser = subparsers.add_parser(
+        "mosaic",
+        help="put records on a map (.tif)",
+        description="Correct records from slant range to ground range, lay them on the map by position and heading, "
+        "and write one GeoTIFF: decibels relative to the median of each record at its range, with NaN where nothing "
+        "was insonified.",
+        epilog=EXAMPLE,
+    )
+    parser.add_argument(
+        "records", nargs="+", metavar="RECORD", help=f"a record: {RECORDS.describe(RECORDS.readable())}"
+    )
+    add_output(parser, (".tif", ".tiff"))
+    parser.add_argument(
+        "--cell", type=metres, metavar="M", help="side of a cell in metres (default: about the distance between pings)"
+    )
+    parser.add_argument(
+        "--overlap",
+        choices=OVERLAPS,
+        default=OVERLAPS[0],
+        help="what counts where records overlap: their mean energy, the last one named, the strongest, or the one "
+        "nearest in ground range (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--altitude",
+        choices=ALTITUDES,
+        default=ALTITUDES[0],
+        help="altitude that corrects slant range; a record without altitude is bottom-tracked (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--crs", metavar="CRS", help="map of the mosaic, e.g. EPSG:32631 (default: UTM zone of the first record)"
+    )
+    add_frequency(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Read the records and write their mosaic."""
+    path = chosen_output(arguments)
+    records = {name: read_record(name, arguments.frequency) for name in arguments.records}
+    # lazy: the other commands need neither the display nor PROJ
+    from insonify.io.geotiff import write_geotiff
+    from insonify.surveys.mosaic import make_mosaic
+    from insonify.surveys.swath import choose_map, lay_swath
+
+    crs = choose_map(*next(iter(records.items())), arguments.crs)
+    swaths = [lay_swath(name, record, crs, arguments.altitude) for name, record in records.items()]
+    mosaic = make_mosaic(swaths, arguments.cell, arguments.overlap)
+    band = "echo relative to the median of the record at its range"
+    write_geotiff(path, mosaic.level, mosaic.corner, mosaic.cell, crs, band=band, unit="dB")
+    rows, columns = mosaic.level.shape
+    say(f"{path}: {columns} x {rows} cells of {mosaic.cell:g} m on {crs or 'no map'}")

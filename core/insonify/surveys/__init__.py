@@ -1,0 +1,1 @@
+"""Surveys: what is made of the records of several lines."""

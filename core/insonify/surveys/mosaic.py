@@ -1,0 +1,177 @@
+"""Mosaic: the swaths of several records on one grid of the map."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene import SceneError
+from insonify.surveys.choices import OVERLAPS
+from insonify.surveys.swath import Swath
+
+FARTHEST_GAP = 5.0  # median distances between pings over which the swath is still filled
+LARGEST_SIDE = 30_000  # cells
+FAINTEST = -40.0  # dB, of cells in which nothing is heard
+ROUND = (1.0, 2.0, 5.0)  # leading digits of a cell's size
+
+
+@dataclass(frozen=True, eq=False)
+class Mosaic:
+    """Levels on a grid of the map.
+
+    Attributes
+    ----------
+    level : (rows, columns) float32
+        dB relative to the median of its record at that slant range; NaN where nothing was insonified; northernmost
+        row first.
+    corner : (float, float)
+        Easting and northing of the upper left corner, in metres.
+    cell : float
+        Side of a cell, in metres.
+    """
+
+    level: NDArray[np.float32]
+    corner: tuple[float, float]
+    cell: float
+
+
+@dataclass(eq=False)
+class _Layer:
+    """Sums over the samples of one record in every cell."""
+
+    energy: NDArray[np.float64]
+    ground_range: NDArray[np.float64]
+    count: NDArray[np.int64]
+
+
+def choose_cell(swaths: Sequence[Swath]) -> float:
+    """Return a round cell size, 1, 2 or 5 times a power of ten, no finer than the pings and the bins of the records."""
+    finest = max(max(swath.spacing, swath.bin_length) for swath in swaths)
+    power = 10.0 ** math.floor(math.log10(finest))
+    # Rounded down, so that a cell holds about one ping.
+    return power * max(digit for digit in ROUND if digit * power <= finest * (1.0 + 1e-9))
+
+
+def make_mosaic(swaths: Sequence[Swath], cell: float | None = None, overlap: str = OVERLAPS[0]) -> Mosaic:
+    """Put the swaths of records together.
+
+    Every swath is filled between successive pings of its record, except over gaps of more than five times their usual
+    distance, and averaged in energy within a cell. The rule of overlaps then decides between records.
+
+    Parameters
+    ----------
+    swaths : sequence of Swath
+        At least one.
+    cell : float, optional
+        Side of a cell in metres; from `choose_cell` when left out.
+    overlap : str
+        ``mean`` of the records' energies, ``last`` record, ``strongest``, or the record ``nearest`` in ground range.
+
+    Returns
+    -------
+    Mosaic
+
+    Raises
+    ------
+    SceneError
+        If the mosaic is too large.
+    """
+    cell = choose_cell(swaths) if cell is None else cell
+    low, shape = _extent(swaths, cell)
+    layers = (_lay(swath, low, shape, cell) for swath in swaths)
+    energy = _combine(layers, overlap, shape)
+    with np.errstate(divide="ignore"):
+        level = np.maximum(10.0 * np.log10(energy), FAINTEST)  # NaN stays NaN
+    return Mosaic(level.astype(np.float32)[::-1], (low[0], low[1] + shape[0] * cell), cell)
+
+
+def _extent(swaths: Sequence[Swath], cell: float) -> tuple[tuple[float, float], tuple[int, int]]:
+    """Lower left corner and shape of the grid that holds all swaths, on whole multiples of the cell."""
+    points = np.concatenate([np.concatenate([swath.nadir, swath.ends.reshape(-1, 2)]) for swath in swaths])
+    low, high = np.floor(points.min(axis=0) / cell), np.floor(points.max(axis=0) / cell) + 1.0
+    columns, rows = (int(size) for size in high - low)
+    if max(rows, columns) > LARGEST_SIDE:
+        raise SceneError(
+            f"--cell {cell:g}: the mosaic would be {columns} by {rows} cells; widen the cell to "
+            f"{cell * max(rows, columns) / LARGEST_SIDE:.2g} m or make mosaics of fewer records"
+        )
+    return (float(low[0] * cell), float(low[1] * cell)), (rows, columns)
+
+
+def _lay(swath: Swath, low: tuple[float, float], shape: tuple[int, int], cell: float) -> _Layer:
+    """Add up the samples of one record in every cell.
+
+    Samples are dense enough, half a cell apart at most, that each cell within the swath holds one.
+    """
+    layer = _Layer(np.zeros(shape), np.zeros(shape), np.zeros(shape, dtype=np.int64))
+    step = min(0.5 * cell, swath.bin_length)
+    ground_range = np.arange(0.5 * step, swath.reach, step, dtype=np.float64)
+    longest = max(FARTHEST_GAP * swath.spacing, 2.0 * cell)
+    last = len(swath.nadir) - 1
+    heard = swath.energy(0, ground_range)
+    for ping in range(max(last, 1)):
+        following = min(ping + 1, last)
+        next_heard = swath.energy(following, ground_range)
+        moved = float(np.hypot(*(swath.nadir[following] - swath.nadir[ping])))
+        turned = float(np.hypot(*(swath.ends[following] - swath.ends[ping]).T).max())
+        parts = math.ceil(max(moved, turned) / (0.5 * cell)) if moved <= longest else 1
+        for part in range(max(parts, 1)):
+            share = part / parts if parts > 1 else 0.0
+            between = (1.0 - share) * heard + share * next_heard if share else heard
+            _add(layer, _places(swath, ping, following, share, ground_range), ground_range, between, low, cell)
+        heard = next_heard
+    if last > 0:
+        _add(layer, _places(swath, last, last, 0.0, ground_range), ground_range, heard, low, cell)
+    return layer
+
+
+def _places(
+    swath: Swath, ping: int, following: int, share: float, ground_range: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Positions of samples on both sides between two pings, (2, n, 2)."""
+    nadir = (1.0 - share) * swath.nadir[ping] + share * swath.nadir[following]
+    ends = (1.0 - share) * swath.ends[ping] + share * swath.ends[following]
+    along = (ground_range / swath.reach)[None, :, None]
+    return nadir + along * (ends - nadir)[:, None, :]
+
+
+def _add(
+    layer: _Layer,
+    places: NDArray[np.float64],
+    ground_range: NDArray[np.float64],
+    energy: NDArray[np.float64],
+    low: tuple[float, float],
+    cell: float,
+) -> None:
+    """Add samples to the cells that hold them."""
+    heard = np.isfinite(energy)
+    column, row = np.floor((places[heard] - low) / cell).astype(np.int64).T
+    at = row * layer.count.shape[1] + column
+    np.add.at(layer.energy.reshape(-1), at, energy[heard])
+    np.add.at(layer.ground_range.reshape(-1), at, np.broadcast_to(ground_range, heard.shape)[heard])
+    np.add.at(layer.count.reshape(-1), at, 1)
+
+
+def _combine(layers: Iterable[_Layer], overlap: str, shape: tuple[int, int]) -> NDArray[np.float64]:
+    """Energy of every cell by the rule of overlaps; NaN where no record has a sample."""
+    energy, weight, nearest = np.full(shape, np.nan), np.zeros(shape), np.full(shape, np.inf)
+    for layer in layers:
+        filled = layer.count > 0
+        counts = np.maximum(layer.count, 1)
+        mean, distance = layer.energy / counts, layer.ground_range / counts
+        if overlap == "mean":
+            total = np.where(weight > 0.0, energy, 0.0) * weight + mean
+            weight += filled
+            energy = np.where(filled, total / np.maximum(weight, 1.0), energy)
+            continue
+        better = {
+            "last": filled,
+            "strongest": filled & ~(mean <= energy),
+            "nearest": filled & (distance < nearest),
+        }[overlap]
+        energy, nearest = np.where(better, mean, energy), np.where(better, distance, nearest)
+    return energy

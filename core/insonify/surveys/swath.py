@@ -1,0 +1,171 @@
+"""Swath of a record on the map: where each ping looks, and what it hears at every ground range."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.display.picture import normalise
+from insonify.display.sheet import compute_median_curve
+from insonify.io.georeference import Georeference, find_georeference, project, utm_zone
+from insonify.io.records.bottom_track import BOTTOM_TRACK, find_altitude, track_bottom
+from insonify.scene import SceneError
+from insonify.surveys.choices import ALTITUDES
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SIDEWAYS = (90.0, -90.0)  # degrees from the heading to port and starboard
+
+
+@dataclass(frozen=True, eq=False)
+class Swath:
+    """The pings of a record as lines on the map, from below the sonar to the farthest ground range.
+
+    Attributes
+    ----------
+    nadir : (pings, 2) float64
+        Easting and northing below the sonar, in metres.
+    ends : (pings, 2, 2) float64
+        Of the far ends of both sides, port first.
+    reach : float
+        Ground range of the far ends, in metres.
+    altitude : (pings,) float64
+        In metres.
+    amplitude : (pings, 2, bins) float32
+        Relative to the median of the record at that slant range.
+    bin_length : float
+        In metres of slant range.
+    """
+
+    nadir: NDArray[np.float64]
+    ends: NDArray[np.float64]
+    reach: float
+    altitude: NDArray[np.float64]
+    amplitude: NDArray[np.float32]
+    bin_length: float
+
+    @property
+    def spacing(self) -> float:
+        """Median distance between successive pings, in metres; 0 of a single ping."""
+        steps = np.hypot(*np.diff(self.nadir, axis=0).T)
+        return float(np.median(steps)) if steps.size else 0.0
+
+    def energy(self, ping: int, ground_range: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Energy that a ping hears at ground ranges on both sides, (2, n); NaN beyond its last bin.
+
+        A level bed at the altitude of the ping turns slant range into ground range: r² = g² + h².
+        """
+        slant = np.hypot(ground_range, self.altitude[ping])
+        bins = np.floor(slant / self.bin_length).astype(np.int64)
+        inside = bins < self.amplitude.shape[2]
+        heard = self.amplitude[ping][:, np.where(inside, bins, 0)].astype(np.float64) ** 2
+        return np.where(inside, heard, np.nan)
+
+
+def choose_map(name: str, record: xr.Dataset, crs: str | None) -> str:
+    """Return the coordinate reference system of a mosaic: the wanted one, else the UTM zone of a record's first ping.
+
+    Parameters
+    ----------
+    name : str
+        Of the record, for errors.
+    record : Dataset
+    crs : str, optional
+        As PROJ takes it.
+
+    Returns
+    -------
+    str
+        Empty for a record in metres of a map that is not known, or of no place at all.
+    """
+    place = find_georeference(record.attrs)
+    if place is None or not place.crs:
+        if crs is not None and place is None:
+            raise SceneError(f"{name}: has no place on Earth, so that --crs does not apply; leave it out")
+        return crs or ""
+    if crs is not None:
+        return crs
+    longitude, latitude = record["platform_longitude"].values[0], record["platform_latitude"].values[0]
+    return utm_zone(float(longitude), float(latitude))
+
+
+def lay_swath(name: str, record: xr.Dataset, crs: str, altitude: str = ALTITUDES[0]) -> Swath:
+    """Lay the swath of a record on the map.
+
+    Parameters
+    ----------
+    name : str
+        Of the record, for errors.
+    record : Dataset
+    crs : str
+        Of the map, from `choose_map`.
+    altitude : str
+        ``recorded``, or ``bottom-track``. A record without altitude is bottom-tracked in any case.
+
+    Returns
+    -------
+    Swath
+
+    Raises
+    ------
+    SceneError
+        If the record has neither altitude nor an edge of the bed, ends before the bed, or lies on another map.
+    """
+    heights = _altitudes(name, record, altitude)
+    record = record.assign(platform_altitude=("ping_time", heights))
+    bin_length = 2.0 * float(record["slant_range"].values[0])
+    farthest = record.sizes["range_sample"] * bin_length
+    if not heights.min() < farthest:
+        raise SceneError(
+            f"{name}: ends at a slant range of {farthest:g} m, before the bed {heights.min():g} m beneath; leave it out"
+        )
+    reach = math.sqrt(farthest**2 - float(heights.min()) ** 2)
+    x, y = record["platform_x"].values, record["platform_y"].values
+    bearing = np.radians(_headings(record))
+    ends = [(x + reach * np.cos(bearing + turn), y + reach * np.sin(bearing + turn)) for turn in np.radians(SIDEWAYS)]
+    amplitude = normalise(
+        record["intensity"].transpose("ping_time", "channel", "range_sample").values, compute_median_curve(record)
+    )
+    mapped = [_on_map(name, find_georeference(record.attrs), crs, *place) for place in ((x, y), *ends)]
+    return Swath(mapped[0], np.stack(mapped[1:], axis=1), reach, heights, amplitude, bin_length)
+
+
+def _altitudes(name: str, record: xr.Dataset, altitude: str) -> NDArray[np.float64]:
+    if altitude == ALTITUDES[0]:
+        found = find_altitude(record)
+    elif BOTTOM_TRACK in record:
+        found = record[BOTTOM_TRACK].values
+    else:
+        found = track_bottom(record["intensity"].values, 2.0 * float(record["slant_range"].values[0]))
+    if not np.isfinite(found).all():
+        raise SceneError(f"{name}: tells no altitude and shows no first echo of the bed; leave it out of the mosaic")
+    return found
+
+
+def _headings(record: xr.Dataset) -> NDArray[np.float64]:
+    """Headings in degrees counter-clockwise from +x; the course over ground where no compass tells them."""
+    heading = record["platform_heading"].values
+    if np.isfinite(heading).all():
+        return heading
+    x, y = record["platform_x"].values, record["platform_y"].values
+    steps = (np.gradient(x), np.gradient(y)) if x.size > 1 else (np.ones(1), np.zeros(1))
+    return np.where(np.isfinite(heading), heading, np.degrees(np.arctan2(steps[1], steps[0])))
+
+
+def _on_map(
+    name: str, place: Georeference | None, crs: str, x: NDArray[np.float64], y: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Transform positions of a record to the map, (n, 2)."""
+    if place is None:
+        if crs:
+            raise SceneError(f"{name}: has no place on Earth, and other records have; make a mosaic of its own of it")
+        return np.stack([x, y], axis=1)
+    x, y = x + place.origin[0], y + place.origin[1]
+    if place.crs and not crs:
+        raise SceneError(f"{name}: lies on the map {place.crs}, and other records on none; give theirs with --crs")
+    return np.stack(project(place.crs, crs, x, y) if place.crs else (x, y), axis=1)

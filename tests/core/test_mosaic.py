@@ -1,0 +1,235 @@
+"""Mosaics: places on the map, filled swaths, gaps and overlaps, and a file that other programs open."""
+
+from pathlib import Path
+
+import numpy as np
+import pyproj
+import pytest
+import rasterio
+import xarray as xr
+
+from insonify.cli import main
+from insonify.io.record_schema import coordinates, echo_variable, platform
+from insonify.io.records import read_record, write_record
+from insonify.scene import edit, load_scene
+from insonify.simulation import simulate
+from insonify.surveys.mosaic import choose_cell, make_mosaic
+from insonify.surveys.swath import Swath, lay_swath
+
+REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
+
+
+def straight_swath(pings=60, spacing=0.5, heading=30.0, start=(100.0, 200.0), altitude=5.0, level=1.0, range_=20.0):
+    """Level bed below a straight line, of one amplitude on port and twice that on starboard."""
+    along = np.array([np.cos(np.radians(heading)), np.sin(np.radians(heading))])
+    left = np.array([-along[1], along[0]])
+    nadir = np.asarray(start) + spacing * np.arange(pings)[:, None] * along
+    reach = np.sqrt(range_**2 - altitude**2)
+    ends = np.stack([nadir + reach * left, nadir - reach * left], axis=1)
+    amplitude = level * np.ones((pings, 2, 200), dtype=np.float32) * np.array([1.0, 2.0], dtype=np.float32)[:, None]
+    return Swath(nadir, ends, reach, np.full(pings, altitude), amplitude, range_ / 200)
+
+
+def cell_centres(mosaic):
+    rows, columns = mosaic.level.shape
+    x = mosaic.corner[0] + (np.arange(columns) + 0.5) * mosaic.cell
+    y = mosaic.corner[1] - (np.arange(rows) + 0.5) * mosaic.cell
+    return np.meshgrid(x, y)
+
+
+@pytest.mark.parametrize("heading", [0.0, 30.0, 135.0, -90.0])
+@pytest.mark.parametrize("cell", [0.1, 0.5, 2.0])
+def test_the_swath_is_filled_and_nothing_else(heading, cell):
+    swath = straight_swath(heading=heading)
+    mosaic = make_mosaic([swath], cell)
+    x, y = cell_centres(mosaic)
+    turn = np.radians(heading)
+    dx, dy = x - swath.nadir[0, 0], y - swath.nadir[0, 1]
+    along, left = dx * np.cos(turn) + dy * np.sin(turn), dy * np.cos(turn) - dx * np.sin(turn)
+    length, edge = 59 * 0.5, 1.5 * cell
+    inside = (along > edge) & (along < length - edge) & (np.abs(left) < swath.reach - edge)
+    outside = (along < -edge) | (along > length + edge) | (np.abs(left) > swath.reach + edge)
+    assert np.isfinite(mosaic.level[inside]).all()
+    assert np.isnan(mosaic.level[outside]).all()
+    # Port is to the left of the heading.
+    np.testing.assert_allclose(mosaic.level[inside & (left > edge)], 0.0, atol=1e-6)
+    np.testing.assert_allclose(mosaic.level[inside & (left < -edge)], 20.0 * np.log10(2.0), rtol=1e-5)
+
+
+def test_slant_range_becomes_ground_range():
+    swath = straight_swath(heading=0.0, start=(0.0, 0.0), altitude=12.0)
+    swath.amplitude[:, :, 150:152] = 100.0  # slant range 15.0 m to 15.2 m: ground range 9.00 m to 9.33 m
+    mosaic = make_mosaic([swath], 0.1)
+    x, y = cell_centres(mosaic)
+    bright = (mosaic.level > 30.0) & (np.abs(x - 15.0) < 10.0)
+    assert 8.95 < np.abs(y[bright]).min() < 9.1
+    assert 9.2 < np.abs(y[bright]).max() < 9.4
+
+
+def test_lost_pings_leave_a_gap():
+    swath = straight_swath(heading=0.0, start=(0.0, 0.0))
+    keep = np.r_[0:20, 40:60]
+    cut = Swath(swath.nadir[keep], swath.ends[keep], swath.reach, swath.altitude[keep], swath.amplitude[keep], 0.1)
+    mosaic = make_mosaic([cut], 0.25)
+    x, _ = cell_centres(mosaic)
+    assert np.isnan(mosaic.level[(x > 10.0) & (x < 19.5)]).all()
+    assert np.isfinite(mosaic.level[(x > 0.5) & (x < 9.0) & np.isfinite(mosaic.level)]).any()
+
+
+@pytest.mark.parametrize(
+    ("rule", "expected"), [("mean", 10.0 * np.log10(8.5)), ("last", 0.0), ("strongest", 20.0 * np.log10(4.0))]
+)
+def test_overlaps_follow_the_named_rule(rule, expected):
+    strong, weak = straight_swath(heading=0.0, level=4.0), straight_swath(heading=0.0, level=1.0)
+    mosaic = make_mosaic([strong, weak], 0.5, rule)
+    _, y = cell_centres(mosaic)
+    port = mosaic.level[(y > 202.0) & (y < 215.0)]
+    np.testing.assert_allclose(port[np.isfinite(port)], expected, atol=1e-5)
+
+
+def test_the_nearest_record_counts():
+    one, other = (
+        straight_swath(heading=0.0, start=(0.0, 0.0)),
+        straight_swath(heading=0.0, start=(0.0, 15.0), level=3.0),
+    )
+    mosaic = make_mosaic([one, other], 0.5, "nearest")
+    x, y = cell_centres(mosaic)
+    middle = (x > 2.0) & (x < 27.0)
+    np.testing.assert_allclose(mosaic.level[middle & (y > 0.6) & (y < 7.0)], 0.0, atol=1e-6)
+    np.testing.assert_allclose(mosaic.level[middle & (y > 8.0) & (y < 14.0)], 20.0 * np.log10(6.0), rtol=1e-5)
+
+
+def test_grids_of_all_mosaics_fit_together():
+    mosaic = make_mosaic([straight_swath(start=(100.123, 200.456))], 0.25)
+    np.testing.assert_allclose(np.array(mosaic.corner) / 0.25, np.rint(np.array(mosaic.corner) / 0.25))
+
+
+@pytest.mark.parametrize(("spacing", "cell"), [(0.5, 0.5), (0.3, 0.2), (0.13, 0.1), (0.01, 0.1), (7.0, 5.0)])
+def test_cells_are_round_and_hold_about_a_ping(spacing, cell):
+    assert choose_cell([straight_swath(spacing=spacing)]) == pytest.approx(cell)
+
+
+def test_a_target_lies_where_it_lies_on_earth(tmp_path, capsys):
+    """A sphere towed past at a heading of 40°, in a scene placed on a map 3° from the zone of the mosaic."""
+    origin, place = (250_000.0, 6_000_000.0), (2.0, 20.0)
+    target = {"kind": "sphere", "radius": 0.4, "position": list(place), "material": "steel"}
+    changes = {
+        "world.crs": "EPSG:32631", "world.origin": list(origin), "targets": [target], "seabed.relief": "flat",
+        "track.heading": 40.0, "track.pings": 160, "sonar.range": 25.0, "sonar.bins": 500, "sonar.ping_rate": 10.0,
+    }  # fmt: skip
+    scene = edit(load_scene("default"), changes)
+    level = {}
+    for name in ("with.nc", "with.xtf", "without.nc", "without.xtf"):
+        record = simulate(scene if name.startswith("with.") else edit(scene, {"targets": []}))
+        write_record(tmp_path / name, [record])
+        words = [str(tmp_path / name), "-o", str(tmp_path / "a.tif"), "--cell", "0.1", "--crs", "EPSG:32632"]
+        assert main(["mosaic", *words]) == 0
+        assert "cells of 0.1 m on EPSG:32632" in capsys.readouterr().out
+        with rasterio.open(tmp_path / "a.tif") as file:
+            level[name], crs, transform = file.read(1), file.crs, file.transform
+    assert crs.to_epsg() == 32632
+    expected = pyproj.Transformer.from_crs("EPSG:32631", "EPSG:32632", always_xy=True).transform(
+        origin[0] + place[0], origin[1] + place[1]
+    )
+    for suffix in (".nc", ".xtf"):
+        brighter = level[f"with{suffix}"] - level[f"without{suffix}"]
+        row, column = np.unravel_index(np.nanargmax(brighter), brighter.shape)
+        found = transform @ (column + 0.5, row + 0.5)
+        # The highlight is the near side of a sphere that rises above the bed: up to a metre towards the sonar.
+        assert np.hypot(found[0] - expected[0], found[1] - expected[1]) < 1.2, suffix
+
+
+def made_record(altitude=5.0, heading=0.0, **attributes) -> xr.Dataset:
+    rng = np.random.default_rng(2)
+    pings, bins = 40, 200
+    echo = 1e-9 + np.where(np.arange(bins) > 50, rng.exponential(size=(pings, 2, bins)), 0.0)
+    time = np.arange(pings) / 4.0
+    columns = (0.5 * time, 0.0 * time, *(np.full(pings, value) for value in (10.0, altitude, heading, 0.0, 0.0)))
+    variables = echo_variable(echo.astype(np.float32)) | platform(columns)
+    return xr.Dataset(variables, coordinates(time, (np.arange(bins) + 0.5) * 0.1, 1500.0), attributes)
+
+
+def test_altitude_comes_from_the_record_itself_where_it_is_not_told():
+    told, untold = lay_swath("a", made_record(5.0), ""), lay_swath("a", made_record(np.nan), "")
+    np.testing.assert_allclose(told.altitude, 5.0)
+    np.testing.assert_allclose(untold.altitude, 5.1, atol=0.1)
+    tracked = lay_swath("a", made_record(4.0), "", "bottom-track")
+    np.testing.assert_allclose(tracked.altitude, untold.altitude)
+
+
+def test_without_a_compass_the_course_counts():
+    swath = lay_swath("a", made_record(heading=np.nan), "")
+    np.testing.assert_allclose(swath.ends[:, 0, 0], swath.nadir[:, 0], atol=1e-9)
+    assert (swath.ends[:, 0, 1] > 10.0).all()
+
+
+def test_what_cannot_be_mapped_is_one_sentence(tmp_path, capsys):
+    blank = made_record(np.nan)
+    blank["intensity"] = 0.0 * blank.intensity + 1.0
+    deep = made_record(25.0)
+    metric, placed = made_record(origin_x=5e5, origin_y=4e6), made_record(crs="EPSG:32631", origin_x=5e5, origin_y=4e6)
+    placed = placed.assign(platform_longitude=("ping_time", np.full(40, 3.0)))
+    placed = placed.assign(platform_latitude=("ping_time", np.full(40, 36.0)))
+    records = {"blank": blank, "deep": deep, "metric": metric, "placed": placed, "bare": made_record()}
+    for name, record in records.items():
+        write_record(tmp_path / f"{name}.nc", [record])
+
+    def run(*names, options=()):
+        files = [str(tmp_path / f"{name}.nc") for name in names]
+        code = main(["mosaic", *files, "-o", str(tmp_path / "a.tif"), *options])
+        return code, capsys.readouterr().err
+
+    for names, options, expected in (
+        (["blank"], (), "blank.nc: tells no altitude and shows no first echo of the bed; leave it out of the mosaic"),
+        (["deep"], (), "deep.nc: ends at a slant range of 20 m, before the bed 25 m beneath; leave it out"),
+        (["bare"], ("--crs", "EPSG:32631"), "bare.nc: has no place on Earth, so that --crs does not apply"),
+        (["placed", "bare"], (), "bare.nc: has no place on Earth, and other records have"),
+        (["metric", "placed"], (), "placed.nc: lies on the map EPSG:32631, and other records on none; give theirs"),
+        (["placed"], ("--crs", "EPSG:1x"), "crs 'EPSG:1x' is not a coordinate reference system known to PROJ"),
+        (["bare"], ("--cell", "0.0001"), "give metres from 0.001 to 1000000"),
+        (["bare"], ("--cell", "0.001"), "widen the cell to"),
+        (["nowhere"], (), "nowhere.nc: does not exist"),
+    ):
+        try:
+            code, error = run(*names, options=options)
+        except SystemExit as leaving:
+            code, error = leaving.code, capsys.readouterr().err
+        assert code == 2, names
+        assert expected in error, names
+        assert error.count("\n") == 1
+        assert not (tmp_path / "a.tif").exists()
+    assert run("metric", "placed", options=("--crs", "EPSG:32631"))[0] == 0
+    assert run("bare")[0] == 0
+    with rasterio.open(tmp_path / "a.tif") as file:
+        assert file.crs is None
+
+
+def test_the_file_tells_what_it_holds(tmp_path):
+    write_record(tmp_path / "a.nc", [made_record(heading=20.0)])
+    assert main(["mosaic", str(tmp_path / "a.nc"), "-o", str(tmp_path / "a.tif")]) == 0
+    with rasterio.open(tmp_path / "a.tif") as file:
+        assert np.isnan(file.nodata)
+        assert file.descriptions == ("echo relative to the median of the record at its range",)
+        assert file.units == ("dB",)
+        level = file.read(1)
+        assert np.isnan(level).any()
+        assert np.nanmin(level) >= -40.0
+
+
+@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
+def test_a_real_recording(tmp_path, capsys):
+    assert main(["mosaic", str(REAL), "-o", str(tmp_path / "a.tif")]) == 0
+    assert "cells of 0.1 m on EPSG:32619" in capsys.readouterr().out
+    record = read_record(REAL)
+    with rasterio.open(tmp_path / "a.tif") as file:
+        lon, lat = pyproj.Transformer.from_crs(file.crs, "EPSG:4326", always_xy=True).transform(
+            *file.xy(file.height // 2, file.width // 2)
+        )
+        level = file.read(1)
+    # The middle of the mosaic is within the range of the sonar from the middle of the line.
+    _, _, off = pyproj.Geod(ellps="WGS84").inv(
+        lon, lat, record.platform_longitude.values[230], record.platform_latitude.values[230]
+    )
+    assert off < 15.0
+    assert 0.4 < np.isfinite(level).mean() < 0.8
+    assert abs(float(np.nanmedian(level))) < 1.5
