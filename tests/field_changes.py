@@ -81,6 +81,7 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     **of_made("seabed.relief[sum].of", "seabed.relief.of.0", summed),
     **of_fractals("seabed.relief[sum].of", "seabed.relief.of.0", summed),
     "seabed.relief[dem].path": (DEM, {"seabed.relief.path": "OTHER"}),
+    "seabed.relief[dem].positive": ({**DEM, "seabed.relief.datum": -60.0}, {"seabed.relief.positive": "down"}),
     "seabed.relief[dem].datum": ({**DEM, **BY_DEPTH}, {"seabed.relief.datum": -1.0}),
     "seabed.relief[dem].scale": (DEM, {"seabed.relief.scale": 1.1}),
     "seabed.material": ({}, PATCHES),

@@ -117,5 +117,8 @@ def _sonar_attributes(scene: Scene) -> dict[str, float]:
 
 def _place_attributes(scene: Scene) -> dict[str, Any]:
     """Where the scene lies on Earth, if it says so."""
-    origin = scene.world.origin
-    return {} if origin is None else Georeference(scene.world.crs, origin).attributes()
+    world = scene.world
+    measured = scene.seabed.relief.georeference(world.origin)
+    if measured is not None:
+        return Georeference(world.crs or measured.crs, measured.origin).attributes()
+    return {} if world.origin is None else Georeference(world.crs, world.origin).attributes()

@@ -1,17 +1,21 @@
 """Readers of measured beds, on files written here and on real ones where they are at hand."""
 
 import os
+import re
 import warnings
 from pathlib import Path
 
 import numpy as np
+import pyproj
 import pytest
 import rasterio
 from rasterio import Affine
 from rasterio.errors import NotGeoreferencedWarning
+from scipy.ndimage import binary_erosion
 
 from insonify.io.bathymetry import read_grid
-from insonify.scene import SceneError, build
+from insonify.scene import SceneError, build, edit
+from insonify.simulation import simulate
 from insonify.terrain import build_ground, relief
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "dem"
@@ -130,9 +134,9 @@ def test_ascii_grid_of_oblong_cells_tells_both_sides(tmp_path):
 
 
 def test_whole_numbers_and_infinities_are_read(tmp_path):
-    np.save(tmp_path / "whole.npy", np.array([[1, 2], [3, 4]], dtype=np.int16))
-    assert build_ground(scene(tmp_path / "whole.npy")).datum == 2.5
-    np.save(tmp_path / "gap.npy", np.array([[1.0, np.inf], [3.0, 4.0]]))
+    np.save(tmp_path / "whole.npy", np.array([[-1, -2], [-3, -4]], dtype=np.int16))
+    assert build_ground(scene(tmp_path / "whole.npy")).datum == -2.5
+    np.save(tmp_path / "gap.npy", np.array([[-1.0, np.inf], [-3.0, -4.0]]))
     assert np.isnan(build_ground(scene(tmp_path / "gap.npy")).heights[0, 1])
 
 
@@ -181,7 +185,7 @@ def bad_files(folder):
     np.save(folder / "nothing.npy", np.full((3, 3), np.nan))
     np.savez(folder / "lines.npz", a=np.zeros(3), b=np.zeros(4))
     write_tiff(folder / "nodata.tif", np.full((3, 3), -9999.0), **UTM)
-    write_tiff(folder / "degrees.tif", sloped(3, 3), pixel=(1e-4, 1e-4), corner=(10.0, 50.0), crs="EPSG:4326")
+    write_tiff(folder / "degrees.tif", sloped(3, 3), pixel=(1e-4, 1e-4), corner=(10.0, 95.0), crs="EPSG:4326")
     write_tiff(folder / "feet.tif", sloped(3, 3), crs="EPSG:2263")
     write_tiff(folder / "waves.tif", sloped(3, 3).astype(np.complex64), **UTM)
     np.save(folder / "gaps.npy", np.array([[-30.0, -31.0], [-9999999.0, -30.0]]))
@@ -201,7 +205,7 @@ def bad_files(folder):
         "nothing.npy": "holds no valid height; check",
         "lines.npz": "holds no 2-D array; save",
         "nodata.tif": "holds no valid height; check",
-        "degrees.tif": "is in degrees; project it",
+        "degrees.tif": "is in degrees beyond the poles; georeference it again",
         "feet.tif": "is in .*foot; project it",
         "waves.tif": "holds complex64 values; save",
         "gaps.npy": "has heights from -1e.07 to -30 m; declare its nodata value",
@@ -234,3 +238,73 @@ def test_real_bag_of_varying_resolution_is_read_at_its_finest():
     assert grid.spacing == (0.5, 0.5)
     assert grid.heights.shape == (128, 128)
     assert np.nanmin(grid.heights) == pytest.approx(-13.727, abs=1e-3)
+
+
+def test_degrees_are_projected_to_the_utm_zone_of_the_place(tmp_path):
+    """A plane that slopes in metres on the map, sampled in degrees, is that plane again."""
+    spacing = 2e-5  # degrees, 2.2 m
+    lon, lat = 10.0 + spacing * (np.arange(80) + 0.5), 55.0 - spacing * (np.arange(60) + 0.5)
+    to_utm = pyproj.Transformer.from_crs("EPSG:4326", "EPSG:32632", always_xy=True)
+    east, north = to_utm.transform(*np.meshgrid(lon, lat))
+    rows = -30.0 + 0.01 * (east - east.mean()) - 0.02 * (north - north.mean())
+    path = write_tiff(tmp_path / "a.tif", rows, pixel=(spacing, spacing), corner=(10.0, 55.0), crs="EPSG:4326")
+    grid = read_grid(str(path))
+    assert grid.crs == "EPSG:32632"
+    assert grid.spacing[0] == pytest.approx(grid.spacing[1])
+    assert 1.2 < grid.spacing[0] < 2.4
+    x = grid.corner[0] + grid.spacing[0] * np.arange(grid.heights.shape[1])
+    y = grid.corner[1] + grid.spacing[1] * np.arange(grid.heights.shape[0])[:, None]
+    expected = -30.0 + 0.01 * (x - east.mean()) - 0.02 * (y - north.mean())
+    inside = np.isfinite(grid.heights)
+    assert inside.mean() > 0.9
+    # Bilinear interpolation is exact on a plane, except beside the edge; its weights resolve a millimetre here.
+    inner = binary_erosion(inside, iterations=2)
+    np.testing.assert_allclose(grid.heights[inner], expected[inner], atol=2e-3)
+    place = scene(path).seabed.relief.georeference(None)
+    assert place.crs == "EPSG:32632"
+    np.testing.assert_allclose(place.origin, to_utm.transform(lon.mean(), lat.mean()), atol=4.0)
+
+
+def test_a_record_over_a_measured_bed_lies_on_its_map(tmp_path):
+    path = write_tiff(tmp_path / "a.tif", np.full((60, 60), -20.0), **UTM)
+    over = edit(scene(path), {"track.pings": 2, "sonar.bins": 50, "sonar.range": 20.0})
+    record = simulate(over)
+    assert record.attrs["crs"] == "EPSG:32633"
+    assert (record.attrs["origin_x"], record.attrs["origin_y"]) == (EAST + 60.0, NORTH - 60.0)
+    assert simulate(edit(over, {"world.crs": "EPSG:25833"})).attrs["crs"] == "EPSG:25833"
+
+
+def test_depths_are_recognised_or_asked_about(tmp_path):
+    depths = -sloped(5, 7)
+    path = write_tiff(tmp_path / "bed.tif", depths, **UTM)
+    with pytest.raises(SceneError, match=r"lies from 19.94 to 22 m above the sea surface; write positive = 'down' if"):
+        build_ground(scene(path))
+    asked = build_ground(scene(path, positive="down"))
+    np.testing.assert_allclose(asked.heights + asked.datum, -depths[::-1], atol=1e-5)
+    with rasterio.open(path, "r+") as raster:
+        raster.set_band_description(1, "Depth")
+    recognised = build_ground(scene(path))
+    np.testing.assert_array_equal(recognised.heights, asked.heights)
+    with rasterio.open(path, "r+") as raster:
+        raster.update_tags(positive="up")
+    with pytest.raises(SceneError, match="above the sea surface"):
+        build_ground(scene(path))
+
+
+@pytest.mark.parametrize("value", [-9999.0, 9999.0, 1e6, -32768.0, -99999.0])
+@pytest.mark.parametrize("suffix", [".tif", ".npy"])
+def test_an_undeclared_nodata_value_is_refused(tmp_path, value, suffix):
+    rows = sloped(5, 7)
+    rows[1, 2:4] = value
+    path = tmp_path / f"bed{suffix}"
+    if suffix == ".tif":
+        write_tiff(path, rows, crs="EPSG:32633")
+    else:
+        np.save(path, rows)
+    with pytest.raises(SceneError, match=re.escape(f"has 2 cells of {value:g}, which it does not declare")):
+        read_grid(str(path))
+
+
+def test_a_trench_may_be_9999_m_deep(tmp_path):
+    np.save(tmp_path / "trench.npy", -9990.0 - np.arange(20.0).reshape(4, 5))
+    assert np.isfinite(read_grid(str(tmp_path / "trench.npy")).heights).all()

@@ -59,7 +59,7 @@ def utm_zone(longitude: float, latitude: float) -> str:
     """
     south, north = LATITUDES_OF_UTM
     if not south <= latitude <= north:
-        raise SceneError(f"latitude {latitude:.4g}° is beyond the zones of UTM; choose a map with --crs")
+        raise SceneError(f"latitude {latitude:.4g}° is beyond the zones of UTM; choose another map")
     zone = int((longitude + 180.0) // 6.0) % 60 + 1
     return f"EPSG:{(UTM_NORTH if latitude >= 0.0 else UTM_SOUTH) + zone}"
 

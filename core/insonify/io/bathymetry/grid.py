@@ -28,11 +28,14 @@ class Grid:
         Metres between nodes along x and y; None if the file does not say.
     corner : (float, float), optional
         Map coordinates of node (0, 0); None if the file does not say.
+    crs : str
+        Coordinate reference system of the map, as PROJ takes it; empty if the file does not say.
     """
 
     heights: NDArray[np.float64]
     spacing: tuple[float, float] | None = None
     corner: tuple[float, float] | None = None
+    crs: str = ""
 
 
 BATHYMETRY: FormatRegistry[Grid] = FormatRegistry(

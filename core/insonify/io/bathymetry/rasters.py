@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from insonify.io.bathymetry.grid import HEIGHT, Grid, check_size, check_type
 from insonify.io.file_access import FileFault, check_companions, check_expansion
 from insonify.io.formats import FileFormat
+from insonify.io.georeference import DEGREES, utm_zone
 from insonify.io.isolation import run_isolated
 
 DRIVERS = {".tif": "GTiff", ".tiff": "GTiff", ".bag": "BAG", ".asc": "AAIGrid"}
@@ -53,7 +54,46 @@ def _read(path: str, raster: Any) -> Grid:
     check_size(raster.shape)
     check_expansion(path, raster.width * raster.height * HEIGHT)
     check_type(np.dtype(raster.dtypes[ELEVATION - 1]))
+    if raster.crs is not None and raster.crs.is_geographic:
+        with _projected(raster) as metric:
+            check_size(metric.shape)
+            check_expansion(path, metric.width * metric.height * HEIGHT)
+            return _read_metres(metric, _is_depth(raster))
+    return _read_metres(raster, _is_depth(raster))
+
+
+def _projected(raster: Any) -> Any:
+    """Raster in degrees, seen on the UTM zone of its centre, interpolated bilinearly to about its own resolution."""
+    from rasterio.enums import Resampling
+    from rasterio.vrt import WarpedVRT
+    from rasterio.warp import transform_bounds
+
+    west, south, east, north = transform_bounds(raster.crs, DEGREES, *raster.bounds)
+    if not (abs(west) <= 360.0 and abs(east) <= 360.0 and -90.0 <= south <= north <= 90.0):
+        raise FileFault("is in degrees beyond the poles", "georeference it again")
+    return WarpedVRT(
+        raster,
+        crs=utm_zone(0.5 * (west + east), 0.5 * (south + north)),
+        resampling=Resampling.bilinear,
+        tolerance=0.0,  # every node is transformed exactly
+        dtype="float64",
+        nodata=np.nan,
+    )
+
+
+def _is_depth(raster: Any) -> bool:
+    """Whether a raster calls its numbers depths, positive down, in its band's name or its tags."""
+    tags = {key.lower(): str(value).lower() for key, value in (raster.tags() | raster.tags(ELEVATION)).items()}
+    if tags.get("positive") in ("up", "down"):
+        return tags["positive"] == "down"
+    return "depth" in (raster.descriptions[ELEVATION - 1] or "").lower()
+
+
+def _read_metres(raster: Any, depth: bool) -> Grid:
+    """Read a raster in metres."""
     heights = _flipped(raster.read(ELEVATION, masked=True))
+    if depth and np.nanmin(heights, initial=np.inf) >= 0.0:
+        heights = -heights
     # A TIFF without georeference is accepted: the scene gives its spacing.
     if raster.crs is None and raster.transform.is_identity:
         return Grid(heights)
@@ -64,7 +104,8 @@ def _read(path: str, raster: Any) -> Grid:
     _check_transform(transform)
     # Heights lie at the centres of pixels; the last row is the southernmost.
     x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
-    return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y))
+    crs = "" if raster.crs is None else raster.crs.to_string()
+    return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs)
 
 
 def _check_transform(transform: Any) -> None:
@@ -88,8 +129,6 @@ def _check_metres(raster: Any) -> None:
     """Refuse coordinates that are not in metres; a grid without a reference system is taken to be."""
     if raster.crs is None:
         return
-    if raster.crs.is_geographic:
-        raise FileFault("is in degrees", "project it to metres, for example with gdalwarp -t_srs EPSG:32633")
     if raster.crs.is_projected and abs(raster.crs.linear_units_factor[1] - 1.0) > 1e-9:
         raise FileFault(f"is in {raster.crs.linear_units}", "project it to metres, for example with gdalwarp -t_srs")
 

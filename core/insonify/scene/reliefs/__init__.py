@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.georeference import Georeference
 from insonify.scene.base import Choice
 from insonify.scene.kinds import Family
 
@@ -83,6 +84,17 @@ class ReliefKind(Choice):
             If the bed cannot be made.
         """
         raise NotImplementedError
+
+    def georeference(self, origin: tuple[float, float] | None) -> Georeference | None:
+        """Place of the local (0, 0) on the map of a measured bed; None if the bed is on no map.
+
+        Parameters
+        ----------
+        origin : (float, float), optional
+            Its map coordinates, where the scene gives them.
+        """
+        del origin
+        return None
 
     def check(self, spacing: float, material: MaterialMap) -> None:
         """Refuse a relief that a grid of that spacing (m), or a bed of that material, cannot have.

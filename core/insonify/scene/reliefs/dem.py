@@ -12,6 +12,7 @@ from insonify.files import file_version
 from insonify.io.bathymetry import BATHYMETRY, Grid, read_grid
 from insonify.io.bathymetry.grid import LARGEST_SIDE
 from insonify.io.file_cache import kept_until_changed
+from insonify.io.georeference import Georeference
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.reliefs import HeightGrid, ReliefKind
 
@@ -26,8 +27,9 @@ class Dem(ReliefKind):
     rank = 90
     measured = True
     kind: Literal["dem"] = "dem"
-    path: FilePath = parameter(
-        description="GeoTIFF, BAG, .asc, .npy or .npz grid of heights (positive up)", min_length=1
+    path: FilePath = parameter(description="GeoTIFF, BAG, .asc, .npy or .npz grid of heights or depths", min_length=1)
+    positive: Literal["up", "down"] = parameter(
+        "up", description="whether the numbers of the file are heights (up) or depths (down)"
     )
     datum: float = parameter(0.0, unit="m", description="added to every height of the file", ge=-2e4, le=2e4)
     scale: float = parameter(1.0, description="multiplies every height, before the datum is added", gt=0.0, le=1e3)
@@ -50,7 +52,17 @@ class Dem(ReliefKind):
         if origin is not None and grid.corner is not None:
             # Map coordinates reach millions of metres: subtract before anything becomes float32.
             x0, y0 = grid.corner[0] - origin[0], grid.corner[1] - origin[1]
-        return HeightGrid(_on_earth(self, grid.heights * self.scale + self.datum), step, x0, y0)
+        factor = self.scale if self.positive == "up" else -self.scale
+        return HeightGrid(_on_earth(self, grid.heights * factor + self.datum), step, x0, y0)
+
+    def georeference(self, origin: tuple[float, float] | None) -> Georeference | None:
+        """Place of the local (0, 0) on the map of the file; None if it has no coordinates."""
+        grid = _read_grid(self.path)
+        if grid.corner is None or grid.spacing is None:
+            return None
+        ny, nx = grid.heights.shape
+        centre = grid.corner[0] + 0.5 * (nx - 1) * grid.spacing[0], grid.corner[1] + 0.5 * (ny - 1) * grid.spacing[1]
+        return Georeference(grid.crs, centre if origin is None else origin)
 
 
 def _on_earth(dem: Dem, heights: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -61,6 +73,12 @@ def _on_earth(dem: Dem, heights: NDArray[np.float64]) -> NDArray[np.float64]:
             dem.path,
             f"has heights from {low:g} to {high:g} m",
             "declare its nodata value, or convert its unit with scale",
+        )
+    if low > 0.0:
+        raise BATHYMETRY.refusal(
+            dem.path,
+            f"lies from {low:g} to {high:g} m above the sea surface",
+            "write positive = 'down' if its numbers are depths, or lower it with datum",
         )
     return heights
 
@@ -77,7 +95,7 @@ def _squared(path: str, grid: Grid, spacing: float) -> Grid:
             path, f"has cells of {dx:g} by {dy:g} m", f"resample it to square ones, at most {LARGEST_SIDE} a side"
         )
     heights = _resampled(_resampled(grid.heights, dx / fine).T, dy / fine).T
-    return Grid(np.ascontiguousarray(heights), (fine, fine), grid.corner)
+    return Grid(np.ascontiguousarray(heights), (fine, fine), grid.corner, grid.crs)
 
 
 def _resampled(heights: NDArray[np.float64], ratio: float) -> NDArray[np.float64]:
