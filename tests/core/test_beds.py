@@ -285,10 +285,16 @@ def test_depths_are_recognised_or_asked_about(tmp_path):
         raster.set_band_description(1, "Depth")
     recognised = build_ground(scene(path))
     np.testing.assert_array_equal(recognised.heights, asked.heights)
+    np.testing.assert_array_equal(build_ground(scene(path, positive="down")).heights, asked.heights)
     with rasterio.open(path, "r+") as raster:
         raster.update_tags(positive="up")
     with pytest.raises(SceneError, match="above the sea surface"):
         build_ground(scene(path))
+    # A negative "depth" is a height.
+    path = write_tiff(tmp_path / "negative.tif", -depths, **UTM)
+    with rasterio.open(path, "r+") as raster:
+        raster.set_band_description(1, "depth")
+    np.testing.assert_array_equal(build_ground(scene(path)).heights, asked.heights)
 
 
 @pytest.mark.parametrize("value", [-9999.0, 9999.0, 1e6, -32768.0, -99999.0])

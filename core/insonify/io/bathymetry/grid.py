@@ -23,19 +23,22 @@ class Grid:
     Attributes
     ----------
     heights : (ny, nx) float64
-        Metres, positive up, NaN where there are none; axis 0 is y, axis 1 is x, both increasing.
+        Metres, positive up unless they are depths, NaN where there are none; axis 0 is y, axis 1 is x, both increasing.
     spacing : (float, float), optional
         Metres between nodes along x and y; None if the file does not say.
     corner : (float, float), optional
         Map coordinates of node (0, 0); None if the file does not say.
     crs : str
         Coordinate reference system of the map, as PROJ takes it; empty if the file does not say.
+    depths : bool
+        Whether the file says that its numbers are depths, positive down, as ``heights`` then are too.
     """
 
     heights: NDArray[np.float64]
     spacing: tuple[float, float] | None = None
     corner: tuple[float, float] | None = None
     crs: str = ""
+    depths: bool = False
 
 
 BATHYMETRY: FormatRegistry[Grid] = FormatRegistry(

@@ -82,21 +82,19 @@ def _projected(raster: Any) -> Any:
 
 
 def _is_depth(raster: Any) -> bool:
-    """Whether a raster calls its numbers depths, positive down, in its band's name or its tags."""
+    """Whether a raster says that its numbers are depths, positive down, in its tags or its band's name."""
     tags = {key.lower(): str(value).lower() for key, value in (raster.tags() | raster.tags(ELEVATION)).items()}
     if tags.get("positive") in ("up", "down"):
         return tags["positive"] == "down"
     return "depth" in (raster.descriptions[ELEVATION - 1] or "").lower()
 
 
-def _read_metres(raster: Any, depth: bool) -> Grid:
+def _read_metres(raster: Any, depths: bool) -> Grid:
     """Read a raster in metres."""
     heights = _flipped(raster.read(ELEVATION, masked=True))
-    if depth and np.nanmin(heights, initial=np.inf) >= 0.0:
-        heights = -heights
     # A TIFF without georeference is accepted: the scene gives its spacing.
     if raster.crs is None and raster.transform.is_identity:
-        return Grid(heights)
+        return Grid(heights, depths=depths)
     _check_metres(raster)
     transform = raster.transform
     if transform.b != 0.0 or transform.d != 0.0 or transform.a <= 0.0 or transform.e >= 0.0:
@@ -105,7 +103,7 @@ def _read_metres(raster: Any, depth: bool) -> Grid:
     # Heights lie at the centres of pixels; the last row is the southernmost.
     x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
     crs = "" if raster.crs is None else raster.crs.to_string()
-    return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs)
+    return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs, depths=depths)
 
 
 def _check_transform(transform: Any) -> None:

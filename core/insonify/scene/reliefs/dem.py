@@ -28,8 +28,8 @@ class Dem(ReliefKind):
     measured = True
     kind: Literal["dem"] = "dem"
     path: FilePath = parameter(description="GeoTIFF, BAG, .asc, .npy or .npz grid of heights or depths", min_length=1)
-    positive: Literal["up", "down"] = parameter(
-        "up", description="whether the numbers of the file are heights (up) or depths (down)"
+    positive: Literal["auto", "up", "down"] = parameter(
+        "auto", description="whether the numbers of the file are heights (up), depths (down), or what it says itself"
     )
     datum: float = parameter(0.0, unit="m", description="added to every height of the file", ge=-2e4, le=2e4)
     scale: float = parameter(1.0, description="multiplies every height, before the datum is added", gt=0.0, le=1e3)
@@ -52,7 +52,13 @@ class Dem(ReliefKind):
         if origin is not None and grid.corner is not None:
             # Map coordinates reach millions of metres: subtract before anything becomes float32.
             x0, y0 = grid.corner[0] - origin[0], grid.corner[1] - origin[1]
-        factor = self.scale if self.positive == "up" else -self.scale
+        # Some call their band depth although it is negative.
+        down = (
+            grid.depths and float(np.nanmin(grid.heights)) >= 0.0
+            if self.positive == "auto"
+            else self.positive == "down"
+        )
+        factor = -self.scale if down else self.scale
         return HeightGrid(_on_earth(self, grid.heights * factor + self.datum), step, x0, y0)
 
     def georeference(self, origin: tuple[float, float] | None) -> Georeference | None:
@@ -95,7 +101,7 @@ def _squared(path: str, grid: Grid, spacing: float) -> Grid:
             path, f"has cells of {dx:g} by {dy:g} m", f"resample it to square ones, at most {LARGEST_SIDE} a side"
         )
     heights = _resampled(_resampled(grid.heights, dx / fine).T, dy / fine).T
-    return Grid(np.ascontiguousarray(heights), (fine, fine), grid.corner, grid.crs)
+    return Grid(np.ascontiguousarray(heights), (fine, fine), grid.corner, grid.crs, grid.depths)
 
 
 def _resampled(heights: NDArray[np.float64], ratio: float) -> NDArray[np.float64]:
