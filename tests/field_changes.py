@@ -6,6 +6,10 @@ from insonify.scene.surfaces import WAYS
 from relief_fields import PERIOD, alone, of_fractals, of_made, summed
 
 DEM = {"seabed.relief": {"kind": "dem", "path": "BED"}, "targets": []}
+DETAILED = {
+    "seabed.relief": {"kind": "sum", "of": [{"kind": "dem", "path": "BED"}, {"kind": "fractal", "period": 12.8}]},
+    "targets": [],
+}
 BY_DEPTH = {"track.altitude": None, "track.depth": 22.0}  # an altitude counts from the bed's own mean
 PATCHES = {"seabed.material": {"kind": "patches", "of": ["silt", "rock"], "size": 4.0}}
 BANDS = {"seabed.material": {"kind": "fractal", "of": ["silt", "rock"]}}
@@ -84,6 +88,13 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "seabed.relief[dem].positive": ({**DEM, "seabed.relief.datum": -60.0}, {"seabed.relief.positive": "down"}),
     "seabed.relief[dem].datum": ({**DEM, **BY_DEPTH}, {"seabed.relief.datum": -1.0}),
     "seabed.relief[dem].scale": (DEM, {"seabed.relief.scale": 1.1}),
+    "seabed.relief[sum].of[dem].path": (DETAILED, {"seabed.relief.of.0.path": "OTHER"}),
+    "seabed.relief[sum].of[dem].positive": (
+        {**DETAILED, "seabed.relief.of.0.datum": -60.0},
+        {"seabed.relief.of.0.positive": "down"},
+    ),
+    "seabed.relief[sum].of[dem].datum": ({**DETAILED, **BY_DEPTH}, {"seabed.relief.of.0.datum": -1.0}),
+    "seabed.relief[sum].of[dem].scale": (DETAILED, {"seabed.relief.of.0.scale": 1.1}),
     "seabed.material": ({}, PATCHES),
     "seabed.material[uniform].name": ({}, {"seabed.material.name": "silt"}),
     "seabed.material[uniform].diffuse": ({}, {"seabed.material.diffuse": 0.2}),

@@ -99,7 +99,7 @@ def _parts(seabed: Seabed) -> tuple[RandomRelief, ...]:
         rms=fitted_laws.OTHER_RMS * seabed.spacing,
         period=fitted_laws.OTHER_PERIOD * seabed.spacing,
     )
-    return seabed.random_reliefs or (other,)
+    return seabed.random_reliefs or (*seabed.relief.detail, other)
 
 
 def _power(part: RandomRelief, fx: Field, fy: Field, heading: float, spacing: float) -> Field:

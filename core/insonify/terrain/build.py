@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.errors import located
+from insonify.io.bathymetry.grid import LARGEST_SIDE
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MaterialMap
-from insonify.scene.reliefs import ReliefKind
+from insonify.scene.reliefs import HeightGrid, ReliefKind
+from insonify.scene.reliefs.dem import refine
 from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed import Seabed
 from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles, keep_tiles
@@ -91,7 +93,8 @@ def _heights(scene: Scene) -> Heights:
         return *_flat(seabed), mean
     if seabed.random_reliefs:
         return *_kept_made(seabed.random_reliefs, seabed.spacing, scene.seed), mean
-    return _kept_samples(relief, relief.version, seabed.spacing, scene.world.origin, mean)
+    seed = scene.seed if relief.detail else 0
+    return _kept_samples(relief, relief.version, seabed.spacing, scene.world.origin, mean, seed)
 
 
 def _flat(seabed: Seabed) -> tuple[NDArray[np.float32], Lattice]:
@@ -109,12 +112,59 @@ def _kept_made(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tu
     return periodic_heights(parts, shape, shape, seed).astype(np.float32), Lattice(shape, period / cells)
 
 
+def sample_heights(
+    relief: ReliefKind, spacing: float, origin: tuple[float, float] | None = None, seed: int = 1
+) -> HeightGrid:
+    """Sample a bed that is not random, with the random detail on top of a measured one.
+
+    The measured heights are interpolated bilinearly, as between the nodes of any bed, to the grid of the detail, which
+    begins at the corner of the measured grid and repeats from there.
+
+    Parameters
+    ----------
+    relief : ReliefKind
+    spacing : float
+        Metres between nodes.
+    origin : (float, float), optional
+        Map coordinates of the local (0, 0).
+    seed : int
+        Of the detail.
+
+    Raises
+    ------
+    SceneError
+        If the bed cannot be made, or has too many nodes.
+    """
+    grid = relief.sample(spacing, origin)
+    if not relief.detail:
+        return grid
+    period = relief.detail[0].period
+    cells = cells_of_period(period, min(spacing, grid.spacing))
+    cells += period / cells > grid.spacing  # no coarser than what was measured
+    step = period / cells
+    nodes = max(int((count - 1) * grid.spacing / step) + 1 for count in grid.heights.shape)
+    if nodes > LARGEST_SIDE:
+        raise SceneError(
+            f"seabed.spacing: {spacing:g} m makes {nodes} nodes along a side of the measured bed; "
+            f"widen it to {step * nodes / LARGEST_SIDE:.3g} m or crop the bed to {LARGEST_SIDE * step:.4g} m"
+        )
+    heights = refine(refine(grid.heights, grid.spacing / step).T, grid.spacing / step).T
+    detail = periodic_heights(relief.detail, (cells, cells), (cells, cells), seed)
+    rows, columns = (np.arange(count) % cells for count in heights.shape)
+    return HeightGrid(heights + detail[np.ix_(rows, columns)], step, grid.x0, grid.y0)
+
+
 @lru_cache(maxsize=2)
 def _kept_samples(
-    relief: ReliefKind, version: tuple[int, int] | None, spacing: float, origin: tuple[float, float] | None, mean: float
+    relief: ReliefKind,
+    version: tuple[int, int] | None,
+    spacing: float,
+    origin: tuple[float, float] | None,
+    mean: float,
+    seed: int,
 ) -> Heights:
     del version  # part of the key alone: a changed file is read again
-    grid = relief.sample(spacing, origin)
+    grid = sample_heights(relief, spacing, origin, seed)
     ny, nx = grid.heights.shape
     lattice = Lattice((ny, nx), grid.spacing, grid.x0, grid.y0, periodic=not relief.measured)
     if not relief.measured:

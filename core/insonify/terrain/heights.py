@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from insonify.scene import Scene, SceneError
 from insonify.scene.reliefs.spectrum import Field
 from insonify.scene.seabed import Seabed
-from insonify.terrain.build import FLAT_CELLS, build_ground, cells_of_period
+from insonify.terrain.build import FLAT_CELLS, build_ground, cells_of_period, sample_heights
 from insonify.terrain.endless_field import gather_tiles
 from insonify.terrain.endless_ground import EndlessGround
 from insonify.terrain.endless_relief import endless_heights
@@ -50,7 +50,10 @@ def relief(seabed: Seabed, shape: tuple[int, int] | None = None, *, seed: int = 
         return periodic_heights(seabed.random_reliefs, shape or (cells, cells), (cells, cells), seed)
     if seabed.relief.level:
         return np.zeros(shape or (FLAT_CELLS, FLAT_CELLS))
-    heights = seabed.relief.sample(seabed.spacing, shape=shape).heights
+    if seabed.relief.detail and shape is None:
+        heights = sample_heights(seabed.relief, seabed.spacing, seed=seed).heights
+    else:
+        heights = seabed.relief.sample(seabed.spacing, shape=shape).heights
     return np.asarray(heights - np.nanmean(heights)) if seabed.relief.measured else heights
 
 

@@ -60,6 +60,11 @@ class ReliefKind(Choice):
         return ()
 
     @property
+    def detail(self) -> tuple[RandomRelief, ...]:
+        """Random reliefs that are added to a measured bed."""
+        return ()
+
+    @property
     def version(self) -> tuple[int, int] | None:
         """Version of the file that it is read from, None if there is none."""
         return None
@@ -104,3 +109,7 @@ class ReliefKind(Choice):
         ValueError
             One sentence with the field, the value and the remedy.
         """
+
+
+class AddableRelief(ReliefKind):
+    """A relief that may be one of a sum."""

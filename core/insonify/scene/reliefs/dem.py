@@ -14,14 +14,14 @@ from insonify.io.bathymetry.grid import LARGEST_SIDE
 from insonify.io.file_cache import kept_until_changed
 from insonify.io.georeference import Georeference
 from insonify.scene.base import FilePath, parameter
-from insonify.scene.reliefs import HeightGrid, ReliefKind
+from insonify.scene.reliefs import AddableRelief, HeightGrid
 
 HIGHEST = 2e4  # m, of any bed, up or down
 SQUARE = 1e-6  # relative difference of spacings that still counts as square
 _read_grid = kept_until_changed(maxsize=2)(read_grid)
 
 
-class Dem(ReliefKind):
+class Dem(AddableRelief):
     """A measured bed: a grid of heights from a file."""
 
     rank = 90
@@ -100,12 +100,19 @@ def _squared(path: str, grid: Grid, spacing: float) -> Grid:
         raise BATHYMETRY.refusal(
             path, f"has cells of {dx:g} by {dy:g} m", f"resample it to square ones, at most {LARGEST_SIDE} a side"
         )
-    heights = _resampled(_resampled(grid.heights, dx / fine).T, dy / fine).T
+    heights = refine(refine(grid.heights, dx / fine).T, dy / fine).T
     return Grid(np.ascontiguousarray(heights), (fine, fine), grid.corner, grid.crs, grid.depths)
 
 
-def _resampled(heights: NDArray[np.float64], ratio: float) -> NDArray[np.float64]:
-    """Heights interpolated along the last axis to ``ratio`` times as many nodes; gaps stay gaps."""
+def refine(heights: NDArray[np.float64], ratio: float) -> NDArray[np.float64]:
+    """Interpolate heights linearly along the last axis; gaps stay gaps.
+
+    Parameters
+    ----------
+    heights : (n, m) float64
+    ratio : float
+        Distance of the nodes given, in those wanted; below 1 nothing changes.
+    """
     if ratio <= 1.0 + SQUARE:
         return heights
     last = heights.shape[1] - 1

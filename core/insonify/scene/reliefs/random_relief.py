@@ -11,7 +11,7 @@ from insonify.scene.base import parameter
 from insonify.scene.kinds import KindOf
 from insonify.scene.masks import MASKS, MaskKind
 from insonify.scene.masks.none import NoMask
-from insonify.scene.reliefs import ReliefKind
+from insonify.scene.reliefs import AddableRelief
 from insonify.scene.reliefs.spectrum import Band, Density, Field, PeriodicWaves, Waves
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 MOST_CELLS = 16384  # a side, of a bed that is made
 
 
-class RandomRelief(ReliefKind):
+class RandomRelief(AddableRelief):
     """Periodic random relief, with an optional mask.
 
     A kind says its spectral density, or makes its heights from random waves in another way.
