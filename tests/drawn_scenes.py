@@ -45,7 +45,7 @@ def scenes(draw: Draw) -> dict[str, Any]:
         _fit_height(draw, seabed, track)
         _fit_materials(draw, values)
         _fit_sonar(sonar, values.get("receiver", {}))
-        _fit_gains(draw, values.get("receiver", {}))
+        _fit_tables(draw, sonar.get("vertical", {}), values.get("receiver", {}))
         _fit_water(draw, values.get("water", {}))
         for target in values["targets"]:
             _fit_target(draw, target, reach)
@@ -146,9 +146,10 @@ def _fit_sonar(sonar: dict[str, Any], receiver: dict[str, Any]) -> None:
         receiver.pop("speckle")
 
 
-def _fit_gains(draw: Draw, receiver: dict[str, Any]) -> None:
-    """Let the places of gains ascend."""
-    for holder, key in ((receiver.get("tvg", {}), "gains"), (receiver.get("recorder", {}), "gain")):
+def _fit_tables(draw: Draw, vertical: dict[str, Any], receiver: dict[str, Any]) -> None:
+    """Let the places of gains and levels ascend."""
+    holders = (receiver.get("tvg", {}), "gains"), (receiver.get("recorder", {}), "gain"), (vertical, "levels")
+    for holder, key in holders:
         pairs = holder.get(key)
         if isinstance(pairs, list):
             levels = [level for _, level in pairs] or [0.0]

@@ -19,6 +19,7 @@ DARK, BRIGHT = {"diffuse": 0.3, "specular": 0.0}, {"diffuse": 0.5, "specular": 0
 MIMIC = {"seabed.relief": {"kind": "mimic", "of": {"of": [DARK, BRIGHT]}, "altitude": 7.0, "reach": 30.0}}
 BELL = {"sonar.beam": {"kind": "gaussian", "width": 4.0}}
 ARRAY = {"sonar.beam": {"kind": "array", "length": 0.1}}
+UPRIGHT = {"sonar.vertical": {"kind": "array", "height": 0.01}}
 SEA = {"water.absorption": "francois_garrison"}
 THERMOCLINE = {"depth": [5.0, 22.0, 26.0], "sound_speed": [1520.0, 1518.0, 1500.0]}
 WATERS = {
@@ -158,6 +159,11 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "sonar.vertical[fan].tilt": ({"sonar.vertical": "fan"}, {"sonar.vertical.tilt": 40.0}),
     "sonar.vertical[gaussian].width": ({"sonar.vertical": "gaussian"}, {"sonar.vertical.width": 40.0}),
     "sonar.vertical[gaussian].tilt": ({"sonar.vertical": "gaussian"}, {"sonar.vertical.tilt": 40.0}),
+    "sonar.vertical[array].height": (UPRIGHT, {"sonar.vertical.height": 0.02}),
+    "sonar.vertical[array].taper": (UPRIGHT, {"sonar.vertical.taper": "hamming"}),
+    "sonar.vertical[array].tilt": (UPRIGHT, {"sonar.vertical.tilt": 40.0}),
+    "sonar.vertical[table].levels": ({"sonar.vertical": "table"}, {"sonar.vertical.levels.1.1": -6.0}),
+    "sonar.vertical[table].tilt": ({"sonar.vertical": "table"}, {"sonar.vertical.tilt": 40.0}),
     "sonar.pulse": ({}, {"sonar.pulse": "ideal"}),
     "sonar.pulse[tone].duration": ({}, {"sonar.pulse.duration": 2e-4}),
     "sonar.pulse[chirp].duration": ({**CHIRP, "sonar.pulse.window": "uniform"}, {"sonar.pulse.duration": 3e-4}),

@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TOP_HAT, BeamPattern, plain_pattern
+from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TABLE, TOP_HAT, BeamPattern, plain_pattern
 from insonify.scene import Scene
 from insonify.scene.beams import ROWS_PER_OCTAVE, Sounding
 
-SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSIAN}
+SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSIAN, "table": TABLE}
 
 
 def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
@@ -49,6 +49,7 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
         tilt=math.radians(vertical.tilt),
         s_vertical=math.sin(math.radians(vertical.width) / 2.0) if shaded else 1.0,
         two_way=beam.passes == 2,
+        vertical_energy=scene.sonar.vertical.sensitivity(sounding.wavelength) ** beam.passes,
     )
 
 

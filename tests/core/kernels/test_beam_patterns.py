@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of, rough
-from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TOP_HAT, BeamPattern
+from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
 from insonify.tracers import rays
 
 FLAT = np.zeros((8, 8))
@@ -51,6 +51,8 @@ def heard(pattern, fish, side, direction, r):
         return along, 1.0 * (np.abs(w) <= pattern.s_vertical)
     if pattern.vertical == GAUSSIAN:
         return along, 2.0 ** (-((w / pattern.s_vertical) ** 2) * (2 if pattern.two_way else 1))
+    if pattern.vertical == TABLE:
+        return along, np.interp(w, np.linspace(-1.0, 1.0, pattern.vertical_energy.size), pattern.vertical_energy)
     return along, np.ones_like(r)
 
 
@@ -79,7 +81,12 @@ def level_bed(arrays, heading, pitch, roll):
     return out
 
 
+LOBES = np.sinc(1.5 * np.linspace(-1.0, 1.0, 1025)) ** 4
 CASES = {
+    "vertical lobes": (
+        gaussian_pattern(0.05, vertical=TABLE, tilt=0.3, vertical_width=np.pi)._replace(vertical_energy=LOBES),
+        (0.0, -0.1),
+    ),
     "narrow": (gaussian_pattern(0.02), (0.0, 0.0)),
     "wide": (gaussian_pattern(0.3, two_way=False), (0.0, 0.0)),
     "squint": (gaussian_pattern(0.05, squint=0.4), (0.0, 0.0)),

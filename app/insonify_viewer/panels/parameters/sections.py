@@ -31,6 +31,7 @@ PAIR_NAMES = {
     "gap": ("along", "height"),
     "gain": ("from", "level"),
     "gains": ("at", "level"),
+    "levels": ("angle", ""),
     "position": ("x", "y", "z"),
     "start": ("x", "y"),
 }
@@ -230,7 +231,8 @@ def _idle(scene: Scene, path: str) -> str:
     """Reason why a number has no effect in this scene; empty if it has."""
     if path != "sonar.frequency":
         return ""
-    if scene.sonar.beam.by_frequency or scene.water.absorption.by_frequency or scene.receiver.speckle.speckled:
+    beams, receiver = (scene.sonar.beam, scene.sonar.vertical), scene.receiver
+    if any(part.by_frequency for part in (*beams, scene.water.absorption)) or receiver.speckle.speckled:
         return ""
     return "has no effect without a line-array beam, Francois-Garrison absorption or speckle"
 

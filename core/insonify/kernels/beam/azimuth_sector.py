@@ -9,7 +9,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from insonify.kernels.beam.pattern import azimuthal_response, integrated_response, vertical_response, widest_extent
+from insonify.kernels.beam.pattern import (
+    azimuthal_response,
+    integrated_response,
+    lobe_response,
+    vertical_response,
+    widest_extent,
+)
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 
@@ -234,3 +240,9 @@ def pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_oc
         * integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r)
         / span
     )
+
+
+@inlined_uncounted
+def in_plane_lobe(c, s, sector, pattern):
+    """Two-way response of a vertical beam of a single lobe along a plane; arguments as of `in_plane_response`."""
+    return lobe_response(pattern, sector.side_x * c + sector.side_z * s, sector.up_x * c + sector.up_z * s)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from insonify.kernels.common.jit import inlined_uncounted, kernel
-from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TOP_HAT
+from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE, TOP_HAT
 
 SLICES = 16  # of the azimuths over which a pattern is averaged
 
@@ -242,6 +242,17 @@ def vertical_response(pattern, side, up):
     -------
     float
     """
+    if pattern.vertical == TABLE:
+        return _table_response_above(pattern, side, up)
+    return lobe_response(pattern, side, up)
+
+
+@inlined_uncounted
+def lobe_response(pattern, side, up):
+    """Two-way response of a vertical beam of a single lobe; arguments and result as of `vertical_response`.
+
+    Loops over knots take it by itself: with a table beside it they are a tenth slower.
+    """
     c, s = math.cos(pattern.tilt), math.sin(pattern.tilt)
     # Parts of the direction along the tilted axis, and at right angles to it.
     along, off = side * c - up * s, (up * c + side * s) / pattern.s_vertical
@@ -250,6 +261,24 @@ def vertical_response(pattern, side, up):
     if pattern.vertical == TOP_HAT:
         return 1.0 if abs(off) <= 1.0 else 0.0
     return 2.0 ** (-off * off * (2.0 if pattern.two_way else 1.0))
+
+
+@inlined_uncounted
+def _table_response_above(pattern, side, up):
+    """Two-way response of a vertical beam by a table, 0 behind the transducer."""
+    c, s = math.cos(pattern.tilt), math.sin(pattern.tilt)
+    if side * c - up * s <= 0.0:
+        return 0.0
+    return _table_at(pattern.vertical_energy, up * c + side * s)
+
+
+@inlined_uncounted
+def _table_at(energy, sine):
+    """Interpolate a table over sines from -1 to 1."""
+    last = energy.size - 1
+    place = min(max(0.5 * (sine + 1.0), 0.0), 1.0) * last
+    k = min(int(place), last - 1)
+    return energy[k] + (place - k) * (energy[k + 1] - energy[k])
 
 
 @inlined_uncounted

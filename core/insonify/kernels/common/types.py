@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 LIGHT, SONAR = 0, 1
 PORT, STARBOARD = 0, 1
 SPHERE, FRUSTUM = 0, 1
-EVERY_GRAZING, TOP_HAT, GAUSSIAN = 0, 1, 2
+EVERY_GRAZING, TOP_HAT, GAUSSIAN, TABLE = 0, 1, 2, 3
 BED = -1
 
 
@@ -78,10 +78,11 @@ class BeamPattern(NamedTuple):
     integral: NDArray[np.float64]  # (rows, columns) its integral over s from the row's beginning
     first_range: float  # slant range of row 0, m
     per_octave: float  # rows per doubling of slant range; nearer and farther the outermost rows apply
-    vertical: int  # EVERY_GRAZING, TOP_HAT or GAUSSIAN
+    vertical: int  # EVERY_GRAZING, TOP_HAT, GAUSSIAN or TABLE
     tilt: float  # depression of the vertical beam's axis, rad
-    s_vertical: float  # sine of half its width, to -3 dB one way for a Gaussian
+    s_vertical: float  # sine of half its width, to -3 dB one way for a Gaussian; 1 for a table
     two_way: bool  # whether the beam weights both the outgoing and the returning sound
+    vertical_energy: NDArray[np.float64] = np.ones(2)  # (n,) of a TABLE: at equal sines above its axis, from -1 to 1
 
 
 def plain_pattern() -> BeamPattern:

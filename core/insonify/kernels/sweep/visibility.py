@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import (
+    in_plane_lobe,
     in_plane_response,
     pattern_width,
     sector_weight,
@@ -24,7 +25,7 @@ from insonify.kernels.bed.slice import padded_count
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.scattering import scatter_segments
-from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
+from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE
 from insonify.kernels.sweep.partial_segments import FINE
 
 NADIR = -1e30  # slope of a ray straight down
@@ -208,9 +209,12 @@ def weigh_knots(x, z, r, sector, pattern, law, out):
         return
     parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
     _weigh_pattern(x, z, r, sector, parts, out)
-    if pattern.vertical != EVERY_GRAZING:
+    if pattern.vertical == TABLE:
         for i in range(x.size):
             out[i] *= in_plane_response(x[i] / r[i], z[i] / r[i], sector, pattern)
+    elif pattern.vertical != EVERY_GRAZING:
+        for i in range(x.size):
+            out[i] *= in_plane_lobe(x[i] / r[i], z[i] / r[i], sector, pattern)
 
 
 @inlined_uncounted

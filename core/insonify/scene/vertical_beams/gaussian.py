@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Literal
 
 from insonify.scene.vertical_beams import VerticalResponse
-from insonify.scene.vertical_beams.tilted import TiltedBeam
+from insonify.scene.vertical_beams.tilted import LobeBeam
 
 
-class VerticalGaussian(TiltedBeam):
+class VerticalGaussian(LobeBeam):
     """A bell-shaped vertical beam."""
 
     rank = 30

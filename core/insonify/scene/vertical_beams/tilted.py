@@ -9,11 +9,16 @@ from insonify.scene.vertical_beams import VerticalBeamKind
 class TiltedBeam(VerticalBeamKind):
     """A vertical beam with an axis."""
 
-    width: float = parameter(
-        50.0, unit="°", description="one-way full width; to -3 dB of a gaussian", ge=1e-3, le=170.0, slider=(5.0, 90.0)
-    )
     tilt: float = parameter(
         30.0, unit="°", description="depression of the axis below the level fish", ge=-90.0, le=90.0, slider=(0.0, 60.0)
+    )
+
+
+class LobeBeam(TiltedBeam):
+    """A vertical beam of a single lobe of given width."""
+
+    width: float = parameter(
+        50.0, unit="°", description="one-way full width; to -3 dB of a gaussian", ge=1e-3, le=170.0, slider=(5.0, 90.0)
     )
 
     def _named(self, name: str) -> str:
