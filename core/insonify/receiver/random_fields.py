@@ -18,7 +18,8 @@ from insonify.receiver.waves import Waves
 
 # ∫|ρ|² of white noise smoothed by a triangle of half width 1: its correlation ρ is the cubic B-spline.
 TRIANGLE_INTERVAL = 151.0 / 140.0
-NARROWEST_TRIANGLE = 0.5  # pings; a triangle no wider than the distance of pings holds a single ping
+SINGLE_PING = 1.0  # half width in pings up to which a triangle holds a single ping
+NARROWEST_TRIANGLE = 0.5  # pings
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +57,10 @@ class WaveField:
 
     def _noise(self, pings: NDArray[np.int64], stream: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Complex noise of variance 1, white along range, (n, 2, m - 1 + bins) each part."""
-        real, imaginary = (np.zeros((pings.size, 2, self.half_width.size), np.float32) for _ in range(2))
+        columns = self.half_width.size
+        if self.half_width.max() <= SINGLE_PING:
+            return self._white(pings, 1, slice(0, columns), stream)
+        real, imaginary = np.zeros((2, pings.size, 2, columns), np.float32)
         for spacing, band in self._bands():
             wide = self.half_width[band]
             # Between two and four nodes lie within the half width, so that no ping has more than eight.
@@ -64,13 +68,19 @@ class WaveField:
             stop = np.floor((pings + wide.max()) / spacing).astype(np.int64)
             ahead = np.arange(int((stop - start).max(initial=0)) + 1)
             nodes = np.unique(start[:, None] + ahead)
-            shape = (nodes.size, 2, wide.size)
-            white_re, white_im = np.empty(shape, np.float32), np.empty(shape, np.float32)
-            first = band.start - self.taps.size + 1
-            fill_white_noise(self.seed, stream, nodes, spacing.bit_length(), first, white_re, white_im)
-            per_bin = (1.0 / wide).astype(np.float32)
+            white = self._white(nodes, spacing, band, stream)
             row = np.searchsorted(nodes, start)
-            smooth_noise(pings, spacing, nodes, row, per_bin, band.start, (white_re, white_im), (real, imaginary))
+            per_bin = (1.0 / wide).astype(np.float32)
+            smooth_noise(pings, spacing, nodes, row, per_bin, band.start, white, (real, imaginary))
+        return real, imaginary
+
+    def _white(
+        self, nodes: NDArray[np.int64], spacing: int, band: slice, stream: int
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """White noise at nodes in a run of columns, (nodes, 2, columns) each part."""
+        real, imaginary = np.empty((2, nodes.size, 2, band.stop - band.start), np.float32)
+        first = band.start - self.taps.size + 1
+        fill_white_noise(self.seed, stream, nodes, spacing.bit_length(), first, real, imaginary)
         return real, imaginary
 
     def _bands(self) -> list[tuple[int, slice]]:
