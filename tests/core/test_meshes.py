@@ -11,7 +11,7 @@ from beds import arrays_of, icosphere, mesh_of, poses_of
 from insonify.accuracy.record_errors import compare_records
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.packing.containment import solid_angle
-from insonify.scene import Scene, SceneError, edit
+from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify.simulation import prepare, simulate
 from insonify.tracers import march, rays
 
@@ -191,3 +191,17 @@ def test_solid_angles_tell_inside_from_outside():
     assert abs(solid_angle(plate)) == pytest.approx(2.0 / 100.0**2, rel=1e-3)
     # A shape with a hole does not surround.
     assert abs(solid_angle(corners[: len(corners) // 2])) < 0.9 * 4.0 * math.pi
+
+
+@pytest.mark.parametrize("height", [1e4, 1e6, 1e9])
+def test_a_wall_of_any_height_beside_the_sonar_has_an_echo_that_is_a_number(tmp_path, height):
+    path = tmp_path / "wall.obj"
+    path.write_text(f"v -9 0 -9\nv 9 0 -9\nv 9 1 {height}\nv -9 1 {height}\nf 1 2 3\nf 1 3 4\n")
+    changes = {
+        "targets": [{"kind": "mesh", "path": str(path), "position": [1.0, 5.0, -30.0]}],
+        "track.pings": 2, "sonar.bins": 60, "track.altitude": 5.0,
+    }  # fmt: skip
+    for method in ("sweep", "rays"):
+        echo = simulate(edit(load_scene("default"), changes), method=method).intensity.values
+        assert np.isfinite(echo).all()
+        assert echo[0].max() > 0.0

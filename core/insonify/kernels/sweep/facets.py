@@ -53,7 +53,7 @@ class FacetCurve(NamedTuple):
 
 @inlined_uncounted
 def is_facet_met(facet):
-    """Whether a facet is not empty and its beginning, middle and end are all hit.
+    """Whether a facet is not empty and its beginning, middle and end are all hit, ahead of the sonar.
 
     Parameters
     ----------
@@ -63,7 +63,8 @@ def is_facet_met(facet):
     -------
     bool
     """
-    return facet.low < facet.high and max(facet.near, facet.far, facet.centre) < NEVER
+    near, centre, far = facet.near, facet.centre, facet.far
+    return facet.low < facet.high and 0.0 <= near < NEVER and 0.0 <= centre < NEVER and 0.0 <= far < NEVER
 
 
 @inlined_uncounted
@@ -107,7 +108,9 @@ def along_curve(facet, curve, share):
         m.
     """
     delta = (share - 0.5) * curve.angle
-    return facet.centre + delta * (curve.rate + delta * curve.bend)
+    # Where a facet is kilometres long the parabola dips below zero, which is no place of a bin.
+    least = 0.5 * min(facet.near, facet.centre, facet.far)
+    return max(facet.centre + delta * (curve.rate + delta * curve.bend), least)
 
 
 @inlined_uncounted

@@ -10,19 +10,17 @@ from numpy.typing import NDArray
 
 from insonify.errors import SceneError
 from insonify.files import file_version
-from insonify.io.file_access import FileFault, check_expansion, guarded, open_regular
+from insonify.io.file_access import guarded
 from insonify.io.file_cache import kept_until_changed
+from insonify.io.pictures import read_pixels
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.materials.base import Cells, Map
 from insonify.scene.materials.composite import CompositeMap
 from insonify.scene.materials.uniform import Material
 
-# Grey levels of Pillow's modes; colours are turned into the grey that an eye sees.
+LARGEST_SIDE = 16384  # cells of a map
+# Grey levels of Pillow's modes.
 LEVELS = {"1": 2, "L": 256, "I": 65536, "I;16": 65536, "I;16B": 65536, "I;16L": 65536}
-COLOURED = ("LA", "RGB", "RGBA", "CMYK", "YCbCr", "HSV", "LAB")
-FORMATS = ("PNG", "TIFF")
-LARGEST_SIDE = 16384
-PIXEL = 4  # bytes that a pixel takes while it is decoded
 
 
 class ImageMap(CompositeMap):
@@ -90,31 +88,19 @@ def read_picture(path: str, count: int) -> Map:
             )
         bands = pixels
     else:
-        bands = pixels.astype(np.int64) * count // levels
+        bands = pixels.astype(np.uint32) * count // levels
     return np.ascontiguousarray(bands[::-1].astype(np.uint8))
 
 
 def _read(path: str) -> tuple[NDArray[np.integer], int | None]:
     """Pixels from the top row, and how many grey levels they tell apart; None for numbers of a palette."""
     with guarded(partial(_refusal, path), "give a PNG or TIFF picture"):
-        mode, pixels = _decode(path)
+        mode, pixels = read_pixels(path)
     if mode == "P":
         return pixels, None
     if mode not in LEVELS or not 0 <= int(pixels.min()) <= int(pixels.max()) < LEVELS[mode]:
         raise _refusal(path, f"holds pixels of mode {mode}", "save it with 8 or 16 bits of grey or a palette")
     return pixels, LEVELS[mode]
-
-
-def _decode(path: str) -> tuple[str, NDArray[np.integer]]:
-    """Mode of a picture, colours turned into grey, and its pixels."""
-    from PIL import Image  # which only beds with a picture pay for
-
-    with open_regular(path) as file, Image.open(file, formats=FORMATS) as picture:
-        if max(picture.size) > LARGEST_SIDE:
-            raise FileFault("is too large to be read", "thin it to 8192 pixels a side")
-        check_expansion(path, picture.width * picture.height * PIXEL)
-        plain = picture.convert("L") if picture.mode in COLOURED else picture
-        return plain.mode, np.asarray(plain)
 
 
 def _pixels(place: NDArray[np.float64], size: float, count: int, period: float | None) -> NDArray[np.int64]:
