@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.acoustics.water import recording_speed
-from insonify.io.georeference import Georeference, find_georeference
+from insonify.io.georeference import find_georeference
 from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform
 from insonify.kernels.common.types import Poses
 from insonify.packing.navigation import platform_columns
@@ -117,8 +117,5 @@ def _sonar_attributes(scene: Scene) -> dict[str, float]:
 
 def _place_attributes(scene: Scene) -> dict[str, Any]:
     """Where the scene lies on Earth, if it says so."""
-    world = scene.world
-    measured = scene.seabed.relief.georeference(world.origin)
-    if measured is not None:
-        return Georeference(world.crs or measured.crs, measured.origin).attributes()
-    return {} if world.origin is None else Georeference(world.crs, world.origin).attributes()
+    place = scene.georeference
+    return {} if place is None else place.attributes()

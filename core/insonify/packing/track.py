@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.georeference import Georeference, convergence, project
 from insonify.io.navigation import RecordedNavigation
 from insonify.scene import Scene, SceneError
 from insonify.scene.rotation import exact_cos
@@ -131,13 +132,25 @@ def recorded_at(scene: Scene, pings: NDArray[np.floating] | NDArray[np.int64]) -
         return {}
     time = np.asarray(pings, dtype=np.float64) / scene.sonar.ping_rate
     known: dict[str, Column] = {}
-    for path, tow in recordings:
+    for path, unplaced in recordings:
+        tow = unplaced if unplaced.place is None else _on_the_map(unplaced, scene.georeference)
         both = sorted(known.keys() & tow.columns.keys())
         if both:
             raise SceneError(f"track.motion.of: {path!r} gives {both[0]} a second time; leave it out of one file")
         known |= _at(tow, time, track.speed)
     _refuse_a_second_say(track, known)
     return known
+
+
+@lru_cache(maxsize=4)
+def _on_the_map(tow: RecordedNavigation, place: Georeference | None) -> RecordedNavigation:
+    """Turn positions on Earth and true headings to those of the scene; without its place, the first fix is (0, 0)."""
+    if tow.place is None or place is None or not place.crs:
+        return tow
+    x, y = project(tow.place.crs, place.crs, tow.columns["x"], tow.columns["y"])
+    turned = {"heading": tow.columns["heading"] + convergence(place)}
+    columns = {**tow.columns, **turned, "x": x - place.origin[0], "y": y - place.origin[1]}
+    return RecordedNavigation(tow.time, columns, place)
 
 
 def _at(tow: RecordedNavigation, time: Column, speed: float) -> dict[str, Column]:

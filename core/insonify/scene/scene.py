@@ -7,6 +7,7 @@ from typing import Literal
 from pydantic import model_validator
 
 from insonify.errors import SceneError
+from insonify.io.georeference import Georeference
 from insonify.scene.base import Declaration, Place, parameter
 from insonify.scene.receiver import Receiver
 from insonify.scene.seabed import Seabed
@@ -133,6 +134,14 @@ class Scene(Declaration):
                 f"{spacing:g} m, and at most {most} cells of {of_what} are held; shorten the range to "
                 f"{most * spacing:.4g} m or widen the spacing"
             )
+
+    @property
+    def georeference(self) -> Georeference | None:
+        """Place of the scene's (0, 0) on Earth: from ``world``, and from the map of a measured bed."""
+        measured = self.seabed.relief.georeference(self.world.origin)
+        if measured is not None:
+            return Georeference(self.world.crs or measured.crs, measured.origin)
+        return None if self.world.origin is None else Georeference(self.world.crs, self.world.origin)
 
     @property
     def altitude(self) -> float:

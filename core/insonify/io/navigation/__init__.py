@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from insonify.io.georeference import from_degrees, local_georeference
 from insonify.io.navigation.recorded import COLUMNS, NAVIGATION, RecordedNavigation, check_columns
 
 __all__ = ["COLUMNS", "NAVIGATION", "RecordedNavigation", "read_navigation"]
@@ -15,9 +16,9 @@ def read_navigation(path: str) -> RecordedNavigation:
     Parameters
     ----------
     path : str
-        A file of one of the formats of `NAVIGATION`: CSV with a header of column names, or a record as
-        ``insonify render`` writes it (.nc). Names may be those of a record (``ping_time``, ``platform_x``) or the bare
-        ones; other columns are ignored.
+        A file of one of the formats of `NAVIGATION`: CSV with a header of column names, a record as ``insonify render``
+        writes it (.nc), a recording (.xtf, .jsf), or a GPX track. Names may be those of a record (``ping_time``,
+        ``platform_x``) or the bare ones; other columns are ignored. Longitude and latitude stand in for x and y.
 
     Returns
     -------
@@ -41,6 +42,13 @@ def read_navigation(path: str) -> RecordedNavigation:
         raise NAVIGATION.refusal(path, "says nothing of the fish", f"name a column one of {', '.join(COLUMNS)}")
     if ("x" in found) != ("y" in found):
         raise NAVIGATION.refusal(path, "has only one of x and y", "give both or neither")
+    if ("longitude" in found) != ("latitude" in found):
+        raise NAVIGATION.refusal(path, "has only one of longitude and latitude", "give both or neither")
     check_columns(path, found)
     time = found.pop("time")
-    return RecordedNavigation(time - time[0], found)
+    longitude, latitude = found.pop("longitude", None), found.pop("latitude", None)
+    if "x" in found or longitude is None or latitude is None:
+        return RecordedNavigation(time - time[0], found)
+    place = local_georeference(float(longitude[0]), float(latitude[0]))
+    found["x"], found["y"] = from_degrees(place, longitude, latitude)
+    return RecordedNavigation(time - time[0], found, place)

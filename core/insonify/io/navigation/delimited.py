@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+
 import numpy as np
 
 from insonify.io.file_access import FileFault, read_text
@@ -18,11 +20,26 @@ def read_csv(path: str) -> Columns:
     if not places:
         return {}
     try:
-        table = np.loadtxt(lines[1:], delimiter=",", usecols=tuple(places.values()), ndmin=2)
+        table = np.loadtxt(
+            lines[1:],
+            delimiter=",",
+            usecols=tuple(places.values()),
+            ndmin=2,
+            converters={places["time"]: _seconds} if "time" in places else None,
+        )
     except ValueError as error:
         told = str(error).splitlines()[0].rstrip(".;")
         raise FileFault(f"cannot be read ({told})", REMEDY) from None
     return dict(zip(places, np.ascontiguousarray(table.reshape(-1, len(places)).T)))
+
+
+def _seconds(text: str) -> float:
+    """Read a time: a number of seconds, or ISO 8601, of UTC unless it says its zone."""
+    try:
+        return float(text)
+    except ValueError:
+        time = datetime.fromisoformat(text.strip().strip('"'))
+        return (time if time.tzinfo else time.replace(tzinfo=UTC)).timestamp()
 
 
 CSV = FileFormat("comma-separated values", (".csv",), read_csv, remedy=REMEDY)

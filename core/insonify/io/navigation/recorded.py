@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.io.formats import FormatRegistry
+from insonify.io.georeference import Georeference
 
 # Unit and greatest size of a number; a larger one is in another unit. Headings may count on, turn after turn.
 LIMITS = {
@@ -20,7 +21,10 @@ LIMITS = {
     "heading": ("°", 1e6),
     "pitch": ("°", 90.0),
     "roll": ("°", 180.0),
+    "longitude": ("°", 360.0),
+    "latitude": ("°", 90.0),
 }
+ALIASES = {"lon": "longitude", "long": "longitude", "lng": "longitude", "lat": "latitude"}
 COLUMNS = tuple(name for name in LIMITS if name != "time")
 Column = NDArray[np.float64]
 Columns = dict[str, Column]
@@ -43,10 +47,13 @@ class RecordedNavigation:
         Seconds since the first row, increasing; at least two rows.
     columns : mapping of str to (n,) float64
         Any of x, y, depth, altitude in metres, heading, pitch, roll in degrees; as a record has them.
+    place : Georeference, optional
+        Where x and y lie on Earth; None if they are those of the scene.
     """
 
     time: Column
     columns: Mapping[str, Column]
+    place: Georeference | None = None
 
 
 def find_columns(names: list[str]) -> dict[str, int]:
@@ -54,6 +61,7 @@ def find_columns(names: list[str]) -> dict[str, int]:
     bare = [name.strip().strip('"').lower() for name in names]
     for prefix in PREFIXES:
         bare = [name.removeprefix(prefix) for name in bare]
+    bare = [ALIASES.get(name, name) for name in bare]
     return {name: bare.index(name) for name in LIMITS if name in bare}
 
 

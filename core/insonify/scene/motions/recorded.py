@@ -20,8 +20,8 @@ class Recorded(SingleMotion):
     tilts = True
     kind: Literal["recorded"] = "recorded"
     path: FilePath = parameter(
-        description="CSV with a column time (s) and any of x, y, depth, altitude (m), heading, pitch, roll (°), "
-        "or a record (.nc)",
+        description="CSV with a column time (s) and any of x, y, depth, altitude (m), heading, pitch, roll, longitude, "
+        "latitude (°); a record (.nc), a recording (.xtf, .jsf) or a track (.gpx)",
         min_length=1,
     )
 
@@ -35,7 +35,7 @@ def _read_with_course(path: str) -> RecordedNavigation:
     tow = read_navigation(path)
     if "x" not in tow.columns or "heading" in tow.columns:
         return tow
-    return RecordedNavigation(tow.time, {**tow.columns, "heading": _course(tow)})
+    return RecordedNavigation(tow.time, {**tow.columns, "heading": _course(tow)}, tow.place)
 
 
 def _course(tow: RecordedNavigation) -> NDArray[np.float64]:

@@ -1,0 +1,135 @@
+"""Tracks from recordings, GPX and tables of longitude and latitude, placed on the map of the scene."""
+
+from pathlib import Path
+
+import numpy as np
+import pyproj
+import pytest
+
+from insonify.cli import main
+from insonify.io.navigation import read_navigation
+from insonify.io.records import read_record, write_record
+from insonify.scene import SceneError, build, edit, load_scene
+from insonify.simulation import simulate
+
+REAL = Path(__file__).parents[3] / "shared" / "data" / "xtf" / "scotsman-iver2.xtf"
+GPX = """<?xml version="1.0"?>
+<gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>{points}</trkseg></trk></gpx>
+"""
+EASTING, NORTHING = 560_000.0, 6_500_000.0
+
+
+def fixes(pings=6):
+    """A line at 30° on the map EPSG:32631, 1 m a second, as longitude and latitude."""
+    along = np.arange(pings, dtype=float)
+    x, y = along * np.cos(np.pi / 6), along * np.sin(np.pi / 6)
+    transform = pyproj.Transformer.from_crs("EPSG:32631", "EPSG:4326", always_xy=True)
+    return x, y, *transform.transform(EASTING + x, NORTHING + y)
+
+
+def write_gpx(path, pings=6, time="<time>2024-05-01T12:00:{second:02d}Z</time>"):
+    _, _, lon, lat = fixes(pings)
+    point = '<trkpt lat="{lat}" lon="{lon}"><ele>3</ele>' + time + "</trkpt>"
+    points = (point.format(lat=b, lon=a, second=k) for k, (a, b) in enumerate(zip(lon, lat)))
+    path.write_text(GPX.format(points="".join(points)))
+    return path
+
+
+def write_table(path, clock="seconds", names="time,lon,lat"):
+    _, _, lon, lat = fixes()
+    times = [f"{5 + k}" if clock == "seconds" else f"2024-05-01T12:00:{k:02d}" for k in range(6)]
+    rows = [f"{time},{a!r},{b!r}" for time, a, b in zip(times, lon.tolist(), lat.tolist())]
+    path.write_text("\n".join([names, *rows]))
+    return path
+
+
+def towed(path, **world):
+    motion = {"kind": "recorded", "path": str(path)}
+    return build(
+        {
+            "world": world,
+            "seabed": {"depth": 30.0},
+            "sonar": {"bins": 40, "range": 20.0, "ping_rate": 1.0},
+            "track": {"altitude": 5.0, "pings": 6, "motion": motion},
+        }
+    )
+
+
+PLACED = {"crs": "EPSG:32631", "origin": [EASTING - 3.0, NORTHING + 4.0]}
+WRITERS = {
+    "a.gpx": write_gpx,
+    "a.csv": write_table,
+    "b.csv": lambda path: write_table(path, clock="iso", names="time,longitude,latitude"),
+}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_positions_on_earth_become_those_of_the_scene(tmp_path, name):
+    path = WRITERS[name](tmp_path / name)
+    x, y, _, _ = fixes()
+    record = simulate(towed(path, **PLACED))
+    np.testing.assert_allclose(record.platform_x, x + 3.0, atol=1e-5)
+    np.testing.assert_allclose(record.platform_y, y - 4.0, atol=1e-5)
+    np.testing.assert_allclose(record.platform_heading, 30.0, atol=0.01)  # the course on the map, not from true north
+    away = simulate(towed(path))
+    np.testing.assert_allclose(away.platform_x[0], 0.0, atol=1e-9)
+    np.testing.assert_allclose(np.hypot(away.platform_x, away.platform_y), np.arange(6.0), rtol=1e-3, atol=1e-6)
+
+
+def test_a_recording_is_towed_again(tmp_path):
+    """The track of a simulated recording, from XTF, is the track of the simulation."""
+    changes = {
+        "world.crs": "EPSG:32631", "world.origin": [EASTING, NORTHING], "track.pings": 8, "sonar.bins": 60,
+        "track.heading": 70.0, "track.start": [5.0, -2.0],
+    }  # fmt: skip
+    scene = edit(load_scene("rough-tow"), changes)
+    first = simulate(scene)
+    write_record(tmp_path / "a.xtf", [first])
+    motion = {"kind": "recorded", "path": str(tmp_path / "a.xtf")}
+    again = simulate(edit(scene, {"track.motion": motion}))
+    for name, within in (("x", 1e-3), ("y", 1e-3), ("heading", 1e-2), ("pitch", 1e-2), ("roll", 1e-2), ("depth", 1e-3)):
+        # XTF resolves 10 ms, in which the sonar goes a centimetre or two.
+        np.testing.assert_allclose(again[f"platform_{name}"], first[f"platform_{name}"], atol=within + 0.02)
+
+
+@pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
+def test_a_real_recording_is_a_track(tmp_path):
+    tow = read_navigation(str(REAL))
+    record = read_record(REAL)
+    assert tow.place is not None
+    np.testing.assert_allclose(tow.columns["x"], record.platform_x, atol=1e-3)
+    assert (np.diff(tow.time) > 0.0).all()
+    words = ["--set", f'track.motion={{ kind = "recorded", path = "{REAL}" }}', "--set", "track.pings=12"]
+    assert main(["render", "default", "-o", str(tmp_path / "a.nc"), "--set", "sonar.bins=50", *words]) == 0
+    simulated, times = read_record(tmp_path / "a.nc"), np.arange(12) / load_scene("default").sonar.ping_rate
+    np.testing.assert_allclose(simulated.platform_x, np.interp(times, tow.time, tow.columns["x"]), atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "expected"),
+    [
+        ("a.gpx", "<gpx><trk/></gpx>", "holds 0 rows; give at least two"),
+        ("a.gpx", "<gpx", "cannot be read"),
+        ("a.gpx", '<!DOCTYPE a [<!ENTITY b "c">]><gpx/>', "declares a document type; export the track again"),
+        ("a.gpx", '<gpx><trkpt lat="1" lon="2"/></gpx>', "has points without a time; export a recorded track"),
+        ("a.gpx", '<gpx><trkpt lat="91" lon="2"><time>2024-05-01T12:00:00Z</time></trkpt>'
+         '<trkpt lat="1" lon="2"><time>2024-05-01T12:00:01Z</time></trkpt></gpx>', "has latitude 91 ° in row 1"),
+        ("a.gpx", '<gpx><trkpt lat="1" lon="2"><time>noon</time></trkpt></gpx>', "cannot be read"),
+        ("a.csv", "time,lon\n0,1\n1,1", "has only one of longitude and latitude; give both or neither"),
+        ("a.csv", "time,lon,lat\nnoon,1,1\n1,1,1", "cannot be read"),
+    ],
+)  # fmt: skip
+def test_a_broken_track_is_one_sentence(tmp_path, name, content, expected):
+    path = tmp_path / name
+    path.write_text(content)
+    with pytest.raises(SceneError, match=r"track\.motion\.path") as caught:
+        read_navigation(str(path))
+    assert expected in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_latitude_and_longitude_do_not_displace_x_and_y(tmp_path):
+    (tmp_path / "a.csv").write_text("time,x,y,lon,lat\n0,1,2,3,4\n1,2,3,4,5\n")
+    tow = read_navigation(str(tmp_path / "a.csv"))
+    assert tow.place is None
+    np.testing.assert_allclose(tow.columns["x"], [1.0, 2.0])
