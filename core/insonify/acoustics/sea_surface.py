@@ -10,7 +10,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from insonify.kernels.common.types import SurfaceMultipath, no_surface_multipath
 from insonify.scene.surfaces import SurfaceKind
@@ -61,6 +60,8 @@ def facets() -> NDArray[np.float64]:
 
 def _heights(strata: int) -> NDArray[np.float64]:
     """Return the ends of equally likely strata of a Gaussian, (strata, 2); uniform within them, its variance is 1."""
+    from scipy import special  # lazy: takes longer to import than a preview takes to trace
+
     inner = special.ndtri(np.arange(1, strata) / strata)
     outer = 2.0 * strata * math.exp(-0.5 * inner[-1] ** 2) / math.sqrt(2.0 * math.pi) - inner[-1]
     ends = np.column_stack([np.concatenate([[-outer], inner]), np.concatenate([inner, [outer]])])
@@ -69,6 +70,8 @@ def _heights(strata: int) -> NDArray[np.float64]:
 
 def _squared_tilts(shape: float) -> NDArray[np.float64]:
     """Return the ends of equally likely strata of a gamma distribution, (strata, 2); uniform within, its mean is 1."""
+    from scipy import special  # lazy, as above
+
     inner = special.gammaincinv(shape, np.arange(1, STRATA) / STRATA) / shape
     beyond = special.gammaincc(shape + 1.0, shape * inner[-1]) * STRATA  # mean of the last stratum
     ends = np.column_stack([np.concatenate([[0.0], inner]), np.concatenate([inner, [2.0 * beyond - inner[-1]]])])

@@ -9,7 +9,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from insonify.acoustics.pulses import coherent_taps, pulse_taps
 from insonify.acoustics.resolution_cell import along_track_angle, bin_centres, coherence_angle
@@ -155,6 +154,8 @@ def shape_table() -> NDArray[np.float32]:
         log₂ T; rows at steps of 1/8 in log₂ ν, columns at steps of 1/16 in log₂ E. T = E for ν = 1, and T grows as
         E^(1/ν) below the table. Bilinear interpolation keeps mean and variance to 0.1 %.
     """
+    from scipy import special  # lazy: takes longer to import than a preview takes to trace
+
     octaves = math.ceil(math.log2(LARGEST_SHAPE / SMALLEST_SHAPE) * ROWS)
     shape = SMALLEST_SHAPE * 2.0 ** (np.arange(octaves + 1)[:, None] / ROWS)
     energy = 2.0 ** np.arange(FIRST_COLUMN, LAST_COLUMN + 0.5 / COLUMNS, 1.0 / COLUMNS)

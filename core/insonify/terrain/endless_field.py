@@ -20,7 +20,6 @@ from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
 from insonify.kernels.common.streams import RELIEF_BAND
@@ -172,10 +171,10 @@ class _Lattice:
 
     def __init__(self, density: Density, spacing: float, taps: int, seed: int, stream: int) -> None:
         self._spacing, self._taps, self._seed, self._stream = spacing, taps, seed, stream
-        fx, fy = scipy.fft.rfftfreq(taps, spacing)[np.newaxis, :], scipy.fft.fftfreq(taps, spacing)[:, np.newaxis]
+        fx, fy = np.fft.rfftfreq(taps, spacing)[np.newaxis, :], np.fft.fftfreq(taps, spacing)[:, np.newaxis]
         # Noise of unit variance has the density spacing².
         response = np.sqrt(density(fx, fy)) / spacing
-        self._filter = scipy.fft.irfft2(response, s=(taps, taps))
+        self._filter = np.fft.irfft2(response, s=(taps, taps))
         # Taps half a side away have no counterpart on the other side.
         self._filter[taps // 2], self._filter[:, taps // 2] = 0.0, 0.0
         self.variance = float((self._filter**2).sum())
@@ -185,9 +184,9 @@ class _Lattice:
         side, margin = TILE + self._taps, self._taps // 2
         rows, columns = (range(place * TILE - margin, place * TILE - margin + side) for place in (row, column))
         noise = lattice_noise(self._seed, self._stream, self._spacing, rows, columns)
-        waves = scipy.fft.rfft2(noise, overwrite_x=True)
+        waves = np.fft.rfft2(noise)
         waves *= self._transfer
-        return np.asarray(scipy.fft.irfft2(waves, s=(side, side), overwrite_x=True)[margin:-margin, margin:-margin])
+        return np.asarray(np.fft.irfft2(waves, s=(side, side))[margin:-margin, margin:-margin])
 
     @cached_property
     def _transfer(self) -> Field:
@@ -195,7 +194,7 @@ class _Lattice:
         half = self._taps // 2
         block = np.zeros((TILE + self._taps,) * 2)
         block[: self._taps, : self._taps] = np.roll(self._filter, (half, half), axis=(0, 1))
-        return np.ascontiguousarray(scipy.fft.rfft2(np.roll(block, (-half, -half), axis=(0, 1))).real)
+        return np.ascontiguousarray(np.fft.rfft2(np.roll(block, (-half, -half), axis=(0, 1))).real)
 
 
 def gather_tiles(

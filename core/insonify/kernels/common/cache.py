@@ -22,6 +22,7 @@ from typing import Any
 import numba.core.config
 import platformdirs
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+from numba.core.runtime import rtsys
 
 PACKAGE = "insonify.kernels"
 SOURCES = Path(__file__).parents[1]
@@ -174,9 +175,13 @@ class KernelCache(FunctionCache):
         self._cache_file = _CacheFile(self._cache_path, impl.filename_base, impl.locator.get_source_stamp())
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return the code kept for a signature, or None."""
+        """Return the code kept for a signature, or None.
+
+        Numba would first load all that it can compile, a tenth of a second; finished code needs its runtime alone.
+        """
         try:
-            return super().load_overload(sig, target_context)
+            rtsys.initialize(target_context)
+            return self._load_overload(sig, target_context)
         except Exception:  # unpickling a damaged file may raise anything
             with contextlib.suppress(OSError):
                 self.flush()

@@ -84,10 +84,14 @@ def accumulate_bins(bins, factor, out):
     # Four stretches at once, each starting from the sum of those before it.
     quarter = out.size // 4
     two, three, four = 2 * quarter, 3 * quarter, 4 * quarter
-    a = np.int64(0)
-    b = bins[:quarter].sum()
-    c = b + bins[quarter:two].sum()
-    d = c + bins[two:three].sum()
+    a, b, c, d = np.int64(0), np.int64(0), np.int64(0), np.int64(0)
+    # A loop, because a kernel that calls `sum` takes 65 ms longer to load: Numba imports linear algebra for it.
+    for k in range(quarter):
+        b += bins[k]
+        c += bins[quarter + k]
+        d += bins[two + k]
+    c += b
+    d += c
     for k in range(quarter):
         a += bins[k]
         b += bins[quarter + k]

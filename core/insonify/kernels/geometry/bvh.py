@@ -30,11 +30,18 @@ def build_mesh(corners: NDArray[np.float64], material: NDArray[np.int64], target
     edges = corners[:, 1:] - corners[:, :1]
     normal = np.cross(edges[:, 0], edges[:, 1])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    order, low, high, skip, first, held = _build_tree(corners)
+    # Without triangles, as in many scenes, the kernel is not loaded: its code takes 70 ms.
+    order, low, high, skip, first, held = _build_tree(corners) if len(corners) else _empty_tree()
     return Mesh(
         np.ascontiguousarray(corners[order]), normal[order], material[order], target[order],
         low, high, skip, first, held,
     )  # fmt: skip
+
+
+def _empty_tree():
+    """Return the order of no triangles and a hierarchy without nodes."""
+    boxes, numbers = np.empty((0, 3)), np.empty(0, np.int64)
+    return numbers, boxes, boxes, numbers, numbers, numbers
 
 
 @kernel

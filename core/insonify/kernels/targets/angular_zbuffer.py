@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
+from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import Mesh, Solids
 from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid
 from insonify.kernels.targets.apparent_targets import FIELDS, apply_apparent_sources, load_apparent_source
@@ -205,7 +206,7 @@ def _find_nearest(arrays, plane, bent, zbuffer, primitives, cells):
     for p in range(primitives):
         source = load_apparent_source(bent, zbuffer.source[p])
         primitive = load_primitive(arrays.solids, arrays.mesh, plane, zbuffer.body[p], zbuffer.line[p], source)
-        zbuffer.first[p] = max(np.searchsorted(zbuffer.edge[: cells + 1], zbuffer.low[p], side="right") - 1, 0)
+        zbuffer.first[p] = max(last_not_above(zbuffer.edge[: cells + 1], zbuffer.low[p]), 0)
         _keep_nearest(p, primitive, cells, zbuffer)
     for p in range(primitives):
         source = load_apparent_source(bent, zbuffer.source[p])

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.jit import inlined, inlined_uncounted
+from insonify.kernels.common.search import last_not_above
 from insonify.kernels.geometry.cross_sections import DOWN, NEVER, UP
 from insonify.kernels.targets.angular_zbuffer import EDGE
 
@@ -84,7 +85,7 @@ def next_visible(occlusion, segment, start, stop):
         Launch angles at which the stretch begins and ends; both ``stop`` if there is none.
     """
     edge, nearness_cosine, nearness_sine = occlusion.edge, occlusion.nearness_cosine, occlusion.nearness_sine
-    cell = np.searchsorted(edge, start, side="right") - 1
+    cell = last_not_above(edge, start)
     opened, closed = stop, stop
     while start < stop:
         end = min(edge[cell + 1], stop) if cell + 1 < edge.size else stop
