@@ -171,7 +171,8 @@ class _Lattice:
 
     def __init__(self, density: Density, spacing: float, taps: int, seed: int, stream: int) -> None:
         self._spacing, self._taps, self._seed, self._stream = spacing, taps, seed, stream
-        fx, fy = np.fft.rfftfreq(taps, spacing)[np.newaxis, :], np.fft.fftfreq(taps, spacing)[:, np.newaxis]
+        fx = np.asarray(np.fft.rfftfreq(taps, spacing), np.float64)[np.newaxis, :]
+        fy = np.asarray(np.fft.fftfreq(taps, spacing), np.float64)[:, np.newaxis]
         # Noise of unit variance has the density spacing².
         response = np.sqrt(density(fx, fy)) / spacing
         self._filter = np.fft.irfft2(response, s=(taps, taps))

@@ -115,3 +115,21 @@ def test_two_processes_that_compile_two_signatures_at_once_never_mix_them_up(tmp
     one.save("first signature", "first code")
     assert later.load("first signature") in ("first code", None)
     assert later.load("second signature") in ("second code", None)
+
+
+FIRST_PING = """
+import sys
+import numpy as np
+from insonify.scene import load_scene
+from insonify.simulation import prepare
+prepare(load_scene("default")).intensity(np.arange(1))
+print(*({"numba.np.arraymath", "scipy.linalg"} & set(sys.modules)))
+"""
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_finished_code_is_loaded_without_what_compiles_it() -> None:
+    command = [sys.executable, "-c", FIRST_PING]
+    subprocess.run(command, capture_output=True, check=True)  # compiles what no test has compiled before
+    done = subprocess.run(command, capture_output=True, check=True, text=True)
+    assert done.stdout.strip() == ""

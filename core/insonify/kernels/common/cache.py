@@ -22,7 +22,7 @@ from typing import Any
 import numba.core.config
 import platformdirs
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
-from numba.core.runtime import rtsys
+from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 
 PACKAGE = "insonify.kernels"
 SOURCES = Path(__file__).parents[1]
