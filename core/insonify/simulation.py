@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -304,12 +304,46 @@ def simulate_blocks(
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
     simulation = prepare(scene, **asked, threads=threads)
     attributes = record_attributes(scene, simulation.plan, **asked)
+    for traced in trace_blocks(simulation, truth, block):
+        yield make_dataset(scene, simulation.ground, *traced, attributes)
+
+
+class TracedBlock(NamedTuple):
+    """Successive pings of a record.
+
+    Attributes
+    ----------
+    pings : (n,) int64
+        Their numbers.
+    poses : Poses
+        Their poses.
+    columns : dict of str to (n, 2, bins) array
+        ``intensity``, and labels by their names if asked for.
+    """
+
+    pings: NDArray[np.int64]
+    poses: Poses
+    columns: Columns
+
+
+def trace_blocks(simulation: Simulation, truth: bool = False, block: int | None = None) -> Iterator[TracedBlock]:
+    """Trace the record of a simulation block by block.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    truth, block
+        As in `simulate_blocks`.
+
+    Yields
+    ------
+    TracedBlock
+    """
     size = _block_size(simulation, truth, streamed=True) if block is None else block
-    for first in range(0, scene.track.pings, size):
-        pings = np.arange(first, min(first + size, scene.track.pings), dtype=np.int64)
+    for first in range(0, simulation.scene.track.pings, size):
+        pings = np.arange(first, min(first + size, simulation.scene.track.pings), dtype=np.int64)
         poses = simulation.poses(pings)
-        columns = _trace_columns(simulation, pings, poses, truth)
-        yield make_dataset(scene, simulation.ground, pings, poses, columns, attributes)
+        yield TracedBlock(pings, poses, _trace_columns(simulation, pings, poses, truth))
 
 
 def _block_size(simulation: Simulation, truth: bool, *, streamed: bool) -> int:

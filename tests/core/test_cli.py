@@ -178,13 +178,14 @@ def test_trouble_leaves_the_old_file(tmp_path, capsys, monkeypatch, suffix, trou
     path = tmp_path / f"record{suffix}"
     path.write_bytes(b"old")
     simulate_module = importlib.import_module("insonify.simulation")
-    blocks = simulate_module.simulate_blocks
+    blocks = simulate_module.trace_blocks
 
     def troubled(*arguments, **options):
         yield next(blocks(*arguments, **options))
         raise trouble
 
-    monkeypatch.setattr(simulate_module, "simulate_blocks", troubled)
+    monkeypatch.setattr(simulate_module, "trace_blocks", troubled)
+    monkeypatch.setattr(importlib.import_module("insonify.display.sheet"), "trace_blocks", troubled)
     code = main(["render", *SMALL, "-o", str(path)])
     assert code == (130 if isinstance(trouble, KeyboardInterrupt) else 2)
     assert capsys.readouterr().err.count("\n") == 1
@@ -251,6 +252,18 @@ def test_the_installed_command_needs_no_window():
     )
     assert wrong.returncode == 2
     assert wrong.stderr.count("\n") == 1
+
+
+def test_a_picture_needs_no_tables(tmp_path):
+    """A picture is drawn without xarray and pandas, which take a second to import."""
+    code = (
+        "import sys; from insonify.cli import main; code = main(sys.argv[1:]);"
+        "loaded = {'xarray', 'pandas', 'netCDF4'} & set(sys.modules);"
+        "sys.exit(code or (f'loaded {loaded}' if loaded else 0))"
+    )
+    words = ["render", *SMALL, "-o", str(tmp_path / "record.png")]
+    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_what_an_encoding_lacks_is_escaped():

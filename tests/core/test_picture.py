@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from insonify.display import display_options
+from insonify.display import sheet as module
 from insonify.display.display_options import DisplayOptions, find_palettes
 from insonify.display.page import caption_scene, place_decibel_ticks, write_page
 from insonify.display.picture import (
@@ -23,7 +24,7 @@ from insonify.display.picture import (
     mirror_channels,
     normalise,
 )
-from insonify.display.sheet import gather_sheet, resample_rows
+from insonify.display.sheet import resample_rows, take_sheet_pings
 from insonify.scene import SceneError, edit, load_scene
 
 BINS = 200
@@ -42,6 +43,10 @@ def record(intensity: np.ndarray, altitude: float = ALTITUDE) -> xr.Dataset:
         },
         coords={"slant_range": ("range_sample", (np.arange(bins) + 0.5) * REACH / bins)},
     )
+
+
+def gather_sheet(blocks, relative, pings, look):
+    return module.gather_sheet(map(take_sheet_pings, blocks), relative, pings, look)
 
 
 def even(level=1.0, bins: int = BINS):

@@ -5,15 +5,14 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TypeVar
 
 from insonify.io.records import RECORDS
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
 
-if TYPE_CHECKING:
-    import xarray as xr
+Block = TypeVar("Block")
 
 
 def add_scene(parser: argparse.ArgumentParser, *, optional: bool = False) -> None:
@@ -196,14 +195,23 @@ def _is_store(path: Path) -> bool:
     return path.suffix.lower() in RECORDS.folders() and ((path / "zarr.json").is_file() or not any(path.iterdir()))
 
 
-def tracked(blocks: Iterator[xr.Dataset], pings: int) -> Iterator[xr.Dataset]:
-    """Yield the blocks; a terminal shows their progress when the work takes longer than a second."""
+def tracked(blocks: Iterator[Block], pings: int, count: Callable[[Block], int]) -> Iterator[Block]:
+    """Yield blocks of pings; a terminal shows their progress when the work takes longer than a second.
+
+    Parameters
+    ----------
+    blocks : iterator
+    pings : int
+        In all.
+    count : callable
+        Number of pings of a block.
+    """
     from tqdm import tqdm
 
     with tqdm(total=pings, unit="ping", disable=None, delay=1.0, leave=False) as bar:
         for block in blocks:
             yield block
-            bar.update(block.sizes["ping_time"])
+            bar.update(count(block))
 
 
 def decibels(text: str) -> float:

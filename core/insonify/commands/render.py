@@ -146,22 +146,24 @@ def write(
     """
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.parallel import one_ahead
-    from insonify.simulation import simulate_blocks
+    from insonify.simulation import prepare, simulate_blocks
 
     pings = scene.track.pings
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
-    blocks = tracked(one_ahead(simulate_blocks(scene, **asked)), pings)
     if not _is_picture(path):
-        write_record(path, blocks, **(choices or {}))
+        blocks = one_ahead(simulate_blocks(scene, **asked))
+        write_record(path, tracked(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))
         return
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.display.page import caption_scene, write_page
     from insonify.display.picture import LevelBed
-    from insonify.display.sheet import gather_sheet
-    from insonify.simulation import prepare
+    from insonify.display.sheet import gather_sheet, trace_sheet_pings
 
-    level = LevelBed(prepare(scene, **asked))
-    write_page(path, gather_sheet(blocks, level.normalise, pings, look), look, caption_scene(scene, look))
+    # Without Datasets: importing xarray and pandas takes as long as the picture.
+    simulation = prepare(scene, **asked)
+    shown = tracked(one_ahead(trace_sheet_pings(simulation)), pings, lambda block: len(block.intensity))
+    sheet = gather_sheet(shown, LevelBed(simulation).normalise, pings, look)
+    write_page(path, sheet, look, caption_scene(scene, look))
 
 
 def _is_picture(path: Path) -> bool:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 import warnings
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
@@ -18,6 +17,9 @@ from insonify.display.sheet import RecordSheet
 from insonify.display.style import FAINT, INK, LINE_WIDTH, label_axes, make_figure, style_axes
 from insonify.io.atomic import replacing
 from insonify.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 DPI = 100
 LEFT, RIGHT, TOP, BOTTOM = 86, 196, 92, 62  # margins in pixels

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from insonify.display.display_options import DisplayOptions
@@ -18,8 +17,13 @@ from insonify.display.picture import (
     mirror_channels,
     normalise,
 )
-from insonify.io.records.bottom_track import find_altitude
+from insonify.io.records.bottom_track import complete_altitude, find_altitude
+from insonify.packing.navigation import platform_columns
 from insonify.scene import SceneError
+from insonify.simulation import Simulation, trace_blocks
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Record = NDArray[np.float32]
 Relative = Callable[[Record, NDArray[np.int64]], Record]
@@ -49,13 +53,62 @@ class RecordSheet(NamedTuple):
     pings: int
 
 
-def gather_sheet(blocks: Iterable[xr.Dataset], relative: Relative, pings: int, look: DisplayOptions) -> RecordSheet:
+class SheetPings(NamedTuple):
+    """Successive pings, as far as a picture shows them.
+
+    Attributes
+    ----------
+    intensity : (n, 2, bins) float32
+        Linear, port first.
+    x, y : (n,) float64
+        Position of the sonar, in metres.
+    altitude : (n,) float64
+        Above the bed beneath, in metres, as `find_altitude` completes it.
+    bin_length : float
+        Slant range of a bin, in metres.
+    """
+
+    intensity: Record
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    altitude: NDArray[np.float64]
+    bin_length: float
+
+
+def take_sheet_pings(record: xr.Dataset) -> SheetPings:
+    """Take from a record what a picture shows."""
+    return SheetPings(
+        record["intensity"].transpose("ping_time", "channel", "range_sample").values,
+        record["platform_x"].values,
+        record["platform_y"].values,
+        find_altitude(record),
+        _bin_length(record),
+    )
+
+
+def trace_sheet_pings(simulation: Simulation) -> Iterator[SheetPings]:
+    """Trace the record of a simulation block by block, as far as a picture shows it.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    """
+    sonar = simulation.scene.sonar
+    bin_length = sonar.range / sonar.bins
+    for block in trace_blocks(simulation):
+        x, y, _, altitude, *_ = platform_columns(block.poses, simulation.ground)
+        intensity = block.columns["intensity"]
+        known = complete_altitude(altitude, np.moveaxis(intensity, 1, 0), bin_length)
+        yield SheetPings(intensity, x, y, known, bin_length)
+
+
+def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, look: DisplayOptions) -> RecordSheet:
     """Collect blocks of a record in a sheet.
 
     Parameters
     ----------
-    blocks : iterable of Dataset
-        Successive pings, as from ``simulate_blocks``.
+    blocks : iterable of SheetPings
+        Successive pings.
     relative : callable
         From intensities, (n, 2, bins), and their ping numbers to amplitudes relative to a curve, as
         `LevelBed.normalise`.
@@ -81,12 +134,12 @@ def gather_sheet(blocks: Iterable[xr.Dataset], relative: Relative, pings: int, l
     for block in blocks:
         if done == 0:
             reach, ground_reach = _reaches(block, look)
-        numbers = np.arange(done, done + block.sizes["ping_time"])
+        numbers = np.arange(done, done + len(block.intensity))
         _add_rows(
             rows, counts, numbers // together, _columns(block, numbers, relative, columns, ground_reach, look.side)
         )
         track.add(block)
-        done += block.sizes["ping_time"]
+        done += numbers.size
     rows /= np.maximum(counts, 1.0)
     along = track.metres * (done / max(done - 1, 1))
     shown = reach if ground_reach is None else ground_reach
@@ -111,7 +164,10 @@ def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet
     """
     own = compute_median_curve(record)
     return gather_sheet(
-        [record], lambda intensity, pings: normalise(intensity, own[pings]), record.sizes["ping_time"], look
+        [take_sheet_pings(record)],
+        lambda intensity, pings: normalise(intensity, own[pings]),
+        record.sizes["ping_time"],
+        look,
     )
 
 
@@ -143,20 +199,20 @@ class _Length:
         self.metres = 0.0
         self._last: tuple[float, float] | None = None
 
-    def add(self, block: xr.Dataset) -> None:
-        x, y = block["platform_x"].values, block["platform_y"].values
+    def add(self, block: SheetPings) -> None:
+        x, y = block.x, block.y
         if self._last is not None:
             x, y = np.append(self._last[0], x), np.append(self._last[1], y)
         self.metres += float(np.hypot(np.diff(x), np.diff(y)).sum())
         self._last = float(x[-1]), float(y[-1])
 
 
-def _reaches(block: xr.Dataset, look: DisplayOptions) -> tuple[float, float | None]:
+def _reaches(block: SheetPings, look: DisplayOptions) -> tuple[float, float | None]:
     """Slant range of the outer edge, and its ground range if the picture shows that."""
-    reach = block.sizes["range_sample"] * _bin_length(block)
+    reach = block.intensity.shape[-1] * block.bin_length
     if not look.ground_range:
         return reach, None
-    lowest = float(find_altitude(block).min())
+    lowest = float(block.altitude.min())
     if not math.isfinite(lowest):
         raise SceneError(
             "--ground-range: the record tells no altitude and shows no first echo of the bed; leave it out"
@@ -189,15 +245,14 @@ def _add_rows(rows: Record, counts: Record, row: NDArray[np.int64], newest_first
 
 
 def _columns(
-    block: xr.Dataset,
+    block: SheetPings,
     numbers: NDArray[np.int64],
     relative: Relative,
     columns: int,
     ground_reach: float | None,
     side: str,
 ) -> NDArray[np.float32]:
-    intensity = block["intensity"].transpose("ping_time", "channel", "range_sample").values
-    altitude = fill_altitude(block)
     per_side = columns // 2 if side == "both" else columns
-    edges = compute_column_edges(altitude, intensity.shape[-1], _bin_length(block), per_side, ground_reach)
-    return mirror_channels(relative(intensity, numbers), edges, side)
+    bins = block.intensity.shape[-1]
+    edges = compute_column_edges(np.nan_to_num(block.altitude), bins, block.bin_length, per_side, ground_reach)
+    return mirror_channels(relative(block.intensity, numbers), edges, side)

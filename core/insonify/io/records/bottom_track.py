@@ -29,12 +29,33 @@ def find_altitude(record: xr.Dataset) -> NDArray[np.float64]:
         NaN throughout if the record has no altitude and shows no edge of the bed.
     """
     altitude = record["platform_altitude"].values.astype(np.float64)
+    if BOTTOM_TRACK in record and not np.isfinite(altitude).any():
+        return record[BOTTOM_TRACK].values.astype(np.float64)
+    return complete_altitude(altitude, record["intensity"].values, 2.0 * float(record["slant_range"].values[0]))
+
+
+def complete_altitude(
+    altitude: NDArray[np.float64], intensity: NDArray[np.float32], bin_length: float
+) -> NDArray[np.float64]:
+    """Complete recorded altitudes: where some are unknown, by the lowest one; where all are, by the bottom track.
+
+    Parameters
+    ----------
+    altitude : (pings,) float64
+        Metres, NaN where it is unknown.
+    intensity : (2, pings, bins) float32
+    bin_length : float
+        In metres of slant range.
+
+    Returns
+    -------
+    (pings,) float64
+        NaN throughout if none is known and the record shows no edge of the bed.
+    """
     known = altitude[np.isfinite(altitude)]
     if known.size:
         return np.where(np.isfinite(altitude), altitude, known.min())
-    if BOTTOM_TRACK in record:
-        return record[BOTTOM_TRACK].values.astype(np.float64)
-    return track_bottom(record["intensity"].values, 2.0 * float(record["slant_range"].values[0]))
+    return track_bottom(intensity, bin_length)
 
 
 def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[np.float64]:
