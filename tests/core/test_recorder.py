@@ -9,6 +9,8 @@ import pytest
 
 from beds import arrays_of
 from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.cli import main
+from insonify.io.records import read_record
 from insonify.receiver import make_reception, receive
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml, scene_to_toml
 
@@ -80,15 +82,20 @@ def test_bits_round_the_amplitude_to_steps_of_full_scale(bits):
     assert codes.max() == pytest.approx(2**bits - 1, rel=1e-6)
 
 
-def test_left_out_full_scale_is_the_loudest_bin_of_a_perfect_level_bed():
+@pytest.mark.parametrize("bits", [8, 16])
+def test_left_out_full_scale_holds_a_perfect_level_bed(bits):
     loudest = flat_bed_curve(arrays(), ALTITUDE).max()
-    traced = even(energy=10.0 * loudest)
-    np.testing.assert_allclose(of(traced, receiver__recorder__bits=8), loudest, rtol=1e-6)
+    # The least power of two as step that holds it: up to 6 dB of headroom.
+    step = 2.0 ** math.ceil(math.log2(math.sqrt(loudest) / (2**bits - 1)))
+    full_scale = ((2**bits - 1) * step) ** 2
+    assert loudest <= full_scale <= 4.0 * loudest
+    changes = {"receiver__recorder__bits": bits}
+    np.testing.assert_allclose(of(even(energy=10.0 * full_scale), **changes), full_scale, rtol=1e-6)
     # It follows source and time-varied gain; a gain of the recorder's own brings the record to clip.
-    louder = of(even(energy=0.5 * loudest), receiver__recorder__bits=8, receiver__source_level=20.0)
-    np.testing.assert_allclose(louder, 50.0 * loudest, rtol=0.01)
-    clipped = of(even(energy=0.5 * loudest), receiver__recorder__bits=8, receiver__recorder__gain=6.0)
-    np.testing.assert_allclose(clipped, loudest, rtol=1e-6)
+    louder = of(even(energy=0.5 * loudest), receiver__source_level=20.0, **changes)
+    np.testing.assert_allclose(louder, 50.0 * loudest, rtol=0.015)
+    clipped = of(even(energy=0.5 * full_scale), receiver__recorder__gain=6.0, **changes)
+    np.testing.assert_allclose(clipped, full_scale, rtol=1e-6)
 
 
 def test_float_clips_only_at_a_declared_full_scale():
@@ -212,3 +219,15 @@ def test_a_recorder_is_written_and_read():
     assert scene_from_toml(scene_to_toml(declared)) == declared
     with pytest.raises(SceneError, match=r"^receiver\.recorder\.bits.*12"):
         edit(declared, {"receiver.recorder.bits": 12})
+
+
+@pytest.mark.parametrize(("bits", "stored"), [("8", "8"), ("16", "32")])  # an XTF sample of 16 bits holds 15
+def test_a_record_in_bits_leaves_as_a_recording_of_as_many_unchanged(tmp_path, bits, stored):
+    scene = ["render", "default", "--set", f"receiver.recorder.bits={bits}", "--set", "receiver.speckle=rayleigh"]
+    scene += ["--set", "track.pings=20", "--set", "receiver.tvg=power", "--set", "receiver.noise=ambient"]
+    assert main([*scene, "-o", str(tmp_path / "a.npz")]) == 0
+    assert main([*scene, "-o", str(tmp_path / "a.xtf"), "--bits", stored]) == 0
+    one, other = (read_record(tmp_path / name).intensity.values for name in ("a.npz", "a.xtf"))
+    np.testing.assert_allclose(np.sqrt(other), np.sqrt(one), rtol=1e-6)
+    assert np.unique(one).size <= 2 ** int(bits)
+    assert not one.all()

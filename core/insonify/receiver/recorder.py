@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,8 +33,8 @@ class Recording:
         Factors of intensity of port and starboard.
     full_scale : float
         Greatest intensity that is recorded.
-    steps : int
-        Steps of amplitude from 0 to full scale; 0 where nothing is rounded.
+    step : float
+        Step of the recorded amplitudes; 0 where nothing is rounded.
     dropped : float
         Share of the pings that are lost.
     ping_rate : float
@@ -45,19 +46,18 @@ class Recording:
     gains: NDArray[np.float64]
     sides: NDArray[np.float64]
     full_scale: float
-    steps: int
+    step: float
     dropped: float
     ping_rate: float
 
     def record(self, detected: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Record detected intensities, (n, 2, bins)."""
-        step = np.maximum(np.searchsorted(self.times, pings / self.ping_rate, side="right") - 1, 0)
-        amplified = detected * (self.gains[step, None, None] * self.sides[:, None])
+        setting = np.maximum(np.searchsorted(self.times, pings / self.ping_rate, side="right") - 1, 0)
+        amplified = detected * (self.gains[setting, None, None] * self.sides[:, None])
         kept = np.minimum(amplified, self.full_scale)
-        if self.steps:
-            # Envelope detectors are converted, so amplitudes are rounded and not intensities.
-            codes = np.rint(np.sqrt(kept / self.full_scale) * self.steps)
-            kept = (codes / self.steps) ** 2 * self.full_scale
+        if self.step > 0.0:
+            # The envelope is converted, so amplitudes are rounded and not intensities.
+            kept = (np.rint(np.sqrt(kept) / self.step) * self.step) ** 2
         if self.dropped > 0.0:
             chance = np.empty(pings.size)
             fill_uniform(self.seed, DROPPED_PINGS, pings, chance)
@@ -72,24 +72,27 @@ def make_recording(scene: Scene, loudest: float) -> Recording | None:
     ----------
     scene : Scene
     loudest : float
-        Intensity of a level bed of albedo 1 in its loudest bin, the full scale of a converter that declares none.
+        Intensity of a level bed of albedo 1 in its loudest bin, which a full scale that is not declared holds.
     """
     declared = scene.receiver.recorder
     if declared == Recorder():
         return None
     times, gains = np.array(declared.gain_steps).T
-    steps = 0 if declared.bits == "float" else 2**declared.bits - 1
-    if declared.full_scale is not None:
-        full_scale = power(declared.full_scale)
-    else:
-        full_scale = max(loudest, SMALLEST) if steps else LARGEST
+    full_scale = LARGEST if declared.full_scale is None else power(declared.full_scale)
+    step = 0.0
+    if declared.bits != "float":
+        steps = 2**declared.bits - 1
+        step = math.sqrt(full_scale) / steps
+        if declared.full_scale is None:
+            step = 2.0 ** math.ceil(math.log2(math.sqrt(max(loudest, SMALLEST)) / steps))
+            full_scale = (steps * step) ** 2
     return Recording(
         seed=scene.seed,
         times=times,
         gains=10.0 ** (gains / 10.0),
         sides=10.0 ** (np.array([0.5, -0.5]) * declared.side_gain / 10.0),
         full_scale=full_scale,
-        steps=steps,
+        step=step,
         dropped=declared.dropped_pings,
         ping_rate=scene.sonar.ping_rate,
     )

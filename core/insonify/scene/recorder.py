@@ -39,7 +39,7 @@ class Recorder(Declaration):
         None,
         unit="dB",
         description="level at which the converter clips (left out: that of a level bed of albedo 1 at its loudest, "
-        "or none with float)",
+        "raised until a step of amplitude is a power of two; none with float)",
         ge=-400.0,
         le=400.0,
         slider=(-150.0, 200.0),
