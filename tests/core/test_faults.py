@@ -1,0 +1,187 @@
+"""Faults of the machine: full disks, two writers, no home, locked caches, odd clocks; what is promised of each."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from insonify import cli
+from insonify.io.records import read_record
+
+SMALL = ("pipe-span", "--set", "track.pings=6", "--set", "sonar.bins=2000")
+OUTPUTS = [".npz", ".nc", ".zarr", ".xtf", ".png"]
+
+
+def content(path: Path) -> dict[str, str]:
+    """Digest of a file, or of every file of a folder."""
+    files = sorted(path.rglob("*")) if path.is_dir() else [path]
+    return {
+        file.relative_to(path.parent).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in files
+        if file.is_file()
+    }
+
+
+def render(path: Path, *more: str) -> int:
+    return cli.main(["render", *SMALL, *more, "-o", str(path)])
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A record of each format."""
+    folder = tmp_path_factory.mktemp("whole")
+    for suffix in OUTPUTS:
+        assert render(folder / f"record{suffix}") == 0
+    return folder
+
+
+# Every format at one go, in a process with a limit on the size of a file; prints exit codes.
+LIMITED = """
+import resource, sys
+from pathlib import Path
+from insonify import cli
+folder, source, suffixes = Path(sys.argv[1]), sys.argv[2], sys.argv[3:]
+resource.setrlimit(resource.RLIMIT_FSIZE, (4000, resource.RLIM_INFINITY))
+print([cli.main(["render", source, "-o", str(folder / f"record{suffix}")]) for suffix in suffixes])
+"""
+
+
+def test_a_file_that_may_not_grow_leaves_the_old_ones(tmp_path, whole):
+    for suffix in OUTPUTS[:2]:
+        (tmp_path / f"record{suffix}").write_text("old")
+    command = [sys.executable, "-c", LIMITED, str(tmp_path), str(whole / "record.nc"), *OUTPUTS]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.stdout.splitlines()[-1] == str([2] * len(OUTPUTS)), done.stderr
+    lines = done.stderr.splitlines()
+    assert len(lines) == len(OUTPUTS), done.stderr
+    for line, suffix in zip(lines, OUTPUTS):
+        assert line.startswith(f"insonify: {tmp_path}/record{suffix}: ")
+        assert line.endswith("; check the path, its permissions and the disk")
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["record.nc", "record.npz"]
+    assert {file.read_text() for file in tmp_path.iterdir()} == {"old"}
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path):
+    """A disk of 8 kB, where the tests may mount one."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=8k", "none", str(disk)]
+    if sys.platform != "linux" or subprocess.run(mount, capture_output=True, check=False).returncode != 0:
+        pytest.skip("no disk can be mounted here")
+    yield disk
+    # HDF5 keeps a file open that it could not write to its end.
+    subprocess.run(["umount", "--lazy", str(disk)], check=True)
+
+
+@pytest.mark.parametrize("suffix", OUTPUTS)
+def test_a_full_disk_leaves_the_old_file(small_disk, whole, suffix, capsys):
+    path = small_disk / f"record{suffix}"
+    path.mkdir() if suffix == ".zarr" else path.write_text("old")
+    before = content(path)
+    assert cli.main(["render", str(whole / "record.nc"), "-o", str(path)]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert content(path) == before
+    assert [file.name for file in small_disk.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("suffix", OUTPUTS)
+def test_a_repeated_command_writes_the_same_bits(tmp_path, whole, suffix, monkeypatch):
+    monkeypatch.setattr(time, "time", lambda: 0.0)  # a clock in the past
+    assert render(tmp_path / f"record{suffix}", "--threads", "1") == 0
+    assert content(tmp_path / f"record{suffix}") == content(whole / f"record{suffix}")
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".nc", ".zarr", ".xtf"])
+def test_a_record_may_be_written_over_the_one_it_is_read_from(tmp_path, whole, suffix):
+    path = tmp_path / f"record{suffix}"
+    assert render(path) == 0
+    before = read_record(path)
+    assert cli.main(["render", str(path), "-o", str(path)]) == 0
+    after = read_record(path)
+    np.testing.assert_array_equal(after.intensity, before.intensity)
+    np.testing.assert_allclose(after.platform_x, before.platform_x, rtol=0.0, atol=1e-6)  # degrees and back
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_scene_is_not_written_over(tmp_path, capsys):
+    scene = tmp_path / "scene.toml"
+    scene.write_text("seed = 1\n")
+    assert cli.main(["render", str(scene), "-o", str(scene)]) == 2
+    assert scene.read_text() == "seed = 1\n"
+
+
+@pytest.mark.parametrize("name", ["x" * 300 + ".nc", "x" * 300 + ".png", "é" * 150 + ".npz"])
+def test_a_name_that_is_too_long_is_one_sentence(tmp_path, capsys, name):
+    assert render(tmp_path / name) == 2
+    told = capsys.readouterr().err
+    assert "File name too long; check the path" in told
+    assert told.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_name_just_short_enough_is_written(tmp_path):
+    path = tmp_path / ("x" * 252 + ".nc")
+    assert render(path) == 0
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("trouble", [errno.EROFS, errno.EDQUOT, errno.EACCES, errno.EIO])
+def test_trouble_of_the_disk_is_called_by_its_name(tmp_path, capsys, monkeypatch, trouble):
+    def refuse(self: Path, target: Path) -> None:
+        raise OSError(trouble, os.strerror(trouble), str(self))
+
+    path = tmp_path / "record.npz"
+    path.write_text("old")
+    monkeypatch.setattr(Path, "replace", refuse)
+    assert render(path) == 2
+    expected = f"insonify: {path}: {os.strerror(trouble)}; check the path, its permissions and the disk\n"
+    assert capsys.readouterr().err == expected
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def run(words: list[str], environment: dict[str, str], *options: str) -> subprocess.CompletedProcess[str]:
+    """Run the command in a process of its own."""
+    command = [sys.executable, *options, "-m", "insonify", *words]
+    return subprocess.run(command, capture_output=True, check=False, encoding="utf-8", env=environment)
+
+
+PLACES = {
+    "no home": {},
+    "a home that is not there": {"HOME": "/nonexistent", "XDG_CACHE_HOME": "/nonexistent/cache"},
+    "a home that is a device": {"HOME": "/dev/null", "XDG_CACHE_HOME": "/dev/null"},
+    "a cache that cannot be written": {"HOME": "/proc", "XDG_CACHE_HOME": "/proc/self"},
+}
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_command_needs_no_home(tmp_path, place):
+    done = run(["relief", "figure-2a", "-o", str(tmp_path / "bed.png")], PLACES[place])
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "bed.png").is_file()
+
+
+@pytest.mark.parametrize(
+    ("environment", "options"),
+    [
+        ({}, ("-W", "error")),
+        ({}, ("-O",)),
+        ({"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}, ()),
+        ({"LC_ALL": "C.UTF-8"}, ("-X", "dev")),
+    ],
+    ids=["warnings are errors", "no assertions", "ASCII", "development mode"],
+)
+def test_a_command_is_the_same_in_any_interpreter_and_language(tmp_path, whole, environment, options):
+    path = tmp_path / "Lübeck ☃.npz"
+    done = run(["render", str(whole / "record.nc"), "-o", str(path)], dict(os.environ) | environment, *options)
+    assert (done.returncode, done.stderr) == (0, "")
+    np.testing.assert_array_equal(read_record(path).intensity, read_record(whole / "record.npz").intensity)
