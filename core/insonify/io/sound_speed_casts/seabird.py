@@ -90,12 +90,19 @@ def _identified(known: Columns) -> Columns:
     return found
 
 
+def depth_of_pressure(pressure: Values) -> Values:
+    """Return depths in metres from pressures in dbar (TEOS-10, at a middle latitude)."""
+    import gsw  # lazy: only casts with pressure need it
+
+    return np.asarray(-gsw.z_from_p(pressure, LATITUDE))
+
+
 def _add_of_pressure(known: Columns, found: Columns, pressure: Values) -> None:
     """Add depth from pressure (dbar) and salinity from conductivity where the file lacks them."""
     import gsw  # a fifth of a second
 
     if "depth" not in found:
-        found["depth"] = np.asarray(-gsw.z_from_p(pressure, LATITUDE))
+        found["depth"] = depth_of_pressure(pressure)
     conductivity = _first(known, r"c(ond)?_?\d?(S/m|mS/cm|uS/cm)")
     if conductivity and "salinity" not in found and "temperature" in found:
         unit = next(scale for unit, scale in CONDUCTIVITY.items() if conductivity.endswith(unit))

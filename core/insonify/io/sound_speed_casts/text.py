@@ -24,7 +24,9 @@ NAMES = {
 
 
 def read_profile(path: str) -> Columns:
-    """Read depth and speed of sound from ``.asvp`` and ``.svp`` files; lines that are not all numbers are headings.
+    """Read depth and speed of sound from ``.asvp``, ``.svp``, ``.vel`` and ``.calc`` files.
+
+    Lines that are not all numbers are headings.
 
     Parameters
     ----------
@@ -67,7 +69,7 @@ def read_table(path: str) -> Columns:
         If it holds no table, or columns that cannot be told apart.
     """
     whole = read_text(path, ENCODING).removeprefix(BYTE_ORDER_MARK).splitlines()
-    lines = [line for line in whole if line.strip(" ,;\t") and line[0] != "#"]
+    lines = [line for line in whole if line.strip(" ,;\t") and line[0] not in "#%"]
     rows = [_numbers(line) for line in lines]
     names = _header(lines[0]) if lines and np.isnan(rows[0]).all() else None
     rows = rows[names is not None :]
@@ -131,5 +133,5 @@ def _is_depth(column: NDArray[np.float64]) -> bool:
     return bool(column.min() >= -1.0 and steps.sum() >= 0.9 * np.ptp(column) > 0.0 and (steps > 0.0).mean() > 0.5)
 
 
-PROFILE = FileFormat("sound-speed profile of an echo sounder", (".asvp", ".svp"), read_profile)
+PROFILE = FileFormat("sound-speed profile of an echo sounder", (".asvp", ".svp", ".vel", ".calc"), read_profile)
 TABLE = FileFormat("table", (".csv",), read_table)
