@@ -39,7 +39,8 @@ def midas(path):
     ]
     head = [
         "Previous File Location :\t786432", "Model Name :\tMIDAS SVP 6000", "Density :\t1025.973",
-        "Date / Time\tSOUND VELOCITY;DBAR\tPRESSURE;C\tTEMPERATURE;\t", "10/05/2012 15:59:10.000\t0.000\t-0.064\t10.671\t",
+        "Date / Time\tSOUND VELOCITY;DBAR\tPRESSURE;C\tTEMPERATURE;\t",
+        "10/05/2012 15:59:10.000\t0.000\t-0.064\t10.671\t",
     ]  # fmt: skip
     path.write_text("\n".join([*head, *rows]))
 
@@ -113,7 +114,7 @@ def test_a_log_is_a_water(tmp_path, capsys):
         (
             "a.000",
             "Date / Time\tSOUND VELOCITY;DBAR\tPRESSURE;\nx\ty\tz\n",
-            "has no row of numbers under the names of its columns",
+            "has no row of numbers under the names",
         ),
         ("a.rsk", "SQLite", "is in the format RBR Ruskin, which is not read here; export it as CSV from Ruskin"),
         ("a.m1", "MVP", "is in the format Moving Vessel Profiler, which is not read here; convert it to .asvp or .csv"),
