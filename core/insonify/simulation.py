@@ -27,6 +27,7 @@ from insonify.tracers.registry import Tracer, make_tracer
 if TYPE_CHECKING:
     import xarray as xr
 
+UNKNOWN_COST = 1e-4  # s, of a ping, where the plan tells none
 BLOCK_TIME = 0.25  # s, predicted for a block
 BLOCK_BYTES = 16e6  # of a block; a stream that is written holds three
 ECHO_BYTES, LABEL_BYTES = 4, 48  # of one bin with all copies
@@ -154,9 +155,9 @@ class Simulation:
             return RecordLabels(*self.tiles.map(label_tile, self.reduced, poses))
 
     def pings_within(self, seconds: float) -> int:
-        """Return the number of pings that take about so long by the plan's prediction, at least 1."""
+        """Return the number of pings that take about so long by the plan's cost, at least 1."""
         with limited_threads(self.threads):
-            return max(1, int(min(seconds * count_threads() / max(self.plan.cost, 1e-7), 1e9)))
+            return max(1, int(seconds * count_threads() / (self.plan.cost or UNKNOWN_COST)))
 
 
 def prepare(
