@@ -54,3 +54,31 @@ def test_an_echo_is_that_of_a_grid_of_rays(name, half_width, shininess):
     ):
         assert np.linalg.norm(record[0, 0] - right) < 0.002 * np.linalg.norm(right)
         assert record[0, 0].sum() == pytest.approx(right.sum(), rel=0.001)
+
+
+@pytest.mark.parametrize("shininess", [8.0, 1000.0])
+def test_sheets_of_few_rays_resolve_a_small_ball(shininess):
+    ball, material = ((0.0, 8.0, 0.2), 0.03), (0.5587, 0.4413, shininess)
+    arrays = arrays_of(NO_BED, 10.0, half_width=FAN, bins=BINS, bin_length=BIN, reflectivity=[material], solids=[ball])
+    right = target_record(
+        sphere(*ball), material, height=6.0, half_width=FAN, bins=BINS, bin_length=BIN, elevations=(-0.632, -0.623)
+    )
+    record = ray_sheets.trace(arrays, poses_of(0.0, 0.0, 6.0), sheets=1024, rays=1024)
+    assert record[0, 0].sum() == pytest.approx(right.sum(), rel=0.003)
+
+
+@pytest.mark.parametrize("width", [24.0, 60.0])
+def test_a_wide_fan_has_no_floor_on_balls_near_its_edge(width):
+    half, material = math.radians(width) / 2.0, (0.5, 0.2, 15.0)
+    # Just inside the edge, across it, and athwart.
+    places = [(13.0, 0.97 * half), (16.0, half), (19.0, 0.0)]
+    balls = [((x * math.sin(f), x * math.cos(f), 0.4), 0.3) for x, f in places]
+    arrays = arrays_of(NO_BED, 10.0, half_width=half, bins=BINS, bin_length=BIN, reflectivity=[material], solids=balls)
+    pose = poses_of(0.0, 0.0, 8.0)
+    right = ray_sheets.trace(arrays, pose, sheets=2048, rays=2048)[0, 0]
+    errors = [
+        np.linalg.norm(sweep.trace(arrays, pose, planes=planes)[0, 0] - right) / np.linalg.norm(right)
+        for planes in (64, 256, 1024)
+    ]
+    assert errors[1] < 0.3 * errors[0]
+    assert errors[2] < 0.002

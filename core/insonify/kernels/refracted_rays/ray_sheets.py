@@ -47,6 +47,8 @@ from insonify.kernels.refracted_rays.probe_rays import aim_refracted_rays
 KINKED = 0.02  # share by which growths differ on both sides of a kink
 FINE = 1.0 / 64.0  # share of a bin by which neighbours may land apart without being halved
 FINEST = 1e-9  # rad, the least angle between neighbours
+ROUNDED = 0.03  # share by which the echoes of neighbours on a round body may differ without being halved
+FINEST_ROUNDED = 1e-6  # rad, the least angle between neighbours on one
 OF_NADIR = 4  # one ray more about nadir for so many of a sheet
 OF_THREE = 3  # rays of a gap: both ends and the middle
 
@@ -111,7 +113,7 @@ def _add_sheets(arrays, beam, pitch, near, sheets, rays, sums):
         place, together = (sheet + 0.5) / sheets, angle.size
         landed = _trace_sheet(arrays, beam, pitch, near, bodies, angle, place)
         while landed.angle.size > 0:
-            gaps = _spread_or_split(landed, together, arrays.bin_length, sums)
+            gaps = _spread_or_split(landed, together, arrays.solids.shape.size, arrays.bin_length, sums)
             middles = _trace_sheet(arrays, beam, pitch, near, bodies, _middles(landed, gaps), place)
             landed, together = _insert_middles(landed, gaps, middles), OF_THREE
 
@@ -127,7 +129,7 @@ def _add_refracted_sheets(arrays, beam, pitch, sheets, rays, sums):
         place, together = (sheet + 0.5) / sheets, angle.size
         landed = _trace_refracted_sheet(arrays, beam, pitch, angle, place)
         while landed.angle.size > 0:
-            gaps = _spread_or_split(landed, together, arrays.bin_length, sums)
+            gaps = _spread_or_split(landed, together, arrays.solids.shape.size, arrays.bin_length, sums)
             middles = _trace_refracted_sheet(arrays, beam, pitch, _middles(landed, gaps), place)
             landed, together = _insert_middles(landed, gaps, middles), OF_THREE
         if landings.fold < math.inf:
@@ -250,10 +252,11 @@ def _azimuth(centre, extent, main, level, place):
 
 
 @kernel
-def _spread_or_split(landed, together, bin_length, sums):
+def _spread_or_split(landed, together, solids, bin_length, sums):
     """Spread the energy between neighbouring rays over the bins that it spans; list the gaps that must be halved.
 
-    So many rays at a time are neighbours of one another.
+    So many rays at a time are neighbours of one another. Surfaces below ``solids`` are round bodies, on which the echo
+    changes between neighbours that an even spread would take for alike.
     """
     n = landed.angle.size
     gaps, count = np.empty(n, np.int64), 0
@@ -264,7 +267,13 @@ def _spread_or_split(landed, together, bin_length, sums):
         one, other = landed.growth[k] * angle, landed.growth[k + 1] * angle
         apart = abs(landed.distance[k + 1] - landed.distance[k])
         alike = landed.surface[k] == landed.surface[k + 1] and landed.value[k] > 0.0 and landed.value[k + 1] > 0.0
-        if alike and abs(apart - 0.5 * (one + other)) <= 0.5 * max(one, other):
+        is_round = landed.surface[k] >= 0 and landed.surface[k] < solids and angle > FINEST_ROUNDED
+        change = abs(landed.value[k] - landed.value[k + 1]) / max(landed.value[k], landed.value[k + 1])
+        # Ranges that differ by less than both growths lie on either side of the nearest point, where the echo peaks.
+        if alike and is_round and (change > ROUNDED or apart < 0.25 * (one + other)):
+            gaps[count] = k
+            count += 1
+        elif alike and abs(apart - 0.5 * (one + other)) <= 0.5 * max(one, other):
             _spread_between(landed, k, angle, one, other, bin_length, sums)
         elif max(one, other) > FINE * bin_length and angle > FINEST:
             gaps[count] = k
