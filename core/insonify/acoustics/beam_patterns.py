@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TABLE, TOP_HAT, BeamPattern, plain_pattern
 from insonify.scene import Scene
-from insonify.scene.beams import ROWS_PER_OCTAVE, Sounding
+from insonify.scene.beams import Sounding
 
 SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSIAN, "table": TABLE}
 
@@ -44,7 +44,7 @@ def make_pattern(scene: Scene, sound_speed: float) -> tuple[float, BeamPattern]:
         energy=table.energy,
         integral=_integral(table.extent, table.energy),
         first_range=table.first_range,
-        per_octave=ROWS_PER_OCTAVE,
+        per_octave=table.per_octave,
         vertical=SHAPES[vertical.shape],
         tilt=math.radians(vertical.tilt),
         s_vertical=math.sin(math.radians(vertical.width) / 2.0) if shaded else 1.0,

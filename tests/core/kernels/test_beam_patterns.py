@@ -9,6 +9,7 @@ import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of, rough
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
+from insonify.scene.beams.line_array import LineArray
 from insonify.tracers import rays
 
 FLAT = np.zeros((8, 8))
@@ -161,3 +162,21 @@ def test_attitude_matters_only_to_patterns():
     arrays = arrays_of(rough(64, 64, 0.15), 0.5, periodic=True, half_width=0.02)
     still, swung = (rays.trace(arrays, poses_of(0.0, 0.0, 8.0, 0.2, *a), rays=500) for a in ((0, 0), (0.1, 0.2)))
     np.testing.assert_array_equal(still, swung)
+
+
+@pytest.mark.parametrize(("length", "distance"), [(0.3, 5.0), (1.0, 10.0), (1.0, 30.0), (2.0, 20.0), (2.0, 50.0)])
+def test_the_near_field_between_two_rows_is_that_of_the_array(length, distance):
+    """The exact sum over the array, element by element, without Fresnel's approximation."""
+    wavelength = 1500.0 / 400e3
+    table = LineArray(length=length, two_way=True).near_field(wavelength, 200.0)
+    s = np.linspace(-1.0, 1.0, 801) * (0.6 * length / distance + 3.0 * wavelength / length)
+    place = ((np.arange(2048) + 0.5) / 2048 - 0.5)[:, None] * length
+    way = np.sqrt(distance**2 - 2.0 * distance * s * place + place**2)
+    right = np.abs(np.exp(2j * np.pi / wavelength * way).mean(axis=0)) ** 4
+    row, share = divmod(math.log2(distance / table.first_range) * table.per_octave, 1.0)
+    one, other = (
+        np.interp(s, np.linspace(-table.extent[k], table.extent[k], table.energy.shape[1]), table.energy[k])
+        for k in (int(row), int(row) + 1)
+    )
+    found = one + share * (other - one)
+    assert np.linalg.norm(found - right) < 0.02 * np.linalg.norm(right)

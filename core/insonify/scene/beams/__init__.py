@@ -17,7 +17,6 @@ from insonify.scene.kinds import Family
 
 BEAMS = Family("beams", "insonify.scene.beams")
 COLUMNS = 2049  # of a table of sensitivities
-ROWS_PER_OCTAVE = 4.0  # of slant range
 Values = NDArray[np.float64]
 
 
@@ -40,15 +39,18 @@ class BeamTable(NamedTuple):
     Attributes
     ----------
     first_range : float
-        Slant range of the first row, in metres; a quarter of an octave lies between rows.
+        Slant range of the first row, in metres.
     extent : (rows,) float64
         Half of the span of each row, as sine.
     energy : (rows, COLUMNS) float64
+    per_octave : float
+        Rows per doubling of slant range.
     """
 
     first_range: float
     extent: Values
     energy: Values
+    per_octave: float = 1.0
 
 
 class BeamKind(Choice):

@@ -8,10 +8,13 @@ from typing import Literal
 import numpy as np
 
 from insonify.scene.base import parameter
-from insonify.scene.beams import COLUMNS, ROWS_PER_OCTAVE, BeamTable, Sounding, Values
+from insonify.scene.beams import COLUMNS, BeamTable, Sounding, Values
 from insonify.scene.beams.aimed import AimedBeam
 
 ELEMENTS = 1024  # as its pattern is computed
+FEWEST_ROWS = 4.0  # per octave of slant range
+# Rows per radian by which the phase at the ends of the array, π L² / 4 λ r, changes over an octave, at some range.
+ROWS_PER_RADIAN, AT_LENGTHS = 2.0, 20.0
 # Sidelobes that count on either side of the main lobe, in steps of wavelength over length; beyond lies less than 0.5 %.
 LOBES = {True: 6.0, False: 32.0}
 # Half the main lobe of each taper to its first null, in the same steps.
@@ -90,8 +93,10 @@ class LineArray(AimedBeam):
         length, first_range = self.length, self.length
         # Beyond some ten times L²/λ the waves are flat.
         farthest = max(min(farthest_range, 16.0 * length * length / wavelength), 2.0 * first_range)
-        rows = 1 + math.ceil(ROWS_PER_OCTAVE * math.log2(farthest / first_range))
-        ranges = first_range * 2.0 ** (np.arange(rows) / ROWS_PER_OCTAVE)
+        turn = 0.25 * math.pi * length / (AT_LENGTHS * wavelength)
+        per_octave = FEWEST_ROWS * max(math.ceil(ROWS_PER_RADIAN * turn / FEWEST_ROWS), 1)
+        rows = 1 + math.ceil(per_octave * math.log2(farthest / first_range))
+        ranges = first_range * 2.0 ** (np.arange(rows) / per_octave)
         extent = np.minimum(0.5 * length / ranges + LOBES[self.two_way] * wavelength / length, 1.0)
         weights = taper_weights(self.taper)
         weights = weights / weights.sum()
@@ -104,7 +109,7 @@ class LineArray(AimedBeam):
             start = wave_number * (place[1] - place[0]) * extent[row]
             field = czt(curved, COLUMNS, np.exp(-1j * step), np.exp(-1j * start))
             energy[row] = np.abs(field) ** (2.0 * self.passes)
-        return BeamTable(first_range, extent, energy)
+        return BeamTable(first_range, extent, energy, per_octave)
 
 
 def taper_weights(name: str) -> Values:
