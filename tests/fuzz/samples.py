@@ -70,6 +70,7 @@ RECORD = (
     ("render", "{input}", "-o", "{out}.png"),
 )
 COMPARED = (("compare", "{input}", "{valid}", "-o", "{out}.png"),)
+MAPPED = (("mosaic", "{input}", "-o", "{out}.tif"),)
 SHORT = ("--set", "track.pings=3", "--set", "sonar.bins=40")
 SCENES = (("render", "{input}", *SHORT, "-o", "{out}.npz"), ("plan", "{input}", *SHORT))
 HEIGHTS = np.round(-30.0 + np.sin(np.arange(48.0)).reshape(6, 8), 3)
@@ -171,6 +172,19 @@ PROFILE = "( SoundVelocity  1.0 0 201203212242 )\n" + "".join(f"{depth} {speed:.
 NAVIGATION = "time,x,y,depth,heading,pitch,roll\n" + "".join(
     f"{k},{2 * k},{0.1 * k},25,{k % 3},{0.2 * k},0\n" for k in range(8)
 )
+GPX = '<?xml version="1.0"?>\n<gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1"><trk><trkseg>\n' + "".join(
+    f'<trkpt lat="{48.0 + 1e-5 * k}" lon="-68.0"><time>2024-05-01T12:00:{k:02d}Z</time></trkpt>\n' for k in range(8)
+)
+GPX += "</trkseg></trk></gpx>\n"
+VALEPORT = (
+    "[HEADER]\nInstrument=SWIFT\n[DATA]\nDate/Time\tDepth\tPressure\tSound Velocity\n\tm\tdBar\tMs-1\n"
+    + "".join(
+        f"2019/03/12 15:58:{k:02d}.000\t{depth}\t{depth}\t{speed:.2f}\n" for k, (depth, speed, _) in enumerate(ROWS)
+    )
+)
+AML = "[MeasurementMetadata]\nColumns=Date,Time,SV,Pressure\n[MeasurementData]\n" + "".join(
+    f"2020-06-23,00:07:{k:02d}.09,{speed:.2f},{depth}\n" for k, (depth, speed, _) in enumerate(ROWS)
+)
 ASCII = "ncols 8\nnrows 6\nxllcorner 100\nyllcorner 200\ncellsize 2\nNODATA_value -9999\n" + "".join(
     " ".join(map(str, row)) + "\n" for row in HEIGHTS
 )
@@ -235,10 +249,15 @@ SAMPLES = {
     "record-zarr-shard": Sample("record.zarr/intensity/c/0/0/0", _zarr, mutate_bytes, commands=RECORD),
     "compare-npz": Sample("record.npz", lambda path: _record(path, 140, 200), mutate_zip, commands=COMPARED, share=0.1),
     "compare-xtf": Sample("record.xtf", lambda path: _xtf(path, 140, 200), mutate_bytes, commands=COMPARED, share=0.1),
+    "mosaic-xtf": Sample("record.xtf", _xtf, mutate_bytes, commands=MAPPED, share=0.2),
     "tow-csv": Sample("tow.csv", _bytes(NAVIGATION), mutate_text, TOW),
+    "tow-gpx": Sample("tow.gpx", _bytes(GPX), mutate_text, TOW),
+    "tow-xtf": Sample("tow.xtf", _xtf, mutate_bytes, TOW),
     "tow-nc": Sample("tow.nc", _record, mutate_bytes, TOW),
     "cast-asvp": Sample("cast.asvp", _bytes(PROFILE), mutate_text, CAST),
     "cast-csv": Sample("cast.csv", _bytes(TABLE), mutate_text, CAST),
+    "cast-vp2": Sample("cast.vp2", _bytes(VALEPORT), mutate_text, CAST),
+    "cast-aml": Sample("cast.aml", _bytes(AML), mutate_text, CAST),
     "cast-cnv": Sample("cast.cnv", _bytes(SEABIRD), mutate_text, CAST),
     "mesh-obj": Sample("body.obj", _mesh, mutate_text, TARGET),
     "mesh-stl": Sample("body.stl", _mesh, mutate_bytes, TARGET),

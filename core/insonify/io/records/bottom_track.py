@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 BOTTOM_TRACK = "bottom_track"  # variable of a record
 BEHIND = 0.05  # of the bins: length behind the edge that the bed must fill
 STEADY = 1.0  # bins of the wrong kind that a change of altitude by one bin, from ping to ping, must save
-FAINTEST = 1e-8  # of the strongest echo; below it there is silence
+FAINTEST = 1e-8  # of the strongest echo of a ping; below it there is silence
+GROUP = 16  # pings that are split into loud and quiet bins together
 FAINT = 3.0  # dB: an edge of less contrast, in the middle of the pings, is none
 
 
@@ -61,7 +62,7 @@ def complete_altitude(
 def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[np.float64]:
     """Slant range of the first echo of the bed at every ping, which over an even bed is the altitude of the sonar.
 
-    Bins are quiet or loud, on either side of Otsu's threshold of the ping's levels in decibels. The edge has quiet bins
+    Bins are quiet or loud, by Otsu's threshold of the levels in decibels of some successive pings. The edge has quiet bins
     before it and loud ones behind. Its course along the track is the one with the fewest bins of the wrong kind, plus a
     cost for every change from ping to ping (dynamic programming), so that an object in the water column, the
     transmitted pulse, or a shadow at nadir does not carry it away.
@@ -79,33 +80,39 @@ def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[n
         Metres, to half a bin; NaN throughout if the record shows no edge.
     """
     width = max(round(BEHIND * intensity.shape[2]), 1)
-    edges = _steadiest(_score(_kinds(intensity), width))
+    edges = _steadiest(_scores(intensity, width), intensity.shape[1])
     if not np.median(_contrast(intensity, edges, width)) >= FAINT:
         return np.full(len(edges), np.nan)
     return np.asarray(bin_length * (edges + 0.5), dtype=np.float64)
 
 
+def _scores(intensity: NDArray[np.float32], width: int) -> Iterator[NDArray[np.float64]]:
+    """Yield the scores of successive pings, (bins - width + 1,) each, in the memory of a group of pings."""
+    for first in range(0, intensity.shape[1], GROUP):
+        yield from _score(_kinds(intensity[:, first : first + GROUP]), width)
+
+
 def _kinds(intensity: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Which bins are loud (1) or quiet (-1) on both sides together, (pings, bins); 0 throughout a ping without echo."""
-    bins = intensity.shape[2]
-    # Two-way spherical spreading is taken out, so that the far bed is not as quiet as the water column.
-    both = intensity.astype(np.float64).mean(axis=0) * ((np.arange(bins) + 0.5) / bins) ** 4
-    strongest = float(both.max())
-    if not strongest > 0.0:
-        return np.zeros_like(both)
-    level = np.log10(np.maximum(both / strongest, FAINTEST))
-    return np.array([_kinds_of_ping(ping) for ping in level])
+    """Which bins are loud (1) or quiet (-1) on both sides together, (pings, bins); 0 throughout a ping without echo.
 
-
-def _kinds_of_ping(level: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Kinds of the bins of one ping, on either side of the middle of the mean levels of Otsu's two classes."""
+    The threshold of a ping is the middle of the mean levels of its two classes by Otsu's threshold of the group.
+    """
     from skimage import filters  # slow to import, and few commands need it
 
     split: Callable[..., float] = filters.threshold_otsu
-    if not np.ptp(level) > 0.0:
+    bins = intensity.shape[2]
+    # Two-way spherical spreading is taken out, so that the far bed is not as quiet as the water column.
+    both = intensity.astype(np.float64).mean(axis=0) * ((np.arange(bins) + 0.5) / bins) ** 4
+    strongest = both.max(axis=1, keepdims=True)
+    level = np.log10(np.maximum(both / np.where(strongest > 0.0, strongest, 1.0), FAINTEST))
+    varied = np.ptp(level, axis=1, keepdims=True) > 0.0
+    if not varied.any():
         return np.zeros_like(level)
-    high = level > split(level)
-    return np.where(level > 0.5 * (level[high].mean() + level[~high].mean()), 1.0, -1.0)
+    high = level > split(level[varied[:, 0]])
+    count = high.sum(axis=1, keepdims=True)
+    loud = (level * high).sum(axis=1, keepdims=True) / np.maximum(count, 1)
+    quiet = (level * ~high).sum(axis=1, keepdims=True) / np.maximum(bins - count, 1)
+    return np.where(level > 0.5 * (loud + quiet), 1.0, -1.0) * varied
 
 
 def _score(kinds: NDArray[np.float64], width: int) -> NDArray[np.float64]:
@@ -117,31 +124,32 @@ def _score(kinds: NDArray[np.float64], width: int) -> NDArray[np.float64]:
 
 
 def _contrast(intensity: NDArray[np.float32], edges: NDArray[np.int64], width: int) -> NDArray[np.float64]:
-    """Ratio of the energies behind and before the edges, over as many bins on either side, in dB."""
-    both = intensity.astype(np.float64).mean(axis=0)
-    total = np.concatenate([np.zeros((len(both), 1)), np.cumsum(both, axis=1)], axis=1)
-    rows, near = np.arange(len(edges)), np.maximum(edges - width, 0)
-    before = (total[rows, edges] - total[rows, near]) / np.maximum(edges - near, 1)
-    behind = (total[rows, edges + width] - total[rows, edges]) / width
-    return 10.0 * np.log10(np.maximum(behind, 1e-37) / np.maximum(before, 1e-37)) * (edges > 0)
+    """Ratio of the mean energies behind and before the edges, over as many bins on either side, in dB; 0 at bin 0."""
+    pairs = (
+        (intensity[:, ping, edge : edge + width].sum(), intensity[:, ping, max(edge - width, 0) : edge].sum())
+        for ping, edge in enumerate(edges)
+    )
+    behind, before = np.array(list(pairs), dtype=np.float64).T
+    ratio = np.maximum(behind / width, 1e-37) / np.maximum(before / np.maximum(np.minimum(edges, width), 1), 1e-37)
+    return 10.0 * np.log10(ratio) * (edges > 0)
 
 
-def _steadiest(score: NDArray[np.float64]) -> NDArray[np.int64]:
+def _steadiest(scores: Iterator[NDArray[np.float64]], pings: int) -> NDArray[np.int64]:
     """Bins of the course with the greatest score in all, less the cost of its changes.
 
     The best predecessor of every bin at a linear cost follows from running maxima from either side.
     """
-    pings, bins = score.shape
-    slope = STEADY * np.arange(bins)
-    best = np.empty(score.shape, dtype=np.float32)
-    best[0] = score[0]
-    for ping in range(1, pings):
+    first = next(scores)
+    slope = STEADY * np.arange(first.size)
+    best = np.empty((pings, first.size), dtype=np.float32)
+    best[0] = first
+    for ping, score in enumerate(scores, start=1):
         last = best[ping - 1] - best[ping - 1].max()  # sums that stay small are exact
         rising = np.maximum.accumulate(last + slope) - slope
         falling = np.maximum.accumulate((last - slope)[::-1])[::-1] + slope
-        best[ping] = score[ping] + np.maximum(rising, falling)
+        best[ping] = score + np.maximum(rising, falling)
     course = np.empty(pings, dtype=np.int64)
     course[-1] = np.argmax(best[-1])
     for ping in range(pings - 2, -1, -1):
-        course[ping] = np.argmax(best[ping] - STEADY * np.abs(np.arange(bins) - course[ping + 1]))
+        course[ping] = np.argmax(best[ping] - np.abs(slope - slope[course[ping + 1]]))
     return course
