@@ -62,9 +62,9 @@ def complete_altitude(
 def track_bottom(intensity: NDArray[np.float32], bin_length: float) -> NDArray[np.float64]:
     """Slant range of the first echo of the bed at every ping, which over an even bed is the altitude of the sonar.
 
-    Bins are quiet or loud, by Otsu's threshold of the levels in decibels of some successive pings. The edge has quiet bins
-    before it and loud ones behind. Its course along the track is the one with the fewest bins of the wrong kind, plus a
-    cost for every change from ping to ping (dynamic programming), so that an object in the water column, the
+    Bins are quiet or loud, by Otsu's threshold of the levels in decibels of some successive pings. The edge has quiet
+    bins before it and loud ones behind. Its course along the track is the one with the fewest bins of the wrong kind,
+    plus a cost for every change from ping to ping (dynamic programming), so that an object in the water column, the
     transmitted pulse, or a shadow at nadir does not carry it away.
 
     Parameters
