@@ -176,6 +176,14 @@ def test_a_sparse_file_counts_by_what_is_stored_of_it(tmp_path):
         read_grid(str(path))
 
 
+@pytest.mark.parametrize("name", ["record.xtf", "record.jsf", "record.nc"])
+def test_a_sparse_recording_is_refused_before_it_is_read(tmp_path, name):
+    (tmp_path / name).write_bytes(b"\x7b" * 4096)
+    os.truncate(tmp_path / name, 10**10)
+    with pytest.raises(SceneError, match="announces 10 GB, 64 times more than it stores"):
+        read_record(tmp_path / name)
+
+
 def test_a_record_of_more_pings_than_are_stored_is_refused(tmp_path):
     import netCDF4
 

@@ -110,6 +110,10 @@ def _tiff(path: Path, **options: object) -> None:
             raster.write(rows, 1)
 
 
+def _tiff_in_degrees(path: Path) -> None:
+    _tiff(path, crs="EPSG:4326", transform=rasterio.Affine(1e-5, 0.0, 10.0, 0.0, -1e-5, 54.0))
+
+
 def _mesh(path: Path) -> None:
     body = trimesh.creation.icosphere(subdivisions=1)
     if path.suffix == ".gltf":
@@ -238,6 +242,7 @@ SAMPLES = {
         "bed.tif", lambda path: _tiff(path, compress="deflate", tiled=True, blockxsize=16, blockysize=16),
         mutate_bytes, BED,
     ),
+    "grid-tif-degrees": Sample("bed.tif", _tiff_in_degrees, mutate_bytes, BED),
     "grid-bag": Sample("bed.bag", lambda path: _tiff(path, driver="BAG", nodata=None), mutate_bytes, BED),
     "grid-asc": Sample("bed.asc", _bytes(ASCII), mutate_text, BED),
     "record-npz": Sample("record.npz", _record, mutate_zip, commands=RECORD),
@@ -253,6 +258,7 @@ SAMPLES = {
     "tow-csv": Sample("tow.csv", _bytes(NAVIGATION), mutate_text, TOW),
     "tow-gpx": Sample("tow.gpx", _bytes(GPX), mutate_text, TOW),
     "tow-xtf": Sample("tow.xtf", _xtf, mutate_bytes, TOW),
+    "tow-jsf": Sample("tow.jsf", _jsf, mutate_bytes, TOW),
     "tow-nc": Sample("tow.nc", _record, mutate_bytes, TOW),
     "cast-asvp": Sample("cast.asvp", _bytes(PROFILE), mutate_text, CAST),
     "cast-csv": Sample("cast.csv", _bytes(TABLE), mutate_text, CAST),

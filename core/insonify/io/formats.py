@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from typing import Any, Generic, NamedTuple, TypeVar, cast
 
 from insonify.errors import SceneError
 from insonify.io.atomic import replacing
-from insonify.io.file_access import check_folder, check_regular, guarded
+from insonify.io.file_access import check_expansion, check_folder, check_regular, guarded
 from insonify.plugins import announced, modules_in
 
 Content = TypeVar("Content")
@@ -155,6 +156,7 @@ class FormatRegistry(Generic[Content]):
         with guarded(refusal, found.remedy):
             check = check_folder if found.folder else check_regular
             check(path, f"give the path of {self.contents}{alternative}")
+            check_expansion(path, 0 if found.folder else os.path.getsize(path))  # sparse files
             return cast("Callable[..., Content]", found.read)(path, **selected)
 
     def format_of(self, path: str, alternative: str = "") -> FileFormat[Content]:
