@@ -45,6 +45,8 @@ def scenes(draw: Draw) -> dict[str, Any]:
         _fit_height(draw, seabed, track)
         _fit_materials(draw, values)
         _fit_sonar(sonar, values.get("receiver", {}))
+        if sonar.get("law") == "light":
+            values.pop("volumes", None)
         _fit_tables(draw, sonar.get("vertical", {}), values.get("receiver", {}))
         _fit_water(draw, values.get("water", {}))
         for target in values["targets"]:

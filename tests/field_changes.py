@@ -19,6 +19,7 @@ DARK, BRIGHT = {"diffuse": 0.3, "specular": 0.0}, {"diffuse": 0.5, "specular": 0
 MIMIC = {"seabed.relief": {"kind": "mimic", "of": {"of": [DARK, BRIGHT]}, "altitude": 7.0, "reach": 30.0}}
 BELL = {"sonar.beam": {"kind": "gaussian", "width": 4.0}}
 ARRAY = {"sonar.beam": {"kind": "array", "length": 0.1}}
+SCHOOLS = {"volumes": [{"kind": "school", "position": [2.0, 8.0, -25.0]}]}
 UPRIGHT = {"sonar.vertical": {"kind": "array", "height": 0.01}}
 SEA = {"water.absorption": "francois_garrison"}
 THERMOCLINE = {"depth": [5.0, 22.0, 26.0], "sound_speed": [1520.0, 1518.0, 1500.0]}
@@ -142,6 +143,18 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "targets[sphere].material[uniform].shininess": ({}, {"targets.1.material.shininess": 3.0}),
     "targets[sphere].radius": ({}, {"targets.1.radius": 0.6}),
     "targets[sphere].gap": ({}, {"targets.1.gap": 0.5}),
+    "volumes": ({}, SCHOOLS),
+    **{
+        f"volumes[{kind}].{field}": (
+            {"volumes": [{"kind": kind, "position": [2.0, 8.0, -25.0]}]},
+            {f"volumes.0.{field}": v},
+        )
+        for kind, own in {
+            "school": {"length": 4.0, "width": 3.0, "height": 2.0},
+            "plume": {"height": 4.0, "radius": 2.0, "drift": 5.0},
+        }.items()
+        for field, v in ({"position": [2.0, 12.0, -25.0], "strength": -30.0, "heading": 50.0} | own).items()
+    },
     "water[uniform].sound_speed": ({}, {"water.sound_speed": 1450.0}),
     "sonar.frequency": (SEA, {"sonar.frequency": 100e3}),
     "sonar.beam": ({}, {"sonar.beam": "knife"}),

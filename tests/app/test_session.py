@@ -325,3 +325,11 @@ def test_mark_is_announced_once(default: Scene) -> None:
     for mark in (Mark(1, 0, 2), Mark(1, 0, 2), None):
         session.point_at(mark)
     assert marks == [Mark(1, 0, 2), None]
+
+
+def test_a_volume_has_a_section_of_its_own(default: Scene) -> None:
+    plume = {"kind": "plume", "position": [5.0, 10.0, -30.0]}
+    found = {section.key: section for section in sections_of(edit(default, {"volumes": [plume]}))}
+    assert found["volumes.0"].title == "Plume 1"
+    assert found["volumes.0"].removable
+    assert "volumes.0.radius" in {row.path for row in found["volumes.0"].parameters}

@@ -104,8 +104,8 @@ def receive(reception: Reception, traced: Traced, pings: NDArray[np.int64], divi
 def _echoes_alone(reception: Reception, traced: Traced, pings: NDArray[np.int64], divided: Traced | None) -> Record:
     """Record of echoes that meet no other waves; without speckle, mean energies of all but the noise add."""
     record = np.asarray(traced, np.float32) if reception.coherent else spread_echoes(reception.taps, traced)
-    if not reception.speckled and reception.reverberation.any():
-        record = record + reception.reverberation.astype(np.float32)
+    if not reception.speckled and reception.water_echoes:
+        record = record + _water_echoes(reception, pings)
     record = _delayed(reception, record, pings)
     if reception.speckle is not None:
         record = record * reception.speckle.factors(pings, _inverse_shape(reception, record, divided, pings))
@@ -166,7 +166,7 @@ def _echo_waves(
 
 
 def _background(reception: Reception, pings: NDArray[np.int64]) -> tuple[Record | None, Record | None]:
-    """Mean energies of the waves that add before and after crosstalk, (n or 1, 1, samples); None where there are none.
+    """Mean energies of the waves that add before and after crosstalk, (n or 1, 1 or 2, samples), or None.
 
     Without crosstalk the water's waves and the noise, both Gaussian and new in every ping, are drawn as one.
     """
@@ -178,11 +178,18 @@ def _background(reception: Reception, pings: NDArray[np.int64]) -> tuple[Record 
 
 
 def _water_energy(reception: Reception, pings: NDArray[np.int64]) -> Record | None:
-    """Mean energy of reverberation that is speckled, (n, 1, bins); None where there is none."""
-    if not reception.speckled or not reception.reverberation.any():
+    """Mean energy of what echoes in the water, speckled, (n, 1 or 2, bins); None where nothing does."""
+    if not reception.speckled or not reception.water_echoes:
         return None
-    each = np.tile(reception.reverberation.astype(np.float32), (pings.size, 1, 1))
-    return _level(reception, pings) * _delayed(reception, each, pings)
+    return _level(reception, pings) * _delayed(reception, _water_echoes(reception, pings), pings)
+
+
+def _water_echoes(reception: Reception, pings: NDArray[np.int64]) -> Record:
+    """Mean echoes of water, surface, schools and plumes after the pulse, (n, 1 or 2, bins)."""
+    echoes = np.tile(reception.reverberation.astype(np.float32), (pings.size, 1, 1))
+    if reception.volumes is None:
+        return echoes
+    return echoes + spread_echoes(reception.taps, reception.volumes.energy(pings))
 
 
 def _sampled(energy: Record | None, samples: int) -> Record | None:

@@ -20,6 +20,7 @@ from insonify.receiver.levels import crosstalk, noise_level, power, reverberatio
 from insonify.receiver.random_fields import WaveField, make_field
 from insonify.receiver.recorder import Recording, make_recording
 from insonify.receiver.speckle import Speckle, divide_by_shape, make_speckle
+from insonify.receiver.volumes import VolumeEchoes, make_volume_echoes
 from insonify.scene import Scene
 from insonify.terrain import AnyGround
 
@@ -56,8 +57,8 @@ class Reception:
         Waves of both, of mean energy 1.
     gain : (bins,) float64
         Time-varied gain.
-    disturbances, recording : Disturbances, Recording or None
-        Ringing and interference, and the recorder; None where the scene has none.
+    volumes, disturbances, recording : VolumeEchoes, Disturbances, Recording or None
+        Schools and plumes, ringing and interference, and the recorder; None where the scene has none.
     """
 
     taps: Taps
@@ -73,6 +74,7 @@ class Reception:
     reverberation_field: WaveField
     noise_field: WaveField
     gain: Curve
+    volumes: VolumeEchoes | None
     disturbances: Disturbances | None
     recording: Recording | None
 
@@ -84,8 +86,13 @@ class Reception:
     @property
     def sums_waves(self) -> bool:
         """Whether echoes meet waves of another origin, so that amplitudes add rather than energies."""
-        others = self.crosstalk > 0.0 or self.disturbances is not None or bool(self.reverberation.any())
+        others = self.crosstalk > 0.0 or self.disturbances is not None or self.water_echoes
         return self.noise > 0.0 or (self.speckled and others)
+
+    @property
+    def water_echoes(self) -> bool:
+        """Whether the water column, its surface or anything in it echoes."""
+        return self.volumes is not None or bool(self.reverberation.any())
 
     @property
     def looks(self) -> int:
@@ -118,11 +125,19 @@ def prepare_reception(scene: Scene, ground: AnyGround, arrays: SceneArrays) -> R
     altitude = max(float((z - bed_beneath(scene, ground, first))[0]), arrays.bin_length)
     materials = (*ground.reflectivities, *(target.material.reflectivity for target in scene.targets))
     k_shapes = [material.speckle_shape for material in materials]
-    return make_reception(scene, arrays, altitude=altitude, depth=-float(z[0] + ground.datum), k_shapes=k_shapes)
+    volumes = make_volume_echoes(scene, arrays, ground)
+    depth = -float(z[0] + ground.datum)
+    return make_reception(scene, arrays, altitude=altitude, depth=depth, k_shapes=k_shapes, volumes=volumes)
 
 
 def make_reception(
-    scene: Scene, arrays: SceneArrays, *, altitude: float, depth: float, k_shapes: Sequence[float | None] = ()
+    scene: Scene,
+    arrays: SceneArrays,
+    *,
+    altitude: float,
+    depth: float,
+    k_shapes: Sequence[float | None] = (),
+    volumes: VolumeEchoes | None = None,
 ) -> Reception:
     """Prepare the receiver of a scene.
 
@@ -136,6 +151,8 @@ def make_reception(
         Height of the sonar above the mean bed, and its depth, in metres.
     k_shapes : sequence of float or None
         Shape of the K speckle of every material, by its row; None where the receiver's own holds.
+    volumes : VolumeEchoes, optional
+        Schools and plumes.
 
     Returns
     -------
@@ -166,6 +183,7 @@ def make_reception(
         reverberation_field=_restless_field(scene, arrays, REVERBERATION, samples),
         noise_field=_restless_field(scene, arrays, AMBIENT_NOISE, samples),
         gain=gain,
+        volumes=volumes,
         disturbances=make_disturbances(scene, arrays, samples),
         recording=make_recording(scene, float(((echo + noise) * gain).max())),
     )

@@ -14,6 +14,7 @@ from insonify.scene.seabed import Seabed
 from insonify.scene.sonar import Sonar
 from insonify.scene.targets import AnyTarget
 from insonify.scene.track import Track
+from insonify.scene.volumes import AnyVolume
 from insonify.scene.waters import AnyWater
 from insonify.scene.waters.uniform import UniformWater
 
@@ -42,6 +43,7 @@ class Scene(Declaration):
     world: World = parameter(World(), description="place on Earth")
     seabed: Seabed = parameter(Seabed(), description="the bed")
     targets: tuple[AnyTarget, ...] = parameter((), description="targets on the bed")
+    volumes: tuple[AnyVolume, ...] = parameter((), description="schools and plumes in the water column")
     water: AnyWater = parameter(UniformWater(), description="the water")
     sonar: Sonar = parameter(Sonar(), description="the sonar")
     track: Track = parameter(Track(), description="the tow")
@@ -96,6 +98,15 @@ class Scene(Declaration):
             raise ValueError(
                 f"receiver.reverberation {self.receiver.reverberation.kind!r} is scattered by water and surface, which "
                 "sonar.law 'light' does not model; take law 'sonar' or leave the reverberation out"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _volumes_have_energy(self) -> Scene:
+        if self.sonar.law == "light" and self.volumes:
+            raise ValueError(
+                f"volumes: a {self.volumes[0].kind} scatters sound throughout, which sonar.law 'light' does not model; "
+                "take law 'sonar' or leave the volumes out"
             )
         return self
 

@@ -78,7 +78,7 @@ class ParametersPanel(Panel):
             self._session.settle({path: file})
 
     def _remove(self, path: str) -> None:
-        """Remove the target at a dotted path from the scene."""
-        index = int(path.rpartition(".")[2])
-        targets = plain(self._session.scene)["targets"]
-        self._session.settle({"targets": targets[:index] + targets[index + 1 :]})
+        """Remove the target or volume at a dotted path from the scene."""
+        name, _, index = path.rpartition(".")
+        parts = plain(self._session.scene)[name]
+        self._session.settle({name: parts[: int(index)] + parts[int(index) + 1 :]})

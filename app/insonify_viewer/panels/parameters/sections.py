@@ -24,7 +24,7 @@ from insonify.scene.targets import Target
 from insonify.scene.waters import WaterKind
 from insonify_viewer.fields import ChoiceField, FileField, NumberField, Parameter, part_at
 
-SECTIONS = ("sonar", "seabed", "track", "targets", "water", "receiver", "receiver.recorder")
+SECTIONS = ("sonar", "seabed", "track", "targets", "volumes", "water", "receiver", "receiver.recorder")
 PAIR_NAMES = {
     "peaks": ("fx", "fy"),
     "points": ("lag", "value"),
@@ -46,7 +46,7 @@ USUAL_SPEED = 1500.0  # m/s, if a cast cannot be read
 
 @dataclass(frozen=True)
 class FieldSection:
-    """Fields under one heading; the section of a target can be removed."""
+    """Fields under one heading; the section of a target or a volume can be removed."""
 
     key: str
     title: str
@@ -82,11 +82,11 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
     found = []
     for name in SECTIONS:
         part = part_at(scene, name)
-        if name == "targets":
-            for index, target in enumerate(part):
-                path = f"targets.{index}"
-                title = f"{target.kind.replace('_', ' ').capitalize()} {index + 1}"
-                found.append(FieldSection(path, title, _inside(scene, target, path, 0), removable=True))
+        if isinstance(part, tuple):
+            for index, item in enumerate(part):
+                path = f"{name}.{index}"
+                title = f"{item.kind.replace('_', ' ').capitalize()} {index + 1}"
+                found.append(FieldSection(path, title, _inside(scene, item, path, 0), removable=True))
         else:
             parameters = _inside(scene, part, name, 0)
             if name == "seabed":

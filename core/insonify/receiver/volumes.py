@@ -1,0 +1,86 @@
+"""Mean echoes of schools and plumes, which differ from ping to ping."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.rays.volumes import EchoPoints, add_volume_echoes
+from insonify.packing.navigation import make_poses
+from insonify.receiver.levels import power
+from insonify.scene import Scene
+from insonify.scene.volumes import Volume
+from insonify.terrain import AnyGround
+
+TOGETHER = 256  # points of a group that a beam takes in or passes over
+
+
+@dataclass(frozen=True, eq=False)
+class VolumeEchoes:
+    """Echoes of the volumes of a scene.
+
+    Attributes
+    ----------
+    arrays : SceneArrays
+        Beam, bins and range factors.
+    poses : callable
+        From ping numbers to poses of the sonar.
+    points : EchoPoints
+        Points by which the volumes are sampled.
+    """
+
+    arrays: SceneArrays
+    poses: Callable[[NDArray[np.int64]], Poses]
+    points: EchoPoints
+
+    def energy(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Mean energy for a pulse of one bin, (n, 2, bins)."""
+        out = np.zeros((pings.size, 2, self.arrays.bins), np.float32)
+        add_volume_echoes(self.arrays, self.poses(pings), self.points, out)
+        return out
+
+
+def make_volume_echoes(scene: Scene, arrays: SceneArrays, ground: AnyGround) -> VolumeEchoes | None:
+    """Prepare the volumes that a scene declares, None where it declares none.
+
+    Parameters
+    ----------
+    scene : Scene
+    arrays : SceneArrays
+    ground : AnyGround
+        The bed; what lies below it, or above the sea surface, does not echo.
+    """
+    if not scene.volumes:
+        return None
+    samples = [_in_water(volume, ground) for volume in scene.volumes]
+    groups = [(group, strength) for place, strength in samples for group in _groups(place)]
+    sizes = [len(group) for group, _ in groups]
+    corners = np.array([(group.min(axis=0), group.max(axis=0)) for group, _ in groups]).reshape(-1, 2, 3)
+    points = EchoPoints(
+        place=np.concatenate([np.empty((0, 3)), *(group for group, _ in groups)]),
+        strength=np.repeat([strength for _, strength in groups], sizes),
+        end=np.cumsum(sizes, dtype=np.int64),
+        centre=corners.mean(axis=1),
+        bound=0.5 * np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1),
+    )
+    return VolumeEchoes(arrays, lambda pings: make_poses(scene, ground, pings), points)
+
+
+def _groups(place: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Points in groups of neighbours, halved along their longest side, so that a beam passes over most of them."""
+    if len(place) <= TOGETHER:
+        return [place] if len(place) else []
+    ordered = place[np.argsort(place[:, np.argmax(np.ptp(place, axis=0))], kind="stable")]
+    return [*_groups(ordered[: len(place) // 2]), *_groups(ordered[len(place) // 2 :])]
+
+
+def _in_water(volume: Volume, ground: AnyGround) -> tuple[NDArray[np.float64], float]:
+    """Points of a volume that lie in the water, above the datum, and the cross section of each, in m²."""
+    points, each = volume.sample()
+    place = points - np.array([0.0, 0.0, ground.datum])
+    below_bed = place[:, 2] < ground.height_at(place[:, 0], place[:, 1])  # NaN, where there is no bed, compares false
+    return place[~below_bed & (points[:, 2] < 0.0)], power(volume.strength) * each
