@@ -22,6 +22,7 @@ from insonify.kernels.common.types import (
     plain_pattern,
 )
 from insonify.kernels.geometry.bvh import build_mesh
+from insonify.packing.scene_arrays import make_limits
 
 NO_MESH = build_mesh(np.zeros((0, 3, 3)), np.zeros(0, np.int64), np.zeros(0, np.int64))
 Sphere = tuple[tuple[float, float, float], float]  # centre, radius
@@ -169,6 +170,7 @@ def arrays_of(
         law=law,
         half_width=half_width,
         pattern=pattern or plain_pattern(),
+        limits=make_limits(reflectivity, pattern or plain_pattern(), bin_length),
         bins=bins,
         bin_length=bin_length,
         range_factor=centres**-4.0 if spreading else np.ones(bins),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +12,15 @@ from insonify.acoustics.absorption import absorption_coefficient
 from insonify.acoustics.beam_patterns import make_pattern
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.acoustics.water import make_water, recording_speed
-from insonify.kernels.common.types import LIGHT, SONAR, Bed, SceneArrays
+from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, SONAR, BeamPattern, Bed, SceneArrays, SegmentLimits
 from insonify.packing.navigation import sonar_height
 from insonify.packing.targets import make_bodies
 from insonify.scene import Scene
 from insonify.terrain import AnyGround, EndlessGround, Ground
 
 STRIP = 8  # rows turned at once
+MISPLACED = 0.01  # share of a bin's echo that a segment may add wrongly
+VERTICAL_SHARE = 1.0 / 16.0  # of the vertical beam's half width: the angle that a segment may span
 
 
 def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
@@ -51,6 +54,7 @@ def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
         bins=sonar.bins,
         bin_length=bin_length,
         range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),
+        limits=make_limits([row[:3] for row in ground.reflectivities], pattern, bin_length),
         bounces=sonar.bounces,
         water=water,
         multipath=make_surface_multipath(scene.water.surface),
@@ -72,6 +76,28 @@ def make_bed(ground: Ground) -> Bed:
         high=float(np.fmax.reduce(heights, axis=None)),
         mapped=len(ground.reflectivities) > 1,
     )
+
+
+def make_limits(
+    reflectivities: Iterable[tuple[float, float, float]], pattern: BeamPattern, bin_length: float
+) -> SegmentLimits:
+    """How far the bed's segments may extend under a beam.
+
+    Parameters
+    ----------
+    reflectivities : iterable of tuple of float
+        Lambert's share, Phong's share and its exponent of each of the bed's materials.
+    pattern : BeamPattern
+    bin_length : float
+        Slant range of one bin, m.
+
+    Returns
+    -------
+    SegmentLimits
+    """
+    shininess = max((exponent for _, specular, exponent in reflectivities if specular > 0.0), default=0.0)
+    angle = math.inf if pattern.vertical == EVERY_GRAZING else VERTICAL_SHARE * pattern.s_vertical
+    return SegmentLimits(shininess, bin_length, angle, MISPLACED)
 
 
 def _transposed(heights: NDArray[np.float32]) -> NDArray[np.float32]:

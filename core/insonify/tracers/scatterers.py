@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.pulses import MOST_SAMPLES, envelope, pulse_taps, samples_per_bin
 from insonify.acoustics.resolution_cell import along_track_angle, bin_centres
-from insonify.kernels.bed.slice import empty_profile, profile_capacity
+from insonify.kernels.bed.profile import empty_profile, profile_capacity
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.kernels.speckle.scatterers import PulseTaps, Scatterers, detect_samples, empty_signal, trace_scatterers
 from insonify.kernels.speckle.surface_patches import SurfacePatches

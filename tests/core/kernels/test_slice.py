@@ -11,24 +11,29 @@ from hypothesis import strategies as st
 
 import naive
 from beds import bed_of, rough
-from insonify.kernels.bed.slice import AT_ONCE, Profile, empty_profile, profile_capacity, slice_bed
+from insonify.kernels.bed.profile import AT_ONCE, Profile, empty_profile, profile_capacity
+from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import kernel
+from insonify.kernels.common.types import plain_pattern
+from insonify.packing.scene_arrays import make_limits
 
 REACH = 20.0
 SPACING = 0.5
 AXES = [0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi, 0.25 * math.pi, -0.75 * math.pi]
+LIMITS = make_limits([(1.0, 1.0, 40.0)], plain_pattern(), 0.05)
+WHOLE = LIMITS._replace(misplaced=math.inf)  # nothing is divided
 
 
 @kernel
-def cut(bed, x, y, z, ex, ey, reach, profile):
-    return slice_bed(bed, x, y, z, ex, ey, reach, profile)
+def cut(bed, limits, x, y, z, ex, ey, reach, profile):
+    return slice_bed(bed, limits, x, y, z, ex, ey, reach, profile)
 
 
-def slice_of(bed, x, y, z, azimuth, reach=REACH):
+def slice_of(bed, x, y, z, azimuth, reach=REACH, limits=LIMITS):
     """Knots x, z and the segments' slope and area."""
     ex, ey = (0.0 if abs(c) < 1e-12 else c for c in (math.cos(azimuth), math.sin(azimuth)))
     profile = empty_profile(profile_capacity(reach, bed.spacing))
-    count = cut(bed, x, y, z, ex, ey, reach, profile)
+    count = cut(bed, limits, x, y, z, ex, ey, reach, profile)
     knots, segments = slice(count), slice(max(count - 1, 0))
     return (
         (ex, ey),
@@ -75,13 +80,32 @@ def test_knots_lie_on_the_bed_and_segments_within_its_cells(azimuth, x, y, perio
 def test_knots_are_where_the_plane_crosses_either_family_of_lines():
     bed = bed_of(rough(40, 40, 0.3), 1.0, periodic=True)
     x, y, azimuth = 0.3, 0.4, math.atan2(3.0, 4.0)
-    _, r, *_ = slice_of(bed, x, y, 5.0, azimuth, reach=10.0)
+    _, r, *_ = slice_of(bed, x, y, 5.0, azimuth, reach=10.0, limits=WHOLE)
     crossings = [(k - x) / 0.8 for k in range(1, 9)] + [(k - y) / 0.6 for k in range(1, 7)]
     expected = sorted([0.0, 10.0, *(c for c in crossings if c < 10.0)])
     merged = [a for a, b in zip(expected, [*expected[1:], math.inf]) if b - a > 1e-5]
-    # Along an oblique plane a twisted cell is bent: each segment is halved twice.
-    np.testing.assert_allclose(r[::4], merged, atol=1e-5)
-    np.testing.assert_allclose(r[2::4], 0.5 * (np.array(merged[1:]) + merged[:-1]), atol=1e-5)
+    np.testing.assert_allclose(r, merged, atol=1e-5)
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 0.5 * math.pi, 0.6])
+def test_divided_segments_keep_the_knots_of_the_cells_and_the_cell_between_them(azimuth):
+    bed = bed_of(rough(40, 40, 0.3), SPACING, periodic=True)
+    _, whole, *_ = slice_of(bed, 0.3, 0.4, 5.0, azimuth, limits=WHOLE)
+    counts = []
+    for misplaced in (0.1, 0.01, 0.001):
+        _, r, *_ = slice_of(bed, 0.3, 0.4, 5.0, azimuth, limits=LIMITS._replace(misplaced=misplaced))
+        assert np.isin(whole, r).all()
+        counts.append(r.size)
+    assert whole.size < counts[0] < counts[1] < counts[2]
+
+
+def test_where_there_is_no_room_segments_get_fewer_parts():
+    bed = bed_of(rough(40, 40, 3.0), SPACING, periodic=True)
+    crowded = empty_profile(400)
+    limits = LIMITS._replace(misplaced=1e-6)
+    count = cut(bed, limits, 0.3, 0.4, 5.0, 0.8, 0.6, REACH, crowded)
+    assert 57 < count <= 400
+    assert (np.diff(crowded.x[:count]) > 0.0).all()
 
 
 @pytest.mark.parametrize("azimuth", AXES)
@@ -164,7 +188,8 @@ def test_what_passes_leave_past_the_last_knot_stays_within_the_arrays(azimuth, x
     wider = empty_profile(capacity + 4 * AT_ONCE)
     for array in wider:
         array[capacity:] = 77
-    count = cut(bed, x, y, 7.0, math.cos(azimuth), math.sin(azimuth), reach, Profile(*(a[:capacity] for a in wider)))
+    profile = Profile(*(a[:capacity] for a in wider))
+    count = cut(bed, LIMITS, x, y, 7.0, math.cos(azimuth), math.sin(azimuth), reach, profile)
     assert count + AT_ONCE <= capacity
     for array in wider:
         assert (array[capacity:] == 77).all()

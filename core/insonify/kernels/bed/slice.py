@@ -12,33 +12,15 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
+from insonify.kernels.bed.profile import padded_count
+from insonify.kernels.bed.subdivision import measure_segments
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.prefetch import LINE, prefetch_read
 
 # Knots closer to a grid corner than this share of a cell merge with it.
 MERGED = 1e-6
-# Product of the direction's components from which segments are halved once, and twice.
-SLIGHTLY_OBLIQUE, OBLIQUE = 0.04, 0.2
-# Entries of one vectorised pass. Passes run on to a whole multiple and leave garbage past the last entry, because a
-# scalar loop over the remainder would take as long as many more entries together. Up to FEW entries a scalar loop wins.
-AT_ONCE, FEW = 32, 8
-
-
-class Profile(NamedTuple):
-    """One slice; n knots make n - 1 segments, arrays are longer than n."""
-
-    x: NDArray[np.float64]  # ground range of the knots from the sonar, m
-    z: NDArray[np.float64]  # height of the knots above the sonar, m
-    slope: NDArray[np.float32]  # dz/dx of each segment
-    area: NDArray[np.float32]  # 1 + |∇z|² at the middle of each segment: squared area over its level projection
-    material: NDArray[np.int64]  # row of the reflectivity table, each segment
-    across: NDArray[np.float32]  # work space: gradient across the strip, at its knots
-    low: NDArray[np.float32]  # work space: heights on the strip's lower border
-    high: NDArray[np.float32]  # work space: heights on its upper border
-    range_ratio: NDArray[np.float32]  # in water that refracts: apparent ground range of the knots over the true one
-    gain: NDArray[np.float32]  # and what their energy must be multiplied by
 
 
 class GridWalk(NamedTuple):
@@ -62,64 +44,15 @@ class NodeSteps(NamedTuple):
     du: float
 
 
-def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
-    """Make room for profiles.
-
-    Parameters
-    ----------
-    capacity : int
-        Knots at most.
-    dtype : dtype
-        Single precision or, to measure its error, double.
-
-    Returns
-    -------
-    Profile
-    """
-    x, z = np.zeros(capacity), np.zeros(capacity)
-    slope, area, across, low, high, range_ratio, gain = (np.zeros(capacity, dtype) for _ in range(7))
-    return Profile(x, z, slope, area, np.zeros(capacity, np.int64), across, low, high, range_ratio, gain)
-
-
-def profile_capacity(reach: float, spacing: float) -> int:
-    """Count the knots that a slice can have at most: crossings of both families, halved twice, and room.
-
-    Parameters
-    ----------
-    reach : float
-        Ground range, m.
-    spacing : float
-        Between nodes of the bed, m.
-
-    Returns
-    -------
-    int
-    """
-    return int(8.0 * math.sqrt(2.0) * reach / spacing) + 64
-
-
 @inlined_uncounted
-def padded_count(entries):
-    """Count the entries that a vectorised pass works on: up to a whole multiple of what it takes at a time.
-
-    Parameters
-    ----------
-    entries : int
-
-    Returns
-    -------
-    int
-    """
-    return (entries + (AT_ONCE - 1)) // AT_ONCE * AT_ONCE if entries > FEW else entries
-
-
-@inlined_uncounted
-def slice_bed(bed, x, y, z, ex, ey, reach, profile):
+def slice_bed(bed, limits, x, y, z, ex, ey, reach, profile):
     """Cut the bed with a vertical half-plane.
 
     Parameters
     ----------
     bed : Bed
+    limits : SegmentLimits
+        How far segments are divided.
     x, y, z : float
         Where the plane begins, m.
     ex, ey : float
@@ -142,7 +75,8 @@ def slice_bed(bed, x, y, z, ex, ey, reach, profile):
     # A profile serves one bed: if the first segment already has the only material, all segments have it.
     if not bed.mapped and profile.material[0] != bed.materials[0, 0]:
         profile.material[:] = bed.materials[0, 0]
-    return _walk_strips(bed, GridWalk(nodes, v_is_y, u0, v0, z, ex, ey), reach, profile)
+    count = _walk_strips(bed, GridWalk(nodes, v_is_y, u0, v0, z, ex, ey), reach, profile)
+    return measure_segments(count, ex, 1.0 / ey, bed, limits, profile) if count > 1 else count
 
 
 @inlined_uncounted
@@ -192,8 +126,6 @@ def _add_strip(bed, walk, column, start, end, count, profile):
     _read_row(nodes[_wrap_index(column, nodes.shape[0])], behind, step, low)
     _read_row(nodes[_wrap_index(column + 1, nodes.shape[0])], behind, step, high)
     head, segments = count - 1, inner + 1
-    halvings = _halving_count(eu, ev)
-    tail = head + (segments << halvings)
     x, z, across = profile.x[head:], profile.z[head:], profile.across
     before = z[0]
     fu, du, x_behind, per_node = u0 - column, eu / spacing, (behind - v0) * spacing / ev, step * spacing / ev
@@ -205,12 +137,10 @@ def _add_strip(bed, walk, column, start, end, count, profile):
     # Two strips share this knot; beside a hole in the bed only one of them has its height.
     z[0] = before if head > 0 and before == before else z_start - z0
     z[segments], across[segments] = z_end - z0, across_end
-    for halving in range(halvings):
-        _halve_segments(x, z, across, eu, segments << halving)
-    _fill_segments(padded_count(tail - head), x, z, across, eu, 1.0 / ev, profile.slope[head:], profile.area[head:])
+    _fill_gradients(padded_count(segments), across, profile.gradient[head:], profile.twist[head:])
     if bed.mapped:
-        _fill_materials(bed.materials, v_is_y, column, behind, step, halvings, profile.material[head:tail])
-    return tail + 1
+        _fill_materials(bed.materials, v_is_y, column, behind, step, profile.material[head : head + segments])
+    return head + segments + 1
 
 
 @inlined_uncounted
@@ -244,28 +174,6 @@ def prefetch_strip(bed, x, y, ex, ey, reach):
     for k in range(node, node + int(length), per_line):
         prefetch_read(low, _wrap_index(k, columns))
         prefetch_read(high, _wrap_index(k, columns))
-
-
-@inlined_uncounted
-def _halving_count(eu, ev):
-    """Count the halvings of the segments of an oblique plane, along which a bilinear cell is curved."""
-    oblique = abs(eu * ev)
-    return (1 if oblique > SLIGHTLY_OBLIQUE else 0) + (1 if oblique > OBLIQUE else 0)
-
-
-@inlined_uncounted
-def _halve_segments(x, z, across, eu, segments):
-    """Put a knot in the middle of every segment, in place.
-
-    Along the plane d²z/dx² = 2 eu ev ∂²z/∂u∂v, and the gradient across changes by ev ∂²z/∂u∂v a metre.
-    """
-    for k in range(segments, 0, -1):
-        x0, x1, z0, z1, across0, across1 = x[k - 1], x[k], z[k - 1], z[k], across[k - 1], across[k]
-        x[2 * k], z[2 * k], across[2 * k] = x1, z1, across1
-        x[2 * k - 1] = 0.5 * (x0 + x1)
-        # docs/theory/sweep.md
-        z[2 * k - 1] = 0.5 * (z0 + z1) - 0.25 * eu * (across1 - across0) * (x1 - x0)
-        across[2 * k - 1] = across.dtype.type(0.5) * (across0 + across1)
 
 
 @inlined_uncounted
@@ -343,25 +251,21 @@ def _place_knots(low, high, steps, z0, spacing, x, z, across):
 
 
 @inlined_uncounted
-def _fill_segments(segments, x, z, across, eu, per_ev, slope, area):
-    """Slope and area of segments: across the strip the gradient is linear in v, along the plane it is the slope."""
-    real = area.dtype.type
-    eu, per_ev, half, one = real(eu), real(per_ev), real(0.5), real(1.0)
+def _fill_gradients(segments, across, gradient, twist):
+    """Gradient across the strip at the middle of segments, and its change along them."""
+    half = across.dtype.type(0.5)
     for i in range(segments):
-        rise = real(z[i + 1] - z[i]) / real(x[i + 1] - x[i])
-        middle = half * (across[i] + across[i + 1])
-        along = (rise - eu * middle) * per_ev
-        slope[i] = rise
-        area[i] = one + middle * middle + along * along
+        gradient[i] = half * (across[i] + across[i + 1])
+        twist[i] = across[i + 1] - across[i]
 
 
 @inlined_uncounted
-def _fill_materials(materials, v_is_y, column, behind, step, halvings, out):
+def _fill_materials(materials, v_is_y, column, behind, step, out):
     """Material of each segment's cell."""
     rows, columns = materials.shape
     for k in range(out.size):
         # A cell belongs to its low corner.
-        v = behind + step * (k >> halvings) - (1 if step < 0 else 0)
+        v = behind + step * k - (1 if step < 0 else 0)
         if v_is_y:
             out[k] = materials[_wrap_index(v, rows), _wrap_index(column, columns)]
         else:

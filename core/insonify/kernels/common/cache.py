@@ -161,7 +161,11 @@ class _CacheFile(IndexDataCacheFile):
         """
         name = f"{uuid.uuid4().hex}.nbc"
         self._save_data(name, data)
-        self._save_index(self._load_index() | {key: name})
+        try:
+            index = self._load_index()
+        except Exception:  # unpickling one that is damaged, or names types that have moved since, may raise anything
+            index = {}
+        self._save_index(index | {key: name})
 
 
 class KernelCache(FunctionCache):

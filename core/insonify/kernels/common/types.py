@@ -33,6 +33,15 @@ class Bed(NamedTuple):
     mapped: bool = True  # whether there is more than one material
 
 
+class SegmentLimits(NamedTuple):
+    """How far a segment of the bed's profile may extend before it is divided."""
+
+    shininess: float  # greatest exponent of the specular lobes of its materials, 0 where none has a lobe
+    bin_length: float  # slant range of one bin, m
+    angle: float  # greatest angle it may span at the sonar, rad
+    misplaced: float  # greatest share of a bin's echo that a segment may add wrongly; infinite for no limit
+
+
 class Solids(NamedTuple):
     """Analytic convex bodies, one row each; a pipe is a chain of cylinders jointed by spheres."""
 
@@ -153,6 +162,7 @@ class SceneArrays(NamedTuple):
     bins: int  # per side
     bin_length: float  # true slant range that one bin spans, m
     range_factor: NDArray[np.float64]  # (bins,) spreading and absorption at the bin centres
+    limits: SegmentLimits
     bounces: int = 0  # specular reflections and transmissions followed after the first echo
     water: Water = still_water()
     multipath: SurfaceMultipath = no_surface_multipath()

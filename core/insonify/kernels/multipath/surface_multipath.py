@@ -18,7 +18,8 @@ from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import raise_sector
 from insonify.kernels.beam.pattern import two_way_response
-from insonify.kernels.bed.slice import Profile, empty_profile, profile_capacity, slice_bed
+from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacity
+from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.range_bins import accumulate_bins
 from insonify.kernels.common.types import LIGHT, SONAR, SceneArrays
@@ -185,7 +186,8 @@ def _add_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
     one_way = arrays.pattern.tabulated and not arrays.pattern.two_way
     highest = pair.other.height if one_way else pair.one.height
     reach = min(per_height * (height + highest), pair.reach)
-    count = slice_bed(arrays.bed, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, workspace.profile)
+    profile, (x, y, z, ex, ey) = workspace.profile, plane
+    count = slice_bed(arrays.bed, arrays.limits, x, y, z, ex, ey, reach, profile)
     one = raise_sector(sector, near_field * (height + pair.one.height))
     other = raise_sector(sector, near_field * (height + pair.other.height))
     cells_one = _view_from_image(arrays, count, pair.one, plane, one, reach, workspace, 0)

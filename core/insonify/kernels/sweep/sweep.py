@@ -16,15 +16,8 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import AzimuthSector
-from insonify.kernels.bed.slice import (
-    Profile,
-    empty_profile,
-    padded_count,
-    prefetch_strip,
-    profile_capacity,
-    slice_bed,
-    snap_to_grid,
-)
+from insonify.kernels.bed.profile import Profile, empty_profile, padded_count, profile_capacity
+from insonify.kernels.bed.slice import prefetch_strip, slice_bed, snap_to_grid
 from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.prefetch import prefetch_row
 from insonify.kernels.common.range_bins import accumulate_bins
@@ -244,7 +237,7 @@ def sweep_plane(arrays, plane, sector, reach, grid, workspace, bins):
     if cells < 0:
         return cells, 0
     hidden_from, hidden_to = occluded_slopes(zbuffer, cells)
-    count = slice_bed(arrays.bed, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
+    count = slice_bed(arrays.bed, arrays.limits, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
     if count > 1:
         if sector.bent:
             apply_apparent_positions(table, grid, sector.angle == 0.0, profile, count)

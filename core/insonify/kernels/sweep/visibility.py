@@ -21,7 +21,7 @@ from insonify.kernels.beam.azimuth_sector import (
     top_hat_share,
     top_hat_width,
 )
-from insonify.kernels.bed.slice import padded_count
+from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.scattering import scatter_segments

@@ -60,7 +60,7 @@ def find_visible_bed(arrays, poses, ping, side, planes, profile, visible_bed):
     """
     for k in range(planes.azimuth.size):
         plane, _, reach = aim_plane(arrays, poses, ping, side, planes, k, straight_grid())
-        knots = slice_bed(arrays.bed, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
+        knots = slice_bed(arrays.bed, arrays.limits, plane.x, plane.y, plane.z, plane.ex, plane.ey, reach, profile)
         visible_bed.reach[k] = reach
         visible_bed.edge_count[k] = _mark_visible(knots, profile.x, profile.z, profile.area, visible_bed.edges[k])
 

@@ -1,0 +1,87 @@
+"""Work space for one profile of the bed, and how far the vectorised passes over it run."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from insonify.kernels.common.jit import inlined_uncounted
+
+# Parts of a segment for which a profile has room, on average.
+MEAN_PARTS = 12
+# Entries of one vectorised pass. Passes run on to a whole multiple and leave garbage past the last entry, because a
+# scalar loop over the remainder would take as long as many more entries together. Up to FEW entries a scalar loop wins.
+AT_ONCE, FEW = 32, 8
+
+
+class Profile(NamedTuple):
+    """One slice; n knots make n - 1 segments, arrays are longer than n."""
+
+    x: NDArray[np.float64]  # ground range of the knots from the sonar, m
+    z: NDArray[np.float64]  # height of the knots above the sonar, m
+    slope: NDArray[np.float32]  # dz/dx of each segment
+    area: NDArray[np.float32]  # 1 + |∇z|² at the middle of each segment: squared area over its level projection
+    material: NDArray[np.int64]  # row of the reflectivity table, each segment
+    gradient: NDArray[np.float32]  # ∂z across the strip of grid cells that a segment lies in, at its middle
+    twist: NDArray[np.float32]  # change of that gradient along the segment
+    parts: NDArray[np.int32]  # work space: parts into which each segment is divided
+    across: NDArray[np.float32]  # work space: gradient across the strip, at its knots
+    low: NDArray[np.float32]  # work space: heights on the strip's lower border
+    high: NDArray[np.float32]  # work space: heights on its upper border
+    range_ratio: NDArray[np.float32]  # in water that refracts: apparent ground range of the knots over the true one
+    gain: NDArray[np.float32]  # and what their energy must be multiplied by
+
+
+def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
+    """Make room for profiles.
+
+    Parameters
+    ----------
+    capacity : int
+        Knots at most.
+    dtype : dtype
+        Single precision or, to measure its error, double.
+
+    Returns
+    -------
+    Profile
+    """
+    x, z = np.zeros(capacity), np.zeros(capacity)
+    slope, area, gradient, twist, across, low, high, range_ratio, gain = np.zeros((9, capacity), dtype)
+    material, parts = np.zeros(capacity, np.int64), np.zeros(capacity, np.int32)
+    return Profile(x, z, slope, area, material, gradient, twist, parts, across, low, high, range_ratio, gain)
+
+
+def profile_capacity(reach: float, spacing: float) -> int:
+    """Count the knots that a slice can have at most: crossings of both families, the parts of segments, and room.
+
+    Parameters
+    ----------
+    reach : float
+        Ground range, m.
+    spacing : float
+        Between nodes of the bed, m.
+
+    Returns
+    -------
+    int
+    """
+    return int(MEAN_PARTS * 2.0 * math.sqrt(2.0) * reach / spacing) + 64 * AT_ONCE
+
+
+@inlined_uncounted
+def padded_count(entries):
+    """Count the entries that a vectorised pass works on: up to a whole multiple of what it takes at a time.
+
+    Parameters
+    ----------
+    entries : int
+
+    Returns
+    -------
+    int
+    """
+    return (entries + (AT_ONCE - 1)) // AT_ONCE * AT_ONCE if entries > FEW else entries
