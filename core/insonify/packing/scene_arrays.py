@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ def pack_scene(scene: Scene, ground: AnyGround) -> SceneArrays:
         bins=sonar.bins,
         bin_length=bin_length,
         range_factor=range_factor(scene, centres, sonar_height(scene, ground) + ground.datum),
-        limits=make_limits([row[:3] for row in ground.reflectivities], pattern, bin_length),
+        limits=make_limits(ground.reflectivities, pattern, bin_length),
         bounces=sonar.bounces,
         water=water,
         multipath=make_surface_multipath(scene.water.surface),
@@ -78,15 +79,13 @@ def make_bed(ground: Ground) -> Bed:
     )
 
 
-def make_limits(
-    reflectivities: Iterable[tuple[float, float, float]], pattern: BeamPattern, bin_length: float
-) -> SegmentLimits:
+def make_limits(reflectivities: Iterable[Sequence[Any]], pattern: BeamPattern, bin_length: float) -> SegmentLimits:
     """How far the bed's segments may extend under a beam.
 
     Parameters
     ----------
-    reflectivities : iterable of tuple of float
-        Lambert's share, Phong's share and its exponent of each of the bed's materials.
+    reflectivities : iterable of sequence of float
+        Of each of the bed's materials: Lambert's share, Phong's share and its exponent.
     pattern : BeamPattern
     bin_length : float
         Slant range of one bin, m.
@@ -95,7 +94,7 @@ def make_limits(
     -------
     SegmentLimits
     """
-    shininess = max((exponent for _, specular, exponent in reflectivities if specular > 0.0), default=0.0)
+    shininess = max((row[2] for row in reflectivities if row[1] > 0.0), default=0.0)
     angle = math.inf if pattern.vertical == EVERY_GRAZING else VERTICAL_SHARE * pattern.s_vertical
     return SegmentLimits(shininess, bin_length, angle, MISPLACED)
 

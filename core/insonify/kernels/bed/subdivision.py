@@ -12,10 +12,10 @@ import math
 
 import numpy as np
 
-from insonify.kernels.bed.profile import padded_count
+from insonify.kernels.bed.profile import AT_ONCE, padded_count
 from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 
-MOST_PARTS = 64
+MOST_PARTS = 256
 # Turn of the incidence within a part, in units of a lobe's width 1/√n, over the root of the error allowed.
 LOBE_TURN = 2.5
 # Angle to the normal, in units of 1/√(2n), beyond which a lobe cosⁿ 2α is below e⁻⁶ of its peak.
@@ -102,7 +102,7 @@ def _divide(count, eu, per_ev, mapped, limits, profile):
     segments = count - 1
     level = _mean_square(segments, profile.slope)
     _count_parts(padded_count(segments), eu, per_ev, level, limits, profile)
-    added = _limit_parts(segments, profile.parts, profile.x.size - count - 2 * MOST_PARTS)
+    added = _limit_parts(segments, profile.parts, max(profile.x.size - count - 2 * AT_ONCE, 0))
     if added > 0:
         _insert_knots(segments, added, eu, mapped, profile)
         total = padded_count(segments + added)
@@ -154,12 +154,15 @@ def _count_parts(segments, eu, per_ev, slope_squared, limits, profile):
         # The echo of the segment, and its density, against what a bin of this bed takes on average.
         density = offset * offset * math.sqrt(per_area) / (height * height + slope_squared * ground * ground)
         spread, echo = run * abs(approach) * per_range * per_bin, density * run * per_bin
-        # Shares put into neighbouring bins by one even density and by the chord, and the error of the sum. Over many
-        # bins the parts are those that follow the density.
+        # Shares that one even density and the chord put into neighbouring bins. Over many bins the parts are those that
+        # follow the density.
         stepped = eighth * uneven * (spread if spread < one else one) * echo * per_error
-        moved = (quarter * bent * run * per_range * per_bin + twelfth * twisted * twisted * per_area) * echo * per_error
         followed = uneven * density * per_error
-        wanted = math.sqrt(moved + (stepped if stepped < followed * followed else followed * followed))
+        moved = quarter * bent * run * per_range * per_bin * echo
+        # The error of the sum by the midpoint rule, which does not average out however many segments a bin takes.
+        biased = twelfth * (quarter * uneven * uneven + twisted * twisted * per_area) * density
+        limited = stepped if stepped < followed * followed else followed * followed
+        wanted = math.sqrt(limited + (moved + biased) * per_error)
         wanted = wanted if wanted > lobe else lobe
         wanted = wanted if wanted > spanned * per_angle else spanned * per_angle
         wanted = silhouette if (change > abs(offset)) & (wanted < silhouette) else wanted

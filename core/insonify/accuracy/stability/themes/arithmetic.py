@@ -228,7 +228,7 @@ def _draw_threads(figure: Figure) -> None:
     add_legend(axes)
 
 
-THEME = StabilityTheme("Arithmetic", 10, (
+THEME = StabilityTheme("Arithmetic", 11, (
     StabilityCase(
         "Large coordinates",
         "A float32 resolves a northing of millions of metres to a quarter or half of a metre only.",

@@ -185,7 +185,7 @@ def _draw_sparse(figure: Figure) -> None:
     add_legend(axes, "lower right")
 
 
-THEME = StabilityTheme("Beams", 7, (
+THEME = StabilityTheme("Beams", 8, (
     StabilityCase(
         "Too few planes across a fan",
         "A target narrower than the distance between two planes returns an echo only where a plane meets it.",

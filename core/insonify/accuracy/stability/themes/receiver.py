@@ -102,7 +102,7 @@ def _draw_albedo(figure: Figure) -> None:
     add_legend(axes)
 
 
-THEME = StabilityTheme("The receiver", 9, (
+THEME = StabilityTheme("The receiver", 10, (
     StabilityCase(
         "Gain over noise",
         "Time-varied gain keeps rising where only noise is left.",

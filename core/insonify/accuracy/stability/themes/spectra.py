@@ -172,7 +172,7 @@ def smoothed(field: Field) -> Field:
     return np.asarray(wave / wave.std())
 
 
-THEME = StabilityTheme("Generated reliefs", 8, (
+THEME = StabilityTheme("Generated reliefs", 9, (
     StabilityCase(
         "Peaks and exponents out of bounds",
         "A peak at or above the Nyquist frequency aliases; an exponent below 0 or from 5 on makes no relief.",

@@ -196,7 +196,7 @@ def _draw_glints(figure: Figure) -> None:
     axes.legend(frameon=False, fontsize=8.5)
 
 
-THEME = StabilityTheme("Targets", 6, (
+THEME = StabilityTheme("Targets", 7, (
     StabilityCase(
         "Edges that two walls share",
         "Rounding places a ray through an edge on neither of its two triangles, or on both.",

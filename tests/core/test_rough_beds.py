@@ -1,0 +1,99 @@
+"""Echoes of rough beds: narrow lobes, twisted cells and steep slopes against exact rays."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from insonify.accuracy.record_errors import compare_records
+from insonify.scene import Scene, edit, load_scene
+from insonify.simulation import prepare
+from insonify.tracers import ray_sheets, sweep
+
+PINGS = np.array([10, 77, 150])
+LAMBERT = {"name": "fine_sand", "specular": 0.0}
+FLANK = {"kind": "gaussian", "width": 20.0, "tilt": 20.0}
+SHINY = {"name": "fine_sand", "specular": 0.3, "shininess": 400.0}
+
+
+def bare_knife(relief: dict[str, Any], **changes: Any) -> Scene:
+    """A knife over a bed of fine sand, one node every 0.1 m, 10 m below the sonar."""
+    plain = {
+        "seabed.relief": {"period": 102.4} | relief,
+        "seabed.material": "fine_sand",
+        "seabed.spacing": 0.1,
+        "seabed.depth": 30.0,
+        "sonar": {"beam": "knife", "range": 50.0, "bins": 1000, "pulse": "ideal"},
+        "track.altitude": 10.0,
+        "track.pings": 200,
+        "receiver.speckle": "none",
+        "targets": [],
+    }
+    return edit(load_scene("figure-6"), plain | {"seed": 7} | changes)
+
+
+def fractal(rms: float, beta: float = 1.2) -> dict[str, Any]:
+    return {"kind": "fractal", "beta": beta, "peaks": [[0.0, 0.0]], "rms": rms}
+
+
+def ripples(wavelength: float, height: float) -> dict[str, Any]:
+    return {"kind": "ripples", "wavelength": wavelength, "height": height}
+
+
+def errors(scene: Scene, *misplaced: float, rays: int = 1 << 15) -> list[float]:
+    """Errors of the sweep with segments divided for several shares of misplaced echo."""
+    simulation = prepare(scene)
+    arrays, poses = simulation.arrays, simulation.poses(PINGS)
+    right = ray_sheets.trace(arrays, poses, rays=rays)
+    records = (
+        sweep.trace(arrays._replace(limits=arrays.limits._replace(misplaced=share)), poses, planes=1)
+        for share in misplaced
+    )
+    return [compare_records(arrays, poses, record, right).beyond for record in records]
+
+
+@pytest.mark.parametrize(
+    ("relief", "changes"),
+    [
+        (fractal(0.16), {}),
+        (fractal(0.16), {"seabed.material": LAMBERT}),
+        (fractal(0.16), {"sonar.law": "light"}),
+        (fractal(0.16), {"seabed.material": SHINY}),
+        (fractal(0.3), {}),
+        (fractal(0.1, 0.1), {}),
+        (fractal(0.1, 0.1), {"seabed.material": LAMBERT}),
+        (ripples(2.0, 0.57), {}),
+        (ripples(5.0, 2.83), {}),
+        (fractal(0.16), {"track.heading": 37.0}),
+        (fractal(0.3), {"track.heading": 37.0}),
+        (fractal(0.3), {"track.heading": 8.0}),
+        (fractal(0.5, 1.8), {"seabed.spacing": 0.8, "sonar.vertical": FLANK}),
+    ],
+)  # fmt: skip
+def test_a_rough_bed_is_within_one_percent_of_exact_rays(relief, changes):
+    assert errors(bare_knife(relief, **changes), 0.01)[0] < 1e-2
+
+
+def test_the_error_falls_with_the_share_that_may_be_misplaced():
+    for heading in (0.0, 37.0):
+        whole, coarse, fine = errors(bare_knife(fractal(0.16), **{"track.heading": heading}), math.inf, 0.03, 0.003)
+        assert fine < 0.4 * coarse
+        assert coarse < 0.2 * whole
+
+
+def test_smooth_beds_are_hardly_divided():
+    # A level of 1 % is kept by the cells as they are.
+    whole, divided = errors(bare_knife(fractal(0.05, 1.8)), math.inf, 0.01)
+    assert whole < 2e-3
+    assert divided < 2e-3
+
+
+@pytest.mark.parametrize("material", [LAMBERT, "fine_sand"])
+def test_a_rough_bed_in_water_that_refracts_is_near_exact_rays(material):
+    thermocline = load_scene("thermocline")
+    scene = bare_knife(fractal(0.16), **{"seabed.material": material})
+    scene = edit(scene, {"seabed.depth": thermocline.seabed.depth, "water": thermocline.water})
+    assert errors(scene, 0.01)[0] < (5e-3 if material == LAMBERT else 2e-2)
