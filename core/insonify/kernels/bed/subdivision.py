@@ -129,7 +129,7 @@ def _count_parts(segments, eu, per_ev, slope_squared, limits, profile):
     real = area.dtype.type
     nothing, half, one, two, four = real(0.0), real(0.5), real(1.0), real(2.0), real(4.0)
     most, silhouette = real(MOST_PARTS), real(SILHOUETTE_PARTS / math.sqrt(limits.misplaced))
-    quarter, eighth, twelfth = real(1.0 / 4.0), real(1.0 / 8.0), real(1.0 / 12.0)
+    quarter, eighth = real(1.0 / 4.0), real(1.0 / 8.0)
     eu, per_ev, slope_squared = real(eu), real(per_ev), real(slope_squared)
     width = real(LOBE_REACH / math.sqrt(2.0 * limits.shininess)) if limits.shininess > 0.0 else real(-100.0)
     per_lobe = real(math.sqrt(limits.shininess / limits.misplaced) / LOBE_TURN)
@@ -159,8 +159,8 @@ def _count_parts(segments, eu, per_ev, slope_squared, limits, profile):
         stepped = eighth * uneven * (spread if spread < one else one) * echo * per_error
         followed = uneven * density * per_error
         moved = quarter * bent * run * per_range * per_bin * echo
-        # The error of the sum by the midpoint rule, which does not average out however many segments a bin takes.
-        biased = twelfth * (quarter * uneven * uneven + twisted * twisted * per_area) * density
+        # The error of the sum by the midpoint rule, six times: it does not average out over the segments of a bin.
+        biased = half * (quarter * uneven * uneven + twisted * twisted * per_area) * density
         limited = stepped if stepped < followed * followed else followed * followed
         wanted = math.sqrt(limited + (moved + biased) * per_error)
         wanted = wanted if wanted > lobe else lobe
