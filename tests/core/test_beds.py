@@ -15,6 +15,7 @@ from scipy.ndimage import binary_erosion
 
 from insonify.cli import main
 from insonify.io.bathymetry import read_grid
+from insonify.io.georeference import DEGREES, project
 from insonify.scene import SceneError, build, edit, scene_to_toml
 from insonify.simulation import simulate
 from insonify.terrain import build_ground, relief
@@ -392,3 +393,11 @@ def test_too_fine_a_detail_of_a_wide_bed_is_one_sentence(tmp_path):
     path = write_tiff(tmp_path / "a.tif", sloped(5, 5), pixel=(500.0, 500.0), **UTM)
     with pytest.raises(SceneError, match=r"seabed.spacing: 0.1 m makes 20001 nodes along a side of the measured bed"):
         build_ground(detailed(path, spacing=0.1))
+
+
+def test_a_local_system_of_coordinates_is_no_place_on_earth(tmp_path):
+    local = 'LOCAL_CS["harbour",UNIT["metre",1],AXIS["Easting",EAST],AXIS["Northing",NORTH]]'
+    grid = read_grid(str(write_tiff(tmp_path / "bed.tif", sloped(3, 3), crs=local)))
+    assert (grid.crs, grid.spacing) == ("", (2.0, 2.0))
+    with pytest.raises(SceneError, match=r"^crs 'LOCAL_CS.* cannot be transformed to 'EPSG:4326'; give one on Earth"):
+        project(local, DEGREES, np.zeros(1), np.zeros(1))

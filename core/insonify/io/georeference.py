@@ -124,8 +124,15 @@ def convergence(place: Georeference) -> float:
 @lru_cache(maxsize=16)
 def _transformer(source: str, target: str) -> Any:
     from pyproj import Transformer  # lazy, as above
+    from pyproj.exceptions import ProjError
 
-    return Transformer.from_crs(_system(source), _system(target), always_xy=True)
+    systems = _system(source), _system(target)
+    try:
+        return Transformer.from_crs(*systems, always_xy=True)
+    except ProjError:
+        raise SceneError(
+            f"crs {source!r} cannot be transformed to {target!r}; give one on Earth such as 'EPSG:32631'"
+        ) from None
 
 
 @lru_cache(maxsize=16)

@@ -102,7 +102,8 @@ def _read_metres(raster: Any, depths: bool) -> Grid:
     _check_transform(transform)
     # Heights lie at the centres of pixels; the last row is the southernmost.
     x, y = transform.c + 0.5 * transform.a, transform.f + (raster.height - 0.5) * transform.e
-    crs = "" if raster.crs is None else raster.crs.to_string()
+    # A local system, neither projected nor geographic, says nothing of the place on Earth.
+    crs = raster.crs.to_string() if raster.crs is not None and raster.crs.is_projected else ""
     return Grid(heights, spacing=(transform.a, -transform.e), corner=(x, y), crs=crs, depths=depths)
 
 
