@@ -14,6 +14,10 @@ BY_DEPTH = {"track.altitude": None, "track.depth": 22.0}  # an altitude counts f
 PATCHES = {"seabed.material": {"kind": "patches", "of": ["silt", "rock"], "size": 4.0}}
 BANDS = {"seabed.material": {"kind": "fractal", "of": ["silt", "rock"]}}
 PATTERN = {"seabed.material": {"kind": "pattern", "of": ["silt", "rock"], "shape": "checks", "period": 5.0}}
+RASTER = {
+    "world.origin": [1002.0, 2002.0],
+    "seabed.material": {"kind": "backscatter", "path": "MAP", "of": ["silt", "rock"]},
+}
 PICTURE = {"seabed.material": {"kind": "image", "path": "PICTURE", "of": ["silt", "rock"], "width": 12.0}}
 DARK, BRIGHT = {"diffuse": 0.3, "specular": 0.0}, {"diffuse": 0.5, "specular": 0.0}
 MIMIC = {"seabed.relief": {"kind": "mimic", "of": {"of": [DARK, BRIGHT]}, "altitude": 7.0, "reach": 30.0}}
@@ -113,6 +117,9 @@ CHANGES: dict[str, tuple[dict, dict]] = {
     "seabed.material[image].path": (PICTURE, {"seabed.material.path": "NEGATIVE"}),
     "seabed.material[image].of": (PICTURE, {"seabed.material.of.1": "cobble"}),
     "seabed.material[image].width": (PICTURE, {"seabed.material.width": 8.0}),
+    "seabed.material[backscatter].path": (RASTER, {"seabed.material.path": "OTHER_MAP"}),
+    "seabed.material[backscatter].of": (RASTER, {"seabed.material.of.1": "cobble"}),
+    "seabed.material[backscatter].levels": (RASTER, {"seabed.material.levels": [-30.15]}),
     "seabed.relief[mimic].of": (MIMIC, {"seabed.relief.of": {"of": [DARK, BRIGHT, DARK]}}),
     "seabed.relief[mimic].of[pattern].of": (MIMIC, {"seabed.relief.of.of": [BRIGHT, DARK]}),
     "seabed.relief[mimic].of[pattern].of[uniform].diffuse": (MIMIC, {"seabed.relief.of.of.0.diffuse": 0.4}),
@@ -237,7 +244,13 @@ CHANGES: dict[str, tuple[dict, dict]] = {
 # Materials of a map are materials like any other.
 CHANGES |= {
     f"seabed.material[{kind}].of[uniform].{field}": (needs, {f"seabed.material.of.1.{field}": value})
-    for kind, needs in {"patches": PATCHES, "fractal": BANDS, "pattern": PATTERN, "image": PICTURE}.items()
+    for kind, needs in {
+        "patches": PATCHES,
+        "fractal": BANDS,
+        "pattern": PATTERN,
+        "image": PICTURE,
+        "backscatter": RASTER,
+    }.items()
     for field, value in {"name": "cobble", "diffuse": 0.1, "specular": 0.1, "shininess": 3.0}.items()
 }
 # Targets other than those of the base, each alone on port, turned somewhat and dull enough to glint everywhere.

@@ -77,10 +77,10 @@ def bed_files(tmp_path_factory):
     np.save(folder / "bed.npy", bed)
     np.save(folder / "other.npy", bed.T)
     profile = {"driver": "GTiff", "width": 80, "height": 80, "count": 1, "dtype": "float64", "crs": "EPSG:32631"}
-    with rasterio.open(
-        folder / "map.tif", "w", transform=Affine(0.5, 0.0, 980.0, 0.0, -0.5, 2020.0), **profile
-    ) as file:
-        file.write(bed, 1)
+    for name, heights in (("map.tif", bed), ("other.tif", bed.T)):
+        transform = Affine(0.5, 0.0, 980.0, 0.0, -0.5, 2020.0)
+        with rasterio.open(folder / name, "w", transform=transform, **profile) as file:
+            file.write(heights, 1)
     (folder / "shape.obj").write_text("v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
     (folder / "tow.csv").write_text("time,y,x\n0,0,0\n2,1,2\n")
     (folder / "other.csv").write_text("time,depth\n0,20\n1,22\n")
@@ -96,6 +96,7 @@ def bed_files(tmp_path_factory):
         "BED": folder / "bed.npy",
         "OTHER": folder / "other.npy",
         "MAP": folder / "map.tif",
+        "OTHER_MAP": folder / "other.tif",
         "SHAPE": folder / "shape.obj",
         "TOW": folder / "tow.csv",
         "OTHER_TOW": folder / "other.csv",

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from insonify.errors import located
 from insonify.io.bathymetry.grid import LARGEST_SIDE
+from insonify.io.georeference import Georeference
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MaterialMap
 from insonify.scene.reliefs import HeightGrid, ReliefKind
@@ -45,11 +46,12 @@ def build_ground(scene: Scene) -> AnyGround:
     seabed = scene.seabed
     material = seabed.material
     names, reflectivities = material.rows()
+    place = scene.georeference if material.on_a_map else None
     if seabed.endless:
         period = seabed.random_reliefs[0].period
         return EndlessGround(
             heights=_kept_tiles(seabed.random_reliefs, seabed.spacing, scene.seed),
-            materials=_kept_map_tiles(material.layout, material.version, period, seabed.spacing, scene.seed),
+            materials=_kept_map_tiles(material.layout, material.version, period, seabed.spacing, scene.seed, place),
             names=names,
             reflectivities=reflectivities,
             spacing=seabed.spacing,
@@ -58,7 +60,7 @@ def build_ground(scene: Scene) -> AnyGround:
     heights, lattice, datum = _heights(scene)
     return Ground(
         heights=heights,
-        materials=_kept_materials(material.layout, material.version, lattice, scene.seed),
+        materials=_kept_materials(material.layout, material.version, lattice, scene.seed, place),
         names=names,
         reflectivities=reflectivities,
         x0=lattice.x0,
@@ -174,9 +176,11 @@ def _kept_samples(
 
 
 @lru_cache(maxsize=2)
-def _kept_materials(layout: MaterialMap, version: tuple[int, int] | None, lattice: Lattice, seed: int) -> Map:
+def _kept_materials(
+    layout: MaterialMap, version: tuple[int, int] | None, lattice: Lattice, seed: int, place: Georeference | None
+) -> Map:
     del version  # part of the key alone, as above
-    return material_indices(layout, lattice, seed)
+    return material_indices(layout, lattice, seed, place)
 
 
 @lru_cache(maxsize=2)
@@ -187,7 +191,12 @@ def _kept_tiles(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> T
 
 @lru_cache(maxsize=2)
 def _kept_map_tiles(
-    layout: MaterialMap, version: tuple[int, int] | None, period: float, spacing: float, seed: int
+    layout: MaterialMap,
+    version: tuple[int, int] | None,
+    period: float,
+    spacing: float,
+    seed: int,
+    place: Georeference | None,
 ) -> Tiles:
     del version  # part of the key alone, as above
-    return keep_tiles(endless_materials(layout, period, spacing, seed))
+    return keep_tiles(endless_materials(layout, period, spacing, seed, place))

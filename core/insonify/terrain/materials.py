@@ -11,6 +11,7 @@ from statistics import NormalDist
 import numpy as np
 
 from insonify.errors import located
+from insonify.io.georeference import Georeference
 from insonify.kernels.bed.voronoi import voronoi_materials
 from insonify.kernels.common.streams import MATERIAL_BANDS, MATERIAL_PATCHES
 from insonify.scene.materials import MaterialMap
@@ -33,9 +34,12 @@ class BedCells(Lattice):
     ----------
     seed : int
         Seed of the random fields.
+    place : Georeference, optional
+        Place of the local (0, 0) on Earth.
     """
 
     seed: int = 0
+    place: Georeference | None = None
 
     def patches(self, size: float, count: int) -> Map:
         """Assign every cell to the nearest of hashed points, one per square; squares divide the period of a bed."""
@@ -82,22 +86,24 @@ class TileCells(BedCells):
         return np.searchsorted(cuts, field.tile(*self.tile)).astype(np.uint8)
 
 
-def material_indices(material: MaterialMap, lattice: Lattice, seed: int) -> Map:
+def material_indices(material: MaterialMap, lattice: Lattice, seed: int, place: Georeference | None = None) -> Map:
     """Row of the table of materials for each cell, (ny, nx) uint8, for the cell whose low corner is that node.
 
     A map repeats with its bed.
     """
-    cells = BedCells(lattice.shape, lattice.spacing, lattice.x0, lattice.y0, lattice.periodic, seed)
+    cells = BedCells(lattice.shape, lattice.spacing, lattice.x0, lattice.y0, lattice.periodic, seed, place)
     with located("seabed.material"):
         return material.indices(cells)
 
 
-def endless_materials(material: MaterialMap, period: float, spacing: float, seed: int) -> Callable[[int, int], Map]:
+def endless_materials(
+    material: MaterialMap, period: float, spacing: float, seed: int, place: Georeference | None = None
+) -> Callable[[int, int], Map]:
     """Tiles of a map of materials, (TILE, TILE) uint8; fractal fields are smooth beyond a period."""
 
     def tile(row: int, column: int) -> Map:
         x0, y0 = column * TILE * spacing, row * TILE * spacing
-        cells = TileCells((TILE, TILE), spacing, x0, y0, False, seed, (row, column), period)
+        cells = TileCells((TILE, TILE), spacing, x0, y0, False, seed, place, (row, column), period)
         with located("seabed.material"):
             return material.indices(cells)
 

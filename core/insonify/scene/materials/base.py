@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Protocol
+from typing import TYPE_CHECKING, Annotated, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.io.georeference import Georeference
 from insonify.scene.base import Declaration, parameter
 from insonify.scene.kinds import Family, KindOf
 from insonify.scene.materials.reflectivity import Reflectivity
@@ -34,6 +35,10 @@ class Cells(Protocol):
     def periodic(self) -> bool:
         """Whether the bed repeats after its extent."""
 
+    @property
+    def place(self) -> Georeference | None:
+        """Place of the local (0, 0) on Earth, for a map that lies on Earth too."""
+
     def centres(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Local x and y of the cells' middles, (nx,) and (ny,), in metres."""
 
@@ -48,6 +53,7 @@ class MaterialMap(Declaration):
     """Map of the materials of a bed; a kind declares its ``kind``, its fields, its `materials` and their `indices`."""
 
     family = MATERIAL_MAPS
+    on_a_map: ClassVar[bool] = False  # whether it lies on Earth, not on the bed
     kind: str = parameter(description="kind of map")
 
     @property
