@@ -10,19 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.dataset import Columns, make_dataset, record_attributes
-from insonify.kernels.common.types import Poses, SceneArrays, still_water
+from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.navigation import bed_beneath, make_poses, refuse_track_off_bed, take_poses
-from insonify.packing.reduced_scene import reduce_scene
-from insonify.packing.scene_arrays import make_bed, pack_scene
 from insonify.packing.terrain_tiles import TerrainTiles
 from insonify.packing.track import TowLine, tow_line_at
 from insonify.parallel import count_threads, limited_threads
-from insonify.planning import Plan, plan
+from insonify.planning import Plan
+from insonify.planning.models import PackedScene, pack
+from insonify.planning.selection import check_request, choose_model, keep_plan
 from insonify.receiver import Reception, Traced, prepare_reception, record_echoes
 from insonify.scene import Scene, SceneError
-from insonify.terrain import AnyGround, build_ground
+from insonify.terrain import AnyGround
 from insonify.tracers.labels import RecordLabels, trace_labels
-from insonify.tracers.registry import Tracer, make_tracer
+from insonify.tracers.registry import Tracer
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -167,13 +167,17 @@ def prepare(
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
     threads: int | None = None,
+    plan: Plan | None = None,
 ) -> Simulation:
-    """Plan a scene, build its ground and make its receiver ready.
+    """Build the ground of a scene, plan it and make its receiver ready.
 
     Parameters
     ----------
     scene, method, tolerance, forced, threads
         As in `simulate`.
+    plan : Plan, optional
+        A plan of this scene or of one like it, which is kept as far as the geometry of the scene admits it; nothing is
+        measured then.
 
     Returns
     -------
@@ -184,31 +188,28 @@ def prepare(
     SceneError
         One sentence with what is wrong and the remedy.
     """
+    wishes = forced or {}
+    check_request(scene, tolerance, method, wishes)
     with limited_threads(threads):
-        return _prepare(scene, plan(scene, tolerance, method=method, forced=forced), threads)
+        packed = pack(scene)
+        refuse_track_off_bed(scene, packed.ground)
+        if plan is None:
+            return _prepare(packed, choose_model(packed, tolerance, method, wishes), threads)
+        return _prepare(packed, keep_plan(packed, plan, method, wishes), threads)
 
 
-def _prepare(scene: Scene, chosen: Plan, threads: int | None) -> Simulation:
+def _prepare(packed: PackedScene, plan: Plan, threads: int | None) -> Simulation:
     """Make a planned scene ready to be traced."""
-    ground = build_ground(scene)
-    refuse_track_off_bed(scene, ground)
-    arrays = pack_scene(scene, ground)
-    if not chosen.bent:
-        arrays = arrays._replace(water=still_water(arrays.water.reference, arrays.water.surface))
-    tracer = make_tracer(chosen.method, scene, arrays)
-    kept, bed = ground, arrays.bed
-    if chosen.every > 1:
-        kept = ground.thinned(chosen.every)
-        bed = make_bed(kept.around(scene.track.start, 0.0))
+    reduced = packed.reduced(plan.model)
     return Simulation(
-        scene=scene,
-        plan=chosen,
-        ground=ground,
-        arrays=arrays,
-        reduced=reduce_scene(arrays, bed=bed, ways=chosen.ways, bounces=chosen.bounces, targets=chosen.targets),
-        tiles=TerrainTiles(kept, (arrays.bins + tracer.bins_beyond) * arrays.bin_length),
-        tracer=tracer,
-        reception=prepare_reception(scene, ground, arrays),
+        scene=packed.scene,
+        plan=plan,
+        ground=packed.ground,
+        arrays=reduced.whole,
+        reduced=reduced.arrays,
+        tiles=reduced.tiles,
+        tracer=reduced.tracer,
+        reception=prepare_reception(packed.scene, packed.ground, reduced.whole),
         threads=threads,
     )
 

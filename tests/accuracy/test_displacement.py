@@ -9,8 +9,8 @@ import pytest
 
 from beds import arrays_of, poses_of
 from insonify.accuracy.displacement import find_echo_shifts, find_edge_shifts, measure_displacement
-from insonify.accuracy.record_errors import compute_flat_bed_curves
 from insonify.accuracy.similarity import measure_similarity
+from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.tracers import ray_sheets, rays
 
 BINS = 400

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.acoustics.error_range import ERROR_ALTITUDES
-from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
+from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.kernels.common.types import Poses, SceneArrays
 
 
@@ -104,18 +104,6 @@ def compare_records(
         first_bin=find_first_bin(1.0, arrays, poses),
         beyond_bin=find_first_bin(ERROR_ALTITUDES, arrays, poses),
     )
-
-
-def find_first_bin(altitudes: float, arrays: SceneArrays, poses: Poses) -> int:
-    """First bin that lies beyond a number of altitudes under every pose, at most the number of bins."""
-    return min(math.ceil(altitudes * float(poses.z.max(initial=0.0)) / arrays.bin_length), arrays.bins)
-
-
-def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:
-    """Record of a level Lambert bed under every pose, (n, 1, bins) float64."""
-    altitudes, which = np.unique(poses.z, return_inverse=True)
-    curves = np.array([flat_bed_curve(arrays, float(altitude)) for altitude in altitudes])
-    return curves.reshape(-1, arrays.bins)[which][:, None, :]
 
 
 def _ratio(part: float, whole: float) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.beam.pattern import ring_responses
-from insonify.kernels.common.types import LIGHT, SceneArrays
+from insonify.kernels.common.types import LIGHT, Poses, SceneArrays
 from insonify.scene.materials import Reflectivity
 
 LAMBERT = Reflectivity(1.0, 0.0, 1.0)
@@ -49,6 +49,13 @@ def flat_bed_curve(
     sigma = cos_incidence**2 * (diffuse / np.pi + specular * (shininess + 2.0) / (2.0 * np.pi) * mirrored)
     x = 0.5 * (x_near + x_far)
     return np.where(reached, sigma * (x_far - x_near) * along_track_width(arrays, x, r), 0.0) * arrays.range_factor
+
+
+def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:
+    """Record of a level Lambert bed under every pose, (n, 1, bins) float64."""
+    altitudes, which = np.unique(poses.z, return_inverse=True)
+    curves = np.array([flat_bed_curve(arrays, float(altitude)) for altitude in altitudes])
+    return curves.reshape(-1, arrays.bins)[which][:, None, :]
 
 
 def along_track_width(arrays: SceneArrays, x: NDArray[np.float64], r: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,7 +1,6 @@
-"""Plan of a simulation: the cheapest model of a scene that keeps a tolerance, with reasons."""
+"""Plan of a simulation: the cheapest model of a scene whose measured error keeps a tolerance, with reasons."""
 
-from insonify.planning.fitted_laws import MOST_PLANES
-from insonify.planning.overrides import METHODS
+from insonify.planning.choices.fineness import METHODS, MOST_PLANES
 from insonify.planning.plan_entries import Plan, PlanEntry
 from insonify.planning.selection import plan
 

@@ -7,6 +7,8 @@ import textwrap
 from dataclasses import dataclass, field
 from typing import Any
 
+from insonify.planning.models import Model
+
 WIDEST, NARROWEST = 120, 60  # characters of a table
 ERROR, COST = 8, 10  # characters of the last two columns
 
@@ -26,9 +28,10 @@ class PlanEntry:
     modelled : bool
         Whether the effect is modelled or left out.
     error : float
-        Predicted error due to this choice, as a share of the record.
+        Error due to this choice, measured on a few pings, as a share of the record.
     cost : float
-        Seconds per ping that it adds, both sides on one thread; for an effect left out, that it would add.
+        Seconds per ping that it adds on this machine, both sides on one thread; for an effect left out, that it would
+        add.
     options : tuple of str
         Choices that can be forced; none if there is no choice. Other numbers than those listed are accepted.
     forced : bool
@@ -40,7 +43,7 @@ class PlanEntry:
     reason: str
     modelled: bool = True
     error: float = 0.0
-    cost: float = 0.0
+    cost: float = field(default=0.0, compare=False)
     options: tuple[str, ...] = ()
     forced: bool = False
 
@@ -51,46 +54,66 @@ class Plan:
 
     Attributes
     ----------
-    method : str
-        Name of the tracer: sweep, march or rays.
-    settings : dict
-        Arguments of the tracer.
-    bent : bool
-        Whether sound is refracted; if not, it is straight at the sound speed of the sonar.
-    every : int
-        Stride of the nodes of the relief that are kept along each axis.
-    bounces : int
-        Number of specular bounces.
-    ways : frozenset of str
-        Multipaths by the sea surface that are modelled, by their names in the scene.
-    targets : tuple of int
-        Indices of the targets that are modelled.
+    model : Model
+        Tracer, settings and effects.
     block : int
         Number of pings that are simulated at a time.
-    entries : tuple of Entry
+    entries : tuple of PlanEntry
         All choices.
     error : float
-        Predicted error beyond 1.4 times the altitude, as a share of the record.
+        Measured error beyond 1.4 times the altitude, as a share of the record.
+    work : float
+        Work of a ping, by which models are compared: a count, the same on every machine.
     cost : float
-        Predicted seconds per ping, both sides on one thread.
+        Seconds per ping on this machine, both sides on one thread.
     """
 
-    method: str
-    settings: dict[str, Any] = field(default_factory=dict)
-    bent: bool = False
-    every: int = 1
-    bounces: int = 0
-    ways: frozenset[str] = frozenset()
-    targets: tuple[int, ...] = ()
+    model: Model
     block: int = 64
     entries: tuple[PlanEntry, ...] = ()
     error: float = 0.0
-    cost: float = 0.0
+    work: float = 0.0
+    cost: float = field(default=0.0, compare=False)
+
+    @property
+    def method(self) -> str:
+        """Name of the tracer: sweep, march or rays."""
+        return self.model.method
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Arguments of the tracer."""
+        return self.model.settings
+
+    @property
+    def bent(self) -> bool:
+        """Whether sound is refracted; if not, it is straight at the sound speed of the sonar."""
+        return self.model.bent
+
+    @property
+    def every(self) -> int:
+        """Stride of the nodes of the relief that are kept along each axis."""
+        return self.model.every
+
+    @property
+    def bounces(self) -> int:
+        """Number of specular bounces."""
+        return self.model.bounces
+
+    @property
+    def ways(self) -> frozenset[str]:
+        """Multipaths by the sea surface that are modelled, by their names in the scene."""
+        return self.model.ways
+
+    @property
+    def targets(self) -> tuple[int, ...]:
+        """Indices of the targets that are modelled."""
+        return self.model.targets
 
     @property
     def planes(self) -> int:
         """Number of planes across the beam; 1 where the method has none."""
-        return int(self.settings.get("planes", 1))
+        return self.model.planes
 
     def entry(self, subject: str) -> PlanEntry | None:
         """Return the entry about a subject, if there is one."""

@@ -4,13 +4,28 @@ from __future__ import annotations
 
 import math
 
-from insonify.planning.target_errors import locate_target, outline_of
+from insonify.errors import located
+from insonify.kernels.common.types import Bed
 from insonify.scene import Scene
+from insonify.scene.rotation import rotation_matrix
 from insonify.scene.surfaces import WAYS
-from insonify.scene.targets import Target
+from insonify.scene.targets.shape import Outline
 
 FARTHER = 1.1  # bound on how much farther refracted sound travels in the time of a slant range
-HIGHEST = 5.0  # bound on heights of bed and waves, in rms heights
+HIGHEST = 5.0  # bound on heights of waves, in rms heights
+OTHER_TILES = 2.0  # bound on the heights of endless ground, in those of the tile at the start
+
+
+def outline_of(scene: Scene, number: int) -> Outline:
+    """Outline of a target of a scene.
+
+    Raises
+    ------
+    SceneError
+        If its file cannot be read.
+    """
+    with located(f"targets.{number}"):
+        return scene.targets[number].outline
 
 
 def find_targets_in_reach(scene: Scene) -> tuple[int, ...]:
@@ -20,14 +35,26 @@ def find_targets_in_reach(scene: Scene) -> tuple[int, ...]:
         return tuple(range(len(scene.targets)))
     strayed = sum(motion.greatest_sway for motion in track.motions)
     reach = FARTHER * scene.sonar.range + strayed
-    distances = (_distance(scene, target) for target in scene.targets)
-    return tuple(k for k, distance in enumerate(distances) if distance <= reach + outline_of(scene, k).radius)
+    return tuple(k for k in range(len(scene.targets)) if _distance(scene, k) <= reach + outline_of(scene, k).radius)
 
 
-def _distance(scene: Scene, target: Target) -> float:
+def _distance(scene: Scene, number: int) -> float:
     """Horizontal distance of a target from the line of the track, continued endlessly from its start."""
-    along, athwart = locate_target(scene, target)
-    return math.hypot(min(along, 0.0), athwart)
+    x, y = (scene.targets[number].position[k] - scene.track.start[k] for k in (0, 1))
+    c, s = math.cos(math.radians(scene.track.heading)), math.sin(math.radians(scene.track.heading))
+    return math.hypot(min(x * c + y * s, 0.0), y * c - x * s)
+
+
+def find_narrowest_target(scene: Scene, targets: tuple[int, ...]) -> float:
+    """Return the least length along the track of any target over its distance from the track's start and line."""
+    heading = math.radians(scene.track.heading)
+    along = (math.cos(heading), math.sin(heading), 0.0)
+    narrowest = math.inf
+    for number in targets:
+        turned = rotation_matrix(*scene.targets[number].attitude).T @ along
+        distance = max(math.hypot(_distance(scene, number), scene.altitude), 1e-3)
+        narrowest = min(narrowest, 2.0 * outline_of(scene, number).extent(turned) / distance)
+    return narrowest
 
 
 def find_multipaths_in_reach(scene: Scene) -> dict[str, float]:
@@ -43,23 +70,28 @@ def find_multipaths_in_reach(scene: Scene) -> dict[str, float]:
     return {way: first[way] for way, is_on in zip(WAYS, surface.paths) if is_on}
 
 
-def bound_echo_advance(scene: Scene, rms_bed: float) -> dict[str, float]:
-    """Bound by how much slant range the first echo of each multipath may precede that over a level bed, in metres.
+def find_audible_multipaths(scene: Scene, bed: Bed) -> frozenset[str]:
+    """Return the multipaths by the sea surface whose echoes may arrive within the range.
 
     Parameters
     ----------
     scene : Scene
-    rms_bed : float
-        Rms height of the bed, in metres.
+    bed : Bed
+        The bed, or its tile at the start of the track.
     """
-    surface = scene.water.surface
-    waves = HIGHEST * surface.rms_height
+    waves = HIGHEST * scene.water.surface.rms_height
     # A measured bed may lie at any depth.
-    bed = math.inf if scene.seabed.relief.measured else HIGHEST * rms_bed
-    bed += max((2.0 * outline_of(scene, k).radius for k in range(len(scene.targets))), default=0.0)
-    return {
-        "surface_bottom": bed + waves,
-        "surface_bottom_surface": bed + 2.0 * waves,
-        "second_bottom": 3.0 * bed + waves,
+    rise = (
+        math.inf
+        if scene.seabed.relief.measured
+        else max(bed.high, 0.0) * (OTHER_TILES if scene.seabed.endless else 1.0)
+    )
+    rise += max((2.0 * outline_of(scene, k).radius for k in range(len(scene.targets))), default=0.0)
+    sooner = {
+        "surface_bottom": rise + waves,
+        "surface_bottom_surface": rise + 2.0 * waves,
+        "second_bottom": 3.0 * rise + waves,
         "surface_echo": waves,
     }
+    first = find_multipaths_in_reach(scene)
+    return frozenset(way for way in first if first[way] - sooner[way] <= scene.sonar.range)

@@ -13,7 +13,8 @@ from insonify.accuracy.charts.method_settings import EMBREE_OWN, Record, Setting
 from insonify.accuracy.charts.reference import Reference
 from insonify.accuracy.charts.style import format_percent, format_time
 from insonify.accuracy.displacement import Displacement
-from insonify.accuracy.record_errors import RecordErrors, compute_flat_bed_curves
+from insonify.accuracy.record_errors import RecordErrors
+from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.display.picture import extend_to_water_column, normalise
 from insonify.kernels.common.types import Poses, SceneArrays
 

@@ -1,0 +1,214 @@
+"""Base of all choices of a plan, and the scene that they decide about."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+from insonify.planning.models import Model, PackedScene
+from insonify.planning.plan_entries import PlanEntry
+from insonify.planning.probe import Probe
+from insonify.planning.probe_pings import choose_probe_pings
+from insonify.planning.relevance import find_audible_multipaths, find_multipaths_in_reach, find_targets_in_reach
+from insonify.scene import Scene, SceneError
+
+SWITCH = ("on", "off")
+EFFECT, TRACER, FINENESS = range(3)  # stages in which choices are made
+FEWEST_RAYS = 1000  # per side; enough to compare effects in the same pings
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A scene that is planned, with the requested method and the forced choices by their subjects."""
+
+    packed: PackedScene
+    asked: str
+    forced: Mapping[str, str]
+
+    @property
+    def scene(self) -> Scene:
+        """Its declaration."""
+        return self.packed.scene
+
+    @cached_property
+    def near(self) -> tuple[int, ...]:
+        """Indices of the targets within reach of the track."""
+        return find_targets_in_reach(self.scene)
+
+    @cached_property
+    def probe(self) -> Probe:
+        """Its probe, made when a choice first asks for it."""
+        return Probe(self.packed, choose_probe_pings(self.scene, self.packed.ground, self.near))
+
+    @cached_property
+    def first_echoes(self) -> dict[str, float]:
+        """Slant range of the first echo of each path by the sea surface, in metres."""
+        return find_multipaths_in_reach(self.scene)
+
+    @cached_property
+    def heard(self) -> frozenset[str]:
+        """Paths by the sea surface whose echoes may arrive within the range."""
+        return find_audible_multipaths(self.scene, self.packed.arrays.bed)
+
+    @property
+    def words(self) -> str:
+        """Number of pings on which errors are measured, in words."""
+        return f"{self.probe.count} ping{'s' * (self.probe.count > 1)}"
+
+
+class Choice:
+    """A choice of a plan.
+
+    Attributes
+    ----------
+    subject : str
+        Name by which it is forced.
+    field : str
+        Field of the `Model` that it sets.
+    stage : int
+        Effects are chosen first, then the tracer, then its fineness. The errors of effects and tracer do not depend on
+        choices of a later stage.
+    rank : int
+        Place of its entries in a plan.
+    offered : tuple of str
+        Settings offered to a user.
+    """
+
+    subject: ClassVar[str]
+    field: ClassVar[str]
+    stage: ClassVar[int] = EFFECT
+    rank: ClassVar[int]
+    offered: ClassVar[tuple[str, ...]] = SWITCH
+
+    def parse(self, text: str) -> Any:
+        """Read a forced setting.
+
+        Raises
+        ------
+        SceneError
+            If it is not known.
+        """
+        if text not in self.offered:
+            known = ", ".join(self.offered)
+            raise SceneError(f"model {self.subject}: {text!r} is not known; choose one of {known}")
+        return text == "on"
+
+    def settings(self, case: Case, model: Model) -> tuple[Any, ...]:
+        """Values of the field to consider with the choices already made, coarse to fine; one if there is no choice."""
+        raise NotImplementedError
+
+    def error(self, case: Case, model: Model, enough: float) -> float:
+        """Measured error of a model's setting; one greater than ``enough`` need not be measured further."""
+        del case, model, enough
+        return 0.0
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entries of the plan about it; none where the scene leaves nothing to say."""
+        raise NotImplementedError
+
+    def require(self, case: Case, model: Model) -> None:
+        """Raise an error if a model with its setting cannot be simulated.
+
+        Raises
+        ------
+        SceneError
+        """
+
+    def kept(self, case: Case, model: Model, last: Model) -> Any:
+        """Value of another model where the scene admits it, otherwise the finest."""
+        values, value = self.settings(case, model), getattr(last, self.field)
+        return value if value in values else values[-1]
+
+    def wish(self, case: Case) -> Any:
+        """Return the forced setting, or None."""
+        return self.parse(case.forced[self.subject]) if self.subject in case.forced else None
+
+    def entry(self, case: Case, choice: str, reason: str, **others: Any) -> PlanEntry:
+        """Make an entry about this choice."""
+        return PlanEntry(self.subject, choice, reason, forced=self.subject in case.forced, **others)
+
+    def switched(
+        self, case: Case, model: Model, choice: str, reason: str, off: Any, on: Any, error: float
+    ) -> PlanEntry:
+        """Make the entry of an effect that is modelled or left out, with the time that it takes."""
+        modelled = getattr(model, self.field) == on
+        pair = (model._replace(**{self.field: value}) for value in (on, off))
+        whole, less = (case.probe.seconds(one) for one in pair)
+        cost = max(whole - less, 0.0)
+        return self.entry(case, choice, reason, modelled=modelled, error=error, cost=cost, options=SWITCH)
+
+
+class Number(Choice):
+    """A choice of a number within bounds."""
+
+    low: ClassVar[float] = 1
+    high: ClassVar[float]
+    whole: ClassVar[bool] = True
+
+    def parse(self, text: str) -> Any:
+        """Read a forced number."""
+        try:
+            number = float(text)
+        except ValueError:
+            number = math.nan
+        if not self.low <= number <= self.high or (self.whole and number != int(number)):
+            whole = "a whole number" if self.whole else "a number"
+            raise SceneError(
+                f"model {self.subject}: {text!r} will not do; give {whole} from {self.low:g} to {self.high:g}"
+            )
+        return int(number) if self.whole else number
+
+
+class Ladder(Number):
+    """Fineness of a tracer in doublings, the error of each measured from the next.
+
+    Attributes
+    ----------
+    first : int
+        Coarsest rung.
+    method : str
+        Tracer that it belongs to.
+    """
+
+    stage = FINENESS
+    first: ClassVar[int] = 1
+    method: ClassVar[str]
+
+    def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
+        """Models of a rung and of the finer one by which it is judged."""
+        del case
+        return model._replace(**{self.field: rung}), model._replace(**{self.field: 2 * rung})
+
+    def rung(self, model: Model) -> int:
+        """Greatest rung that is not finer than a model."""
+        return int(self.first * 2 ** math.floor(math.log2(max(getattr(model, self.field) / self.first, 1.0))))
+
+    def error(self, case: Case, model: Model, enough: float) -> float:
+        """Error of the rung below; from there it falls with the power, of 0.5 to 1, with which it fell to that rung."""
+        del enough
+        if model.method != self.method:
+            return 0.0
+        rung = self.rung(model)
+        error = case.probe.difference(*self.pair(case, model, rung))
+        finer = max(getattr(model, self.field) / rung, 1.0)
+        if finer == 1.0 or error == 0.0:
+            return error
+        before = case.probe.difference(*self.pair(case, model, rung // 2)) if rung > self.first else error
+        return float(error * finer ** -min(max(math.log2(max(before / error, 1.0)), 0.5), 1.0))
+
+    def measured(self, case: Case, model: Model, words: str, error: float) -> str:
+        """Reason with what was measured."""
+        rung = self.rung(model)
+        coarse, fine = self.pair(case, model, rung)
+        said = f"on {case.words} {rung} {words} are {percent(case.probe.difference(coarse, fine))} from "
+        said += f"{getattr(fine, self.field)}"
+        number = getattr(model, self.field)
+        return said if number <= rung else f"{said}, so {number} about {percent(error)} from more"
+
+
+def percent(error: float) -> str:
+    """Return an error in words."""
+    return f"{100.0 * error:.2g} %"

@@ -1,0 +1,182 @@
+"""Choices of the effects that are modelled: refraction, bounces, targets and paths by the sea surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from insonify.planning.checks import check_refraction
+from insonify.planning.choices.base import FEWEST_RAYS, Case, Choice, percent
+from insonify.planning.models import Model
+from insonify.planning.plan_entries import PlanEntry
+from insonify.scene.surfaces import WAYS
+
+
+class Bending(Choice):
+    """Refraction of sound."""
+
+    subject, field, rank = "bending", "bent", 5
+
+    def settings(self, case: Case, model: Model) -> tuple[bool, ...]:
+        """Straight rays, refracted ones or both; straight ones where the sound speed is the same everywhere."""
+        wish = self.wish(case)
+        if not case.packed.arrays.water.bent:
+            return (False,)
+        return (False, True) if wish is None else (wish,)
+
+    def error(self, case: Case, model: Model, enough: float) -> float:
+        """Error of straight rays: the same pings by one plane, without paths by the surface."""
+        del enough
+        if model.bent or not case.packed.arrays.water.bent:
+            return 0.0
+        method = "rays" if case.scene.water.varies_along else "sweep"
+        plain = Model(method, rays=FEWEST_RAYS, targets=model.targets)
+        return case.probe.difference(plain, plain._replace(bent=True))
+
+    def require(self, case: Case, model: Model) -> None:
+        """Raise an error if refraction is combined with an effect computed along straight rays only."""
+        if model.bent:
+            check_refraction(case.scene, case.asked)
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of refraction; none in water of constant sound speed."""
+        if not case.packed.arrays.water.bent:
+            return
+        left_out = percent(self.error(case, model._replace(bent=False), math.inf))
+        by = "tables of apparent positions" if model.method == "sweep" else "rays follow circular arcs"
+        reason = f"on {case.words} straight rays are {left_out} from refracted ones"
+        reason = f"{by}; {reason}" if model.bent else reason
+        yield self.switched(case, model, "refraction", reason, False, True, error)
+
+
+class Bounces(Choice):
+    """Specular reflection and transmission after the first echo."""
+
+    subject, field, rank = "bounces", "bounces", 9
+
+    def settings(self, case: Case, model: Model) -> tuple[int, ...]:
+        """None, as many as the scene asks for, or both; none over a level bed without targets."""
+        asked, wish = case.scene.sonar.bounces, self.wish(case)
+        if asked == 0 or (case.scene.seabed.relief.level and not case.scene.targets):
+            return (0,)
+        if wish is not None:
+            return (asked if wish else 0,)
+        return (asked,) if case.asked in ("sweep", "march") else (0, asked)
+
+    def error(self, case: Case, model: Model, enough: float) -> float:
+        """Share of the later echoes in the same pings by single rays."""
+        del enough
+        asked = case.scene.sonar.bounces
+        if self.settings(case, model) == (0,) or model.bounces == asked:
+            return 0.0
+        plain = Model("rays", rays=FEWEST_RAYS, targets=model.targets)
+        return case.probe.difference(plain, plain._replace(bounces=asked))
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the bounces that a scene asks for."""
+        asked = case.scene.sonar.bounces
+        if asked == 0:
+            return
+        reason = "specular reflection and transmission after the first echo"
+        if self.settings(case, model) == (0,) and self.wish(case) is None:
+            reason = "later echoes add nothing on a level bed without targets"
+        elif model.bounces == 0:
+            reason = f"on {case.words} later echoes are {percent(error)} of the record"
+        yield self.switched(case, model, f"{asked} bounces", reason, 0, asked, error)
+
+
+class Targets(Choice):
+    """Targets within reach of the track."""
+
+    subject, field, rank = "targets", "targets", 6
+    within = True
+
+    def settings(self, case: Case, model: Model) -> tuple[tuple[int, ...], ...]:
+        """Those within reach unless forced otherwise; geometry decides."""
+        wish = self.wish(case)
+        modelled = self.within if wish is None else wish
+        return (tuple(sorted((*model.targets, *(self._of(case) if modelled else ())))),)
+
+    def _of(self, case: Case) -> tuple[int, ...]:
+        return tuple(k for k in range(len(case.scene.targets)) if (k in case.near) == self.within)
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the targets within reach, or of those out of reach."""
+        of = self._of(case)
+        if not of:
+            return
+        modelled = set(of) <= set(model.targets)
+        reason = "left out by the user"
+        if not self.within:
+            reason = "too far from the track for any ping"
+        elif modelled:
+            triangles = int(case.packed.arrays.mesh.target.size)
+            reason = "within reach of the track" + (f", with {triangles:,} triangles" if triangles else "")
+        off = tuple(k for k in model.targets if k not in of)
+        on = tuple(sorted((*off, *of)))
+        choice = f"{len(of)} target{'s' * (len(of) > 1)}{'' if self.within else ' out of reach'}"
+        yield self.switched(case, model, choice, reason, off, on, error)
+
+
+class FarTargets(Targets):
+    """Targets out of reach of the track."""
+
+    subject, rank, within = "far_targets", 7, False
+
+
+class SurfacePath(Choice):
+    """One path by the sea surface."""
+
+    field, rank = "ways", 8
+
+    def __init__(self, way: str) -> None:
+        self.subject = way  # type: ignore[misc]
+
+    def settings(self, case: Case, model: Model) -> tuple[frozenset[str], ...]:
+        """Without it, with it or both; without it if no echo arrives within the range."""
+        wish, off = self.wish(case), model.ways - {self.subject}
+        if self.subject not in case.first_echoes:
+            return (off,)
+        if wish is None:
+            return (off, off | {self.subject}) if self.subject in case.heard else (off,)
+        return (off | {self.subject} if wish else off,)
+
+    def error(self, case: Case, model: Model, enough: float) -> float:
+        """Share of its echoes in the record, in the same pings by one plane."""
+        del enough
+        if self.subject in model.ways or self.subject not in case.heard or self.wish(case) is False:
+            return 0.0
+        method = "rays" if model.method == "rays" else "sweep"
+        whole = Model(method, rays=FEWEST_RAYS if method == "rays" else 0, targets=model.targets, ways=case.heard)
+        share = case.probe.difference(whole._replace(ways=case.heard - {self.subject}), whole)
+        return share * math.sqrt(len(case.heard - model.ways))  # energies add up, errors are summed by squares
+
+    def kept(self, case: Case, model: Model, last: Model) -> frozenset[str]:
+        """Return the model's other paths, with this one if another model has it and the scene admits it."""
+        values = self.settings(case, model)
+        return values[0] if len(values) == 1 or self.subject not in last.ways else values[1]
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the path, if the scene has it."""
+        if self.subject not in case.first_echoes:
+            return
+        surface, on = case.scene.water.surface, model.ways | {self.subject}
+        reason = "from image sources above the surface; objects higher than the sonar do not block the path"
+        if self.subject in model.ways and surface.rms_height > 0.0:
+            slope = math.degrees(math.sqrt(surface.slope_variance))
+            reason = (
+                f"from image sources above the surface; waves of {surface.rms_height:.2g} m rms and slopes of "
+                f"{slope:.2g}° rms spread the echo in range"
+            )
+        elif self.subject not in model.ways:
+            first, reach = case.first_echoes[self.subject], case.scene.sonar.range
+            reason = f"its first echo arrives at {first:.3g} m, beyond the range of {reach:g} m"
+            if self.subject in case.forced:
+                reason = "left out by the user"
+            elif self.subject in case.heard:
+                reason = f"on {case.words} {percent(error)} of the record"
+        choice = f"{surface.kind} sea, {self.subject.replace('_', '-')}"
+        yield self.switched(case, model, choice, reason, model.ways - {self.subject}, on, error)
+
+
+CHOICES: tuple[Choice, ...] = (Bounces(), Bending(), Targets(), FarTargets(), *(SurfacePath(way) for way in WAYS))

@@ -1,0 +1,218 @@
+"""Choices of the tracer and its fineness: planes, rays, steps and nodes of the relief."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from insonify.planning.choices.base import FEWEST_RAYS, FINENESS, TRACER, Case, Choice, Ladder, Number, percent
+from insonify.planning.models import Model
+from insonify.planning.plan_entries import PlanEntry
+from insonify.planning.relevance import find_narrowest_target
+from insonify.scene import SceneError
+
+METHODS = ("auto", "sweep", "march", "rays")
+# Numbers of planes that a plan may choose; beams with a pattern need many more in their near field.
+COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
+MOST_PLANES, MOST_OF_PATTERNS = COUNTS[-1], 64
+FOLDED_RAYS = (4000, 16_000, 64_000)  # per side, of the sweep's pings with several eigenrays or none
+STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period of the bed keeps
+NEARER = 1.0 / 3.0  # weight of the error of coarser nodes over all bins, the strong ones near nadir too
+AT_NO_COST = 2e6  # work of the probe that takes some milliseconds
+
+
+class Method(Choice):
+    """The tracer."""
+
+    subject, field, stage, rank, offered = "method", "method", TRACER, 0, METHODS[1:]
+
+    def parse(self, text: str) -> str:
+        """Read a forced method."""
+        if text not in METHODS:
+            raise SceneError(f"method: {text!r} is not known; choose one of {', '.join(METHODS)}")
+        return text
+
+    def settings(self, case: Case, model: Model) -> tuple[str, ...]:
+        """Return the requested method, otherwise the sweep wherever it can be used."""
+        if case.asked != "auto":
+            return (case.asked,)
+        single = model.bounces > 0 or (model.bent and case.scene.water.varies_along)
+        return ("rays" if single else "sweep",)
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the tracer, with the time of its simplest use."""
+        if case.asked != "auto":
+            reason = "as requested"
+        elif model.bounces > 0:
+            reason = f"{model.bounces} bounces require single rays"
+        elif model.method == "rays":
+            reason = "the sound speed varies along the range, which requires single rays"
+        else:
+            reason = "a height field and first echoes do not require single rays"
+        plain = model._replace(planes=1, bent=False, bounces=0, targets=(), ways=frozenset())
+        options = () if case.scene.receiver.speckle.interferes else self.offered
+        cost = case.probe.seconds(plain)
+        yield self.entry(case, model.method, reason, error=error, cost=cost, options=options)
+
+
+class Planes(Ladder):
+    """Planes across the beam."""
+
+    subject, field, method, rank, high = "planes", "planes", "sweep", 1, 512
+    offered = ("2", "4", "8", "16", "32", "64")
+
+    def settings(self, case: Case, model: Model) -> tuple[int, ...]:
+        """Return the numbers of planes; one for a beam without width."""
+        if model.method != self.method or not case.scene.sonar.beam.has_width:
+            return (1,)
+        wish, patterned = self.wish(case), case.packed.arrays.pattern.tabulated
+        if wish is not None:
+            return (wish,)
+        fewest = 2 if case.scene.receiver.speckle.interferes else 1  # each scatterer has its own place in the beam
+        return tuple(count for count in COUNTS if fewest <= count <= (MOST_OF_PATTERNS if patterned else MOST_PLANES))
+
+    def error(self, case: Case, model: Model, enough: float) -> float:
+        """Error measured at the doubling below; none for a beam without width."""
+        return super().error(case, model, enough) if case.scene.sonar.beam.has_width else 0.0
+
+    def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
+        """Models of a rung and of so many planes that some meet every target."""
+        coarse, fine = super().pair(case, model._replace(rays=FEWEST_RAYS if model.bent else 0), rung)
+        return coarse, fine._replace(planes=max(fine.planes, _planes_that_meet(case, model)))
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the planes, with the time beyond that of one."""
+        if model.method != self.method:
+            return
+        if not case.scene.sonar.beam.has_width:
+            yield self.entry(case, "1 plane", "a knife-edge beam has no width")
+            return
+        reason = self.measured(case, model, "planes" if self.rung(model) > 1 else "plane", error)
+        cost = case.probe.seconds(model) - case.probe.seconds(model._replace(planes=1))
+        choice = f"{model.planes} plane{'s' * (model.planes > 1)}"
+        yield self.entry(case, choice, reason, error=error, cost=max(cost, 0.0), options=self.offered)
+
+
+class Rays(Ladder):
+    """Single rays per side; of the sweep those of pings to which several eigenrays or none lead."""
+
+    subject, field, method, rank, high, first = "rays", "rays", "rays", 2, 1 << 22, FEWEST_RAYS
+    offered = ("1000", "4000", "16000", "64000")
+
+    def settings(self, case: Case, model: Model) -> tuple[int, ...]:
+        """Numbers of rays by doublings; none for a tracer without."""
+        wish = self.wish(case)
+        if model.method == "sweep" and not model.bent:
+            return (0,)
+        if wish is not None:
+            return (wish,)
+        if model.method == "march":
+            return (case.scene.sonar.bins,)
+        if model.method == "rays":
+            return tuple(self.first << n for n in range(13))
+        return FOLDED_RAYS
+
+    def error(self, case: Case, model: Model, enough: float) -> float:
+        """Error of single rays; with the sweep of those pings only that it leaves to rays."""
+        if model.method == "sweep" and model.bent:
+            plain = model._replace(planes=1, every=1)
+            return case.probe.difference(plain, plain._replace(rays=2 * model.rays))
+        return super().error(case, model, enough)
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the rays."""
+        if model.method == self.method:
+            reason = self.measured(case, model, "rays per side", error)
+            yield self.entry(case, f"{model.rays} rays", reason, error=error, options=self.offered)
+        elif model.rays:
+            reason = f"where several eigenrays or none reach a place, a ping is traced with {model.rays} rays per side"
+            yield self.entry(case, f"{model.rays} rays", reason, error=error, options=self.offered)
+
+
+class Step(Number):
+    """Steps of the march, with rays as dense."""
+
+    subject, field, stage, rank, whole = "step", "step", FINENESS, 3, False
+    low, high = 1e-6, 1e4
+    offered = ("0.02", "0.05", "0.1", "0.2", "0.5")
+
+    def settings(self, case: Case, model: Model) -> tuple[float, ...]:
+        """Return steps of a cell, its half, a quarter and so on."""
+        if model.method != "march":
+            return (0.0,)
+        wish, spacing = self.wish(case), case.packed.arrays.bed.spacing
+        return tuple(spacing / 2**n for n in range(7)) if wish is None else (wish,)
+
+    def error(self, case: Case, model: Model, enough: float) -> float:
+        """Error measured from half the step."""
+        del enough
+        if model.method != "march":
+            return 0.0
+        return case.probe.difference(model, model._replace(step=0.5 * model.step, rays=2 * model.rays))
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the step."""
+        if model.method == "march":
+            reason = (
+                f"{model.rays} rays per side; on {case.words} {percent(error)} from half the step with twice the "
+                "rays; the march can step over anything thinner than a step"
+            )
+            yield self.entry(case, f"steps of {model.step:.3g} m", reason, error=error, options=self.offered)
+
+
+class Spacing(Number):
+    """Stride of the nodes of the relief that are kept."""
+
+    subject, field, stage, rank, high = "spacing", "every", FINENESS, 4, 64
+    offered = ("1", "2", "4", "8")
+
+    def settings(self, case: Case, model: Model) -> tuple[int, ...]:
+        """Strides that divide the period of the bed; every node of a measured bed, which is not alike everywhere."""
+        seabed, wish = case.scene.seabed, self.wish(case)
+        cells = {round(part.period / seabed.spacing) for part in seabed.random_reliefs if not part.endless}
+        if wish is not None:
+            if any(count % wish for count in cells):
+                raise SceneError(
+                    f"model spacing: '{wish}' does not divide the {min(cells)} cells after which the bed repeats; "
+                    "give a number that does, such as 1"
+                )
+            return (wish,)
+        if not (seabed.random_reliefs or seabed.relief.level):
+            return (1,)
+        fitting = (n for n in STRIDES if n == 1 or all(c % n == 0 and c >= FEWEST_CELLS * n for c in cells))
+        return tuple(sorted(fitting, reverse=True))
+
+    def error(self, case: Case, model: Model, enough: float) -> float:
+        """Greatest error of the strides up to a model's, measured with about half its planes."""
+        planes = 2 ** max(int(math.log2(model.planes)) - 1, 0)
+        fine = model._replace(planes=planes, every=1, rays=min(model.rays, FEWEST_RAYS))
+        error, stride = 0.0, 2
+        while stride <= model.every and error <= enough:
+            error = max(error, case.probe.difference(fine._replace(every=stride), fine, nearer=NEARER))
+            stride *= 2
+        return error
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the nodes."""
+        spacing = case.scene.seabed.spacing
+        if model.every == 1:
+            yield self.entry(case, "every node of the relief", f"{spacing:.3g} m apart", options=self.offered)
+            return
+        reason = f"{model.every * spacing:.3g} m apart instead of {spacing:.3g} m; on {case.words} {percent(error)}"
+        saved = max(case.probe.seconds(model._replace(every=1)) - case.probe.seconds(model), 0.0)
+        choice = f"detail between every {model.every} nodes of the relief"
+        yield self.entry(case, choice, reason, modelled=False, error=error, cost=saved, options=self.offered)
+
+
+def _planes_that_meet(case: Case, model: Model) -> int:
+    """Planes of which at least one meets each target, a power of two, as far as they are traced in little time."""
+    if not model.targets:
+        return 1
+    needed = 2.0 * math.sin(case.packed.arrays.half_width) / find_narrowest_target(case.scene, model.targets)
+    planes = 2 ** math.ceil(math.log2(max(needed, 1.0)))
+    while planes > 1 and case.probe.count * case.packed.work(model._replace(planes=planes)) > AT_NO_COST:
+        planes //= 2
+    return planes
+
+
+CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Step(), Spacing())

@@ -1,0 +1,114 @@
+"""Model of a scene: tracer, settings and effects included; the arrays that are traced by it, and its work."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from insonify.kernels.common.types import SceneArrays, still_water
+from insonify.packing.reduced_scene import reduce_scene
+from insonify.packing.scene_arrays import make_bed, pack_scene
+from insonify.packing.terrain_tiles import TerrainTiles
+from insonify.scene import Scene
+from insonify.terrain import AnyGround, build_ground
+from insonify.tracers.registry import Tracer, make_tracer
+
+# Work of a ping in knots of one plane over uniform water: of a plane besides its knots, of the planes of the near field
+# that several planes need, of a target in a plane, and factors of refraction and of one path by the sea surface.
+PLANE, NEAR_PLANES, TARGET, REFRACTED, SURFACE_PATH = 300.0, 4.0, 100.0, 1.5, 10.0
+RAY, REFRACTED_RAY, STEP = 20.0, 300.0, 0.6  # of a ray, of a refracted one, of a step of the march
+
+
+class Model(NamedTuple):
+    """Model of a scene: its tracer, the settings of the tracer, and the effects that it includes."""
+
+    method: str = "sweep"
+    planes: int = 1
+    rays: int = 0  # per side; of the sweep, for pings where several eigenrays or none reach a place
+    step: float = 0.0  # m, of the march
+    every: int = 1  # stride of the nodes of the relief that are kept
+    bent: bool = False
+    bounces: int = 0
+    targets: tuple[int, ...] = ()  # indices of those modelled
+    ways: frozenset[str] = frozenset()  # multipaths by the sea surface that are modelled
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Keyword arguments of the tracer."""
+        if self.method == "march":
+            return {"step": self.step, "rays": self.rays}
+        if self.method == "rays":
+            return {"rays": self.rays}
+        return {"planes": self.planes} | ({"rays": self.rays} if self.bent else {})
+
+
+class ReducedScene(NamedTuple):
+    """Scene as a model simulates it.
+
+    Attributes
+    ----------
+    whole : SceneArrays
+        With all that the scene declares, but straight rays if the model takes them.
+    arrays : SceneArrays
+        Without the effects that the model omits; this one is traced.
+    tiles : TerrainTiles
+        The ground about each ping, with as many nodes as the model keeps.
+    tracer : Tracer
+        The method that finds echoes.
+    """
+
+    whole: SceneArrays
+    arrays: SceneArrays
+    tiles: TerrainTiles
+    tracer: Tracer
+
+
+@dataclass(frozen=True, eq=False)
+class PackedScene:
+    """Scene with its ground and arrays, from which any model of it is made."""
+
+    scene: Scene
+    ground: AnyGround
+    arrays: SceneArrays
+
+    def reduced(self, model: Model) -> ReducedScene:
+        """Scene without the effects that a model omits, ready to be traced."""
+        whole, kept = self.arrays, self.ground
+        if not model.bent:
+            whole = whole._replace(water=still_water(whole.water.reference, whole.water.surface))
+        tracer, bed = make_tracer(model.method, self.scene, whole), whole.bed
+        if model.every > 1:
+            kept = kept.thinned(model.every)
+            bed = make_bed(kept.around(self.scene.track.start, 0.0))
+        arrays = reduce_scene(whole, bed=bed, ways=model.ways, bounces=model.bounces, targets=model.targets)
+        return ReducedScene(
+            whole, arrays, TerrainTiles(kept, (whole.bins + tracer.bins_beyond) * whole.bin_length), tracer
+        )
+
+    def work(self, model: Model) -> float:
+        """Work of a ping, both sides, by which models are compared; a count, the same on every machine."""
+        arrays, paths = self.arrays, len(model.ways)
+        reach = arrays.bins * arrays.bin_length
+        if model.method != "sweep":
+            of_ray = REFRACTED_RAY if model.bent else RAY
+            of_ray += STEP * reach / model.step if model.method == "march" else 0.0
+            return 2.0 * model.rays * of_ray * (1.0 + paths) * (1.0 + model.bounces)
+        heading = math.radians(self.scene.track.heading)
+        across = abs(math.cos(heading)) + abs(math.sin(heading))  # a plane crosses both families of grid lines
+        knots = across * reach / (arrays.bed.spacing * model.every)
+        profile = PLANE + knots * (REFRACTED if model.bent else 1.0) + TARGET * len(model.targets)
+        planes = 1.0 if model.planes == 1 else model.planes + NEAR_PLANES
+        return 2.0 * planes * profile * (1.0 + SURFACE_PATH * paths)
+
+
+def pack(scene: Scene) -> PackedScene:
+    """Build the ground of a scene and pack its arrays.
+
+    Raises
+    ------
+    SceneError
+        If a file cannot be read, or the ground and the arrays cannot be made.
+    """
+    ground = build_ground(scene)
+    return PackedScene(scene, ground, pack_scene(scene, ground))
