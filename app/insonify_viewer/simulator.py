@@ -219,7 +219,10 @@ class Simulator(QObject):
 
         last = self._last.get(fine)
         if last is None or last[:2] != (scene, modelling):
-            simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced))
+            # While a slider moves nothing is measured: the last plan serves as far as the scene admits it.
+            known = self._last.get(True)
+            kept = {} if fine or known is None else {"plan": known[2].plan}
+            simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced), **kept)
             last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
         return last[2:]
 

@@ -11,7 +11,8 @@ from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.packing.navigation import make_poses
 from insonify.packing.scene_arrays import pack_scene
 from insonify.packing.track import tow_line_at
-from insonify.planning import plan
+from insonify.planning import Plan
+from insonify.planning import plan as make_plan
 from insonify.receiver import make_reception
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MATERIALS
@@ -21,13 +22,15 @@ from insonify.terrain.ground import Ground
 class StandIn:
     """Amplitude of ping p in bin k: diffuse share × (1 + (p mod 7) / 10), zero in the nearest tenth of the bins."""
 
-    def __init__(self, scene: Scene, tolerance: float, forced: dict[str, str] | None = None) -> None:
+    def __init__(
+        self, scene: Scene, tolerance: float, forced: dict[str, str] | None = None, plan: Plan | None = None
+    ) -> None:
         if scene.seed == 666:
             raise SceneError("seed: 666 is refused by the stand-in; take another")
         self.scene, self.tolerance, self.forced = scene, tolerance, forced
         self.ground = ground_of(scene)
         self.arrays = pack_scene(scene, self.ground)
-        self.plan = plan(scene, tolerance, forced=forced)
+        self.plan = plan or make_plan(scene, tolerance, forced=forced)
         self.reception = make_reception(scene, self.arrays, altitude=scene.altitude, depth=0.0)
         self.curve = self.reception.expected(flat_bed_curve(self.arrays, scene.altitude))
 

@@ -306,7 +306,9 @@ def test_figure_1_hears_its_ball_three_times():
     # The mirror's face is at y = 26.9 and the ball at (20, 0.8): the sonar's image is at y = 53.8, ten metres up.
     scene = edit(load_scene("figure-1"), {"sonar.pulse": "ideal", "sonar.bounces": 1})
     mirrored, straight = (
-        prepare(edit(scene, {"sonar.bounces": n}), method="rays", tolerance=0.1).intensity(np.array([50]))[0, 0]
+        prepare(edit(scene, {"sonar.bounces": n}), method="rays", tolerance=0.1, forced={"bounces": "on"}).intensity(
+            np.array([50])
+        )[0, 0]
         for n in (1, 0)
     )
     angle = np.linspace(0.0, 2.0 * math.pi, 100_001)

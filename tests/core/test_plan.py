@@ -47,7 +47,7 @@ def test_more_detail_across_a_wider_beam_needs_more_planes(less, more):
 
 
 def test_planes_come_in_bounds():
-    for tolerance in np.geomspace(1e-7, 10.0, 30):
+    for tolerance in np.geomspace(1e-7, 10.0, 6):
         planes = plan(DEFAULT, tolerance).planes
         assert 1 <= planes <= MOST_PLANES
     assert plan(DEFAULT, 1e-7).planes == MOST_PLANES
@@ -56,7 +56,7 @@ def test_planes_come_in_bounds():
 def test_a_finer_tolerance_never_takes_fewer_planes():
     # Over the same nodes: with fewer of them more planes may be cheaper.
     same = {"spacing": "1"}
-    counts = [plan(DEFAULT, tolerance, forced=same).planes for tolerance in np.geomspace(0.5, 1e-4, 20)]
+    counts = [plan(DEFAULT, tolerance, forced=same).planes for tolerance in np.geomspace(0.5, 1e-3, 8)]
     assert counts == sorted(counts)
 
 
@@ -107,7 +107,7 @@ def test_scatterers_that_interfere_are_swept_or_refused():
 
 def test_a_finer_tolerance_takes_more_rays_and_shorter_steps():
     assert plan(DEFAULT, 0.001, method="rays").settings["rays"] > plan(DEFAULT, 0.1, method="rays").settings["rays"]
-    assert plan(DEFAULT, 0.001, method="march").settings["step"] < plan(DEFAULT, 0.1, method="march").settings["step"]
+    assert plan(DEFAULT, 0.01, method="march").settings["step"] < plan(DEFAULT, 1.0, method="march").settings["step"]
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -0.1, math.nan, math.inf])
@@ -141,17 +141,17 @@ def test_a_tow_that_never_comes_near_the_bed_is_refused():
 def test_sound_that_bends_is_followed_and_what_it_matters_is_said():
     entry = plan(edit(DEFAULT, THERMOCLINE)).entry("bending")
     assert (entry.choice, entry.modelled) == ("refraction", True)
+    measured = r"on \d+ pings straight rays are [\d.e+]+ % from refracted ones"
+    assert re.fullmatch(rf"tables of apparent positions; {measured}", entry.reason)
+    entry = plan(edit(DEFAULT, THERMOCLINE)).entry("rays")
     assert re.fullmatch(
-        r"tables of apparent positions; refraction shifts the farthest echo of the bed by 0\.0\d+ m \(a bin is 0\.05 m"
-        r"\) and changes its level by \d+ %; where several eigenrays or none reach a place, a ping is traced with \d+ "
-        r"rays per side",
-        entry.reason,
+        r"where several eigenrays or none reach a place, a ping is traced with \d+ rays per side", entry.reason
     )
     simulation = prepare(edit(DEFAULT, THERMOCLINE))
     assert simulation.plan.method == "sweep"
     assert simulation.arrays.water.bent
     entry = plan(edit(DEFAULT, THERMOCLINE), method="rays").entry("bending")
-    assert entry.reason.startswith("rays follow circular arcs; refraction shifts the farthest echo")
+    assert entry.reason.startswith("rays follow circular arcs; on ")
     assert plan(DEFAULT).entry("bending") is None
 
 
@@ -159,7 +159,7 @@ def test_bending_that_matters_less_than_the_tolerance_is_left_out():
     scene = edit(DEFAULT, {"water": {"kind": "profile", "depth": [0.0, 40.0], "sound_speed": [1500.0, 1500.05]}})
     entry = plan(scene).entry("bending")
     assert (entry.choice, entry.modelled) == ("refraction", False)
-    assert "without it the error is about" in entry.reason
+    assert re.fullmatch(r"on \d+ pings straight rays are [\d.]+ % from refracted ones", entry.reason)
     assert not prepare(scene).arrays.water.bent
     # What is left out is less than the tolerance.
     precise = prepare(scene, tolerance=1e-6)

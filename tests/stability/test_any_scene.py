@@ -37,8 +37,8 @@ def check(values: dict[str, Any]) -> None:
         return
     assert scene_from_toml(scene_to_toml(scene)) == scene
     try:
-        chosen = plan(scene, TOLERANCE)
         assert most_bytes(scene) < MOST_BYTES
+        chosen = plan(scene, TOLERANCE)
         assert most_steps(scene, chosen) < MOST_STEPS
         check_record(scene)
         check_size(scene, most_steps(scene, chosen))
@@ -51,12 +51,13 @@ def check_spoiled(values: dict[str, Any]) -> None:
     """Look at what is said of a scene with a mistake in it; if it is none, and small, simulate it."""
     try:
         scene = build(values)
-        chosen = plan(scene, TOLERANCE)
+        small = most_bytes(scene) < MOST_BYTES
+        small = small and most_steps(scene, plan(scene, TOLERANCE)) < MOST_STEPS
     except SceneError as error:
         event("refused")
         check_sentence(str(error))
         return
-    if most_bytes(scene) < MOST_BYTES and most_steps(scene, chosen) < MOST_STEPS:
+    if small:
         check(values)
     else:
         event("too large to be simulated here")

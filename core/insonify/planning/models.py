@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from insonify.kernels.common.types import SceneArrays, still_water
+from insonify.kernels.common.types import Bed, SceneArrays, still_water
 from insonify.packing.reduced_scene import reduce_scene
 from insonify.packing.scene_arrays import make_bed, pack_scene
 from insonify.packing.terrain_tiles import TerrainTiles
@@ -71,20 +71,26 @@ class PackedScene:
     scene: Scene
     ground: AnyGround
     arrays: SceneArrays
+    _grids: dict[tuple[int, int], tuple[Bed, TerrainTiles]] = field(default_factory=dict, repr=False)
 
     def reduced(self, model: Model) -> ReducedScene:
         """Scene without the effects that a model omits, ready to be traced."""
-        whole, kept = self.arrays, self.ground
+        whole = self.arrays
         if not model.bent:
             whole = whole._replace(water=still_water(whole.water.reference, whole.water.surface))
-        tracer, bed = make_tracer(model.method, self.scene, whole), whole.bed
-        if model.every > 1:
-            kept = kept.thinned(model.every)
-            bed = make_bed(kept.around(self.scene.track.start, 0.0))
+        tracer = make_tracer(model.method, self.scene, whole)
+        bed, tiles = self._grid(model.every, tracer.bins_beyond)
         arrays = reduce_scene(whole, bed=bed, ways=model.ways, bounces=model.bounces, targets=model.targets)
-        return ReducedScene(
-            whole, arrays, TerrainTiles(kept, (whole.bins + tracer.bins_beyond) * whole.bin_length), tracer
-        )
+        return ReducedScene(whole, arrays, tiles, tracer)
+
+    def _grid(self, every: int, bins_beyond: int) -> tuple[Bed, TerrainTiles]:
+        """Bed and tiles of every n-th node, made once."""
+        if (every, bins_beyond) not in self._grids:
+            arrays, kept = self.arrays, self.ground.thinned(every)
+            bed = arrays.bed if every == 1 else make_bed(kept.around(self.scene.track.start, 0.0))
+            tiles = TerrainTiles(kept, (arrays.bins + bins_beyond) * arrays.bin_length)
+            self._grids[every, bins_beyond] = bed, tiles
+        return self._grids[every, bins_beyond]
 
     def work(self, model: Model) -> float:
         """Work of a ping, both sides, by which models are compared; a count, the same on every machine."""

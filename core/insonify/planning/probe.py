@@ -14,17 +14,22 @@ from insonify.acoustics.error_range import ERROR_ALTITUDES, find_first_bin
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
 from insonify.kernels.common.types import Poses, SceneArrays
 from insonify.packing.navigation import make_poses, take_poses
+from insonify.parallel import in_parallel
 from insonify.planning.models import Model, PackedScene
 from insonify.planning.probe_pings import ProbePings
 from insonify.scene import edit
 
 Record = NDArray[np.float32]
+FEW = 12  # pings on which models of much work are compared
+LITTLE = 1e6  # work of some milliseconds, up to which models are compared on all pings
+OF_A_THREAD = 4  # pings worth handing to a thread
 
 
 class Traced(NamedTuple):
     """Probe pings as a model traces them."""
 
     record: Record  # (pings, 2, bins from the first return), over the flat-bed curve
+    pings: int  # the first of them, in an order in which few are spread like all
     seconds: float  # of a ping, both sides, one thread
 
 
@@ -43,21 +48,22 @@ class Probe:
         if packed.scene.receiver.speckle.interferes:
             # Errors are those of the mean energy; interfering waves differ at random.
             packed = replace(packed, scene=edit(packed.scene, {"receiver.speckle": "none"}))
-        self.pings = pings
         self._packed = packed
-        self._poses = make_poses(packed.scene, packed.ground, pings.all)
+        ordered, self._is_across = pings.interleaved()
+        self._poses = make_poses(packed.scene, packed.ground, ordered)
         arrays = packed.arrays
-        first = find_first_bin(1.0, arrays, self._poses)
-        self._near, self._beyond = first, find_first_bin(ERROR_ALTITUDES, arrays, self._poses) - first
-        curve = compute_flat_bed_curves(arrays, self._poses)[:, :, first:]
-        self._scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0)
+        self._near = find_first_bin(1.0, arrays, self._poses)
+        self._beyond = find_first_bin(ERROR_ALTITUDES, arrays, self._poses) - self._near
+        curve = compute_flat_bed_curves(arrays, self._poses)[:, :, self._near :]
+        self._scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0).astype(np.float32)
         self._traced: dict[Model, Traced] = {}
+        self._differences: dict[tuple[Model, Model, float], float] = {}
         self._warm: set[tuple[str, bool, bool]] = set()
 
-    @property
-    def count(self) -> int:
-        """Number of pings."""
-        return self.pings.all.size
+    def count(self, model: Model) -> int:
+        """Return the number of pings on which a model is compared with a coarser one."""
+        every = self._is_across.size
+        return every if every * self._packed.work(model) <= LITTLE else min(every, FEW)
 
     def difference(self, coarse: Model, fine: Model, *, nearer: float = 0.0) -> float:
         """Error of a model against a finer one: the greater of that over the track and that across targets.
@@ -68,18 +74,27 @@ class Probe:
         nearer : float
             Weight of the error over all bins from the first return; 0 for bins beyond 1.4 altitudes alone.
         """
-        one, other = self._trace(coarse).record, self._trace(fine).record
-        split = self.pings.spread.size
-        groups = [part for part in (slice(0, split), slice(split, None)) if one[part].size]
-        errors = [_relative(one[part, :, self._beyond :], other[part, :, self._beyond :]) for part in groups]
-        if nearer > 0.0:
-            errors += [nearer * _relative(one[part], other[part]) for part in groups]
-        return max(errors, default=0.0)
+        key = coarse, fine, nearer
+        if key not in self._differences:
+            count = self.count(max(coarse, fine, key=self._packed.work))
+            one, other = (self._trace(model, count).record[:count] for model in (coarse, fine))
+            missed, whole = (np.square(part).sum(axis=1, dtype=np.float64) for part in (one - other, other))
+            errors = [self._error(missed[:, self._beyond :], whole[:, self._beyond :])]
+            if nearer > 0.0:
+                errors.append(nearer * self._error(missed, whole))
+            self._differences[key] = max(errors)
+        return self._differences[key]
+
+    def _error(self, missed: NDArray[np.float64], whole: NDArray[np.float64]) -> float:
+        """Greatest error of both groups of pings, from sums of squares."""
+        across = self._is_across[: missed.shape[0]]
+        sums = ((missed[of].sum(), whole[of].sum()) for of in (across, ~across))
+        return max(math.sqrt(part / all_) if all_ > 0.0 else float(part > 0.0) for part, all_ in sums)
 
     def seconds(self, model: Model) -> float:
         """Seconds of a ping by a model, in proportion to its work from the most similar model traced."""
         if all(other.method != model.method for other in self._traced):
-            self._trace(model._replace(planes=1))
+            self._trace(model._replace(planes=1), FEW)
         work = self._packed.work(model)
 
         def unlike(other: Model) -> tuple[int, float]:
@@ -89,30 +104,27 @@ class Probe:
         nearest = min(self._traced, key=unlike)
         return self._traced[nearest].seconds * work / self._packed.work(nearest)
 
-    def _trace(self, model: Model) -> Traced:
-        if model not in self._traced:
-            self._traced[model] = self._made(model)
+    def _trace(self, model: Model, count: int) -> Traced:
+        """Trace a number of the pings, unless as many are known."""
+        if model not in self._traced or self._traced[model].pings < count:
+            self._traced[model] = self._made(model, min(count, self._is_across.size))
         return self._traced[model]
 
-    def _made(self, model: Model) -> Traced:
-        """Trace the probe pings."""
+    def _made(self, model: Model, count: int) -> Traced:
         reduced = self._packed.reduced(model)
 
         def on_tile(tile: SceneArrays, poses: Poses) -> tuple[Record]:
             return (reduced.tracer.trace(tile, poses, threads=1, **model.settings),)
 
+        def block(first: int, last: int) -> tuple[Record, float]:
+            began = time.thread_time()
+            record = reduced.tiles.map(on_tile, reduced.arrays, take_poses(self._poses, slice(first, last)))[0]
+            return record, (time.thread_time() - began) / (last - first)
+
         kernels = (model.method, model.bent, bool(model.ways))
         if kernels not in self._warm:  # the first call loads the kernels
-            reduced.tiles.map(on_tile, reduced.arrays, take_poses(self._poses, slice(0, 1)))
+            block(0, 1)
             self._warm.add(kernels)
-        began = time.perf_counter()
-        record = reduced.tiles.map(on_tile, reduced.arrays, self._poses)[0]
-        seconds = (time.perf_counter() - began) / self.count
-        return Traced((record[:, :, self._near :] * self._scale).astype(np.float32), seconds)
-
-
-def _relative(one: Record, other: Record) -> float:
-    """Norm of a difference over that of the reference."""
-    missed = float(np.linalg.norm((one - other).astype(np.float64)))
-    whole = float(np.linalg.norm(other.astype(np.float64)))
-    return missed / whole if whole > 0.0 else float(missed > 0.0)
+        parts = in_parallel(block, count, least=OF_A_THREAD)
+        record = np.concatenate([part for part, _ in parts])[:, :, self._near :] * self._scale[:count]
+        return Traced(record, count, float(np.median([seconds for _, seconds in parts])))

@@ -21,6 +21,7 @@ from insonify.terrain import AnyGround
 
 SPREAD = 8  # pings over the track
 ACROSS, MOST_ACROSS = 3, 12  # pings across each target, fewer where there are many targets; across all of them
+MADE_AT_ONCE = 512  # pings over endless ground on which errors are measured
 EXCURSIONS = 256  # pings among which the greatest excursions of the fish are found
 COARSE_TRACK = 2048  # pings at which distances to targets are first evaluated
 FARTHER = 1e-3  # weight of the distance of a target against that from the beam's axis: of two passes the nearer one
@@ -48,6 +49,12 @@ class ProbePings(NamedTuple):
         """All of them, (n + m,)."""
         return np.concatenate([self.spread, self.across])
 
+    def interleaved(self) -> tuple[Pings, NDArray[np.bool_]]:
+        """Return all of them in an order in which the first few are spread like all, and which are across targets."""
+        place = [(GOLDEN * np.arange(part.size) % 1.0).argsort(kind="stable").argsort() for part in self]
+        order = np.argsort(np.concatenate([(rank + 0.5) for rank in place]), kind="stable")
+        return self.all[order], (order >= self.spread.size)
+
 
 def choose_probe_pings(scene: Scene, ground: AnyGround, targets: tuple[int, ...]) -> ProbePings:
     """Choose the pings on which a plan measures errors.
@@ -65,7 +72,8 @@ def choose_probe_pings(scene: Scene, ground: AnyGround, targets: tuple[int, ...]
     ProbePings
         A function of the scene alone.
     """
-    pings = scene.track.pings
+    # Far along endless ground the bed has first to be made.
+    pings = min(scene.track.pings, MADE_AT_ONCE) if scene.seabed.endless else scene.track.pings
     spread = _spread(pings, SPREAD)
     if scene.track.motions:
         many = _spread(pings, EXCURSIONS)

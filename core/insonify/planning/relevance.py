@@ -53,7 +53,7 @@ def find_narrowest_target(scene: Scene, targets: tuple[int, ...]) -> float:
     for number in targets:
         turned = rotation_matrix(*scene.targets[number].attitude).T @ along
         distance = max(math.hypot(_distance(scene, number), scene.altitude), 1e-3)
-        narrowest = min(narrowest, 2.0 * outline_of(scene, number).extent(turned) / distance)
+        narrowest = min(narrowest, 2.0 * outline_of(scene, number).extent(tuple(turned)) / distance)
     return narrowest
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from itertools import takewhile
 
 from insonify.planning.checks import check_method
 from insonify.planning.choices import CHOICES
@@ -74,10 +75,8 @@ def check_request(scene: Scene, tolerance: float, method: str, forced: Mapping[s
 def choose_model(packed: PackedScene, tolerance: float, method: str, forced: Mapping[str, str]) -> Plan:
     """Choose the model of a packed scene as `plan` does, whose parameters these are."""
     case = Case(packed, _asked(method, forced), forced)
-    model = _cheapest(case, tolerance)
-    entries = tuple(
-        entry for choice in CHOICES for entry in choice.entries(case, model, choice.error(case, model, math.inf))
-    )
+    model = _cheapest(case, tolerance / SAFETY)
+    entries = tuple(entry for choice in CHOICES for entry in choice.entries(case, model, choice.error(case, model)))
     error = math.sqrt(sum(entry.error**2 for entry in entries))
     return Plan(model, _block(packed.scene), entries, error, packed.work(model), case.probe.seconds(model))
 
@@ -117,31 +116,26 @@ def _asked(method: str, forced: Mapping[str, str]) -> str:
 
 
 def _cheapest(case: Case, tolerance: float) -> Model:
-    """Model of the least work that keeps to the tolerance, or the finest if none does.
+    """Model of the least work whose errors keep to the tolerance, except those of settings with nothing finer.
 
-    Measured errors and counts of work do not depend on the tolerance, and no model of less work is passed over.
+    Errors as measured and counts of work do not depend on the tolerance, and no model of less work is passed over: more
+    tolerance never means more work.
     """
-    models = list(_candidates(case, tolerance / SAFETY))
-    models.sort(key=lambda model: (case.packed.work(model), model.rays, -model.every))
-    return next((model for model in models if _keeps(case, model, tolerance / SAFETY)), models[-1])
-
-
-def _candidates(case: Case, tolerance: float) -> Iterator[Model]:
-    """Combine the settings of all choices but those whose own error exceeds the tolerance."""
     models = [Model()]
     for choice in STAGED:
         models = [made for model in models for made in _viable(case, choice, model, tolerance)]
-    yield from models
+    models.sort(key=lambda model: (case.packed.work(model), model.rays, -model.every))
+    return next(model for model in models if _keeps(case, model, tolerance))
 
 
 def _viable(case: Case, choice: Choice, model: Model, tolerance: float) -> list[Model]:
-    """Models with the settings of one choice that can be simulated and whose own error keeps to the tolerance."""
-    made = [model._replace(**{choice.field: value}) for value in choice.settings(case, model)]
+    """Models with the settings of one choice, as far as they can be simulated and their own error keeps a tolerance."""
+    made = [model._replace(**{choice.field: value}) for value in reversed(choice.settings(case, model))]
     if choice.stage < FINENESS:
-        made = [one for one in made[:-1] if choice.error(case, one, tolerance) <= tolerance] + made[-1:]
+        made = made[:1] + list(takewhile(lambda one: choice.error(case, one) <= tolerance, made[1:]))
     able = [one for one in made if _can_be_simulated(case, choice, one)]
     if not able:
-        choice.require(case, made[-1])
+        choice.require(case, made[0])
     return able
 
 
@@ -154,10 +148,11 @@ def _can_be_simulated(case: Case, choice: Choice, model: Model) -> bool:
 
 
 def _keeps(case: Case, model: Model, tolerance: float) -> bool:
-    """Tell whether the measured errors of a model keep to a bound; the cheapest are measured first."""
+    """Tell whether the errors of a model keep a tolerance; those of its fineness take longest and are measured last."""
     square = 0.0
     for choice in STAGED:
-        square += choice.error(case, model, tolerance) ** 2
+        if getattr(model, choice.field) != choice.settings(case, model)[-1]:
+            square += choice.error(case, model) ** 2
         if square > tolerance**2:
             return False
     return True

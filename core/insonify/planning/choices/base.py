@@ -16,8 +16,8 @@ from insonify.planning.relevance import find_audible_multipaths, find_multipaths
 from insonify.scene import Scene, SceneError
 
 SWITCH = ("on", "off")
-EFFECT, TRACER, FINENESS = range(3)  # stages in which choices are made
-FEWEST_RAYS = 1000  # per side; enough to compare effects in the same pings
+EFFECT, TRACER, GRID, FINENESS = range(4)  # stages in which choices are made
+FEW_PLANES, FEWEST_RAYS = 4, 1000  # rays per side; enough to compare effects in the same pings
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,14 +49,21 @@ class Case:
         return find_multipaths_in_reach(self.scene)
 
     @cached_property
+    def paths(self) -> frozenset[str]:
+        """Paths by the sea surface of the finest model."""
+        return frozenset(
+            way for way in self.first_echoes if self.forced.get(way, "on" if way in self.heard else "off") == "on"
+        )
+
+    @cached_property
     def heard(self) -> frozenset[str]:
         """Paths by the sea surface whose echoes may arrive within the range."""
         return find_audible_multipaths(self.scene, self.packed.arrays.bed)
 
-    @property
-    def words(self) -> str:
-        """Number of pings on which errors are measured, in words."""
-        return f"{self.probe.count} ping{'s' * (self.probe.count > 1)}"
+    def pings(self, model: Model) -> str:
+        """Return the number of pings on which a model is compared with a coarser one, in words."""
+        count = self.probe.count(model)
+        return f"{count} ping{'s' * (count > 1)}"
 
 
 class Choice:
@@ -69,8 +76,7 @@ class Choice:
     field : str
         Field of the `Model` that it sets.
     stage : int
-        Effects are chosen first, then the tracer, then its fineness. The errors of effects and tracer do not depend on
-        choices of a later stage.
+        Effects are chosen first, then the tracer, the grid and the fineness.
     rank : int
         Place of its entries in a plan.
     offered : tuple of str
@@ -100,9 +106,9 @@ class Choice:
         """Values of the field to consider with the choices already made, coarse to fine; one if there is no choice."""
         raise NotImplementedError
 
-    def error(self, case: Case, model: Model, enough: float) -> float:
-        """Measured error of a model's setting; one greater than ``enough`` need not be measured further."""
-        del case, model, enough
+    def error(self, case: Case, model: Model) -> float:
+        """Measured error of a model's setting; of effects, tracer and grid whatever its fineness."""
+        del case, model
         return 0.0
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
@@ -180,15 +186,15 @@ class Ladder(Number):
     def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
         """Models of a rung and of the finer one by which it is judged."""
         del case
-        return model._replace(**{self.field: rung}), model._replace(**{self.field: 2 * rung})
+        changes: list[dict[str, Any]] = [{self.field: number} for number in (rung, 2 * rung)]
+        return model._replace(**changes[0]), model._replace(**changes[1])
 
     def rung(self, model: Model) -> int:
         """Greatest rung that is not finer than a model."""
         return int(self.first * 2 ** math.floor(math.log2(max(getattr(model, self.field) / self.first, 1.0))))
 
-    def error(self, case: Case, model: Model, enough: float) -> float:
+    def error(self, case: Case, model: Model) -> float:
         """Error of the rung below; from there it falls with the power, of 0.5 to 1, with which it fell to that rung."""
-        del enough
         if model.method != self.method:
             return 0.0
         rung = self.rung(model)
@@ -203,7 +209,7 @@ class Ladder(Number):
         """Reason with what was measured."""
         rung = self.rung(model)
         coarse, fine = self.pair(case, model, rung)
-        said = f"on {case.words} {rung} {words} are {percent(case.probe.difference(coarse, fine))} from "
+        said = f"on {case.pings(fine)} {rung} {words} are {percent(case.probe.difference(coarse, fine))} from "
         said += f"{getattr(fine, self.field)}"
         number = getattr(model, self.field)
         return said if number <= rung else f"{said}, so {number} about {percent(error)} from more"

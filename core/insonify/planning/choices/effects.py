@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from insonify.acoustics.straightness import estimate_refraction
 from insonify.planning.checks import check_refraction
-from insonify.planning.choices.base import FEWEST_RAYS, Case, Choice, percent
+from insonify.planning.choices.base import FEW_PLANES, FEWEST_RAYS, Case, Choice, percent
 from insonify.planning.models import Model
 from insonify.planning.plan_entries import PlanEntry
 from insonify.scene.surfaces import WAYS
+
+NEGLIGIBLE = 1e-4  # bound on the error of straight rays below which it is not measured
 
 
 class Bending(Choice):
@@ -20,17 +23,18 @@ class Bending(Choice):
     def settings(self, case: Case, model: Model) -> tuple[bool, ...]:
         """Straight rays, refracted ones or both; straight ones where the sound speed is the same everywhere."""
         wish = self.wish(case)
-        if not case.packed.arrays.water.bent:
+        if not case.packed.arrays.water.bent or (wish is None and estimate_refraction(case.scene).most < NEGLIGIBLE):
             return (False,)
         return (False, True) if wish is None else (wish,)
 
-    def error(self, case: Case, model: Model, enough: float) -> float:
-        """Error of straight rays: the same pings by one plane, without paths by the surface."""
-        del enough
-        if model.bent or not case.packed.arrays.water.bent:
-            return 0.0
+    def error(self, case: Case, model: Model) -> float:
+        """Error of straight rays: the same pings by few planes, without paths by the surface."""
+        bound = estimate_refraction(case.scene).most if case.packed.arrays.water.bent and not model.bent else 0.0
+        if bound < NEGLIGIBLE:
+            return bound
         method = "rays" if case.scene.water.varies_along else "sweep"
-        plain = Model(method, rays=FEWEST_RAYS, targets=model.targets)
+        few = FEW_PLANES if method == "sweep" and case.scene.sonar.beam.has_width else 1
+        plain = Model(method, few, FEWEST_RAYS, targets=case.near)
         return case.probe.difference(plain, plain._replace(bent=True))
 
     def require(self, case: Case, model: Model) -> None:
@@ -42,9 +46,10 @@ class Bending(Choice):
         """Entry of refraction; none in water of constant sound speed."""
         if not case.packed.arrays.water.bent:
             return
-        left_out = percent(self.error(case, model._replace(bent=False), math.inf))
+        missed = self.error(case, model._replace(bent=False))
         by = "tables of apparent positions" if model.method == "sweep" else "rays follow circular arcs"
-        reason = f"on {case.words} straight rays are {left_out} from refracted ones"
+        reason = f"straight rays are {percent(missed)} from refracted ones"
+        reason = f"{reason} at most" if missed < NEGLIGIBLE else f"on {case.pings(model)} {reason}"
         reason = f"{by}; {reason}" if model.bent else reason
         yield self.switched(case, model, "refraction", reason, False, True, error)
 
@@ -63,13 +68,12 @@ class Bounces(Choice):
             return (asked if wish else 0,)
         return (asked,) if case.asked in ("sweep", "march") else (0, asked)
 
-    def error(self, case: Case, model: Model, enough: float) -> float:
+    def error(self, case: Case, model: Model) -> float:
         """Share of the later echoes in the same pings by single rays."""
-        del enough
         asked = case.scene.sonar.bounces
         if self.settings(case, model) == (0,) or model.bounces == asked:
             return 0.0
-        plain = Model("rays", rays=FEWEST_RAYS, targets=model.targets)
+        plain = Model("rays", rays=FEWEST_RAYS, targets=case.near)
         return case.probe.difference(plain, plain._replace(bounces=asked))
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
@@ -81,7 +85,7 @@ class Bounces(Choice):
         if self.settings(case, model) == (0,) and self.wish(case) is None:
             reason = "later echoes add nothing on a level bed without targets"
         elif model.bounces == 0:
-            reason = f"on {case.words} later echoes are {percent(error)} of the record"
+            reason = f"on {case.pings(model)} later echoes are {percent(error)} of the record"
         yield self.switched(case, model, f"{asked} bounces", reason, 0, asked, error)
 
 
@@ -135,21 +139,17 @@ class SurfacePath(Choice):
     def settings(self, case: Case, model: Model) -> tuple[frozenset[str], ...]:
         """Without it, with it or both; without it if no echo arrives within the range."""
         wish, off = self.wish(case), model.ways - {self.subject}
-        if self.subject not in case.first_echoes:
+        if self.subject not in case.paths:
             return (off,)
-        if wish is None:
-            return (off, off | {self.subject}) if self.subject in case.heard else (off,)
-        return (off | {self.subject} if wish else off,)
+        return (off, off | {self.subject}) if wish is None else (off | {self.subject},)
 
-    def error(self, case: Case, model: Model, enough: float) -> float:
+    def error(self, case: Case, model: Model) -> float:
         """Share of its echoes in the record, in the same pings by one plane."""
-        del enough
-        if self.subject in model.ways or self.subject not in case.heard or self.wish(case) is False:
+        if self.subject in model.ways or self.subject not in case.paths:
             return 0.0
-        method = "rays" if model.method == "rays" else "sweep"
-        whole = Model(method, rays=FEWEST_RAYS if method == "rays" else 0, targets=model.targets, ways=case.heard)
-        share = case.probe.difference(whole._replace(ways=case.heard - {self.subject}), whole)
-        return share * math.sqrt(len(case.heard - model.ways))  # energies add up, errors are summed by squares
+        whole = Model(targets=case.near, ways=case.paths)
+        share = case.probe.difference(whole._replace(ways=case.paths - {self.subject}), whole)
+        return share * math.sqrt(len(case.paths - model.ways))  # energies add up, errors are summed by squares
 
     def kept(self, case: Case, model: Model, last: Model) -> frozenset[str]:
         """Return the model's other paths, with this one if another model has it and the scene admits it."""
@@ -174,7 +174,7 @@ class SurfacePath(Choice):
             if self.subject in case.forced:
                 reason = "left out by the user"
             elif self.subject in case.heard:
-                reason = f"on {case.words} {percent(error)} of the record"
+                reason = f"on {case.pings(model)} {percent(error)} of the record"
         choice = f"{surface.kind} sea, {self.subject.replace('_', '-')}"
         yield self.switched(case, model, choice, reason, model.ways - {self.subject}, on, error)
 

@@ -5,9 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from insonify.planning.choices.base import FEWEST_RAYS, FINENESS, TRACER, Case, Choice, Ladder, Number, percent
+from insonify.planning.choices.base import (
+    FEW_PLANES,
+    FEWEST_RAYS,
+    FINENESS,
+    GRID,
+    TRACER,
+    Case,
+    Choice,
+    Ladder,
+    Number,
+    percent,
+)
 from insonify.planning.models import Model
 from insonify.planning.plan_entries import PlanEntry
+from insonify.planning.probe import FEW
 from insonify.planning.relevance import find_narrowest_target
 from insonify.scene import SceneError
 
@@ -17,6 +29,7 @@ COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8),
 MOST_PLANES, MOST_OF_PATTERNS = COUNTS[-1], 64
 FOLDED_RAYS = (4000, 16_000, 64_000)  # per side, of the sweep's pings with several eigenrays or none
 STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period of the bed keeps
+OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed, whose record is well known
 NEARER = 1.0 / 3.0  # weight of the error of coarser nodes over all bins, the strong ones near nadir too
 AT_NO_COST = 2e6  # work of the probe that takes some milliseconds
 
@@ -71,14 +84,15 @@ class Planes(Ladder):
         fewest = 2 if case.scene.receiver.speckle.interferes else 1  # each scatterer has its own place in the beam
         return tuple(count for count in COUNTS if fewest <= count <= (MOST_OF_PATTERNS if patterned else MOST_PLANES))
 
-    def error(self, case: Case, model: Model, enough: float) -> float:
+    def error(self, case: Case, model: Model) -> float:
         """Error measured at the doubling below; none for a beam without width."""
-        return super().error(case, model, enough) if case.scene.sonar.beam.has_width else 0.0
+        return super().error(case, model) if case.scene.sonar.beam.has_width else 0.0
 
     def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
-        """Models of a rung and of so many planes that some meet every target."""
-        coarse, fine = super().pair(case, model._replace(rays=FEWEST_RAYS if model.bent else 0), rung)
-        return coarse, fine._replace(planes=max(fine.planes, _planes_that_meet(case, model)))
+        """Models of a rung and of so many planes that some meet every target, otherwise the finest."""
+        plain = _finest(case, model)
+        coarse, fine = super().pair(case, plain, rung)
+        return coarse, fine._replace(planes=max(fine.planes, _planes_that_meet(case, plain)))
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes, with the time beyond that of one."""
@@ -112,12 +126,12 @@ class Rays(Ladder):
             return tuple(self.first << n for n in range(13))
         return FOLDED_RAYS
 
-    def error(self, case: Case, model: Model, enough: float) -> float:
+    def error(self, case: Case, model: Model) -> float:
         """Error of single rays; with the sweep of those pings only that it leaves to rays."""
         if model.method == "sweep" and model.bent:
-            plain = model._replace(planes=1, every=1)
+            plain = _finest(case, model)._replace(rays=model.rays)
             return case.probe.difference(plain, plain._replace(rays=2 * model.rays))
-        return super().error(case, model, enough)
+        return super().error(case, model)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the rays."""
@@ -143,9 +157,8 @@ class Step(Number):
         wish, spacing = self.wish(case), case.packed.arrays.bed.spacing
         return tuple(spacing / 2**n for n in range(7)) if wish is None else (wish,)
 
-    def error(self, case: Case, model: Model, enough: float) -> float:
+    def error(self, case: Case, model: Model) -> float:
         """Error measured from half the step."""
-        del enough
         if model.method != "march":
             return 0.0
         return case.probe.difference(model, model._replace(step=0.5 * model.step, rays=2 * model.rays))
@@ -154,8 +167,8 @@ class Step(Number):
         """Entry of the step."""
         if model.method == "march":
             reason = (
-                f"{model.rays} rays per side; on {case.words} {percent(error)} from half the step with twice the "
-                "rays; the march can step over anything thinner than a step"
+                f"{model.rays} rays per side; on {case.pings(model)} {percent(error)} from half the step and twice "
+                "the rays; the march can step over anything thinner than a step"
             )
             yield self.entry(case, f"steps of {model.step:.3g} m", reason, error=error, options=self.offered)
 
@@ -163,7 +176,7 @@ class Step(Number):
 class Spacing(Number):
     """Stride of the nodes of the relief that are kept."""
 
-    subject, field, stage, rank, high = "spacing", "every", FINENESS, 4, 64
+    subject, field, stage, rank, high = "spacing", "every", GRID, 4, 64
     offered = ("1", "2", "4", "8")
 
     def settings(self, case: Case, model: Model) -> tuple[int, ...]:
@@ -177,20 +190,20 @@ class Spacing(Number):
                     "give a number that does, such as 1"
                 )
             return (wish,)
-        if not (seabed.random_reliefs or seabed.relief.level):
+        if not (seabed.random_reliefs or seabed.relief.level) or model.method != "sweep":
             return (1,)
         fitting = (n for n in STRIDES if n == 1 or all(c % n == 0 and c >= FEWEST_CELLS * n for c in cells))
         return tuple(sorted(fitting, reverse=True))
 
-    def error(self, case: Case, model: Model, enough: float) -> float:
-        """Greatest error of the strides up to a model's, measured with about half its planes."""
-        planes = 2 ** max(int(math.log2(model.planes)) - 1, 0)
-        fine = model._replace(planes=planes, every=1, rays=min(model.rays, FEWEST_RAYS))
-        error, stride = 0.0, 2
-        while stride <= model.every and error <= enough:
-            error = max(error, case.probe.difference(fine._replace(every=stride), fine, nearer=NEARER))
-            stride *= 2
-        return error
+    def error(self, case: Case, model: Model) -> float:
+        """Greatest error of the strides up to a model's, with few planes."""
+        few = FEW_PLANES if case.scene.sonar.beam.has_width and not case.paths else 1
+        fine = _finest(case, model)._replace(planes=few)
+        strides = (2**n for n in range(1, int(math.log2(model.every)) + 1))
+        coarse = [model.every] if self.subject in case.forced else strides
+        weight = OF_LEVEL_BED if case.scene.seabed.relief.level and self.subject not in case.forced else 1.0
+        differences = (case.probe.difference(fine._replace(every=n), fine, nearer=NEARER) for n in coarse)
+        return weight * max(differences, default=0.0)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the nodes."""
@@ -198,10 +211,17 @@ class Spacing(Number):
         if model.every == 1:
             yield self.entry(case, "every node of the relief", f"{spacing:.3g} m apart", options=self.offered)
             return
-        reason = f"{model.every * spacing:.3g} m apart instead of {spacing:.3g} m; on {case.words} {percent(error)}"
+        measured = f"on {case.pings(_finest(case, model))} {percent(error)}"
+        reason = f"{model.every * spacing:.3g} m apart instead of {spacing:.3g} m; {measured}"
         saved = max(case.probe.seconds(model._replace(every=1)) - case.probe.seconds(model), 0.0)
         choice = f"detail between every {model.every} nodes of the relief"
         yield self.entry(case, choice, reason, modelled=False, error=error, cost=saved, options=self.offered)
+
+
+def _finest(case: Case, model: Model) -> Model:
+    """Model with all effects and nodes, one plane and few rays: errors of fineness are measured beside it."""
+    rays = FEWEST_RAYS if model.bent or model.method == "rays" else 0
+    return model._replace(planes=1, rays=rays, every=1, targets=case.near, ways=case.paths)
 
 
 def _planes_that_meet(case: Case, model: Model) -> int:
@@ -210,7 +230,7 @@ def _planes_that_meet(case: Case, model: Model) -> int:
         return 1
     needed = 2.0 * math.sin(case.packed.arrays.half_width) / find_narrowest_target(case.scene, model.targets)
     planes = 2 ** math.ceil(math.log2(max(needed, 1.0)))
-    while planes > 1 and case.probe.count * case.packed.work(model._replace(planes=planes)) > AT_NO_COST:
+    while planes > 1 and FEW * case.packed.work(model._replace(planes=planes)) > AT_NO_COST:
         planes //= 2
     return planes
 
