@@ -14,7 +14,7 @@ from insonify.planning.models import Model, PackedScene, pack
 from insonify.planning.plan_entries import Plan
 from insonify.scene import Scene, SceneError
 
-# Pings other than those probed may err more: measured over random scenes, see docs/theory/plan.md.
+# Pings other than those probed may err more: measured over random scenes, see docs/theory/error.md.
 SAFETY = 1.5
 AT_ONCE, COPIES, MOST_AT_ONCE = 64e6, 8, 64  # bytes of a block with all its copies; pings of a block
 STAGED = sorted(CHOICES, key=lambda choice: choice.stage)
