@@ -96,7 +96,7 @@ def receive(reception: Reception, traced: Traced, pings: NDArray[np.int64], divi
     """
     received = _sum_of_waves if reception.sums_waves else _echoes_alone
     record = received(reception, traced, pings, divided)
-    if (reception.gain != 1.0).any():
+    if reception.amplifies:
         record = record * reception.gain.astype(np.float32)
     return record if reception.recording is None else reception.recording.record(record, pings)
 

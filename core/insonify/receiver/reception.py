@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,13 +84,18 @@ class Reception:
         """Whether echoes have phases, which a mean over all of them has not."""
         return self.coherent or self.speckle is not None
 
-    @property
+    @cached_property
     def sums_waves(self) -> bool:
         """Whether echoes meet waves of another origin, so that amplitudes add rather than energies."""
         others = self.crosstalk > 0.0 or self.disturbances is not None or self.water_echoes
         return self.noise > 0.0 or (self.speckled and others)
 
-    @property
+    @cached_property
+    def amplifies(self) -> bool:
+        """Whether the time-varied gain changes anything."""
+        return bool((self.gain != 1.0).any())
+
+    @cached_property
     def water_echoes(self) -> bool:
         """Whether the water column, its surface or anything in it echoes."""
         return self.volumes is not None or bool(self.reverberation.any())
