@@ -124,11 +124,11 @@ def _exchange(request: bytes, seconds: float) -> Any:
     try:
         return _kept.ask(request, seconds)
     except (OSError, EOFError):
+        stop()
         raise FileFault("cannot be read (the library that reads it fails)", "export it again") from None
-    finally:
-        # An answer that was not read to its end would be taken for the next one.
-        if sys.exc_info()[0] is not None:
-            stop()
+    except BaseException:  # an answer that was not read to its end would be taken for the next one
+        stop()
+        raise
 
 
 def stop() -> None:
