@@ -61,6 +61,10 @@ PICTURE = (
     '[seabed]\nmaterial = {{ kind = "image", path = "{file}", of = ["medium_sand", "rock", "silt"], width = 20.0 }}\n'
     + SMALL
 )
+BACKSCATTER = (
+    "[world]\norigin = [100.0, 200.0]\n[seabed]\nspacing = 1.0\n"
+    'material = {{ kind = "backscatter", path = "{file}", of = ["medium_sand", "rock"] }}\n' + SMALL
+)
 CORRELATION = (
     '[seabed]\nrelief = {{ kind = "autocorrelation", rms = 0.02, period = 25.6, '
     'function = {{ kind = "file", path = "{file}" }} }}\n' + SMALL
@@ -272,6 +276,7 @@ SAMPLES = {
     "mesh-glb": Sample("body.glb", _scene_gltf, mutate_glb, TARGET),
     "image-png": Sample("map.png", _picture, mutate_png, PICTURE),
     "image-palette": Sample("map.png", _palette, mutate_png, PICTURE),
+    "backscatter-tif": Sample("backscatter.tif", _tiff, mutate_bytes, BACKSCATTER),
     "image-tif": Sample("map.tif", _picture, mutate_bytes, PICTURE),
     "correlation-csv": Sample("lags.csv", _bytes(LAGS), mutate_text, CORRELATION),
     "scene": Sample("scene.toml", _bytes(SCENE), mutate_scene, commands=SCENES),

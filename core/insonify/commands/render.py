@@ -37,6 +37,8 @@ def register(subparsers: Any) -> None:
         description="Simulate the record of a scene and write it in the format of its suffix. NetCDF, Zarr and XTF are "
         "written block by block, so memory does not grow with the number of pings. A record may stand in place "
         f"of the scene: {RECORDS.describe(RECORDS.readable())}. It is drawn, or written in another format, as it is.",
+        epilog="examples: insonify render wreck -o wreck.xtf --bits 8; "
+        "insonify render recording.jsf -o high.png --frequency 900e3",
     )
     add_scene(parser)
     add_frequency(parser)

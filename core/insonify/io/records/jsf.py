@@ -17,8 +17,8 @@ from insonify.io.formats import FileFormat
 from insonify.io.records.files import RECORDS
 from insonify.io.records.fixes import DAY, Fixes, fill_gaps, heading_from_compass
 from insonify.io.records.recording import (
-    Side,
-    Track,
+    RecordedTrack,
+    SideEchoes,
     assemble,
     check_amplitude,
     choose_frequency,
@@ -73,7 +73,7 @@ class _Trace(NamedTuple):
     row: int  # 0 port, 1 starboard
     header: Any  # record of TRACE
     frequency: float  # Hz
-    side: Side
+    side: SideEchoes
 
 
 def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
@@ -105,7 +105,7 @@ def read_jsf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     told = {trace.subsystem: trace.frequency for trace in reversed(traces)}
     bands = sorted(told)
     chosen = choose_frequency(path, [told[band] for band in bands], frequency)
-    sides: dict[int, dict[int, Side]] = {}
+    sides: dict[int, dict[int, SideEchoes]] = {}
     headers: dict[int, Any] = {}
     for trace in traces:
         if trace.subsystem == bands[chosen]:
@@ -155,7 +155,7 @@ def _trace(path: Path, message: Any, body: NDArray[np.uint8]) -> _Trace:
     check_amplitude(path, int(header["ping"]), amplitude)
     high = int(header["more"]) if _has(message, MORE_BITS) else 0
     swept = int(header["start"]) + (high & 0xF) * 65536 + int(header["end"]) + (high >> 4 & 0xF) * 65536
-    side = Side(amplitude, 0.5 * speed * step * amplitude.size, speed)
+    side = SideEchoes(amplitude, 0.5 * speed * step * amplitude.size, speed)
     return _Trace(int(message["subsystem"]), int(message["channel"]), header, 5.0 * swept, side)
 
 
@@ -187,7 +187,7 @@ def _envelope(path: Path, header: Any, count: int, body: NDArray[np.uint8]) -> N
     return np.ldexp(magnitude, -int(np.clip(header["weight"], -40, 40))).astype(np.float32)
 
 
-def _track(headers: NDArray[Any]) -> Track:
+def _track(headers: NDArray[Any]) -> RecordedTrack:
     """Navigation of the pings, and when and where the recording begins, as far as it tells."""
     clock = headers["milliseconds"].astype(np.float64) / 1e3
     whole = headers["time"].astype(np.float64)
@@ -204,7 +204,7 @@ def _track(headers: NDArray[Any]) -> Track:
     )  # fmt: skip
     start = datetime.fromtimestamp(times[0], tz=UTC).replace(tzinfo=None).isoformat()
     told = {"time_coverage_start": start} | (fixes.place.attributes() if fixes.place else {})
-    return Track(times - times[0], columns, told)
+    return RecordedTrack(times - times[0], columns, told)
 
 
 def _fixes(headers: NDArray[Any]) -> Fixes:

@@ -26,7 +26,7 @@ LOUDEST = 1e18  # the square of an amplitude must fit a float32
 NEAR = 0.1  # relative difference of frequencies that still mean the same
 
 
-class Side(NamedTuple):
+class SideEchoes(NamedTuple):
     """Echoes of one side of one ping."""
 
     amplitude: NDArray[np.float32]  # (samples,) near to far
@@ -34,7 +34,7 @@ class Side(NamedTuple):
     sound_speed: float  # m/s, as the sonar took it
 
 
-class Track(NamedTuple):
+class RecordedTrack(NamedTuple):
     """Time, position and attitude of pings, and what else a recording tells."""
 
     times: NDArray[np.float64]  # (pings,) s since the first
@@ -96,7 +96,7 @@ def frequency_attributes(told: Sequence[float], chosen: int) -> dict[str, Any]:
     return {"frequency": told[chosen]} | several
 
 
-def assemble(path: Path, pings: Sequence[dict[int, Side]], track: Track) -> xr.Dataset:
+def assemble(path: Path, pings: Sequence[dict[int, SideEchoes]], track: RecordedTrack) -> xr.Dataset:
     """Lay the pings of a recording on a common grid of slant range, with the median bin length.
 
     Parameters
@@ -104,7 +104,7 @@ def assemble(path: Path, pings: Sequence[dict[int, Side]], track: Track) -> xr.D
     path : Path
     pings : sequence of dict
         Port (0) and starboard (1) of every ping, at least one of them.
-    track : Track
+    track : RecordedTrack
         Of the same pings.
 
     Returns
@@ -139,7 +139,7 @@ def assemble(path: Path, pings: Sequence[dict[int, Side]], track: Track) -> xr.D
     ).assign(platform(track.columns, find_georeference(track.attributes)))
 
 
-def _lay(row: NDArray[np.float32], side: Side, bin_length: float) -> None:
+def _lay(row: NDArray[np.float32], side: SideEchoes, bin_length: float) -> None:
     """Store a side in its row; one of another bin length is interpolated."""
     samples, step = side.amplitude, side.slant_range / side.amplitude.size
     if abs(side.slant_range - samples.size * bin_length) < 0.5 * bin_length:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.records.files import RECORDS
 from insonify.io.records.recording import (
-    Side,
-    Track,
+    RecordedTrack,
+    SideEchoes,
     assemble,
     check_amplitude,
     choose_frequency,
@@ -42,7 +42,7 @@ GROUND_RANGE = 2  # of CorrectionFlags
 
 class _Ping(NamedTuple):
     header: Any  # pyxtf.XTFPingHeader
-    bands: dict[int, dict[int, Side]]  # port and starboard of each frequency
+    bands: dict[int, dict[int, SideEchoes]]  # port and starboard of each frequency
     frequencies: dict[int, float]  # of the bands, as the ping has them
 
 
@@ -184,7 +184,7 @@ def _unit(header: Any, info: Any, dtype: np.dtype[Any]) -> float:
     return float(info.VoltScale) / counts(dtype) if header.RecordingProgramName == PROGRAM else 1.0
 
 
-def _side(path: Path, ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: float) -> Side:
+def _side(path: Path, ping: Any, headers: tuple[Any, Any], samples: NDArray[Any], unit: float) -> SideEchoes:
     """Scale the samples of a channel and determine their slant range."""
     info, channel = headers
     if info.CorrectionFlags == GROUND_RANGE:
@@ -201,15 +201,17 @@ def _side(path: Path, ping: Any, headers: tuple[Any, Any], samples: NDArray[Any]
     reach = reach if reach > 0.0 else speed * lasts / 2.0
     if not 0.0 < reach < 1e5:
         raise RECORDS.refusal(path, f"has no slant range of ping {ping.PingNumber}", "export it with SlantRange set")
-    return Side(amplitude, reach, speed)
+    return SideEchoes(amplitude, reach, speed)
 
 
-def _track(header: Any, headers: list[Any]) -> Track:
+def _track(header: Any, headers: list[Any]) -> RecordedTrack:
     """Navigation of the pings, and when and where the recording begins, as far as it tells."""
     times = seconds(headers)
     start, place = start_time(headers[0]), fixes(header, headers).place
     told: dict[str, Any] = {} if start is None else {"time_coverage_start": start}
-    return Track(times, platform_columns(header, headers, times), told | ({} if place is None else place.attributes()))
+    return RecordedTrack(
+        times, platform_columns(header, headers, times), told | ({} if place is None else place.attributes())
+    )
 
 
 def _bands(header: Any) -> dict[int, int]:
