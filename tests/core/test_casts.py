@@ -220,3 +220,9 @@ def test_a_missing_cast_is_named_before_anything_is_traced():
     scene = edit(load_scene("default"), {"water": {"kind": "cast", "path": "nowhere.cnv"}})
     with pytest.raises(SceneError, match=r"water.path: 'nowhere.cnv' does not exist"):
         prepare(scene)
+
+
+def test_a_descent_of_centimetres_with_times_is_read(tmp_path):
+    rows = "".join(f"{k},{1.3 + 0.01 * k:.2f},1500\n" for k in range(31))
+    cast = read_cast(text(tmp_path / "short.csv", "time,depth,sound_speed\n" + rows))
+    assert cast.depth.size == 2

@@ -24,6 +24,7 @@ LONGEST = 15.0  # s to read a small file, the import of its library included
 SLOWEST = 1e6  # bytes per second of a large one
 COPIES = 3  # of the content, which readers hold at once
 START = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from insonify.io import isolated; isolated.serve()"
+PIPE = 2**20  # bytes of a pipe, where the system lets it be chosen
 LENGTH = 8  # bytes of every length in an answer
 
 
@@ -76,6 +77,7 @@ class _Process:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
+            pipesize=PIPE,
         )
 
     def ask(self, request: bytes, seconds: float) -> Any:

@@ -89,6 +89,8 @@ def _after_soak(depth: Values, time: Values) -> int:
     An instrument soaks below the surface until its pump runs, and is often raised again before the descent.
     """
     levels = np.arange(depth[0], depth[-1], BIN)
+    if levels.size < 2:
+        return 0
     reached = np.searchsorted(np.maximum.accumulate(depth), levels)
     taken = np.diff(time[reached])
     waits = np.flatnonzero((taken > PAUSE * np.median(taken)) & (levels[1:] < min(DEEPEST_SOAK, 0.5 * depth[-1])))
