@@ -8,7 +8,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
-from scipy.ndimage import distance_transform_edt
 
 from insonify.errors import SceneError
 from insonify.files import file_version
@@ -91,6 +90,8 @@ def _read(path: str, count: int, levels: tuple[float, ...]) -> tuple[Grid, Map]:
         raise _refusal(path, "holds no value", "check its nodata value")
     values = grid.heights
     if not known.all():
+        from scipy.ndimage import distance_transform_edt  # lazy: the command starts without SciPy
+
         nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
         values = values[tuple(nearest)]
     cuts = np.array(levels) if levels else np.quantile(grid.heights[known], np.arange(1, count) / count)
