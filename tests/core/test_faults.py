@@ -47,6 +47,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 LIMITED = """
 import resource, sys
 from pathlib import Path
+sys.dont_write_bytecode = True  # cut short, it would stay and break the environment
 from insonify import cli
 folder, source, suffixes = Path(sys.argv[1]), sys.argv[2], sys.argv[3:]
 resource.setrlimit(resource.RLIMIT_FSIZE, (4000, resource.RLIM_INFINITY))
