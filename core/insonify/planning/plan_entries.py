@@ -56,8 +56,6 @@ class Plan:
     ----------
     model : Model
         Tracer, settings and effects.
-    block : int
-        Number of pings that are simulated at a time.
     entries : tuple of PlanEntry
         All choices.
     error : float
@@ -69,7 +67,6 @@ class Plan:
     """
 
     model: Model
-    block: int = 64
     entries: tuple[PlanEntry, ...] = ()
     error: float = 0.0
     work: float = 0.0

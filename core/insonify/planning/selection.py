@@ -16,7 +16,6 @@ from insonify.scene import Scene, SceneError
 
 # Pings other than those probed may err more: measured over random scenes, see docs/theory/error.md.
 SAFETY = 1.5
-AT_ONCE, COPIES, MOST_AT_ONCE = 64e6, 8, 64  # bytes of a block with all its copies; pings of a block
 STAGED = sorted(CHOICES, key=lambda choice: choice.stage)
 BY_SUBJECT = {choice.subject: choice for choice in CHOICES if choice.offered}
 
@@ -78,7 +77,7 @@ def choose_model(packed: PackedScene, tolerance: float, method: str, forced: Map
     model = _cheapest(case, tolerance / SAFETY)
     entries = tuple(entry for choice in CHOICES for entry in choice.entries(case, model, choice.error(case, model)))
     error = math.sqrt(sum(entry.error**2 for entry in entries))
-    return Plan(model, _block(packed.scene), entries, error, packed.work(model), case.probe.seconds(model))
+    return Plan(model, entries, error, packed.work(model), case.probe.seconds(model))
 
 
 def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str, str]) -> Plan:
@@ -108,7 +107,7 @@ def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str,
     for choice in STAGED:
         model = model._replace(**{choice.field: choice.kept(case, model, last.model)})
         choice.require(case, model)
-    return last if model == last.model else Plan(model, _block(packed.scene))
+    return last if model == last.model else Plan(model)
 
 
 def _asked(method: str, forced: Mapping[str, str]) -> str:
@@ -156,9 +155,3 @@ def _keeps(case: Case, model: Model, tolerance: float) -> bool:
         if square > tolerance**2:
             return False
     return True
-
-
-def _block(scene: Scene) -> int:
-    """Return the number of pings per block that fits into the memory set aside for a block."""
-    fitting = AT_ONCE / (COPIES * 2 * 4 * scene.sonar.bins)
-    return int(min(max(fitting, 1.0), MOST_AT_ONCE))
