@@ -295,3 +295,25 @@ def test_waves_bring_echoes_into_the_record_from_beyond_its_end(way, tracer):
     )
     noise = 2e-3 if tracer == "sweep" else 0.03
     np.testing.assert_allclose(short, long[: short.size], rtol=noise, atol=noise * short.max())
+
+
+@pytest.mark.parametrize("law", [SONAR, LIGHT])
+@pytest.mark.parametrize("squint", [0.0, 4.0, 10.0])
+@pytest.mark.parametrize("way", BOTTOM_WAYS)
+def test_one_plane_stands_for_a_whole_patterned_beam(way, squint, law):
+    """Out in one direction and back from another only the azimuths count at which the beam responds to both."""
+    width = math.radians(4.0)
+    pattern = gaussian_pattern(width, squint=math.radians(squint))
+    arrays = arrays_of(
+        np.zeros((64, 64)), 0.5, periodic=True, bins=600, bin_length=0.1, law=law, half_width=width, pattern=pattern
+    )
+    pose = poses_of(0.0, 0.0, 10.0)
+    one, right = (
+        ghost(trace, arrays, pose, 22.0, way)[0, 0].reshape(-1, 4).sum(axis=1)
+        for trace in (
+            lambda arrays, poses: sweep.trace(arrays, poses, planes=1),
+            lambda arrays, poses: rays.trace(arrays, poses, rays=1 << 17),
+        )
+    )
+    assert np.linalg.norm(one - right) < 0.05 * np.linalg.norm(right)
+    assert one.sum() == pytest.approx(right.sum(), rel=0.01)

@@ -13,10 +13,11 @@ from insonify.kernels.beam.pattern import (
     azimuthal_response,
     integrated_response,
     lobe_response,
+    shared_response,
     vertical_response,
     widest_extent,
 )
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 
 TRANSITION = 0.3  # of the near field, by which the far field takes over
@@ -187,6 +188,81 @@ def _pattern_weight(x, z, r, sector, pattern, law):
     else:
         whole = azimuthal_response(pattern, level, tip, r)
     return response * width / (x * whole) if whole > 0.0 else 0.0
+
+
+@inlined_uncounted
+def is_whole_beam(sector):
+    """Whether a plane of a tabulated pattern stands for all azimuths.
+
+    Parameters
+    ----------
+    sector : AzimuthSector
+
+    Returns
+    -------
+    bool
+    """
+    return sector.tabulated and sector.angle > 0.0 and sector.s_high - sector.s_low >= 2.0
+
+
+@kernel
+def paired_weight(x, one, other, sector, pattern, law):
+    """Weight of a plane that stands for a whole beam, for sound that leaves by one image and returns by another.
+
+    A narrow sector has one response to each; over a whole beam the azimuths matter at which both respond.
+
+    Parameters
+    ----------
+    x : float
+        Ground range, m.
+    one, other : tuple of two float
+        Height of the place above each image as its beam is turned, and slant range, m.
+    sector : AzimuthSector
+    pattern : BeamPattern
+        Of a beam that sound passes twice.
+    law : int
+
+    Returns
+    -------
+    float
+        As of `sector_weight`.
+    """
+    if not x > 0.0:
+        return 0.0
+    vertical = in_plane_response(x / one[1], one[0] / one[1], sector, pattern)
+    vertical *= in_plane_response(x / other[1], other[0] / other[1], sector, pattern)
+    if vertical == 0.0:
+        return 0.0
+    level_one, tip_one = sector.ahead_level * x / one[1], sector.ahead_up * one[0] / one[1]
+    level_other, tip_other = sector.ahead_level * x / other[1], sector.ahead_up * other[0] / other[1]
+    azimuths = shared_response(pattern, level_one, tip_one, one[1], level_other, tip_other, other[1])
+    if law != LIGHT:
+        return math.sqrt(vertical) * azimuths * x
+    # Law `light` averages over the azimuths inside the beam there.
+    whole = azimuthal_response(pattern, level_one, tip_one, one[1])
+    whole *= azimuthal_response(pattern, level_other, tip_other, other[1])
+    return math.sqrt(vertical / whole) * azimuths if whole > 0.0 else 0.0
+
+
+@kernel
+def weigh_paired_knots(x, images, sector, pattern, law):
+    """Weigh the knots of a profile, as two images see it, by what a plane that stands for a whole beam has of the pair.
+
+    Parameters
+    ----------
+    x : ndarray of float64
+        Ground ranges of the knots, m.
+    images : tuple of two ImageProfile
+        Their weights are filled.
+    sector : AzimuthSector
+    pattern : BeamPattern
+        Of a beam that sound passes twice.
+    law : int
+    """
+    one, other = images
+    for i in range(x.size):
+        weight = paired_weight(x[i], (one.rise[i], one.r[i]), (other.rise[i], other.r[i]), sector, pattern, law)
+        one.weight[i] = other.weight[i] = weight
 
 
 @inlined_uncounted

@@ -11,6 +11,7 @@ from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE, TOP_HAT
 
 SLICES = 16  # of the azimuths over which a pattern is averaged
+SHARED_SLICES = 128  # of the azimuths that two directions share, sidelobes and all
 
 
 @inlined_uncounted
@@ -226,6 +227,38 @@ def azimuthal_response(pattern, level, tip, r):
             total += response / (s_high - s_low) * step
         before = after
     return total
+
+
+@kernel
+def shared_response(pattern, level_one, tip_one, r_one, level_other, tip_other, r_other):
+    """Integral over azimuths of the response to sound that leaves in one direction and returns from another.
+
+    Parameters
+    ----------
+    pattern : BeamPattern
+        Of a beam that sound passes twice.
+    level_one, tip_one, r_one : float
+        For the one direction, s = level · sin φ + tip; and its slant range, m.
+    level_other, tip_other, r_other : float
+        For the other.
+
+    Returns
+    -------
+    float
+        rad; of the square root of the product of both two-way responses.
+    """
+    extent, centre = widest_extent(pattern), pattern.centre
+    low = max((centre - extent - tip_one) / level_one, (centre - extent - tip_other) / level_other, -1.0)
+    high = min((centre + extent - tip_one) / level_one, (centre + extent - tip_other) / level_other, 1.0)
+    if not low < high:
+        return 0.0
+    low, high = math.asin(low), math.asin(high)
+    step, total = (high - low) / SHARED_SLICES, 0.0
+    for k in range(SHARED_SLICES):
+        sine = math.sin(low + (k + 0.5) * step)
+        one = _table_response(pattern, level_one * sine + tip_one, r_one)
+        total += math.sqrt(one * _table_response(pattern, level_other * sine + tip_other, r_other))
+    return total * step
 
 
 @inlined_uncounted

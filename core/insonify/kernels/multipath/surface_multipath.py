@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insonify.kernels.beam.azimuth_sector import raise_sector
+from insonify.kernels.beam.azimuth_sector import is_whole_beam, raise_sector, weigh_paired_knots
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
@@ -192,6 +192,8 @@ def _add_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
     other = raise_sector(sector, near_field * (height + pair.other.height))
     cells_one = _view_from_image(arrays, count, pair.one, plane, one, reach, workspace, 0)
     cells_other = _view_from_image(arrays, count, pair.other, plane, other, reach, workspace, 1)
+    if is_whole_beam(one) and arrays.pattern.two_way:
+        weigh_paired_knots(workspace.profile.x[:count], workspace.images, one, arrays.pattern, arrays.law)
     n = _list_bed(arrays, count, pair, (cells_one, cells_other), workspace, sink)
     if cells_one > 0:
         cells, sectors = (cells_one, cells_other), (one, other)

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.beam.azimuth_sector import sector_weight
+from insonify.kernels.beam.azimuth_sector import is_whole_beam, paired_weight, sector_weight
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import LIGHT
 from insonify.kernels.geometry.cross_sections import HalfPlane
@@ -140,9 +140,14 @@ def _list_facet(pattern, pair, facet, cos_other, numbers, sectors, contributor, 
     law, raised = pair.law, pair.other.height - pair.one.height
     x, a = facet.centre * facet.cosine, facet.centre * facet.sine
     r_other, b = _distance(facet.centre, facet.cosine, facet.sine, raised), a - raised
-    one = sector_weight(x, -a if pair.one.mirrored else a, facet.centre, sectors[0], pattern, law)
-    other = sector_weight(x, -b if pair.other.mirrored else b, r_other, sectors[1], pattern, law)
-    weight = pair_response(one, other, pattern.tabulated, pattern.two_way) * spreading_ratio(facet.centre, r_other, law)
+    rise_one, rise_other = -a if pair.one.mirrored else a, -b if pair.other.mirrored else b
+    if is_whole_beam(sectors[0]) and pattern.two_way:
+        weight = paired_weight(x, (rise_one, facet.centre), (rise_other, r_other), sectors[0], pattern, law)
+    else:
+        one = sector_weight(x, rise_one, facet.centre, sectors[0], pattern, law)
+        other = sector_weight(x, rise_other, r_other, sectors[1], pattern, law)
+        weight = pair_response(one, other, pattern.tabulated, pattern.two_way)
+    weight *= spreading_ratio(facet.centre, r_other, law)
     rms, variance = pair.rms_height, pair.slope_variance
     rise = height_delay(pair.one, -a, facet.centre, rms) + height_delay(pair.other, -b, r_other, rms)
     tilt = tilt_delay(pair.one, -a, facet.centre, variance) + tilt_delay(pair.other, -b, r_other, variance)
