@@ -1,4 +1,4 @@
-"""Long runs: ``PYTHONPATH=tests python -m fuzz COUNT [FORMAT ...]`` prints every fault and a line for each format."""
+"""Long runs: ``python -m fuzz [FIRST:]LAST [FORMAT ...]``, with ``tests`` on the path, prints faults and figures."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ def main() -> int:
     with worker() as made:
         for name in names:
             began, faults, accepted, slowest, largest = time.perf_counter(), {}, 0, 0.0, 0
-            seeds = range(int(first or 0), round(int(last) * SAMPLES[name].share))
+            start = int(first or 0)
+            seeds = range(start, start + round((int(last) - start) * SAMPLES[name].share))
             for seed in seeds:
                 result = made.case(name, seed)
                 found = fault(result)
