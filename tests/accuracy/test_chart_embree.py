@@ -1,4 +1,4 @@
-"""Embree over a bed of triangles, beside exact rays over the bilinear one."""
+"""Embree over a scene of triangles, beside exact rays over the bilinear bed and the bodies themselves."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of, poses_of, rough
-from insonify.accuracy.charts.embree import TriangulatedBed, explain_omission
+from beds import NO_MESH, arrays_of, mesh_of, poses_of, rough, solids_of
+from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
 from insonify.accuracy.record_errors import compare_records
+from insonify.kernels.rays.cell_walk import RayBundle
+from insonify.kernels.rays.first_echoes import cast_straight_rays, empty_hits
 from insonify.scene import SceneError
 from insonify.tracers import rays
 
@@ -31,14 +33,14 @@ def _installed():
 def test_over_a_level_bed_every_ray_returns_the_same(half_width):
     # Triangles and bilinear cells are then one surface: only single precision is left.
     arrays = arrays_of(np.zeros((64, 64)), 1.0, periodic=True, half_width=half_width, bins=300, bin_length=0.1)
-    record, right = TriangulatedBed(arrays, POSES).trace(POSES, rays=3000), rays.trace(arrays, POSES, rays=3000)
+    record, right = TriangulatedScene(arrays, POSES).trace(POSES, rays=3000), rays.trace(arrays, POSES, rays=3000)
     assert compare_records(arrays, POSES, record, right).beyond < 0.01
     assert abs(compare_records(arrays, POSES, record, right).energy_bias) < 1e-5
 
 
 def test_over_a_rough_bed_the_surface_differs_as_its_cells_are_cut():
     arrays = bed_arrays()
-    bed = TriangulatedBed(arrays, POSES)
+    bed = TriangulatedScene(arrays, POSES)
     own = bed.trace(POSES, rays=1 << 17)
     surface = compare_records(arrays, POSES, own, rays.trace(arrays, POSES, rays=1 << 17)).beyond
     sampling = compare_records(arrays, POSES, bed.trace(POSES, rays=4000), own).beyond
@@ -55,14 +57,80 @@ def test_a_bed_with_an_edge_and_a_hole_is_silent_there():
     heights[60:80, 20:60] = np.nan
     arrays = arrays._replace(bed=arrays.bed._replace(heights=heights))
     poses = poses_of(4.0, 4.0, 6.0)
-    record, right = TriangulatedBed(arrays, poses).trace(poses, rays=20_000), rays.trace(arrays, poses, rays=20_000)
+    record, right = TriangulatedScene(arrays, poses).trace(poses, rays=20_000), rays.trace(arrays, poses, rays=20_000)
     heard, dark = right > 0.0, (right == 0.0) & (record > 0.0)
     assert heard.any()
     assert dark.sum() < 0.03 * heard.sum()
 
 
+def exact_hits(arrays, bundle):
+    hits = empty_hits(bundle.x.size)
+    cast_straight_rays(arrays, bundle, arrays.bins * arrays.bin_length, hits)
+    return hits
+
+
+def rays_towards(arrays, poses, target, wide, count=20_000):
+    """Rays from the first pose to random points about a target."""
+    rng = np.random.default_rng(3)
+    origin = np.array([poses.x[0], poses.y[0], poses.z[0]])
+    ways = np.asarray(target) + rng.uniform(-wide, wide, (count, 3)) - origin
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    return RayBundle(*(np.full(count, value) for value in origin), *np.ascontiguousarray(ways.T))
+
+
+BOX = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (8.0, 9.5) for z in (0.0, 1.2)])
+FACES = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [1, 5, 7], [1, 7, 3]]
+TARGETS = {
+    "sphere": ({"solids": [((0.3, 9.0, 0.8), 0.7)]}, 2.0),
+    "pipe": ({"solids": [((-3.0, 8.0, 0.5), (4.0, 10.0, 0.9), 0.4), ((4.0, 10.0, 0.9), 0.4)]}, 2.0),
+    "cone": ({"solids": [((0.0, 9.0, 0.0), (0.0, 9.0, 1.8), 1.0, 0.0)]}, 2.0),
+    "box": ({"mesh": mesh_of(BOX, FACES)}, 0.0),
+}
+
+
+@pytest.mark.parametrize(("name", "degrees"), [(name, degrees) for name, (_, degrees) in TARGETS.items()])
+def test_a_target_is_hit_where_the_exact_walk_hits_it(name, degrees):
+    # Chords lie up to 3e-4 of the radius beneath the surface: nearly edge-on a ray that the body stops may pass it.
+    arrays = bed_arrays(**TARGETS[name][0])
+    bundle = rays_towards(arrays, POSES, (0.5, 9.0, 0.6), 1.5)
+    found, right = TriangulatedScene(arrays, POSES).cast(bundle), exact_hits(arrays, bundle)
+    target = right.body >= 0
+    assert target.mean() > 0.03
+    assert np.mean((found.body >= 0) != target) < 1e-3
+    both = target & (found.body >= 0)
+    cosine = np.einsum("ij,ij->j", *(np.stack([hits.nx, hits.ny, hits.nz])[:, both] for hits in (found, right)))
+    assert np.quantile(cosine, 0.01) > math.cos(math.radians(max(degrees, 0.1)))
+    assert np.quantile(np.abs(found.distance - right.distance)[both], 0.99) < 5e-3
+    assert np.median(np.abs(found.distance - right.distance)[both]) < (3e-4 if degrees else 2e-6)
+
+
+def test_every_triangle_has_the_body_and_the_material_of_what_it_is_cut_from():
+    arrays = bed_arrays(solids=TARGETS["sphere"][0]["solids"], mesh=mesh_of(BOX + np.array([3.0, 0.0, 0.0]), FACES))
+    arrays = arrays._replace(
+        solids=arrays.solids._replace(material=np.array([1])),
+        mesh=arrays.mesh._replace(material=np.full(len(FACES), 2)),
+    )
+    bundle = rays_towards(arrays, POSES, (1.5, 9.0, 0.6), 3.0)
+    found, right = TriangulatedScene(arrays, POSES).cast(bundle), exact_hits(arrays, bundle)
+    assert set(found.material) == {0, 1, 2}
+    assert np.mean(found.material != right.material) < 1e-3
+    assert np.mean(found.body != right.body) < 2e-3  # on the edge of two triangles either is right
+
+
+def test_a_record_with_targets_is_that_of_exact_rays_but_for_the_surface():
+    level = arrays_of(
+        np.zeros((64, 64)), 1.0, periodic=True, half_width=FAN, bins=300, bin_length=0.1,
+        solids=TARGETS["sphere"][0]["solids"], mesh=mesh_of(BOX + np.array([3.0, 0.0, 0.0]), FACES),
+    )  # fmt: skip
+    poses = poses_of([0.3, 3.0], 0.0, 8.0, [0.0, 0.2])
+    record, right = TriangulatedScene(level, poses).trace(poses, rays=1 << 17), rays.trace(level, poses, rays=1 << 17)
+    bare = rays.trace(level._replace(solids=solids_of(), mesh=NO_MESH), poses, rays=1 << 17)
+    assert compare_records(level, poses, record, right).beyond < 0.01
+    assert compare_records(level, poses, bare, right).beyond > 0.1  # the targets do matter
+
+
 def test_what_it_is_not_asked_for_is_said():
-    assert "straight" in explain_omission(bed_arrays()._replace(bounces=1), POSES)
-    assert "targets" in explain_omission(bed_arrays(solids=[((0.0, 9.0, 0.5), 0.5)]), POSES)
-    with pytest.raises(SceneError, match="targets"):
-        TriangulatedBed(bed_arrays(solids=[((0.0, 9.0, 0.5), 0.5)]), POSES)
+    bounces = bed_arrays()._replace(bounces=1)
+    assert "straight" in explain_omission(bounces, POSES)
+    with pytest.raises(SceneError, match="straight"):
+        TriangulatedScene(bounces, POSES)

@@ -1,4 +1,4 @@
-"""Embree over a triangulated bed, where it is installed: the same rays with another surface and engine."""
+"""Embree over a scene of triangles, where it is installed: the same rays with another surface and engine."""
 
 from __future__ import annotations
 
@@ -9,10 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.types import BED, PORT, Poses, SceneArrays
-from insonify.kernels.rays.cell_walk import NOTHING, RayBundle
+from insonify.accuracy.charts.tessellation import tessellate_solids
+from insonify.kernels.common.types import BED, PORT, Bed, Poses, SceneArrays
+from insonify.kernels.rays.cell_walk import NOTHING, Hits, RayBundle
 from insonify.kernels.rays.first_echoes import deposit_hits, empty_bundle, empty_hits, empty_launch
-from insonify.kernels.rays.launch import RayLaunch, SideBeam, aim_rays, highest_elevation, rotate_to_world
+from insonify.kernels.rays.launch import (
+    SideBeam,
+    aim_rays,
+    highest_elevation,
+    list_solids_in_beam,
+    rotate_to_world,
+)
 from insonify.scene import SceneError
 
 MOST_TRIANGLES = 8_000_000
@@ -26,21 +33,19 @@ def explain_omission(arrays: SceneArrays, poses: Poses) -> str:
         return "embree: left out, embreex is not installed (pip install 'insonify[embree]')"
     if arrays.water.bent or arrays.multipath.enabled or arrays.bounces or arrays.pattern.tabulated:
         return "embree: left out, it traces only first echoes along straight rays of a level knife or fan"
-    if arrays.solids.shape.size or arrays.mesh.skip.size:
-        return "embree: left out with targets, it traces only the bed"
     columns, rows = (last - first for first, last in _nodes(arrays, poses))
     if 2 * columns * rows > MOST_TRIANGLES:
         return f"embree: left out, the bed beneath these pings has {2 * columns * rows:,} triangles"
     return ""
 
 
-class TriangulatedBed:
-    """Bed beneath some pings as triangles, two per cell.
+class TriangulatedScene:
+    """Bed beneath some pings and all targets as flat triangles: two per cell of the bed, bodies as tessellated.
 
     Parameters
     ----------
     arrays : SceneArrays
-        Scene without targets and multipath, in water of constant sound speed.
+        Scene without multipath, in water of constant sound speed.
     poses : Poses
         Poses of all pings that will be traced.
 
@@ -57,24 +62,48 @@ class TriangulatedBed:
         from embreex.rtcore_scene import EmbreeScene
 
         self._arrays = arrays
-        bed, (columns, rows) = arrays.bed, (np.arange(*span) for span in _nodes(arrays, poses))
-        ny, nx = bed.heights.shape
-        heights = bed.heights[np.ix_(rows % ny, columns % nx)]
+        spans = _nodes(arrays, poses)
         # Single precision is fine near an origin amid the bed.
-        self._origin = bed.x0 + bed.spacing * columns.mean(), bed.y0 + bed.spacing * rows.mean()
-        x, y = np.meshgrid(
-            bed.x0 + bed.spacing * columns - self._origin[0], bed.y0 + bed.spacing * rows - self._origin[1]
-        )
-        vertices = np.column_stack([x.ravel(), y.ravel(), np.nan_to_num(heights).ravel()]).astype(np.float32)
-        numbers = np.arange(heights.size).reshape(heights.shape)
-        here, right, above, across = numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, :-1], numbers[1:, 1:]
-        solid = np.isfinite(heights)
-        whole = solid[:-1, :-1] & solid[:-1, 1:] & solid[1:, :-1] & solid[1:, 1:]
-        corners = np.stack([here, right, across, here, across, above], axis=-1)[whole].reshape(-1, 3)
-        cells = bed.materials[np.ix_(rows[:-1] % ny, columns[:-1] % nx)]
-        self._materials = np.repeat(cells[whole].astype(np.int64), 2)
+        x, y = (arrays.bed.spacing * 0.5 * (first + last - 1) for first, last in spans)
+        self._origin = np.array([arrays.bed.x0 + x, arrays.bed.y0 + y, 0.0])
+        nodes, cells, cell_material = _bed_triangles(arrays.bed, *(np.arange(*span) for span in spans))
+        solid, row = tessellate_solids(arrays.solids)
+        meshed = arrays.solids.shape.size + np.arange(len(arrays.mesh.corners))
+        self._body = np.concatenate([np.full(len(cells), BED), row, meshed])
+        self._material = np.concatenate([cell_material, arrays.solids.material[row], arrays.mesh.material])
+        corners = np.concatenate([solid, arrays.mesh.corners]).reshape(-1, 3)
+        vertices = (np.concatenate([nodes, corners]) - self._origin).astype(np.float32)
+        numbers = np.concatenate([cells, len(nodes) + np.arange(len(corners)).reshape(-1, 3)])
         self._scene: Any = EmbreeScene()
-        self._mesh = TriangleMesh(self._scene, vertices, corners.astype(np.int32))
+        self._triangles = TriangleMesh(self._scene, vertices, numbers.astype(np.int32))
+
+    def cast(self, bundle: RayBundle) -> Hits:
+        """Find the first triangle that each ray meets.
+
+        Parameters
+        ----------
+        bundle : RayBundle of (n,) float64
+
+        Returns
+        -------
+        Hits
+            Rows of bodies and materials as exact rays give them; the normals are those of the flat triangles.
+        """
+        hits = empty_hits(bundle.x.size)
+        origins = np.column_stack([bundle.x, bundle.y, bundle.z]) - self._origin
+        ways = np.column_stack([bundle.dx, bundle.dy, bundle.dz])
+        found = self._scene.run(origins.astype(np.float32), ways.astype(np.float32), output=1)
+        met = (found["primID"] >= 0) & (found["tfar"] < self._arrays.bins * self._arrays.bin_length)
+        triangle = np.where(met, found["primID"], 0)
+        hits.distance[:] = np.where(met, found["tfar"], math.inf)
+        hits.body[:] = np.where(met, self._body[triangle], NOTHING)
+        hits.material[:] = self._material[triangle]
+        normal = found["Ng"].astype(np.float64)
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        # The bed is seen from above, a target from whichever side the ray comes.
+        turned = np.where(hits.body == BED, normal[:, 2] < 0.0, np.einsum("ij,ij->i", normal, ways) > 0.0)
+        hits.nx[:], hits.ny[:], hits.nz[:] = np.where(turned, -normal.T, normal.T)
+        return hits
 
     def trace(self, poses: Poses, *, rays: int) -> Record:
         """Trace pings ray by ray.
@@ -94,38 +123,38 @@ class TriangulatedBed:
         arrays = self._arrays
         out = np.zeros((poses.x.size, 2, arrays.bins), dtype=np.float32)
         launch, bundle, sums = empty_launch(rays), empty_bundle(rays), np.empty(arrays.bins)
-        aimed_at = math.nan
+        fan, near = arrays.half_width > 0.0, np.empty(arrays.solids.shape.size, np.int64)
+        aimed_at = math.nan, math.nan
         for ping, z in enumerate(poses.z):
-            if z != aimed_at:
-                self._aim(launch, float(z))
-                aimed_at = z
             for side in range(2):
-                rotate_to_world(launch, _beam(arrays, poses, ping, side), bundle)
-                self._sum(bundle, launch, sums)
+                beam = _beam(arrays, poses, ping, side)
+                _, highest = list_solids_in_beam(arrays.solids, arrays.mesh, beam, near)
+                top = max(highest, highest_elevation(arrays.bed.high - z, 0.0, beam.reach))
+                if aimed_at != (z, top):
+                    aim_rays(launch, z, top, beam.reach, arrays.half_width, arrays.law, False)
+                    aimed_at = z, top
+                rotate_to_world(launch, beam, bundle)
+                hits = self.cast(bundle)
+                deposit_hits(bundle, hits, launch.weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
                 out[ping, side] = sums * arrays.range_factor
         return out
 
-    def _aim(self, launch: RayLaunch, z: float) -> None:
-        arrays, reach = self._arrays, self._arrays.bins * self._arrays.bin_length
-        top = highest_elevation(arrays.bed.high - z, 0.0, reach)
-        aim_rays(launch, z, top, reach, arrays.half_width, arrays.law, False)
 
-    def _sum(self, bundle: RayBundle, launch: RayLaunch, sums: NDArray[np.float64]) -> None:
-        """Cast a bundle of rays and sum its echoes."""
-        arrays, hits = self._arrays, empty_hits(bundle.x.size)
-        origins = np.column_stack([bundle.x - self._origin[0], bundle.y - self._origin[1], bundle.z])
-        ways = np.column_stack([bundle.dx, bundle.dy, bundle.dz])
-        found = self._scene.run(origins.astype(np.float32), ways.astype(np.float32), output=1)
-        reach = arrays.bins * arrays.bin_length
-        met = (found["primID"] >= 0) & (found["tfar"] < reach)
-        hits.distance[:] = np.where(met, found["tfar"], math.inf)
-        hits.body[:] = np.where(met, BED, NOTHING)
-        hits.material[:] = self._materials[np.where(met, found["primID"], 0)]
-        normal = found["Ng"].astype(np.float64)
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300) * np.sign(normal[:, 2:] + 1e-300)
-        hits.nx[:], hits.ny[:], hits.nz[:] = normal.T
-        fan = arrays.half_width > 0.0
-        deposit_hits(bundle, hits, launch.weight, arrays.reflectivity, arrays.law, fan, arrays.bin_length, sums)
+def _bed_triangles(
+    bed: Bed, columns: NDArray[np.int64], rows: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+    """Nodes of a part of the bed, the corners by number of the triangles of its whole cells, and their materials."""
+    ny, nx = bed.heights.shape
+    heights = bed.heights[np.ix_(rows % ny, columns % nx)]
+    x, y = np.meshgrid(bed.x0 + bed.spacing * columns, bed.y0 + bed.spacing * rows)
+    numbers = np.arange(heights.size).reshape(heights.shape)
+    here, right, above, across = numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, :-1], numbers[1:, 1:]
+    solid = np.isfinite(heights)
+    whole = solid[:-1, :-1] & solid[:-1, 1:] & solid[1:, :-1] & solid[1:, 1:]
+    corners = np.stack([here, right, across, here, across, above], axis=-1)[whole].reshape(-1, 3)
+    materials = bed.materials[np.ix_(rows[:-1] % ny, columns[:-1] % nx)][whole].astype(np.int64)
+    nodes = np.column_stack([x.ravel(), y.ravel(), np.nan_to_num(heights).ravel()]).astype(np.float64)
+    return nodes, corners, np.repeat(materials, 2)
 
 
 def _nodes(arrays: SceneArrays, poses: Poses) -> tuple[tuple[int, int], tuple[int, int]]:

@@ -78,7 +78,7 @@ class TracedScene(NamedTuple):
     reference : Reference
         Record by exact rays.
     triangles : Reference, optional
-        Record by exact rays over a triangulated bed.
+        Record by exact rays over a scene of triangles.
     """
 
     arrays: SceneArrays

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.accuracy.charts.embree import TriangulatedBed, explain_omission
+from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
 from insonify.kernels.common.types import Bed, Poses, SceneArrays, still_water
 from insonify.tracers import march, rays, sweep
 
@@ -85,8 +85,8 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
     counts = RAYS if arrays.water.bent else RAYS + MANY_RAYS
     out = march_settings(arrays, STEPS) + ray_settings("rays", arrays, counts)
     if not explain_omission(arrays, poses):
-        bed = TriangulatedBed(arrays, poses)
-        out += [MethodSetting(EMBREE, f"{count:,} rays", count, partial(bed.trace, rays=count)) for count in RAYS]
+        scene = TriangulatedScene(arrays, poses)
+        out += [MethodSetting(EMBREE, f"{count:,} rays", count, partial(scene.trace, rays=count)) for count in RAYS]
     if arrays.water.station.size == 1:  # the sweep needs water that varies with depth alone
         out += sweep_settings("sweep", arrays, PLANES) + sweep_settings(
             "sweep, float64", arrays, DOUBLE_PLANES, double=True

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from insonify.accuracy.charts.accuracy_figure import draw_accuracy
 from insonify.accuracy.charts.chart import Chart, ChartTable
-from insonify.accuracy.charts.embree import TriangulatedBed, explain_omission
+from insonify.accuracy.charts.embree import TriangulatedScene, explain_omission
 from insonify.accuracy.charts.machine import describe_machine
 from insonify.accuracy.charts.measurement import AccuracyMeasurement, AccuracyRow, TracedScene
 from insonify.accuracy.charts.method_settings import (
@@ -137,7 +137,7 @@ def measure_chart(
         measured, traced[targets], found = _measure(targets, arrays, poses, share)
         rows += measured
         records |= found
-    notes = tuple(dict.fromkeys(filter(None, map(_describe_triangles, traced.values()))))
+    notes = tuple(dict.fromkeys(_describe_triangles(targets, scene) for targets, scene in traced.items()))
     count = traced[False].poses.x.size
     return AccuracyChart(scene.title, tuple(rows), count, describe_machine(), traced, records, notes)
 
@@ -145,14 +145,15 @@ def measure_chart(
 chart = measure_chart  # the public name of the package
 
 
-def _describe_triangles(scene: TracedScene) -> str:
-    """State the distance of the triangulated bed itself from the bilinear bed, or why Embree is left out."""
+def _describe_triangles(targets: bool, scene: TracedScene) -> str:
+    """State the distance of a scene of triangles itself from the curved surfaces, or why Embree is left out."""
     if scene.triangles is None:
         return explain_omission(scene.arrays, scene.poses)
     apart = compare_records(scene.arrays, scene.poses, scene.triangles.record, scene.reference.record).beyond
     return (
-        f"embree: with {scene.triangles.rays:,} rays per side the triangulated bed differs from the bilinear bed by "
-        f"{100.0 * apart:.2g} %; the rest of its error is due to the number of rays"
+        f"embree: with {scene.triangles.rays:,} rays per side {'bed and targets of' if targets else 'the bed of'} "
+        f"triangles differ{'' if targets else 's'} from the exact surfaces by {100.0 * apart:.2g} %; the rest of its "
+        "error is due to the number of rays"
     )
 
 
@@ -192,15 +193,15 @@ def _measure(
 
 
 def _trace_triangles(arrays: SceneArrays, poses: Poses, report: Callable[[], None]) -> Reference | None:
-    """Trace a triangulated bed and how far doubling the rays moves its record; None without Embree."""
+    """Trace a scene of triangles and how far doubling the rays moves its record; None without Embree."""
     if explain_omission(arrays, poses):
         return None
-    bed = TriangulatedBed(arrays, poses)
+    scene = TriangulatedScene(arrays, poses)
 
     def trace(rays: int) -> Record:
         records = []
         for ping in range(poses.x.size):
-            records.append(bed.trace(take_poses(poses, slice(ping, ping + 1)), rays=rays))
+            records.append(scene.trace(take_poses(poses, slice(ping, ping + 1)), rays=rays))
             report()
         return np.concatenate(records)
 
