@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, bed_of, gaussian_pattern, poses_of, rough
-from insonify.accuracy.charts.reference import trace_exact_rays
+from insonify.accuracy.charts.reference import name_rays, trace_exact_rays
 from insonify.accuracy.charts.scene_setup import pack_for_chart
 from insonify.accuracy.record_errors import compare_records
 from insonify.acoustics.flat_bed import flat_bed_curve
-from insonify.kernels.common.types import LIGHT, SONAR, Water
-from insonify.scene import SceneError, load_scene
+from insonify.kernels.common.types import LIGHT, SONAR, Water, no_surface_multipath
+from insonify.scene import SceneError, edit, load_scene
 from insonify.tracers import ray_sheets, rays
 
 FAN = math.radians(1.0)
@@ -110,3 +110,24 @@ def test_a_reference_is_right_at_nadir_too():
     arrays = CASES["bodies"]
     many = rays.trace(arrays, POSES, rays=1 << 19)
     assert compare_records(arrays, POSES, trace_exact_rays(arrays, POSES, 1 << 18), many).all_bins < 0.002
+
+
+def test_a_reference_with_surface_paths_has_its_first_echoes_in_sheets():
+    arrays, poses = pack_for_chart(edit(load_scene("rough-ground"), {"sonar.bins": 200}), 2)
+    many = rays.trace(arrays, poses, rays=1 << 19)
+    paths = rays.trace_surface_paths(arrays, poses, rays=1 << 14)
+    found = trace_exact_rays(arrays, poses, 1 << 14)
+    single = rays.trace(arrays, poses, rays=1 << 14)
+    first = trace_exact_rays(arrays._replace(multipath=no_surface_multipath()), poses, 1 << 14)
+    np.testing.assert_array_equal(found, first + paths)
+    assert compare_records(arrays, poses, first, many).beyond > 0.1  # the paths do matter
+    assert compare_records(arrays, poses, found, many).beyond < compare_records(arrays, poses, single, many).beyond
+    assert compare_records(arrays, poses, found, many).beyond < 0.02
+
+
+@pytest.mark.parametrize(("bounces", "surface", "kind"), [
+    (0, False, "rays in sheets"), (0, True, "rays in sheets, surface paths by single rays"), (1, True, "single rays"),
+])  # fmt: skip
+def test_the_rays_of_a_reference_are_named(bounces, surface, kind):
+    arrays = bed_arrays()._replace(bounces=bounces, multipath=no_surface_multipath()._replace(enabled=surface))
+    assert name_rays(arrays) == kind

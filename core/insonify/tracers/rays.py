@@ -48,6 +48,36 @@ def trace(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int |
     return trace_rays(arrays, poses, rays, WALK, threads)
 
 
+def trace_surface_paths(arrays: SceneArrays, poses: Poses, *, rays: int = 4000, threads: int | None = None) -> Record:
+    """Trace ray by ray only the echoes by way of the sea surface, which `trace` adds to the first echoes.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+        The packed scene, in water that does not bend sound.
+    poses : Poses
+        Poses of the sonar, n pings.
+    rays : int
+        Rays per side, ping and image of the sonar.
+    threads : int, optional
+        Threads to use, all cores when left out. The result does not depend on it.
+
+    Returns
+    -------
+    (n, 2, bins) float32
+        Intensity of the two channels, port first; 0 where the scene has no surface paths.
+    """
+    out = empty_record(arrays, poses)
+
+    def block(part: Poses, first: int, last: int) -> int:
+        if arrays.multipath.enabled:
+            trace_multipath(arrays, part, int(rays), out[first:last])
+        return 0
+
+    trace_blocks(arrays, poses, block, threads)
+    return out
+
+
 def cast(
     arrays: SceneArrays, origins: ArrayLike, directions: ArrayLike, *, reach: float | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:

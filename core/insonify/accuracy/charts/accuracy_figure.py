@@ -148,8 +148,8 @@ def _mark_floor(axes: Axes, chart: AccuracyMeasurement, targets: bool) -> None:
     """Shade the errors that the reference does not resolve."""
     reference = chart.scenes[targets].reference
     axes.axhspan(FLOOR / 10.0, max(reference.floor, FLOOR), color=FAINT, alpha=0.10, linewidth=0, zorder=0)
-    moved = format_percent(reference.moved)
-    text = f"not resolved: doubling to {reference.rays:,} rays per side changed the reference by {moved}"
+    doubled = f"doubling to {reference.rays:,} rays per side\n({reference.kind})"
+    text = f"not resolved: {doubled} changed the reference by {format_percent(reference.moved)}"
     _write(axes, 0.012, 0.012, text, FAINT, ha="left", va="bottom")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import NamedTuple
@@ -21,6 +22,9 @@ STILL_RAYS, STILL_PLANES = (16000,), (4, 16, 64)
 COARSER = {2: "2nd", 4: "4th"}  # stride of the nodes of the bed
 COARSE_PLANES = (4, 16)
 DOUBLE_PLANES = (4, 16, 64)
+# Share of a bin's echo that a segment of a profile may add wrongly before it is divided; beside the default.
+DIVISIONS = {"whole segments": math.inf, "finer segments": 0.003}
+DIVIDED_PLANES = (4, 16, 64)
 EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
 
 Record = NDArray[np.float32]
@@ -91,6 +95,9 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
         out += sweep_settings("sweep", arrays, PLANES) + sweep_settings(
             "sweep, float64", arrays, DOUBLE_PLANES, double=True
         )
+        for division, share in DIVISIONS.items():
+            divided = arrays._replace(limits=arrays.limits._replace(misplaced=share))
+            out += sweep_settings(f"sweep, {division}", divided, DIVIDED_PLANES)
         for every, ordinal in COARSER.items():
             if (coarse := coarsen_bed(arrays.bed, every)) is not None:
                 out += sweep_settings(f"sweep, every {ordinal} node", arrays._replace(bed=coarse), COARSE_PLANES)

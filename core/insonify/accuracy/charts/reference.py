@@ -12,14 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.accuracy.record_errors import compare_records
-from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.kernels.common.types import Poses, SceneArrays, no_surface_multipath
 from insonify.packing.navigation import take_poses
 from insonify.parallel import count_threads
 from insonify.tracers import ray_sheets, rays
 
 RESOLVED = 10.0  # ratio of an error to the change of the reference that resolves it
 FIRST_RAYS = 1 << 16
-MOST_IN_SHEETS, MOST_TOGETHER = 1 << 24, 1 << 20  # rays per side; single rays are held in memory together by every core
+MOST_IN_SHEETS, MOST_SINGLE = 1 << 24, 1 << 22  # rays per side
+HELD = 1 << 24  # single rays that all cores together hold in memory, some 128 bytes each
 RAYS_A_SHEET = 16  # rays per sheet of a fan at which both parts of the error are about equal
 # Order of the error in the number of rays, from which the next number is predicted.
 SHEET_ORDER, RAY_ORDER = 1.0, 0.75
@@ -40,12 +41,15 @@ class Reference(NamedTuple):
         Number of rays per side.
     moved_all : float
         The same change over all bins from the first return; NaN where it is not known.
+    kind : str
+        What the rays are, in words.
     """
 
     record: Record
     moved: float
     rays: int
     moved_all: float = math.nan
+    kind: str = "single rays"
 
     @property
     def floor(self) -> float:
@@ -81,8 +85,7 @@ def refine_reference(
     Reference
     """
     began, count = process_time(), FIRST_RAYS
-    order = SHEET_ORDER if ray_sheets.can_trace(arrays) else RAY_ORDER
-    most = MOST_IN_SHEETS if ray_sheets.can_trace(arrays) else MOST_TOGETHER
+    order, most = (SHEET_ORDER, MOST_IN_SHEETS) if ray_sheets.can_trace(arrays) else (RAY_ORDER, MOST_SINGLE)
 
     def told() -> None:
         progress(min((process_time() - began) / seconds, 1.0))
@@ -99,26 +102,37 @@ def refine_reference(
         doublings = _doublings(RESOLVED * moved / smallest if smallest > 0.0 else math.inf, order)
         doublings = min(doublings, _affordable(left / per_ray, count), int(math.log2(most / (2 * count))))
         if moved * RESOLVED <= smallest or doublings < 1:
-            return Reference(finer, moved, 2 * count, by.all_bins)
+            return Reference(finer, moved, 2 * count, by.all_bins, name_rays(arrays))
         count <<= doublings
         record = finer if doublings == 1 else trace_exact_rays(arrays, poses, count, told)
 
 
-def trace_exact_rays(arrays: SceneArrays, poses: Poses, count: int, told: Callable[[], None] = lambda: None) -> Record:
-    """Trace with a number of exact rays per side, in ray sheets where the scene allows them, pings in parallel.
+def name_rays(arrays: SceneArrays) -> str:
+    """Name the rays that `trace_exact_rays` traces a scene with."""
+    if arrays.bounces:
+        return "single rays"
+    return "rays in sheets, surface paths by single rays" if arrays.multipath.enabled else "rays in sheets"
 
-    ``told`` is called after every ping and may raise to stop.
+
+def trace_exact_rays(arrays: SceneArrays, poses: Poses, count: int, told: Callable[[], None] = lambda: None) -> Record:
+    """Trace with a number of exact rays per side, pings in parallel.
+
+    First echoes are traced in ray sheets, echoes by way of the sea surface ray by ray, and a scene with bounces ray by
+    ray altogether. ``told`` is called after every ping and may raise to stop.
     """
+    first = arrays._replace(multipath=no_surface_multipath())
 
     def single(pose: Poses) -> Record:
-        if not ray_sheets.can_trace(arrays):
+        if arrays.bounces:
             return rays.trace(arrays, pose, rays=count, threads=1)
         # An even number: a beam with a pattern has half of its sheets in the main lobe.
         across = 2 * round(0.5 * math.sqrt(count / RAYS_A_SHEET)) if arrays.half_width > 0.0 else 1
-        return ray_sheets.trace(arrays, pose, sheets=across, rays=count // across, threads=1)
+        record = ray_sheets.trace(first, pose, sheets=across, rays=count // across, threads=1)
+        return record + rays.trace_surface_paths(arrays, pose, rays=count, threads=1)
 
     records = []
-    with ThreadPoolExecutor(count_threads()) as pool:
+    workers = count_threads() if ray_sheets.can_trace(arrays) else min(count_threads(), max(HELD // count, 1))
+    with ThreadPoolExecutor(workers) as pool:
         try:
             for record in pool.map(single, (take_poses(poses, slice(k, k + 1)) for k in range(poses.x.size))):
                 records.append(record)

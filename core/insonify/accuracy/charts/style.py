@@ -20,6 +20,8 @@ MARKS = {"march": "s", "rays": "o", "sweep": "D", "embree": "^"}
 SHADES = {
     "sweep, every 2nd node": "#7fa83a",
     "sweep, every 4th node": "#c4a32a",
+    "sweep, whole segments": "#b5473c",
+    "sweep, finer segments": "#2a8fa3",
     "sweep, straight": "#8b9299",
     "rays, straight": "#8b9299",
     "sweep, float64": "#0f4f35",

@@ -34,7 +34,7 @@ from insonify.packing.navigation import take_poses
 from insonify.scene import Scene, SceneError, edit
 
 PINGS = 8
-PROVING = 150.0  # s of processor time for a reference, over all cores; straight rays seldom take as much
+PROVING = 300.0  # s of processor time for a reference, over all cores; without surface paths rays seldom take as much
 TIMING = 8.0  # s
 SHORTEST_CALL = 0.01  # s that a timed call takes at least; a quick method traces the pings again and again
 MOST_PINGS = 512  # pings of a timed call
