@@ -16,7 +16,8 @@ from insonify.tracers.registry import Tracer, make_tracer
 
 # Work of a ping in knots of one plane over uniform water: of a plane besides its knots, of the planes of the near field
 # that several planes need, of a target in a plane, and factors of refraction and of one path by the sea surface.
-PLANE, NEAR_PLANES, TARGET, REFRACTED, SURFACE_PATH = 300.0, 4.0, 100.0, 1.5, 10.0
+PLANE, TARGET, REFRACTED, SURFACE_PATH = 300.0, 100.0, 1.5, 10.0
+NEAR_PLANES, NEAR_PLANES_OF_PATTERN = 4.0, 12.0
 RAY, REFRACTED_RAY, STEP = 20.0, 300.0, 0.6  # of a ray, of a refracted one, of a step of the march
 
 
@@ -104,7 +105,8 @@ class PackedScene:
         across = abs(math.cos(heading)) + abs(math.sin(heading))  # a plane crosses both families of grid lines
         knots = across * reach / (arrays.bed.spacing * model.every)
         profile = PLANE + knots * (REFRACTED if model.bent else 1.0) + TARGET * len(model.targets)
-        planes = 1.0 if model.planes == 1 else model.planes + NEAR_PLANES
+        near = NEAR_PLANES_OF_PATTERN if arrays.pattern.tabulated else NEAR_PLANES
+        planes = 1.0 if model.planes == 1 else model.planes + near
         return 2.0 * planes * profile * (1.0 + SURFACE_PATH * paths)
 
 

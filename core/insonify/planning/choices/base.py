@@ -43,6 +43,11 @@ class Case:
         """Its probe, made when a choice first asks for it."""
         return Probe(self.packed, choose_probe_pings(self.scene, self.packed.ground, self.near))
 
+    @property
+    def few_planes(self) -> int:
+        """Planes by which effects are compared; one for beams with a pattern, which need many near nadir."""
+        return FEW_PLANES if self.scene.sonar.beam.has_width and not self.packed.arrays.pattern.tabulated else 1
+
     @cached_property
     def first_echoes(self) -> dict[str, float]:
         """Slant range of the first echo of each path by the sea surface, in metres."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from insonify.acoustics.straightness import estimate_refraction
 from insonify.planning.checks import check_refraction
-from insonify.planning.choices.base import FEW_PLANES, FEWEST_RAYS, Case, Choice, percent
+from insonify.planning.choices.base import FEWEST_RAYS, Case, Choice, percent
 from insonify.planning.models import Model
 from insonify.planning.plan_entries import PlanEntry
 from insonify.scene.surfaces import WAYS
@@ -33,8 +33,7 @@ class Bending(Choice):
         if bound < NEGLIGIBLE:
             return bound
         method = "rays" if case.scene.water.varies_along else "sweep"
-        few = FEW_PLANES if method == "sweep" and case.scene.sonar.beam.has_width else 1
-        plain = Model(method, few, FEWEST_RAYS, targets=case.near)
+        plain = Model(method, case.few_planes, FEWEST_RAYS, targets=case.near)
         return case.probe.difference(plain, plain._replace(bent=True))
 
     def require(self, case: Case, model: Model) -> None:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 
 from insonify.planning.choices.base import (
-    FEW_PLANES,
     FEWEST_RAYS,
     FINENESS,
     GRID,
@@ -24,9 +23,9 @@ from insonify.planning.relevance import find_narrowest_target
 from insonify.scene import SceneError
 
 METHODS = ("auto", "sweep", "march", "rays")
-# Numbers of planes that a plan may choose; beams with a pattern need many more in their near field.
+# Numbers of planes that a plan may choose.
 COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
-MOST_PLANES, MOST_OF_PATTERNS = COUNTS[-1], 64
+MOST_PLANES = COUNTS[-1]
 FOLDED_RAYS = (4000, 16_000, 64_000)  # per side, of the sweep's pings with several eigenrays or none
 STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period of the bed keeps
 OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed, whose record is well known
@@ -78,11 +77,11 @@ class Planes(Ladder):
         """Return the numbers of planes; one for a beam without width."""
         if model.method != self.method or not case.scene.sonar.beam.has_width:
             return (1,)
-        wish, patterned = self.wish(case), case.packed.arrays.pattern.tabulated
+        wish = self.wish(case)
         if wish is not None:
             return (wish,)
         fewest = 2 if case.scene.receiver.speckle.interferes else 1  # each scatterer has its own place in the beam
-        return tuple(count for count in COUNTS if fewest <= count <= (MOST_OF_PATTERNS if patterned else MOST_PLANES))
+        return tuple(count for count in COUNTS if count >= fewest)
 
     def error(self, case: Case, model: Model) -> float:
         """Error measured at the doubling below; none for a beam without width."""
@@ -197,7 +196,7 @@ class Spacing(Number):
 
     def error(self, case: Case, model: Model) -> float:
         """Greatest error of the strides up to a model's, with few planes."""
-        few = FEW_PLANES if case.scene.sonar.beam.has_width and not case.paths else 1
+        few = 1 if case.paths else case.few_planes
         fine = _finest(case, model)._replace(planes=few)
         strides = (2**n for n in range(1, int(math.log2(model.every)) + 1))
         coarse = [model.every] if self.subject in case.forced else strides

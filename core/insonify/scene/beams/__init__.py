@@ -65,8 +65,6 @@ class BeamKind(Choice):
         Whether the sensitivity is uniform within the half width and zero beyond.
     has_width : bool
         Whether the beam is sensitive beside the plane across the towfish.
-    error_law : str
-        Kind of the beam whose measured errors and costs the plan takes: knife, fan, gaussian or array.
     by_frequency : bool
         Whether the frequency changes it.
     """
@@ -74,7 +72,6 @@ class BeamKind(Choice):
     family = BEAMS
     top_hat: ClassVar[bool] = False
     has_width: ClassVar[bool] = True
-    error_law: ClassVar[str] = "gaussian"
     by_frequency: ClassVar[bool] = False
 
     @property
@@ -92,19 +89,9 @@ class BeamKind(Choice):
         """Number of passes of sound through the beam pattern: two-way or one-way."""
         return 2
 
-    @property
-    def aperture(self) -> float:
-        """Length of the aperture, which is also the width of the beam in its near field, in metres."""
-        return 0.0
-
     def half_width(self, sounding: Sounding) -> float:
         """Half of the span of the main lobe, in radians."""
         raise NotImplementedError
-
-    def half_power(self, sounding: Sounding) -> float:
-        """Sine of the half width at half power in the far field; 0 for a top-hat."""
-        del sounding
-        return 0.0
 
     def extent(self, sounding: Sounding) -> float:
         """Sine beyond which the sensitivity is 0."""

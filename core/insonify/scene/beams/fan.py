@@ -15,7 +15,6 @@ class FanBeam(AimedBeam):
 
     rank = 20
     top_hat = True
-    error_law = "fan"
     kind: Literal["fan"] = "fan"
     width: float = parameter(
         1.0, unit="°", description="one-way full beamwidth", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True

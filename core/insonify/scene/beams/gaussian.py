@@ -45,11 +45,6 @@ class GaussianBeam(AimedBeam):
         times = math.sqrt(math.log2(1.0 / EDGE) / self.passes)
         return math.asin(min(self._s_three_decibels * times, 1.0))
 
-    def half_power(self, sounding: Sounding) -> float:
-        """Sine of the half width at half power."""
-        del sounding
-        return self._s_three_decibels / math.sqrt(self.passes)
-
     def extent(self, sounding: Sounding) -> float:
         """Sine at which the sensitivity is down to `FAINT`."""
         del sounding

@@ -13,7 +13,6 @@ class KnifeBeam(BeamKind):
     rank = 10
     top_hat = True
     has_width = False
-    error_law = "knife"
     kind: Literal["knife"] = "knife"
 
     @property

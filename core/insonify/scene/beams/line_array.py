@@ -22,12 +22,6 @@ FIRST_NULL = {"uniform": 1.0, "cosine": 1.5, "hamming": 2.0, "taylor": 1.36}
 TAYLOR_SIDELOBES, TAYLOR_NEARLY_EQUAL = 30, 4  # dB, and how many of them are nearly equal
 FAR = 0.4  # share of the range at which the main lobe is taken to be as wide as there
 # Width at half power of a line array's far field, in wavelengths over its length, one way and two way.
-HALF_POWER = {
-    "uniform": (0.886, 0.638),
-    "cosine": (1.189, 0.851),
-    "hamming": (1.304, 0.929),
-    "taylor": (1.125, 0.804),
-}
 
 
 class LineArray(AimedBeam):
@@ -35,7 +29,6 @@ class LineArray(AimedBeam):
 
     rank = 40
     by_frequency = True
-    error_law = "array"
     kind: Literal["array"] = "array"
     length: float = parameter(
         0.5, unit="m", description="length of the array along the fish", gt=0.0, le=20.0, slider=(0.1, 2.0), log=True
@@ -55,11 +48,6 @@ class LineArray(AimedBeam):
         """How often sound passes the beam."""
         return 2 if self.two_way else 1
 
-    @property
-    def aperture(self) -> float:
-        """Length of the array, in metres."""
-        return self.length
-
     def half_width(self, sounding: Sounding) -> float:
         """Angle of the first null, in radians.
 
@@ -68,11 +56,6 @@ class LineArray(AimedBeam):
         far = FIRST_NULL[self.taper] * sounding.sound_speed / sounding.frequency / self.length
         near = 0.5 * self.length / (FAR * sounding.range)
         return math.asin(min(max(far, near + 0.5 * far), 1.0))
-
-    def half_power(self, sounding: Sounding) -> float:
-        """Sine of the half width at half power in the far field."""
-        width = HALF_POWER[self.taper][self.two_way]
-        return 0.5 * width * sounding.sound_speed / sounding.frequency / self.length
 
     def tabulate(self, sounding: Sounding) -> BeamTable:
         """Tabulate the near and the far field."""

@@ -104,10 +104,5 @@ class MaterialMap(Declaration):
         """Version of the file that it is read from, None if there is none."""
         return None
 
-    @property
-    def patch_length(self) -> float:
-        """Length over which neighbouring places are mostly of one material, in metres, for the plan."""
-        return 4.0
-
 
 AnyMaterialMap = Annotated[MaterialMap, KindOf(MATERIAL_MAPS, default="uniform", text="uniform")]

@@ -6,8 +6,6 @@ from insonify.scene.base import parameter
 from insonify.scene.materials.base import MaterialMap
 from insonify.scene.materials.uniform import Material
 
-ALIKE = 0.4  # of the width of a patch or a stripe: patch_length, fitted
-
 
 class CompositeMap(MaterialMap):
     """A map of several materials; a kind declares its `indices`."""

@@ -6,7 +6,7 @@ from typing import Literal
 
 from insonify.scene.base import parameter
 from insonify.scene.materials.base import Cells, Map
-from insonify.scene.materials.composite import ALIKE, CompositeMap
+from insonify.scene.materials.composite import CompositeMap
 from insonify.scene.materials.uniform import Material
 
 
@@ -23,8 +23,3 @@ class Patches(CompositeMap):
     def indices(self, cells: Cells) -> Map:
         """Material of the patch that each cell lies in."""
         return cells.patches(self.size, len(self.of))
-
-    @property
-    def patch_length(self) -> float:
-        """Share of the width of a patch."""
-        return ALIKE * self.size

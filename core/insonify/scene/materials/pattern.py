@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from insonify.errors import SceneError
 from insonify.scene.base import parameter
 from insonify.scene.materials.base import Cells, Map
-from insonify.scene.materials.composite import ALIKE, CompositeMap
+from insonify.scene.materials.composite import CompositeMap
 from insonify.scene.materials.reflectivity import Reflectivity
 from insonify.scene.materials.uniform import Material
 
@@ -95,11 +95,6 @@ class PatternMap(CompositeMap):
             _cells([vector[axis] for vector in vectors], NEAR / self.period, spacing, fewest, most) for axis in (0, 1)
         )
         return ny, nx
-
-    @property
-    def patch_length(self) -> float:
-        """Share of the width of a stripe."""
-        return ALIKE * self.period / len(self.of)
 
     def _wave_vectors(self) -> tuple[Vector, Vector]:
         """Cycles per metre along x and y, of the pattern across its stripes and along them."""

@@ -11,8 +11,6 @@ from insonify.scene.base import parameter
 from insonify.scene.reliefs.random_relief import RandomRelief, rms_height
 from insonify.scene.reliefs.spectrum import Field, PeriodicWaves
 
-STEEP = 2.0  # variance of slopes where they are steep, over the mean
-
 
 class Cascade(RandomRelief):
     """A multifractal: lognormal flux, cascading from the period down, integrated fractionally.
@@ -46,16 +44,3 @@ class Cascade(RandomRelief):
         flux = waves.transform(np.exp(logarithm))
         flux *= (noise != 0.0) * squared ** (-0.5 * self.hurst)
         return waves.field(flux)
-
-    def planned_density(self, fx: Field, fy: Field, spacing: float) -> Field:
-        """Spectral density for the plan: a power law that is level at waves longer than the period."""
-        del spacing
-        squared = fx**2 + fy**2 + self.period**-2
-        return (
-            STEEP
-            * self.rms**2
-            * self.hurst
-            / math.pi
-            * self.period ** (-2.0 * self.hurst)
-            * squared ** (-self.hurst - 1.0)
-        )

@@ -19,7 +19,6 @@ from insonify.scene.reliefs.spectrum import Band, Field, PeriodicWaves, Waves
 
 Peak = tuple[float, float]
 HIGHEST_PEAK = 0.9  # of the Nyquist frequency, on endless ground
-WIDENED = 0.3  # of its frequency, by which the plan spreads a peak
 
 
 class Fractal(ExtendableRelief):
@@ -147,30 +146,6 @@ class Fractal(ExtendableRelief):
         if peak == (0.0, 0.0):  # which is its own image
             return Band(lambda fx, fy: 2.0 * density(fx, fy), 1.0 / period)
         return Band(density, 1.0 / period, (peak[0] / period, peak[1] / period))
-
-    def planned_density(self, fx: Field, fy: Field, spacing: float) -> Field:
-        """Power about every peak, falling with the mean exponent; what lies near a peak is widened.
-
-        Peaks are spread by a share of their frequency, so that the plan's grid of frequencies does not miss them.
-        """
-        beta, unit = 0.5 * sum(self.exponents), 1.0 / self.period
-        nyquist = 0.5 * self.period / spacing
-        # Variance of one peak: a plateau of one cycle, and what falls off about it up to the Nyquist frequency.
-        falling = math.log(nyquist)
-        if abs(beta - 1.0) > 1e-3:
-            falling = (1.0 - nyquist ** (2.0 - 2.0 * beta)) / (2.0 * beta - 2.0)
-        whole = math.pi * (1.0 + 2.0 * falling)
-        total = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
-        places = self.places()
-        for px, py in places:
-            core = max(1.0, WIDENED * math.hypot(px, py))
-            held = math.pi * core ** (2.0 - 2.0 * beta) / (beta - 1.0) if beta > 1.05 else 0.0
-            missing = max(whole - held, 0.0)
-            for sign in (1.0, -1.0):
-                squared = (fx / unit - sign * px) ** 2 + (fy / unit - sign * py) ** 2
-                near = missing * np.exp(-squared / core**2) / (math.pi * core**2)
-                total += 0.5 * ((squared + core**2) ** -beta + near) / whole
-        return np.asarray(self.rms**2 / unit**2 * total / len(places))
 
     def check(self, spacing: float, material: MaterialMap) -> None:
         """Refuse peaks that the grid cannot hold."""

@@ -47,8 +47,3 @@ class PowerLaw(ExtendableRelief):
     def bands(self) -> tuple[Band, ...]:
         """One band, level at waves longer than the period."""
         return (Band(self.density(self.period), 1.0 / self.period),)
-
-    def planned_density(self, fx: Field, fy: Field, spacing: float) -> Field:
-        """Spectral density for the plan, level at waves longer than the period."""
-        del spacing
-        return self.density(self.period)(fx, fy)

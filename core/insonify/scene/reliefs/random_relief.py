@@ -97,11 +97,6 @@ class RandomRelief(AddableRelief):
         power = float(np.mean(scaled**2))
         return heights * (self.given_rms / math.sqrt(power)) if power > 0.0 else heights
 
-    def planned_density(self, fx: Field, fy: Field, spacing: float) -> Field:
-        """Spectral density at frequencies in cycles a metre, for the plan, of a bed on a grid of that spacing (m)."""
-        del spacing
-        return self.density()(fx, fy)
-
     def check(self, spacing: float, material: MaterialMap) -> None:
         """Refuse a period of more cells than can be held."""
         del material

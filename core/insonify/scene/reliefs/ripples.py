@@ -14,8 +14,6 @@ from insonify.scene.reliefs.spectrum import LONGEST_WAVES, Band, Density, Field,
 
 FEWEST_CELLS = 3  # of one ripple
 FADE = 0.3  # of the rms amplitude, below which crests die down: they end where the phase goes round a point
-# Share of the variance that dying crests leave, harmonics of their shape, and how wide the plan takes a band at least.
-RIPPLED, HARMONICS, WIDENED = 0.81, 4, 0.3
 
 
 class Ripples(ExtendableRelief):
@@ -115,23 +113,6 @@ class Ripples(ExtendableRelief):
         # A grid of no wave has no crests.
         whole = np.maximum(np.hypot(amplitude, FADE * level), np.finfo(np.float64).tiny)
         return np.asarray(0.5 * self.height * profile * (amplitude / whole))
-
-    def planned_density(self, fx: Field, fy: Field, spacing: float) -> Field:
-        """Bands about the mean wave and its harmonics, widened to what the plan's grid of frequencies resolves.
-
-        Sharp ripples are parabolas, of the amplitudes 8 / (πn)²; near forks and ends they die down.
-        """
-        del spacing
-        total: Field = np.zeros(np.broadcast_shapes(fx.shape, fy.shape))
-        for order in range(1, HARMONICS + 1):
-            amplitude = self.sharpness * 8.0 / (math.pi * order) ** 2 + (1.0 - self.sharpness) * (order == 1)
-            wx, wy = (order * w for w in self.wave)
-            spread = max(self.bandwidth, WIDENED) * order / self.wavelength
-            level = RIPPLED * amplitude**2 * self.height**2 / 8.0 / (4.0 * math.pi * spread**2)
-            for sign in (1.0, -1.0):
-                squared = (fx - sign * wx) ** 2 + (fy - sign * wy) ** 2
-                total = total + level * np.exp(-0.5 * squared / spread**2)
-        return np.asarray(total)
 
     def check(self, spacing: float, material: MaterialMap) -> None:
         """Refuse ripples that the grid or the period cannot hold."""

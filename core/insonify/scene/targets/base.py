@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from functools import lru_cache
-from typing import Annotated, Any, ClassVar, Protocol
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,6 @@ from insonify.scene.kinds import Family, KindOf
 from insonify.scene.materials import Material
 from insonify.scene.rotation import rotation_matrix
 from insonify.scene.targets.shape import Outline, Shape
-from insonify.scene.targets.sides import Side, Sight, rough_side
 
 Height = Annotated[float, Field(ge=-2e4, le=2e4)]
 Position = tuple[Place, Place] | tuple[Place, Place, Height]
@@ -52,16 +50,9 @@ class Target(Declaration):
 
     A kind derives from `Body` or `Posed` and declares its ``kind``, its measures and its `shape`; the other methods
     have defaults that hold for any shape.
-
-    Attributes
-    ----------
-    combed : float
-        Error of a single plane across the target, as a share of the echo of its sides: see
-        ``insonify.planning.fitted_laws``.
     """
 
     family = TARGETS
-    combed: ClassVar[float] = 0.27
     kind: str = parameter(description="shape of the target")
     position: Position = parameter(
         unit="m", description="[x, y] of its centre when its height follows the bed, or [x, y, z] (z up, surface 0)"
@@ -130,10 +121,6 @@ class Target(Declaration):
         """Measures of the shape."""
         path = getattr(self, "path", None)
         return _kept_outline(self, None if path is None else file_version(path))
-
-    def sides(self, sight: Sight) -> Iterator[Side]:
-        """Sides of the target as seen by the sonar, for the plan; of rough shape unless a kind overrides this."""
-        yield rough_side(self.outline.faces, self.material.reflectivity, sight)
 
     @classmethod
     def suited_to(cls, reach: float, path: str) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from insonify.io.file_cache import kept_until_changed
 from insonify.io.meshes import read_mesh
 from insonify.scene.base import FilePath, parameter
 from insonify.scene.targets.base import Posed
-from insonify.scene.targets.shape import Outline, Shape, Vector, faces_of
+from insonify.scene.targets.shape import Outline, Shape, Vector
 
 
 class MeshFile(Posed):
@@ -37,9 +37,9 @@ class MeshFile(Posed):
     @property
     def outline(self) -> Outline:
         """Measures of the shape; the file is measured once for each version of it."""
-        size, faces, count = _measured(self.path)
+        size, count = _measured(self.path)
         half = (0.5 * self.scale * size).tolist()
-        return Outline(half=tuple(half), faces=tuple((self.scale**2 * faces).tolist()), triangles=count)
+        return Outline(half=tuple(half), triangles=count)
 
     @classmethod
     def suited_to(cls, reach: float, path: str) -> dict[str, Any]:
@@ -49,10 +49,10 @@ class MeshFile(Posed):
 
 
 @kept_until_changed(maxsize=64)
-def _measured(path: str) -> tuple[Vector, Vector, int]:
-    """Size of the bounding box, area that faces each axis, and number of triangles, in units of the file."""
+def _measured(path: str) -> tuple[Vector, int]:
+    """Size of the bounding box and number of triangles, in units of the file."""
     corners = _read(path)
-    return corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)), faces_of(corners), len(corners)
+    return corners.max(axis=(0, 1)) - corners.min(axis=(0, 1)), len(corners)
 
 
 def _read(path: str) -> Vector:

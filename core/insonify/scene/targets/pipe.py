@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -14,7 +12,6 @@ from insonify.scene.base import parameter
 from insonify.scene.rotation import exact_cos
 from insonify.scene.targets.base import HIGHEST_GAP, LEAST, LOWEST_GAP, BedSurface, Target, angle
 from insonify.scene.targets.shape import Shape, Vector, ball, frustum
-from insonify.scene.targets.sides import FRONT, SLIGHT, Side, Sight, disc, dot
 
 Gap = float | tuple[tuple[float, float], ...]
 MOST_SAMPLES = 2048  # of the bed beneath a pipe
@@ -25,7 +22,6 @@ class Pipe(Target):
     """A straight pipe that may rest on the bed here and span above it there."""
 
     rank = 1
-    combed = 0.13
     kind: Literal["pipe"] = "pipe"
     radius: float = parameter(
         0.5, unit="m", description="outer radius", ge=LEAST, le=100.0, slider=(0.05, 2.0), log=True
@@ -110,21 +106,6 @@ class Pipe(Target):
     @property
     def _stations(self) -> tuple[tuple[float, float], ...]:
         return ((0.0, self.gap),) if isinstance(self.gap, float) else self.gap
-
-    def sides(self, sight: Sight) -> Iterator[Side]:
-        """Yield the diffuse mantle, its glint, and the end that faces the sonar."""
-        of, axis, n = self.material.reflectivity, sight.bow, self.material.reflectivity.shininess
-        sine, ahead = min(abs(dot(axis, sight.towards)), 1.0), abs(axis[0])
-        side = self.radius * self.length * (1.0 - sine * sine)
-        along = self.length * ahead + 2.0 * self.radius * math.sqrt(max(1.0 - ahead * ahead, 0.0))
-        # One line meets all of a pipe that lies athwart.
-        deep = sine * self.length
-        depth = min(self.radius * FRONT / max(ahead, SLIGHT), deep + self.radius * FRONT)
-        turn = max(deep - depth, 0.0)
-        yield Side(0.5 * math.pi * side * of.diffuse, along, depth, turn)
-        lobe = 0.5 * (n + 2.0) * of.specular * math.exp(-2.0 * n * math.asin(sine) ** 2)
-        yield Side(math.sqrt(0.5 * math.pi / n) * side * lobe, along, 0.0, turn)
-        yield disc(self.radius, of, axis, sine)
 
     @classmethod
     def suited_to(cls, reach: float, path: str) -> dict[str, Any]:

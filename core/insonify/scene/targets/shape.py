@@ -51,11 +51,10 @@ class Solid(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """Bounding box, facing areas and number of triangles of a shape."""
+    """Bounding box and number of triangles of a shape."""
 
     solids: tuple[Solid, ...] = ()
     half: Triple = (0.0, 0.0, 0.0)  # m, half the sides of a box about the origin that holds the triangles
-    faces: Triple = (0.0, 0.0, 0.0)  # m², area of all that faces each axis, from one side
     triangles: int = 0  # their number
 
     @property
@@ -88,11 +87,10 @@ class Shape(NamedTuple):
     @property
     def outline(self) -> Outline:
         """Measures of the shape."""
-        faces = np.sum([_faces(solid) for solid in self.solids], axis=0) if self.solids else np.zeros(3)
         if not len(self.triangles):
-            return Outline(self.solids, faces=_triple(faces))
+            return Outline(self.solids)
         half = np.abs(self.triangles).max(axis=(0, 1))
-        return Outline(self.solids, _triple(half), _triple(faces + faces_of(self.triangles)), len(self.triangles))
+        return Outline(self.solids, _triple(half), len(self.triangles))
 
     def turned(self, rotation: NDArray[np.float64]) -> Shape:
         """Turn the shape about the origin, by a (3, 3) matrix."""
@@ -118,22 +116,6 @@ def frustum(first: Vector, last: Vector, radius: float, last_radius: float) -> S
 def block(size: Triple) -> NDArray[np.float64]:
     """Return the (12, 3, 3) triangles of a block."""
     return np.asarray((0.5 * np.asarray(size) * _CORNERS)[_SIDES])
-
-
-def faces_of(triangles: NDArray[np.float64]) -> Vector:
-    """Area of the triangles of a closed surface that face each axis, from one side: (3,) float64."""
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    # Half of a triangle's cross product is its area; half of those of a closed surface face one way.
-    return np.asarray(0.25 * np.abs(normals).sum(axis=0))
-
-
-def _faces(solid: Solid) -> Vector:
-    """Area of a ball or a frustum that faces each axis: its outline's, and that of the wider end."""
-    if solid.is_ball:
-        return np.full(3, math.pi * solid.radius**2)
-    radii = [radius for _, radius in solid.ends()]
-    across = np.array([solid.across(axis) for axis in np.eye(3)])
-    return solid.length * sum(radii) * across + math.pi * max(radii) ** 2 * np.abs(solid.axis)
 
 
 def _farthest(solid: Solid, middle: Vector, radius: float) -> float:
