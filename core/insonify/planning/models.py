@@ -16,6 +16,8 @@ from insonify.tracers.registry import Tracer, make_tracer
 
 # Work of a ping in knots of one plane over uniform water: of a plane besides its knots, of the planes of the near field
 # that several planes need, of a target in a plane, and factors of refraction and of one path by the sea surface.
+# Work of a profile whose segments are divided until they misplace a share of a bin's echo, over that of a whole one.
+KNOTS = {math.inf: 1.0, 0.03: 2.5, 0.01: 3.0, 0.003: 4.5}
 PLANE, TARGET, REFRACTED, SURFACE_PATH = 300.0, 100.0, 1.5, 10.0
 NEAR_PLANES, NEAR_PLANES_OF_PATTERN = 4.0, 12.0
 RAY, REFRACTED_RAY, STEP = 20.0, 300.0, 0.6  # of a ray, of a refracted one, of a step of the march
@@ -29,6 +31,7 @@ class Model(NamedTuple):
     rays: int = 0  # per side; of the sweep, for pings where several eigenrays or none reach a place
     step: float = 0.0  # m, of the march
     every: int = 1  # stride of the nodes of the relief that are kept
+    misplaced: float = math.inf  # share of a bin's echo that a segment may misplace before it is divided
     bent: bool = False
     bounces: int = 0
     targets: tuple[int, ...] = ()  # indices of those modelled
@@ -81,6 +84,7 @@ class PackedScene:
             whole = whole._replace(water=still_water(whole.water.reference, whole.water.surface))
         tracer = make_tracer(model.method, self.scene, whole)
         bed, tiles = self._grid(model.every, tracer.bins_beyond)
+        whole = whole._replace(limits=whole.limits._replace(misplaced=model.misplaced))
         arrays = reduce_scene(whole, bed=bed, ways=model.ways, bounces=model.bounces, targets=model.targets)
         return ReducedScene(whole, arrays, tiles, tracer)
 
@@ -103,7 +107,7 @@ class PackedScene:
             return 2.0 * model.rays * of_ray * (1.0 + paths) * (1.0 + model.bounces)
         heading = math.radians(self.scene.track.heading)
         across = abs(math.cos(heading)) + abs(math.sin(heading))  # a plane crosses both families of grid lines
-        knots = across * reach / (arrays.bed.spacing * model.every)
+        knots = across * reach / (arrays.bed.spacing * model.every) * KNOTS[model.misplaced]
         profile = PLANE + knots * (REFRACTED if model.bent else 1.0) + TARGET * len(model.targets)
         near = NEAR_PLANES_OF_PATTERN if arrays.pattern.tabulated else NEAR_PLANES
         planes = 1.0 if model.planes == 1 else model.planes + near

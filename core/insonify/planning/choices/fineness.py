@@ -172,6 +172,47 @@ class Step(Number):
             yield self.entry(case, f"steps of {model.step:.3g} m", reason, error=error, options=self.offered)
 
 
+class Segments(Choice):
+    """Division of the segments of the bed's profile: the share of a bin's echo that each may misplace."""
+
+    subject, field, stage, rank = "segments", "misplaced", GRID, 4
+    offered = ("whole", "0.03", "0.01", "0.003")
+
+    def parse(self, text: str) -> float:
+        """Read a forced share."""
+        super().parse(text)
+        return math.inf if text == "whole" else float(text)
+
+    def settings(self, case: Case, model: Model) -> tuple[float, ...]:
+        """Return the shares offered; whole segments over a level bed, and where no segments are swept."""
+        wish = self.wish(case)
+        if model.method != "sweep" or case.scene.seabed.relief.level:
+            return (math.inf,)
+        return tuple(self.parse(text) for text in self.offered) if wish is None else (wish,)
+
+    def error(self, case: Case, model: Model) -> float:
+        """Error measured from the smallest share, by one plane without paths by the sea surface."""
+        fine = _finest(case, model)._replace(ways=frozenset(), misplaced=float(self.offered[-1]))
+        if self.settings(case, model) == (math.inf,) and self.wish(case) is None:
+            return 0.0
+        return case.probe.difference(fine._replace(misplaced=model.misplaced), fine, nearer=NEARER)
+
+    def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
+        """Entry of the segments, with the time beyond that of whole ones."""
+        if model.method != "sweep" or case.scene.seabed.relief.level:
+            return
+        whole = model._replace(misplaced=math.inf)
+        share = percent(model.misplaced)
+        choice = f"segments divided to {share} of a bin's echo" if model != whole else "whole segments of the bed"
+        reason = (
+            "one incidence serves each cell of the bed" if model == whole else "lobes, twists and slopes within cells"
+        )
+        if model.misplaced > float(self.offered[-1]):
+            reason += f"; on {case.pings(_finest(case, model))} {percent(error)} from the finest division"
+        cost = max(case.probe.seconds(model) - case.probe.seconds(whole), 0.0)
+        yield self.entry(case, choice, reason, error=error, cost=cost, options=self.offered)
+
+
 class Spacing(Number):
     """Stride of the nodes of the relief that are kept."""
 
@@ -234,4 +275,4 @@ def _planes_that_meet(case: Case, model: Model) -> int:
     return planes
 
 
-CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Step(), Spacing())
+CHOICES: tuple[Choice, ...] = (Method(), Planes(), Rays(), Step(), Segments(), Spacing())
