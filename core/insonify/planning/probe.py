@@ -55,7 +55,9 @@ class Probe:
         self._near = find_first_bin(1.0, arrays, self._poses)
         self._beyond = find_first_bin(ERROR_ALTITUDES, arrays, self._poses) - self._near
         curve = compute_flat_bed_curves(arrays, self._poses)[:, :, self._near :]
-        self._scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > 0.0).astype(np.float32)
+        self._scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > np.finfo(np.float32).tiny).astype(
+            np.float32
+        )
         self._traced: dict[Model, Traced] = {}
         self._differences: dict[tuple[Model, Model, float], float] = {}
         self._warm: set[tuple[str, bool, bool]] = set()
