@@ -52,8 +52,11 @@ def flat_bed_curve(
 
 
 def compute_flat_bed_curves(arrays: SceneArrays, poses: Poses) -> NDArray[np.float64]:
-    """Record of a level Lambert bed under every pose, (n, 1, bins) float64."""
-    altitudes, which = np.unique(poses.z, return_inverse=True)
+    """Record of a level Lambert bed under every pose, (n, 1, bins) float64.
+
+    A sonar below the mean bed, in a trough, is taken one bin above it.
+    """
+    altitudes, which = np.unique(np.maximum(poses.z, arrays.bin_length), return_inverse=True)
     curves = np.array([flat_bed_curve(arrays, float(altitude)) for altitude in altitudes])
     return curves.reshape(-1, arrays.bins)[which][:, None, :]
 
