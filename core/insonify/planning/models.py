@@ -16,10 +16,10 @@ from insonify.tracers.registry import Tracer, make_tracer
 
 # Work of a ping in knots of one plane over uniform water: of a plane besides its knots, of the planes of the near field
 # that several planes need, of a target in a plane, and factors of refraction and of one path by the sea surface.
-# Work of a profile whose segments are divided until they misplace a share of a bin's echo, over that of a whole one.
-KNOTS = {math.inf: 1.0, 0.03: 2.5, 0.01: 3.0, 0.003: 4.5}
 PLANE, TARGET, REFRACTED, SURFACE_PATH = 300.0, 100.0, 1.5, 10.0
 NEAR_PLANES, NEAR_PLANES_OF_PATTERN = 4.0, 12.0
+# Work of a profile whose segments are divided until they misplace a share of a bin's echo, over that of a whole one.
+KNOTS = {math.inf: 1.0, 0.03: 2.5, 0.01: 3.0, 0.003: 4.5}
 RAY, REFRACTED_RAY, STEP = 20.0, 300.0, 0.6  # of a ray, of a refracted one, of a step of the march
 
 
