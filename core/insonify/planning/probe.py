@@ -100,8 +100,8 @@ class Probe:
         work = self._packed.work(model)
 
         def unlike(other: Model) -> tuple[int, float]:
-            fields = sum(a != b for a, b in zip(model, other)) - (model.planes != other.planes)
-            return fields, abs(math.log(self._packed.work(other) / work))
+            kernels = (model.method != other.method) + (model.bent != other.bent)
+            return kernels, abs(math.log(self._packed.work(other) / work))
 
         nearest = min(self._traced, key=unlike)
         return self._traced[nearest].seconds * work / self._packed.work(nearest)
