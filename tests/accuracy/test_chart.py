@@ -6,6 +6,7 @@ import csv
 import itertools
 import json
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,10 +16,14 @@ from insonify.accuracy.charts import reference
 from insonify.accuracy.charts.kinds import accuracy
 from insonify.accuracy.charts.kinds.accuracy import AccuracyChart, measure_chart
 from insonify.accuracy.charts.measurement import AccuracyRow, TracedScene
-from insonify.accuracy.charts.reference import Reference
+from insonify.accuracy.charts.method_settings import list_settings
+from insonify.accuracy.charts.reference import Reference, trace_exact_rays
+from insonify.accuracy.charts.scene_setup import pack_for_chart
+from insonify.accuracy.charts.style import SHADES
 from insonify.accuracy.displacement import Displacement
-from insonify.accuracy.record_errors import RecordErrors
+from insonify.accuracy.record_errors import RecordErrors, compare_records
 from insonify.accuracy.similarity import measure_similarity
+from insonify.kernels.common.types import no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
 
 
@@ -62,6 +67,7 @@ def measured():
 
 def test_every_method_is_measured(measured):
     methods = {"march", "rays", "sweep", "sweep, float64", "sweep, every 2nd node", "sweep, every 4th node"}
+    methods |= {"sweep, whole segments", "sweep, segments to 3 %", "sweep, segments to 0.3 %"}
     assert methods <= {row.method for row in measured.rows}
     assert all(row.microseconds > 0.0 and row.spread >= 0.0 for row in measured.rows)
     assert measured.pings == 2
@@ -100,6 +106,21 @@ def test_double_precision_matters_little(measured):
     found = {(row.method, row.setting): row for row in measured.rows if not row.targets}
     single, double = (found[method, "16 planes"].errors.beyond for method in ("sweep", "sweep, float64"))
     assert single == pytest.approx(double, abs=1e-4)
+
+
+def test_what_the_division_of_segments_brings_over_a_rough_bed_is_charted():
+    arrays, poses = pack_for_chart(edit(load_scene("rough-ground"), {"targets": [], "sonar.beam": "knife"}), 2)
+    arrays = arrays._replace(multipath=no_surface_multipath())
+    right = trace_exact_rays(arrays, poses, 1 << 15)
+    variants = ("whole segments", "segments to 3 %", "segments to 0.3 %")
+    found = {
+        one.method: compare_records(arrays, poses, one.trace(poses), right).beyond
+        for one in list_settings(arrays, poses)
+        if one.method == "sweep" or one.method.removeprefix("sweep, ") in variants
+    }
+    whole, coarser, finer = (found[f"sweep, {variant}"] for variant in variants)
+    assert finer < found["sweep"] < coarser < 0.2 * whole
+    assert found["sweep"] < 0.01
 
 
 def test_record_of_a_point_and_its_reference(measured):
@@ -148,6 +169,11 @@ def test_front_keeps_what_none_beats():
     assert [each.setting for each in made(ROWS + slow).find_front(targets=False)] == ["1 plane", "16,000 rays"]
 
 
+def test_front_leaves_out_gains_that_the_reference_does_not_resolve():
+    rows = (row("sweep", "1 plane", 12.0, 0.0100), row("sweep", "2 planes", 20.0, 0.0095))
+    assert [each.setting for each in made(rows).find_front(targets=False)] == ["1 plane"]  # it moved by 0.001
+
+
 def test_time_to_come_within_an_error():
     whole = made()
     # Straight in the logarithms: halfway between two settings in error is halfway in time.
@@ -187,6 +213,23 @@ def test_picture_is_written_whole(tmp_path, suffix, magic):
     assert written.startswith(magic)
     assert b"a machine, two cores" in written
     assert [path.name for path in tmp_path.iterdir()] == [f"chart{suffix}"]
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_legend_notes_and_headings_are_whole_and_apart(both):
+    methods = ("march", "rays", "embree", "sweep", *(name for name in SHADES if "," in name))
+    rows = [row(name, "16", 10.0 + k, 0.1 + 0.01 * k) for k, name in enumerate(methods)]
+    chart = made((*rows, *(replace(each, targets=True) for each in rows)))
+    scenes = dict.fromkeys((False, True) if both else (False,), chart.scenes[False])
+    notes = ("embree: " + 24 * "left out ", "embree: " + 20 * "differs ")
+    figure = replace(chart, scenes=scenes, notes=notes).draw()
+    figure.canvas.draw()
+    whole = figure.bbox
+    boxes = [each.get_window_extent() for each in (*figure.texts, *figure.legends, *figure.axes)]
+    for one in boxes:
+        assert whole.x0 <= one.x0 < one.x1 <= whole.x1
+        assert whole.y0 <= one.y0 < one.y1 <= whole.y1
+    assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
 
 
 def test_other_endings_are_refused(tmp_path):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from textwrap import fill
+from textwrap import wrap
 from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
@@ -24,8 +24,10 @@ from insonify.accuracy.charts.style import (
 from insonify.display.style import FAINT, INK, label_axes, make_figure
 
 FLOOR, CEILING = 1e-5, 10.0  # errors beyond these are drawn there
-WIDE, HIGH = 5.6, 6.4  # inches of one panel with its margins, and of the whole
+WIDE, HIGH = 5.6, 6.4  # inches of one panel with its margins, and of the whole without notes
 LEFT, NAMES = 1.0, 2.75  # inches to the left of the panels and, for the names of the methods, to their right
+BELOW, NOTE, LETTERS = 0.95, 0.16, 15.5  # inches below the panels without notes, of a line of one; letters an inch
+LONGEST = 24  # letters of a method's name in one line
 COUNTED = {"march": "step", "rays": "rays per side", "sweep": "planes", "embree": "rays per side"}
 
 
@@ -57,16 +59,20 @@ def draw_accuracy(chart: AccuracyMeasurement) -> AccuracyFigure:
     """
     panels = len(chart.scenes)
     width = LEFT + WIDE * panels + NAMES
-    figure = make_figure(width, HIGH)
+    notes = [line for note in chart.notes for line in wrap(note, int((width - LEFT) * LETTERS))]
+    height = HIGH + NOTE * len(notes)
+    figure = make_figure(width, height)
     pings = f"{chart.pings} ping{'s' * (chart.pings != 1)}"
     write_headings(figure, "Speed against accuracy", f"{chart.title or 'untitled scene'} · {pings}", chart.machine)
     grid = figure.subplots(1, panels, sharex=True, sharey=True, squeeze=False)[0]
-    figure.subplots_adjust(LEFT / width, 0.95 / HIGH, 1.0 - NAMES / width, 1.0 - 1.25 / HIGH, wspace=0.09)
+    bottom = (BELOW + NOTE * len(notes)) / height
+    figure.subplots_adjust(LEFT / width, bottom, 1.0 - NAMES / width, 1.0 - 1.25 / height, wspace=0.09)
+    figure.text(0.85 / width, 0.36 / height, "\n".join(notes), va="bottom", fontsize=8.5, color=FAINT)
     marks: dict[Line2D, list[AccuracyRow]] = {}
     for axes, targets in zip(grid, sorted(chart.scenes)):
         marks |= _draw_panel(axes, chart, targets)
     _limit(grid, chart)
-    _name_methods(figure, grid, chart.notes)
+    _name_methods(figure, grid)
     for axes, targets in zip(grid, sorted(chart.scenes)):
         _mark_floor(axes, chart, targets)
         _write(axes, 0.988, 0.985, chart.describe_speedup(targets), INK, ha="right", va="top")
@@ -115,13 +121,15 @@ def _draw_method(axes: Axes, method: str, rows: list[AccuracyRow]) -> Line2D:
 
 
 def _name_method(method: str) -> str:
-    """Name of a method with the unit of its labels; a variant in two lines."""
+    """Name of a method with the unit of its labels; a long variant in two lines."""
     family, _, variant = method.partition(", ")
-    return f"{family},\n{variant}" if variant else f"{family} ({COUNTED[family]})"
+    if not variant:
+        return f"{family} ({COUNTED[family]})"
+    return method if len(method) <= LONGEST else f"{family},\n{variant}"
 
 
-def _name_methods(figure: Figure, grid: list[Axes], notes: tuple[str, ...]) -> None:
-    """Write the legend of all panels to their right, each method once, and the notes below it."""
+def _name_methods(figure: Figure, grid: list[Axes]) -> None:
+    """Write the legend of all panels to their right, each method once."""
     named: dict[str, Any] = {}
     for axes in grid:
         for handle, label in zip(*axes.get_legend_handles_labels()):
@@ -131,9 +139,6 @@ def _name_methods(figure: Figure, grid: list[Axes], notes: tuple[str, ...]) -> N
         list(named.values()), list(named), loc="upper left", bbox_to_anchor=(place.x1 + 0.003, place.y1), frameon=False,
         fontsize=9, labelcolor=INK, handlelength=1.8, labelspacing=0.9,
     )  # fmt: skip
-    left = place.x1 + 0.15 / figure.get_size_inches()[0]
-    text = "\n\n".join(fill(note, 40) for note in notes)
-    figure.text(left, place.y0, text, ha="left", va="bottom", fontsize=8.0, color=FAINT)
 
 
 def _limit(grid: list[Axes], chart: AccuracyMeasurement) -> None:
@@ -141,7 +146,7 @@ def _limit(grid: list[Axes], chart: AccuracyMeasurement) -> None:
     floors = [max(scene.reference.floor, FLOOR) for scene in chart.scenes.values()]
     heights = [_height(row) for row in chart.rows] + floors
     grid[0].margins(x=0.08)
-    grid[0].set_ylim(0.5 * min(heights), 4.0 * max(heights))
+    grid[0].set_ylim(0.3 * min(heights), 4.0 * max(heights))
 
 
 def _mark_floor(axes: Axes, chart: AccuracyMeasurement, targets: bool) -> None:

@@ -126,11 +126,15 @@ class AccuracyMeasurement:
         return [row for row in self.rows if row.targets == targets]
 
     def find_front(self, targets: bool) -> list[AccuracyRow]:
-        """Pareto front, fastest first: rows that no other row beats in both time and error."""
+        """Pareto front, fastest first: rows whose error is less than that of all faster rows.
+
+        Less by more than the last doubling of the rays changed the reference; a smaller difference is not resolved.
+        """
         front: list[AccuracyRow] = []
+        resolved = self.scenes[targets].reference.moved
         rows = (row for row in self.rows_of(targets) if row.method != EMBREE_OWN)
         for row in sorted(rows, key=lambda row: (row.microseconds, row.errors.beyond)):
-            if not front or row.errors.beyond < front[-1].errors.beyond:
+            if not front or row.errors.beyond < front[-1].errors.beyond - resolved:
                 front.append(row)
         return front
 
