@@ -26,7 +26,15 @@ from PIL import Image
 BLOCK = re.compile(r"^(<!-- \w+ -->\n)?```(\w+)([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]*pictures/([\w-]+)\.jpg)\)")
 WIDTH, LARGEST = 900, 250_000  # pixels, bytes
-WIDTHS = {"chart": 1500, "convergence": 1000, "ghosts": 1200, "rays": 1200, "window": 1400}
+WIDTHS = {
+    "chart": 1500,
+    "chart-bent": 1500,
+    "chart-rough": 1500,
+    "convergence": 1000,
+    "ghosts": 1200,
+    "rays": 1200,
+    "window": 1400,
+}
 QUICK = ("plan", "scenes")  # commands that a check runs; anything else is run only to make the page
 COLUMNS = "80"
 
