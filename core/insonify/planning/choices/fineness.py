@@ -30,6 +30,8 @@ FOLDED_RAYS = (4000, 16_000, 64_000)  # per side, of the sweep's pings with seve
 STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period of the bed keeps
 OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed, whose record is well known
 NEARER = 1.0 / 3.0  # weight of the error of coarser nodes over all bins, the strong ones near nadir too
+LITTLE_MISPLACED = 0.002  # error of whole segments below which no division of them is measured
+MISPLACED_BESIDE = 0.02  # error of segments beside which errors of planes and nodes may be measured
 AT_NO_COST = 2e6  # work of the probe that takes some milliseconds
 
 
@@ -192,10 +194,19 @@ class Segments(Choice):
 
     def error(self, case: Case, model: Model) -> float:
         """Error measured from the smallest share, by one plane without paths by the sea surface."""
-        fine = _finest(case, model)._replace(ways=frozenset(), misplaced=float(self.offered[-1]))
         if self.settings(case, model) == (math.inf,) and self.wish(case) is None:
             return 0.0
+        fine = _single(case, model)._replace(ways=frozenset(), misplaced=float(self.offered[-1]))
+        whole = case.probe.difference(fine._replace(misplaced=math.inf), fine, nearer=NEARER)
+        if whole < LITTLE_MISPLACED:
+            return whole  # all shares between are closer still
         return case.probe.difference(fine._replace(misplaced=model.misplaced), fine, nearer=NEARER)
+
+    def common(self, case: Case, model: Model) -> float:
+        """Share with which errors of planes and nodes are measured: the greatest of little error, at any tolerance."""
+        shares = self.settings(case, model)
+        fitting = (one for one in shares if self.error(case, model._replace(misplaced=one)) < MISPLACED_BESIDE)
+        return next(fitting, shares[-1])
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the segments, with the time beyond that of whole ones."""
@@ -258,10 +269,15 @@ class Spacing(Number):
         yield self.entry(case, choice, reason, modelled=False, error=error, cost=saved, options=self.offered)
 
 
-def _finest(case: Case, model: Model) -> Model:
-    """Model with all effects and nodes, one plane and few rays: errors of fineness are measured beside it."""
+def _single(case: Case, model: Model) -> Model:
+    """Model with all effects and nodes, one plane and few rays."""
     rays = FEWEST_RAYS if model.bent or model.method == "rays" else 0
     return model._replace(planes=1, rays=rays, every=1, targets=case.near, ways=case.paths)
+
+
+def _finest(case: Case, model: Model) -> Model:
+    """Model of one plane beside which errors of planes, rays and nodes are measured."""
+    return _single(case, model)._replace(misplaced=Segments().common(case, model))
 
 
 def _planes_that_meet(case: Case, model: Model) -> int:
