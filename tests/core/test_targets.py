@@ -171,7 +171,7 @@ WRONG = [
     (BOX + "gap = -101", ["targets.0.gap", "-101", "at least -100"]),
     ('kind = "box"\nposition = [1.0, 2.0, -20.0]\ngap = 1.0', ["targets.0", "gap", "one of the two"]),
     ('kind = "sphere"\nposition = [1.0, 2.0, -20.0]\ngap = 1.0', ["targets.0", "gap", "one of the two"]),
-    ('kind = "sphere"\nposition = [1.0, 2.0]\nheading = 3.0', ["targets.0.heading", "unknown key"]),
+    ('kind = "sphere"\nposition = [1.0, 2.0]\nlength = 3.0', ["targets.0.length", "unknown key"]),
     ('kind = "cone"\nposition = [1.0, 2.0]\nheight = 0', ["targets.0.height", "0", "at least 0.001"]),
     (
         'kind = "pipe"\nposition = [1.0, 2.0]\npitch = 3.0\ngap = [[0.0, 0.0], [1.0, 1.0]]',
