@@ -186,15 +186,15 @@ class Segments(Choice):
         return math.inf if text == "whole" else float(text)
 
     def settings(self, case: Case, model: Model) -> tuple[float, ...]:
-        """Return the shares offered; whole segments over a level bed, and where no segments are swept."""
+        """Return the shares offered; whole segments where none are swept."""
         wish = self.wish(case)
-        if model.method != "sweep" or case.scene.seabed.relief.level:
+        if model.method != "sweep":
             return (math.inf,)
         return tuple(self.parse(text) for text in self.offered) if wish is None else (wish,)
 
     def error(self, case: Case, model: Model) -> float:
         """Error measured from the smallest share, by one plane without paths by the sea surface."""
-        if self.settings(case, model) == (math.inf,) and self.wish(case) is None:
+        if model.method != "sweep":
             return 0.0
         fine = _single(case, model)._replace(ways=frozenset(), misplaced=float(self.offered[-1]))
         whole = case.probe.difference(fine._replace(misplaced=math.inf), fine, nearer=NEARER)
@@ -210,7 +210,7 @@ class Segments(Choice):
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the segments, with the time beyond that of whole ones."""
-        if model.method != "sweep" or case.scene.seabed.relief.level:
+        if model.method != "sweep":
             return
         whole = model._replace(misplaced=math.inf)
         share = percent(model.misplaced)
