@@ -49,23 +49,23 @@ def test_slider_gives_another_waterfall(open_viewer: Any, small: Scene, qtbot: A
 
 
 def test_drag_is_coarse_and_release_is_fine(open_viewer: Any, small: Scene, qtbot: Any) -> None:
-    tolerances: list[float] = []
+    planes: list[str] = []
     from stand_in import StandIn
 
-    def prepare(scene: Scene, *, tolerance: float, forced: dict[str, str]) -> StandIn:
-        tolerances.append(tolerance)
-        return StandIn(scene, tolerance=tolerance, forced=forced)
+    def prepare(scene: Scene, *, tolerance: float, forced: dict[str, str], plan: Any = None) -> StandIn:
+        planes.append(forced.get("planes", "as planned"))
+        return StandIn(scene, tolerance=tolerance, forced=forced, plan=plan)
 
     viewer = open_viewer(small, prepare=prepare)
     before = viewer.session.scene
     viewer.simulator._cost = 1.0  # as if a coarse ping took a second, to be thinned as far as allowed
     slider = drag(viewer, "track.altitude", 300)
     qtbot.waitUntil(lambda: viewer.complete)
-    assert tolerances[-1] == 0.2
+    assert planes[-1] == "1"
     coarse = viewer.record.amplitude.copy()
     slider.setSliderDown(False)
     qtbot.waitUntil(lambda: viewer.complete)
-    assert tolerances[-1] == 0.03
+    assert planes[-1] == "as planned"
     # One ping in sixteen stood for the others.
     assert (viewer.record.amplitude != coarse).any()
     viewer.session.undo()

@@ -75,7 +75,8 @@ def test_dunes_grow_smoothly_from_nadir_and_lie_about_the_level():
 def pair(changes=None, level=None, dunes=None):
     """Simulations of both scenes of the figure, with changes to both and to each."""
     scenes = load_scene("figure-5-pattern"), load_scene("figure-5-relief")
-    return [prepare(edit(scene, (changes or {}) | (own or {}))) for scene, own in zip(scenes, (level, dunes))]
+    made = (edit(scene, (changes or {}) | (own or {})) for scene, own in zip(scenes, (level, dunes)))
+    return [prepare(scene, forced={"spacing": "1"}) for scene in made]  # every node of both grids
 
 
 def difference(one, other):

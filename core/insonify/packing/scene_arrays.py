@@ -20,7 +20,7 @@ from insonify.scene import Scene
 from insonify.terrain import AnyGround, EndlessGround, Ground
 
 STRIP = 8  # rows turned at once
-MISPLACED = 0.01  # share of a bin's echo that a segment may add wrongly
+MISPLACED = 0.003  # share of a bin's echo that a segment may add wrongly
 VERTICAL_SHARE = 1.0 / 16.0  # of the vertical beam's half width: the angle that a segment may span
 
 

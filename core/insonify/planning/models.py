@@ -84,8 +84,8 @@ class PackedScene:
             whole = whole._replace(water=still_water(whole.water.reference, whole.water.surface))
         tracer = make_tracer(model.method, self.scene, whole)
         bed, tiles = self._grid(model.every, tracer.bins_beyond)
-        whole = whole._replace(limits=whole.limits._replace(misplaced=model.misplaced))
         arrays = reduce_scene(whole, bed=bed, ways=model.ways, bounces=model.bounces, targets=model.targets)
+        arrays = arrays._replace(limits=arrays.limits._replace(misplaced=model.misplaced))
         return ReducedScene(whole, arrays, tiles, tracer)
 
     def _grid(self, every: int, bins_beyond: int) -> tuple[Bed, TerrainTiles]:

@@ -17,7 +17,7 @@ from insonify.packing.navigation import make_poses, take_poses
 from insonify.parallel import in_parallel
 from insonify.planning.models import Model, PackedScene
 from insonify.planning.probe_pings import ProbePings
-from insonify.scene import edit
+from insonify.scene import SceneError, edit
 
 Record = NDArray[np.float32]
 FEW = 12  # pings on which models of much work are compared
@@ -61,6 +61,32 @@ class Probe:
         self._traced: dict[Model, Traced] = {}
         self._differences: dict[tuple[Model, Model, float], float] = {}
         self._warm: set[tuple[str, bool, bool]] = set()
+
+    def leave_out_collisions(self, model: Model) -> None:
+        """Leave out pings in which the sonar is inside a target: they are refused when they are simulated.
+
+        Raises
+        ------
+        SceneError
+            If it is in all of them.
+        """
+        try:
+            self._trace(model, self._is_across.size)
+        except SceneError:
+            kept = np.flatnonzero([self._is_clear(model, ping) for ping in range(self._is_across.size)])
+            if kept.size == 0:
+                raise
+            self._poses, self._is_across = take_poses(self._poses, kept), self._is_across[kept]
+            self._scale = self._scale[kept]
+
+    def _is_clear(self, model: Model, ping: int) -> bool:
+        reduced = self._packed.reduced(model)
+        try:
+            pose = take_poses(self._poses, slice(ping, ping + 1))
+            reduced.tracer.trace(reduced.arrays, pose, threads=1, **model.settings)
+        except SceneError:
+            return False
+        return True
 
     def count(self, model: Model) -> int:
         """Return the number of pings on which a model is compared with a coarser one."""

@@ -41,7 +41,10 @@ class Case:
     @cached_property
     def probe(self) -> Probe:
         """Its probe, made when a choice first asks for it."""
-        return Probe(self.packed, choose_probe_pings(self.scene, self.packed.ground, self.near))
+        probe = Probe(self.packed, choose_probe_pings(self.scene, self.packed.ground, self.near))
+        if self.near:
+            probe.leave_out_collisions(Model(targets=self.near))
+        return probe
 
     @property
     def few_planes(self) -> int:

@@ -140,6 +140,8 @@ class SurfacePath(Choice):
         wish, off = self.wish(case), model.ways - {self.subject}
         if self.subject not in case.paths:
             return (off,)
+        if self.subject == "surface_echo" and wish is None:
+            return (off | {self.subject},)  # it lies before the first return of the bed, where no error is measured
         return (off, off | {self.subject}) if wish is None else (off | {self.subject},)
 
     def error(self, case: Case, model: Model) -> float:
