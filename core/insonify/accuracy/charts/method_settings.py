@@ -23,7 +23,7 @@ COARSER = {2: "2nd", 4: "4th"}  # stride of the nodes of the bed
 COARSE_PLANES = (4, 16)
 DOUBLE_PLANES = (4, 16, 64)
 # Share of a bin's echo that a segment of a profile may add wrongly before it is divided; beside the default.
-DIVISIONS = {"whole segments": math.inf, "segments to 3 %": 0.03, "segments to 0.3 %": 0.003}
+DIVISIONS = {"whole segments": math.inf, "segments to 3 %": 0.03, "segments to 1 %": 0.01}
 DIVIDED_PLANES = (16, 64)
 EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
 

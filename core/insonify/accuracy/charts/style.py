@@ -22,7 +22,7 @@ SHADES = {
     "sweep, every 4th node": "#c4a32a",
     "sweep, whole segments": "#b5473c",
     "sweep, segments to 3 %": "#d9822b",
-    "sweep, segments to 0.3 %": "#2a8fa3",
+    "sweep, segments to 1 %": "#2a8fa3",
     "sweep, straight": "#8b9299",
     "rays, straight": "#8b9299",
     "sweep, float64": "#0f4f35",
