@@ -66,7 +66,7 @@ def test_record_is_that_over_a_bed_held_whole(record):
         high=float(nodes.max()),
     )
     whole = edit(SCENE, {"sonar.pulse": "ideal"})
-    held = sweep.trace(simulation.arrays._replace(bed=bed), simulation.poses(PINGS), **simulation.plan.settings)
+    held = sweep.trace(simulation.reduced._replace(bed=bed), simulation.poses(PINGS), **simulation.plan.settings)
     np.testing.assert_allclose(prepare(whole).intensity(PINGS), held, rtol=2e-4, atol=2e-5 * held.max())
 
 

@@ -14,7 +14,7 @@ from insonify.planning import plan
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.simulation import prepare, simulate, simulate_blocks
 
-ALIKE = {"planes": "8", "spacing": "1"}  # records that differ in their scenes alone
+ALIKE = {"segments": "0.003", "planes": "8", "spacing": "1"}  # records that differ in their scenes alone
 SMALL = edit(
     load_scene("default"),
     {"seabed.spacing": 0.4, "seabed.relief.period": 51.2, "seabed.relief.peaks": [[12.0, 6.0]], "sonar.bins": 200},

@@ -104,7 +104,8 @@ def test_a_declared_span_stands_where_it_was_put(altitude, offset, gap, side):
     )
     bare = edit(scene, {"targets": []})
     with_pipe, without = (
-        prepare(s, tolerance=1e-3).intensity(np.array([0]))[0, 0 if side > 0 else 1] for s in (scene, bare)
+        prepare(s, tolerance=1e-3, forced={"segments": "0.003"}).intensity(np.array([0]))[0, 0 if side > 0 else 1]
+        for s in (scene, bare)
     )
     step = scene.sonar.range / scene.sonar.bins
     near, tangent, begins, ends = pipe_edges(altitude, offset, 0.5, gap)
