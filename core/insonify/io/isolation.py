@@ -113,6 +113,11 @@ class _Process:
             self.process.kill()
             self.process.communicate()
 
+    def __del__(self) -> None:
+        """End the process with the last reference to it, as when the package is imported anew."""
+        if hasattr(self, "process"):
+            self.stop()
+
 
 _kept: _Process | None = None
 
