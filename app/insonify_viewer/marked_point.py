@@ -12,7 +12,7 @@ from insonify_viewer.record import Record
 from insonify_viewer.session import Mark
 
 if TYPE_CHECKING:
-    from insonify.display.picture import LevelBed
+    from insonify.display.normalisation import LevelBed
     from insonify.simulation import Simulation
 
 Position = tuple[float, float, float]

@@ -17,7 +17,7 @@ from insonify.scene import Scene, SceneError
 from insonify_viewer.modelling import Modelling
 
 if TYPE_CHECKING:
-    from insonify.display.picture import LevelBed
+    from insonify.display.normalisation import LevelBed
     from insonify.simulation import Simulation
 
 BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
@@ -215,7 +215,7 @@ class Simulator(QObject):
     def _prepared(self, scene: Scene, modelling: Modelling, *, fine: bool) -> tuple[Simulation, LevelBed]:
         """Prepare a scene; reuse the last simulation if the scene is the same."""
         # lazy: loaded on the worker; the window opens before Numba is loaded
-        from insonify.display.picture import LevelBed
+        from insonify.display.normalisation import LevelBed
 
         last = self._last.get(fine)
         if last is None or last[:2] != (scene, modelling):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from stand_in import StandIn
 
-from insonify.display.picture import LevelBed, normalise
+from insonify.display.normalisation import LevelBed, normalise
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 from insonify_viewer.modelling import Modelling

@@ -15,7 +15,7 @@ import pytest
 from insonify.accuracy.timing import time_calls
 from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
-from insonify.display.picture import LevelBed
+from insonify.display.normalisation import LevelBed
 from insonify.kernels.common.jit import kernel
 from insonify.parallel import count_threads
 from insonify.receiver import receive

@@ -10,6 +10,7 @@ from PIL import Image
 from insonify.display import display_options
 from insonify.display import sheet as module
 from insonify.display.display_options import DisplayOptions, find_palettes
+from insonify.display.normalisation import estimate_median_curve, extend_to_water_column, normalise
 from insonify.display.page import caption_scene, place_decibel_ticks, write_page
 from insonify.display.picture import (
     PALETTES,
@@ -17,12 +18,9 @@ from insonify.display.picture import (
     choose_contrast,
     colour_amplitudes,
     compute_column_edges,
-    estimate_median_curve,
-    extend_to_water_column,
     load_palette,
     map_tones,
     mirror_channels,
-    normalise,
 )
 from insonify.display.sheet import resample_rows, take_sheet_pings
 from insonify.scene import SceneError, edit, load_scene

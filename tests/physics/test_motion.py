@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from insonify.display.picture import LevelBed, normalise
+from insonify.display.normalisation import LevelBed, normalise
 from insonify.packing.navigation import make_poses
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate, simulate_blocks

@@ -9,7 +9,7 @@ import pytest
 
 from beds import arrays_of
 from insonify.acoustics.resolution_cell import coherence_angle, surface_echo, volume_echo
-from insonify.display.picture import LevelBed, normalise
+from insonify.display.normalisation import LevelBed, normalise
 from insonify.kernels.common.types import TOP_HAT
 from insonify.receiver import make_reception, receive
 from insonify.scene import edit, load_scene

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.signal import periodogram
 
 from insonify.acoustics.error_range import ERROR_ALTITUDES
-from insonify.display.picture import normalise
+from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve, fill_altitude
 from insonify.scene import SceneError
 

@@ -157,8 +157,8 @@ def write(
         write_record(path, tracked(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))
         return
     # lazy: the other commands need neither Matplotlib nor the kernels
+    from insonify.display.normalisation import LevelBed
     from insonify.display.page import caption_scene, write_page
-    from insonify.display.picture import LevelBed
     from insonify.display.sheet import gather_sheet, trace_sheet_pings
 
     # Without Datasets: importing xarray and pandas takes as long as the picture.

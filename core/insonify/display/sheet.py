@@ -10,13 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.display.display_options import DisplayOptions
-from insonify.display.picture import (
-    average_columns,
-    compute_column_edges,
-    estimate_median_curve,
-    mirror_channels,
-    normalise,
-)
+from insonify.display.normalisation import estimate_median_curve, normalise
+from insonify.display.picture import average_columns, compute_column_edges, mirror_channels
 from insonify.io.records.bottom_track import complete_altitude, find_altitude
 from insonify.packing.navigation import platform_columns
 from insonify.scene import SceneError

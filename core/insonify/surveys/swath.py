@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.display.picture import normalise
+from insonify.display.normalisation import normalise
 from insonify.display.sheet import compute_median_curve
 from insonify.io.georeference import Georeference, find_georeference, project, utm_zone
 from insonify.io.records.bottom_track import BOTTOM_TRACK, find_altitude, track_bottom

@@ -15,7 +15,7 @@ from insonify.accuracy.charts.style import format_percent, format_time
 from insonify.accuracy.displacement import Displacement
 from insonify.accuracy.record_errors import RecordErrors
 from insonify.acoustics.flat_bed import compute_flat_bed_curves
-from insonify.display.picture import extend_to_water_column, normalise
+from insonify.display.normalisation import extend_to_water_column, normalise
 from insonify.kernels.common.types import Poses, SceneArrays
 
 COMPARED_ERROR = 0.02  # error at which the times of methods are compared

@@ -15,7 +15,8 @@ from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_pa
 from insonify.accuracy.stability.level_scenes import make_level_scene, make_pose
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.acoustics.resolution_cell import bin_centres
-from insonify.display.picture import LevelBed, choose_contrast, colour_amplitudes, normalise
+from insonify.display.normalisation import LevelBed, normalise
+from insonify.display.picture import choose_contrast, colour_amplitudes
 from insonify.display.style import FAINT, INK
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare, simulate

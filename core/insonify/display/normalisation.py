@@ -1,0 +1,197 @@
+"""Amplitudes of records relative to the echo of a level bed, or of a recording relative to its own median curve.
+
+A record falls by tens of decibels with range. Divided by the curve of a perfect Lambert bed under the same ping, a
+uniform bed looks uniform and the rest stands out.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d, median_filter
+
+from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.kernels.display.rows import ROWS_A_THREAD, relate_amplitudes
+from insonify.packing.navigation import interpolate_bed_beneath
+from insonify.parallel import in_parallel
+
+if TYPE_CHECKING:
+    from insonify.simulation import Simulation
+
+__all__ = ["LevelBed", "estimate_median_curve", "extend_to_water_column", "normalise"]
+
+_PINGS = 2000  # pings that suffice for the median curve of a recording
+_FIRST = 1.25  # altitudes from which the bed of a recording counts
+_SMOOTH = 64  # the median curve is smoothed over the bins divided by this
+
+
+class LevelBed:
+    """Record of a level, perfect Lambert bed under every ping, by which a picture of a simulation is normalised.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Prepared simulation.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        self._kept = lru_cache(maxsize=1024)(self._curve)
+
+    def curves(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Compute the records of level beds at the altitudes of pings, each rounded to an eighth of a bin.
+
+        Parameters
+        ----------
+        pings : (n,) int64
+            Ping numbers.
+
+        Returns
+        -------
+        (n, 1, bins) float64
+            Positive in every bin.
+        """
+        curves, which = self._curves_of(pings)
+        return curves[which][:, None]
+
+    def normalise(self, intensity: NDArray[np.float32], pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Compute amplitudes relative to the level beds of pings.
+
+        Parameters
+        ----------
+        intensity : (n, 2, bins) float32
+            Record of the pings.
+        pings : (n,) int64
+            Ping numbers.
+
+        Returns
+        -------
+        (n, 2, bins) float32
+            As `normalise` by the curves of the pings.
+        """
+        curves, which = self._curves_of(pings)
+        return _relate(intensity, curves, np.repeat(which, intensity.shape[1]))
+
+    def _curves_of(self, pings: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Curves, (curves, bins), and which of them each ping has."""
+        simulation = self._simulation
+        beneath = interpolate_bed_beneath(simulation.scene, simulation.ground, pings)
+        eighths = np.rint((simulation.poses(pings).z - beneath) / self._step).astype(np.int64)
+        numbers, which = np.unique(np.maximum(eighths, 1), return_inverse=True)
+        curves = np.array([self._kept(int(number)) for number in numbers])
+        return curves.reshape(-1, simulation.arrays.bins), which
+
+    @property
+    def _step(self) -> float:
+        return self._simulation.arrays.bin_length / 8.0
+
+    def _curve(self, eighths: int) -> NDArray[np.float64]:
+        echo = extend_to_water_column(flat_bed_curve(self._simulation.arrays, eighths * self._step))
+        return self._simulation.reception.expected(echo)
+
+
+def extend_to_water_column(curve: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Extend the first return of a curve over the bins before it, in which objects above the bed may echo.
+
+    The first bin of the bed is partly filled, so the larger of the first two values is used.
+
+    Parameters
+    ----------
+    curve : (bins,) float64
+        Record of a level bed.
+
+    Returns
+    -------
+    (bins,) float64
+        Positive everywhere; 1 where there is no return at all.
+    """
+    heard = np.flatnonzero(curve > 0.0)
+    if heard.size == 0:
+        return np.ones_like(curve)
+    first = int(heard[0])
+    filled = curve.copy()
+    filled[: first + 1] = curve[first : first + 2].max()
+    return filled
+
+
+def estimate_median_curve(
+    intensity: NDArray[np.float32], altitude: NDArray[np.float64], bin_length: float
+) -> NDArray[np.float64]:
+    """Estimate the curve by which a picture of a recording of unknown sonar and bed is normalised.
+
+    It is the median of the recording at every slant range, after Lambert's law has removed the effect of the grazing
+    angle as the altitude changes.
+
+    Parameters
+    ----------
+    intensity : (2, pings, bins) float32
+        Energy of the record.
+    altitude : (pings,) float64
+        Height above the bed, in metres; 0 where it is not known.
+    bin_length : float
+        Slant range of a bin, in metres.
+
+    Returns
+    -------
+    (pings, 1, bins) float64
+        Positive everywhere; smooth over a 64th of the bins.
+    """
+    some = slice(None, None, intensity.shape[1] // _PINGS + 1)
+    r = (np.arange(intensity.shape[-1]) + 0.5) * bin_length
+    sine = np.minimum(np.where(altitude > 0.0, altitude, np.inf)[:, None] / r, 1.0)
+    # At shorter range an error of the altimeter would count water as bed.
+    below = r >= _FIRST * altitude[some, None]
+    upright = intensity[:, some] / sine[some] ** 2
+    curve = np.array([_middle(upright[:, below[:, bin_], bin_]) for bin_ in range(len(r))])
+    known = np.flatnonzero(curve > 0.0)
+    if known.size == 0:
+        return np.ones((len(altitude), 1, len(r)))
+    logarithm = np.interp(np.arange(len(r)), known, np.log(curve[known]))
+    steady = median_filter(logarithm, size=len(r) // _SMOOTH + 1)  # removes marks that recorders put at the edges
+    smooth = np.exp(gaussian_filter1d(steady, len(r) / _SMOOTH))
+    return (smooth * sine**2)[:, None, :]
+
+
+def _middle(echoes: NDArray[np.floating]) -> float:
+    """Median of the positive echoes, 0 if there are none."""
+    heard = echoes[echoes > 0.0]
+    return float(np.median(heard)) if heard.size else 0.0
+
+
+def normalise(intensity: NDArray[np.float32], curve: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Compute amplitudes relative to a curve.
+
+    Parameters
+    ----------
+    intensity : (..., bins) float32
+        Energy of a record.
+    curve : (bins,) or (..., bins) float64
+        Positive curve by which the record is divided.
+
+    Returns
+    -------
+    (..., bins) float32
+        Square root of the ratio; 0 where the record is silent.
+    """
+    curves = np.asarray(curve, dtype=np.float64)
+    which = np.arange(math.prod(curves.shape[:-1])).reshape(curves.shape[:-1])
+    return _relate(intensity, curves.reshape(-1, curves.shape[-1]), np.broadcast_to(which, intensity.shape[:-1]))
+
+
+def _relate(
+    intensity: NDArray[np.float32], curves: NDArray[np.float64], which: NDArray[np.int64]
+) -> NDArray[np.float32]:
+    """Amplitudes relative to the curve, (curves, bins), that each row of a record has."""
+    bins = intensity.shape[-1]
+    energies, inverse = np.ascontiguousarray(intensity, dtype=np.float32).reshape(-1, bins), 1.0 / curves
+    rows, out = np.ascontiguousarray(which).ravel(), np.empty(energies.shape, np.float32)
+
+    def block(first: int, last: int) -> None:
+        relate_amplitudes(energies[first:last], inverse, rows[first:last], out[first:last])
+
+    in_parallel(block, len(rows), least=ROWS_A_THREAD)
+    return out.reshape(intensity.shape)
