@@ -14,7 +14,7 @@ from insonify.io.file_access import FileFault, read_text
 from insonify.io.formats import FileFormat
 from insonify.io.sound_speed_casts.cast import ENCODING, Columns
 from insonify.io.sound_speed_casts.seabird import depth_of_pressure
-from insonify.io.sound_speed_casts.text import NAMES
+from insonify.io.sound_speed_casts.text import NAMES, find_columns, number_or_nan
 
 PREFIX = "Columns="  # of AML, before the names
 PRESSURE = r"pressure|pres|prs"  # dbar
@@ -46,7 +46,7 @@ def read_log(path: str) -> Columns:
         If no line names a depth or pressure and a sound speed or temperature, or no row follows it.
     """
     lines = read_text(path, ENCODING).splitlines()
-    heads = ((number, _header(line)) for number, line in enumerate(lines))
+    heads = ((number, find_columns(_cells(line.removeprefix(PREFIX)), OWN_NAMES)) for number, line in enumerate(lines))
     number, places = next(((number, places) for number, places in heads if _suffices(places)), (0, {}))
     if not places:
         raise FileFault("has no line that names the columns of depth or pressure, and of sound speed", REMEDY)
@@ -68,16 +68,6 @@ def _cells(line: str) -> list[str]:
     return [cell.strip() for cell in line.split("\t" if "\t" in line else ",")]
 
 
-def _header(line: str) -> dict[str, int]:
-    """Places of the known columns in a line that may name them; a unit follows a semicolon or stands in brackets."""
-    bare = [re.sub(r"[\[(;].*", "", cell).strip().lower() for cell in _cells(line.removeprefix(PREFIX))]
-    places = {
-        name: next((place for place, cell in enumerate(bare) if re.fullmatch(pattern, cell)), -1)
-        for name, pattern in OWN_NAMES.items()
-    }
-    return {name: place for name, place in places.items() if place >= 0}
-
-
 def _suffices(places: dict[str, int]) -> bool:
     return bool(places.keys() & {"depth", "pressure"} and places.keys() & {"sound_speed", "temperature"})
 
@@ -86,21 +76,14 @@ def _row(line: str, places: dict[str, int]) -> NDArray[np.float64]:
     """Return the numbers of a row in the order of the columns, NaN for cells that are none."""
     cells = _cells(line)
     told = (cells[place] if place < len(cells) else "" for place in places.values())
-    return np.array([_seconds(cell) if name == "time" else _number(cell) for name, cell in zip(places, told)])
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return float("nan")
+    return np.array([_seconds(cell) if name == "time" else number_or_nan(cell) for name, cell in zip(places, told)])
 
 
 def _seconds(cell: str) -> float:
     """Time of day, from a time with or without a date before it."""
     found = CLOCK.search(cell)
     if found is None:
-        return _number(cell)
+        return number_or_nan(cell)
     hours, minutes, seconds = (float(part) for part in found.groups())
     return 3600.0 * hours + 60.0 * minutes + seconds
 

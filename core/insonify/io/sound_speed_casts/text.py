@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,7 +72,7 @@ def read_table(path: str) -> Columns:
     whole = read_text(path, ENCODING).removeprefix(BYTE_ORDER_MARK).splitlines()
     lines = [line for line in whole if line.strip(" ,;\t") and line[0] not in "#%"]
     rows = [_numbers(line) for line in lines]
-    names = _header(lines[0]) if lines and np.isnan(rows[0]).all() else None
+    names = find_columns(_cells(lines[0]), NAMES) if lines and np.isnan(rows[0]).all() else None
     rows = rows[names is not None :]
     width = max((row.size for row in rows), default=0)
     if width < 2:
@@ -89,25 +90,38 @@ def _cells(line: str) -> list[str]:
 
 def _numbers(line: str) -> Values:
     """Return the numbers of a line, NaN for cells that are none."""
-    return np.array([_number(cell) for cell in _cells(line)])
+    return np.array([number_or_nan(cell) for cell in _cells(line)])
 
 
-def _number(cell: str) -> float:
+def find_columns(cells: list[str], names: Mapping[str, str]) -> dict[str, int]:
+    """Find the columns that the cells of a header name.
+
+    Parameters
+    ----------
+    cells : list of str
+        In a cell, a unit follows a semicolon or stands in brackets.
+    names : mapping of str to str
+        Regular expression of the names in lower case of each column.
+
+    Returns
+    -------
+    dict of str to int
+        Places of the columns that are there.
+    """
+    bare = [re.sub(r"[\[(;].*", "", cell).strip().lower() for cell in cells]
+    places = {
+        name: next((place for place, cell in enumerate(bare) if re.fullmatch(pattern, cell)), -1)
+        for name, pattern in names.items()
+    }
+    return {name: place for name, place in places.items() if place >= 0}
+
+
+def number_or_nan(cell: str) -> float:
+    """Return the number in a cell, NaN if it holds none."""
     try:
         return float(cell)
     except ValueError:
         return float("nan")
-
-
-def _header(line: str) -> dict[str, int]:
-    """Places of the known columns of a header; text in brackets is a unit."""
-    bare = [re.sub(r"[\[(].*", "", cell).strip().lower() for cell in _cells(line)]
-    found = {}
-    for name, pattern in NAMES.items():
-        place = next((place for place, cell in enumerate(bare) if re.fullmatch(pattern, cell)), None)
-        if place is not None:
-            found[name] = place
-    return found
 
 
 def _by_values(path: str, table: Values) -> Columns:
