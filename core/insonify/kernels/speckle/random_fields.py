@@ -147,6 +147,16 @@ def smooth_noise(pings, spacing, nodes, start, per_bin, first, noise, out):
                 out_imaginary[ping, side, first + k] *= scale
 
 
+@inlined
+def _filter_line(noise, taps, line):
+    """Convolve one line of noise, which begins early enough for the filter, with its taps."""
+    line[:] = 0.0
+    for tap in range(taps.size):
+        before = noise[taps.size - 1 - tap :]
+        for k in range(line.size):
+            line[k] += taps[tap] * before[k]
+
+
 @kernel
 def add_filtered_energy(real, imaginary, taps, share, out):
     """Filter complex noise along range and add its energy times a share.
@@ -164,13 +174,8 @@ def add_filtered_energy(real, imaginary, taps, share, out):
     line_re, line_im = np.empty(bins, np.float32), np.empty(bins, np.float32)
     for ping in range(pings):
         for side in range(sides):
-            line_re[:], line_im[:] = 0.0, 0.0
-            for tap in range(taps.size):
-                early = taps.size - 1 - tap
-                before_re, before_im = real[ping, side, early:], imaginary[ping, side, early:]
-                for k in range(bins):
-                    line_re[k] += taps[tap] * before_re[k]
-                    line_im[k] += taps[tap] * before_im[k]
+            _filter_line(real[ping, side], taps, line_re)
+            _filter_line(imaginary[ping, side], taps, line_im)
             for k in range(bins):
                 out[ping, side, k] += share * (line_re[k] * line_re[k] + line_im[k] * line_im[k])
 
@@ -193,13 +198,8 @@ def add_filtered_waves(real, imaginary, taps, energy, wave_re, wave_im):
     line_re, line_im = np.empty(bins, np.float32), np.empty(bins, np.float32)
     for ping in range(pings):
         for side in range(sides):
-            line_re[:], line_im[:] = 0.0, 0.0
-            for tap in range(taps.size):
-                early = taps.size - 1 - tap
-                before_re, before_im = real[ping, side, early:], imaginary[ping, side, early:]
-                for k in range(bins):
-                    line_re[k] += taps[tap] * before_re[k]
-                    line_im[k] += taps[tap] * before_im[k]
+            _filter_line(real[ping, side], taps, line_re)
+            _filter_line(imaginary[ping, side], taps, line_im)
             mean = energy[min(ping, energy.shape[0] - 1), min(side, energy.shape[1] - 1)]
             for k in range(bins):
                 amplitude = math.sqrt(mean[k])
