@@ -37,7 +37,16 @@ class Oscillation(SingleMotion):
         return {self.axis: self.amplitude * np.sin(2.0 * math.pi * turns)}
 
 
-class Surge(Oscillation):
+class HorizontalOscillation(Oscillation):
+    """A sinusoidal motion of the fish over the ground, along or across its line."""
+
+    @property
+    def greatest_sway(self) -> float:
+        """Amplitude, in metres."""
+        return self.amplitude
+
+
+class Surge(HorizontalOscillation):
     """Surge: the fish gains and loses way along its line, so that pings crowd together and thin out."""
 
     rank = 15
@@ -47,13 +56,8 @@ class Surge(Oscillation):
         0.5, unit="m", description="greatest distance ahead of an even tow", ge=0.0, le=100.0, slider=(0.0, 5.0)
     )
 
-    @property
-    def greatest_sway(self) -> float:
-        """Amplitude, in metres."""
-        return self.amplitude
 
-
-class Sway(Oscillation):
+class Sway(HorizontalOscillation):
     """Sway to port and starboard of the line; the fish keeps its heading and crabs."""
 
     rank = 20
@@ -62,11 +66,6 @@ class Sway(Oscillation):
     amplitude: float = parameter(
         0.5, unit="m", description="greatest distance to port of the line", ge=0.0, le=100.0, slider=(0.0, 5.0)
     )
-
-    @property
-    def greatest_sway(self) -> float:
-        """Amplitude, in metres."""
-        return self.amplitude
 
 
 class Heave(Oscillation):
