@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -74,7 +75,7 @@ class Case:
         return f"{count} ping{'s' * (count > 1)}"
 
 
-class Choice:
+class Choice(ABC):
     """A choice of a plan.
 
     Attributes
@@ -110,18 +111,18 @@ class Choice:
             raise SceneError(f"model {self.subject}: {text!r} is not known; choose one of {known}")
         return text == "on"
 
+    @abstractmethod
     def settings(self, case: Case, model: Model) -> tuple[Any, ...]:
         """Values of the field to consider with the choices already made, coarse to fine; one if there is no choice."""
-        raise NotImplementedError
 
     def error(self, case: Case, model: Model) -> float:
         """Measured error of a model's setting; of effects, tracer and grid whatever its fineness."""
         del case, model
         return 0.0
 
+    @abstractmethod
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entries of the plan about it; none where the scene leaves nothing to say."""
-        raise NotImplementedError
 
     def require(self, case: Case, model: Model) -> None:
         """Raise an error if a model with its setting cannot be simulated.
@@ -130,6 +131,7 @@ class Choice:
         ------
         SceneError
         """
+        del case, model
 
     def kept(self, case: Case, model: Model, last: Model) -> Any:
         """Value of another model where the scene admits it, otherwise the finest."""

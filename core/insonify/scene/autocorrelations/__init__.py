@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 
 import numpy as np
 
@@ -19,10 +20,11 @@ class AutocorrelationKind(Choice):
     family = AUTOCORRELATIONS
 
     @property
+    @abstractmethod
     def feature(self) -> float:
         """Width of the finest feature of the spectrum, in cycles per metre."""
-        raise NotImplementedError
 
+    @abstractmethod
     def density(self, variance: float) -> Density:
         """Spectral density of heights of that variance (m²): P(k) = h² 2π ∫ ρ(r) J₀(kr) r dr (Wiener–Khinchin).
 
@@ -31,7 +33,6 @@ class AutocorrelationKind(Choice):
         SceneError
             If no surface has that autocorrelation, or its file cannot be read.
         """
-        raise NotImplementedError
 
 
 def squared_phase(fx: Field, fy: Field, length: float) -> Field:

@@ -7,6 +7,7 @@ energies, 1 on the axis in the far field.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -89,9 +90,9 @@ class BeamKind(Choice):
         """Number of passes of sound through the beam pattern: two-way or one-way."""
         return 2
 
+    @abstractmethod
     def half_width(self, sounding: Sounding) -> float:
         """Half of the span of the main lobe, in radians."""
-        raise NotImplementedError
 
     def extent(self, sounding: Sounding) -> float:
         """Sine beyond which the sensitivity is 0."""
