@@ -19,7 +19,7 @@ from PySide6.QtWidgets import QApplication
 from insonify.scene import Scene, SceneError
 from insonify_viewer.gc_policy import collected_by_hand
 from insonify_viewer.viewer import Viewer
-from insonify_viewer.views.file_dialogs import save_picture
+from insonify_viewer.views.save_dialogs import save_picture
 from insonify_viewer.views.theme import apply_theme
 
 SNAPSHOT_SIZE = (1600, 1000)
@@ -34,8 +34,14 @@ def open_window(scene: Scene) -> int:
         viewer = Viewer(scene, accelerated=has_opengl())
         viewer.window.show()
         QTimer.singleShot(0, viewer.start)
-        signal.signal(signal.SIGINT, lambda *_: viewer.window.close())
+        signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         return application.exec()
+
+
+def _close_on_interrupt(viewer: Viewer) -> None:
+    """Close the window, which may ask about unsaved changes; a second interrupt ends the program at once."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    QTimer.singleShot(0, viewer.window.close)
 
 
 def draw_window(scene: Scene, path: Path) -> None:

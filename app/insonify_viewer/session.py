@@ -73,6 +73,8 @@ class Session:
         Called with one sentence for the person.
     marked : Event
         Called with the marked point of the record, or None.
+    file : str
+        File of the person's own that the scene was last read from or written to; empty if there is none.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -81,6 +83,8 @@ class Session:
         self._past: list[_State] = []
         self._future: list[_State] = []
         self._mark: Mark | None = None
+        self._saved = {"": scene}
+        self.file = ""
 
     @property
     def scene(self) -> Scene:
@@ -127,8 +131,32 @@ class Session:
         self._turn_to(_State(scene, self.modelling))
         return True
 
-    def open(self, scene: Scene) -> None:
-        """Replace the scene, with no choice forced, as one step of undo."""
+    @property
+    def unsaved(self) -> bool:
+        """Whether the scene differs from every one that was opened or saved, as it is in its file now."""
+        return self._scene not in self._saved.values()
+
+    def mark_saved(self, file: str) -> None:
+        """Note that the scene is in a file as it is."""
+        self._saved[file] = self._scene
+        self.file = file
+        self.changed.emit(self._scene, True)
+
+    def open(self, scene: Scene, file: str = "", *, bundled: bool = False) -> None:
+        """Replace the scene, with no choice forced, as one step of undo.
+
+        Parameters
+        ----------
+        scene : Scene
+            Scene to turn to.
+        file : str
+            File that it was read from; a scene without one counts as not saved.
+        bundled : bool
+            Whether that file comes with the program, and is not to be written.
+        """
+        if file:
+            self._saved[file] = scene
+        self.file = "" if bundled else file
         self._turn_to(_State(scene, self.modelling.automatic))
 
     def model(self, modelling: Modelling) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,12 +13,13 @@ from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QGuiApplication
 
 from insonify.display.picture import PALETTES, choose_contrast, load_palette
-from insonify.scene import Scene, SceneError
+from insonify.scene import Scene, SceneError, bundled_scenes
 from insonify_viewer.auto_pause import next_pause
 from insonify_viewer.marked_point import MarkedPoint, marked_point
 from insonify_viewer.panels import find_panels
 from insonify_viewer.panels.panel import Panel, RecordGrowth, Workbench
 from insonify_viewer.record import Record
+from insonify_viewer.saving import Saving
 from insonify_viewer.seabed_controller import SeabedController
 from insonify_viewer.session import Mark, Session
 from insonify_viewer.simulator import PingRequest, Simulator, TracedPings
@@ -49,7 +52,7 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, tow, simulator, window, record, files, targets
+    session, tow, simulator, window, record, files, saving, targets
         The parts that it connects.
     panels : dict of str to Panel
         The panels of the window, by name.
@@ -67,6 +70,7 @@ class Viewer(QObject):
         self.record = Record(_pings_held(scene), scene.sonar.bins)
         self.files = FileDialogs(self.window, self.simulator, self.open, self.window.say)
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, self._show_part)
+        self.saving = Saving(self.session, self.window, self.simulator)
         self.panels = self._make_panels()
         self.window.mount(tuple(self.panels.values()))
         self.failure = ""
@@ -131,14 +135,22 @@ class Viewer(QObject):
         self._levels_due = True
         self._settle_levels()
 
-    def open(self, scene: Scene) -> None:
-        """Open another scene at the start of its track; a tow that paused by itself runs on."""
+    def open(self, scene: Scene, file: str = "") -> None:
+        """Open another scene at the start of its track; a tow that paused by itself runs on.
+
+        Parameters
+        ----------
+        scene : Scene
+            Scene to open.
+        file : str
+            The file that it was read from; without one it counts as not saved.
+        """
         self.tow.restart(_pings_held(scene) - 1)
         if self._stopped:
             self.run(True)
         self._levels_due = True
         self.seabed.reset_camera()
-        self.session.open(scene)
+        self.session.open(scene, file, bundled=Path(file) in bundled_scenes().values())
         self.window.say(scene.title)
 
     def run(self, running: bool) -> None:
@@ -163,6 +175,7 @@ class Viewer(QObject):
         self._clock.stop()
         for panel in self.panels.values():
             panel.closing()
+        self.saving.close()
         self.simulator.close()
         self._seabed.close()
 
@@ -175,10 +188,9 @@ class Viewer(QObject):
         self.simulator.refused.connect(self._refuse)
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
-        window.scenes.wanted.connect(self.files.open_scene)
-        window.open_scene.triggered.connect(self.files.ask_for_scene)
+        window.scenes.wanted.connect(self._leaving(self.files.open_scene))
+        window.open_scene.triggered.connect(lambda: self._leaving(self.files.ask_for_scene)())
         window.open_dem.triggered.connect(lambda: self.files.ask_for_dem(session.scene))
-        window.save.triggered.connect(self.files.ask_to_save)
         window.undo.triggered.connect(session.undo)
         window.redo.triggered.connect(session.redo)
         window.levels.triggered.connect(self.find_levels)
@@ -186,8 +198,18 @@ class Viewer(QObject):
         window.palette_changed.connect(self.show_palette)
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
         window.running_changed.connect(self.run)
+        window.may_close = self.saving.may_leave
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)
+
+    def _leaving(self, action: Callable[..., None]) -> Callable[..., None]:
+        """Make an action ask first what becomes of unsaved changes."""
+
+        def ask_then_act(*values: Any) -> None:
+            if self.saving.may_leave():
+                action(*values)
+
+        return ask_then_act
 
     def _make_panels(self) -> dict[str, Panel]:
         """Make every panel that is found."""
@@ -225,7 +247,7 @@ class Viewer(QObject):
         for panel in self.panels.values():
             panel.scene_changed(scene, settled)
         if settled:
-            self.window.setWindowTitle(f"{scene.title} · insonify")
+            self.window.show_title(scene.title, unsaved=self.session.unsaved)
             self.window.undo.setEnabled(self.session.can_undo)
             self.window.redo.setEnabled(self.session.can_redo)
 

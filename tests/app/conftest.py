@@ -54,6 +54,7 @@ def open_viewer(qtbot: Any, qapp: QApplication) -> Iterator[Opener]:
     with main_thread_collection():
         yield open_one
         for window in [viewer.window for viewer in viewers]:
+            window.may_close = lambda: True
             window.close()
             window.deleteLater()
         qapp.processEvents()

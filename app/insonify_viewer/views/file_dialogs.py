@@ -1,9 +1,7 @@
-"""File dialogs: scenes, measured beds, casts, navigation, meshes, pictures."""
+"""File dialogs that open: scenes, measured beds, casts, navigation, meshes."""
 
 from __future__ import annotations
 
-import errno
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -32,13 +30,13 @@ class FileDialogs:
     simulator : Simulator
         The worker that reads measured beds.
     opened : callable
-        Receives a scene that was opened.
+        Receives a scene that was opened, and its file; empty for a scene that is in no file.
     say : callable
         Receives a sentence.
     """
 
     def __init__(
-        self, window: QWidget, simulator: Simulator, opened: Callable[[Scene], None], say: Callable[[str], None]
+        self, window: QWidget, simulator: Simulator, opened: Callable[[Scene, str], None], say: Callable[[str], None]
     ) -> None:
         self._window, self._simulator, self._opened, self._say = window, simulator, opened, say
         self._folder = str(next(iter(bundled_scenes().values())).parent)
@@ -92,17 +90,6 @@ class FileDialogs:
         ask = next((ask for part, ask in dialogs.items() if path.startswith(part)), None)
         return ask() if ask else QFileDialog.getOpenFileName(self._window, "Open a file", "", "All files (*)")[0]
 
-    def ask_to_save(self) -> None:
-        """Let the person name a picture of the window."""
-        path, _ = QFileDialog.getSaveFileName(self._window, "Save the window", "insonify.png", "Pictures (*.png)")
-        if path:
-            picture = Path(path).with_suffix(".png")
-            try:
-                save_picture(self._window, picture)
-                self._say(f"saved {picture}")
-            except OSError as error:
-                self._say(f"{picture}: {error.strerror}; check that the folder can be written to")
-
     def open_scene(self, path: str) -> None:
         """Open a scene file."""
         try:
@@ -111,7 +98,7 @@ class FileDialogs:
             self._say(str(error))
             return
         self._folder = str(Path(path).parent)
-        self._opened(scene)
+        self._opened(scene, path)
 
     def open_dem(self, scene: Scene, path: str) -> None:
         """Lay a scene over a measured bed, which the worker reads."""
@@ -122,21 +109,4 @@ class FileDialogs:
         if isinstance(result, SceneError):
             self._say(str(result))
         else:
-            self._opened(result)
-
-
-def save_picture(window: QWidget, path: Path) -> None:
-    """Write a picture of the window to a temporary file, then rename it.
-
-    Raises
-    ------
-    OSError
-        If writing fails; an older picture is kept.
-    """
-    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        if not window.grab().save(str(beside), "PNG"):
-            raise OSError(errno.EIO, "the picture cannot be written", str(path))
-        os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)
+            self._opened(result, "")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 from PySide6.QtCore import QSize, Qt, Signal
@@ -25,6 +25,7 @@ from PySide6.QtWidgets import (
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.target_placement import target_menu
 from insonify_viewer.tow_clock import SPEEDS
+from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.waterfall_view import WaterfallView
 
@@ -42,6 +43,11 @@ class MainWindow(QMainWindow):
         Whether the record needs a native window of its own.
     palettes : tuple of str
         Names of the palettes to choose from.
+
+    Attributes
+    ----------
+    may_close : callable
+        Whether the window may close now; it may ask the person.
     """
 
     gain_changed = Signal(float)
@@ -65,6 +71,8 @@ class MainWindow(QMainWindow):
         self._splitter.setSizes([500, 500])
         self._splitter.setChildrenCollapsible(False)
         self.setCentralWidget(self._splitter)
+        self.may_close: Callable[[], bool] = lambda: True
+        self._closed = self._asking = False
         self._panels: dict[str, Panel] = {}
         self._docks: dict[str, QDockWidget] = {}
         self._buttons: dict[str, QAction] = {}
@@ -114,15 +122,40 @@ class MainWindow(QMainWindow):
         if what:
             self.say(what)
 
+    def show_job(self, what: str, share: float) -> None:
+        """Show the share done of a job beside the window, with its name; an empty name hides the bar."""
+        self._job.setVisible(bool(what))
+        self._job.setFormat(f"{what}: %p %")
+        self._job.setValue(int(100 * share))
+
+    def show_title(self, title: str, *, unsaved: bool) -> None:
+        """Show the title of the scene, with a mark for unsaved changes."""
+        self.setWindowTitle(f"{title}[*] · insonify")
+        self.setWindowModified(unsaved)
+
     def show_running(self, running: bool) -> None:
         """Set the pause button."""
         self.pause.setChecked(not running)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Signal the end while all widgets exist; the worker may need a moment to finish."""
+        """Signal the end while all widgets exist, unless the person stays; the worker may need a moment to finish."""
+        if self._closed:
+            return
+        if self._asking or not self._is_left():
+            event.ignore()
+            return
+        self._closed = True
         self.hide()
         self.closing.emit()
         super().closeEvent(event)
+
+    def _is_left(self) -> bool:
+        """Ask whether the window may close; a second request to close does not ask again meanwhile."""
+        self._asking = True
+        try:
+            return self.may_close()
+        finally:
+            self._asking = False
 
     def _mount_side(self, panels: Sequence[Panel]) -> None:
         """Put panels at the right side, one behind the other, the first in front."""
@@ -192,7 +225,8 @@ class MainWindow(QMainWindow):
         bar.addWidget(self.scenes)
         self.open_dem = self._tool(bar, "DEM…", "Replace the bed by a grid of measured heights", QKeySequence("Ctrl+D"))
         self._add_targets(bar)
-        self.save = self._tool(bar, "Save…", "Save the window as a picture", QKeySequence(key.Save))
+        self.save = SaveMenu(self)
+        bar.addWidget(self.save)
         bar.addSeparator()
         self.undo = self._tool(bar, "Undo", "Undo the last edit", QKeySequence(key.Undo))
         self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", QKeySequence(key.Redo))
@@ -255,8 +289,13 @@ class MainWindow(QMainWindow):
         self._progress.setRange(0, 0)
         self._progress.setTextVisible(False)
         self._progress.setVisible(False)
+        self._job = QProgressBar()
+        self._job.setObjectName("job")
+        self._job.setRange(0, 100)
+        self._job.setVisible(False)
         status.addWidget(self._progress)
         status.addWidget(self._sentence, 1)
+        status.addPermanentWidget(self._job)
 
     def _tool(self, bar: QToolBar, text: str, tip: str, shortcut: QKeySequence) -> QAction:
         action = self._action(text, tip, shortcut)

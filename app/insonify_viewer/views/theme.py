@@ -62,6 +62,8 @@ QSlider::handle:horizontal:hover, QSlider::handle:horizontal:focus {{ background
 QSlider::handle:horizontal:disabled {{ background: #566573; }}
 QProgressBar {{ background: {GROUND}; border: 1px solid {EDGE}; border-radius: 3px; max-height: 9px;
     max-width: 120px; }}
+QProgressBar#job {{ max-height: 16px; min-width: 220px; max-width: 320px; color: {TEXT}; text-align: center; }}
+QProgressBar#job::chunk {{ background: #9a7445; }}
 QProgressBar::chunk {{ background: {ACCENT}; }}
 QScrollBar:vertical {{ background: {GROUND}; width: 9px; margin: 0; }}
 QScrollBar::handle:vertical {{ background: {EDGE}; border-radius: 4px; min-height: 24px; }}

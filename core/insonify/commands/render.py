@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from insonify.io.records import RECORDS, read_record, write_record
 from insonify.scene import Scene, SceneError
 
 PICTURE = ".png"
+Tracker = Callable[[Iterator[Any], int, Callable[[Any], int]], Iterator[Any]]
 
 
 def register(subparsers: Any) -> None:
@@ -131,6 +132,7 @@ def write(
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
     threads: int | None = None,
+    track: Tracker = tracked,
 ) -> None:
     """Simulate a scene and write its record or picture.
 
@@ -145,6 +147,9 @@ def write(
         Of the record's format, see `insonify.io.formats.WriteOption`.
     method, tolerance, forced, threads
         As in `insonify.simulate`.
+    track : callable
+        Passes blocks of pings on and follows their progress, as `insonify.commands.options.tracked` does. What it
+        raises ends the work, and nothing is written.
     """
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.parallel import one_ahead
@@ -154,7 +159,7 @@ def write(
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
     if not _is_picture(path):
         blocks = one_ahead(simulate_blocks(scene, **asked))
-        write_record(path, tracked(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))
+        write_record(path, track(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))
         return
     # lazy: the other commands need neither Matplotlib nor the kernels
     from insonify.display.normalisation import LevelBed
@@ -163,7 +168,7 @@ def write(
 
     # Without Datasets: importing xarray and pandas takes as long as the picture.
     simulation = prepare(scene, **asked)
-    shown = tracked(one_ahead(trace_sheet_pings(simulation)), pings, lambda block: len(block.intensity))
+    shown = track(one_ahead(trace_sheet_pings(simulation)), pings, lambda block: len(block.intensity))
     sheet = gather_sheet(shown, LevelBed(simulation).normalise, pings, look)
     write_page(path, sheet, look, caption_scene(scene, look))
 

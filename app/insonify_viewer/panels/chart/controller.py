@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from insonify.scene import SceneError
-from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, row_details
-from insonify_viewer.panels.chart.measurement import Measurement
+from insonify.scene import Scene, SceneError
+from insonify_viewer.job import Job, Progress
+from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, draw_chart, row_details
 from insonify_viewer.panels.chart.view.chart_window import ChartWindow
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 
@@ -29,7 +29,7 @@ class ChartPanel(Panel):
         self._workbench = workbench
         self.measure: Any = None
         self.view: ChartWindow | None = None
-        self._measurement: Measurement | None = None
+        self._measurement: Job | None = None
         self._picture: ChartPicture | None = None
 
     @property
@@ -53,13 +53,14 @@ class ChartPanel(Panel):
         if self.busy:
             return
         self._workbench.pause()
-        self._measurement = Measurement(
-            self._workbench.session.scene,
+        scene, measure = self._workbench.session.scene, self.measure or _measured
+        self._measurement = Job(
+            lambda report: draw_chart(measure(scene, report)),
             self._workbench.simulator.call_later,
             progressed=self.widget.show_progress,
-            drawn=self._take,
+            done=self._take,
             failed=self._fail,
-            measure=self.measure,
+            name="chart",
         )
         self.widget.show_busy(True)
         self._measurement.start()
@@ -121,3 +122,10 @@ class ChartPanel(Panel):
 def _written(chart: AccuracyChart, path: str) -> str:
     chart.save(path)
     return path
+
+
+def _measured(scene: Scene, progress: Progress) -> AccuracyChart:
+    # lazy: the window opens before Numba and Matplotlib are loaded
+    from insonify.accuracy.charts.kinds.accuracy import measure_chart
+
+    return measure_chart(scene, progress=progress)

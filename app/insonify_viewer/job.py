@@ -1,0 +1,86 @@
+"""One piece of long work on a thread of its own, with progress and a stop."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from insonify.scene import SceneError
+
+Progress = Callable[[float], None]
+
+
+class StoppedError(Exception):
+    """The work was stopped."""
+
+
+class Job:
+    """Long work beside the window.
+
+    Parameters
+    ----------
+    work : callable
+        The work: takes a function that it calls with the share done, now and then, and returns a result. That
+        function raises `StoppedError` once the job is to stop.
+    call_later : callable
+        Calls (receive, result) on the main thread.
+    progressed : callable
+        Receives the share done.
+    done : callable
+        Receives the result.
+    failed : callable
+        Receives one sentence, empty if the work was stopped.
+    name : str
+        Of the thread.
+    """
+
+    def __init__(
+        self,
+        work: Callable[[Progress], Any],
+        call_later: Callable[[Callable[[Any], None], Any], None],
+        *,
+        progressed: Progress,
+        done: Callable[[Any], None],
+        failed: Callable[[str], None],
+        name: str,
+    ) -> None:
+        self._do, self._name = work, name
+        self._call_later, self._progressed, self._done, self._failed = call_later, progressed, done, failed
+        self._stopping = False
+        self._thread = threading.Thread(target=self._work, name=f"insonify {name}", daemon=True)
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Stop at the next report of progress."""
+        self._stopping = True
+
+    def close(self) -> None:
+        """Stop, and wait for the thread."""
+        self.stop()
+        self._thread.join()
+
+    def _work(self) -> None:
+        try:
+            self._call_later(self._done, self._do(self._report))
+        except StoppedError:
+            self._call_later(self._failed, "")
+        except (SceneError, OSError) as error:
+            self._call_later(self._failed, in_one_sentence(error))
+        except Exception as error:  # an exception that ends the thread would leave the window waiting
+            self._call_later(self._failed, f"the {self._name} failed ({type(error).__name__}: {error})")
+
+    def _report(self, share: float) -> None:
+        if self._stopping:
+            raise StoppedError
+        self._call_later(self._progressed, share)
+
+
+def in_one_sentence(error: SceneError | OSError) -> str:
+    """Say what is wrong with a scene, or with a file that cannot be written."""
+    if isinstance(error, SceneError):
+        return str(error)
+    return f"{error.filename}: {error.strerror or error}; check that the folder can be written to"

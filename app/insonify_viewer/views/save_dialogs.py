@@ -1,0 +1,79 @@
+"""Questions before files are written, and the picture of a window."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Sequence
+from enum import Enum
+from pathlib import Path
+
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+
+from insonify.io.atomic import replacing
+
+Formats = Sequence[tuple[str, str]]  # names and suffixes
+
+
+class Answer(Enum):
+    """What becomes of unsaved changes."""
+
+    SAVE = QMessageBox.StandardButton.Save
+    DISCARD = QMessageBox.StandardButton.Discard
+    CANCEL = QMessageBox.StandardButton.Cancel
+
+
+def ask_about_changes(window: QWidget, title: str) -> Answer:
+    """Ask what becomes of the unsaved changes of a scene; closing the question cancels."""
+    buttons = QMessageBox.StandardButton
+    pressed = QMessageBox.question(
+        window,
+        "Unsaved changes",
+        f"The scene “{title}” has changes that are not saved.",
+        buttons.Save | buttons.Discard | buttons.Cancel,
+        buttons.Save,
+    )
+    return Answer(pressed) if pressed in (buttons.Save, buttons.Discard) else Answer.CANCEL
+
+
+def ask_where_to_save(window: QWidget, title: str, suggestion: str, formats: Formats) -> Path | None:
+    """Ask for the file to write; None if no file was named.
+
+    Parameters
+    ----------
+    window : QWidget
+        Owner of the dialog.
+    title : str
+        Of the dialog.
+    suggestion : str
+        File name or path to start from.
+    formats : sequence of (str, str)
+        Names and suffixes of the formats. A name without any of the suffixes gets that of the format that is picked.
+    """
+    filters = {f"{name} (*{suffix})": suffix for name, suffix in formats}
+    named, picked = QFileDialog.getSaveFileName(window, title, suggestion, ";;".join(filters))
+    if not named:
+        return None
+    path = Path(named)
+    if path.suffix.lower() in filters.values():
+        return path
+    path = path.with_name(path.name + filters.get(picked, formats[0][1]))
+    # The dialog asked about the name without the suffix.
+    return path if not path.exists() or _may_replace(window, path) else None
+
+
+def _may_replace(window: QWidget, path: Path) -> bool:
+    question = f"{path.name} exists already. Replace it?"
+    return QMessageBox.question(window, "Replace the file?", question) is QMessageBox.StandardButton.Yes
+
+
+def save_picture(window: QWidget, path: Path) -> None:
+    """Write a picture of the window as PNG.
+
+    Raises
+    ------
+    OSError
+        If writing fails; an older picture is kept.
+    """
+    with replacing(path) as beside:
+        if not window.grab().save(str(beside), "PNG"):
+            raise OSError(errno.EIO, "the picture cannot be written", str(path))

@@ -1,0 +1,44 @@
+"""Menu of what can be saved: scene, record, picture of the window."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QMenu, QToolButton, QWidget
+
+
+class SaveMenu(QToolButton):
+    """A button with one action for each kind of file.
+
+    Parameters
+    ----------
+    window : QWidget
+        The window in which the keys of the actions work.
+
+    Attributes
+    ----------
+    scene, record, picture : QAction
+        Save the declaration, the simulated pings, the window.
+    """
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self.setText("Save ▾")
+        self.setToolTip("Save scene, record or window")
+        self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        menu = QMenu(self)
+        menu.setToolTipsVisible(True)
+        self.scene = _action(menu, "Save scene…", "The scene as a TOML file, to be opened again", "Ctrl+S")
+        self.record = _action(menu, "Save record…", "Every ping of the track, as data or as a picture", "Ctrl+Shift+S")
+        self.picture = _action(menu, "Save picture of the window…", "The window as it stands", "Ctrl+P")
+        window.addActions(menu.actions())
+        self.setMenu(menu)
+
+
+def _action(menu: QMenu, text: str, tip: str, key: str) -> QAction:
+    action = QAction(text, menu)
+    action.setToolTip(tip)
+    action.setShortcut(QKeySequence(key))
+    menu.addAction(action)
+    return action

@@ -1,0 +1,183 @@
+"""Scene, record and picture in files, and the question before changes are lost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from PySide6.QtWidgets import QFileDialog, QMessageBox
+
+from insonify import simulate
+from insonify.io.records import RECORDS, read_record
+from insonify.scene import Scene, edit, load_scene
+from insonify_viewer.session import Session
+
+Buttons = QMessageBox.StandardButton
+
+
+@pytest.fixture
+def name(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Name the file that the next dialogs return, and the filter that is picked in them."""
+
+    def set_name(path: Path | str, picked: str = "") -> None:
+        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), picked))
+
+    return set_name
+
+
+@pytest.fixture
+def answer(monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Answer the next questions with a button; the list that is returned holds the questions."""
+    asked: list[str] = []
+
+    def set_answer(button: Buttons) -> list[str]:
+        monkeypatch.setattr(QMessageBox, "question", lambda *words: (asked.append(words[2]), button)[1])
+        return asked
+
+    return set_answer
+
+
+def test_a_saved_scene_is_the_scene(open_viewer: Any, small: Scene, tmp_path: Path, name: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.session.settle({"track.altitude": 7.0})
+    assert viewer.window.isWindowModified()
+    for typed, written in (("saved.toml", "saved.toml"), ("my.scene", "my.scene.toml")):
+        name(tmp_path / typed, "Scenes (*.toml)")
+        viewer.window.save.scene.trigger()
+        assert load_scene(tmp_path / written) == viewer.session.scene
+        assert not viewer.window.isWindowModified()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["my.scene.toml", "saved.toml"]
+    viewer.session.undo()
+    assert not viewer.window.isWindowModified(), "the scene as it was opened"
+    viewer.session.settle({"track.altitude": 6.0})
+    assert viewer.window.isWindowModified()
+
+
+def test_a_scene_that_cannot_be_written_stays_unsaved(
+    open_viewer: Any, small: Scene, tmp_path: Path, name: Any
+) -> None:
+    viewer = open_viewer(small)
+    viewer.session.settle({"track.altitude": 7.0})
+    name(tmp_path / "nowhere" / "saved.toml")
+    viewer.window.save.scene.trigger()
+    assert "check that the folder can be written to" in viewer.window._sentence.text()
+    assert viewer.session.unsaved
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".npz", ".xtf", ".png"])
+def test_a_record_is_written_as_the_command_writes_it(
+    open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Path, name: Any, suffix: str
+) -> None:
+    assert set(RECORDS.writable()) >= {".nc", ".npz", ".xtf"}
+    viewer = open_viewer(edit(small, {"sonar.beam": "knife"}))
+    path = tmp_path / f"record{suffix}"
+    name(path)
+    viewer.window.save.record.trigger()
+    assert viewer.window._job.isVisible()
+    qtbot.waitUntil(lambda: not viewer.saving.busy, timeout=240000)
+    assert viewer.window._sentence.text() == f"saved {path}"
+    assert not viewer.window._job.isVisible()
+    if suffix == ".png":
+        assert np.ptp(np.asarray(Image.open(path).convert("L"))) > 100
+        return
+    record = read_record(path)
+    assert record.sizes["ping_time"] == small.track.pings
+    if suffix != ".xtf":  # which keeps fewer digits
+        np.testing.assert_array_equal(record.intensity, simulate(viewer.session.scene).intensity)
+
+
+def test_a_name_without_a_suffix_takes_that_of_the_format(
+    open_viewer: Any, small: Scene, qtbot: Any, tmp_path: Path, name: Any, answer: Any
+) -> None:
+    viewer = open_viewer(edit(small, {"sonar.beam": "knife"}))
+    name(
+        tmp_path / "record",
+        next(f"{each.description} (*.npz)" for each in RECORDS.formats() if ".npz" in each.suffixes),
+    )
+    viewer.window.save.record.trigger()
+    qtbot.waitUntil(lambda: not viewer.saving.busy, timeout=240000)
+    before = (tmp_path / "record.npz").stat().st_mtime_ns
+    asked = answer(Buttons.No)
+    viewer.window.save.record.trigger()
+    assert asked == ["record.npz exists already. Replace it?"]
+    assert not viewer.saving.busy
+    assert (tmp_path / "record.npz").stat().st_mtime_ns == before
+
+
+def test_a_window_closed_while_a_record_is_written_leaves_nothing(
+    open_viewer: Any, small: Scene, tmp_path: Path, name: Any
+) -> None:
+    viewer = open_viewer(edit(small, {"sonar.beam": "knife", "track.pings": 100_000}))
+    name(tmp_path / "record.nc")
+    viewer.window.save.record.trigger()
+    viewer.window.close()
+    assert not viewer.saving.busy
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_picture_is_a_file_of_its_own(open_viewer: Any, small: Scene, tmp_path: Path, name: Any) -> None:
+    viewer = open_viewer(small)
+    name(tmp_path / "window.png")
+    viewer.window.save.picture.trigger()
+    with Image.open(tmp_path / "window.png") as picture:
+        assert picture.width > 800
+
+
+def test_closing_asks_about_changes(open_viewer: Any, small: Scene, tmp_path: Path, name: Any, answer: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.session.settle({"track.altitude": 7.0})
+    asked = answer(Buttons.Cancel)
+    assert not viewer.window.close()
+    assert viewer.window.isVisible()
+    assert len(asked) == 1
+    assert small.title in asked[0]
+    answer(Buttons.Save)
+    name("")  # the dialog is left
+    assert not viewer.window.close()
+    name(tmp_path / "kept.toml")
+    assert viewer.window.close()
+    assert load_scene(tmp_path / "kept.toml").track.altitude == 7.0
+    assert len(asked) == 3
+
+
+@pytest.mark.parametrize("change", [{}, {"track.altitude": 7.0}])
+def test_closing_without_changes_or_discarding_them(open_viewer: Any, small: Scene, answer: Any, change: Any) -> None:
+    viewer = open_viewer(small)
+    asked = answer(Buttons.Discard)
+    viewer.session.settle(change)
+    assert viewer.window.close()
+    assert len(asked) == len(change)
+
+
+def test_another_scene_asks_about_changes(open_viewer: Any, small: Scene, qtbot: Any, answer: Any) -> None:
+    viewer = open_viewer(small)
+    menu = viewer.window.scenes
+    menu.fill()
+    other = next(action for action in menu.menu().actions() if action.text().startswith("figure-4b"))
+    viewer.session.settle({"track.altitude": 7.0})
+    changed = viewer.session.scene
+    asked = answer(Buttons.Cancel)
+    menu.menu().triggered.emit(other)
+    assert viewer.session.scene == changed
+    answer(Buttons.Discard)
+    menu.menu().triggered.emit(other)
+    assert viewer.session.scene == load_scene("figure-4b")
+    assert not viewer.window.isWindowModified()
+    assert len(asked) == 2
+    viewer.session.undo()
+    assert viewer.window.isWindowModified(), "the changes are there again"
+    qtbot.waitUntil(lambda: viewer.complete)
+
+
+def test_a_scene_that_is_in_no_file_is_unsaved(small: Scene) -> None:
+    session = Session(small)
+    session.open(edit(small, {"seed": 3}))
+    assert session.unsaved
+    session.mark_saved("a.toml")
+    session.settle({"seed": 4})
+    session.mark_saved("a.toml")
+    session.undo()
+    assert session.unsaved, "the file holds the later scene"
