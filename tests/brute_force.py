@@ -102,3 +102,78 @@ def target_record(
         energy = (strength(cosine, material) * area)[met]
         record += np.bincount((distance[met] / bin_length).astype(int), energy, bins)[:bins]
     return record
+
+
+Response = Callable[[Array, Array], Array]  # two-way, of sines from athwart and slant ranges that broadcast together
+
+
+def knife(sine: Array, slant_range: Array) -> Array:
+    """Response of a beam that is cast in one plane alone."""
+    return np.ones(np.broadcast_shapes(sine.shape, slant_range.shape))
+
+
+def fan(width: float) -> Response:
+    """Response of a top-hat of a full width in radians."""
+    return lambda sine, slant_range: np.abs(sine) <= np.sin(width / 2.0) + 0.0 * slant_range
+
+
+def gaussian(width: float) -> Response:
+    """Response of a Gaussian beam of a one-way -3 dB width in radians, two ways."""
+    return lambda sine, slant_range: 0.25 ** ((sine / np.sin(width / 2.0)) ** 2) + 0.0 * slant_range
+
+
+def line_array(length: float, wavelength: float, elements: int = 64) -> Response:
+    """Response of a uniform line array, two ways, near field included: Fresnel's approximation about its middle.
+
+    It changes little along the range: it is computed for every quarter of a metre.
+    """
+    u = ((np.arange(elements) + 0.5) / elements - 0.5) * length
+
+    def respond(sine: Array, slant_range: Array) -> Array:
+        far = np.abs(sine).max()
+        grid = np.linspace(-far, far, 1201)
+        steps = np.round(4.0 * slant_range[:, 0]) / 4.0
+        table = {}
+        for r in np.unique(steps):
+            waves = np.exp(2j * np.pi / wavelength * (u**2 / (2.0 * r) - u * grid[:, None]))
+            table[r] = np.abs(waves.mean(axis=-1)) ** 4
+        return np.array([np.interp(s, grid, table[r]) for s, r in zip(sine, steps)])
+
+    return respond
+
+
+def shadow_shares(
+    targets: list[Meeting],
+    respond: Response,
+    *,
+    height: float,
+    bins: int,
+    bin_length: float,
+    azimuths: ArrayLike,
+    per_bin: int = 16,
+    along: float = 0.0,
+) -> tuple[Array, NDArray[np.int64]]:
+    """Share of the echo of a level Lambert bed that targets hide in every bin of the port side, and who hides most.
+
+    Rays are cast from (``along``, 0, ``height``) to a grid of places on the bed, ``per_bin`` slant ranges a bin at
+    each of the azimuths, which are equally far apart; a place is hidden if a target is met before it.
+    """
+    origin, azimuth = np.array([along, 0.0, height]), np.asarray(azimuths, dtype=float)
+    whole, hidden = np.zeros(bins), np.zeros((len(targets), bins))
+    for first in range(0, bins, 16):
+        r = (np.arange(first * per_bin, min(first + 16, bins) * per_bin) + 0.5)[:, None] / per_bin * bin_length
+        r = r[r[:, 0] > height]
+        if not r.size:
+            continue
+        level = np.sqrt(1.0 - (height / r) ** 2)
+        way = np.stack(np.broadcast_arrays(level * np.sin(azimuth), level * np.cos(azimuth), -height / r), axis=-1)
+        # An area of r dr dφ; the rest is the same for all.
+        echo = strength(height / r, (1.0, 0.0, 1.0)) * respond(level * np.sin(azimuth), r) * r
+        met = np.array([meet(origin, way)[0] for meet in targets])
+        k = np.broadcast_to((r / bin_length).astype(int), echo.shape)
+        whole += np.bincount(k.ravel(), echo.ravel(), bins)
+        for target in range(len(targets)):
+            behind = (met[target] < r) & (met.argmin(axis=0) == target)
+            hidden[target] += np.bincount(k[behind], echo[behind], bins)
+    share = hidden.sum(axis=0) / np.where(whole > 0.0, whole, 1.0)
+    return share, np.where(share > 0.0, hidden.argmax(axis=0), -2)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 UNKNOWN_COST = 1e-4  # s, of a ping, where the plan tells none
 BLOCK_TIME = 0.25  # s, predicted for a block
 BLOCK_BYTES = 16e6  # of a block; a stream that is written holds three
-ECHO_BYTES, LABEL_BYTES = 4, 48  # of one bin with all copies
+ECHO_BYTES, LABEL_BYTES = 4, 64  # of one bin with all copies
 
 Echoes = NDArray[np.float32]
 

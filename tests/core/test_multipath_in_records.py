@@ -63,7 +63,7 @@ def test_a_shadow_stays_one_when_a_ghost_lies_in_it():
     without = simulate(edit(GHOSTS, {"water.surface": "none"}), truth=True)
     np.testing.assert_array_equal(with_ghosts.shadow, without.shadow)
     assert without.shadow.any()
-    assert (with_ghosts.path.values[with_ghosts.shadow.values] > 0).any()
+    assert (with_ghosts.path.values[with_ghosts.shadow.values == 1.0] > 0).any()
     meanings = with_ghosts.path.flag_meanings.split()
     assert meanings == ["none", *PATHS]
 
@@ -78,6 +78,7 @@ def test_each_side_hears_the_other_at_a_level():
     np.testing.assert_array_equal(both.target_id.values[across], alone.target_id.values[::-1][across])
     np.testing.assert_array_equal(both.path.values[~across], alone.path.values[~across])
     np.testing.assert_array_equal(both.shadow.values, alone.shadow.values)
+    np.testing.assert_array_equal(both.shadow_id.values, alone.shadow_id.values)
     # What is silent by itself is nothing but crosstalk.
     ideal = edit(GHOSTS, {"sonar.pulse": "ideal", "water.surface": "none"})
     silent = simulate(ideal).intensity.values == 0.0

@@ -24,7 +24,7 @@ def block(first: int, pings: int, bins: int = 16) -> xr.Dataset:
                 {"long_name": "echo energy", "units": "1"},
             ),
             "platform_x": ("ping_time", numbers * 0.2, {"units": "m"}),
-            "shadow": (("channel", "ping_time", "range_sample"), np.zeros(shape, dtype=bool)),
+            "caustic": (("channel", "ping_time", "range_sample"), np.zeros(shape, dtype=bool)),
         },
         coords={
             "channel": ["port", "starboard"],
@@ -47,7 +47,7 @@ def test_netcdf_reads_back_what_was_written(tmp_path):
         assert set(read.coords) == set(whole.coords)
         assert read.intensity.dims == ("channel", "ping_time", "range_sample")
         assert read.intensity.dtype == np.float32
-        assert read.shadow.dtype == bool
+        assert read.caustic.dtype == bool
         assert read.slant_range.attrs == whole.slant_range.attrs
         assert read.attrs == {"Conventions": "CF-1.10"} | whole.attrs
 

@@ -223,7 +223,7 @@ def test_the_bed_is_unseen_beyond_the_limiting_range(gradient, limit):
     truth = trace_labels(arrays, poses_of(0.0, 0.0, height))
     # The very last of it is as faint as it is level with the sound.
     assert np.nanmax(truth.ground_range[0, 0]) == pytest.approx(limit, abs=1.5)
-    assert truth.shadow[0, 0, int(limit) + 3 : 380].all()
+    assert (truth.target_id[0, 0, int(limit) + 3 : 380] == -2).all()
 
 
 def test_a_table_too_large_to_hold_is_left_to_rays():

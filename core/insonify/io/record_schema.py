@@ -122,7 +122,7 @@ def label_variables(
     ----------
     columns : mapping of str to (pings, 2, bins) array
         By the name of the variable: ``target_id`` (-2 nothing, -1 the bed), ``material`` and ``path`` (-1 nothing),
-        ``shadow``, ``ground_range``, ``incidence`` and ``caustic``.
+        ``shadow``, ``shadow_id`` (-2 nothing), ``ground_range``, ``incidence`` and ``caustic``.
     targets, materials, paths : sequence of str
         Names of what is counted from 0.
 
@@ -131,20 +131,29 @@ def label_variables(
     dict
         By name, as a Dataset takes them.
     """
-    types = {name: column.dtype for name, column in columns.items()}
+    whose, things = _count_from(0, *targets), _count_from(-1, "nothing", *materials)
     attributes = {
-        "target_id": _flags("greatest contributor of the bin", ["nothing", "bed", *targets], types["target_id"], -2),
-        "material": _flags("material of that contributor", ["nothing", *materials], types["material"], -1),
-        "shadow": {"long_name": "whether bed lies there, hidden, and nothing is heard on the direct path"},
+        "target_id": _flags("greatest contributor of the bin", {-2: "nothing", -1: "bed"} | whose),
+        "material": _flags("material of that contributor", things),
+        "shadow": labels("1", "share of the bed's direct echo that targets hide, weighted by the beam"),
+        "shadow_id": _flags("target that hides most of it", {-2: "nothing"} | whose),
         "ground_range": labels("m", "ground range of that contributor's strongest piece"),
         "incidence": labels("degree", "incidence on that piece, from its normal"),
-        "path": _flags("how the sound went", ["none", *paths], types["path"], -1),
+        "path": _flags("how the sound went", _count_from(-1, "none", *paths)),
         "caustic": {"long_name": "whether sound of a caustic is heard, its level held to what waves allow"},
     }
+    for name, told in attributes.items():
+        if "flag_values" in told:
+            told["flag_values"] = told["flag_values"].astype(columns[name].dtype)
     return {name: (ACROSS, np.moveaxis(columns[name], 1, 0), told) for name, told in attributes.items()}
 
 
-def _flags(text: str, meanings: list[str], dtype: np.dtype[Any], first: int) -> dict[str, Any]:
-    """Name the values of a variable that counts up from ``first``, by the CF conventions."""
-    values = np.arange(first, first + len(meanings), dtype=dtype)
-    return {"long_name": text, "flag_values": values, "flag_meanings": " ".join(meanings)}
+def _count_from(first: int, *meanings: str) -> dict[int, str]:
+    """Give meanings successive numbers."""
+    return dict(enumerate(meanings, first))
+
+
+def _flags(text: str, meanings: Mapping[int, str]) -> dict[str, Any]:
+    """Name the values of a variable by the CF conventions."""
+    values = np.array(list(meanings))
+    return {"long_name": text, "flag_values": values, "flag_meanings": " ".join(meanings.values())}

@@ -44,6 +44,12 @@ def reduce_scene(
     return _without_others(arrays, np.isin(arrays.solids.target, kept), np.isin(arrays.mesh.target, kept))
 
 
+def without_targets(arrays: SceneArrays) -> SceneArrays:
+    """Return a scene's arrays without its targets."""
+    none: NDArray[np.bool_] = np.zeros(arrays.solids.target.size, np.bool_)
+    return _without_others(arrays, none, np.zeros(arrays.mesh.target.size, np.bool_))
+
+
 def _without_others(arrays: SceneArrays, solids: NDArray[np.bool_], triangles: NDArray[np.bool_]) -> SceneArrays:
     """Scene with only some of its solids and triangles."""
     if solids.all() and triangles.all():

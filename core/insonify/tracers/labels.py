@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from insonify.kernels.common.contributors import empty_contributor_table
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
+from insonify.kernels.labels.shadows import NO_TARGET, empty_shadow_table
 from insonify.kernels.labels.sweep_labels import BinLabels, empty_labels, label_swept_pings, labels_of_pings
 from insonify.kernels.multipath.image_sources import PATH_COUNT, SURFACE_ECHO
 from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
@@ -18,19 +19,20 @@ from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.navigation import take_poses
+from insonify.packing.reduced_scene import without_targets
 from insonify.parallel import PerThread
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.blocks import trace_blocks
 from insonify.tracers.sweep import pings_a_thread
 
-NOTHING = -2  # target of a bin without an echo
+NOTHING = NO_TARGET  # target of a bin without an echo, or without a shadow
 NO_MATERIAL = -1
 NO_PATH = -1
 PATHS = ("direct", "surface_bottom", "surface_bottom_surface", "second_bottom", "surface", "crosstalk")
 
 
 class RecordLabels(NamedTuple):
-    """Labels of every range bin: greatest contributor, its place and path, and shadow; (n, 2, bins) each.
+    """Labels of every range bin: greatest contributor, its place and path, and shadows of targets; (n, 2, bins) each.
 
     Attributes
     ----------
@@ -39,8 +41,12 @@ class RecordLabels(NamedTuple):
         no echo, except perhaps of the sea surface.
     material : int16
         Its row of the material table, -1 where there is none.
-    shadow : bool
-        Whether bed lies at that slant range, is hidden, and no echo comes by the direct path.
+    shadow : float32
+        Share, 0 to 1, of the bed's echo that targets hide: the echo by the direct path that the bed would return into
+        the bin without the targets is 1, whatever the beam makes of it. 0 where the bed would return none, so that
+        bed that other bed hides does not count.
+    shadow_id : int16
+        Index of the declared target that hides most of it, -2 where none hides any.
     ground_range : float32
         Of the contributor's strongest echo, in metres; NaN without an echo.
     incidence : float32
@@ -55,7 +61,8 @@ class RecordLabels(NamedTuple):
 
     target_id: NDArray[np.int16]
     material: NDArray[np.int16]
-    shadow: NDArray[np.bool_]
+    shadow: NDArray[np.float32]
+    shadow_id: NDArray[np.int16]
     ground_range: NDArray[np.float32]
     incidence: NDArray[np.float32]
     path: NDArray[np.int8]
@@ -123,11 +130,14 @@ def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None
 
 def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> BinLabels:
     """Labels of pings traced by rays along arcs."""
-    found = empty_labels(poses.x.size, arrays.bins)
+    found, bare = empty_labels(poses.x.size, arrays.bins), without_targets(arrays)
 
     def block(part: Poses, first: int, last: int) -> int:
-        table = empty_contributor_table(_contributors(arrays), arrays.bins)
-        return int(label_refracted_pings(arrays, part, rays, table, labels_of_pings(found, first, last)))
+        tables = (
+            empty_contributor_table(_contributors(arrays), arrays.bins),
+            empty_shadow_table(_targets(arrays), arrays.bins),
+        )
+        return int(label_refracted_pings(arrays, bare, part, rays, *tables, labels_of_pings(found, first, last)))
 
     trace_blocks(arrays, poses, block, threads)
     return found
@@ -142,8 +152,8 @@ def _find(
 
     def make_room() -> tuple[Any, ...]:
         room = empty_sweep_workspace(arrays, apparent)
-        images = empty_multipath_workspace(arrays)
-        return room, images, empty_contributor_table(contributors, arrays.bins)
+        images, shadows = empty_multipath_workspace(arrays), empty_shadow_table(_targets(arrays), arrays.bins)
+        return room, images, empty_contributor_table(contributors, arrays.bins), shadows
 
     rooms = PerThread(make_room)
 
@@ -177,6 +187,7 @@ def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> RecordLabel
         target_id=np.where(is_target, who - rows, np.where(heard & ~of_surface, BED, NOTHING)).astype(np.int16),
         material=np.where(heard & ~of_surface, material_of[who], NO_MATERIAL).astype(np.int16),
         shadow=found.shadow,
+        shadow_id=found.shadow_id,
         ground_range=found.ground_range,
         incidence=np.degrees(found.incidence),
         path=np.where(heard, way, NO_PATH).astype(np.int8),
@@ -189,4 +200,4 @@ def _with_crosstalk(own: RecordLabels, energy: NDArray[np.float32], crosstalk: f
     across = crosstalk * energy[:, ::-1] > energy
     columns = {name: np.where(across, column[:, ::-1], column) for name, column in own._asdict().items()}
     columns["path"][across] = PATHS.index("crosstalk")
-    return RecordLabels(**columns | {"shadow": own.shadow})
+    return RecordLabels(**columns | {"shadow": own.shadow, "shadow_id": own.shadow_id})

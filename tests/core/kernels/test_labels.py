@@ -82,7 +82,8 @@ def test_a_pipe_that_spans():
     angle, half = math.atan2(drop, 30.0), math.asin(0.5 / distance)
     begins, ends = 10.0 / math.sin(angle + half), 10.0 / math.sin(angle - half)
     dark = (r > begins + step) & (r < ends - step)
-    assert starboard.shadow.values[:, dark].all()
+    np.testing.assert_array_equal(starboard.shadow.values[:, dark], 1.0)
+    assert (starboard.shadow_id.values[:, dark] == 0).all()
     assert not starboard.shadow.values[:, (r < begins - step) | (r > ends + step)].any()
     assert (starboard.target_id.values[:, dark] == -2).all()
     echo = (r > distance - 0.5 + step) & (r < distance - 0.5 + 0.4)
@@ -97,13 +98,15 @@ def test_a_pipe_that_spans():
     assert set(np.unique(port.target_id)) == {-2, -1}
 
 
-def test_a_shadow_seen_by_part_of_a_beam_is_none():
+def test_a_shadow_seen_by_part_of_a_beam_is_a_share():
     """A ball narrower than the beam leaves light beside its shadow; one plane alone sees it dark."""
     ball = ((0.0, 20.0, 1.0), 0.3)
     options = {"periodic": True, "solids": [ball], "bins": 800}
     fan = arrays_of(FLAT, 0.1, half_width=math.radians(3.0), **options)
-    assert not both(fan, poses_of(0.0, 0.0, ALTITUDE), planes=16)[1].shadow.any()
-    assert both(arrays_of(FLAT, 0.1, **options), poses_of(0.0, 0.0, ALTITUDE))[1].shadow[0, 0].any()
+    share = both(fan, poses_of(0.0, 0.0, ALTITUDE), planes=128)[1].shadow[0, 0].max()
+    # Behind the ball the shadow is as wide as the cone about it.
+    assert share == pytest.approx(0.3 / math.hypot(20.0, ALTITUDE - 1.0) / math.radians(3.0), rel=0.02)
+    assert both(arrays_of(FLAT, 0.1, **options), poses_of(0.0, 0.0, ALTITUDE))[1].shadow[0, 0].max() == 1.0
 
 
 def test_each_target_is_told_from_others_of_its_material():
@@ -171,8 +174,8 @@ def test_what_is_heard_has_a_contributor_and_nothing_else_has(law, half_width):
     np.testing.assert_array_equal(truth.target_id == -2, record == 0.0)
     np.testing.assert_array_equal(truth.path == -1, record == 0.0)
     np.testing.assert_array_equal(np.isnan(truth.ground_range), record == 0.0)
-    assert not (truth.shadow & (record > 0.0)).any()
-    assert truth.shadow.any()
+    np.testing.assert_array_equal(record[truth.shadow == 1.0] > 0.0, truth.target_id[truth.shadow == 1.0] >= 0)
+    assert (truth.shadow == 1.0).any()
     assert set(np.unique(truth.target_id)) == {-2, -1, 0, 1, 2, 3}
 
 
@@ -199,8 +202,15 @@ def short():
 def test_truth_changes_nothing_else(short, method):
     plain, full = (simulate(short, method=method, truth=truth) for truth in (False, True))
     xr.testing.assert_identical(plain, full[list(plain.data_vars)])
-    dtypes = {"target_id": "i2", "material": "i2", "shadow": "?", "ground_range": "f4", "incidence": "f4", "path": "i1"}
-    dtypes["caustic"] = "?"
+    dtypes = {
+        "target_id": "i2",
+        "material": "i2",
+        "shadow": "f4",
+        "ground_range": "f4",
+        "incidence": "f4",
+        "path": "i1",
+    }
+    dtypes |= {"caustic": "?", "shadow_id": "i2"}
     added = set(full.data_vars) - set(plain.data_vars)
     assert added == set(dtypes)
     assert {name: full[name].dtype for name in added} == {name: np.dtype(d) for name, d in dtypes.items()}
@@ -224,11 +234,13 @@ def test_a_record_with_truth_reads_back(short, tmp_path):
         read = read.load()
         read["channel"] = read["channel"].astype(str)
         xr.testing.assert_equal(read, whole)
-        for name in ("target_id", "material", "shadow", "path"):
+        for name in ("target_id", "material", "shadow", "shadow_id", "path"):
             assert read[name].dtype == whole[name].dtype
         assert read.target_id.flag_meanings == "nothing bed pipe_0 sphere_1 sphere_2"
         assert read.material.flag_meanings == "nothing medium_sand steel steel steel"
         np.testing.assert_array_equal(read.target_id.flag_values, [-2, -1, 0, 1, 2])
+        np.testing.assert_array_equal(read.shadow_id.flag_values, [-2, 0, 1, 2])
+        assert read.shadow_id.flag_meanings == "nothing pipe_0 sphere_1 sphere_2"
 
 
 @pytest.mark.parametrize("law", [SONAR, LIGHT])

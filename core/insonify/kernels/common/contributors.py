@@ -22,7 +22,6 @@ class ContributorTable(NamedTuple):
     strongest: NDArray[np.float64]  # energy of the contributor's strongest echo, below 0 for none
     x: NDArray[np.float32]  # ground range of that echo, m
     cosine: NDArray[np.float32]  # of the incidence there
-    hidden: NDArray[np.bool_]  # (bins,) whether hidden bed spans the bin
 
 
 def empty_contributor_table(count: int, bins: int) -> ContributorTable:
@@ -41,7 +40,7 @@ def empty_contributor_table(count: int, bins: int) -> ContributorTable:
     """
     energy, strongest = np.empty((2, count, bins))
     x, cosine = np.empty((2, count, bins), np.float32)
-    return ContributorTable(np.zeros(count, np.bool_), energy, strongest, x, cosine, np.zeros(bins, np.bool_))
+    return ContributorTable(np.zeros(count, np.bool_), energy, strongest, x, cosine)
 
 
 @inlined
@@ -125,7 +124,7 @@ def spread_contribution(contributions, who, near, far, energy, x, cosine, bin_le
         Slant range of one bin, m.
     """
     near, far = min(near, far) / bin_length, max(near, far) / bin_length
-    first, last = spanned_bins(near, far, 1.0, contributions.hidden.size, ROUNDING)
+    first, last = spanned_bins(near, far, 1.0, contributions.energy.shape[1], ROUNDING)
     if far - near > POINT:
         for k in range(first, last):
             share = max(min(far, k + 1.0) - max(near, float(k)), 0.0) / (far - near)

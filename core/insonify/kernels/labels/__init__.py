@@ -1,1 +1,1 @@
-"""Labels of each range bin: target, material, propagation path, incidence."""
+"""Labels of each range bin: target, material, propagation path, incidence, shadow."""

@@ -1,7 +1,7 @@
-"""Labels of range bins of pings that are traced by refracted rays: greatest contributor and its place.
+"""Labels of range bins of pings that are traced by refracted rays: greatest contributor and its place, and shadows.
 
-The echo of every ray and every mixed path is noted like that of the sweep's segments. A bin is in shadow if it holds
-no echo although unobstructed rays would land there on the mean bed.
+The echo of every ray and every mixed path is noted like that of the sweep's segments. What targets hide of the bed is
+found by the same rays in the scene without targets.
 """
 
 from __future__ import annotations
@@ -9,30 +9,33 @@ from __future__ import annotations
 import numpy as np
 
 from insonify.kernels.common.contributors import add_contribution, open_contributor
-from insonify.kernels.common.jit import kernel
+from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import BED
+from insonify.kernels.labels.shadows import label_shadows, open_shadow, target_of_body
 from insonify.kernels.labels.sweep_labels import label_bins
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, weigh_by_pattern
 from insonify.kernels.rays.launch import find_enclosing_solid, orient_beam, rotate_to_world
 from insonify.kernels.refracted_rays.echoes import aim_side, make_waveguide, refracted_echo
 from insonify.kernels.refracted_rays.hits import CAUSTIC, LandedRays, empty_arrivals, find_refracted_hits
 from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
-from insonify.kernels.refracted_rays.probe_rays import CLOSE
 
 
 @kernel
-def label_refracted_pings(arrays, poses, rays, contributions, labels):
-    """Label every range bin of pings with its greatest contributor, by refracted rays.
+def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, labels):
+    """Label every range bin of pings with its greatest contributor and the shadows of targets, by refracted rays.
 
     Parameters
     ----------
-    arrays : SceneArrays
+    arrays, bare : SceneArrays
+        The scene, and the same without targets.
     poses : Poses
         n pings.
     rays : int
         A side.
     contributions : ContributorTable
         Empty, with a row for every contributor.
+    shadows : ShadowTable
+        Empty, with a row for every target.
     labels : BinLabels
         Of n pings; takes the result.
 
@@ -42,6 +45,7 @@ def label_refracted_pings(arrays, poses, rays, contributions, labels):
         0, or -1 - k if the sonar is inside body k.
     """
     launch, bundle, hits, arrivals = empty_launch(rays), empty_bundle(rays), empty_hits(rays), empty_arrivals(rays)
+    bare_rays = LandedRays(bundle, empty_hits(rays), empty_arrivals(rays))
     weighed, intensity, silence = np.empty(rays), np.empty(arrays.bins), np.zeros(arrays.bins)
     for ping in range(poses.x.size):
         z = poses.z[ping]
@@ -65,14 +69,16 @@ def label_refracted_pings(arrays, poses, rays, contributions, labels):
                 if b >= 0 and value > 0.0 and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
                     labels.caustic[ping, side, b] = True
             if landings.fold < np.inf:
-                pairs, bins, values = find_mixed_echoes(
+                pairs, bins, values, _ = find_mixed_echoes(
                     arrays, beam, waveguide, z, landings, launch, LandedRays(bundle, hits, arrivals)
                 )
                 for m in range(pairs.size):
                     k = pairs[m]
                     _, _, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
                     _enter(arrays, hits, arrivals, k, bins[m], values[m], cosine, contributions, intensity)
-            _mark_landings(landings, arrays.bin_length, contributions.hidden)
+            if shadows.present.size > 0:
+                _note_hidden_bed(arrays, bare, beam, waveguide, z, landings, launch, hits, bare_rays, weighed, shadows)
+            label_shadows(shadows, contributions, arrays.reflectivity.shape[0], labels, ping, side)
             label_bins(contributions, intensity, silence, labels, ping, side)
     return 0
 
@@ -82,23 +88,40 @@ def _enter(arrays, hits, arrivals, k, b, value, cosine, contributions, intensity
     """Note the echo of the hit of ray k."""
     if b < 0 or value <= 0.0:
         return
-    body, bodies = hits.body[k], arrays.solids.shape.size
+    body = hits.body[k]
     who = hits.material[k]
     if body != BED:
-        target = arrays.solids.target[body] if body < bodies else arrays.mesh.target[body - bodies]
-        who = arrays.reflectivity.shape[0] + target
+        who = arrays.reflectivity.shape[0] + target_of_body(arrays.solids, arrays.mesh, body)
     open_contributor(contributions, who)
     add_contribution(contributions, who, b, value, arrivals.x[k], cosine)
     intensity[b] += value
 
 
 @kernel
-def _mark_landings(landings, bin_length, hidden):
-    """Mark the bins in which the mean bed would be visible; those that hold an echo are unmarked later."""
-    for i in range(landings.range.size - 1):
-        near, far = landings.range[i], landings.range[i + 1]
-        # Probe rays this close in elevation that land far apart enclose a jump, in which no ray lands.
-        jump = landings.angle[i + 1] - landings.angle[i] < CLOSE
-        if near == near and far == far and not jump:
-            first, last = int(min(near, far) / bin_length), int(max(near, far) / bin_length)
-            hidden[first : min(last, hidden.size)] = True
+def _note_hidden_bed(arrays, bare, beam, waveguide, z, landings, launch, hits, bare_rays, weighed, shadows):
+    """Note the echo of the bed that targets hide from rays that meet them, and from mixed paths either way."""
+    bundle, landed, arrivals = bare_rays.bundle, bare_rays.hits, bare_rays.arrivals
+    find_refracted_hits(bare, bundle, waveguide.reach, 0.0, landed, arrivals)
+    weight = launch.weight
+    if bare.pattern.tabulated:
+        weight = weigh_by_pattern(bare, beam, bundle, landed, launch.weight, weighed)
+    for k in range(weight.size):
+        if hits.body[k] >= 0:
+            b, value, _ = refracted_echo(bare, landed, arrivals, weight, k)
+            _hide(arrays, hits.body[k], b, value, shadows)
+    if landings.fold < np.inf:
+        pairs, bins, values, back = find_mixed_echoes(bare, beam, waveguide, z, landings, launch, bare_rays)
+        met, met_arrivals = empty_hits(pairs.size), empty_arrivals(pairs.size)
+        find_refracted_hits(arrays, back, 2.0 * waveguide.reach, 0.0, met, met_arrivals)
+        for m in range(pairs.size):
+            out = hits.body[pairs[m]]
+            _hide(arrays, out if out >= 0 else met.body[m], bins[m], values[m], shadows)
+
+
+@inlined
+def _hide(arrays, body, b, value, shadows):
+    """Add echo of the bed to what a body hides, if it is one and the echo has a bin."""
+    if body >= 0 and b >= 0 and value > 0.0:
+        target = target_of_body(arrays.solids, arrays.mesh, body)
+        open_shadow(shadows, target)
+        shadows.energy[target, b] += value

@@ -1,4 +1,4 @@
-"""Labels of range bins from the sweep: greatest contributor, its place and incidence, and whether bed is hidden.
+"""Labels of range bins from the sweep: greatest contributor, its place and incidence, and the shadows of targets.
 
 The planes of the sweep are walked once more. Every visible segment and facet adds its energy to the bins it spans,
 contributor by contributor: each material of the bed is one, and so is each target. Whether a bin holds an echo at all
@@ -13,35 +13,25 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.contributors import (
-    ROUNDING,
-    add_contribution,
-    open_contributor,
-    spanned_bins,
-    spread_contribution,
-)
+from insonify.kernels.common.contributors import open_contributor, spread_contribution
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins
-from insonify.kernels.common.scattering import backscatter_strength
-from insonify.kernels.common.types import LIGHT
+from insonify.kernels.common.range_bins import accumulate_bins
+from insonify.kernels.labels.bed_labels import note_bed
+from insonify.kernels.labels.shadows import label_shadows, target_of_body
 from insonify.kernels.multipath.echo_list import EchoSink
 from insonify.kernels.multipath.surface_multipath import add_multipath
 from insonify.kernels.refraction.apparent_positions import prepare_table
 from insonify.kernels.sweep.facets import divide_facet, facet_curve, facet_weight, is_facet_met, part_echo
-from insonify.kernels.sweep.partial_segments import BedSegment, slant_range
-from insonify.kernels.sweep.sweep import aim_plane, load_segment, sweep_plane, visible_from
+from insonify.kernels.sweep.sweep import aim_plane, sweep_plane
 from insonify.kernels.sweep.target_echoes import (
     BedHorizon,
     count_facets,
-    ground_range_at,
     knot_before,
-    launch_angle,
     primitive_material,
     visible_facet,
 )
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.kernels.targets.apparent_targets import load_apparent_source
-from insonify.kernels.targets.occlusion import next_visible, occlusion_of
 from insonify.kernels.targets.primitives import load_primitive
 
 HALVES = 2  # parts of a facet at least, whose energies its labels add up
@@ -53,7 +43,8 @@ class BinLabels(NamedTuple):
     # Material of the bed, or number of materials + index of a target, offset for each later path; or NOBODY.
     contributor: NDArray[np.int32]
     energy: NDArray[np.float32]  # of that contributor, in units of all bins at that range
-    shadow: NDArray[np.bool_]  # whether bed lies there, hidden, and nothing returns by the direct path
+    shadow: NDArray[np.float32]  # share of the bed's echo by the direct path that targets hide
+    shadow_id: NDArray[np.int16]  # target that hides most of it, -2 where none does
     ground_range: NDArray[np.float32]  # m, NaN where nothing returns
     incidence: NDArray[np.float32]  # rad, NaN where nothing returns
     caustic: NDArray[np.bool_]  # whether a ray at a caustic returns, whose tube's width is bounded from below
@@ -71,10 +62,16 @@ def empty_labels(pings: int, bins: int) -> BinLabels:
     BinLabels
     """
     shape = (pings, 2, bins)
-    contributor, shadow = np.empty(shape, np.int32), np.empty(shape, np.bool_)
-    caustic = np.zeros(shape, np.bool_)
-    energy, ground_range, incidence = np.empty((3, *shape), np.float32)
-    return BinLabels(contributor, energy, shadow, ground_range, incidence, caustic)
+    energy, shadow, ground_range, incidence = np.empty((4, *shape), np.float32)
+    return BinLabels(
+        contributor=np.empty(shape, np.int32),
+        energy=energy,
+        shadow=shadow,
+        shadow_id=np.empty(shape, np.int16),
+        ground_range=ground_range,
+        incidence=incidence,
+        caustic=np.zeros(shape, np.bool_),
+    )
 
 
 def labels_of_pings(labels: BinLabels, first: int, last: int) -> BinLabels:
@@ -89,22 +86,11 @@ def labels_of_pings(labels: BinLabels, first: int, last: int) -> BinLabels:
     -------
     BinLabels
     """
-    contributor, energy, shadow, ground_range, incidence, caustic = (column[first:last] for column in labels)
-    return BinLabels(contributor, energy, shadow, ground_range, incidence, caustic)  # type: ignore[arg-type]
-
-
-class LabelledSegment(NamedTuple):
-    """A segment of the bed whose echo is labelled."""
-
-    segment: BedSegment
-    contributor: int
-    range_ratio: float  # apparent ground range over the true one
-    law: int
-    bin_length: float
+    return BinLabels(*(column[first:last] for column in labels))  # type: ignore[arg-type]
 
 
 @kernel
-def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multipath, contributions, labels):
+def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multipath, contributions, shadows, labels):
     """Label every range bin of pings with its greatest contributor, by the sweep.
 
     Parameters
@@ -119,6 +105,8 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
     multipath : MultipathWorkspace
     contributions : ContributorTable
         Empty, with a row for every contributor by every path.
+    shadows : ShadowTable
+        Empty, with a row for every target.
     labels : BinLabels
         Of n pings; takes the result.
 
@@ -138,13 +126,14 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
                 cells, count = sweep_plane(arrays, plane, sector, reach, grid, workspace, bins)
                 if cells < 0:
                     return cells
-                _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributions)
+                note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributions, shadows)
                 _note_targets(profile, count, echoes.horizon, arrays, sector, plane, zbuffer, cells, contributions)
             accumulate_bins(bins, arrays.range_factor, straight)
             if arrays.multipath.enabled:
                 sink = EchoSink(bins, contributions, True)
                 add_multipath(arrays, poses, ping, side, fan, image_fan, multipath, sink)
                 accumulate_bins(bins, arrays.range_factor, by_surface)
+            label_shadows(shadows, contributions, arrays.reflectivity.shape[0], labels, ping, side)
             label_bins(contributions, straight, by_surface, labels, ping, side)
     return 0
 
@@ -163,7 +152,7 @@ def label_bins(contributions, straight, by_surface, labels, ping, side):
         Takes the result.
     ping, side : int
     """
-    contributor, energy, shadow = labels.contributor[ping, side], labels.energy[ping, side], labels.shadow[ping, side]
+    contributor, energy = labels.contributor[ping, side], labels.energy[ping, side]
     ground_range, incidence = labels.ground_range[ping, side], labels.incidence[ping, side]
     contributor[:], energy[:], ground_range[:], incidence[:] = NO_PRIMITIVE, 0.0, np.nan, np.nan
     for who in range(contributions.present.size):
@@ -177,137 +166,25 @@ def label_bins(contributions, straight, by_surface, labels, ping, side):
                 ):
                     contributor[k] = who
     for k in range(straight.size):
-        shadow[k] = contributions.hidden[k] and not straight[k] > 0.0
         if contributor[k] != NO_PRIMITIVE:
             energy[k] = contributions.energy[contributor[k], k]
             ground_range[k] = contributions.x[contributor[k], k]
             incidence[k] = math.acos(min(contributions.cosine[contributor[k], k], 1.0))
     contributions.present[:] = False
-    contributions.hidden[:] = False
-
-
-@kernel
-def _note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributions):
-    """Note the contribution of every visible segment of a profile, and mark the bins that hidden bed spans."""
-    occlusion = occlusion_of(zbuffer, cells)
-    x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
-    weights, ratios, law, bin_length = echoes.weight, profile.range_ratio, arrays.law, arrays.bin_length
-    for i in range(count - 1):
-        segment = load_segment(i, x, z, slope, area, material, weights, arrays.reflectivity, sector)
-        ratio = 0.5 * (ratios[i] + ratios[i + 1]) if sector.bent else 1.0
-        labelled = LabelledSegment(segment, material[i], ratio, law, bin_length)
-        if echoes.cut[i]:
-            open_contributor(contributions, material[i])
-            start = visible_from(segment, x[i], x[i + 1], echoes.launch[i], echoes.horizon[i])
-            _note_partial_segment(contributions, labelled, x[i], start, x[i + 1], occlusion)
-        elif echoes.energy[i] != 0.0:
-            open_contributor(contributions, material[i])
-            density = abs(echoes.energy[i])
-            _note_whole_segment(contributions, labelled, x[i], x[i + 1], echoes.r[i], echoes.r[i + 1], density)
-        elif not echoes.launch[i + 1] > echoes.horizon[i]:
-            _mark_hidden(segment, x[i], x[i + 1], bin_length, contributions.hidden)
-
-
-@kernel
-def _note_partial_segment(contributions, labelled, x_from, start, x_to, occlusion):
-    """Note the visible stretches of a segment above the horizon from ``start`` on, and mark the hidden ones between."""
-    segment, bin_length, seen_to = labelled.segment, labelled.bin_length, x_from
-    low, high = launch_angle(segment, start), launch_angle(segment, x_to)
-    while low < high:
-        opened, closed = next_visible(occlusion, segment, low, high)
-        if opened >= high:
-            break
-        start = start if opened <= low else max(ground_range_at(segment, opened), start)
-        stop = x_to if closed >= high else min(ground_range_at(segment, closed), x_to)
-        _mark_hidden(segment, seen_to, start, bin_length, contributions.hidden)
-        # Slant range falls towards the foot of the perpendicular and grows beyond it.
-        foot = _foot(segment, start, stop)
-        _note_stretch(contributions, labelled, start, foot)
-        _note_stretch(contributions, labelled, foot, stop)
-        low, start, seen_to = closed, stop, stop
-    _mark_hidden(segment, seen_to, x_to, bin_length, contributions.hidden)
-
-
-@inlined
-def _foot(segment, x_from, x_to):
-    """Ground range at which a segment comes nearest."""
-    return min(max(-segment.slope * segment.offset / (1.0 + segment.slope * segment.slope), x_from), x_to)
-
-
-@kernel
-def _mark_hidden(segment, x_from, x_to, bin_length, hidden):
-    """Mark the bins spanned by a hidden stretch of a segment inside the beam."""
-    start, stop = slant_range(segment, x_from), slant_range(segment, x_to)
-    if x_to > x_from and segment.weight + segment.weight_rate * 0.5 * (x_from + x_to) > 0.0:
-        nearest = slant_range(segment, _foot(segment, x_from, x_to))
-        first, last = spanned_bins(nearest, max(start, stop), 1.0 / bin_length, hidden.size, -ROUNDING)
-        hidden[first:last] = True
-
-
-@inlined
-def _note_whole_segment(contributions, labelled, x_from, x_to, near, far, density):
-    """Note a short segment whose energy is spread evenly over its slant range."""
-    segment, who, level, bin_length = labelled.segment, labelled.contributor, labelled.range_ratio, labelled.bin_length
-    energy, strongest, per_bin = contributions.energy[who], contributions.strongest[who], 1.0 / bin_length
-    a, b = min(near, far), max(near, far)
-    first, last = spanned_bins(a, b, per_bin, contributions.hidden.size, ROUNDING)
-    for k in range(first, last):
-        start, stop = max(a, k * bin_length), min(b, (k + 1) * bin_length)
-        part = density * max(stop - start, 0.0) * per_bin
-        energy[k] += part
-        if part > strongest[k]:
-            r = 0.5 * (start + stop)
-            strongest[k] = part
-            contributions.x[who, k] = (x_from + (x_to - x_from) * (r - near) / (far - near)) / level
-            contributions.cosine[who, k] = -segment.offset / (r * math.sqrt(segment.area))
-
-
-@kernel
-def _note_stretch(contributions, labelled, x_from, x_to):
-    """Note a stretch of a segment along which slant range grows or falls, bin by bin."""
-    if not x_to > x_from:
-        return
-    segment, law, bin_length = labelled.segment, labelled.law, labelled.bin_length
-    near, far = slant_range(segment, x_from), slant_range(segment, x_to)
-    outward = far >= near
-    near, far = min(near, far), max(near, far)
-    first, last = spanned_bins(near, far, 1.0 / bin_length, contributions.hidden.size, ROUNDING)
-    stretch = math.sqrt(segment.area)
-    for k in range(first, last):
-        start, stop = max(near, k * bin_length), min(far, (k + 1) * bin_length)
-        a = min(max(_ground_range_at_slant(segment, start, outward), x_from), x_to)
-        b = min(max(_ground_range_at_slant(segment, stop, outward), x_from), x_to)
-        x = 0.5 * (a + b)
-        r = slant_range(segment, x)
-        cosine = -segment.offset / (r * stretch)
-        energy = FIXED_POINT * backscatter_strength(cosine, segment.diffuse, segment.specular, segment.shininess, law)
-        energy *= segment.weight + segment.weight_rate * x
-        energy *= max(stop - start, 0.0) / bin_length if law == LIGHT else stretch * abs(b - a)
-        add_contribution(contributions, labelled.contributor, k, energy, x / labelled.range_ratio, cosine)
-
-
-@inlined
-def _ground_range_at_slant(segment, r, outward):
-    """Ground range at which a segment's line has a slant range, beyond the foot of its perpendicular or before it."""
-    tilt = 1.0 + segment.slope * segment.slope
-    foot = -segment.slope * segment.offset / tilt
-    nearest_squared = segment.offset * segment.offset / tilt
-    away = math.sqrt(max(r * r - nearest_squared, 0.0) / tilt)
-    return foot + away if outward else foot - away
 
 
 @kernel
 def _note_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, contributions):
     """Note the contribution of the nearest target in every cell of the z-buffer, facet by facet as in the sweep."""
     solids, mesh, table, pattern = arrays.solids, arrays.mesh, arrays.reflectivity, arrays.pattern
-    law, bin_length, bodies = arrays.law, arrays.bin_length, solids.shape.size
+    law, bin_length = arrays.law, arrays.bin_length
     bed, knot = BedHorizon(profile.x, profile.z, horizon, knots), -1
     for cell in range(cells):
         p = zbuffer.nearest[cell]
         if p == NO_PRIMITIVE:
             continue
         body, row = zbuffer.body[p], primitive_material(solids, mesh, zbuffer, p)
-        who = table.shape[0] + (solids.target[body] if body < bodies else mesh.target[body - bodies])
+        who = table.shape[0] + target_of_body(solids, mesh, body)
         material = table[row, 0], table[row, 1], table[row, 2]
         facets, centre = count_facets(zbuffer, cell)
         knot = knot_before(bed, centre, knot)

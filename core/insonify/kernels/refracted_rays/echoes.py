@@ -90,7 +90,7 @@ def trace_refracted_pings(arrays, poses, rays, march, out):
             _deposit_refracted(arrays, hits, arrivals, weight, sums)
             landings = to_port if side == PORT else to_starboard
             if landings.fold < math.inf and march <= 0.0:
-                _, bins, values = find_mixed_echoes(
+                _, bins, values, _ = find_mixed_echoes(
                     arrays, beam, waveguide, z, landings, launch, LandedRays(bundle, hits, arrivals)
                 )
                 for m in range(bins.size):

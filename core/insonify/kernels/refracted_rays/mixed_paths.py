@@ -59,6 +59,8 @@ def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, rays):
         -1 where nothing comes back.
     values : ndarray, shape (m,)
         But for the factor that depends on range alone.
+    back : RayBundle of ndarrays, shape (m,)
+        Rays back, launched from the sonar.
     """
     bundle, arrivals = rays.bundle, rays.arrivals
     pairs, angles = _pair_paths(waveguide, z, landings, rays, launch.weight)
@@ -78,7 +80,7 @@ def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, rays):
         apart = max(abs(back.x[m] - arrivals.x[k]), abs(back.z[m] - arrivals.z[k]))
         if met.body[m] != NOTHING and apart < SEEN:
             bins[m], values[m] = _mixed_echo(arrays, beam, launch.weight[k], rays, k, other_rays, m)
-    return pairs, bins, values
+    return pairs, bins, values, others
 
 
 @kernel

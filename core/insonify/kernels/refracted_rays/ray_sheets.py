@@ -150,7 +150,7 @@ def _add_mixed(arrays, beam, pitch, waveguide, landings, launch, place, shift, s
     launch = RayLaunch(launch.ahead, launch.abeam, launch.up, weight)
     hits, arrivals = empty_hits(n), empty_arrivals(n)
     find_refracted_hits(arrays, bundle, waveguide.reach, 0.0, hits, arrivals)
-    _, bins, values = find_mixed_echoes(
+    _, bins, values, _ = find_mixed_echoes(
         arrays, beam, waveguide, beam.z, landings, launch, LandedRays(bundle, hits, arrivals)
     )
     for m in range(bins.size):

@@ -1,0 +1,122 @@
+"""Shadows of targets on the bed: share of the bed's echo that targets hide in every range bin, and whose it is.
+
+Bed that a target hides would return an echo without the targets: the *hidden echo*, weighted by the beam like any
+other. Its share is taken of the echo that the whole bed would return without the targets. Bed that other bed hides
+returns nothing either way and does not count.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.jit import inlined, kernel
+
+NO_TARGET = -2  # whose shadow a bin without any holds
+
+
+class ShadowTable(NamedTuple):
+    """Echo of the bed that each target hides, in the range bins of one side; a row is valid once its target is present.
+
+    It is the echo by the direct path, in the fixed-point units of the contributors.
+    """
+
+    present: NDArray[np.bool_]  # (targets,)
+    energy: NDArray[np.float64]  # (targets, bins)
+
+
+def empty_shadow_table(targets: int, bins: int) -> ShadowTable:
+    """Make room for one side of a ping; memory of targets that hide nothing is never touched.
+
+    Parameters
+    ----------
+    targets : int
+        Declared targets.
+    bins : int
+        Range bins.
+
+    Returns
+    -------
+    ShadowTable
+    """
+    return ShadowTable(np.zeros(targets, np.bool_), np.empty((targets, bins)))
+
+
+@inlined
+def open_shadow(shadows, target):
+    """Clear a target's row if it is not present yet, and mark it present.
+
+    Parameters
+    ----------
+    shadows : ShadowTable
+    target : int
+        Its row.
+    """
+    if not shadows.present[target]:
+        shadows.present[target] = True
+        shadows.energy[target, :] = 0.0
+
+
+@inlined
+def target_of_body(solids, mesh, body):
+    """Index of the declared target that a body belongs to.
+
+    Parameters
+    ----------
+    solids : Solids
+    mesh : Mesh
+    body : int
+        Row of the solids, or beyond them the triangle.
+
+    Returns
+    -------
+    int
+    """
+    bodies = solids.shape.size
+    return solids.target[body] if body < bodies else mesh.target[body - bodies]
+
+
+@kernel
+def label_shadows(shadows, contributions, materials, labels, ping, side):
+    """Label each bin of one side with the share of the bed's echo that targets hide, and clear the table.
+
+    Parameters
+    ----------
+    shadows : ShadowTable
+        Cleared.
+    contributions : ContributorTable
+        Complete for this side: its first rows hold what is heard of the bed by the direct path.
+    materials : int
+        How many of its rows those are.
+    labels : BinLabels
+        Takes the result.
+    ping, side : int
+    """
+    share, target = labels.shadow[ping, side], labels.shadow_id[ping, side]
+    share[:], target[:] = 0.0, NO_TARGET
+    if not shadows.present.any():
+        return
+    for k in range(share.size):
+        hidden, most, best = 0.0, 0.0, NO_TARGET
+        for who in range(shadows.present.size):
+            if shadows.present[who]:
+                energy = shadows.energy[who, k]
+                hidden += energy
+                if energy > most:
+                    most, best = energy, who
+        if hidden > 0.0:
+            share[k] = hidden / (hidden + _heard_bed(contributions, materials, k))
+            target[k] = best
+    shadows.present[:] = False
+
+
+@inlined
+def _heard_bed(contributions, materials, k):
+    """Echo of the bed that is heard in a bin by the direct path."""
+    energy = 0.0
+    for row in range(materials):
+        if contributions.present[row]:
+            energy += contributions.energy[row, k]
+    return energy
