@@ -50,6 +50,11 @@ class Job:
         self._stopping = False
         self._thread = threading.Thread(target=self._work, name=f"insonify {name}", daemon=True)
 
+    @property
+    def running(self) -> bool:
+        """Whether the thread still works."""
+        return self._thread.is_alive()
+
     def start(self) -> None:
         """Start the thread."""
         self._thread.start()

@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import SceneError
+from insonify_viewer.job import Job
+from insonify_viewer.laid_scene import is_same_ground
 from insonify_viewer.simulator import Simulator
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Solids
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
+    from insonify_viewer.laid_scene import LaidScene
     from insonify_viewer.views.pv_meshes import BedPatch
 
     _Bed = tuple[AnyGround, tuple[float, float], float]
@@ -36,11 +39,11 @@ class SeabedController:
     def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
         self._simulator, self._accelerated = simulator, accelerated
         self._view: SeabedView | None = None
-        self._latest: tuple[Simulation, int, NDArray[np.float32]] | None = None
+        self._latest: tuple[Simulation | LaidScene, int, NDArray[np.float32], bool] | None = None
         self._bed: _Bed | None = None
         self._bodies: _Bodies | None = None
-        self._baking = 0
-        self._laid = False
+        self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
+        self._jobs: list[Job] = []
 
     @property
     def view(self) -> SeabedView | None:
@@ -50,15 +53,29 @@ class SeabedController:
     @property
     def complete(self) -> bool:
         """Whether the view shows the present bed and targets."""
-        return self._view is not None and self._bed is not None and self._baking == 0
+        return self._view is not None and self._bed is not None and self._shown == self._asked
 
     def load(self, put: Callable[[SeabedView], None]) -> None:
         """Import the libraries on the worker, then make the view on the main thread and hand it to ``put``."""
         self._simulator.send(self._import, lambda _: self._build(put))
 
-    def show_sonar(self, simulation: Simulation, ping: int, tones: NDArray[np.float32]) -> None:
-        """Move the sonar to a ping; update bed and targets if they have changed."""
-        self._latest = (simulation, ping, tones)
+    def show_sonar(
+        self, simulation: Simulation | LaidScene, ping: int, tones: NDArray[np.float32], *, at_once: bool = False
+    ) -> None:
+        """Move the sonar to a ping; update bed and targets if they have changed.
+
+        Parameters
+        ----------
+        simulation : Simulation or LaidScene
+            The scene with its bed.
+        ping : int
+            Ping to show.
+        tones : (2 bins,) float32
+            Brightness of the record's row, 0 to 1.
+        at_once : bool
+            Whether a new bed is made beside the worker, which may be busy for long; else when the worker rests.
+        """
+        self._latest = (simulation, ping, tones, at_once)
         if self._view is None:
             return
         # lazy: the window opens before PyVista is loaded
@@ -70,9 +87,9 @@ class SeabedController:
         reach = simulation.arrays.bins * simulation.arrays.bin_length
         ground, bed = simulation.ground, (simulation.ground, window_centre(line, reach), reach)
         bodies = (simulation.arrays.solids, simulation.arrays.mesh, target_colours(simulation.scene))
-        if self._bed != bed or not _same(self._bodies, bodies):
+        if not _is_same_bed(self._bed, bed) or not _same(self._bodies, bodies):
             self._bed, self._bodies = bed, bodies
-            self._bake(bed, bodies)
+            self._bake(bed, bodies, at_once=at_once)
         self._view.show_sonar(ground, simulation.arrays, pose, float(line.heading[0]), tones)
         scene = simulation.scene
         step = scene.track.speed / scene.sonar.ping_rate
@@ -95,6 +112,8 @@ class SeabedController:
 
     def close(self) -> None:
         """Release the drawing resources."""
+        for job in self._jobs:
+            job.close()
         if self._view is not None:
             self._view.close_view()
             self._view = None
@@ -113,26 +132,56 @@ class SeabedController:
         self._view = SeabedView(accelerated=self._accelerated)
         put(self._view)
         if self._latest is not None:
-            self.show_sonar(*self._latest)
+            simulation, ping, tones, at_once = self._latest
+            self.show_sonar(simulation, ping, tones, at_once=at_once)
 
-    def _bake(self, bed: _Bed, bodies: _Bodies) -> None:
-        """Make the meshes of bed and targets on the worker."""
+    def _bake(self, bed: _Bed, bodies: _Bodies, *, at_once: bool) -> None:
+        """Make the meshes of bed and targets, on a thread of their own or on the worker."""
         # lazy: the window opens before PyVista is loaded
         from insonify_viewer.views.pv_meshes import bed_patch, targets_mesh
 
-        self._baking += 1
-        number = self._baking
-        # The first bed appears before the kernels are compiled; later ones wait for the record.
-        send = self._simulator.send_patiently if self._laid else self._simulator.send
-        send(lambda: (bed_patch(*bed), targets_mesh(*bodies)), lambda baked: self._lay(number, baked))
+        self._asked += 1
+        number = self._asked
 
-    def _lay(self, number: int, baked: tuple[BedPatch, Any] | SceneError) -> None:
-        if number == self._baking:
-            self._baking = 0
-        self._laid = True
-        if self._view is not None and not isinstance(baked, SceneError):
-            self._view.show_bed(baked[0])
-            self._view.show_targets(baked[1])
+        def make() -> tuple[BedPatch, Any]:
+            return bed_patch(*bed), targets_mesh(*bodies)
+
+        def show(made: tuple[BedPatch, Any] | SceneError) -> None:
+            self._lay(number, made)
+
+        if at_once:
+            self._begin(make, show)
+        elif self._shown:
+            self._simulator.send_patiently(make, show)
+        else:
+            self._simulator.send(make, show)
+
+    def _begin(self, make: Callable[[], Any], show: Callable[[Any], None]) -> None:
+        """Make meshes beside the worker."""
+        job = Job(
+            lambda _: make(),
+            self._simulator.call_later,
+            progressed=lambda _: None,
+            done=show,
+            failed=lambda sentence: show(SceneError(sentence)),
+            name="bed",
+        )
+        self._jobs = [*(each for each in self._jobs if each.running), job]
+        job.start()
+
+    def _lay(self, number: int, made: tuple[BedPatch, Any] | SceneError) -> None:
+        """Show meshes, unless newer ones are on screen."""
+        if self._view is None or number < self._shown:
+            return
+        self._shown = number
+        if not isinstance(made, SceneError):
+            self._view.show_bed(made[0])
+            self._view.show_targets(made[1])
+
+
+def _is_same_bed(first: _Bed | None, second: _Bed) -> bool:
+    """Whether two windows show the same ground at the same place."""
+    return first is not None and first[1:] == second[1:] and is_same_ground(first[0], second[0])
 
 
 def _same(first: _Bodies | None, second: _Bodies) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -14,10 +15,13 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Qt, Signal
 
 from insonify.scene import Scene, SceneError
+from insonify_viewer.laid_scene import is_same_ground
 from insonify_viewer.modelling import Modelling
+from insonify_viewer.waiting import Activity
 
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
+    from insonify.planning.models import PackedScene
     from insonify.simulation import Simulation
 
 BLOCK_TIME = 0.04  # s, predicted for a block of pings: it is shown, and a newer request takes over
@@ -94,19 +98,30 @@ class Simulator(QObject):
 
     Parameters
     ----------
-    prepare : callable
+    prepare : callable, optional
         Makes a `Simulation` like `insonify.simulation.prepare`, which it replaces in tests.
+    pack : callable, optional
+        Makes a `PackedScene` like `insonify.planning.models.pack`, to show the bed before the first pings; by default
+        the core's, unless ``prepare`` is replaced.
     parent : QObject, optional
         Owner.
     """
 
     answered = Signal(object)
+    laid = Signal(int, object)  # number of a request, and its scene on a new bed
     refused = Signal(int, str)
     _called_back = Signal(object, object)
 
-    def __init__(self, prepare: Callable[..., Simulation] | None = None, parent: QObject | None = None) -> None:
+    def __init__(
+        self,
+        prepare: Callable[..., Simulation] | None = None,
+        pack: Callable[[Scene], PackedScene] | None = None,
+        parent: QObject | None = None,
+    ) -> None:
         super().__init__(parent)
         self._prepare = prepare or _prepare
+        self._pack = pack or (None if prepare else _pack)
+        self._activity = Activity()
         self._waiting: PingRequest | None = None
         self._errands: list[_Errand] = []
         self._patient: _Errand | None = None
@@ -118,6 +133,11 @@ class Simulator(QObject):
         self._called_back.connect(self._call_back, Qt.ConnectionType.QueuedConnection)
         self._thread = threading.Thread(target=self._work, name="insonify simulator", daemon=True)
         self._thread.start()
+
+    @property
+    def activity(self) -> Activity:
+        """What the worker does besides tracing pings."""
+        return self._activity
 
     def ask(self, request: PingRequest) -> None:
         """Trace these pings next, instead of a request that still waits."""
@@ -189,7 +209,7 @@ class Simulator(QObject):
 
     def _trace(self, request: PingRequest) -> Iterator[TracedPings]:
         modelling = request.modelling if request.fine else request.modelling.coarse
-        simulation, level = self._prepared(request.scene, modelling, fine=request.fine)
+        simulation, level = self._prepared(request.scene, modelling, fine=request.fine, number=request.number)
         pings = request.pings
         stride = 1 if request.fine else self._stride(len(pings))
         size = simulation.pings_within(BLOCK_TIME) if request.fine else len(pings)
@@ -212,7 +232,9 @@ class Simulator(QObject):
             stride *= 2
         return stride
 
-    def _prepared(self, scene: Scene, modelling: Modelling, *, fine: bool) -> tuple[Simulation, LevelBed]:
+    def _prepared(
+        self, scene: Scene, modelling: Modelling, *, fine: bool, number: int = 0
+    ) -> tuple[Simulation, LevelBed]:
         """Prepare a scene; reuse the last simulation if the scene is the same."""
         # lazy: loaded on the worker; the window opens before Numba is loaded
         from insonify.display.normalisation import LevelBed
@@ -221,10 +243,32 @@ class Simulator(QObject):
         if last is None or last[:2] != (scene, modelling):
             # While a slider moves nothing is measured: the last plan serves as far as the scene admits it.
             known = self._last.get(True)
-            kept = {} if fine or known is None else {"plan": known[2].plan}
-            simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced), **kept)
-            last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
+            kept: dict[str, Any] = {} if fine or known is None else {"plan": known[2].plan}
+            with self._doing("building the bed"):
+                kept |= self._packed(scene, number, tell=fine)
+            with self._doing("choosing the methods by a few pings"):
+                simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced), **kept)
+                last = self._last[fine] = (scene, modelling, simulation, LevelBed(simulation))
         return last[2:]
+
+    def _packed(self, scene: Scene, number: int, *, tell: bool) -> dict[str, PackedScene]:
+        """Build the bed of a scene and tell of it, so that it is shown while kernels are compiled."""
+        if self._pack is None:
+            return {}
+        packed = self._pack(scene)
+        known = self._last.get(True)
+        if tell and (known is None or not is_same_ground(known[2].ground, packed.ground)):
+            self._called_back.emit(partial(self.laid.emit, number), packed)
+        return {"packed": packed}
+
+    @contextmanager
+    def _doing(self, what: str) -> Iterator[None]:
+        """Tell what the worker does meanwhile."""
+        self._activity = Activity(what)
+        try:
+            yield
+        finally:
+            self._activity = Activity()
 
     def _call_back(self, receive: Callable[[Any], None], result: Any) -> None:
         if not self._closing:  # a result may still be queued when the window closes
@@ -232,6 +276,13 @@ class Simulator(QObject):
 
 
 _Errand = tuple[Callable[[], Any], Callable[[Any], None]]
+
+
+def _pack(scene: Scene) -> PackedScene:
+    # lazy: loaded on the worker; the window opens before Numba is loaded
+    from insonify.planning.models import pack
+
+    return pack(scene)
 
 
 def _prepare(scene: Scene, **how: Any) -> Simulation:

@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QGuiApplication
 
-from insonify.display.picture import PALETTES, choose_contrast, load_palette
+from insonify.display.picture import PALETTES, load_palette
 from insonify.scene import Scene, SceneError, bundled_scenes
 from insonify_viewer.auto_pause import next_pause
+from insonify_viewer.contrast import Contrast
+from insonify_viewer.laid_scene import LaidScene
 from insonify_viewer.marked_point import MarkedPoint, marked_point
 from insonify_viewer.panels import find_panels
 from insonify_viewer.panels.panel import Panel, RecordGrowth, Workbench
@@ -27,15 +29,16 @@ from insonify_viewer.target_editor import TargetEditor
 from insonify_viewer.tow_clock import TowClock
 from insonify_viewer.views.file_dialogs import FileDialogs
 from insonify_viewer.views.main_window import MainWindow
+from insonify_viewer.waiting import WaitingWatch
 
 if TYPE_CHECKING:
+    from insonify.planning.models import PackedScene
     from insonify.simulation import Simulation
 
 MAX_PINGS, MAX_CELLS = 2048, 2**26  # limits of the record on screen
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits
 LEAP = 0.2  # s, greatest advance of the tow in one tick, after the window was blocked
-FIRST_START = "preparing; the first start compiles the kernels and takes a while …"
 
 
 class Viewer(QObject):
@@ -64,7 +67,7 @@ class Viewer(QObject):
         super().__init__()
         self.session = Session(scene)
         self.tow = TowClock(_pings_held(scene) - 1)
-        self.simulator = Simulator(prepare, self)
+        self.simulator = Simulator(prepare, parent=self)
         native = accelerated and QGuiApplication.platformName() == "xcb"
         self.window = MainWindow(native=native, palettes=PALETTES)
         self.record = Record(_pings_held(scene), scene.sonar.bins)
@@ -78,10 +81,11 @@ class Viewer(QObject):
         self._number, self._fine, self._refused = 0, True, -1
         self._traced = (scene, self.session.modelling)
         self._answer: TracedPings | None = None  # the last one that fits the record
+        self._laid: LaidScene | None = None  # a scene that is shown before its first pings
+        self._waiting = WaitingWatch()
         self._planned: Simulation | None = None  # the one whose plan the panels show
         self._prepared = self._started = self._stopped = False
-        self._levels_due = True
-        self._levels, self._gain = (0.0, 1.0), 1.0
+        self._contrast = Contrast(self.window.waterfall)
         self._clock = QTimer(self)
         self._clock.setInterval(TICK)
         self._ticked = 0.0
@@ -103,7 +107,6 @@ class Viewer(QObject):
 
     def start(self) -> None:
         """Start the worker and the clock; the window shows by now."""
-        self.window.show_busy(FIRST_START)
         self._seabed.load(self.window.put_seabed)
         self.simulator.prepare(self.session.scene, self.session.modelling, self._show_first)
         self._ticked = time.perf_counter()
@@ -115,9 +118,14 @@ class Viewer(QObject):
         if isinstance(simulation, SceneError):
             self._refuse(self._number, str(simulation))
             return
-        silence = np.zeros(2 * simulation.arrays.bins, dtype=np.float32)
-        self._seabed.show_sonar(simulation, self.tow.top, silence)
+        self._seabed.show_sonar(simulation, self.tow.top, _silence(simulation), at_once=True)
         self._ask()
+
+    def _show_laid(self, number: int, packed: PackedScene) -> None:
+        """Show a new bed before its first pings are traced."""
+        if number == self._number:
+            self._laid = LaidScene(packed)
+            self._show_sonar()
 
     def show_palette(self, name: str) -> None:
         """Colour the record by a palette."""
@@ -125,14 +133,13 @@ class Viewer(QObject):
 
     def show_gain(self, decibels: float) -> None:
         """Brighten or darken the record."""
-        self._gain = 10.0 ** (decibels / 20.0)
-        self.window.waterfall.show_levels(self._levels, self._gain)
+        self._contrast.show_gain(decibels)
         self._show_sonar()
 
     def find_levels(self) -> None:
         """Set the contrast from the record on screen, without gain."""
         self.window.gain.setValue(0)
-        self._levels_due = True
+        self._contrast.due = True
         self._settle_levels()
 
     def open(self, scene: Scene, file: str = "") -> None:
@@ -148,7 +155,7 @@ class Viewer(QObject):
         self.tow.restart(_pings_held(scene) - 1)
         if self._stopped:
             self.run(True)
-        self._levels_due = True
+        self._contrast.due = True
         self.seabed.reset_camera()
         self.session.open(scene, file, bundled=Path(file) in bundled_scenes().values())
         self.window.say(scene.title)
@@ -185,6 +192,7 @@ class Viewer(QObject):
         session.said.connect(window.say)
         session.marked.connect(self._show_mark)
         self.simulator.answered.connect(self._take)
+        self.simulator.laid.connect(self._show_laid)
         self.simulator.refused.connect(self._refuse)
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
@@ -231,7 +239,7 @@ class Viewer(QObject):
     def _scene_changed(self, scene: Scene, settled: bool) -> None:
         traced = (scene, self.session.modelling)
         if traced != self._traced:
-            self._levels_due |= scene.sonar.law != self._traced[0].sonar.law
+            self._contrast.due |= scene.sonar.law != self._traced[0].sonar.law
             self._number += 1
             self._traced = traced
         self._fine = settled
@@ -254,6 +262,7 @@ class Viewer(QObject):
     def _tick(self) -> None:
         now = time.perf_counter()
         seconds, self._ticked = min(now - self._ticked, LEAP), now
+        self._show_waiting(now)
         # The tow waits while the kernels compile, and for pings that take long.
         if self._answer is None or self.record.blank(self.tow.top) > BEHIND:
             return
@@ -265,6 +274,18 @@ class Viewer(QObject):
                 self._stopped = True
                 self.window.say(pause.why)
             self._ask()
+
+    def _show_waiting(self, now: float) -> None:
+        """Show what the record waits for, and dim the rows of an earlier scene meanwhile."""
+        waiting = self._waiting.look(
+            now,
+            number=self._number,
+            missing=0 if self._refused == self._number else int(self._missing().size),
+            shown=len(self.record.shown(self.tow.top)),
+            running=self.tow.running,
+            activity=self.simulator.activity,
+        )
+        self.window.waterfall.show_waiting(waiting, 2 * self._number)
 
     def _missing(self) -> NDArray[np.int64]:
         """Pings on screen that are not yet traced for the present scene."""
@@ -287,7 +308,7 @@ class Viewer(QObject):
             return
         if self._answer is None or scene is not self._answer.simulation.scene:
             self._show_geometry(scene)
-        self._answer = answer
+        self._answer, self._laid = answer, None
         self.targets.simulation = answer.simulation
         age = self.tow.top - answer.pings
         on_screen = (age >= 0) & (age < self.record.pings)
@@ -303,7 +324,6 @@ class Viewer(QObject):
         self._tell_growth(answer)
         if not self._started:
             self._started = True
-            self.window.show_busy("")
             self.window.say(scene.title)
 
     def _tell_growth(self, answer: TracedPings) -> None:
@@ -329,7 +349,6 @@ class Viewer(QObject):
         self._refused = number
         if not self._started:
             self.failure = sentence
-            self.window.show_busy("")
         else:
             self.session.take_back()
             for panel in self.panels.values():
@@ -338,11 +357,8 @@ class Viewer(QObject):
 
     def _settle_levels(self) -> None:
         """Set the contrast of a newly opened scene, until its record fills the screen."""
-        if self._levels_due and self._answer is not None:
-            held = self.record.amplitude[self.record.ping >= 0]
-            self._levels = choose_contrast(held[::4])
-            self.window.waterfall.show_levels(self._levels, self._gain)
-            self._levels_due = bool(self._missing().size)
+        if self._answer is not None:
+            self._contrast.settle(self.record, complete=not self._missing().size)
 
     def _show_geometry(self, scene: Scene) -> None:
         step = scene.track.speed / scene.sonar.ping_rate
@@ -361,14 +377,19 @@ class Viewer(QObject):
 
     def _show_sonar(self) -> None:
         """Move fish and fan to the ping on top, and colour the scan line by its amplitudes."""
-        if self._answer is None:
-            return
         top = self.window.waterfall.top
-        row = self.record.rows(np.array([top]))
-        low, high = self._levels
-        amplitude = self.record.amplitude[row[0]] * np.float32(self._gain)
-        tones = np.clip((amplitude - np.float32(low)) / np.float32(max(high - low, 1e-30)), 0.0, 1.0)
+        if self._laid is not None:
+            self._seabed.show_sonar(self._laid, top, _silence(self._laid), at_once=True)
+        if self._laid is not None or self._answer is None:
+            return
+        row = int(self.record.rows(np.array([top]))[0])
+        tones = self._contrast.tones(self.record.amplitude[row])
         self._seabed.show_sonar(self._answer.simulation, top, tones)
+
+
+def _silence(simulation: Simulation | LaidScene) -> NDArray[np.float32]:
+    """Tones of a scan line without echoes."""
+    return np.zeros(2 * simulation.arrays.bins, dtype=np.float32)
 
 
 def _pings_held(scene: Scene) -> int:

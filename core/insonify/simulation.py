@@ -168,6 +168,7 @@ def prepare(
     forced: Mapping[str, str] | None = None,
     threads: int | None = None,
     plan: Plan | None = None,
+    packed: PackedScene | None = None,
 ) -> Simulation:
     """Build the ground of a scene, plan it and make its receiver ready.
 
@@ -178,6 +179,8 @@ def prepare(
     plan : Plan, optional
         A plan of this scene or of one like it, which is kept as far as the geometry of the scene admits it; nothing is
         measured then.
+    packed : PackedScene, optional
+        The scene's ground and arrays, if they are made already, as by `insonify.planning.models.pack`.
 
     Returns
     -------
@@ -191,7 +194,7 @@ def prepare(
     wishes = forced or {}
     check_request(scene, tolerance, method, wishes)
     with limited_threads(threads):
-        packed = pack(scene)
+        packed = packed or pack(scene)
         refuse_track_off_bed(scene, packed.ground)
         if plan is None:
             return _prepare(packed, choose_model(packed, tolerance, method, wishes), threads)

@@ -12,7 +12,7 @@ import pytest
 os.environ.setdefault("QT_API", "pyside6")
 
 from PySide6.QtCore import QCoreApplication, QEvent, QTimer
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QMessageBox
 from stand_in import StandIn
 
 from insonify.scene import Scene, edit, load_scene
@@ -28,8 +28,14 @@ def small() -> Scene:
     return edit(load_scene("default"), {"sonar.bins": 100, "track.pings": 128})
 
 
+@pytest.fixture(autouse=True)
+def _questions_are_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Discard unsaved changes where a test does not answer otherwise: a question would wait for ever."""
+    monkeypatch.setattr(QMessageBox, "question", lambda *_: QMessageBox.StandardButton.Discard)
+
+
 @pytest.fixture
-def open_viewer(qtbot: Any, qapp: QApplication) -> Iterator[Opener]:
+def open_viewer(qtbot: Any, qapp: QApplication, _questions_are_answered: None) -> Iterator[Opener]:
     """Open viewers on the stand-in simulation; close them and look for what they left."""
     apply_theme(qapp)
     viewers: list[Viewer] = []
@@ -54,7 +60,6 @@ def open_viewer(qtbot: Any, qapp: QApplication) -> Iterator[Opener]:
     with main_thread_collection():
         yield open_one
         for window in [viewer.window for viewer in viewers]:
-            window.may_close = lambda: True
             window.close()
             window.deleteLater()
         qapp.processEvents()

@@ -384,12 +384,12 @@ def test_seabed_and_progress_show_before_the_first_ping(open_viewer: Any, small:
             return super().intensity(pings)
 
     viewer = open_viewer(small, prepare=Slow, until=lambda v: v.seabed.complete)
-    assert viewer.window._progress.isVisible()
+    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting is not None)
     assert not viewer.panels["parameters"].view.isEnabled()
     assert (viewer.record.ping < 0).all()
     compiled.set()
     qtbot.waitUntil(lambda: viewer.complete)
-    assert not viewer.window._progress.isVisible()
+    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting is None)
     assert viewer.panels["parameters"].view.isEnabled()
 
 

@@ -116,12 +116,6 @@ class MainWindow(QMainWindow):
         self._sentence.setText(sentence)
         self._sentence.setToolTip(sentence)
 
-    def show_busy(self, what: str) -> None:
-        """Show a progress bar and what it waits for; an empty text hides the bar."""
-        self._progress.setVisible(bool(what))
-        if what:
-            self.say(what)
-
     def show_job(self, what: str, share: float) -> None:
         """Show the share done of a job beside the window, with its name; an empty name hides the bar."""
         self._job.setVisible(bool(what))
@@ -285,15 +279,10 @@ class MainWindow(QMainWindow):
         status.setSizeGripEnabled(False)
         self._sentence = QLabel()
         self._sentence.setMinimumWidth(1)  # so that a long sentence does not widen the window
-        self._progress = QProgressBar()
-        self._progress.setRange(0, 0)
-        self._progress.setTextVisible(False)
-        self._progress.setVisible(False)
         self._job = QProgressBar()
         self._job.setObjectName("job")
         self._job.setRange(0, 100)
         self._job.setVisible(False)
-        status.addWidget(self._progress)
         status.addWidget(self._sentence, 1)
         status.addPermanentWidget(self._job)
 

@@ -44,6 +44,12 @@ def colours(amplitude: NDArray[np.float32], low: float, high: float, table: NDAr
     return np.asarray(table[np.clip(index, 0.0, 255.0).astype(np.uint8)])
 
 
+def dimmed(words: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """Colours 0xffRRGGBB at 3/8 of their brightness."""
+    quarter, eighth = (words >> 2) & 0x3F3F3F, (words >> 3) & 0x1F1F1F
+    return np.asarray(0xFF000000 | (quarter + eighth), dtype=np.uint32)
+
+
 def round_steps(low: float, high: float, most: int) -> list[float]:
     """Multiples of 1, 2 or 5 times a power of ten between two numbers, in at most ``most`` steps."""
     rough = (high - low) / max(most, 1)

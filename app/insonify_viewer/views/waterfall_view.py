@@ -11,8 +11,10 @@ from PySide6.QtWidgets import QWidget
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.session import Mark
 from insonify_viewer.views.along_track_blur import blur_along_track
-from insonify_viewer.views.pixels import colour_table, colours, column_means, round_steps
+from insonify_viewer.views.pixels import colour_table, colours, column_means, dimmed, round_steps
 from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
+from insonify_viewer.views.waiting_bar import draw_waiting
+from insonify_viewer.waiting import Waiting
 
 LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 12
 PINGS_A_NOTCH = 16
@@ -49,6 +51,8 @@ class WaterfallView(QWidget):
         self._levels, self._gain = (0.0, 1.0), 1.0
         self._table = colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1))
         self._mark: Mark | None = None
+        self._waiting: Waiting | None = None
+        self._oldest = -1  # stamp; rows with an older one are dimmed
         self._notches = 0
         self._fit()
 
@@ -114,6 +118,20 @@ class WaterfallView(QWidget):
         self._mark = mark
         self.update()
 
+    @property
+    def waiting(self) -> Waiting | None:
+        """What the bar over the record says."""
+        return self._waiting
+
+    def show_waiting(self, waiting: Waiting | None, oldest: int) -> None:
+        """Show a bar over the record with what it waits for, and dim the rows with a stamp before ``oldest``."""
+        if waiting != self._waiting:
+            self._waiting = waiting
+            self.update()
+        if waiting is not None and oldest != self._oldest:
+            self._oldest = oldest
+            self._paint_rows(np.flatnonzero(self._record.stamp < oldest))
+
     def picture(self) -> NDArray[np.uint32]:
         """Colours of the rows on screen, newest first, as 0xffRRGGBB."""
         return np.asarray(self._pixels[self._record.rows(self._record.shown(self._top))])
@@ -154,6 +172,8 @@ class WaterfallView(QWidget):
     def _paint_rows(self, rows: Rows) -> None:
         low, high = self._levels
         painted = colours(self._columns[rows], low / self._gain, high / self._gain, self._table)
+        stale = self._record.stamp[rows] < self._oldest
+        painted[stale] = dimmed(painted[stale])
         painted[self._record.ping[rows] < 0] = EMPTY
         self._pixels[rows] = painted
         self.update()
@@ -171,9 +191,8 @@ class WaterfallView(QWidget):
         self._draw_ring(painter, plot)
         self._draw_slant_ruler(painter, plot)
         self._draw_ping_ruler(painter, plot)
-        if (self._record.ping < 0).all():
-            painter.setPen(QColor(QUIET))
-            painter.drawText(plot, Qt.AlignmentFlag.AlignCenter, "listening …")
+        if self._waiting is not None:
+            draw_waiting(painter, plot, self._waiting)
         if self._mark is not None:
             self._draw_cross(painter, plot, self._mark)
         painter.end()

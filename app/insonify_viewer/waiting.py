@@ -1,0 +1,72 @@
+"""What the record waits for, and how much of it is done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+DELAY = 0.4  # s, of missing pings before they count as waited for
+FEW = 16  # missing pings that a running tow always has
+
+
+class Waiting(NamedTuple):
+    """A wait that the person sees.
+
+    Attributes
+    ----------
+    what : str
+        What is waited for.
+    share : float or None
+        Share done; None while it is not known.
+    """
+
+    what: str
+    share: float | None = None
+
+
+class Activity(NamedTuple):
+    """What the worker does at present, in words, and the share done if it is known."""
+
+    what: str = ""
+    share: float | None = None
+
+
+@dataclass
+class WaitingWatch:
+    """Decides whether the record waits, from looks at it at any times."""
+
+    _number: int = -1
+    _since: float | None = None
+    _at_first: int = 0
+
+    def look(
+        self, now: float, *, number: int, missing: int, shown: int, running: bool, activity: Activity
+    ) -> Waiting | None:
+        """Return what the record waits for; None while it does not wait, or not for long.
+
+        Parameters
+        ----------
+        now : float
+            Time in seconds.
+        number : int
+            Number of the edit that the pings are wanted for.
+        missing, shown : int
+            Pings on screen that are not traced for it, and all pings on screen.
+        running : bool
+            Whether the tow runs, so that a few pings are always missing.
+        activity : Activity
+            What the worker does.
+        """
+        if missing <= (FEW if running else 0):
+            self._since = None
+            return None
+        if self._since is None:
+            self._since, self._at_first = now, missing
+        if number != self._number:
+            self._number, self._at_first = number, missing
+        self._at_first = max(self._at_first, missing)
+        if now - self._since < DELAY:
+            return None
+        if activity.what:
+            return Waiting(*activity)
+        return Waiting(f"tracing pings, {shown - missing} of {shown}", 1.0 - missing / self._at_first)

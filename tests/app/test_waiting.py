@@ -1,0 +1,120 @@
+"""What the window shows while it waits."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import numpy as np
+from stand_in import StandIn
+
+from insonify.planning.models import pack
+from insonify.scene import Scene, edit
+from insonify_viewer.modelling import Modelling
+from insonify_viewer.simulator import Simulator
+from insonify_viewer.views.pixels import dimmed
+from insonify_viewer.waiting import DELAY, FEW, Activity, Waiting, WaitingWatch
+
+
+def look(watch: WaitingWatch, now: float, missing: int, **given: Any) -> Waiting | None:
+    state = {"number": 1, "shown": 512, "running": False, "activity": Activity()}
+    return watch.look(now, missing=missing, **state | given)
+
+
+def test_a_wait_is_told_after_a_moment_with_the_share_done() -> None:
+    watch = WaitingWatch()
+    assert look(watch, 0.0, 512) is None
+    assert look(watch, DELAY / 2, 512) is None
+    assert look(watch, DELAY, 384) == Waiting("tracing pings, 128 of 512", 0.25)
+    assert look(watch, DELAY, 384, activity=Activity("building the bed")) == Waiting("building the bed", None)
+    assert look(watch, 1.0, 0) is None
+    assert look(watch, 2.0, 512) is None, "the next wait begins anew"
+
+
+def test_the_share_is_that_of_the_present_edit() -> None:
+    watch = WaitingWatch()
+    look(watch, 0.0, 512)
+    assert look(watch, 1.0, 128) == Waiting("tracing pings, 384 of 512", 0.75)
+    assert look(watch, 1.1, 512, number=2) == Waiting("tracing pings, 0 of 512", 0.0), "and the wait goes on"
+
+
+def test_a_running_tow_always_misses_a_few_pings() -> None:
+    watch = WaitingWatch()
+    assert [look(watch, now, FEW, running=True) for now in (0.0, 1.0, 2.0)] == [None] * 3
+    look(watch, 3.0, FEW + 1, running=True)
+    assert look(watch, 4.0, FEW + 1, running=True) is not None
+
+
+def test_dimmed_colours_are_darker() -> None:
+    assert [hex(int(word)) for word in dimmed(np.array([0xFF000000, 0xFFFF8008], np.uint32))] == [
+        "0xff000000",
+        "0xff5e3003",
+    ]
+
+
+def test_stale_rows_are_dimmed_until_the_new_ones_arrive(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    going = threading.Event()
+
+    class Slow(StandIn):
+        def intensity(self, pings: Any) -> Any:
+            if self.scene.seed == 5:
+                going.wait(20.0)
+            return super().intensity(pings)
+
+    viewer = open_viewer(small, prepare=Slow)
+    waterfall = viewer.window.waterfall
+    bright = waterfall.picture().copy()
+    assert waterfall.waiting is None
+    viewer.session.settle({"seed": 5})
+    assert (waterfall.picture() == bright).all(), "a short wait changes nothing"
+    qtbot.waitUntil(lambda: waterfall.waiting is not None)
+    assert waterfall.waiting.what.startswith("tracing pings, 0 of 128")
+    assert (waterfall.picture() == dimmed(bright)).all()
+    plain = waterfall.grab().toImage().pixelColor(200, 26)
+    going.set()
+    qtbot.waitUntil(lambda: viewer.complete and waterfall.waiting is None)
+    assert (waterfall.picture() == bright).all()
+    assert waterfall.grab().toImage().pixelColor(200, 26) != plain
+
+
+def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: Any) -> None:
+    told: list[Any] = []
+    going = threading.Event()
+
+    def prepare(scene: Scene, *, packed: Any, **how: Any) -> StandIn:
+        going.wait(20.0)
+        made = StandIn(scene, **how)
+        made.ground = packed.ground
+        return made
+
+    simulator = Simulator(prepare, pack)
+    ready: list[Any] = []
+    simulator.laid.connect(lambda number, packed: told.append((simulator.activity.what, packed.scene)))
+    try:
+        for scene in (small, edit(small, {"sonar.range": 40.0}), edit(small, {"seabed.relief.beta": 2.0})):
+            going.clear()
+            simulator.prepare(scene, Modelling(), ready.append)
+            qtbot.waitUntil(lambda: simulator.activity.what == "choosing the methods by a few pings", timeout=60000)
+            qtbot.wait(20)
+            going.set()
+            qtbot.waitUntil(lambda: len(ready) > 0, timeout=60000)
+            ready.clear()
+        assert [scene.seabed.relief.beta for _, scene in told] == [1.4, 2.0], "once for each bed"
+        assert {what for what, _ in told} == {"choosing the methods by a few pings"}
+        assert simulator.activity == Activity()
+    finally:
+        simulator.close()
+
+
+def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    shown = viewer.seabed.view._bed.points.copy()
+    viewer.simulator.ask = lambda request: None  # as if kernels were compiled for minutes
+    other = edit(small, {"seabed.relief.rms": 0.3, "track.start": [500.0, 0.0]})
+    viewer.session.settle({"seabed.relief.rms": 0.3, "track.start": [500.0, 0.0]})
+    viewer.simulator.laid.emit(viewer._number, pack(other))
+    qtbot.waitUntil(lambda: viewer.seabed.complete)
+    assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0
+    viewer.show_gain(3.0)
+    qtbot.wait(50)
+    assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0, "the old bed stays away"
