@@ -124,6 +124,7 @@ def trace_labels(
 
 def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None:
     """Enter the labels of some pings among those of all."""
+    whole: NDArray[Any]
     for whole, part in zip(found, some):
         whole[places] = part
 
