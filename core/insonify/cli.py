@@ -13,9 +13,11 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from insonify.commands import render
+from insonify.commands.compilation_bar import CompilationBar
 from insonify.commands.options import add_scene, check_output, chosen_scene
 from insonify.display.display_options import DisplayOptions
 from insonify.errors import FileWarning
+from insonify.kernels.common.compilation import watch_compilation
 from insonify.plugins import announced, modules_in
 from insonify.scene import SceneError, bundled_scenes
 
@@ -43,7 +45,7 @@ def main(words: Sequence[str] | None = None) -> int:
         0, 2 after a mistake, 130 after an interrupt.
     """
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), watch_compilation(CompilationBar()):
             warnings.simplefilter("always", FileWarning)
             warnings.showwarning = _warn
             code = _run(list(sys.argv[1:] if words is None else words))

@@ -1,0 +1,68 @@
+"""Progress of compilation: which kernel is being compiled, which share is done, and about how long the rest takes.
+
+A kernel is compiled when it is first called, and its machine code is kept on disk. To show a bar meanwhile::
+
+    with watch_compilation(show):
+        record = simulation.intensity(pings)
+
+``show`` gets a `Compilation` whenever a function of a kernel is finished, and None when the kernel is. It is called by
+the thread that compiles, which holds Numba's lock: it should only hand the values on. It is never called for kernels
+whose machine code is found on disk. Every watcher hears of compilations on all threads.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+MINUTE = 60.0
+
+
+class Compilation(NamedTuple):
+    """How far the compilation of one kernel has come."""
+
+    subject: str  # what the kernel calculates, in words: "bent rays"
+    done: float  # share of its time, 0 to 1; never falls
+    seconds_left: float | None  # about; None at the beginning
+
+    @property
+    def sentence(self) -> str:
+        """What is compiled and how long it takes, for people."""
+        return f"compiling {self.subject}, once, {_about(self.seconds_left)}"
+
+
+Watcher = Callable[[Compilation | None], None]
+_watchers: list[Watcher] = []
+
+
+@contextlib.contextmanager
+def watch_compilation(watcher: Watcher) -> Iterator[None]:
+    """Report the progress of every compilation while the context lasts.
+
+    Parameters
+    ----------
+    watcher : callable
+        Called with a `Compilation`, and with None when its kernel is finished. It must not raise.
+    """
+    _watchers.append(watcher)
+    try:
+        yield
+    finally:
+        _watchers.remove(watcher)
+
+
+def tell_watchers(compilation: Compilation | None) -> None:
+    """Report the progress of a compilation to all watchers."""
+    for watcher in tuple(_watchers):
+        watcher(compilation)
+
+
+def _about(seconds: float | None) -> str:
+    """Round a time to what people say."""
+    if seconds is None:
+        return "this takes a while"
+    if seconds < 0.75 * MINUTE:
+        return f"about {max(5 * round(seconds / 5.0), 5)} s left"
+    minutes = max(round(seconds / MINUTE), 1)
+    return "about a minute left" if minutes == 1 else f"about {minutes} minutes left"

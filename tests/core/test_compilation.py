@@ -1,0 +1,90 @@
+"""Progress of compilation: what is compiled, which part is done, and what that costs where nothing is compiled."""
+
+from __future__ import annotations
+
+import io
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from insonify.commands import compilation_bar
+from insonify.kernels.common.cache import SOURCES
+from insonify.kernels.common.compilation import Compilation
+from insonify.kernels.common.compilation_events import WORDS, called_functions
+from insonify.kernels.sweep.sweep import sweep_pings
+from insonify.kernels.sweep.visibility import weigh_knots
+
+FIRST_CALL = """
+import numpy as np
+from insonify.kernels.bed.voronoi import nearest_seed_hash
+from insonify.kernels.common.compilation import watch_compilation
+
+with watch_compilation(print):
+    nearest_seed_hash(7, 0, 0.5, 0.5, 1024)
+"""
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_every_folder_of_kernels_has_words() -> None:
+    assert {path.name for path in SOURCES.iterdir() if (path / "__init__.py").exists()} == set(WORDS)
+
+
+def test_a_kernel_is_known_with_all_that_it_calls() -> None:
+    assert weigh_knots.py_func in called_functions(sweep_pings.py_func)
+    assert sweep_pings.py_func not in called_functions(weigh_knots.py_func)
+
+
+@pytest.mark.parametrize(
+    ("left", "words"),
+    [
+        (None, "this takes a while"),
+        (1.0, "about 5 s left"),
+        (18.0, "about 20 s left"),
+        (50.0, "about a minute left"),
+        (170.0, "about 3 minutes left"),
+    ],
+)
+def test_a_sentence_says_what_is_compiled_and_how_long_it_takes(left: float | None, words: str) -> None:
+    assert Compilation("bent rays", 0.2, left).sentence == f"compiling bent rays, once, {words}"
+
+
+def reports(cache: Path) -> list[str]:
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    command = [sys.executable, "-c", FIRST_CALL]
+    environment["XDG_CACHE_HOME"] = str(cache)
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.splitlines()
+
+
+def test_the_share_done_grows_and_nothing_is_said_of_code_on_disk(tmp_path: Path) -> None:
+    *shares, end = [eval(line, {"Compilation": Compilation}) for line in reports(tmp_path)]
+    assert end is None
+    assert {report.subject for report in shares} == {"the bed"}
+    done = [report.done for report in shares]
+    assert done == sorted(done)
+    assert done[0] == 0.0 < done[-1] < 1.0
+    assert len(set(done)) >= 4
+    assert shares[0].seconds_left is None
+    assert shares[-1].seconds_left > 0.0
+    assert reports(tmp_path) == []
+
+
+@pytest.mark.parametrize("screen", [Terminal, io.StringIO])
+def test_a_terminal_shows_a_bar_until_the_kernel_is_finished(
+    screen: type[io.StringIO], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compilation_bar, "DELAY", 0.0)
+    monkeypatch.setattr(sys, "stderr", screen())
+    bar = compilation_bar.CompilationBar()
+    bar(Compilation("bent rays", 0.0, None))
+    bar(Compilation("bent rays", 0.4, 61.0))
+    bar(None)
+    shown = sys.stderr.getvalue()
+    assert ("compiling bent rays, once, about a minute left  40 %" in shown) == sys.stderr.isatty()
+    assert sys.stderr.isatty() or not shown
