@@ -9,7 +9,7 @@ SCENES = ("default", "ghosts", "raw-record", "rough-tow", "sediments", "targets"
 COUNT = f"""
 import sys
 import numpy as np
-from numba.core.dispatcher import Dispatcher
+from insonify.kernels.common.dispatch import Kernel
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 
@@ -21,9 +21,11 @@ for name, module in list(sys.modules.items()):
     if name.startswith("insonify"):
         for word, found in vars(module).items():
             # What is fused into its callers is compiled by them.
-            kernel = isinstance(found, Dispatcher) and not found.targetoptions.get("forceinline")
-            if kernel and found.__module__ == name and len(found.signatures) > 1:
-                print(f"{{name}}.{{word}}", *found.signatures, sep="\\n  ")
+            kernel = isinstance(found, Kernel) and not found.targetoptions.get("forceinline")
+            if kernel and found.__module__ == name:
+                signatures = {{*found.signatures, *found.part.signatures}}  # as Python calls it, and other kernels
+                if len(signatures) > 1:
+                    print(f"{{name}}.{{word}}", *signatures, sep="\\n  ")
 """
 
 

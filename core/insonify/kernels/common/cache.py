@@ -22,10 +22,14 @@ from typing import Any
 import numba.core.config
 import platformdirs
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+from numba.core.compiler import compile_result
 from numba.core.runtime import rtsys  # type: ignore[attr-defined]
+
+from insonify.kernels.common.part_library import PartLibrary
 
 PACKAGE = "insonify.kernels"
 SOURCES = Path(__file__).parents[1]
+WITHOUT_CODE = {"common.compilation", "common.compilation_events"}  # modules that leave the code alone
 UNUSED = 30 * 86400.0  # seconds after which machine code that no process has used is removed
 
 
@@ -52,6 +56,7 @@ def source_digests(sources: Path, folder: Path) -> dict[str, str]:
         Digest by the module's dotted name within the package.
     """
     texts = {".".join(p.relative_to(sources).with_suffix("").parts): p.read_bytes() for p in sources.rglob("*.py")}
+    texts = {name: text for name, text in texts.items() if name not in WITHOUT_CODE}
     state = hashlib.sha256(b"\0".join(name.encode() + b"\0" + texts[name] for name in sorted(texts))).hexdigest()[:24]
     kept = folder / f"{state}.json"
     with contextlib.suppress(OSError, ValueError):
@@ -150,6 +155,35 @@ class _CacheImpl(CompileResultCacheImpl):
     _locator_classes = [_Locator]  # noqa: RUF012  # Numba's own attribute
 
 
+class _PartCacheImpl(_CacheImpl):
+    """What is written of a function that other kernels call, and how it is read."""
+
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        return f"{super().get_filename_base(fullname, abiflags)}.part"
+
+    def reduce(self, cres: Any) -> tuple[Any, ...]:
+        cres.fndesc.typemap = cres.fndesc.calltypes = None  # not needed to link it, and cannot all be pickled
+        library = cres.library
+        return library.name, library.to_bitcode(), cres.fndesc, cres.environment, cres.signature, cres.reload_init
+
+    def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
+        name, bitcode, fndesc, environment, signature, reload_init = payload
+        for again in reload_init:
+            again()
+        return compile_result(
+            typing_context=target_context.typing_context,
+            target_context=target_context,
+            entry_point=object(),
+            library=PartLibrary.from_bitcode(target_context.codegen(), name, bitcode),
+            fndesc=fndesc,
+            environment=environment,
+            signature=signature,
+            objectmode=False,
+            lifted=(),
+            reload_init=reload_init,
+        )
+
+
 class _CacheFile(IndexDataCacheFile):
     """Index and machine code of one kernel, by signature."""
 
@@ -171,7 +205,7 @@ class _CacheFile(IndexDataCacheFile):
 class KernelCache(FunctionCache):
     """Machine code of one kernel on disk; a damaged file is compiled anew, an unusable folder is ignored."""
 
-    _impl_class = _CacheImpl
+    _impl_class: type[_CacheImpl] = _CacheImpl
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)
@@ -195,3 +229,9 @@ class KernelCache(FunctionCache):
         """Keep the code of a signature."""
         with contextlib.suppress(OSError):
             super().save_overload(sig, data)
+
+
+class PartCache(KernelCache):
+    """LLVM code on disk of one function that other kernels call."""
+
+    _impl_class = _PartCacheImpl

@@ -22,14 +22,14 @@ from collections.abc import Callable
 from typing import Any
 
 from numba import njit
+from numba.core import config, event
 
-from insonify.kernels.common.cache import KernelCache
+from insonify.kernels.common.compilation_events import CompilationListener
+from insonify.kernels.common.dispatch import Kernel
 
 Function = Callable[..., Any]
 # Every licence that keeps NaN and infinity meaningful: guards against them must survive.
 FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
-# `_nrt`, reference counting, is not in Numba's type stubs; without it, the caller's setting is inherited.
-NJIT: Callable[..., Callable[[Function], Any]] = njit
 
 
 def kernel(function: Function) -> Function:
@@ -62,17 +62,24 @@ def inlined_before_typing(function: Function) -> Function:
 
     The per-cell loops of rays run faster so; types are inferred anew in every caller, which takes longer to compile.
     """
-    return NJIT(nogil=True, fastmath=FAST, error_model="numpy", inline="always")(function)
+    return njit(nogil=True, fastmath=FAST, error_model="numpy", inline="always")(function)
 
 
 def _kept(function: Function, counting: bool) -> Function:
     # Division by zero gives infinity, as in NumPy: Python's check would cost the vector units and could only raise.
-    compiled = NJIT(nogil=True, fastmath=FAST, error_model="numpy", _nrt=counting)(function)
-    if hasattr(compiled, "signatures"):  # with NUMBA_DISABLE_JIT it is the function itself
-        compiled._cache = KernelCache(function)
-    return compiled
+    return _kernel(function, {"fastmath": FAST, "_nrt": counting}, kept=True)
 
 
 def _within_callers(function: Function, counting: bool, fast: Any) -> Function:
     # `fastmath` and `_nrt` are always given: an option left out is inherited from the caller.
-    return NJIT(nogil=True, fastmath=fast, error_model="numpy", forceinline=True, _nrt=counting)(function)
+    return _kernel(function, {"fastmath": fast, "_nrt": counting, "forceinline": True}, kept=False)
+
+
+def _kernel(function: Function, options: dict[str, Any], kept: bool) -> Function:
+    chosen: Any = config
+    if chosen.DISABLE_JIT:
+        return function
+    return Kernel(function, {"nogil": True, "error_model": "numpy"} | options, kept)
+
+
+event.register("numba:compile", CompilationListener())

@@ -1,0 +1,70 @@
+"""Functions compiled in two ways: as a whole for a call from Python, and as a part of each kernel that calls them.
+
+Numba compiles every function as if Python called it: with a wrapper that unpacks the arguments, all optimisation and
+machine code. A function that another kernel calls needs none of these, for the caller is optimised together with all
+that it calls. Here such a part stays LLVM code, which takes a third of the time; the caller's machine code is the same.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
+
+from insonify.kernels.common.cache import KernelCache, PartCache
+from insonify.kernels.common.part_library import PartLibrary
+
+
+class Kernel(CPUDispatcher):
+    """A compiled function: Python calls its machine code, kernels take its part into theirs.
+
+    Parameters
+    ----------
+    function : callable
+    options : dict
+        Numba's options of the target.
+    kept : bool
+        Whether its code is kept on disk.
+    """
+
+    def __init__(self, function: Any, options: dict[str, Any], kept: bool) -> None:
+        super().__init__(function, {}, options | {"nopython": True, "no_cfunc_wrapper": True})
+        self.kept = kept
+        if kept:
+            self._cache = KernelCache(function)
+
+    @cached_property
+    def part(self) -> Any:
+        """The `Part` that other kernels call."""
+        part: Any = Part(self.py_func, {}, self.targetoptions, _PartCompiler)
+        if self.kept:
+            part._cache = PartCache(self.py_func)
+        return part
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Compile the part for the types of a call by another kernel, and return its signatures."""
+        return self.part.get_call_template(args, kws)
+
+    def get_overload(self, sig: Any) -> Any:
+        """Return what stands for the address of the part with a signature."""
+        return self.part.get_overload(sig)
+
+
+class Part(CPUDispatcher):
+    """A function as other kernels call it; Python cannot."""
+
+    def add_overload(self, cres: Any) -> None:
+        """Make a compiled signature known to those that compile its callers."""
+        place = object()  # for want of an address
+        self.targetctx.insert_user_function(place, cres.fndesc, [cres.library])
+        self.overloads[tuple(cres.signature.args)] = cres._replace(entry_point=place)
+
+
+class _PartCompiler(Compiler):
+    """Numba's passes, less those that make a function callable from Python."""
+
+    def __init__(self, typing: Any, target: Any, _: Any, args: Any, returned: Any, flags: Any, names: Any) -> None:
+        flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+        super().__init__(typing, target, PartLibrary(target.codegen(), "part"), args, returned, flags, names)

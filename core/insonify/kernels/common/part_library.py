@@ -1,0 +1,50 @@
+"""LLVM code of functions that other kernels call: hardly optimised, and without machine code of its own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import llvmlite.binding as llvm
+from numba.core.codegen import JITCodeLibrary
+
+
+class PartLibrary(JITCodeLibrary):
+    """LLVM code of a function and of all that it calls, which is linked into the code of its callers."""
+
+    @classmethod
+    def from_bitcode(cls, codegen: Any, name: str, bitcode: bytes) -> PartLibrary:
+        """Restore a library from its bitcode.
+
+        Parameters
+        ----------
+        codegen : JITCPUCodegen
+            Numba's generator of code.
+        name : str
+        bitcode : bytes
+            As `to_bitcode` returned it.
+
+        Returns
+        -------
+        PartLibrary
+        """
+        library = cls(codegen, name)
+        library._final_module = llvm.parse_bitcode(bitcode)
+        library._finalize_final_module()
+        return library
+
+    def to_bitcode(self) -> bytes:
+        """Return the code as it is linked into callers."""
+        return bytes(self._get_module_for_linking().as_bitcode())
+
+    def _optimize_final_module(self) -> None:
+        # Numba's cheap passes inline what must be inlined. The rest is done once, with the caller's code.
+        passes, builder = self._codegen._module_pass_manager(
+            loop_vectorize=False, slp_vectorize=False, opt=0, cost="cheap"
+        )
+        passes.run(self._final_module, builder)
+
+    def _finalize_final_module(self) -> None:
+        # Not handed to the engine, which would make machine code of it.
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
