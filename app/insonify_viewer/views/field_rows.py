@@ -14,6 +14,7 @@ from insonify_viewer.fields import ChoiceField, FileField, NumberField
 from insonify_viewer.quantities import format_quantity, parse_quantity, slider_position, slider_value
 
 STEPS = 1000
+NARROWEST, WIDEST = 44, 132  # px, of a slider and of a name
 INDENT = 12
 Change = Callable[[str, Any], None]
 
@@ -25,6 +26,7 @@ class _Slider(QSlider):
         super().__init__(Qt.Orientation.Horizontal)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setRange(0, STEPS)
+        self.setMinimumWidth(NARROWEST)
         self.setPageStep(STEPS // 20)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -35,7 +37,18 @@ class _Slider(QSlider):
 
 
 class Combo(QComboBox):
-    """A combo box that ignores the mouse wheel, so that the panel scrolls."""
+    """A combo box that is as narrow as it must be, and ignores the mouse wheel, so that the panel scrolls."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self.setMinimumContentsLength(6)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+
+    def showPopup(self) -> None:
+        """Open the list, wide enough for its longest entry."""
+        self.view().setMinimumWidth(self.view().sizeHintForColumn(0) + 12)
+        super().showPopup()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Ignore the wheel."""
@@ -190,8 +203,12 @@ class FileRow:
 
 
 def _label(text: str, indent: int, tooltip: str, unit: str) -> QLabel:
-    label = QLabel(text)
+    label = QLabel()
     label.setObjectName("name")
-    label.setToolTip(f"{tooltip} ({unit})" if unit else tooltip)
+    label.ensurePolished()
+    shown = label.fontMetrics().elidedText(text, Qt.TextElideMode.ElideRight, WIDEST - INDENT * indent)
+    label.setText(shown)
+    about = f"{tooltip} ({unit})" if unit else tooltip
+    label.setToolTip(about if shown == text else f"{text}: {about}")
     label.setContentsMargins(INDENT * indent, 0, 0, 0)
     return label

@@ -29,8 +29,9 @@ from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.waterfall_view import WaterfallView
 
+SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
 GAIN_REACH = 30  # dB either way
-SIDE = 300  # px, width of the panels at the side
+SIDE = 332  # px, width of the panels at the side
 BELOW_HEIGHT = 260  # px, of a panel below when it is first opened
 
 
@@ -61,7 +62,7 @@ class MainWindow(QMainWindow):
         super().__init__()
         self.setWindowTitle("insonify")
         self.resize(QSize(1480, 900).boundedTo(self.screen().availableSize()))
-        self.setMinimumSize(880, 520)
+        self.setMinimumSize(*SMALLEST)
         self.waterfall = WaterfallView(native=native)
         self._placeholder = QLabel("setting up the seabed …")
         self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)

@@ -52,7 +52,7 @@ class SeabedView(QWidget):
 
     def __init__(self, *, accelerated: bool, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setMinimumSize(220, 160)
+        self.setMinimumSize(200, 140)
         self._canvas = _interactive(self) if accelerated else _OffScreen(self)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)

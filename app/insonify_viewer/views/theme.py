@@ -52,7 +52,8 @@ QLineEdit#value {{ background: transparent; border: 1px solid transparent; borde
 QLineEdit#value:hover, QLineEdit#value:focus {{ border-color: {EDGE}; background: {RAISED}; }}
 QComboBox {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px; min-height: 18px; }}
 QComboBox:hover {{ border-color: {ACCENT}; }}
-QComboBox QAbstractItemView {{ background: {RAISED}; selection-background-color: {EDGE}; }}
+QComboBox QAbstractItemView {{ background: {RAISED}; color: {TEXT}; selection-background-color: {EDGE};
+    selection-color: {TEXT}; outline: 0; }}
 QSlider::groove:horizontal {{ height: 3px; background: {EDGE}; border-radius: 1px; }}
 QSlider::sub-page:horizontal {{ background: #9a7445; border-radius: 1px; }}
 QSlider::sub-page:horizontal:disabled {{ background: {EDGE}; }}

@@ -44,7 +44,7 @@ class WaterfallView(QWidget):
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setCursor(Qt.CursorShape.CrossCursor)
-        self.setMinimumSize(220, 160)
+        self.setMinimumSize(200, 140)
         self._record = Record(1, 1)
         self._top = 0
         self._range, self._step = 1.0, 1.0

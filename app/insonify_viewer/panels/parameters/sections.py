@@ -165,7 +165,7 @@ def _of_tuple(
         if isinstance(item, BaseModel):
             for parameter in _inside(scene, item, place, indent + 1):
                 is_name = isinstance(parameter, ChoiceField) and parameter.path.endswith(".name")
-                what = "" if isinstance(item, Material) else f"{kind_name(type(item))} "
+                what = "" if isinstance(item, Material) else _named(value, index)
                 yield (
                     replace(parameter, label=f"material {index + 1}", indent=indent)
                     if is_name
@@ -182,6 +182,13 @@ def _of_tuple(
                 continue
             about_origin = (min(-PLACE_REACH, item), max(PLACE_REACH, item))
             yield _number(field, place, f"{name} {axes[index]}", indent, item, ends=about_origin)
+
+
+def _named(parts: tuple[Any, ...], index: int) -> str:
+    """Kind of a part, with its number among those of the same kind if there are several."""
+    kind = kind_name(type(parts[index]))
+    places = [place for place, part in enumerate(parts) if kind_name(type(part)) == kind]
+    return f"{kind} {places.index(index) + 1} " if len(places) > 1 else f"{kind} "
 
 
 def _number(

@@ -22,6 +22,7 @@ from insonify_viewer.panels.parameters.sections import FieldSection
 from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
 
+NARROWEST = 316  # px
 DELAY = 20  # ms, by which the other numbers follow a slider that moves
 OPEN_AT_FIRST = ("sonar", "seabed", "track")
 Row = NumberRow | ChoiceRow | FileRow
@@ -40,7 +41,7 @@ class ParametersView(QScrollArea):
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(292)
+        self.setMinimumWidth(NARROWEST)
         self._body = QWidget()
         self._body.setObjectName("panel")
         self._column = QVBoxLayout(self._body)

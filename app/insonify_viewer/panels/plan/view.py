@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 Force = Callable[[str, str | None], None]
 AUTOMATIC = "automatic"
+NARROWEST = 292  # px
 TOLERANCES = (0.2, 50.0)  # %
 
 
@@ -45,7 +46,7 @@ class PlanView(QScrollArea):
         self.setWidgetResizable(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setMinimumWidth(292)
+        self.setMinimumWidth(NARROWEST)
         body = QWidget()
         body.setObjectName("panel")
         column = QVBoxLayout(body)

@@ -140,8 +140,8 @@ def _label_scales(painter: QPainter, frame: PlotScales) -> None:
     for speed in round_steps(frame.slowest, frame.fastest, 3):
         x = frame.of_speed(speed, 0.0).x()
         painter.drawText(QRectF(x - 40.0, y, 80.0, 16.0), middle, f"{speed:g}")
-    painter.setPen(QColor(QUIET))
-    painter.drawText(QRectF(0.0, y, frame.profile.left() - 4.0, 16.0), right, "m/s")
+    # Above the profile: below it the ends of the scale leave no room.
+    painter.drawText(QRectF(frame.profile.left(), 4.0, frame.profile.width(), 16.0), middle, "m/s")
 
 
 def _say(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:

@@ -1,0 +1,81 @@
+"""Room for every widget, and words that can be told apart and read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint
+from PySide6.QtWidgets import QWidget
+
+from insonify.scene import Scene, bundled_scenes, edit, load_scene
+from insonify_viewer.panels.parameters.sections import sections_of
+from insonify_viewer.panels.parameters.view import NARROWEST, ParametersView
+from insonify_viewer.views.field_rows import Combo
+from insonify_viewer.views.theme import apply_theme
+
+MOTIONS = {"kind": "sum", "of": [{"kind": "heave", "period": 8.0}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]}
+
+
+def labels(scene: Scene) -> dict[str, str]:
+    return {row.path: row.label for section in sections_of(scene) for row in section.parameters}
+
+
+@pytest.mark.parametrize("name", sorted(bundled_scenes()))
+def test_no_row_is_cut_off(name: str, qtbot: Any, qapp: Any) -> None:
+    apply_theme(qapp)
+    view = ParametersView()
+    qtbot.addWidget(view)
+    view.show_sections(sections_of(load_scene(name)))
+    view.resize(NARROWEST, 900)
+    view.show()
+    for box in view._sections.values():
+        box.unfold(True)
+    qapp.processEvents()
+    edge = view.viewport().width()
+    for child in view.widget().findChildren(QWidget):
+        if child.isVisible():
+            right = child.mapTo(view.widget(), QPoint(child.width(), 0)).x()
+            assert right <= edge, f"{type(child).__name__} {child.objectName()} ends at {right} of {edge} px"
+
+
+def test_parts_of_one_kind_are_numbered(default: Scene) -> None:
+    found = labels(edit(default, {"track.motion": MOTIONS}))
+    assert found["track.motion.of.0.amplitude"] == "heave 1 amplitude"
+    assert found["track.motion.of.1.amplitude"] == "heave 2 amplitude"
+    assert found["track.motion.of.2.amplitude"] == "roll amplitude"
+
+
+def test_the_entry_under_the_mouse_can_be_read(qtbot: Any, qapp: Any) -> None:
+    apply_theme(qapp)
+    combo = Combo()
+    qtbot.addWidget(combo)
+    combo.addItems(["MMMMM", "HHHHH"])
+    combo.show()
+    combo.showPopup()
+    view = combo.view()
+    view.setCurrentIndex(combo.model().index(1, 0))
+    qapp.processEvents()
+    place = view.visualRect(view.currentIndex())
+    image = view.viewport().grab(place).toImage()
+    grey = np.array([[image.pixelColor(x, y).lightness() for x in range(image.width())] for y in range(image.height())])
+    combo.hidePopup()
+    assert np.median(grey) < 80
+    assert grey.max() > 180, "light words on the dark ground of the selection"
+
+
+def test_the_window_fits_half_a_screen(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    window = viewer.window
+    assert window.minimumSizeHint().width() <= 800
+    window.resize(800, 450)
+    qtbot.waitUntil(lambda: window.width() == 800)
+    window.open_panel("water")
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert window.size().width() <= 800
+
+
+@pytest.fixture
+def default() -> Scene:
+    return load_scene("default")
