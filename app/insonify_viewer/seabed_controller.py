@@ -12,6 +12,7 @@ from insonify.scene import SceneError
 from insonify_viewer.job import Job
 from insonify_viewer.laid_scene import is_same_ground
 from insonify_viewer.simulator import Simulator
+from insonify_viewer.views.qt_modules import load_qt_modules
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Solids
@@ -57,6 +58,8 @@ class SeabedController:
 
     def load(self, put: Callable[[SeabedView], None]) -> None:
         """Import the libraries on the worker, then make the view on the main thread and hand it to ``put``."""
+        if self._accelerated:
+            load_qt_modules()
         self._simulator.send(self._import, lambda _: self._build(put))
 
     def show_sonar(

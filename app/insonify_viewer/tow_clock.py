@@ -51,10 +51,16 @@ class TowClock:
         if running:
             self._back = 0
 
-    def look_back(self, pings: int, held: int) -> None:
-        """Move the paused screen of ``held`` pings back by some pings, within those that were sent."""
+    def look_back(self, pings: int) -> None:
+        """Move the paused screen back by some pings, within those that were sent."""
         if not self.running:
-            self._back = min(max(self._back + pings, 0), max(self.newest - held + 1, 0))
+            self._back = min(max(self._back + pings, 0), self.newest)
+
+    def go_to(self, ping: int) -> None:
+        """Pause, and put a ping on top of the screen; pings up to it count as sent."""
+        self.running = False
+        self._position = max(self._position, float(ping))
+        self._back = self.newest - ping
 
     def restart(self, newest: int) -> None:
         """Start again at a ping."""

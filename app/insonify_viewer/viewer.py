@@ -163,6 +163,7 @@ class Viewer(QObject):
     def run(self, running: bool) -> None:
         """Run or pause the tow."""
         self._stopped = False
+        self.window.say("")
         self.tow.run(running)
         self.window.show_running(running)
         self._ask()
@@ -172,7 +173,17 @@ class Viewer(QObject):
         if self.tow.running:
             self.window.say("pause the tow (Space) to look back along it")
             return
-        self.tow.look_back(pings, self.record.pings)
+        self.tow.look_back(pings)
+        self._show_top()
+
+    def go_to(self, ping: int) -> None:
+        """Pause, and put a ping on top of the record, with the fish at its place."""
+        if self.tow.running:
+            self.run(False)
+        self.tow.go_to(ping)
+        self._show_top()
+
+    def _show_top(self) -> None:
         self.window.waterfall.show_top(self.tow.top)
         self._ask()
         self._show_sonar()
@@ -196,6 +207,7 @@ class Viewer(QObject):
         self.simulator.refused.connect(self._refuse)
         window.waterfall.hovered.connect(session.point_at)
         window.waterfall.scrolled.connect(self.look_back)
+        window.waterfall.scrubbed.connect(self.go_to)
         window.scenes.wanted.connect(self._leaving(self.files.open_scene))
         window.open_scene.triggered.connect(lambda: self._leaving(self.files.ask_for_scene)())
         window.open_dem.triggered.connect(lambda: self.files.ask_for_dem(session.scene))
@@ -263,6 +275,7 @@ class Viewer(QObject):
         now = time.perf_counter()
         seconds, self._ticked = min(now - self._ticked, LEAP), now
         self._show_waiting(now)
+        self.window.waterfall.show_last(max(self.tow.newest, self.session.scene.track.pings - 1))
         # The tow waits while the kernels compile, and for pings that take long.
         if self._answer is None or self.record.blank(self.tow.top) > BEHIND:
             return
@@ -349,11 +362,12 @@ class Viewer(QObject):
         self._refused = number
         if not self._started:
             self.failure = sentence
+            self.window.say(sentence, lasting=True)
         else:
             self.session.take_back()
             for panel in self.panels.values():
                 panel.scene_refused()
-        self.window.say(sentence)
+            self.window.say(sentence)
 
     def _settle_levels(self) -> None:
         """Set the contrast of a newly opened scene, until its record fills the screen."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gc
+import subprocess
+import sys
 import threading
 from typing import Any
 
@@ -55,3 +57,14 @@ def test_windows_are_opened_and_drawn_with_garbage_in_one_place(
             use()
     assert opened == [False, False]
     assert gc.isenabled()
+
+
+def test_no_worker_imports_modules_of_qt() -> None:
+    """PySide6 makes the classes of a module when they are first asked for, which two threads must not do at once."""
+    code = (
+        "import sys; from insonify_viewer.views.qt_modules import load_qt_modules; load_qt_modules(); "
+        "known = set(sys.modules); import pyvistaqt; "
+        "print([m for m in set(sys.modules) - known if m.split('.')[0] in ('PySide6', 'qtpy', 'shiboken6')])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
+    assert done.stdout.strip() == "[]"

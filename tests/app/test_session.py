@@ -235,14 +235,19 @@ def test_tow_counts_pauses_and_looks_back() -> None:
     tow.speed = 2.0
     assert tow.advance(1.0, 10.0)
     assert tow.newest == tow.top == 531
-    tow.look_back(5, 512)
+    tow.look_back(5)
     assert tow.top == 531, "only a paused tow looks back"
     tow.run(False)
     assert not tow.advance(1.0, 10.0)
-    tow.look_back(10_000, 512)
-    assert tow.top == 511
-    tow.look_back(-3, 512)
-    assert tow.top == 514
+    tow.look_back(10_000)
+    assert tow.top == 0, "the first ping can be on top, for which the fish is at the start"
+    tow.look_back(-3)
+    assert tow.top == 3
+    tow.go_to(200)
+    assert (tow.top, tow.newest) == (200, 531)
+    tow.go_to(900)
+    assert (tow.top, tow.newest) == (900, 900)
+    tow.restart(531)
     tow.run(True)
     assert tow.top == 531
 

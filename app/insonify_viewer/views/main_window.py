@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
 from PySide6.QtWidgets import (
     QComboBox,
@@ -30,6 +30,7 @@ from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
+READING_TIME = 12_000  # ms, of a sentence in the status bar
 GAIN_REACH = 30  # dB either way
 SIDE = 332  # px, width of the panels at the side
 BELOW_HEIGHT = 260  # px, of a panel below when it is first opened
@@ -112,8 +113,11 @@ class MainWindow(QMainWindow):
         view.show()
         self._placeholder.deleteLater()
 
-    def say(self, sentence: str) -> None:
-        """Show a sentence in the status bar until the next one."""
+    def say(self, sentence: str, *, lasting: bool = False) -> None:
+        """Show a sentence in the status bar until the next one, and for some seconds unless it is to last."""
+        self._fading.stop()
+        if sentence and not lasting:
+            self._fading.start()
         self._sentence.setText(sentence)
         self._sentence.setToolTip(sentence)
 
@@ -129,8 +133,11 @@ class MainWindow(QMainWindow):
         self.setWindowModified(unsaved)
 
     def show_running(self, running: bool) -> None:
-        """Set the pause button."""
+        """Set the button that pauses or plays, which says what it would do."""
         self.pause.setChecked(not running)
+        self.pause.setText("Pause" if running else "Play")
+        tip = "Pause the tow; the mouse wheel then looks back" if running else "Tow on from the newest ping"
+        self.pause.setToolTip(_with_key(tip, self.pause.shortcut()))
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Signal the end while all widgets exist, unless the person stays; the worker may need a moment to finish."""
@@ -140,6 +147,7 @@ class MainWindow(QMainWindow):
             event.ignore()
             return
         self._closed = True
+        self._fading.stop()
         self.hide()
         self.closing.emit()
         super().closeEvent(event)
@@ -228,6 +236,8 @@ class MainWindow(QMainWindow):
         bar.addSeparator()
         self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", QKeySequence("Space"))
         self.pause.setCheckable(True)
+        button = bar.widgetForAction(self.pause)
+        button.setMinimumWidth(button.sizeHint().width())  # the shorter word leaves the others in place
         self.pause.toggled.connect(lambda paused: self.running_changed.emit(not paused))
         self.speed = _combo([(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS])
         self.speed.setToolTip("Speed of the tow")
@@ -279,6 +289,10 @@ class MainWindow(QMainWindow):
         status = self.statusBar()
         status.setSizeGripEnabled(False)
         self._sentence = QLabel()
+        self._fading = QTimer(self)
+        self._fading.setSingleShot(True)
+        self._fading.setInterval(READING_TIME)
+        self._fading.timeout.connect(lambda: self.say(""))
         self._sentence.setMinimumWidth(1)  # so that a long sentence does not widen the window
         self._job = QProgressBar()
         self._job.setObjectName("job")
@@ -295,8 +309,12 @@ class MainWindow(QMainWindow):
     def _action(self, text: str, tip: str, shortcut: QKeySequence) -> QAction:
         action = QAction(text, self)
         action.setShortcut(shortcut)
-        action.setToolTip(f"{tip} ({shortcut.toString(QKeySequence.SequenceFormat.NativeText)})")
+        action.setToolTip(_with_key(tip, shortcut))
         return action
+
+
+def _with_key(tip: str, shortcut: QKeySequence) -> str:
+    return f"{tip} ({shortcut.toString(QKeySequence.SequenceFormat.NativeText)})"
 
 
 def _combo(entries: list[tuple[str, object]]) -> QComboBox:

@@ -12,11 +12,12 @@ from insonify_viewer.record import Record, Rows
 from insonify_viewer.session import Mark
 from insonify_viewer.views.along_track_blur import blur_along_track
 from insonify_viewer.views.pixels import colour_table, colours, column_means, dimmed, round_steps
+from insonify_viewer.views.scrub_handle import ScrubHandle
 from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
 from insonify_viewer.views.waiting_bar import draw_waiting
 from insonify_viewer.waiting import Waiting
 
-LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 12
+LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 24
 PINGS_A_NOTCH = 16
 EMPTY = 0xFF0B1118
 
@@ -34,6 +35,7 @@ class WaterfallView(QWidget):
 
     hovered = Signal(object)  # Mark or None
     scrolled = Signal(int)  # pings further back
+    scrubbed = Signal(int)  # ping to put on top
 
     def __init__(self, *, native: bool = False, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -54,6 +56,7 @@ class WaterfallView(QWidget):
         self._waiting: Waiting | None = None
         self._oldest = -1  # stamp; rows with an older one are dimmed
         self._notches = 0
+        self._handle = ScrubHandle()
         self._fit()
 
     @property
@@ -101,6 +104,12 @@ class WaterfallView(QWidget):
         rows = self._record.rows(pings)
         self._pixels[rows[self._record.ping[rows] != pings]] = EMPTY
         self.update()
+
+    def show_last(self, ping: int) -> None:
+        """Set the last ping that the handle reaches; it does not change while the handle is held."""
+        if ping != self._handle.last and not self._handle.held:
+            self._handle.last = ping
+            self.update()
 
     def show_palette(self, colours: NDArray[np.uint8]) -> None:
         """Colour by another palette, (256, 3)."""
@@ -161,7 +170,9 @@ class WaterfallView(QWidget):
 
     def _fit(self) -> None:
         """Compute the display columns of every row for the present width."""
-        width = max(int(self._plot().width() * self.devicePixelRatioF()), 2)
+        plot = self._plot()
+        self._handle.lay(plot.right() + 8.0, plot.top(), plot.height())
+        width = max(int(plot.width() * self.devicePixelRatioF()), 2)
         rows = np.arange(self._record.pings)
         self._columns = column_means(self._record.amplitude, width)
         self._pixels = np.full((self._record.pings, width), EMPTY, dtype=np.uint32)
@@ -191,6 +202,7 @@ class WaterfallView(QWidget):
         self._draw_ring(painter, plot)
         self._draw_slant_ruler(painter, plot)
         self._draw_ping_ruler(painter, plot)
+        self._handle.draw(painter, self._top)
         if self._waiting is not None:
             draw_waiting(painter, plot, self._waiting)
         if self._mark is not None:
@@ -254,9 +266,31 @@ class WaterfallView(QWidget):
                 for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
                     painter.drawLine(place + QPoint(5 * dx, 5 * dy), place + QPoint(14 * dx, 14 * dy))
 
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take hold of the handle, or move it to a place on its rail."""
+        if event.button() is Qt.MouseButton.LeftButton and self._handle.contains(event.position()):
+            self._handle.held = True
+            self._scrub(event)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """Let go of the handle."""
+        if self._handle.held and event.button() is Qt.MouseButton.LeftButton:
+            self._handle.held = False
+            self.update()
+
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Signal the bin under the mouse."""
+        """Signal the bin under the mouse, or the ping at the handle."""
+        if self._handle.held:
+            self._scrub(event)
+            return
+        on_rail = self._handle.contains(event.position())
+        self.setCursor(Qt.CursorShape.SizeVerCursor if on_rail else Qt.CursorShape.CrossCursor)
+        self.setToolTip("Drag to any ping of the tow" if on_rail else "")
         self.hovered.emit(self.mark_at(event.position().toPoint()))
+
+    def _scrub(self, event: QMouseEvent) -> None:
+        self.scrubbed.emit(self._handle.ping_at(event.position()))
+        self.update()
 
     def leaveEvent(self, event: QEvent) -> None:
         """Signal that the mouse has left."""
