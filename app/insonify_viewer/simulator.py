@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QObject, Qt, Signal
 
+from insonify.kernels.common.compilation import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError
 from insonify_viewer.laid_scene import is_same_ground
 from insonify_viewer.modelling import Modelling
@@ -122,6 +123,9 @@ class Simulator(QObject):
         self._prepare = prepare or _prepare
         self._pack = pack or (None if prepare else _pack)
         self._activity = Activity()
+        self._compilation: Compilation | None = None
+        self._watching = ExitStack()
+        self._watching.enter_context(watch_compilation(partial(setattr, self, "_compilation")))
         self._waiting: PingRequest | None = None
         self._errands: list[_Errand] = []
         self._patient: _Errand | None = None
@@ -136,8 +140,9 @@ class Simulator(QObject):
 
     @property
     def activity(self) -> Activity:
-        """What the worker does besides tracing pings."""
-        return self._activity
+        """What the worker does besides tracing pings, first of all compiling kernels."""
+        compilation = self._compilation
+        return self._activity if compilation is None else Activity(compilation.sentence, compilation.done)
 
     def ask(self, request: PingRequest) -> None:
         """Trace these pings next, instead of a request that still waits."""
@@ -175,6 +180,7 @@ class Simulator(QObject):
         with self._changed:
             self._closing = True
             self._changed.notify()
+        self._watching.close()
         self._thread.join()
 
     def _work(self) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from stand_in import StandIn
 
+from insonify.kernels.common.compilation import Compilation, tell_watchers
 from insonify.planning.models import pack
 from insonify.scene import Scene, edit
 from insonify_viewer.modelling import Modelling
@@ -104,6 +105,20 @@ def test_the_new_bed_is_told_before_its_methods_are_chosen(small: Scene, qtbot: 
         assert simulator.activity == Activity()
     finally:
         simulator.close()
+
+
+def test_the_bar_tells_what_is_compiled(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.simulator.ask = lambda request: None
+    viewer.session.settle({"seed": 5})
+    tell_watchers(Compilation("bent rays", 0.4, 55.0))
+    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting is not None)
+    assert viewer.window.waterfall.waiting == ("compiling bent rays, once, about a minute left", 0.4)
+    tell_watchers(None)
+    qtbot.waitUntil(lambda: viewer.window.waterfall.waiting.what.startswith("tracing pings"))
+    viewer.window.close()
+    tell_watchers(Compilation("bent rays", 0.5, 55.0))
+    assert viewer.simulator.activity == Activity(), "a closed window does not watch"
 
 
 def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(open_viewer: Any, small: Scene, qtbot: Any) -> None:
