@@ -14,6 +14,7 @@ from insonify_viewer.session import Mark
 if TYPE_CHECKING:
     from insonify.display.normalisation import LevelBed
     from insonify.simulation import Simulation
+    from insonify_viewer.pixel_label import PixelLabel
 
 Position = tuple[float, float, float]
 
@@ -34,6 +35,8 @@ class MarkedPoint:
         Local coordinates of the bed there; None in the water column or where there is no bed.
     intensity : float
         Linear, before display gain.
+    label : PixelLabel or None
+        What the bin shows; None while it is not known.
     """
 
     mark: Mark
@@ -41,6 +44,7 @@ class MarkedPoint:
     ground_range: float | None
     position: Position | None
     intensity: float
+    label: PixelLabel | None = None
 
 
 def marked_point(simulation: Simulation, record: Record, level: LevelBed, mark: Mark) -> MarkedPoint | None:

@@ -17,9 +17,10 @@ from insonify.scene import Scene, SceneError, bundled_scenes
 from insonify_viewer.auto_pause import next_pause
 from insonify_viewer.contrast import Contrast
 from insonify_viewer.laid_scene import LaidScene
-from insonify_viewer.marked_point import MarkedPoint, marked_point
-from insonify_viewer.panels import find_panels
-from insonify_viewer.panels.panel import Panel, RecordGrowth, Workbench
+from insonify_viewer.mark_controller import MarkController
+from insonify_viewer.marked_point import MarkedPoint
+from insonify_viewer.panel_set import PanelSet
+from insonify_viewer.panels.panel import RecordGrowth, Workbench
 from insonify_viewer.record import Record
 from insonify_viewer.saving import Saving
 from insonify_viewer.seabed_controller import SeabedController
@@ -57,7 +58,7 @@ class Viewer(QObject):
     ----------
     session, tow, simulator, window, record, files, saving, targets
         The parts that it connects.
-    panels : dict of str to Panel
+    panels : PanelSet
         The panels of the window, by name.
     failure : str
         Why the first scene cannot be simulated; empty if it can.
@@ -74,7 +75,7 @@ class Viewer(QObject):
         self.files = FileDialogs(self.window, self.simulator, self.open, self.window.say)
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, self._show_part)
         self.saving = Saving(self.session, self.window, self.simulator)
-        self.panels = self._make_panels()
+        self.panels = PanelSet(self._workbench())
         self.window.mount(tuple(self.panels.values()))
         self.failure = ""
         self._seabed = SeabedController(self.simulator, accelerated=accelerated)
@@ -83,8 +84,8 @@ class Viewer(QObject):
         self._answer: TracedPings | None = None  # the last one that fits the record
         self._laid: LaidScene | None = None  # a scene that is shown before its first pings
         self._waiting = WaitingWatch()
-        self._planned: Simulation | None = None  # the one whose plan the panels show
         self._prepared = self._started = self._stopped = False
+        self._marks = MarkController(self._show_point, self.simulator.call_later)
         self._contrast = Contrast(self.window.waterfall)
         self._clock = QTimer(self)
         self._clock.setInterval(TICK)
@@ -98,7 +99,7 @@ class Viewer(QObject):
     def complete(self) -> bool:
         """Whether record, seabed and panels show the present scene."""
         shown = self._answer is not None and not self._missing().size
-        return shown and self._seabed.complete and all(panel.complete for panel in self.panels.values())
+        return shown and self._seabed.complete and self.panels.complete
 
     @property
     def seabed(self) -> SeabedController:
@@ -191,9 +192,9 @@ class Viewer(QObject):
     def close(self) -> None:
         """Stop clock, panels and worker."""
         self._clock.stop()
-        for panel in self.panels.values():
-            panel.closing()
+        self.panels.tell("closing")
         self.saving.close()
+        self._marks.close()
         self.simulator.close()
         self._seabed.close()
 
@@ -231,9 +232,9 @@ class Viewer(QObject):
 
         return ask_then_act
 
-    def _make_panels(self) -> dict[str, Panel]:
-        """Make every panel that is found."""
-        workbench = Workbench(
+    def _workbench(self) -> Workbench:
+        """Return what the panels are made with."""
+        return Workbench(
             session=self.session,
             simulator=self.simulator,
             files=self.files,
@@ -241,12 +242,9 @@ class Viewer(QObject):
             pause=lambda: self.run(False),
             open_panel=self.window.open_panel,
         )
-        return {panel.name: panel(workbench) for panel in find_panels()}
 
     def _show_part(self, path: str) -> None:
-        """Let the panels show a part that was added to the scene."""
-        for panel in self.panels.values():
-            panel.part_added(path)
+        self.panels.tell("part_added", path)
 
     def _scene_changed(self, scene: Scene, settled: bool) -> None:
         traced = (scene, self.session.modelling)
@@ -264,8 +262,7 @@ class Viewer(QObject):
 
     def _show_scene(self, scene: Scene, *, settled: bool) -> None:
         """Update panels, title and buttons."""
-        for panel in self.panels.values():
-            panel.scene_changed(scene, settled)
+        self.panels.tell("scene_changed", scene, settled)
         if settled:
             self.window.show_title(scene.title, unsaved=self.session.unsaved)
             self.window.undo.setEnabled(self.session.can_undo)
@@ -334,22 +331,11 @@ class Viewer(QObject):
             self.window.waterfall.repaint()  # immediately, because the person who drags a slider watches the record
         self._show_sonar()
         self._show_mark(self.session.mark)
-        self._tell_growth(answer)
+        current = answer.fine and answer.number == self._number
+        self.panels.tell_growth(RecordGrowth(answer, self.record, current, complete=not self._missing().size))
         if not self._started:
             self._started = True
             self.window.say(scene.title)
-
-    def _tell_growth(self, answer: TracedPings) -> None:
-        """Notify the panels of new pings, and of another plan if the pings are traced by one."""
-        current = answer.fine and answer.number == self._number
-        growth = RecordGrowth(answer, self.record, current, complete=not self._missing().size)
-        replanned = current and answer.simulation is not self._planned
-        if replanned:
-            self._planned = answer.simulation
-        for panel in self.panels.values():
-            if replanned:
-                panel.plan_made(answer.simulation.plan)
-            panel.record_grown(growth)
 
     def _newest_held(self) -> int:
         """Ping to show on top: while the tow runs, the newest that has arrived."""
@@ -365,8 +351,7 @@ class Viewer(QObject):
             self.window.say(sentence, lasting=True)
         else:
             self.session.take_back()
-            for panel in self.panels.values():
-                panel.scene_refused()
+            self.panels.tell("scene_refused")
             self.window.say(sentence)
 
     def _settle_levels(self) -> None:
@@ -380,13 +365,12 @@ class Viewer(QObject):
         self.window.waterfall.show_top(self.tow.top)
 
     def _show_mark(self, mark: Mark | None) -> None:
-        """Show a point of the record in views and panels; nothing where the record holds nothing."""
-        point: MarkedPoint | None = None
-        if mark is not None and self._answer is not None:
-            point = marked_point(self._answer.simulation, self.record, self._answer.level, mark)
-        for panel in self.panels.values():
-            panel.point_marked(point)
-        self.window.waterfall.show_mark(None if point is None else mark)
+        """Show a point of the record in views and panels."""
+        self._marks.show(mark, self._answer, self.record)
+
+    def _show_point(self, point: MarkedPoint | None) -> None:
+        self.panels.tell("point_marked", point)
+        self.window.waterfall.show_mark(None if point is None else point.mark)
         self._seabed.show_mark(None if point is None else point.position)
 
     def _show_sonar(self) -> None:

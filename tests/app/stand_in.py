@@ -17,6 +17,7 @@ from insonify.receiver import make_reception
 from insonify.scene import Scene, SceneError
 from insonify.scene.materials import MATERIALS
 from insonify.terrain.ground import Ground
+from insonify.tracers.labels import RecordLabels
 
 
 class StandIn:
@@ -52,6 +53,26 @@ class StandIn:
         diffuse = self.ground.reflectivities[0].diffuse
         amplitude[:, :, bins // 10 :] = diffuse * (1.0 + (pings % 7)[:, None, None] / 10.0)
         return np.asarray(amplitude**2 * np.maximum(self.curve, 1e-30), dtype=np.float32)
+
+    def truth(self, pings: NDArray[np.int64]) -> RecordLabels:
+        """Bed beyond the water column; target 0 in bin 70, its shadow in 71; a ghost in 80; nothing in 90."""
+        shape = (len(pings), 2, self.scene.sonar.bins)
+        first = self.scene.sonar.bins // 10
+        target, path = np.full(shape, -2, np.int16), np.full(shape, -1, np.int8)
+        target[..., first:], path[..., first:] = -1, 0
+        target[..., 70], target[..., [71, 90]], path[..., [71, 90]] = 0, -2, -1
+        path[..., 80] = 1
+        material = np.where(target == -1, 0, np.where(target == 0, 1, -1)).astype(np.int16)
+        shadow, by = np.zeros(shape, np.float32), np.full(shape, -2, np.int16)
+        shadow[..., 71], by[..., 71] = 1.0, 0
+        shadow[..., 72], by[..., 72] = 0.3, 0
+        heard = np.where(target > -2, 1.0, np.nan)
+        slant = (np.arange(shape[-1]) + 0.5) * self.scene.sonar.range / shape[-1]
+        flat = np.sqrt(np.maximum(slant**2 - self.scene.altitude**2, 0.0))
+        return RecordLabels(
+            target, material, shadow, by, (heard * flat).astype(np.float32), (heard * 40.0).astype(np.float32), path,
+            np.zeros(shape, bool),
+        )  # fmt: skip
 
 
 def ground_of(scene: Scene) -> Ground:

@@ -36,10 +36,28 @@ class ReadoutPanel(Panel):
 
 
 def described(point: MarkedPoint) -> str:
-    """Write a point as ping, side, slant range, ground range, height of the bed over its mean, and intensity."""
+    """Write a point as ping, side, ranges, what it shows, and intensity."""
     parts = [f"ping {point.mark.ping}", SIDES[point.mark.side], f"slant {point.slant_range:.2f} m"]
-    parts.append("water column" if point.ground_range is None else f"ground {point.ground_range:.2f} m")
-    if point.position is not None:
+    parts += _what_is_there(point)
+    if point.intensity > 0.0:
+        parts.append(f"{point.intensity:.3g} ({10.0 * math.log10(point.intensity):.1f} dB)")
+    return "  ·  ".join(parts)
+
+
+def _what_is_there(point: MarkedPoint) -> list[str]:
+    """Ground range, source and height, as far as they are known; of bed only where its own echo is recorded."""
+    label = point.label
+    if label is None:
+        return [] if point.ground_range is None else [f"ground {point.ground_range:.2f} m"]
+    across = label.ground_range if label.source else point.ground_range
+    parts = ([] if across is None else [f"ground {across:.2f} m"]) + label.words
+    if label.source == "bed" and not label.ghost and point.position is not None:
         parts.append(f"bed {point.position[2]:+.2f} m")
-    decibels = f" ({10.0 * math.log10(point.intensity):.1f} dB)" if point.intensity > 0.0 else ""
-    return "  ·  ".join([*parts, f"{point.intensity:.3g}{decibels}"])
+    return parts if label.words else [*parts, _reason_of_silence(point)]
+
+
+def _reason_of_silence(point: MarkedPoint) -> str:
+    """Why a bin holds no echo although no target hides the bed."""
+    if point.ground_range is None:
+        return "water column"
+    return "no bed" if point.position is None else "hidden by the bed"

@@ -1,0 +1,87 @@
+"""Shows the marked point of the record in views and panels, with what it is."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from insonify_viewer.marked_point import MarkedPoint, marked_point
+from insonify_viewer.newest_wins import NewestWins
+from insonify_viewer.pixel_label import label_bin
+
+if TYPE_CHECKING:
+    from insonify.simulation import Simulation
+    from insonify.tracers.labels import RecordLabels
+    from insonify_viewer.record import Record
+    from insonify_viewer.session import Mark
+    from insonify_viewer.simulator import TracedPings
+
+KEPT = 32  # pings whose labels are kept
+
+
+class MarkController:
+    """Looks marked points up; their labels come from a thread of their own, a moment later.
+
+    Parameters
+    ----------
+    show : callable
+        Shows a `MarkedPoint`, or None.
+    call_later : callable
+        Calls (receive, result) on the main thread.
+    """
+
+    def __init__(
+        self,
+        show: Callable[[MarkedPoint | None], None],
+        call_later: Callable[[Callable[[Any], None], Any], None],
+    ) -> None:
+        self._show = show
+        self._thread = NewestWins("labels", call_later)
+        self._simulation: Simulation | None = None
+        self._labels: OrderedDict[int, RecordLabels | None] = OrderedDict()
+        self._point: MarkedPoint | None = None
+
+    def show(self, mark: Mark | None, answer: TracedPings | None, record: Record) -> None:
+        """Show a point of the record; nothing where the record holds nothing."""
+        if mark is None or answer is None:
+            self._show_point(None)
+            return
+        simulation = answer.simulation
+        if simulation is not self._simulation:
+            self._simulation = simulation
+            self._labels.clear()
+        self._show_point(marked_point(simulation, record, answer.level, mark))
+        if self._point is not None and mark.ping not in self._labels:
+            self._ask(simulation, mark.ping)
+
+    def close(self, patience: float | None = None) -> None:
+        """End the thread of the labels."""
+        self._thread.close(patience)
+
+    def _ask(self, simulation: Simulation, ping: int) -> None:
+        def take(labels: RecordLabels | None) -> None:
+            if simulation is self._simulation:
+                self._keep(ping, labels)
+
+        self._thread.send(lambda: simulation.truth(np.array([ping], dtype=np.int64)), take)
+
+    def _keep(self, ping: int, labels: RecordLabels | None) -> None:
+        """Keep the labels of a ping, and show the point anew if it lies there."""
+        self._labels[ping] = labels
+        while len(self._labels) > KEPT:
+            self._labels.popitem(last=False)
+        if self._point is not None and self._point.mark.ping == ping:
+            self._show_point(self._point)
+
+    def _show_point(self, point: MarkedPoint | None) -> None:
+        if point is not None and self._simulation is not None:
+            labels = self._labels.get(point.mark.ping)
+            if labels is not None:
+                label = label_bin(self._simulation, labels, point.mark.side, point.mark.bin)
+                point = replace(point, label=label)
+        self._point = point
+        self._show(point)

@@ -1,0 +1,105 @@
+"""What a bin of the record shows: its greatest contributor, by which path, and what hides the bed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from insonify.simulation import Simulation
+    from insonify.tracers.labels import RecordLabels
+
+BED = -1
+HIDDEN = 0.5  # share of the bed's echo that is hidden where a bin counts as shadow
+LEAST = 0.05  # share hidden that is worth telling
+GHOSTS = {
+    "surface_bottom": "ghost by surface and bottom",
+    "surface_bottom_surface": "ghost by surface, bottom and surface",
+    "second_bottom": "second bottom echo",
+    "surface": "echo of the sea surface",
+    "crosstalk": "crosstalk from the other side",
+}
+
+
+@dataclass(frozen=True)
+class PixelLabel:
+    """The label of one bin.
+
+    Attributes
+    ----------
+    source : str
+        What the greatest echo comes from: ``pipe 1``, ``bed``; empty without an echo.
+    material : str
+        Of the source; empty where it has none.
+    ghost : str
+        The path of that echo in words; empty for the direct one.
+    shadow : str
+        What hides the bed there: ``shadow of pipe 1``; empty where no target hides it.
+    ground_range : float or None
+        Of the echo, in metres.
+    incidence : float or None
+        On the source, in degrees.
+    """
+
+    source: str = ""
+    material: str = ""
+    ghost: str = ""
+    shadow: str = ""
+    ground_range: float | None = None
+    incidence: float | None = None
+
+    @property
+    def words(self) -> list[str]:
+        """The label as it is read, part by part."""
+        echo = ", ".join(filter(None, (self.source, self.material)))
+        parts = [f"{self.ghost} ({echo})" if self.ghost and echo else self.ghost or echo, self.shadow]
+        if self.incidence is not None:
+            parts.append(f"incidence {self.incidence:.0f}°")
+        return [part for part in parts if part]
+
+
+def label_bin(simulation: Simulation, labels: RecordLabels, side: int, range_bin: int) -> PixelLabel:
+    """Read the label of one bin.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        The simulation that made the labels.
+    labels : RecordLabels
+        Of one ping.
+    side, range_bin : int
+        Port is 0; bins count from the sonar.
+    """
+    # lazy: loads Numba; the window opens before
+    from insonify.tracers.labels import PATHS
+
+    place = (0, side, range_bin)
+    scene = simulation.scene
+    target, row, path = int(labels.target_id[place]), int(labels.material[place]), int(labels.path[place])
+    materials = [*simulation.ground.names, *(each.material.name for each in scene.targets)]
+    return PixelLabel(
+        source=_target(scene.targets, target) if target >= 0 else "bed" if target == BED else "",
+        material=materials[row].replace("_", " ") if row >= 0 else "",
+        ghost=GHOSTS.get(PATHS[path], "") if path >= 0 else "",
+        shadow=_shadow(scene.targets, float(labels.shadow[place]), int(labels.shadow_id[place])),
+        ground_range=_number(labels.ground_range[place]),
+        incidence=_number(labels.incidence[place]),
+    )
+
+
+def _target(targets: tuple[object, ...], index: int) -> str:
+    """Name of a target as the heading of its section has it."""
+    kind = str(getattr(targets[index], "kind", "target")).replace("_", " ")
+    return f"{kind} {index + 1}"
+
+
+def _shadow(targets: tuple[object, ...], share: float, index: int) -> str:
+    if index < 0 or share < LEAST:
+        return ""
+    of = f"shadow of {_target(targets, index)}"
+    return of if share >= HIDDEN else f"{100 * share:.0f} % in the {of}"
+
+
+def _number(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
