@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from insonify.accuracy.record_errors import compare_records
+from insonify.accuracy.record_errors import RecordErrors, compare_records
 from insonify.scene import Scene, edit, load_scene
 from insonify.simulation import prepare
 from insonify.tracers import ray_sheets, sweep
@@ -91,9 +91,39 @@ def test_smooth_beds_are_hardly_divided():
     assert divided < 2e-3
 
 
-@pytest.mark.parametrize("material", [LAMBERT, "fine_sand"])
-def test_a_rough_bed_in_water_that_refracts_is_near_exact_rays(material):
-    thermocline = load_scene("thermocline")
-    scene = bare_knife(fractal(0.16), **{"seabed.material": material})
-    scene = edit(scene, {"seabed.depth": thermocline.seabed.depth, "water": thermocline.water})
-    assert errors(scene, 0.01)[0] < (5e-3 if material == LAMBERT else 2e-2)
+REFRACTING = {
+    # The fish above a thermocline, and at the axis of a channel.
+    "thermocline": {"water": load_scene("thermocline").water, "seabed.depth": 40.0, "track.altitude": 26.0},
+    "channel": {
+        "water": {"kind": "profile", "depth": [0, 20, 30, 45], "sound_speed": [1510, 1500, 1490, 1505]},
+        "seabed.depth": 40.0,
+    },
+}
+
+
+def errors_in_water(scene: Scene, *, planes: int = 1, sheets: int = 1, rays: int = 1 << 16) -> RecordErrors:
+    """Errors of the sweep of a scene whose water refracts."""
+    simulation = prepare(scene)
+    arrays, poses = simulation.arrays, simulation.poses(PINGS if planes == 1 else PINGS[:1])
+    assert arrays.water.bent
+    right = ray_sheets.trace(arrays, poses, sheets=sheets, rays=rays)
+    return compare_records(arrays, poses, sweep.trace(arrays, poses, planes=planes), right)
+
+
+@pytest.mark.parametrize("water", REFRACTING)
+@pytest.mark.parametrize("material", [LAMBERT, "fine_sand", SHINY], ids=["lambert", "40", "400"])
+@pytest.mark.parametrize("seed", [31, 47])
+def test_a_rough_bed_in_water_that_refracts_is_near_exact_rays(water, material, seed):
+    scene = bare_knife(fractal(0.16), **REFRACTING[water], **{"seabed.material": material, "seed": seed})
+    found = errors_in_water(scene)
+    assert found.beyond < 5e-3
+    assert found.all_bins < 1e-2
+
+
+@pytest.mark.parametrize("water", REFRACTING)
+@pytest.mark.parametrize("material", ["fine_sand", SHINY], ids=["40", "400"])
+def test_a_narrow_fan_in_water_that_refracts_is_near_exact_rays(water, material):
+    fan = {"sonar.beam": {"kind": "fan", "width": 0.2}, "seabed.material": material, "seed": 31}
+    found = errors_in_water(bare_knife(fractal(0.16), **REFRACTING[water], **fan), planes=64, sheets=32, rays=1 << 15)
+    assert found.beyond < 5e-3
+    assert found.all_bins < 1e-2

@@ -7,8 +7,9 @@ import pytest
 
 import bent
 from beds import arrays_of, icosphere, mesh_of, poses_of
+from insonify.kernels.bed.profile import empty_profile
 from insonify.kernels.common.jit import kernel
-from insonify.kernels.refraction.apparent_positions import look_up_position, prepare_table
+from insonify.kernels.refraction.apparent_positions import apply_apparent_positions, look_up_position, prepare_table
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.tracers import sweep
 from insonify.tracers.labels import trace_labels
@@ -64,6 +65,38 @@ def test_tables_of_one_gradient_hold_the_closed_forms(gradient, sonar):
     np.testing.assert_allclose(1.0 + tube, x / cosine / r, rtol=1e-6)
     arrival = z / x - gradient * d**2 / (2.0 * x * c1)
     np.testing.assert_allclose(turn, np.arctan(arrival) - np.arctan(slope), atol=2e-6)
+
+
+@kernel
+def put(apparent, z, table, profile, count):
+    """Put the knots of a profile at their apparent positions."""
+    apply_apparent_positions(table, prepare_table(apparent, z, table), True, profile, count)
+
+
+@pytest.mark.parametrize("gradient", [1.0, -1.0])
+def test_a_rough_profile_has_the_ranges_and_incidences_of_the_closed_forms(gradient):
+    c0, knots = 1500.0, 901
+    speeds = [c0 - gradient * (200.0 + SONAR), c0 + gradient * (200.0 - SONAR)]
+    arrays = arrays_of(np.array([[-1.0, 1.0], [1.0, -1.0]]), bins=1000, bin_length=0.1)
+    arrays = arrays._replace(water=bent.layered([-200.0, 200.0], speeds, SONAR))
+    apparent, _ = make_apparent_tables(arrays, poses_of(0.0, 0.0, SONAR))
+    x = np.linspace(0.0, 90.0, knots)
+    z = 0.9 * np.sin(0.7 * x) - SONAR
+    slope = np.diff(z) / np.diff(x)
+    area = 1.3 + slope**2
+    profile = empty_profile(1024, np.float64)
+    profile.x[:knots], profile.z[:knots], profile.slope[: knots - 1], profile.area[: knots - 1] = x, z, slope, area
+    put(apparent, SONAR, np.zeros(apparent.tables.shape[1:], np.float32), profile, knots)
+    d, c1 = np.hypot(x, z), c0 + gradient * z
+    r = c0 * 2.0 / abs(gradient) * np.arcsinh(abs(gradient) * d / (2.0 * np.sqrt(c0 * c1)))
+    seen_x, seen_z = profile.x[:knots], profile.z[:knots]
+    np.testing.assert_allclose(np.hypot(seen_x, seen_z), r, atol=2e-5)
+    # The direction of arrival is that from the sonar, less the half angle that the arc spans.
+    x, z, seen_x, seen_z = (0.5 * (values[1:] + values[:-1]) for values in (x, z, seen_x, seen_z))
+    arrival = np.arctan(z / x - gradient * (x**2 + z**2) / (2.0 * x * (c0 + gradient * z)))
+    cosine = np.maximum(slope * np.cos(arrival) - np.sin(arrival), 0.0) / np.sqrt(area)
+    found = -profile.facing[: knots - 1] / np.hypot(seen_x, seen_z) / np.sqrt(profile.area[: knots - 1])
+    np.testing.assert_allclose(found, cosine, atol=2e-5)
 
 
 def test_water_that_hardly_bends_is_as_good_as_straight():

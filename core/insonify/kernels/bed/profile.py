@@ -33,6 +33,7 @@ class Profile(NamedTuple):
     high: NDArray[np.float32]  # work space: heights on its upper border
     range_ratio: NDArray[np.float32]  # in water that refracts: apparent ground range of the knots over the true one
     gain: NDArray[np.float32]  # and what their energy must be multiplied by
+    facing: NDArray[np.float32]  # and of segments, -r√area cosα of the true incidence α, r the apparent slant range, m
 
 
 def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
@@ -50,9 +51,9 @@ def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
     Profile
     """
     x, z = np.zeros(capacity), np.zeros(capacity)
-    slope, area, gradient, twist, across, low, high, range_ratio, gain = np.zeros((9, capacity), dtype)
+    slope, area, gradient, twist, across, low, high, range_ratio, gain, facing = np.zeros((10, capacity), dtype)
     material, parts = np.zeros(capacity, np.int64), np.zeros(capacity, np.int32)
-    return Profile(x, z, slope, area, material, gradient, twist, parts, across, low, high, range_ratio, gain)
+    return Profile(x, z, slope, area, material, gradient, twist, parts, across, low, high, range_ratio, gain, facing)
 
 
 def profile_capacity(reach: float, spacing: float) -> int:

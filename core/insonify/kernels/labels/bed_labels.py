@@ -62,12 +62,13 @@ def note_bed(profile, count, arrays, sector, zbuffer, cells, echoes, contributio
     shadows : ShadowTable
     """
     occlusion = occlusion_of(zbuffer, cells)
-    x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
-    weights, ratios, law, bin_length = echoes.weight, profile.range_ratio, arrays.law, arrays.bin_length
+    x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
+    material, weights, ratios = profile.material, echoes.weight, profile.range_ratio
+    law, bin_length = arrays.law, arrays.bin_length
     for i in range(count - 1):
         if not echoes.cut[i] and echoes.energy[i] == 0.0:
             continue
-        segment = load_segment(i, x, z, slope, area, material, weights, arrays.reflectivity, sector)
+        segment = load_segment(i, x, z, slope, area, facing, material, weights, arrays.reflectivity, sector)
         ratio = 0.5 * (ratios[i] + ratios[i + 1]) if sector.bent else 1.0
         labelled = LabelledSegment(segment, material[i], ratio, law, bin_length)
         open_contributor(contributions, material[i])
@@ -144,7 +145,7 @@ def _note_whole_segment(contributions, labelled, x_from, x_to, near, far, densit
             r = 0.5 * (start + stop)
             strongest[k] = part
             contributions.x[who, k] = (x_from + (x_to - x_from) * (r - near) / (far - near)) / level
-            contributions.cosine[who, k] = -segment.offset / (r * math.sqrt(segment.area))
+            contributions.cosine[who, k] = -segment.facing / (r * math.sqrt(segment.area))
 
 
 @kernel
@@ -185,7 +186,7 @@ def _echo_in_bin(labelled, stretch, k):
     a = min(max(_ground_range_at_slant(segment, start, stretch.outward), stretch.x_from), stretch.x_to)
     b = min(max(_ground_range_at_slant(segment, stop, stretch.outward), stretch.x_from), stretch.x_to)
     x, side = 0.5 * (a + b), math.sqrt(segment.area)
-    cosine = -segment.offset / (slant_range(segment, x) * side)
+    cosine = -segment.facing / (slant_range(segment, x) * side)
     energy = FIXED_POINT * backscatter_strength(cosine, segment.diffuse, segment.specular, segment.shininess, law)
     energy *= segment.weight + segment.weight_rate * x
     energy *= max(stop - start, 0.0) / bin_length if law == LIGHT else side * abs(b - a)

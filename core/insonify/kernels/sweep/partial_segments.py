@@ -23,6 +23,7 @@ class BedSegment(NamedTuple):
     offset: float
     slope: float
     area: float  # 1 + |∇z|²
+    facing: float  # -r√area cosα at slant range r and incidence α, m; the offset itself where sound goes straight
     weight: float  # weight of its plane (along-track width, or share of the beam), extrapolated linearly to nadir
     weight_rate: float  # by which that grows per metre of ground range
     diffuse: float
@@ -82,7 +83,7 @@ def _deposit_part(segment, x_from, x_to, near, far, law, bin_length, bins):
     per_bin, stretch = 1.0 / bin_length, math.sqrt(segment.area)
     x = 0.5 * (x_from + x_to)
     middle = slant_range(segment, x)
-    cos_incidence = -segment.offset / (middle * stretch)  # docs/theory/sweep.md
+    cos_incidence = -segment.facing / (middle * stretch)  # docs/theory/sweep.md
     value = backscatter_strength(cos_incidence, segment.diffuse, segment.specular, segment.shininess, law)
     value *= segment.weight + segment.weight_rate * x
     if law == LIGHT:

@@ -93,8 +93,8 @@ def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bi
     _share_steps(knots, echoes.r, per_bin, last, echoes.early, echoes.late, echoes.place)
     _add_steps(count, echoes.place, echoes.early, echoes.late, bins)
     # Arrays are taken out of their tuples before the loops: doing so costs as much as a segment.
-    x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
-    weights, launch, horizon, cut = echoes.weight, echoes.launch, echoes.horizon, echoes.cut
+    x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
+    material, weights, launch, horizon, cut = profile.material, echoes.weight, echoes.launch, echoes.horizon, echoes.cut
     table, law, bin_length = arrays.reflectivity, arrays.law, arrays.bin_length
     if cells == 0:
         # Few segments are marked, so that whole words of marks are tested at once.
@@ -103,7 +103,7 @@ def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bi
             if words[word] != 0:
                 for i in range(WORD * word, WORD * word + WORD):
                     if cut[i]:
-                        segment = load_segment(i, x, z, slope, area, material, weights, table, sector)
+                        segment = load_segment(i, x, z, slope, area, facing, material, weights, table, sector)
                         start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
                         deposit_partial_segment(segment, start, x[i + 1], law, bin_length, bins)
         return
@@ -114,24 +114,24 @@ def _deposit_segments(profile, count, arrays, sector, zbuffer, cells, echoes, bi
 def _deposit_behind_targets(profile, count, arrays, sector, zbuffer, cells, echoes, bins):
     """Spread the echoes of the segments that must be cut, less what targets hide of them."""
     occlusion = occlusion_of(zbuffer, cells)
-    x, z, slope, area, material = profile.x, profile.z, profile.slope, profile.area, profile.material
-    weights, launch, horizon, cut = echoes.weight, echoes.launch, echoes.horizon, echoes.cut
+    x, z, slope, area, facing = profile.x, profile.z, profile.slope, profile.area, profile.facing
+    material, weights, launch, horizon, cut = profile.material, echoes.weight, echoes.launch, echoes.horizon, echoes.cut
     table, law, bin_length = arrays.reflectivity, arrays.law, arrays.bin_length
     for i in range(count - 1):
         if cut[i]:
-            segment = load_segment(i, x, z, slope, area, material, weights, table, sector)
+            segment = load_segment(i, x, z, slope, area, facing, material, weights, table, sector)
             start = visible_from(segment, x[i], x[i + 1], launch[i], horizon[i])
             deposit_visible_stretches(segment, start, x[i + 1], occlusion, law, bin_length, bins)
 
 
 @inlined_uncounted
-def load_segment(i, x, z, slope, area, material, weights, table, sector):
+def load_segment(i, x, z, slope, area, facing, material, weights, table, sector):
     """Load segment i of a profile.
 
     Parameters
     ----------
     i : int
-    x, z, slope, area, material : ndarray
+    x, z, slope, area, facing, material : ndarray
         Of the Profile.
     weights : ndarray of float32
         What the plane stands for at the knots.
@@ -144,11 +144,12 @@ def load_segment(i, x, z, slope, area, material, weights, table, sector):
     BedSegment
     """
     row, rise = material[i], slope[i]
-    at_nadir, rate = 1.0, 0.0
+    at_nadir, rate, offset = 1.0, 0.0, z[i] - rise * x[i]
     if sector.angle > 0.0 or sector.tabulated or sector.bent:
         rate = (np.float64(weights[i + 1]) - weights[i]) / (x[i + 1] - x[i])
         at_nadir = weights[i] - rate * x[i]
-    return BedSegment(z[i] - rise * x[i], rise, area[i], at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
+    away = facing[i] if sector.bent else offset
+    return BedSegment(offset, rise, area[i], away, at_nadir, rate, table[row, 0], table[row, 1], table[row, 2])
 
 
 @inlined_uncounted

@@ -91,6 +91,8 @@ def find_visible_echoes(profile, count, arrays, sector, hidden_from, hidden_to, 
     _launch_slopes(knots, x, z, echoes.launch)
     _running_horizon(count, echoes.launch, echoes.horizon)
     _measure_segments(knots, profile, echoes, arrays.law, arrays.bin_length)
+    if sector.bent:
+        _measure_incidence(knots, profile.facing, area, echoes.r, echoes.cos_squared)
     if sector.angle > 0.0 or sector.tabulated or sector.bent:
         # Padding past the last knot may hold any number, which must not index a pattern's table.
         weigh_knots(
@@ -175,6 +177,15 @@ def _measure_segments(segments, profile, echoes, law, bin_length):
             scale[i] = unit * math.sqrt(area[i]) * run / rise
         length_squared = run * run * (one + slope[i] * slope[i])
         uneven[i] = (length_squared > abs(rise) * middle) | (length_squared > fine * middle_squared)
+
+
+@inlined_uncounted
+def _measure_incidence(segments, facing, area, r, cos_squared):
+    """Incidence of segments in water that refracts, its cosine squared at the middle."""
+    real = cos_squared.dtype.type
+    for i in range(segments):
+        middle = real(0.5 * (r[i] + r[i + 1]))
+        cos_squared[i] = facing[i] * facing[i] / (middle * middle * area[i])
 
 
 @inlined_uncounted
