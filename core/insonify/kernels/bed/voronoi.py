@@ -52,7 +52,7 @@ def nearest_seed_hash(seed, stream, u, v, repeat):
             distance = du * du + dv * dv
             if distance < nearest:
                 nearest, owner_a, owner_b = distance, a, b
-    return hash_integers(seed, stream, owner_a, owner_b, KIND)
+    return hash_integers(seed, stream, owner_a, owner_b, np.int64(KIND))
 
 
 @kernel

@@ -90,7 +90,8 @@ def hash_uniform(seed, stream, a, b, c):
     -------
     float64
     """
-    return unit_interval(hash_integers(seed, stream, a, b, c))
+    # A literal would be a type of its own, for which all is compiled again.
+    return unit_interval(hash_integers(seed, stream, a, b, np.int64(c)))
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""LLVM code of functions that other kernels call: hardly optimised, and without machine code of its own."""
+"""LLVM code of functions that other kernels call, without machine code of its own."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from numba.core.codegen import JITCodeLibrary
 
 class PartLibrary(JITCodeLibrary):
     """LLVM code of a function and of all that it calls, which is linked into the code of its callers."""
+
+    optimised = True  # before it is linked; if not, with the callers' code alone
 
     @classmethod
     def from_bitcode(cls, codegen: Any, name: str, bitcode: bytes) -> PartLibrary:
@@ -37,7 +39,10 @@ class PartLibrary(JITCodeLibrary):
         return bytes(self._get_module_for_linking().as_bitcode())
 
     def _optimize_final_module(self) -> None:
-        # Numba's cheap passes inline what must be inlined. The rest is done once, with the caller's code.
+        if self.optimised:
+            super()._optimize_final_module()
+            return
+        # Numba's cheap passes inline what must be inlined.
         passes, builder = self._codegen._module_pass_manager(
             loop_vectorize=False, slp_vectorize=False, opt=0, cost="cheap"
         )

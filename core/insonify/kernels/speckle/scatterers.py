@@ -208,7 +208,7 @@ def _add_bed(arrays, beam, scatterers, visible_bed, near, pulse, signal):
     for row in range(first, last):
         begin, end = lattice_columns(beam, corners, pitch, row)
         for column in range(begin, end):
-            key = hash_integers(scatterers.seed, BED_SCATTERERS, column, row, 0)
+            key = hash_integers(scatterers.seed, BED_SCATTERERS, column, row, np.int64(0))
             for member in range(_poisson(key, LOT, none)):
                 bits, more = _random_bits(key, member)
                 x, y = (column + _upper_uniform(bits)) * pitch, (row + _lower_uniform(bits)) * pitch
