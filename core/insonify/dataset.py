@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from insonify.acoustics.water import recording_speed
 from insonify.io.georeference import find_georeference
-from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform
+from insonify.io.record_schema import coordinates, echo_variable, label_variables, platform, target_variables
 from insonify.kernels.common.types import Poses
 from insonify.packing.navigation import platform_columns
 from insonify.planning import Plan
 from insonify.scene import Scene, scene_to_toml
 from insonify.terrain import AnyGround
 from insonify.tracers.labels import PATHS
+from insonify.tracers.target_truth import TargetTruth
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,6 +35,7 @@ def make_dataset(
     pings: NDArray[np.int64],
     poses: Poses,
     columns: Columns,
+    truth: TargetTruth | None,
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
     """Make the Dataset of some pings.
@@ -49,6 +51,8 @@ def make_dataset(
         Their poses.
     columns : dict of str to (n, 2, bins) array
         ``intensity``, and labels by their names if there are any.
+    truth : TargetTruth, optional
+        What the pings up to the last of these show of each target, with labels alone.
     attributes : mapping
         From `record_attributes`.
 
@@ -61,13 +65,13 @@ def make_dataset(
 
     sonar = scene.sonar
     slant_range = (np.arange(sonar.bins) + 0.5) * (sonar.range / sonar.bins)
-    labels = {name: column for name, column in columns.items() if name != "intensity"}
     variables = echo_variable(columns["intensity"])
     variables |= platform(platform_columns(poses, ground), find_georeference(attributes))
-    if labels:
+    if truth is not None:
         targets = [f"{target.kind}_{number}" for number, target in enumerate(scene.targets)]
         materials = [*ground.names, *(target.material.name for target in scene.targets)]
-        variables |= label_variables(labels, targets, materials, PATHS)
+        variables |= label_variables(columns, targets, materials, PATHS)
+        variables |= target_variables(truth._asdict(), targets) if targets else {}
     coords = coordinates(pings / sonar.ping_rate, slant_range, recording_speed(scene, ground.datum))
     return xr.Dataset(variables, coords, attributes)
 

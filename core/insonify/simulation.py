@@ -23,6 +23,7 @@ from insonify.scene import Scene, SceneError
 from insonify.terrain import AnyGround
 from insonify.tracers.labels import RecordLabels, trace_labels
 from insonify.tracers.registry import Tracer
+from insonify.tracers.target_truth import TargetTruth, find_target_truth, join_target_truth
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -269,8 +270,9 @@ def simulate(
         columns = _enter_block(columns, simulation, pings, poses, part, truth)
         if progress is not None:
             progress(min(part.stop, pings.size), pings.size)
+    found = find_target_truth(scene, columns, 0) if truth else None
     return make_dataset(
-        scene, simulation.ground, pings, poses, columns, record_attributes(scene, simulation.plan, **asked)
+        scene, simulation.ground, pings, poses, columns, found, record_attributes(scene, simulation.plan, **asked)
     )
 
 
@@ -297,7 +299,8 @@ def simulate_blocks(
     Yields
     ------
     Dataset
-        Successive pings.
+        Successive pings. What ``truth`` tells of each target is that of all pings so far; the last block tells that of
+        the whole record.
 
     Raises
     ------
@@ -309,8 +312,11 @@ def simulate_blocks(
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced}
     simulation = prepare(scene, **asked, threads=threads)
     attributes = record_attributes(scene, simulation.plan, **asked)
+    so_far: list[TargetTruth] = []
     for traced in trace_blocks(simulation, truth, block):
-        yield make_dataset(scene, simulation.ground, *traced, attributes)
+        if truth:
+            so_far = [join_target_truth(*so_far, find_target_truth(scene, traced.columns, int(traced.pings[0])))]
+        yield make_dataset(scene, simulation.ground, *traced, so_far[0] if truth else None, attributes)
 
 
 class TracedBlock(NamedTuple):

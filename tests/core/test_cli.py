@@ -13,6 +13,7 @@ from PIL import Image
 
 from insonify import __main__ as process
 from insonify.cli import main
+from insonify.io.records import read_record
 from insonify.scene import bundled_scenes, edit, load_scene
 from insonify.simulation import simulate
 
@@ -71,6 +72,8 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
             "'.pdf' is not written by this command; end the name in .png or .svg or .csv or .json",
         ),
         (["relief", "default", "-o", "x.nc"], "end the name in .png"),
+        (["render", "default", "-o", "x.xtf", "--truth"], "--truth applies to .nc, .npz, .zarr, not to x.xtf"),
+        (["render", "default", "-o", "x.png", "--truth"], "leave it out or end the name in one of them"),
         (["rendre", "default"], "did you mean 'insonify render'?"),
         (["view", "atlantis"], "no such file"),
         (["atlantis"], "no such file"),
@@ -127,6 +130,18 @@ def test_netcdf_holds_what_simulate_returns(tmp_path):
         assert set(read.coords) == set(expected.coords)
         for name, value in expected.attrs.items():
             assert read.attrs[name] == value
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".npz", ".zarr"])
+def test_truth_is_that_of_simulate(tmp_path, suffix):
+    path = tmp_path / f"record{suffix}"
+    assert main(["render", *SMALL, "-o", str(path), "--truth"]) == 0
+    expected = simulate(edit(load_scene("pipe-span"), {"track.pings": 3, "sonar.bins": 100}), truth=True)
+    read = read_record(path)
+    for name in expected.data_vars:
+        np.testing.assert_array_equal(read[name], expected[name])
+        assert read[name].dims == expected[name].dims
+    assert main(["render", str(path), "-o", str(tmp_path / "again.nc"), "--truth"]) == 2
 
 
 def test_npz_holds_what_simulate_returns(tmp_path):

@@ -39,7 +39,8 @@ def test_xarray_shows_units_and_values(tmp_path, suffix):
             found = found.load()
     xr.testing.assert_equal(found, expected)
     assert found.attrs == expected.attrs | {"Conventions": "CF-1.10"}
-    for name in set(found.variables) - {"channel", "target_id", "material", "path", "shadow_id", "caustic"}:
+    named = {"channel", "target", "bound", "target_id", "material", "path", "shadow_id", "caustic"}
+    for name in set(found.variables) - named:
         assert found[name].attrs["units"], name
         assert found[name].attrs["long_name"], name
     assert found.target_id.attrs["flag_meanings"].split()[:2] == ["nothing", "bed"]

@@ -39,6 +39,7 @@ def register(subparsers: Any) -> None:
         "written block by block, so memory does not grow with the number of pings. A record may stand in place "
         f"of the scene: {RECORDS.describe(RECORDS.readable())}. It is drawn, or written in another format, as it is.",
         epilog="examples: insonify render wreck -o wreck.xtf --bits 8; "
+        "insonify render targets -o labelled.nc --truth; "
         "insonify render recording.jsf -o high.png --frequency 900e3",
     )
     add_scene(parser)
@@ -50,6 +51,12 @@ def register(subparsers: Any) -> None:
     picture.add_argument("--ground-range", action="store_true", help="convert slant range to ground range")
     picture.add_argument("--gain", type=decibels, metavar="DB", help="brighten by this many decibels (default: 0)")
     files = parser.add_argument_group("files")
+    files.add_argument(
+        "--truth",
+        action="store_true",
+        help="label every bin (target, material, shadow, path), and give for every target the boxes of its echo and "
+        f"its shadow, its shadow length and its target strength ({', '.join(RECORDS.labelled())})",
+    )
     for option in RECORDS.options():
         default = f"{option.description} (default: {option.choices[0]})"
         files.add_argument(f"--{option.name}", choices=option.choices, help=default)
@@ -69,6 +76,9 @@ def run(arguments: argparse.Namespace) -> None:
     if given and not _is_picture(path):
         option = f"--{next(iter(given)).replace('_', '-')}"
         raise SceneError(f"{option} applies to pictures, not to {path.name}; leave it out or end the name in {PICTURE}")
+    if arguments.truth and path.suffix.lower() not in RECORDS.labelled():
+        held = ", ".join(RECORDS.labelled())
+        raise SceneError(f"--truth applies to {held}, not to {path.name}; leave it out or end the name in one of them")
     choices = _write_options(arguments, path)
     if is_record(arguments.scene):
         pings, bins = _render_record(arguments, path, DisplayOptions(**given), choices)
@@ -77,7 +87,8 @@ def run(arguments: argparse.Namespace) -> None:
         if arguments.frequency is not None:
             raise SceneError("--frequency applies to recordings; write --set sonar.frequency=… for a scene")
         options = {"method": arguments.method, "tolerance": arguments.tolerance, "forced": chosen_model(arguments)}
-        write(scene, path, DisplayOptions(**given), choices, **options, threads=arguments.threads)
+        options |= {"truth": arguments.truth, "threads": arguments.threads}
+        write(scene, path, DisplayOptions(**given), choices, **options)
         pings, bins = scene.track.pings, scene.sonar.bins
     say(f"{path}: {pings} pings of 2 x {bins} bins")
 
@@ -105,6 +116,7 @@ def _render_record(
         "tolerance": 0.03,
         "model": [],
         "threads": None,
+        "truth": False,
     }
     changed = next((name for name, value in untouched.items() if getattr(arguments, name) != value), None)
     if changed is not None:
@@ -131,6 +143,7 @@ def write(
     method: str = "auto",
     tolerance: float = 0.03,
     forced: Mapping[str, str] | None = None,
+    truth: bool = False,
     threads: int | None = None,
     track: Tracker = tracked,
 ) -> None:
@@ -147,6 +160,8 @@ def write(
         Of the record's format, see `insonify.io.formats.WriteOption`.
     method, tolerance, forced, threads
         As in `insonify.simulate`.
+    truth : bool
+        Whether a record holds labels; a picture shows none.
     track : callable
         Passes blocks of pings on and follows their progress, as `insonify.commands.options.tracked` does. What it
         raises ends the work, and nothing is written.
@@ -158,7 +173,7 @@ def write(
     pings = scene.track.pings
     asked: dict[str, Any] = {"method": method, "tolerance": tolerance, "forced": forced, "threads": threads}
     if not _is_picture(path):
-        blocks = one_ahead(simulate_blocks(scene, **asked))
+        blocks = one_ahead(simulate_blocks(scene, **asked, truth=truth))
         write_record(path, track(blocks, pings, lambda block: block.sizes["ping_time"]), **(choices or {}))
         return
     # lazy: the other commands need neither Matplotlib nor the kernels

@@ -62,6 +62,8 @@ class FileFormat(Generic[Content]):
         Of a format that is neither read nor written: the program that converts it to one that is.
     remedy : str
         What to do with a file that its library cannot read.
+    labelled : bool
+        Of a record: whether the labels of its bins and what it tells of each target are written too.
     """
 
     description: str
@@ -73,6 +75,7 @@ class FileFormat(Generic[Content]):
     folder: bool = False
     converter: str = ""
     remedy: str = "export it again"
+    labelled: bool = False
 
 
 class FormatRegistry(Generic[Content]):
@@ -125,6 +128,10 @@ class FormatRegistry(Generic[Content]):
     def folders(self) -> tuple[str, ...]:
         """Suffixes of the formats whose files are folders."""
         return tuple(suffix for each in self.formats() if each.folder for suffix in each.suffixes)
+
+    def labelled(self) -> tuple[str, ...]:
+        """Suffixes of the formats whose files hold the labels of a record."""
+        return tuple(suffix for each in self.formats() if each.labelled for suffix in each.suffixes)
 
     def foreign(self) -> tuple[str, ...]:
         """Suffixes of the formats that are known by name alone and need a converter."""

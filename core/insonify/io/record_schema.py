@@ -29,6 +29,20 @@ GEOGRAPHIC = {
     "platform_longitude": {"units": "degrees_east", "standard_name": "longitude", "long_name": "longitude on WGS 84"},
     "platform_latitude": {"units": "degrees_north", "standard_name": "latitude", "long_name": "latitude on WGS 84"},
 }
+TARGET = "target"  # dimension of what is told of each target
+BOUNDS = ("first_ping", "last_ping", "first_bin", "last_bin")
+BOX = (TARGET, "channel", "bound")
+TARGET_TRUTH = {
+    "echo_box": (BOX, "1", "first and last ping and bin, from 0, of the target's direct echo; -1 without one"),
+    "shadow_box": (
+        BOX,
+        "1",
+        "first and last ping and bin in which it hides at least half the bed's echo; -1 without any",
+    ),
+    "target_box": (BOX, "1", "first and last ping and bin of its direct echo and its shadow; -1 without either"),
+    "shadow_length": (BOX[:2], "m", "slant range from the first to the last bin of the longest shadow of a ping"),
+    "target_strength": (BOX[:1], "dB", "target strength re 1 m2 within the beam, of the ping with the strongest echo"),
+}
 CONVENTIONS = {"Conventions": "CF-1.10"}
 
 
@@ -86,14 +100,19 @@ def labels(unit: str, text: str) -> dict[str, str]:
 
 
 def join_blocks(blocks: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Join successive blocks of pings into one record; what does not change with time is taken from the first."""
+    """Join successive blocks of pings into one record.
+
+    What is told of each target is that of all pings so far, and taken from the last block. Whatever else does not
+    change with time is taken from the first.
+    """
     import xarray as xr  # slow to import, and a preview in the viewer needs none of it
 
     if len(blocks) == 1:
         return blocks[0]
-    return xr.concat(
+    joined = xr.concat(
         blocks, dim="ping_time", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override"
     )
+    return joined.assign({name: blocks[-1][name] for name in TARGET_TRUTH if name in joined})
 
 
 def echo_variable(intensity: NDArray[np.float32]) -> dict[str, Any]:
@@ -146,6 +165,30 @@ def label_variables(
         if "flag_values" in told:
             told["flag_values"] = told["flag_values"].astype(columns[name].dtype)
     return {name: (ACROSS, np.moveaxis(columns[name], 1, 0), told) for name, told in attributes.items()}
+
+
+def target_variables(columns: Mapping[str, NDArray[Any]], targets: Sequence[str]) -> dict[str, Any]:
+    """Return the variables that tell what the record shows of each target.
+
+    Parameters
+    ----------
+    columns : mapping of str to array
+        By the names in ``TARGET_TRUTH``.
+    targets : sequence of str
+        Names, which become a coordinate.
+
+    Returns
+    -------
+    dict
+        By name, as a Dataset takes them.
+    """
+    told = {name: (dims, columns[name], labels(*text)) for name, (dims, *text) in TARGET_TRUTH.items()}
+    return {TARGET: list(targets), BOX[2]: list(BOUNDS)} | told
+
+
+def dimensions_of(name: str) -> tuple[str, ...] | None:
+    """Return the dimensions of a variable of `target_variables` by its name, None for any other."""
+    return (name,) if name in BOX else TARGET_TRUTH[name][0] if name in TARGET_TRUTH else None
 
 
 def _count_from(first: int, *meanings: str) -> dict[int, str]:

@@ -32,7 +32,9 @@ PATHS = ("direct", "surface_bottom", "surface_bottom_surface", "second_bottom", 
 
 
 class RecordLabels(NamedTuple):
-    """Labels of every range bin: greatest contributor, its place and path, and shadows of targets; (n, 2, bins) each.
+    """Labels of every range bin: greatest contributor, its place and path, and shadows of targets.
+
+    Each is (n, 2, bins) but ``target_echo``, which is (n, 2, targets).
 
     Attributes
     ----------
@@ -57,6 +59,9 @@ class RecordLabels(NamedTuple):
     caustic : bool
         Whether the echo comes by a caustic of the water: ray theory does not give its intensity, and the ray tubes
         count as no narrower than Airy's function allows.
+    target_echo : float32
+        Of each target, up to the last that is modelled: its echo by the direct path over all bins, weighted by the
+        beam, without spreading and absorption. By law `sonar` a backscattering cross-section in m².
     """
 
     target_id: NDArray[np.int16]
@@ -67,6 +72,7 @@ class RecordLabels(NamedTuple):
     incidence: NDArray[np.float32]
     path: NDArray[np.int8]
     caustic: NDArray[np.bool_]
+    target_echo: NDArray[np.float32]
 
 
 def trace_labels(
@@ -106,7 +112,7 @@ def trace_labels(
     SceneError
         If the sonar runs into a target.
     """
-    found = empty_labels(poses.x.size, arrays.bins)
+    found = empty_labels(poses.x.size, arrays.bins, _targets(arrays))
     apparent, folded = make_apparent_tables(arrays, poses)
     if folded.any():
         _enter(
@@ -131,7 +137,7 @@ def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None
 
 def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> BinLabels:
     """Labels of pings traced by rays along arcs."""
-    found, bare = empty_labels(poses.x.size, arrays.bins), without_targets(arrays)
+    found, bare = empty_labels(poses.x.size, arrays.bins, _targets(arrays)), without_targets(arrays)
 
     def block(part: Poses, first: int, last: int) -> int:
         tables = (
@@ -149,7 +155,7 @@ def _find(
 ) -> BinLabels:
     """Labels of pings that share their planes."""
     contributors = _contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
-    found = empty_labels(poses.x.size, arrays.bins)
+    found = empty_labels(poses.x.size, arrays.bins, _targets(arrays))
 
     def make_room() -> tuple[Any, ...]:
         room = empty_sweep_workspace(arrays, apparent)
@@ -193,12 +199,14 @@ def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> RecordLabel
         incidence=np.degrees(found.incidence),
         path=np.where(heard, way, NO_PATH).astype(np.int8),
         caustic=found.caustic,
+        target_echo=found.target_echo,
     )
 
 
 def _with_crosstalk(own: RecordLabels, energy: NDArray[np.float32], crosstalk: float) -> RecordLabels:
     """Labels with the other side's contributor wherever its crosstalk exceeds the side's own echo."""
     across = crosstalk * energy[:, ::-1] > energy
-    columns = {name: np.where(across, column[:, ::-1], column) for name, column in own._asdict().items()}
+    leaked = ("target_id", "material", "ground_range", "incidence", "path", "caustic")
+    columns = {name: np.where(across, getattr(own, name)[:, ::-1], getattr(own, name)) for name in leaked}
     columns["path"][across] = PATHS.index("crosstalk")
-    return RecordLabels(**columns | {"shadow": own.shadow, "shadow_id": own.shadow_id})
+    return own._replace(**columns)

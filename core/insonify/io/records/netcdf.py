@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from insonify.io.file_access import one_at_a_time
 from insonify.io.formats import FileFormat, WriteOption
 from insonify.io.netcdf_files import read_stored
-from insonify.io.record_schema import CONVENTIONS
+from insonify.io.record_schema import CONVENTIONS, TARGET_TRUTH
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -89,7 +89,7 @@ def append_to(file: Any, block: xr.Dataset, compression: str = "none") -> None:
         if ALONG in variable.dims:
             place = tuple(slice(start, stop) if dim == ALONG else slice(None) for dim in variable.dims)
             file[name][place] = _stored(variable.values)
-        elif first:
+        elif first or name in TARGET_TRUTH:
             file[name][...] = _stored(variable.values)
 
 
@@ -157,5 +157,6 @@ NETCDF = FileFormat(
     read_netcdf,
     write_netcdf,
     remedy="give a record written by insonify",
+    labelled=True,
     options=(WriteOption("compression", ("none", "zlib"), "lossless compression of netCDF"),),
 )

@@ -10,7 +10,7 @@ import numpy as np
 
 from insonify.io.formats import FileFormat
 from insonify.io.numpy_files import Archive
-from insonify.io.record_schema import ACROSS, join_blocks
+from insonify.io.record_schema import ACROSS, dimensions_of, join_blocks
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,12 +57,15 @@ def read_npz(path: str | Path) -> xr.Dataset:
 
 def _dimensions(name: str, shape: tuple[int, ...], sizes: dict[str, int]) -> tuple[str, ...]:
     """Name the dimensions of an array, which an archive does not keep, by its name or by its number of dimensions."""
-    if name in sizes:
-        return (name,)
+    told = (name,) if name in sizes else dimensions_of(name)
+    if told is not None:
+        return told
     if len(shape) == len(ACROSS):
         return ACROSS
     across = ("range_sample",) if name in ALONG_RANGE else ("ping_time",)
     return across[: len(shape)]
 
 
-NPZ = FileFormat("NumPy arrays", (".npz",), read_npz, write_npz, remedy="give a record written by insonify")
+NPZ = FileFormat(
+    "NumPy arrays", (".npz",), read_npz, write_npz, remedy="give a record written by insonify", labelled=True
+)

@@ -41,7 +41,8 @@ def write_zarr(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
         for number, part in enumerate(_regrouped(blocks, SHARD)):
             place: dict[str, Any] = {"append_dim": ALONG} if number else {"mode": "w", "encoding": _layout(part)}
             # Text of any length is one type in all libraries, text of a fixed length is not.
-            stored = part.assign_coords(channel=part["channel"].astype(object)).assign_attrs(CONVENTIONS)
+            text = {name: each.astype(object) for name, each in part.coords.items() if each.dtype.kind == "U"}
+            stored = part.assign_coords(text).assign_attrs(CONVENTIONS)
             stored.to_zarr(path, zarr_format=3, consolidated=False, **place)
         zarr.consolidate_metadata(path, zarr_format=3)
 
@@ -93,4 +94,6 @@ def _regrouped(blocks: Iterable[xr.Dataset], size: int) -> Iterator[xr.Dataset]:
         yield join_blocks(held)
 
 
-ZARR = FileFormat("Zarr", (".zarr",), read_zarr, write_zarr, folder=True, remedy="give a record written by insonify")
+ZARR = FileFormat(
+    "Zarr", (".zarr",), read_zarr, write_zarr, folder=True, remedy="give a record written by insonify", labelled=True
+)

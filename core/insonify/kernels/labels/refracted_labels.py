@@ -12,7 +12,7 @@ from insonify.kernels.common.contributors import add_contribution, open_contribu
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import BED
 from insonify.kernels.labels.shadows import label_shadows, open_shadow, target_of_body
-from insonify.kernels.labels.sweep_labels import label_bins
+from insonify.kernels.labels.sweep_labels import label_bins, sum_target_echoes
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits, empty_launch, weigh_by_pattern
 from insonify.kernels.rays.launch import find_enclosing_solid, orient_beam, rotate_to_world
 from insonify.kernels.refracted_rays.echoes import aim_side, make_waveguide, refracted_echo
@@ -78,7 +78,9 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
                     _enter(arrays, hits, arrivals, k, bins[m], values[m], cosine, contributions, intensity)
             if shadows.present.size > 0:
                 _note_hidden_bed(arrays, bare, beam, waveguide, z, landings, launch, hits, bare_rays, weighed, shadows)
-            label_shadows(shadows, contributions, arrays.reflectivity.shape[0], labels, ping, side)
+            materials = arrays.reflectivity.shape[0]
+            label_shadows(shadows, contributions, materials, labels, ping, side)
+            sum_target_echoes(contributions, materials, 1.0, labels.target_echo[ping, side])
             label_bins(contributions, intensity, silence, labels, ping, side)
     return 0
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from insonify.kernels.common.contributors import open_contributor, spread_contribution
 from insonify.kernels.common.jit import inlined, kernel
-from insonify.kernels.common.range_bins import accumulate_bins
+from insonify.kernels.common.range_bins import FIXED_POINT, accumulate_bins
 from insonify.kernels.labels.bed_labels import note_bed
 from insonify.kernels.labels.shadows import label_shadows, target_of_body
 from insonify.kernels.multipath.echo_list import EchoSink
@@ -47,15 +47,16 @@ class BinLabels(NamedTuple):
     shadow_id: NDArray[np.int16]  # target that hides most of it, -2 where none does
     ground_range: NDArray[np.float32]  # m, NaN where nothing returns
     incidence: NDArray[np.float32]  # rad, NaN where nothing returns
+    target_echo: NDArray[np.float32]  # (pings, 2, targets) direct echo of each target over all bins, m² by law SONAR
     caustic: NDArray[np.bool_]  # whether a ray at a caustic returns, whose tube's width is bounded from below
 
 
-def empty_labels(pings: int, bins: int) -> BinLabels:
+def empty_labels(pings: int, bins: int, targets: int) -> BinLabels:
     """Make room for the labels of a record.
 
     Parameters
     ----------
-    pings, bins : int
+    pings, bins, targets : int
 
     Returns
     -------
@@ -70,6 +71,7 @@ def empty_labels(pings: int, bins: int) -> BinLabels:
         shadow_id=np.empty(shape, np.int16),
         ground_range=ground_range,
         incidence=incidence,
+        target_echo=np.zeros((pings, 2, targets), np.float32),
         caustic=np.zeros(shape, np.bool_),
     )
 
@@ -133,9 +135,34 @@ def label_swept_pings(arrays, poses, fan, image_fan, apparent, workspace, multip
                 sink = EchoSink(bins, contributions, True)
                 add_multipath(arrays, poses, ping, side, fan, image_fan, multipath, sink)
                 accumulate_bins(bins, arrays.range_factor, by_surface)
-            label_shadows(shadows, contributions, arrays.reflectivity.shape[0], labels, ping, side)
+            materials = arrays.reflectivity.shape[0]
+            label_shadows(shadows, contributions, materials, labels, ping, side)
+            sum_target_echoes(contributions, materials, 1.0 / FIXED_POINT, labels.target_echo[ping, side])
             label_bins(contributions, straight, by_surface, labels, ping, side)
     return 0
+
+
+@kernel
+def sum_target_echoes(contributions, materials, scale, target_echo):
+    """Sum the direct echo of each target over all range bins, before the factor that depends on range alone.
+
+    Parameters
+    ----------
+    contributions : ContributorTable
+        Complete for one side: its first rows are those of the bed's materials, then come the targets.
+    materials : int
+        Of the bed.
+    scale : float
+        Of the table's energies, in m² by law SONAR.
+    target_echo : ndarray of float32, shape (targets,)
+        Filled.
+    """
+    for target in range(target_echo.size):
+        total = 0.0
+        if contributions.present[materials + target]:
+            for k in range(contributions.energy.shape[1]):
+                total += contributions.energy[materials + target, k]
+        target_echo[target] = scale * total
 
 
 @kernel
