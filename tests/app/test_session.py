@@ -271,6 +271,30 @@ def test_numbers_are_printed_and_read_back(value: float, unit: str, text: str) -
     assert parse_quantity(text, unit) == pytest.approx(value)
 
 
+@pytest.mark.parametrize(
+    ("text", "unit", "like", "value"),
+    [
+        ("0.2", "s", "0.1 ms", 2e-4),
+        ("200 µs", "s", "0.1 ms", 2e-4),
+        ("2e-4", "s", "0.1 ms", 2e-4),
+        ("500 kHz", "Hz", "400 kHz", 5e5),
+        ("500khz", "Hz", "400 kHz", 5e5),
+        ("500", "Hz", "400 kHz", 5e5),
+        ("4e5", "Hz", "400 kHz", 4e5),
+        ("1.2M", "Hz", "400 kHz", 1.2e6),
+        ("20 cm", "m", "0.1 m", 0.2),
+        ("20", "m", "0.1 m", 20.0),
+        ("1,5 m", "m", "", 1.5),
+        ("−3", "m", "2 m", -3.0),
+        ("17.45 mrad", "°", "1°", 0.99981),
+        ("4 kn", "m/s", "2 m/s", 2.05778),
+        ("0.3", "", "0.2", 0.3),
+    ],
+)
+def test_units_that_people_write_are_read(text: str, unit: str, like: str, value: float) -> None:
+    assert parse_quantity(text, unit, like) == pytest.approx(value, rel=1e-5)
+
+
 def test_times_are_printed_in_three_digits() -> None:
     assert [format_duration(seconds) for seconds in (1.23e-5, 9.99e-4, 9.996e-4, 1.288e-3)] == [
         "12.3 µs",
@@ -281,7 +305,7 @@ def test_times_are_printed_in_three_digits() -> None:
 
 
 def test_nonsense_is_not_a_number() -> None:
-    assert [parse_quantity(text, "m") for text in ("", "abc", "nan", "inf", "1 2")] == [None] * 5
+    assert [parse_quantity(text, "m") for text in ("", "abc", "nan", "inf", "1 2", "3 kHz", "1e999")] == [None] * 7
 
 
 @pytest.mark.parametrize("log", [False, True])

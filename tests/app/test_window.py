@@ -338,6 +338,9 @@ def test_a_slider_that_changes_nothing_stands_aside(open_viewer: Any, small: Sce
         assert "has no effect" not in row.field.toolTip()
         viewer.session.undo()
         assert not number_row(viewer, "sonar.frequency").field.isEnabled()
+    assert "without noise" in number_row(viewer, "receiver.source_level").slider.toolTip()
+    viewer.session.settle({"receiver.noise": "ambient"})
+    assert number_row(viewer, "receiver.source_level").slider.isEnabled()
 
 
 def test_undo_and_redo(open_viewer: Any, small: Scene) -> None:

@@ -96,7 +96,8 @@ class NumberRow:
         self._number = number
         self._let_be(number.idle)
         if not self.field.hasFocus() or not self.field.isModified():
-            self.field.setText(format_quantity(number.value, number.unit))
+            self._shown = format_quantity(number.value, number.unit)
+            self.field.setText(self._shown)
             self.field.setCursorPosition(0)
         if number.slider is not None and not self.slider.isSliderDown():
             self._showing = True
@@ -126,7 +127,7 @@ class NumberRow:
             return
         self.field.setModified(False)
         number = self._number
-        value = parse_quantity(self.field.text(), number.unit)
+        value = parse_quantity(self.field.text(), number.unit, like=self._shown)
         if value is None or (number.integer and value != round(value)):
             self._settled(number.path, self.field.text())
         else:

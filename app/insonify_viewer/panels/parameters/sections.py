@@ -236,12 +236,22 @@ def _most(scene: Scene, path: str) -> float:
 
 def _idle(scene: Scene, path: str) -> str:
     """Reason why a number has no effect in this scene; empty if it has."""
+    if path == "receiver.source_level":
+        return _idle_source_level(scene)
     if path != "sonar.frequency":
         return ""
     beams, receiver = (scene.sonar.beam, scene.sonar.vertical), scene.receiver
     if any(part.by_frequency for part in (*beams, scene.water.absorption)) or receiver.speckle.speckled:
         return ""
     return "has no effect without a line-array beam, Francois-Garrison absorption or speckle"
+
+
+def _idle_source_level(scene: Scene) -> str:
+    """Reason why the source level changes nothing that is seen: pictures are relative to the echo of a level bed."""
+    receiver = scene.receiver
+    if {receiver.noise.kind, receiver.interference.kind, receiver.tvg.kind} != {"none"}:
+        return ""
+    return "has no effect without noise, interference or time-varied gain"
 
 
 def known_speed(scene: Scene) -> float:
