@@ -6,14 +6,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint
+from PySide6.QtCore import QPoint, QRect
 from PySide6.QtWidgets import QWidget
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.panels.parameters.view import NARROWEST, ParametersView
+from insonify_viewer.session import Mark
 from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.theme import apply_theme
+from insonify_viewer.views.true_scale import name_scale, plot_at_true_scale
 
 MOTIONS = {"kind": "sum", "of": [{"kind": "heave", "period": 8.0}, {"kind": "heave", "period": 3.0}, {"kind": "roll"}]}
 
@@ -74,6 +76,28 @@ def test_the_window_fits_half_a_screen(open_viewer: Any, small: Scene, qtbot: An
     window.open_panel("water")
     qtbot.waitUntil(lambda: viewer.complete)
     assert window.size().width() <= 800
+
+
+def test_a_plot_is_at_true_scale_where_it_fits() -> None:
+    room = QRect(64, 24, 500, 700)
+    plot = plot_at_true_scale(room, 100.0, 100.0)
+    assert (plot.topLeft(), plot.width(), plot.height()) == (room.topLeft(), 500, 500)
+    assert name_scale(plot, 100.0, 100.0) == "1 : 1"
+    assert plot_at_true_scale(room, 20.0, 100.0) == room, "a strip of 100 px would waste the room"
+    assert name_scale(room, 20.0, 100.0) == "track × 7"
+    assert name_scale(room, 1400.0, 100.0) == "track ÷ 10"
+
+
+def test_the_record_of_the_default_scene_is_at_true_scale(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(edit(small, {"track.pings": 512}))
+    waterfall = viewer.window.waterfall
+    one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(400, 1, 40))
+    # 100 pings of 0.2 m; 40 bins of 0.5 m.
+    assert other.y() - one.y() == pytest.approx(other.x() - one.x(), rel=0.03)
+    viewer.session.settle({"track.speed": 1.0})
+    one, other = waterfall.place_of(Mark(500, 1, 0)), waterfall.place_of(Mark(300, 1, 40))
+    assert waterfall.mark_at(one) == Mark(500, 1, 0)
+    viewer.session.undo()
 
 
 @pytest.fixture

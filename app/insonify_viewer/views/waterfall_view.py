@@ -14,6 +14,7 @@ from insonify_viewer.views.along_track_blur import blur_along_track
 from insonify_viewer.views.pixels import colour_table, colours, column_means, dimmed, round_steps
 from insonify_viewer.views.scrub_handle import ScrubHandle
 from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
+from insonify_viewer.views.true_scale import name_scale, plot_at_true_scale
 from insonify_viewer.views.waiting_bar import draw_waiting
 from insonify_viewer.waiting import Waiting
 
@@ -71,8 +72,9 @@ class WaterfallView(QWidget):
 
     def show_record(self, record: Record, slant_range: float, ping_step: float) -> None:
         """Show another record, given its last slant range and the distance between pings in metres."""
-        known, self._record, self._range, self._step = self._record, record, slant_range, ping_step
-        if record is known:
+        known, plot = self._record, self._plot()
+        self._record, self._range, self._step = record, slant_range, ping_step
+        if record is known and plot == self._plot():
             self.update()
         else:
             self._fit()
@@ -166,7 +168,12 @@ class WaterfallView(QWidget):
         )
 
     def _plot(self) -> QRect:
-        return self.rect().adjusted(LEFT, TOP, -RIGHT, -BOTTOM)
+        room = self.rect().adjusted(LEFT, TOP, -RIGHT, -BOTTOM)
+        return plot_at_true_scale(room, *self._extent())
+
+    def _extent(self) -> tuple[float, float]:
+        """Metres along the track and across it that the record shows."""
+        return self._record.pings * max(self._step, 1e-6), 2.0 * self._range
 
     def _fit(self) -> None:
         """Compute the display columns of every row for the present width."""
@@ -234,7 +241,8 @@ class WaterfallView(QWidget):
                 painter.drawText(QRect(int(x) - 40, base + 6, 80, 14), Qt.AlignmentFlag.AlignHCenter, f"{value:g}")
         painter.setPen(QColor(QUIET))
         line = QRect(plot.left(), base + 20, plot.width(), 16)
-        painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, "slant range (m)")
+        scale = name_scale(plot, *self._extent())
+        painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, f"slant range (m)  ·  {scale}")
         painter.setPen(QColor(TEXT))
         line = QRect(plot.left(), plot.top() - 20, plot.width(), 16)
         painter.drawText(line, Qt.AlignmentFlag.AlignLeft, "port")

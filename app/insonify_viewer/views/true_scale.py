@@ -1,0 +1,32 @@
+"""The part of a view in which a metre along the track is as long as a metre across."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QRect
+
+LEAST_FILLED = 0.55  # share of the room that a plot at true scale fills; else the plot fills the room
+ALIKE = 0.02  # deviation of two scales that counts as none
+
+
+def plot_at_true_scale(room: QRect, along: float, across: float) -> QRect:
+    """Largest plot at true scale in the upper left of a room, or the whole room where too little of it would be filled.
+
+    Parameters
+    ----------
+    room : QRect
+        Space for the plot.
+    along, across : float
+        Metres along the track and across it that the plot shows.
+    """
+    scale = min(room.width() / across, room.height() / along)
+    plot = QRect(room.left(), room.top(), round(across * scale), round(along * scale))
+    filled = plot.width() * plot.height() / max(room.width() * room.height(), 1)
+    return plot if filled >= LEAST_FILLED else room
+
+
+def name_scale(plot: QRect, along: float, across: float) -> str:
+    """Say whether a plot is at true scale, and by how much the track is drawn out or compressed else."""
+    ratio = (plot.height() / along) / max(plot.width() / across, 1e-9)
+    if abs(ratio - 1.0) < ALIKE:
+        return "1 : 1"
+    return f"track × {ratio:.2g}" if ratio > 1.0 else f"track ÷ {1.0 / ratio:.2g}"
