@@ -130,8 +130,8 @@ def trace_labels(
 
 def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None:
     """Enter the labels of some pings among those of all."""
-    whole: NDArray[Any]
-    for whole, part in zip(found, some):
+    columns: tuple[NDArray[Any], ...] = found
+    for whole, part in zip(columns, some):
         whole[places] = part
 
 
