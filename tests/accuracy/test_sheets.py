@@ -72,13 +72,14 @@ def test_what_is_found_converges(name):
     assert second < 0.004
 
 
-def test_what_comes_back_by_other_paths_fills_the_elevations():
+def test_what_comes_back_by_other_paths_is_spread_over_its_bins():
     arrays, poses = pack_for_chart(load_scene("double-image"), 1)
-    right = rays.trace(arrays, poses, rays=1 << 18)
+    right = rays.trace(arrays, poses, rays=1 << 21)
     one, two = (
         compare_records(arrays, poses, ray_sheets.trace(arrays, poses, sheets=n, rays=16 * n), right) for n in (32, 128)
     )
-    assert two.beyond < min(0.3 * one.beyond, 0.025)
+    assert one.beyond < 0.03
+    assert two.beyond < min(0.3 * one.beyond, 0.01)
     assert abs(two.energy_bias) < 2e-3
 
 

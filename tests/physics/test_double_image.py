@@ -20,7 +20,7 @@ from insonify.kernels.refracted_rays.hits import empty_arrivals, find_refracted_
 from insonify.kernels.refraction.eigenray_search import TIME
 from insonify.kernels.targets.angular_zbuffer import NO_PRIMITIVE
 from insonify.packing.reduced_scene import without_targets
-from insonify.tracers import rays, sweep
+from insonify.tracers import ray_sheets, rays, sweep
 from insonify.tracers.labels import trace_labels
 
 SONAR_HEIGHT, SURFACE, REFERENCE = 25.0, 54.0, 1489.0
@@ -79,10 +79,12 @@ def landings(up):
     return [column[order] for column in columns]
 
 
-@pytest.mark.parametrize("law", [LIGHT, SONAR])
-def test_a_level_bed_is_heard_by_both_paths_and_by_one_after_the_other(law):
-    """Against an integral over the bed: σ I² along each path, and twice σ I I' out by one and back by the other."""
-    x = np.linspace(270.0, 288.0, 4001)
+FIRST, LAST = 2790, 2880
+
+
+def integral_over_the_bed(law):
+    """Energy per bin from FIRST on: σ I² along each path, and twice σ I I' out by one and back by the other."""
+    x = np.linspace(270.0, 288.0, 400_001)
     step = x[1] - x[0]
     (_, *one), (_, *other) = (
         (c[0], *(np.interp(x, c[0], v) for v in c[1:])) for c in (landings(False), landings(True))
@@ -94,10 +96,30 @@ def test_a_level_bed_is_heard_by_both_paths_and_by_one_after_the_other(law):
     else:
         loud = [(one[0] * one[1]) ** 2, 2.0 * one[0] * one[1] * other[0] * other[1], (other[0] * other[1]) ** 2]
         energy = [s * r**4 * step / math.pi for s, r in zip(loud, slant)]
-    heard = record(arrays(law=law))
-    first, last = 2790, 2880
-    expected = sum(np.histogram(r, SLANT[first:last] - 0.5 * BIN, weights=e)[0].sum() for r, e in zip(slant, energy))
-    assert heard[first : last - 1].sum() == pytest.approx(expected, rel=0.01)
+    edges = SLANT[FIRST:LAST] - 0.5 * BIN
+    return sum(np.histogram(r, edges, weights=e)[0] for r, e in zip(slant, energy))
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_a_level_bed_is_heard_by_both_paths_and_by_one_after_the_other(law):
+    heard = record(arrays(law=law))[FIRST : LAST - 1]
+    assert heard.sum() == pytest.approx(integral_over_the_bed(law).sum(), rel=0.01)
+
+
+@pytest.mark.parametrize("law", [LIGHT, SONAR])
+def test_every_bin_of_a_sheet_of_rays_holds_both_paths_and_one_after_the_other(law):
+    heard = ray_sheets.trace(arrays(law=law), poses_of(0.0, 0.0, SONAR_HEIGHT), sheets=1, rays=4096)[0, 0]
+    np.testing.assert_allclose(heard[FIRST : LAST - 1], integral_over_the_bed(law), rtol=5e-3)
+
+
+def test_a_rough_bed_heard_along_two_paths_is_as_by_many_single_rays():
+    options = {"periodic": True, "bins": BINS, "bin_length": BIN}
+    scene = arrays_of(rough(512, 512, rms=0.08, seed=23), 0.25, **options)._replace(water=WATER)
+    poses = poses_of(0.0, 0.0, SONAR_HEIGHT)
+    twice, many = slice(2380, 2890), rays.trace(scene, poses, rays=1 << 20)[0]
+    for count, limit in ((1 << 12, 1e-2), (1 << 14, 2e-3)):
+        off = ray_sheets.trace(scene, poses, sheets=1, rays=count)[0, :, twice] - many[:, twice]
+        assert np.linalg.norm(off) < limit * np.linalg.norm(many[:, twice])
 
 
 def test_pairs_of_which_one_comes_too_late_are_whole():

@@ -69,13 +69,13 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
                 if b >= 0 and value > 0.0 and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
                     labels.caustic[ping, side, b] = True
             if landings.fold < np.inf:
-                pairs, bins, values, _ = find_mixed_echoes(
-                    arrays, beam, waveguide, z, landings, launch, LandedRays(bundle, hits, arrivals)
+                mixed = find_mixed_echoes(
+                    arrays, beam, waveguide, z, landings, launch.weight, LandedRays(bundle, hits, arrivals)
                 )
-                for m in range(pairs.size):
-                    k = pairs[m]
+                for m in range(mixed.ray.size):
+                    k = mixed.ray[m]
                     _, _, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
-                    _enter(arrays, hits, arrivals, k, bins[m], values[m], cosine, contributions, intensity)
+                    _enter(arrays, hits, arrivals, k, mixed.bin[m], mixed.value[m], cosine, contributions, intensity)
             if shadows.present.size > 0:
                 _note_hidden_bed(arrays, bare, beam, waveguide, z, landings, launch, hits, bare_rays, weighed, shadows)
             materials = arrays.reflectivity.shape[0]
@@ -112,12 +112,12 @@ def _note_hidden_bed(arrays, bare, beam, waveguide, z, landings, launch, hits, b
             b, value, _ = refracted_echo(bare, landed, arrivals, weight, k)
             _hide(arrays, hits.body[k], b, value, shadows)
     if landings.fold < np.inf:
-        pairs, bins, values, back = find_mixed_echoes(bare, beam, waveguide, z, landings, launch, bare_rays)
-        met, met_arrivals = empty_hits(pairs.size), empty_arrivals(pairs.size)
-        find_refracted_hits(arrays, back, 2.0 * waveguide.reach, 0.0, met, met_arrivals)
-        for m in range(pairs.size):
-            out = hits.body[pairs[m]]
-            _hide(arrays, out if out >= 0 else met.body[m], bins[m], values[m], shadows)
+        mixed = find_mixed_echoes(bare, beam, waveguide, z, landings, launch.weight, bare_rays)
+        met, met_arrivals = empty_hits(mixed.ray.size), empty_arrivals(mixed.ray.size)
+        find_refracted_hits(arrays, mixed.back, 2.0 * waveguide.reach, 0.0, met, met_arrivals)
+        for m in range(mixed.ray.size):
+            out = hits.body[mixed.ray[m]]
+            _hide(arrays, out if out >= 0 else met.body[m], mixed.bin[m], mixed.value[m], shadows)
 
 
 @inlined

@@ -90,12 +90,12 @@ def trace_refracted_pings(arrays, poses, rays, march, out):
             _deposit_refracted(arrays, hits, arrivals, weight, sums)
             landings = to_port if side == PORT else to_starboard
             if landings.fold < math.inf and march <= 0.0:
-                _, bins, values, _ = find_mixed_echoes(
-                    arrays, beam, waveguide, z, landings, launch, LandedRays(bundle, hits, arrivals)
+                mixed = find_mixed_echoes(
+                    arrays, beam, waveguide, z, landings, launch.weight, LandedRays(bundle, hits, arrivals)
                 )
-                for m in range(bins.size):
-                    if bins[m] >= 0:
-                        sums[bins[m]] += values[m]
+                for m in range(mixed.bin.size):
+                    if mixed.bin[m] >= 0:
+                        sums[mixed.bin[m]] += mixed.value[m]
             # The range factor is applied after the sum: within it, r⁻⁴ would cost digits.
             for k in range(arrays.bins):
                 out[ping, side, k] = sums[k] * arrays.range_factor[k]

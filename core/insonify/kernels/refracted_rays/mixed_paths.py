@@ -13,14 +13,16 @@ Theory: docs/theory/refraction.md.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.scattering import bistatic_strength
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cell_walk import NOTHING
+from insonify.kernels.rays.cell_walk import NOTHING, RayBundle
 from insonify.kernels.rays.first_echoes import empty_bundle, empty_hits
 from insonify.kernels.rays.specular_paths import pair_sensitivity
 from insonify.kernels.refracted_rays.hits import MOST_ARCS, LandedRays, empty_arrivals, find_refracted_hits
@@ -35,8 +37,20 @@ SAME = 1e-5  # rad, closer than which two rays are one
 SEEN = 0.02  # m by which the landings of two paths may lie apart: chords leave their arcs by less
 
 
+class MixedEchoes(NamedTuple):
+    """Echoes out along one path and back along another, (m,) each; all paths back of one ray follow one another."""
+
+    ray: NDArray[np.int64]  # number of the ray out
+    way: NDArray[np.int64]  # number of the path back among those of that ray, by ascending elevation
+    bin: NDArray[np.int64]  # -1 where nothing comes back
+    value: NDArray[np.float64]  # but for the factor that depends on range alone
+    distance: NDArray[np.float64]  # slant range, m
+    growth: NDArray[np.float64]  # of slant range, m per radian of elevation of the ray out
+    back: RayBundle  # rays back, launched from the sonar
+
+
 @kernel
-def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, rays):
+def find_mixed_echoes(arrays, beam, waveguide, z, landings, weight, rays):
     """Mixed echoes of one side's rays: out along one path and back along another to the same place.
 
     Parameters
@@ -48,22 +62,16 @@ def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, rays):
         Height of the sonar, m.
     landings : Landings
         Of the probe rays.
-    launch : RayLaunch of ndarrays, shape (n,)
+    weight : ndarray, shape (n,)
+        What each ray stands for.
     rays : LandedRays of ndarrays, shape (n,)
 
     Returns
     -------
-    rays : ndarray of int64, shape (m,)
-        Number of the ray out.
-    bins : ndarray of int64, shape (m,)
-        -1 where nothing comes back.
-    values : ndarray, shape (m,)
-        But for the factor that depends on range alone.
-    back : RayBundle of ndarrays, shape (m,)
-        Rays back, launched from the sonar.
+    MixedEchoes
     """
     bundle, arrivals = rays.bundle, rays.arrivals
-    pairs, angles = _pair_paths(waveguide, z, landings, rays, launch.weight)
+    pairs, ways, angles = _pair_paths(waveguide, z, landings, rays, weight)
     n = angles.size
     others, met, back = empty_bundle(n), empty_hits(n), empty_arrivals(n)
     for m in range(n):
@@ -74,20 +82,22 @@ def find_mixed_echoes(arrays, beam, waveguide, z, landings, launch, rays):
         others.dx[m], others.dy[m], others.dz[m] = c * bundle.dx[k], c * bundle.dy[k], math.sin(angles[m])
     find_refracted_hits(arrays, others, 2.0 * waveguide.reach, 0.0, met, back)
     other_rays = LandedRays(others, met, back)
-    bins, values = np.full(n, -1), np.zeros(n)
+    bins, values, distance, growth = np.full(n, -1), np.zeros(n), np.full(n, math.inf), np.zeros(n)
     for m in range(n):
         k = pairs[m]
         apart = max(abs(back.x[m] - arrivals.x[k]), abs(back.z[m] - arrivals.z[k]))
         if met.body[m] != NOTHING and apart < SEEN:
-            bins[m], values[m] = _mixed_echo(arrays, beam, launch.weight[k], rays, k, other_rays, m)
-    return pairs, bins, values, others
+            bins[m], values[m], growth[m] = _mixed_echo(arrays, beam, weight[k], rays, k, other_rays, m)
+            distance[m] = 0.5 * (rays.hits.distance[k] + met.distance[m])
+    return MixedEchoes(pairs, ways, bins, values, distance, growth, others)
 
 
 @kernel
 def _pair_paths(waveguide, z, landings, rays, weight):
-    """Numbers of the rays that have landed, and elevations of other rays to the same places."""
+    """Numbers of the rays that have landed, and numbers and elevations of other rays to the same places."""
     bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
-    pairs, angles = np.empty(weight.size, np.int64), np.empty(weight.size)
+    pairs, numbers = np.empty(weight.size, np.int64), np.empty(weight.size, np.int64)
+    angles = np.empty(weight.size)
     found = np.empty(MOST_WAYS + 1)
     count = 0
     for k in range(weight.size):
@@ -110,11 +120,12 @@ def _pair_paths(waveguide, z, landings, rays, weight):
                 found[ways] = angle
                 ways += 1
         if count + ways > pairs.size:
-            pairs, angles = _enlarge_row(pairs), _enlarge_row(angles)
+            pairs, numbers, angles = _enlarge_row(pairs), _enlarge_row(numbers), _enlarge_row(angles)
+        found[1:ways].sort()
         for way in range(1, ways):
-            pairs[count], angles[count] = k, found[way]
+            pairs[count], numbers[count], angles[count] = k, way - 1, found[way]
             count += 1
-    return pairs[:count], angles[:count]
+    return pairs[:count], numbers[:count], angles[:count]
 
 
 @kernel
@@ -161,7 +172,7 @@ def _enlarge_row(row):
 
 @inlined
 def _mixed_echo(arrays, beam, weight, rays, k, other_rays, m):
-    """Bin and value of the echo out along ray k and back along another ray m to the same place."""
+    """Bin, value and growth of the echo out along ray k and back along another ray m to the same place."""
     bundle, hits, arrivals = rays.bundle, rays.hits, rays.arrivals
     others, met, back = other_rays.bundle, other_rays.hits, other_rays.arrivals
     fan, law = arrays.half_width > 0.0, arrays.law
@@ -172,7 +183,7 @@ def _mixed_echo(arrays, beam, weight, rays, k, other_rays, m):
     nx, ny, nz = hits.nx[k], hits.ny[k], hits.nz[k]
     cosine, other = -(nx * dx + ny * dy + nz * dz), -(nx * ex + ny * ey + nz * ez)
     if b >= arrays.bins or cosine <= 0.0 or other <= 0.0:
-        return -1, 0.0
+        return -1, 0.0, 0.0
     out = 1.0
     if arrays.pattern.tabulated:
         out = two_way_response(
@@ -186,14 +197,15 @@ def _mixed_echo(arrays, beam, weight, rays, k, other_rays, m):
         # The same pair in reverse order has no ray of its own: rays end at the reach.
         value += bistatic_strength(other, cosine, mirrored, row[0], row[1], row[2], law)
     value *= passed * weight
+    growth = arrivals.tube[k] * _range_growth(dx, dy, dz, ex, ey, ez, nx, ny, nz)
+    growth *= 0.5 * arrays.water.reference / arrivals.speed[k]
     if law == LIGHT:
-        value *= 0.5 * arrays.water.reference / arrivals.speed[k] / arrays.bin_length
-        value *= arrivals.tube[k] * _range_growth(dx, dy, dz, ex, ey, ez, nx, ny, nz)
+        value *= growth / arrays.bin_length
     else:
         value *= distance**4 / (cosine * back.tube[m] * back.spread[m])
         if not fan:
             value /= arrivals.spread[k]
-    return b, value
+    return b, value, growth
 
 
 @inlined

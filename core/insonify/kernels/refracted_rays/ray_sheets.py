@@ -5,6 +5,9 @@ surface, as far apart as the growths of their ranges predict, the energy between
 them; their distance also locates a kink of the surface. Any other gap between neighbours, such as the edge of a shadow
 or of a target, is halved until it is a small share of a bin.
 
+Where refraction gives several paths to a place, echoes out by the rays of a sheet and back by another path are sheets
+of their own, one for each path back.
+
 Theory: docs/theory/error.md.
 """
 
@@ -19,7 +22,7 @@ from numpy.typing import NDArray
 from insonify.kernels.beam.pattern import widest_extent
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.types import LIGHT
-from insonify.kernels.rays.cell_walk import find_first_hits
+from insonify.kernels.rays.cell_walk import NOTHING, find_first_hits
 from insonify.kernels.rays.first_echoes import (
     elevation_tilt,
     empty_bundle,
@@ -29,8 +32,6 @@ from insonify.kernels.rays.first_echoes import (
     weigh_by_pattern,
 )
 from insonify.kernels.rays.launch import (
-    GOLDEN,
-    RayLaunch,
     aim_rays,
     cone_azimuth,
     find_enclosing_solid,
@@ -41,7 +42,7 @@ from insonify.kernels.rays.launch import (
 )
 from insonify.kernels.refracted_rays.echoes import make_waveguide, refracted_echo
 from insonify.kernels.refracted_rays.hits import LandedRays, empty_arrivals, find_refracted_hits
-from insonify.kernels.refracted_rays.mixed_paths import find_mixed_echoes
+from insonify.kernels.refracted_rays.mixed_paths import MOST_WAYS, find_mixed_echoes
 from insonify.kernels.refracted_rays.probe_rays import aim_refracted_rays
 
 KINKED = 0.02  # share by which growths differ on both sides of a kink
@@ -51,6 +52,7 @@ ROUNDED = 0.03  # share by which the echoes of neighbours on a round body may di
 FINEST_ROUNDED = 1e-6  # rad, the least angle between neighbours on one
 OF_NADIR = 4  # one ray more about nadir for so many of a sheet
 OF_THREE = 3  # rays of a gap: both ends and the middle
+REVERSED = 1 << 32  # what sets surfaces apart whose mixed echoes count for both orders of their paths
 
 
 class SheetEchoes(NamedTuple):
@@ -133,29 +135,22 @@ def _add_refracted_sheets(arrays, beam, pitch, sheets, rays, sums):
             middles = _trace_refracted_sheet(arrays, beam, pitch, _middles(landed, gaps), place)
             landed, together = _insert_middles(landed, gaps, middles), OF_THREE
         if landings.fold < math.inf:
-            shift = (sheet + 1) * GOLDEN
-            _add_mixed(arrays, beam, pitch, waveguide, landings, launch, place, shift - math.floor(shift) - 0.5, sums)
+            _add_mixed(arrays, beam, pitch, waveguide, landings, angle, place, sums)
 
 
 @kernel
-def _add_mixed(arrays, beam, pitch, waveguide, landings, launch, place, shift, sums):
-    """Sum the mixed echoes out along the rays of one place within the beam and back along others.
-
-    It comes ray by ray; every sheet has its rays shifted within what they stand for, so that all fill the elevations.
-    """
-    n, angles = launch.up.size, launch.weight
-    bundle, weight = _send(arrays, beam, pitch, np.arcsin(launch.up) + shift * angles, place)
-    for k in range(n):
-        weight[k] *= angles[k]
-    launch = RayLaunch(launch.ahead, launch.abeam, launch.up, weight)
-    hits, arrivals = empty_hits(n), empty_arrivals(n)
-    find_refracted_hits(arrays, bundle, waveguide.reach, 0.0, hits, arrivals)
-    _, bins, values, _ = find_mixed_echoes(
-        arrays, beam, waveguide, beam.z, landings, launch, LandedRays(bundle, hits, arrivals)
-    )
-    for m in range(bins.size):
-        if bins[m] >= 0:
-            sums[bins[m]] += values[m]
+def _add_mixed(arrays, beam, pitch, waveguide, landings, angle, place, sums):
+    """Sum the mixed echoes out along the rays of one sheet, one path back after the other."""
+    for way in range(MOST_WAYS):
+        together = angle.size
+        landed = _trace_mixed_sheet(arrays, beam, pitch, waveguide, landings, angle, place, way)
+        if not np.any(landed.value > 0.0):
+            return
+        while landed.angle.size > 0:
+            gaps = _spread_or_split(landed, together, arrays.solids.shape.size, arrays.bin_length, sums)
+            angles = _middles(landed, gaps)
+            middles = _trace_mixed_sheet(arrays, beam, pitch, waveguide, landings, angles, place, way)
+            landed, together = _insert_middles(landed, gaps, middles), OF_THREE
 
 
 @kernel
@@ -205,6 +200,26 @@ def _trace_refracted_sheet(arrays, beam, pitch, angle, place):
             rise = elevation_tilt(arrivals.dx[k], arrivals.dy[k], arrivals.dz[k], hits.nx[k], hits.ny[k], hits.nz[k])
             landed.value[k] = value
             landed.growth[k] = arrays.water.reference / arrivals.speed[k] * arrivals.tube[k] * rise / cos_incidence
+    return landed
+
+
+@kernel
+def _trace_mixed_sheet(arrays, beam, pitch, waveguide, landings, angle, place, way):
+    """Echoes out along rays of one place within the beam at given elevations, and back along one other path of each."""
+    n = angle.size
+    bundle, density = _send(arrays, beam, pitch, angle, place)
+    hits, arrivals = empty_hits(n), empty_arrivals(n)
+    find_refracted_hits(arrays, bundle, waveguide.reach, 0.0, hits, arrivals)
+    rays = LandedRays(bundle, hits, arrivals)
+    mixed = find_mixed_echoes(arrays, beam, waveguide, beam.z, landings, density, rays)
+    landed = SheetEchoes(angle, np.full(n, math.inf), np.full(n, NOTHING), np.zeros(n), np.zeros(n))
+    for m in range(mixed.ray.size):
+        if mixed.way[m] == way and mixed.bin[m] >= 0:
+            k = mixed.ray[m]
+            landed.distance[k], landed.surface[k] = mixed.distance[m], min(hits.body[k], arrays.solids.shape.size)
+            if 2.0 * mixed.distance[m] - hits.distance[k] >= beam.reach:
+                landed.surface[k] += REVERSED  # it counts for its reverse as well
+            landed.value[k], landed.growth[k] = mixed.value[m], mixed.growth[m]
     return landed
 
 
