@@ -347,6 +347,7 @@ WHY_NOT = {
     "track": PART,
     "receiver": PART,
     **{f"targets[sphere].{field}": BALL for field in ("heading", "pitch", "roll")},
+    "targets[pipe].roll": "turns a pipe about its axis, where it looks alike",
     "receiver.recorder": PART,
     "seabed.relief[mimic].of[pattern].heading": "dunes lie along the track",
     "seabed.relief[mimic].of[pattern].of[uniform].name": "is for numbers not given; dunes have but a diffuse share",

@@ -10,6 +10,7 @@ from insonify.kernels.common.types import FRUSTUM, Mesh
 from insonify.kernels.geometry.bvh import build_mesh
 from insonify.scene import SceneError, edit, load_scene, scene_from_toml
 from insonify.scene.rotation import rotation_matrix
+from insonify.scene.targets import TARGETS, Target
 from insonify.scene.targets.shape import block
 from insonify.simulation import prepare, simulate
 from naive import NOTHING, body_depth, cast
@@ -189,6 +190,18 @@ def test_a_mistake_is_told_in_one_sentence(target, words):
     assert "\n" not in str(caught.value)
     for word in words:
         assert word in str(caught.value)
+
+
+def test_all_targets_share_the_fields_of_the_pose():
+    for kind in TARGETS.models(Target).values():
+        assert {"position", "heading", "pitch", "roll", "gap", "material"} <= set(kind.model_fields)
+
+
+def test_a_pipe_looks_alike_at_any_roll():
+    scene = edit(load_scene("pipe-span"), {"targets.0.pitch": 2.0, "track.pings": 3})
+    rolled = edit(scene, {"targets.0.roll": 40.0})
+    assert rolled.targets[0].attitude == (0.0, 2.0, 40.0)
+    np.testing.assert_allclose(simulate(rolled).intensity, simulate(scene).intensity, rtol=1e-5)
 
 
 @pytest.mark.parametrize("kind", ["sphere", "cone", "box", "mesh"])

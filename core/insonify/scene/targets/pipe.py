@@ -19,7 +19,7 @@ LONG = 0.4  # slant ranges, of a new pipe
 
 
 class Pipe(Target):
-    """A straight pipe that may rest on the bed here and span above it there."""
+    """A straight pipe that may rest on the bed here and span above it there, and looks alike at any roll."""
 
     rank = 1
     kind: Literal["pipe"] = "pipe"
@@ -38,6 +38,7 @@ class Pipe(Target):
         le=360.0,
         slider=(-90.0, 90.0),
     )
+    roll: float = angle("port side up")
     gap: Gap = parameter(
         0.0,
         unit="m",
@@ -71,7 +72,7 @@ class Pipe(Target):
     @property
     def attitude(self) -> tuple[float, float, float]:
         """Heading, pitch and roll, in degrees; level where the bed decides the pitch."""
-        return self.heading, self.pitch or 0.0, 0.0
+        return self.heading, self.pitch or 0.0, self.roll
 
     @property
     def underside(self) -> float:
@@ -114,8 +115,8 @@ class Pipe(Target):
 
     @property
     def idle_fields(self) -> frozenset[str]:
-        """The gap where z is given, and the pitch where the gap is a table."""
-        return super().idle_fields | ({"pitch"} if isinstance(self.gap, tuple) else frozenset())
+        """The roll, the gap where z is given, and the pitch where the gap is a table."""
+        return super().idle_fields | {"roll"} | ({"pitch"} if isinstance(self.gap, tuple) else set())
 
     def value_in_force(self, field: str) -> float | None:
         """Return 0 for a pitch that is left open."""
