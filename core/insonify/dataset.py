@@ -69,8 +69,9 @@ def make_dataset(
     variables |= platform(platform_columns(poses, ground), find_georeference(attributes))
     if truth is not None:
         targets = [f"{target.kind}_{number}" for number, target in enumerate(scene.targets)]
+        volumes = [f"{volume.kind}_{number}" for number, volume in enumerate(scene.volumes)]
         materials = [*ground.names, *(target.material.name for target in scene.targets)]
-        variables |= label_variables(columns, targets, materials, PATHS)
+        variables |= label_variables(columns, targets, materials, PATHS, volumes)
         variables |= target_variables(truth._asdict(), targets) if targets else {}
     coords = coordinates(pings / sonar.ping_rate, slant_range, recording_speed(scene, ground.datum))
     return xr.Dataset(variables, coords, attributes)

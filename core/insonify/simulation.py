@@ -150,7 +150,8 @@ class Simulation:
         settings = {name: number for name, number in self.plan.settings.items() if name in ("planes", "rays")}
 
         def label_tile(tile: SceneArrays, some: Poses) -> RecordLabels:
-            return trace_labels(tile, some, crosstalk=self.reception.crosstalk, **settings)
+            volumes = self.reception.volumes.energies(some) if self.reception.volumes is not None else None
+            return trace_labels(tile, some, crosstalk=self.reception.crosstalk, volumes=volumes, **settings)
 
         with limited_threads(self.threads):
             return RecordLabels(*self.tiles.map(label_tile, self.reduced, poses))

@@ -114,3 +114,35 @@ def test_what_lies_under_the_bed_or_in_the_air_is_silent():
     assert high > 0.0
     assert not record(SCHOOL | {"position": [10.0, 15.0, -40.0]}).any()
     assert not record(SCHOOL | {"position": [10.0, 15.0, 10.0]}).any()
+
+
+LIVE = {"seabed__material": "medium_sand", "track__pings": 40}
+
+
+def test_labels_name_the_volume_that_is_heard_most():
+    """Against the mean echoes of the bed alone and of each volume alone."""
+    bed = record(**LIVE)
+    plumes = [PLUME | {"position": [x, -20.0, -30.0], "strength": sv} for x, sv in ((4.0, -18.0), (5.0, -15.0))]
+    volumes = [SCHOOL | {"strength": -18.0}, *plumes]
+    alone = [prepare(scene(volume, **LIVE)).reception.volumes for volume in volumes]
+    heard = np.array([np.moveaxis(one.energy(np.arange(40)), 1, 0) for one in alone])
+    found = simulate(scene(*volumes, **LIVE), truth=True)
+    ranked = np.sort([bed, *heard], axis=0)
+    clear = (ranked[-1] > 1.02 * ranked[-2]) & (ranked[-1] > 0.0)
+    loudest = np.argmax([bed, *heard], axis=0) - 1
+    expected = np.where(loudest >= 0, loudest, -2)
+    np.testing.assert_array_equal(found.volume_id.values[clear], expected[clear])
+    assert set(np.unique(found.volume_id.values[clear])) == {-2, 0, 1, 2}
+    assert found.volume_id.attrs["flag_meanings"] == "nothing school_0 plume_1 plume_2"
+    # All that is told of the bed stays.
+    plain = simulate(scene(**LIVE), truth=True)
+    assert "volume_id" not in plain
+    np.testing.assert_array_equal(found.target_id, plain.target_id)
+
+
+def test_a_volume_that_leaks_into_the_other_side_is_named_there():
+    crosstalk = {"receiver__crosstalk": -20.0, "track__pings": 40}
+    found = simulate(scene(SCHOOL, **crosstalk), truth=True).volume_id.values
+    own = found[0] == 0
+    assert own.any()
+    np.testing.assert_array_equal(found[1] == 0, own)

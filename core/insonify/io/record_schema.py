@@ -133,7 +133,11 @@ def echo_variable(intensity: NDArray[np.float32]) -> dict[str, Any]:
 
 
 def label_variables(
-    columns: Mapping[str, NDArray[Any]], targets: Sequence[str], materials: Sequence[str], paths: Sequence[str]
+    columns: Mapping[str, NDArray[Any]],
+    targets: Sequence[str],
+    materials: Sequence[str],
+    paths: Sequence[str],
+    volumes: Sequence[str],
 ) -> dict[str, Any]:
     """Return the variables that label each range bin, with the names of their numbers.
 
@@ -141,9 +145,9 @@ def label_variables(
     ----------
     columns : mapping of str to (pings, 2, bins) array
         By the name of the variable: ``target_id`` (-2 nothing, -1 the bed), ``material`` and ``path`` (-1 nothing),
-        ``shadow``, ``shadow_id`` (-2 nothing), ``ground_range``, ``incidence`` and ``caustic``.
-    targets, materials, paths : sequence of str
-        Names of what is counted from 0.
+        ``shadow``, ``shadow_id`` and ``volume_id`` (-2 nothing), ``ground_range``, ``incidence`` and ``caustic``.
+    targets, materials, paths, volumes : sequence of str
+        Names of what is counted from 0; without volumes there is no ``volume_id``.
 
     Returns
     -------
@@ -161,6 +165,9 @@ def label_variables(
         "path": _flags("how the sound went", _count_from(-1, "none", *paths)),
         "caustic": {"long_name": "whether sound of a caustic is heard, its level held to what waves allow"},
     }
+    if volumes:
+        text = "volume of the water column whose mean echo is greater than that contributor's"
+        attributes["volume_id"] = _flags(text, {-2: "nothing"} | _count_from(0, *volumes))
     for name, told in attributes.items():
         if "flag_values" in told:
             told["flag_values"] = told["flag_values"].astype(columns[name].dtype)

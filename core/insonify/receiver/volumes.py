@@ -29,18 +29,26 @@ class VolumeEchoes:
         Beam, bins and range factors.
     poses : callable
         From ping numbers to poses of the sonar.
-    points : EchoPoints
-        Points by which the volumes are sampled.
+    points : tuple of EchoPoints
+        Points by which each volume is sampled.
     """
 
     arrays: SceneArrays
     poses: Callable[[NDArray[np.int64]], Poses]
-    points: EchoPoints
+    points: tuple[EchoPoints, ...]
 
     def energy(self, pings: NDArray[np.int64]) -> NDArray[np.float32]:
         """Mean energy for a pulse of one bin, (n, 2, bins)."""
-        out = np.zeros((pings.size, 2, self.arrays.bins), np.float32)
-        add_volume_echoes(self.arrays, self.poses(pings), self.points, out)
+        out, poses = np.zeros((pings.size, 2, self.arrays.bins), np.float32), self.poses(pings)
+        for points in self.points:
+            add_volume_echoes(self.arrays, poses, points, out)
+        return out
+
+    def energies(self, poses: Poses) -> NDArray[np.float32]:
+        """Mean energy of each volume for a pulse of one bin, (volumes, n, 2, bins)."""
+        out = np.zeros((len(self.points), poses.x.size, 2, self.arrays.bins), np.float32)
+        for points, own in zip(self.points, out):
+            add_volume_echoes(self.arrays, poses, points, own)
         return out
 
 
@@ -56,18 +64,21 @@ def make_volume_echoes(scene: Scene, arrays: SceneArrays, ground: AnyGround) -> 
     """
     if not scene.volumes:
         return None
-    samples = [_in_water(volume, ground) for volume in scene.volumes]
-    groups = [(group, strength) for place, strength in samples for group in _groups(place)]
-    sizes = [len(group) for group, _ in groups]
-    corners = np.array([(group.min(axis=0), group.max(axis=0)) for group, _ in groups]).reshape(-1, 2, 3)
-    points = EchoPoints(
-        place=np.concatenate([np.empty((0, 3)), *(group for group, _ in groups)]),
-        strength=np.repeat([strength for _, strength in groups], sizes),
-        end=np.cumsum(sizes, dtype=np.int64),
+    points = tuple(_echo_points(*_in_water(volume, ground)) for volume in scene.volumes)
+    return VolumeEchoes(arrays, lambda pings: make_poses(scene, ground, pings), points)
+
+
+def _echo_points(place: NDArray[np.float64], strength: float) -> EchoPoints:
+    """Points of one volume in groups, with the cross section of each."""
+    groups = _groups(place)
+    corners = np.array([(group.min(axis=0), group.max(axis=0)) for group in groups]).reshape(-1, 2, 3)
+    return EchoPoints(
+        place=np.concatenate([np.empty((0, 3)), *groups]),
+        strength=np.full(len(place), strength),
+        end=np.cumsum([len(group) for group in groups], dtype=np.int64),
         centre=corners.mean(axis=1),
         bound=0.5 * np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1),
     )
-    return VolumeEchoes(arrays, lambda pings: make_poses(scene, ground, pings), points)
 
 
 def _groups(place: NDArray[np.float64]) -> list[NDArray[np.float64]]:

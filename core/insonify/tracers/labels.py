@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.kernels.common.contributors import empty_contributor_table
+from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.types import BED, Poses, SceneArrays
 from insonify.kernels.labels.refracted_labels import label_refracted_pings
 from insonify.kernels.labels.shadows import NO_TARGET, empty_shadow_table
@@ -56,6 +57,9 @@ class RecordLabels(NamedTuple):
         different paths; NaN without an echo.
     path : int8
         Place of that contributor's propagation path among `PATHS`, -1 without an echo.
+    volume_id : int16
+        Index of the declared volume of the water column whose mean echo is greater than that contributor's and all
+        other volumes', -2 where none is.
     caustic : bool
         Whether the echo comes by a caustic of the water: ray theory does not give its intensity, and the ray tubes
         count as no narrower than Airy's function allows.
@@ -71,6 +75,7 @@ class RecordLabels(NamedTuple):
     ground_range: NDArray[np.float32]
     incidence: NDArray[np.float32]
     path: NDArray[np.int8]
+    volume_id: NDArray[np.int16]
     caustic: NDArray[np.bool_]
     target_echo: NDArray[np.float32]
 
@@ -82,6 +87,7 @@ def trace_labels(
     planes: int = 16,
     rays: int = 4000,
     crosstalk: float = 0.0,
+    volumes: NDArray[np.float32] | None = None,
     threads: int | None = None,
 ) -> RecordLabels:
     """Label every range bin of every ping, for an ideal pulse: where an echo begins.
@@ -98,6 +104,8 @@ def trace_labels(
         Rays per side of pings from which refracted sound comes to some places along several rays, or along none.
     crosstalk : float
         Share of the energy of each side that leaks into the other.
+    volumes : (volumes, n, 2, bins) float32, optional
+        Mean intensity of the echo of each volume of the water column.
     threads : int, optional
         Threads to use, all cores when left out. The result does not depend on it.
 
@@ -124,8 +132,11 @@ def trace_labels(
     for among, *beams in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
         places = clear[among]
         _enter(found, places, _find(arrays, take_poses(poses, places), beams, apparent, threads))
-    own = _in_words_of_the_scene(arrays, found)
-    return _with_crosstalk(own, found.energy, crosstalk) if crosstalk > 0.0 else own
+    found.energy[folded] *= FIXED_POINT  # rays count in plain units
+    labels = _in_words_of_the_scene(arrays, found)
+    if crosstalk > 0.0:
+        labels = _with_crosstalk(labels, found.energy, crosstalk)
+    return labels if volumes is None else _with_volumes(arrays, labels, found.energy, crosstalk, volumes)
 
 
 def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None:
@@ -198,6 +209,7 @@ def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> RecordLabel
         ground_range=found.ground_range,
         incidence=np.degrees(found.incidence),
         path=np.where(heard, way, NO_PATH).astype(np.int8),
+        volume_id=np.full(found.shadow_id.shape, NOTHING, np.int16),
         caustic=found.caustic,
         target_echo=found.target_echo,
     )
@@ -210,3 +222,19 @@ def _with_crosstalk(own: RecordLabels, energy: NDArray[np.float32], crosstalk: f
     columns = {name: np.where(across, getattr(own, name)[:, ::-1], getattr(own, name)) for name in leaked}
     columns["path"][across] = PATHS.index("crosstalk")
     return own._replace(**columns)
+
+
+def _with_volumes(
+    arrays: SceneArrays,
+    labels: RecordLabels,
+    energy: NDArray[np.float32],
+    crosstalk: float,
+    volumes: NDArray[np.float32],
+) -> RecordLabels:
+    """Labels with the volume whose echo is greater than the contributor's and all other volumes'."""
+    loudest = np.maximum(energy, crosstalk * energy[:, ::-1]) * (arrays.range_factor / FIXED_POINT)
+    for number, own in enumerate(volumes):
+        heard = np.maximum(own, crosstalk * own[:, ::-1])
+        labels.volume_id[heard > loudest] = number
+        loudest = np.maximum(heard, loudest)
+    return labels
