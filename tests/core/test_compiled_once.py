@@ -21,9 +21,9 @@ for name, module in list(sys.modules.items()):
     if name.startswith("insonify"):
         for word, found in vars(module).items():
             # What is fused into its callers is compiled by them.
-            kernel = isinstance(found, Kernel) and not found.targetoptions.get("forceinline")
+            kernel = isinstance(found, Kernel) and not found.options.get("forceinline")
             if kernel and found.__module__ == name:
-                signatures = {{*found.signatures, *found.part.signatures}}  # as Python calls it, and other kernels
+                signatures = {{*found.entry.signatures, *found.part.signatures}}
                 if len(signatures) > 1:
                     print(f"{{name}}.{{word}}", *signatures, sep="\\n  ")
 """

@@ -33,7 +33,7 @@ class Declaration(BaseModel):
         one last.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True, defer_build=True)
     family: ClassVar[Family | None] = None
     rank: ClassVar[int] = 100
 

@@ -23,7 +23,7 @@ USE = """
 import numpy as np
 from insonify.kernels.common.hashing import splitmix64
 value = splitmix64(np.uint64(1234567))
-print(value, sum(splitmix64.stats.cache_hits.values()))
+print(value, sum(splitmix64.entry.stats.cache_hits.values()))
 """
 VALUE = "6457827717110365317"  # first output of Vigna's reference implementation from that state
 

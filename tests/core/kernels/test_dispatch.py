@@ -45,7 +45,7 @@ def eighth(x):
     return square(fourth(x))
 
 called = globals()[sys.argv[1]]
-print(called(2.0), *(sum(found.stats.cache_hits.values()) for found in (called, square.part, fourth.part)))
+print(called(2.0), *(sum(found.stats.cache_hits.values()) for found in (called.entry, square.part, fourth.part)))
 """
 
 

@@ -19,6 +19,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import llvmlite.binding as llvm
 import numba.core.config
 import platformdirs
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
@@ -152,7 +153,15 @@ class _Locator:
 
 
 class _CacheImpl(CompileResultCacheImpl):
+    """What is written of a function that Python calls: its machine code, and the name of that."""
+
     _locator_classes = [_Locator]  # noqa: RUF012  # Numba's own attribute
+
+    def reduce(self, cres: Any) -> tuple[Any, ...]:
+        (name, kind, (code, _)), *rest = super().reduce(cres)
+        # Numba adds all LLVM code, to be linked into callers: here they have the part, and the name is enough.
+        symbol = f'define void @"{cres.fndesc.llvm_cpython_wrapper_name}"() {{ ret void }}'
+        return (name, kind, (code, llvm.parse_assembly(symbol).as_bitcode())), *rest
 
 
 class _PartCacheImpl(_CacheImpl):

@@ -8,7 +8,6 @@ from types import FunctionType
 from typing import Any
 
 from numba.core import event
-from numba.core.dispatcher import Dispatcher
 
 from insonify.kernels.common.compilation import Compilation, tell_watchers
 
@@ -101,8 +100,9 @@ def called_functions(function: FunctionType) -> set[FunctionType]:
     found, pending = {function}, [function]
     while pending:
         calling = pending.pop()
-        named = [calling.__globals__.get(name) for name in calling.__code__.co_names]
-        new = {called.py_func for called in named if isinstance(called, Dispatcher)} - found
+        named = (calling.__globals__.get(name) for name in calling.__code__.co_names)
+        called = (getattr(value, "py_func", None) for value in named)
+        new = {function for function in called if function is not None} - found
         found |= new
         pending.extend(new)
     return found

@@ -9,7 +9,8 @@ callers' machine code is the same, and the first call of a kernel takes half the
 from __future__ import annotations
 
 import dis
-from functools import cached_property
+from collections.abc import Callable
+from functools import cached_property, update_wrapper
 from typing import Any
 
 from numba.core.compiler import Compiler
@@ -19,8 +20,10 @@ from insonify.kernels.common.cache import KernelCache, PartCache
 from insonify.kernels.common.part_library import PartLibrary
 
 
-class Kernel(CPUDispatcher):
+class Kernel:
     """A compiled function: Python calls its machine code, kernels take its part into theirs.
+
+    Numba's own dispatchers, a fifth of a millisecond each, are made when they are first needed.
 
     Parameters
     ----------
@@ -31,27 +34,35 @@ class Kernel(CPUDispatcher):
         Whether its code is kept on disk.
     """
 
-    def __init__(self, function: Any, options: dict[str, Any], kept: bool) -> None:
-        super().__init__(function, {}, options | {"nopython": True, "no_cfunc_wrapper": True})
-        self.kept = kept
-        if kept:
-            self._cache = KernelCache(function)
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any], kept: bool) -> None:
+        update_wrapper(self, function)
+        self.py_func, self.kept = function, kept
+        self.options = options | {"nopython": True, "no_cfunc_wrapper": True}
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """Call the machine code, which is compiled for types that it has not been called with."""
+        return self.entry(*arguments, **named)
+
+    @cached_property
+    def entry(self) -> Any:
+        """Numba's dispatcher of calls from Python."""
+        entry: Any = CPUDispatcher(self.py_func, {}, self.options)
+        if self.kept:
+            entry._cache = KernelCache(self.py_func)
+        return entry
 
     @cached_property
     def part(self) -> Any:
         """The `Part` that other kernels call."""
-        part: Any = Part(self.py_func, {}, self.targetoptions, _PartCompiler)
+        part: Any = Part(self.py_func, {}, self.options, _PartCompiler)
         if self.kept:
             part._cache = PartCache(self.py_func)
         return part
 
-    def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Compile the part for the types of a call by another kernel, and return its signatures."""
-        return self.part.get_call_template(args, kws)
-
-    def get_overload(self, sig: Any) -> Any:
-        """Return what stands for the address of the part with a signature."""
-        return self.part.get_overload(sig)
+    @property
+    def _numba_type_(self) -> Any:
+        # Numba asks for it when it compiles a caller.
+        return self.part._numba_type_
 
 
 class Part(CPUDispatcher):
