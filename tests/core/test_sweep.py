@@ -14,7 +14,8 @@ import naive
 from beds import arrays_of, poses_of, rough
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import LIGHT, SONAR
-from insonify.scene import SceneError
+from insonify.scene import SceneError, edit, load_scene
+from insonify.simulation import simulate
 from insonify.tracers import rays, sweep
 
 FLAT = np.zeros((4, 4))
@@ -267,3 +268,9 @@ def test_sonar_inside_a_body_is_one_sentence():
     arrays = arrays_of(FLAT, periodic=True, solids=[((0.0, 50.0, 1.0), 0.5), ((0.0, 0.0, 10.0), 1.0)])
     with pytest.raises(SceneError, match=r"^targets\.1\.position: the sonar runs into it; move"):
         sweep.trace(arrays, poses_of(np.arange(-40.0, 40.0), 0.0, 10.0))
+
+
+def test_a_squinting_beam_over_a_bed_out_of_reach_hears_nothing():
+    high = {"sonar.range": 45.0, "seabed.depth": 131.0, "track.altitude": 60.0, "targets": [], "track.pings": 2}
+    scene = edit(load_scene("default"), {**high, "sonar.beam": {"kind": "array", "squint": 9.4}})
+    assert (simulate(scene, forced={"planes": "4"}).intensity == 0.0).all()

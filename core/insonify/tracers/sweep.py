@@ -101,4 +101,5 @@ def _trace_alike(
 
 def pings_a_thread(beam: AzimuthFan) -> int:
     """Return the number of pings worth handing to a thread."""
-    return max(PLANES_A_THREAD // beam.azimuth.size, 1)
+    # A squinting beam over a bed out of reach has no planes.
+    return max(PLANES_A_THREAD // max(beam.azimuth.size, 1), 1)
