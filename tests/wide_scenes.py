@@ -14,9 +14,10 @@ from random_scenes import SUBSTANCES, _ground_material, _moved, _target
 Spec = dict[str, Any]
 Random = np.random.Generator
 PINGS = 400
+OVER, ACROSS = 16, 8  # judged pings
 
 
-def wide_scene(seed: int, folder: Path) -> tuple[Scene, np.ndarray]:
+def wide_scene(seed: int, folder: Path) -> tuple[Scene, np.ndarray, np.ndarray]:
     """Scene of a seed, and the pings by which it is judged: over the track, and across its targets."""
     rng = np.random.default_rng([20261125, seed])
     reach = _log(rng, 5.0, 1000.0)
@@ -56,11 +57,10 @@ def wide_scene(seed: int, folder: Path) -> tuple[Scene, np.ndarray]:
             },
         }
     )
-    judged = rng.integers(0, PINGS, 3)
-    if places:
-        along = np.array([places[k][0] for k in rng.integers(0, len(places), 3)]) * rate / speed
-        judged = np.concatenate([judged, np.rint(along + rng.uniform(-1.0, 1.0, 3)).astype(np.int64)])
-    return scene, np.unique(np.clip(judged, 0, PINGS - 1))
+    over = rng.integers(0, PINGS, OVER)
+    along = np.array([places[k][0] for k in rng.integers(0, len(places), ACROSS)] if places else []) * rate / speed
+    across = np.rint(along + rng.uniform(-1.0, 1.0, along.size)).astype(np.int64)
+    return scene, np.unique(over), np.unique(np.clip(across, 0, PINGS - 1))
 
 
 def _log(rng: Random, low: float, high: float) -> float:

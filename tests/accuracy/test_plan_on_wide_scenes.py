@@ -31,7 +31,7 @@ from wide_scenes import wide_scene
 
 JUDGED, QUICK = range(300), range(800_000, 800_024)
 TOLERANCES, FLOOR = (0.01, 0.15), 0.003
-PLANES, EVERY, RAYS = (1, 2, 4, 8, 16, 32, 64, 128), (1, 2, 4), 16_000
+PLANES, EVERY, RAYS = (1, 2, 4, 8, 16, 32, 64, 128), (1, 2, 4), 128_000
 SHARES = (math.inf, 0.03, 0.01, 0.003)  # that a segment may misplace
 TIMED, PINGS = 24, 512
 
@@ -44,7 +44,7 @@ class Verdict:
     plan: Plan
     tolerance: float
     measured: float
-    moved: float  # by the last doubling of the reference's planes
+    moved: float  # by the last doubling of the reference's planes and rays
     ratio: float = math.nan  # of the plan's time to that of the cheapest charted setting
     seconds: float = math.nan  # of the plan
     share: float = math.nan  # of the plan in the time of 512 pings
@@ -76,7 +76,7 @@ def judge(seed: int, folder: Path, *, timed: bool) -> Verdict:
     """Plan a scene and hold its pings against the finest sweep."""
     low, high = map(math.log, TOLERANCES)
     tolerance = math.exp(np.random.default_rng([20261126, seed]).uniform(low, high))
-    scene, pings = wide_scene(seed, folder)
+    scene, over, across = wide_scene(seed, folder)
     packed = pack(scene)
     if timed:
         choose_model(packed, tolerance, "auto", {})  # loads the kernels
@@ -84,19 +84,25 @@ def judge(seed: int, folder: Path, *, timed: bool) -> Verdict:
     began = time.thread_time()
     plan = choose_model(packed, tolerance, "auto", {})
     seconds = time.thread_time() - began
-    poses, finest = make_poses(scene, packed.ground, pings), finest_of(packed)
-    right = trace(packed, finest, poses)
-    half = trace(packed, finest._replace(planes=max(finest.planes // 2, 1)), poses)
+    finest = finest_of(packed)
+    groups = [make_poses(scene, packed.ground, pings) for pings in (over, across) if pings.size]
+    right = [trace(packed, finest, poses) for poses in groups]
 
-    def error(record: np.ndarray) -> float:
-        return compare_records(packed.arrays, poses, record, right).beyond
+    def error(model: Model) -> float:
+        """Greater of the errors over the track and across targets, as a plan measures it."""
+        records = [trace(packed, model, poses) for poses in groups]
+        return max(
+            compare_records(packed.arrays, poses, record, true).beyond
+            for poses, record, true in zip(groups, records, right)
+        )
 
-    found = Verdict(seed, plan, tolerance, error(trace(packed, plan.model, poses)), error(half))
+    half = finest._replace(planes=max(finest.planes // 2, 1), rays=finest.rays // 2)
+    found = Verdict(seed, plan, tolerance, error(plan.model), error(half))
     if not timed:
         return found
     many = make_poses(scene, packed.ground, np.linspace(0, scene.track.pings - 1, TIMED).astype(np.int64))
     own = seconds_of(packed, plan.model, many)
-    good = next((one for one in charted(packed, finest) if error(trace(packed, one, poses)) <= tolerance), None)
+    good = next((one for one in charted(packed, finest) if error(one) <= tolerance), None)
     ratio = math.nan if good is None else own / seconds_of(packed, good, many)
     return Verdict(seed, plan, tolerance, found.measured, found.moved, ratio, seconds, seconds / (PINGS * own))
 

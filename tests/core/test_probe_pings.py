@@ -57,3 +57,26 @@ def test_many_targets_are_crossed_by_few_pings_and_the_nearest_first():
     balls = [{"kind": "sphere", "position": [3.0 * k, 10.0 + k]} for k in range(30)]
     found = chosen(edit(BARE, {"targets": balls}), tuple(range(30))).across
     assert 6 <= found.size <= 12
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, -0.25])
+def test_of_a_wide_beam_a_target_lies_on_the_axis_and_on_one_of_two_and_of_four_planes(share):
+    ball = {"kind": "sphere", "position": [200.0, 80.0], "radius": 0.3}
+    scene = edit(BARE, {"targets": [ball], "track.pings": 4000})
+    half_width = np.radians(6.0)
+    found = choose_probe_pings(scene, build_ground(scene), (0,), half_width).across
+    step, away = scene.track.speed / scene.sonar.ping_rate, 80.0 - scene.track.start[1]
+    azimuths = np.arctan((200.0 - scene.track.start[0] - found * step) / away) / half_width
+    assert np.abs(np.abs(azimuths) - abs(share)).min() < 0.06
+
+
+def test_pings_are_spread_where_a_measured_bed_is_heard(tmp_path):
+    # The bed ends after a tenth of the track.
+    heights = np.full((40, 60), -20.0)
+    np.save(tmp_path / "bed.npy", heights)
+    spec = {"seabed.relief": {"kind": "dem", "path": str(tmp_path / "bed.npy")}, "seabed.spacing": 0.5}
+    scene = edit(BARE, {**spec, "track.start": [0.0, 5.0], "track.heading": 0.0, "track.pings": 6000})
+    found = chosen(scene).spread
+    ahead = found * scene.track.speed / scene.sonar.ping_rate
+    assert found.size == SPREAD
+    assert (ahead <= 30.0).all()

@@ -59,7 +59,7 @@ class Probe:
             np.float32
         )
         self._traced: dict[Model, Traced] = {}
-        self._differences: dict[tuple[Model, Model, float], float] = {}
+        self._differences: dict[tuple[Model, Model, float, bool], float] = {}
         self._warm: set[tuple[str, bool, bool]] = set()
 
     def leave_out_collisions(self, model: Model) -> None:
@@ -93,7 +93,7 @@ class Probe:
         every = self._is_across.size
         return every if every * self._packed.work(model) <= LITTLE else min(every, FEW)
 
-    def difference(self, coarse: Model, fine: Model, *, nearer: float = 0.0) -> float:
+    def difference(self, coarse: Model, fine: Model, *, nearer: float = 0.0, cautious: bool = False) -> float:
         """Error of a model against a finer one: the greater of that over the track and that across targets.
 
         Parameters
@@ -101,23 +101,29 @@ class Probe:
         coarse, fine : Model
         nearer : float
             Weight of the error over all bins from the first return; 0 for bins beyond 1.4 altitudes alone.
+        cautious : bool
+            Whether the standard error is added, by which it varies from ping to ping.
         """
-        key = coarse, fine, nearer
+        key = coarse, fine, nearer, cautious
         if key not in self._differences:
             count = self.count(max(coarse, fine, key=self._packed.work))
             one, other = (self._trace(model, count).record[:count] for model in (coarse, fine))
             missed, whole = (np.square(part).sum(axis=1, dtype=np.float64) for part in (one - other, other))
-            errors = [self._error(missed[:, self._beyond :], whole[:, self._beyond :])]
+            errors = [self._error(missed[:, self._beyond :], whole[:, self._beyond :], cautious)]
             if nearer > 0.0:
-                errors.append(nearer * self._error(missed, whole))
+                errors.append(nearer * self._error(missed, whole, cautious))
             self._differences[key] = max(errors)
         return self._differences[key]
 
-    def _error(self, missed: NDArray[np.float64], whole: NDArray[np.float64]) -> float:
-        """Greatest error of both groups of pings, from sums of squares."""
+    def _error(self, missed: NDArray[np.float64], whole: NDArray[np.float64], cautious: bool) -> float:
+        """Greatest error of both groups of pings, from squares."""
         across = self._is_across[: missed.shape[0]]
-        sums = ((missed[of].sum(), whole[of].sum()) for of in (across, ~across))
-        return max(math.sqrt(part / all_) if all_ > 0.0 else float(part > 0.0) for part, all_ in sums)
+        squares = missed.sum(axis=1), whole.sum(axis=1)
+        groups = [tuple(part[of] for part in squares) for of in (across, ~across)]
+        return max(
+            float(_ratio(missed.sum(), whole.sum())) + (_standard_error(missed, whole) if cautious else 0.0)
+            for missed, whole in groups
+        )
 
     def seconds(self, model: Model) -> float:
         """Seconds of a ping by a model, in proportion to its work from the most similar model traced."""
@@ -156,3 +162,17 @@ class Probe:
         parts = in_parallel(block, count, least=OF_A_THREAD)
         record = np.concatenate([part for part, _ in parts])[:, :, self._near :] * self._scale[:count]
         return Traced(record, count, float(np.median([seconds for _, seconds in parts])))
+
+
+def _ratio(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Root of the ratio of energies; 1 where the finer model returns nothing and the coarser one something."""
+    heard = whole > 0.0
+    return np.sqrt(np.where(heard, missed / np.where(heard, whole, 1.0), missed > 0.0))
+
+
+def _standard_error(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> float:
+    """Return the jackknife's standard error of the ratio of sums: from the ratios without each ping (Efron 1982)."""
+    if missed.size < 2:
+        return 0.0
+    without = _ratio(np.maximum(missed.sum() - missed, 0.0), np.maximum(whole.sum() - whole, 0.0))
+    return math.sqrt((missed.size - 1) * float(without.var()))

@@ -1,8 +1,9 @@
 """Choice of the few pings of a track on which a plan measures errors.
 
 Some pings are spread over the track, one at an irregular place within each of as many equal parts, so that no period of
-bed or motion falls in step with them. The greatest excursions of the fish are added, and pings in which the beam
-crosses targets: a target may be met by one ping in a thousand.
+bed or motion falls in step with them; where a measured bed ends or has holes, over the pings that hear it. The greatest
+excursions of the fish are added, and pings in which the beam crosses targets: a target may be met by one ping in a
+thousand.
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ from insonify.terrain import AnyGround
 SPREAD = 8  # pings over the track
 ACROSS, MOST_ACROSS = 3, 12  # pings across each target, fewer where there are many targets; across all of them
 MADE_AT_ONCE = 512  # pings over endless ground on which errors are measured
+OF_PLANES = np.array([0.0, 0.5, -0.25])  # axis, one of two planes, one of four: shares of the half width
 EXCURSIONS = 256  # pings among which the greatest excursions of the fish are found
+ACROSS_SWATH = 65  # places across the track at which a measured bed is looked for
 COARSE_TRACK = 2048  # pings at which distances to targets are first evaluated
 FARTHER = 1e-3  # weight of the distance of a target against that from the beam's axis: of two passes the nearer one
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -56,7 +59,9 @@ class ProbePings(NamedTuple):
         return self.all[order], (order >= self.spread.size)
 
 
-def choose_probe_pings(scene: Scene, ground: AnyGround, targets: tuple[int, ...]) -> ProbePings:
+def choose_probe_pings(
+    scene: Scene, ground: AnyGround, targets: tuple[int, ...], half_width: float = 0.0
+) -> ProbePings:
     """Choose the pings on which a plan measures errors.
 
     Parameters
@@ -66,6 +71,8 @@ def choose_probe_pings(scene: Scene, ground: AnyGround, targets: tuple[int, ...]
         The bed.
     targets : tuple of int
         Indices of the targets in reach of the track.
+    half_width : float
+        Of the beam's main lobe, in radians.
 
     Returns
     -------
@@ -75,10 +82,12 @@ def choose_probe_pings(scene: Scene, ground: AnyGround, targets: tuple[int, ...]
     # Far along endless ground the bed has first to be made.
     pings = min(scene.track.pings, MADE_AT_ONCE) if scene.seabed.endless else scene.track.pings
     spread = _spread(pings, SPREAD)
+    if scene.seabed.relief.measured:
+        spread = _spread_over_bed(scene, ground, pings)
     if scene.track.motions:
         many = _spread(pings, EXCURSIONS)
         spread = np.union1d(spread, _excursions(make_poses(scene, ground, many), many))
-    return ProbePings(spread, _across(scene, targets))
+    return ProbePings(spread, _across(scene, targets, half_width))
 
 
 def _spread(pings: int, count: int) -> Pings:
@@ -91,23 +100,46 @@ def _spread(pings: int, count: int) -> Pings:
     return edges[:-1] + (within * np.diff(edges)).astype(np.int64)
 
 
+def _spread_over_bed(scene: Scene, ground: AnyGround, pings: int) -> Pings:
+    """Pings spread over those that hear a measured bed, or over all if none does."""
+    first, last = 0, pings - 1
+    for _ in range(2):  # the second time from the first to the last of them, where they are few
+        many = first + _spread(last - first + 1, EXCURSIONS)
+        over = many[_hears_bed(scene, ground, many)]
+        if not 0 < over.size < many.size:
+            break
+        first, last = int(over[0]), int(over[-1])
+    if 0 < over.size < many.size:
+        return over[_spread(over.size, SPREAD)]
+    return first + _spread(last - first + 1, SPREAD)
+
+
+def _hears_bed(scene: Scene, ground: AnyGround, pings: Pings) -> NDArray[np.bool_]:
+    """Whether a measured bed, which may end or have holes, lies within reach to either side of each ping."""
+    line = tow_line_at(scene, pings[:, None])
+    away = np.linspace(-scene.sonar.range, scene.sonar.range, ACROSS_SWATH)
+    heights = ground.height_at(line.x - away * np.sin(line.heading), line.y + away * np.cos(line.heading))
+    return np.asarray(np.isfinite(heights).any(axis=1))
+
+
 def _excursions(poses: Poses, pings: Pings) -> Pings:
     """Pings of the lowest and highest sonar and of the greatest pitch, roll and yaw about their means."""
     columns = (poses.z, -poses.z, *(np.abs(column - column.mean()) for column in poses[3:]))
     return np.array([pings[int(np.argmax(column))] for column in columns if np.ptp(column) > 0.0], dtype=np.int64)
 
 
-def _across(scene: Scene, targets: tuple[int, ...]) -> Pings:
-    """Pings in which the axis of the beam meets each target: near its middle and towards both ends."""
+def _across(scene: Scene, targets: tuple[int, ...], half_width: float) -> Pings:
+    """Pings in which the axis of the beam meets each target, one of two planes or one of four."""
     if not targets:
         return np.zeros(0, dtype=np.int64)
     each = max(min(ACROSS, MOST_ACROSS // len(targets)), 1)
     step = scene.track.speed / scene.sonar.ping_rate
     found: list[int] = []
     nearest = sorted((_nearest_ping(scene, number), number) for number in targets)
-    for (_, ping), number in nearest[:MOST_ACROSS]:
+    for (distance, ping), number in nearest[:MOST_ACROSS]:
         half = 0.5 * scene.targets[number].outline.radius / step
-        places = np.array([0.0, -1.0, 1.0][:each]) * max(half, 1.0) + (GOLDEN * (number + 1) % 1.0 - 0.5) * half
+        widest = max(math.tan(half_width) * distance / step, 2.0 * half, 2.0)
+        places = OF_PLANES[:each] * widest + (GOLDEN * (number + 1) % 1.0 - 0.5) * half
         found += (ping + np.rint(places).astype(np.int64)).tolist()
     return np.unique(np.clip(np.array(found, dtype=np.int64), 0, scene.track.pings - 1))
 

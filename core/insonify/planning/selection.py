@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from heapq import heappop, heappush
 from itertools import takewhile
+from typing import Any
 
 from insonify.planning.checks import check_method
 from insonify.planning.choices import CHOICES
-from insonify.planning.choices.base import FINENESS, Case, Choice
-from insonify.planning.choices.fineness import METHODS
+from insonify.planning.choices.base import FINENESS, Case, Choice, percent
+from insonify.planning.choices.fineness import METHODS, measure_together
 from insonify.planning.models import Model, PackedScene, pack
-from insonify.planning.plan_entries import Plan
+from insonify.planning.plan_entries import Plan, PlanEntry
 from insonify.scene import Scene, SceneError
 
-# Pings other than those probed may err more: measured over random scenes, see docs/theory/error.md.
-SAFETY = 1.5
+# Pings other than those probed may err more than these vary: measured over random scenes, see docs/theory/error.md.
+SAFETY = 1.25
+MORE_TOGETHER = 1.2  # times the sum of the errors, beyond which a plan says what they are together
 STAGED = sorted(CHOICES, key=lambda choice: choice.stage)
+COARSE = [choice for choice in STAGED if choice.stage < FINENESS]
+FINE = [choice for choice in STAGED if choice.stage == FINENESS]
 BY_SUBJECT = {choice.subject: choice for choice in CHOICES if choice.offered}
 
 
@@ -75,9 +81,21 @@ def choose_model(packed: PackedScene, tolerance: float, method: str, forced: Map
     """Choose the model of a packed scene as `plan` does, whose parameters these are."""
     case = Case(packed, _asked(method, forced), forced)
     model = _cheapest(case, tolerance / SAFETY)
-    entries = tuple(entry for choice in CHOICES for entry in choice.entries(case, model, choice.error(case, model)))
+    entries = tuple(
+        entry for choice in CHOICES for entry in choice.entries(case, model, choice.error(case, model, cautious=False))
+    )
     error = math.sqrt(sum(entry.error**2 for entry in entries))
+    together = measure_together(case, model, error, cautious=False)
+    if together > MORE_TOGETHER * error:
+        entries = (*entries, _more_together(case, model, error, together))
+        error = together
     return Plan(model, entries, error, packed.work(model), case.probe.seconds(model))
+
+
+def _more_together(case: Case, model: Model, apart: float, together: float) -> PlanEntry:
+    """Entry of what the choices err together beyond what each errs by itself."""
+    reason = f"on {case.pings(model)} {percent(together)}, which is more than each by itself"
+    return PlanEntry("together", "all choices together", reason, error=math.sqrt(together**2 - apart**2))
 
 
 def keep_plan(packed: PackedScene, last: Plan, method: str, forced: Mapping[str, str]) -> Plan:
@@ -114,24 +132,61 @@ def _asked(method: str, forced: Mapping[str, str]) -> str:
     return forced.get("method", "auto") if method == "auto" else method
 
 
+class _Errors:
+    """Errors of the settings of all choices, each asked for once; none of a setting with nothing finer."""
+
+    def __init__(self, case: Case) -> None:
+        self._case = case
+        self._known: dict[tuple[str, Any, str], float] = {}
+
+    def of(self, choice: Choice, model: Model) -> float:
+        """Error of a model's setting of one choice."""
+        value = getattr(model, choice.field)
+        key = choice.subject, value, model.method
+        if key not in self._known:
+            finest = value == choice.settings(self._case, model)[-1]
+            self._known[key] = 0.0 if finest else choice.error(self._case, model)
+        return self._known[key]
+
+    def square(self, choices: Iterable[Choice], model: Model) -> float:
+        """Sum of the squares of a model's errors."""
+        return sum(self.of(choice, model) ** 2 for choice in choices)
+
+
 def _cheapest(case: Case, tolerance: float) -> Model:
     """Model of the least work whose errors keep to the tolerance, except those of settings with nothing finer.
 
     Errors as measured and counts of work do not depend on the tolerance, and no model of less work is passed over: more
-    tolerance never means more work.
+    tolerance never means more work. Errors of fineness take longest and are measured last, as far as they are needed.
     """
+    errors, order = _Errors(case), itertools.count()
+    queue: list[tuple[float, int, int, int, float, Model]] = []
+
+    def add(model: Model, square: float) -> None:
+        heappush(queue, (case.packed.work(model), model.rays, -model.every, next(order), square, model))
+
     models = [Model()]
-    for choice in STAGED:
-        models = [made for model in models for made in _viable(case, choice, model, tolerance)]
-    models.sort(key=lambda model: (case.packed.work(model), model.rays, -model.every))
-    return next(model for model in models if _keeps(case, model, tolerance))
+    for choice in COARSE:
+        models = [made for model in models for made in _viable(case, choice, model, tolerance, errors)]
+    for model in models:
+        coarsest = {choice.field: choice.settings(case, model)[0] for choice in FINE}
+        add(model._replace(**coarsest), errors.square(COARSE, model))
+    known = set()
+    while True:
+        *_, square, model = heappop(queue)
+        apart = math.sqrt(square + errors.square(FINE, model))
+        if apart <= tolerance and (not queue or measure_together(case, model, apart) <= tolerance):
+            return model
+        for finer in _finer(case, model):
+            if finer not in known:
+                known.add(finer)
+                add(finer, square)
 
 
-def _viable(case: Case, choice: Choice, model: Model, tolerance: float) -> list[Model]:
+def _viable(case: Case, choice: Choice, model: Model, tolerance: float, errors: _Errors) -> list[Model]:
     """Models with the settings of one choice, as far as they can be simulated and their own error keeps a tolerance."""
     made = [model._replace(**{choice.field: value}) for value in reversed(choice.settings(case, model))]
-    if choice.stage < FINENESS:
-        made = made[:1] + list(takewhile(lambda one: choice.error(case, one) <= tolerance, made[1:]))
+    made = made[:1] + list(takewhile(lambda one: errors.of(choice, one) <= tolerance, made[1:]))
     able = [one for one in made if _can_be_simulated(case, choice, one)]
     if not able:
         choice.require(case, made[0])
@@ -146,12 +201,10 @@ def _can_be_simulated(case: Case, choice: Choice, model: Model) -> bool:
     return True
 
 
-def _keeps(case: Case, model: Model, tolerance: float) -> bool:
-    """Tell whether the errors of a model keep a tolerance; those of its fineness take longest and are measured last."""
-    square = 0.0
-    for choice in STAGED:
-        if getattr(model, choice.field) != choice.settings(case, model)[-1]:
-            square += choice.error(case, model) ** 2
-        if square > tolerance**2:
-            return False
-    return True
+def _finer(case: Case, model: Model) -> Iterator[Model]:
+    """Models with the next finer setting of one of the choices of fineness."""
+    for choice in FINE:
+        values = choice.settings(case, model)
+        following = values.index(getattr(model, choice.field)) + 1
+        if following < len(values):
+            yield model._replace(**{choice.field: values[following]})

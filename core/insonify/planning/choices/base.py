@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
+from insonify.acoustics.straightness import estimate_refraction
+from insonify.planning.checks import check_refraction
 from insonify.planning.models import Model, PackedScene
 from insonify.planning.plan_entries import PlanEntry
 from insonify.planning.probe import Probe
@@ -19,6 +21,7 @@ from insonify.scene import Scene, SceneError
 SWITCH = ("on", "off")
 EFFECT, TRACER, GRID, FINENESS = range(4)  # stages in which choices are made
 FEW_PLANES, FEWEST_RAYS = 4, 1000  # rays per side; enough to compare effects in the same pings
+NEGLIGIBLE = 1e-4  # bound on the error of straight rays below which it is not measured
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,13 +42,43 @@ class Case:
         """Indices of the targets within reach of the track."""
         return find_targets_in_reach(self.scene)
 
+    @property
+    def targets(self) -> tuple[int, ...]:
+        """Indices of the targets of the finest model: those within reach, unless the user leaves them out."""
+        return () if self.forced.get("targets") == "off" else self.near
+
     @cached_property
     def probe(self) -> Probe:
         """Its probe, made when a choice first asks for it."""
-        probe = Probe(self.packed, choose_probe_pings(self.scene, self.packed.ground, self.near))
-        if self.near:
-            probe.leave_out_collisions(Model(targets=self.near))
+        probe = Probe(
+            self.packed, choose_probe_pings(self.scene, self.packed.ground, self.targets, self.packed.arrays.half_width)
+        )
+        if self.targets:
+            probe.leave_out_collisions(Model(targets=self.targets))
         return probe
+
+    @cached_property
+    def straight_bound(self) -> float:
+        """Bound on the error of straight rays; 0 where the sound speed is the same everywhere."""
+        return estimate_refraction(self.scene).most if self.packed.arrays.water.bent else 0.0
+
+    @cached_property
+    def bent(self) -> bool:
+        """Whether the other errors are measured with refraction: where it may matter and can be simulated."""
+        wanted = {"on": True, "off": False}.get(self.forced.get("bending", ""), self.straight_bound >= NEGLIGIBLE)
+        if not (wanted and self.packed.arrays.water.bent):
+            return False
+        try:
+            check_refraction(self.scene, self.asked)
+        except SceneError:
+            return False
+        return True
+
+    @cached_property
+    def folds(self) -> bool:
+        """Whether the refracted sweep leaves some pings to single rays, whose number then changes the record."""
+        few, more = (Model(rays=n * FEWEST_RAYS, bent=True, targets=self.targets) for n in (1, 4))
+        return self.probe.difference(few, more) > 0.0
 
     @property
     def few_planes(self) -> int:
@@ -115,9 +148,18 @@ class Choice(ABC):
     def settings(self, case: Case, model: Model) -> tuple[Any, ...]:
         """Values of the field to consider with the choices already made, coarse to fine; one if there is no choice."""
 
-    def error(self, case: Case, model: Model) -> float:
-        """Measured error of a model's setting; of effects, tracer and grid whatever its fineness."""
-        del case, model
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
+        """Error of a model's setting; of effects, tracer and grid whatever its fineness.
+
+        Parameters
+        ----------
+        case : Case
+        model : Model
+        cautious : bool
+            Whether it is the one by which the choice is made: a bound, which may weigh bins nearer than 1.4 altitudes
+            too. If not, the error beyond them as measured, which a plan reports.
+        """
+        del case, model, cautious
         return 0.0
 
     @abstractmethod
@@ -203,16 +245,17 @@ class Ladder(Number):
         """Greatest rung that is not finer than a model."""
         return int(self.first * 2 ** math.floor(math.log2(max(getattr(model, self.field) / self.first, 1.0))))
 
-    def error(self, case: Case, model: Model) -> float:
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of the rung below; from there it falls with the power, of 0.5 to 1, with which it fell to that rung."""
         if model.method != self.method:
             return 0.0
         rung = self.rung(model)
-        error = case.probe.difference(*self.pair(case, model, rung))
+        error = case.probe.difference(*self.pair(case, model, rung), cautious=cautious)
         finer = max(getattr(model, self.field) / rung, 1.0)
         if finer == 1.0 or error == 0.0:
             return error
-        before = case.probe.difference(*self.pair(case, model, rung // 2)) if rung > self.first else error
+        coarser = self.pair(case, model, rung // 2)
+        before = case.probe.difference(*coarser, cautious=cautious) if rung > self.first else error
         return float(error * finer ** -min(max(math.log2(max(before / error, 1.0)), 0.5), 1.0))
 
     def measured(self, case: Case, model: Model, words: str, error: float) -> str:

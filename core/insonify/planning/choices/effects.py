@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from insonify.acoustics.straightness import estimate_refraction
 from insonify.planning.checks import check_refraction
-from insonify.planning.choices.base import FEWEST_RAYS, Case, Choice, percent
+from insonify.planning.choices.base import FEWEST_RAYS, NEGLIGIBLE, Case, Choice, percent
 from insonify.planning.models import Model
 from insonify.planning.plan_entries import PlanEntry
 from insonify.scene.surfaces import WAYS
-
-NEGLIGIBLE = 1e-4  # bound on the error of straight rays below which it is not measured
 
 
 class Bending(Choice):
@@ -23,18 +20,17 @@ class Bending(Choice):
     def settings(self, case: Case, model: Model) -> tuple[bool, ...]:
         """Straight rays, refracted ones or both; straight ones where the sound speed is the same everywhere."""
         wish = self.wish(case)
-        if not case.packed.arrays.water.bent or (wish is None and estimate_refraction(case.scene).most < NEGLIGIBLE):
+        if not case.packed.arrays.water.bent or (wish is None and case.straight_bound < NEGLIGIBLE):
             return (False,)
         return (False, True) if wish is None else (wish,)
 
-    def error(self, case: Case, model: Model) -> float:
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of straight rays: the same pings by few planes, without paths by the surface."""
-        bound = estimate_refraction(case.scene).most if case.packed.arrays.water.bent and not model.bent else 0.0
-        if bound < NEGLIGIBLE:
-            return bound
+        if model.bent or case.straight_bound < NEGLIGIBLE:
+            return 0.0 if model.bent else case.straight_bound
         method = "rays" if case.scene.water.varies_along else "sweep"
-        plain = Model(method, case.few_planes, FEWEST_RAYS, targets=case.near)
-        return case.probe.difference(plain, plain._replace(bent=True))
+        plain = Model(method, case.few_planes, FEWEST_RAYS, targets=case.targets)
+        return case.probe.difference(plain, plain._replace(bent=True), cautious=cautious)
 
     def require(self, case: Case, model: Model) -> None:
         """Raise an error if refraction is combined with an effect computed along straight rays only."""
@@ -45,7 +41,7 @@ class Bending(Choice):
         """Entry of refraction; none in water of constant sound speed."""
         if not case.packed.arrays.water.bent:
             return
-        missed = self.error(case, model._replace(bent=False))
+        missed = self.error(case, model._replace(bent=False), cautious=False)
         by = "tables of apparent positions" if model.method == "sweep" else "rays follow circular arcs"
         reason = f"straight rays are {percent(missed)} from refracted ones"
         reason = f"{reason} at most" if missed < NEGLIGIBLE else f"on {case.pings(model)} {reason}"
@@ -67,13 +63,13 @@ class Bounces(Choice):
             return (asked if wish else 0,)
         return (asked,) if case.asked in ("sweep", "march") else (0, asked)
 
-    def error(self, case: Case, model: Model) -> float:
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Share of the later echoes in the same pings by single rays."""
         asked = case.scene.sonar.bounces
         if self.settings(case, model) == (0,) or model.bounces == asked:
             return 0.0
-        plain = Model("rays", rays=FEWEST_RAYS, targets=case.near)
-        return case.probe.difference(plain, plain._replace(bounces=asked))
+        plain = Model("rays", rays=FEWEST_RAYS, targets=case.targets)
+        return case.probe.difference(plain, plain._replace(bounces=asked), cautious=cautious)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the bounces that a scene asks for."""
@@ -144,12 +140,13 @@ class SurfacePath(Choice):
             return (off | {self.subject},)  # it lies before the first return of the bed, where no error is measured
         return (off, off | {self.subject}) if wish is None else (off | {self.subject},)
 
-    def error(self, case: Case, model: Model) -> float:
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Share of its echoes in the record, in the same pings by one plane."""
         if self.subject in model.ways or self.subject not in case.paths:
             return 0.0
-        whole = Model(targets=case.near, ways=case.paths)
-        share = case.probe.difference(whole._replace(ways=case.paths - {self.subject}), whole)
+        whole = Model(targets=case.targets, ways=case.paths)
+        without = whole._replace(ways=case.paths - {self.subject})
+        share = case.probe.difference(without, whole, cautious=cautious)
         return share * math.sqrt(len(case.paths - model.ways))  # energies add up, errors are summed by squares
 
     def kept(self, case: Case, model: Model, last: Model) -> frozenset[str]:

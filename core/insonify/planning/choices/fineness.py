@@ -85,9 +85,9 @@ class Planes(Ladder):
         fewest = 2 if case.scene.receiver.speckle.interferes else 1  # each scatterer has its own place in the beam
         return tuple(count for count in COUNTS if count >= fewest)
 
-    def error(self, case: Case, model: Model) -> float:
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error measured at the doubling below; none for a beam without width."""
-        return super().error(case, model) if case.scene.sonar.beam.has_width else 0.0
+        return super().error(case, model, cautious) if case.scene.sonar.beam.has_width else 0.0
 
     def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
         """Models of a rung and of so many planes that some meet every target, otherwise the finest."""
@@ -125,14 +125,14 @@ class Rays(Ladder):
             return (case.scene.sonar.bins,)
         if model.method == "rays":
             return tuple(self.first << n for n in range(13))
-        return FOLDED_RAYS
+        return FOLDED_RAYS if case.folds else FOLDED_RAYS[:1]
 
-    def error(self, case: Case, model: Model) -> float:
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of single rays; with the sweep of those pings only that it leaves to rays."""
         if model.method == "sweep" and model.bent:
             plain = _finest(case, model)._replace(rays=model.rays)
-            return case.probe.difference(plain, plain._replace(rays=2 * model.rays))
-        return super().error(case, model)
+            return case.probe.difference(plain, plain._replace(rays=2 * model.rays), cautious=cautious)
+        return super().error(case, model, cautious)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the rays."""
@@ -158,11 +158,13 @@ class Step(Number):
         wish, spacing = self.wish(case), case.packed.arrays.bed.spacing
         return tuple(spacing / 2**n for n in range(7)) if wish is None else (wish,)
 
-    def error(self, case: Case, model: Model) -> float:
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error measured from half the step."""
         if model.method != "march":
             return 0.0
-        return case.probe.difference(model, model._replace(step=0.5 * model.step, rays=2 * model.rays))
+        plain = _single(case, model)._replace(step=model.step, rays=model.rays)
+        finer = plain._replace(step=0.5 * plain.step, rays=2 * plain.rays)
+        return case.probe.difference(plain, finer, cautious=cautious)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the step."""
@@ -192,15 +194,16 @@ class Segments(Choice):
             return (math.inf,)
         return tuple(self.parse(text) for text in self.offered) if wish is None else (wish,)
 
-    def error(self, case: Case, model: Model) -> float:
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error measured from the smallest share, by one plane without paths by the sea surface."""
         if model.method != "sweep":
             return 0.0
         fine = _single(case, model)._replace(ways=frozenset(), misplaced=float(self.offered[-1]))
-        whole = case.probe.difference(fine._replace(misplaced=math.inf), fine, nearer=NEARER)
-        if whole < LITTLE_MISPLACED:
-            return whole  # all shares between are closer still
-        return case.probe.difference(fine._replace(misplaced=model.misplaced), fine, nearer=NEARER)
+        whole = fine._replace(misplaced=math.inf)
+        little = case.probe.difference(whole, fine, nearer=NEARER) < LITTLE_MISPLACED
+        # All shares between are closer still.
+        coarse = whole if little else fine._replace(misplaced=model.misplaced)
+        return case.probe.difference(coarse, fine, nearer=NEARER * cautious, cautious=cautious)
 
     def common(self, case: Case, model: Model) -> float:
         """Share with which errors of planes and nodes are measured: the greatest of little error, at any tolerance."""
@@ -246,15 +249,16 @@ class Spacing(Number):
         fitting = (n for n in STRIDES if n == 1 or all(c % n == 0 and c >= FEWEST_CELLS * n for c in cells))
         return tuple(sorted(fitting, reverse=True))
 
-    def error(self, case: Case, model: Model) -> float:
-        """Greatest error of the strides up to a model's, with few planes."""
-        few = 1 if case.paths else case.few_planes
-        fine = _finest(case, model)._replace(planes=few)
-        strides = (2**n for n in range(1, int(math.log2(model.every)) + 1))
+    def error(self, case: Case, model: Model, cautious: bool = True) -> float:
+        """Greatest error of the strides up to a model's, with few planes; if not cautious, that of its own."""
+        fine = _finest(case, model)._replace(planes=1 if case.paths else case.few_planes)
+        if not cautious:
+            return case.probe.difference(fine._replace(every=model.every), fine)
+        strides = [2**n for n in range(1, int(math.log2(model.every)) + 1)]
         coarse = [model.every] if self.subject in case.forced else strides
         weight = OF_LEVEL_BED if case.scene.seabed.relief.level and self.subject not in case.forced else 1.0
-        differences = (case.probe.difference(fine._replace(every=n), fine, nearer=NEARER) for n in coarse)
-        return weight * max(differences, default=0.0)
+        pairs = ((fine._replace(every=every), fine) for every in coarse)
+        return weight * max((case.probe.difference(*pair, nearer=NEARER, cautious=True) for pair in pairs), default=0.0)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the nodes."""
@@ -269,10 +273,44 @@ class Spacing(Number):
         yield self.entry(case, choice, reason, modelled=False, error=error, cost=saved, options=self.offered)
 
 
+def measure_together(case: Case, model: Model, apart: float, cautious: bool = True) -> float:
+    """Error of a swept model as a whole, in which what its choices leave out may add up or cancel.
+
+    The model with the planes of the rung below is compared with the finest model of twice as many; what this exceeds
+    the error of those planes by belongs to its other choices.
+
+    Parameters
+    ----------
+    case : Case
+    model : Model
+    apart : float
+        Root of the sum of the squares of the errors of its choices; the answer where rays are traced.
+    cautious : bool
+        As of `Choice.error`.
+    """
+    if model.method != "sweep" or (model.bent and case.folds):
+        return apart
+    planes, segments, rung = Planes(), Segments(), Planes().rung(model)
+    coarse, fine = planes.pair(case, model, rung) if case.scene.sonar.beam.has_width else 2 * (_finest(case, model),)
+    whole = model._replace(planes=rung, rays=fine.rays * model.bent, misplaced=max(model.misplaced, fine.misplaced))
+    others = case.probe.difference(whole, fine) ** 2 - case.probe.difference(coarse, fine) ** 2
+    of_segments = segments.error(case, model._replace(misplaced=min(model.misplaced, fine.misplaced)), cautious)
+    return math.sqrt(planes.error(case, model, cautious) ** 2 + max(others, 0.0) + of_segments**2)
+
+
 def _single(case: Case, model: Model) -> Model:
-    """Model with all effects and nodes, one plane and few rays."""
-    rays = FEWEST_RAYS if model.bent or model.method == "rays" else 0
-    return model._replace(planes=1, rays=rays, every=1, targets=case.near, ways=case.paths)
+    """Model with all effects and nodes, one plane and few rays, whatever effects another model of its tracer has."""
+    swept = FEWEST_RAYS if case.bent else 0
+    rays = {"sweep": swept, "march": model.rays}.get(model.method, FEWEST_RAYS)
+    return Model(
+        model.method,
+        rays=rays,
+        step=model.step,
+        bent=case.bent,
+        bounces=model.bounces,
+        targets=case.targets,
+        ways=case.paths,
+    )
 
 
 def _finest(case: Case, model: Model) -> Model:
