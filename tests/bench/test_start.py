@@ -1,9 +1,14 @@
-"""How long the first ping takes, from the command on; run with `pytest -m bench -s tests/bench/test_start.py`."""
+"""How long the first ping takes, from the command on, with kernels compiled before and with none.
+
+Run with `pytest -m bench -s tests/bench/test_start.py`.
+"""
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from pathlib import Path
 from statistics import median
 from time import monotonic
 
@@ -34,4 +39,32 @@ def test_from_the_command_to_the_first_ping(capsys: pytest.CaptureFixture[str]) 
         sys.stdout.write(
             f"\nfrom the command to the first ping: {median(pinged[1:]):.2f} s (best {min(pinged):.2f} s), "
             f"to its end: {median(ended[1:]):.2f} s (best {min(ended):.2f} s)"
+        )
+
+
+FIRST_RECORD = """
+import os, sys, time
+if hasattr(os, "sched_setaffinity"):
+    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:2])
+from numba.core import event
+from insonify.__main__ import main
+start = time.process_time()
+with event.install_listener("numba:compile", event.RecordingListener()) as compiled:
+    sys.argv = ["insonify", "render", "default", "-o", os.environ["PICTURE"]]
+    main()
+print(sum(entry.is_start for _, entry in compiled.buffer), time.process_time() - start)
+"""
+
+
+def test_first_record_from_an_empty_cache(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    environment = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
+    environment |= {"XDG_CACHE_HOME": str(tmp_path), "PICTURE": str(tmp_path / "first.png")}
+    start = monotonic()
+    command = [sys.executable, "-c", FIRST_RECORD]
+    done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
+    functions, seconds = done.stdout.splitlines()[-1].split()
+    with capsys.disabled():
+        sys.stdout.write(
+            f"\nfirst record from an empty cache on two cores: {monotonic() - start:.1f} s, "
+            f"{float(seconds):.1f} s of processor time, {functions} functions compiled"
         )

@@ -1,14 +1,14 @@
 """Decorators that compile kernels; the table says which one a function takes.
 
 =========================  =======================  ===========  =====================  ==================
-decorator                  machine code             on disk      counts references      arithmetic
+decorator                  called by a kernel       on disk      counts references      arithmetic
 =========================  =======================  ===========  =====================  ==================
-`kernel`                   of its own               yes          yes                    relaxed (`FAST`)
-`kernel_uncounted`         of its own               yes          no                     relaxed (`FAST`)
-`inlined`                  within each caller       no           yes                    relaxed (`FAST`)
-`inlined_uncounted`        within each caller       no           no                     relaxed (`FAST`)
-`inlined_ieee`             within each caller       no           yes                    IEEE 754, in order
-`inlined_before_typing`    within each caller       no           as its caller          as its caller
+`kernel`                   a function of its own    yes          yes                    relaxed (`FAST`)
+`kernel_uncounted`         a function of its own    yes          no                     relaxed (`FAST`)
+`inlined`                  inlined                  no           yes                    relaxed (`FAST`)
+`inlined_uncounted`        inlined                  no           no                     relaxed (`FAST`)
+`inlined_ieee`             inlined                  no           yes                    IEEE 754, in order
+`inlined_before_typing`    inlined                  no           as its caller          as its caller
 =========================  =======================  ===========  =====================  ==================
 
 Reference counting costs an atomic operation of about 5 ns, twice for every array of every tuple passed to a function.
