@@ -180,3 +180,18 @@ def test_truth_by_rays_is_that_by_tables():
     assert np.quantile(np.abs(found.ground_range - swept.ground_range)[same], 0.9) < 0.15
     assert np.quantile(np.abs(np.degrees(found.incidence) - swept.incidence)[same], 0.5) < 2.0
     assert (np.abs(found.shadow - swept.shadow) < 0.05).mean() > 0.98
+
+
+def test_a_ball_shades_the_bed_on_each_path_by_itself():
+    """What mute balls take from a record of rays: all of the bed behind, or that of one path and of the mixed ones."""
+    ball, poses = ((0.0, 255.0, 2.0), 2.0), poses_of(0.0, 0.0, SONAR_HEIGHT)
+    scene = arrays(solids=[ball], half_width=0.005, reflectivity=[(1.0, 0.0, 1.0), (0.0, 0.0, 1.0)])
+    found = trace_labels(scene, poses, rays=20_000)
+    mute = scene._replace(solids=scene.solids._replace(material=np.array([1])))
+    shaded, bare = (rays.trace(each, poses, rays=100_000) for each in (mute, without_targets(scene)))
+    shares = 1.0 - shaded[0, 0, FIRST:] / bare[0, 0, FIRST:]
+    assert (found.shadow[0, 0] == 1.0).sum() > 100
+    assert ((found.shadow[0, 0] > 0.3) & (found.shadow[0, 0] < 0.7)).sum() > 80
+    assert (found.shadow_id[0, 0] == np.where(found.shadow[0, 0] > 0.0, 0, -2)).all()
+    assert np.sqrt(np.mean((found.shadow[0, 0, FIRST:] - shares) ** 2)) < 0.05
+    assert abs(np.mean(found.shadow[0, 0, FIRST:] - shares)) < 0.01

@@ -62,20 +62,11 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
             if arrays.pattern.tabulated:
                 weight = weigh_by_pattern(arrays, beam, bundle, hits, launch.weight, weighed)
             intensity[:] = 0.0
-            for k in range(rays):
-                b, value, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
-                _enter(arrays, hits, arrivals, k, b, value, cosine, contributions, intensity)
-                # The width of a tube that closes at a caustic is bounded from below.
-                if b >= 0 and value > 0.0 and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
-                    labels.caustic[ping, side, b] = True
+            _note_rays(arrays, hits, arrivals, weight, contributions, intensity, labels.caustic[ping, side])
             if landings.fold < np.inf:
-                mixed = find_mixed_echoes(
-                    arrays, beam, waveguide, z, landings, launch.weight, LandedRays(bundle, hits, arrivals)
-                )
-                for m in range(mixed.ray.size):
-                    k = mixed.ray[m]
-                    _, _, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
-                    _enter(arrays, hits, arrivals, k, mixed.bin[m], mixed.value[m], cosine, contributions, intensity)
+                landed = LandedRays(bundle, hits, arrivals)
+                mixed = find_mixed_echoes(arrays, beam, waveguide, z, landings, launch.weight, landed)
+                _note_mixed_paths(arrays, hits, arrivals, mixed, weight, contributions, intensity)
             if shadows.present.size > 0:
                 _note_hidden_bed(arrays, bare, beam, waveguide, z, landings, launch, hits, bare_rays, weighed, shadows)
             materials = arrays.reflectivity.shape[0]
@@ -83,6 +74,26 @@ def label_refracted_pings(arrays, bare, poses, rays, contributions, shadows, lab
             sum_target_echoes(contributions, materials, 1.0, labels.target_echo[ping, side])
             label_bins(contributions, intensity, silence, labels, ping, side)
     return 0
+
+
+@kernel
+def _note_rays(arrays, hits, arrivals, weight, contributions, intensity, caustic):
+    """Note the echoes of all hits, and mark the bins of those at a caustic."""
+    for k in range(weight.size):
+        b, value, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
+        _enter(arrays, hits, arrivals, k, b, value, cosine, contributions, intensity)
+        # The width of a tube that closes at a caustic is bounded from below.
+        if b >= 0 and value > 0.0 and arrivals.tube[k] <= CAUSTIC * arrivals.spread[k]:
+            caustic[b] = True
+
+
+@kernel
+def _note_mixed_paths(arrays, hits, arrivals, mixed, weight, contributions, intensity):
+    """Note the echoes that go out along one ray and come back along another."""
+    for m in range(mixed.ray.size):
+        k = mixed.ray[m]
+        _, _, cosine = refracted_echo(arrays, hits, arrivals, weight, k)
+        _enter(arrays, hits, arrivals, k, mixed.bin[m], mixed.value[m], cosine, contributions, intensity)
 
 
 @kernel
