@@ -35,7 +35,11 @@ def open_window(scene: Scene) -> int:
         viewer.window.show()
         QTimer.singleShot(0, viewer.start)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
-        return application.exec()
+        code = application.exec()
+        if viewer.simulator.working:
+            # It compiles, which cannot be interrupted; Python would wait for it.
+            os._exit(code)
+        return code
 
 
 def _close_on_interrupt(viewer: Viewer) -> None:

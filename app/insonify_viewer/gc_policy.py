@@ -6,6 +6,7 @@ that would destroy widgets and their OpenGL contexts while the main thread draws
 
 from __future__ import annotations
 
+import ctypes
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -33,6 +34,14 @@ def collected_by_hand() -> Iterator[GcPolicy]:
         gc.collect()
         gc.unfreeze()
         gc.enable()
+
+
+def return_free_memory() -> None:
+    """Return freed memory to the system; the C library otherwise keeps hundreds of megabytes of it."""
+    try:
+        ctypes.CDLL(None).malloc_trim(0)
+    except (AttributeError, OSError, TypeError):  # another C library
+        return
 
 
 class GcPolicy:

@@ -63,10 +63,10 @@ class Job:
         """Stop at the next report of progress."""
         self._stopping = True
 
-    def close(self) -> None:
-        """Stop, and wait for the thread."""
+    def close(self, patience: float | None = None) -> None:
+        """Stop, and wait for the thread, at most for a time in seconds."""
         self.stop()
-        self._thread.join()
+        self._thread.join(patience)
 
     def _work(self) -> None:
         try:

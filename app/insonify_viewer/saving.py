@@ -84,10 +84,10 @@ class Saving:
         if path is not None:
             self._try(lambda: save_picture(self._window, path), path)
 
-    def close(self) -> None:
-        """Stop writing; nothing is left of an unfinished record."""
+    def close(self, patience: float | None = None) -> None:
+        """Stop writing; nothing is left of an unfinished record, unless it takes longer than a time in seconds."""
         if self._job is not None:
-            self._job.close()
+            self._job.close(patience)
             self._job = None
 
     def _write_record(self, path: Path) -> None:

@@ -175,13 +175,18 @@ class Simulator(QObject):
         """Pass a result from any thread to the main thread; it is dropped once the viewer closes."""
         self._called_back.emit(receive, result)
 
-    def close(self) -> None:
-        """Stop the worker and wait for it."""
+    @property
+    def working(self) -> bool:
+        """Whether the worker is still there."""
+        return self._thread.is_alive()
+
+    def close(self, patience: float | None = None) -> None:
+        """Stop the worker and wait for it, at most for a time in seconds: it may be compiling."""
         with self._changed:
             self._closing = True
             self._changed.notify()
         self._watching.close()
-        self._thread.join()
+        self._thread.join(patience)
 
     def _work(self) -> None:
         while not self._closing:

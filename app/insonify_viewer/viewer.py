@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from insonify.display.picture import PALETTES, load_palette
 from insonify.scene import Scene, SceneError, bundled_scenes
 from insonify_viewer.auto_pause import next_pause
 from insonify_viewer.contrast import Contrast
+from insonify_viewer.gc_policy import return_free_memory
 from insonify_viewer.laid_scene import LaidScene
 from insonify_viewer.mark_controller import MarkController
 from insonify_viewer.marked_point import MarkedPoint
@@ -39,6 +41,7 @@ if TYPE_CHECKING:
 MAX_PINGS, MAX_CELLS = 2048, 2**26  # limits of the record on screen
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits
+PATIENCE = 0.25  # s, for each thread when the window closes
 LEAP = 0.2  # s, greatest advance of the tow in one tick, after the window was blocked
 
 
@@ -73,9 +76,10 @@ class Viewer(QObject):
         self.window = MainWindow(native=native, palettes=PALETTES)
         self.record = Record(_pings_held(scene), scene.sonar.bins)
         self.files = FileDialogs(self.window, self.simulator, self.open, self.window.say)
-        self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, self._show_part)
         self.saving = Saving(self.session, self.window, self.simulator)
         self.panels = PanelSet(self._workbench())
+        added = partial(self.panels.tell, "part_added")
+        self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
         self.window.mount(tuple(self.panels.values()))
         self.failure = ""
         self._seabed = SeabedController(self.simulator, accelerated=accelerated)
@@ -84,6 +88,7 @@ class Viewer(QObject):
         self._answer: TracedPings | None = None  # the last one that fits the record
         self._laid: LaidScene | None = None  # a scene that is shown before its first pings
         self._waiting = WaitingWatch()
+        self._freeing = False  # whether memory of the scene before is still to be returned
         self._prepared = self._started = self._stopped = False
         self._marks = MarkController(self._show_point, self.simulator.call_later)
         self._contrast = Contrast(self.window.waterfall)
@@ -158,6 +163,7 @@ class Viewer(QObject):
             self.run(True)
         self._contrast.due = True
         self.seabed.reset_camera()
+        self._freeing = True
         self.session.open(scene, file, bundled=Path(file) in bundled_scenes().values())
         self.window.say(scene.title)
 
@@ -193,9 +199,9 @@ class Viewer(QObject):
         """Stop clock, panels and worker."""
         self._clock.stop()
         self.panels.tell("closing")
-        self.saving.close()
-        self._marks.close()
-        self.simulator.close()
+        self.saving.close(8.0 * PATIENCE)  # which removes what is not finished, after the block under way
+        self._marks.close(PATIENCE)
+        self.simulator.close(PATIENCE)
         self._seabed.close()
 
     def _connect(self) -> None:
@@ -242,9 +248,6 @@ class Viewer(QObject):
             pause=lambda: self.run(False),
             open_panel=self.window.open_panel,
         )
-
-    def _show_part(self, path: str) -> None:
-        self.panels.tell("part_added", path)
 
     def _scene_changed(self, scene: Scene, settled: bool) -> None:
         traced = (scene, self.session.modelling)
@@ -332,6 +335,9 @@ class Viewer(QObject):
         self._show_sonar()
         self._show_mark(self.session.mark)
         current = answer.fine and answer.number == self._number
+        if self._freeing and not self._missing().size:
+            self._freeing = False
+            self.simulator.send(return_free_memory, lambda _: None)
         self.panels.tell_growth(RecordGrowth(answer, self.record, current, complete=not self._missing().size))
         if not self._started:
             self._started = True

@@ -71,7 +71,7 @@ class StandIn:
         flat = np.sqrt(np.maximum(slant**2 - self.scene.altitude**2, 0.0))
         return RecordLabels(
             target, material, shadow, by, (heard * flat).astype(np.float32), (heard * 40.0).astype(np.float32), path,
-            np.zeros(shape, bool),
+            np.zeros(shape, bool), np.zeros(shape, np.float32),
         )  # fmt: skip
 
 

@@ -6,10 +6,12 @@ import gc
 import subprocess
 import sys
 import threading
+import time
 from typing import Any
 
 import pytest
 from PySide6.QtCore import QObject, Qt
+from stand_in import StandIn
 
 from insonify.scene import Scene, SceneError
 from insonify_viewer import application
@@ -40,6 +42,38 @@ def test_no_worker_collects_what_belongs_to_a_window(open_viewer: Any, small: Sc
     qtbot.waitUntil(lambda: bool(ends), timeout=20000)
     assert kept
     assert ends == [threading.main_thread()]
+
+
+def test_a_window_closes_during_work_at_once(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    going = threading.Event()
+
+    class Compiling(StandIn):
+        def intensity(self, pings: Any) -> Any:
+            if self.scene.seed == 5:
+                going.wait(20.0)
+            return super().intensity(pings)
+
+    viewer = open_viewer(small, prepare=Compiling)
+    viewer.session.settle({"seed": 5})
+    qtbot.wait(100)
+    begun = time.perf_counter()
+    assert viewer.window.close()
+    taken = time.perf_counter() - begun
+    assert viewer.simulator.working
+    going.set()
+    viewer.simulator.close()
+    assert taken < 1.0
+
+
+def test_beds_share_one_texture(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    view = viewer.seabed.view
+    texture, before = view._bed_actor.texture, view.grab().toImage()
+    viewer.session.settle({"track.start": [500.0, 0.0], "seabed.material.name": "rock"})
+    qtbot.waitUntil(lambda: viewer.complete)
+    view.draw_now()
+    assert view._bed_actor.texture is texture
+    qtbot.waitUntil(lambda: view.grab().toImage() != before)
 
 
 def test_windows_are_opened_and_drawn_with_garbage_in_one_place(

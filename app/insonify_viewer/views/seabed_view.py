@@ -72,9 +72,9 @@ class SeabedView(QWidget):
     def show_bed(self, patch: BedPatch) -> None:
         """Show another bed."""
         self._bed.points = patch.points
-        texture = pv.Texture(patch.image)
-        texture.interpolate = texture.mipmap = True
-        self._bed_actor.texture = texture
+        # One texture for all beds: OpenGL would keep the pixels of every other one until the window closes.
+        self._texture.SetInputData(pv.Texture(patch.image).to_image())
+        self._texture.Modified()
         self._bed_actor.visibility = True
         self._later()
 
@@ -126,7 +126,9 @@ class SeabedView(QWidget):
         plotter.set_background(WATER[0], top=WATER[1])
         add: dict[str, Any] = {"render": False, "reset_camera": False, "show_scalar_bar": False}
         blank = np.zeros((2, 2, 3), np.uint8)
-        self._bed_actor = plotter.add_mesh(self._bed, texture=pv.Texture(blank), lighting=False, **add)
+        self._texture = pv.Texture(blank)
+        self._texture.interpolate = self._texture.mipmap = True
+        self._bed_actor = plotter.add_mesh(self._bed, texture=self._texture, lighting=False, **add)
         shiny: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.7, "specular": 0.25}
         ball = pv.Sphere()
         ball.cell_data["colour"] = np.zeros((ball.n_cells, 3), np.uint8)

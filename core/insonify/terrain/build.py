@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.array_cache import keep_arrays
 from insonify.errors import located
 from insonify.io.bathymetry.grid import LARGEST_SIDE
 from insonify.io.georeference import Georeference
@@ -16,7 +17,7 @@ from insonify.scene.reliefs import HeightGrid, ReliefKind
 from insonify.scene.reliefs.dem import refine
 from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.seabed import Seabed
-from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles, keep_tiles
+from insonify.terrain.endless_ground import AnyGround, EndlessGround, Tiles
 from insonify.terrain.endless_relief import endless_heights
 from insonify.terrain.ground import Ground
 from insonify.terrain.lattice import Lattice, Map
@@ -186,7 +187,7 @@ def _kept_materials(
 @lru_cache(maxsize=2)
 def _kept_tiles(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> Tiles:
     tiles = endless_heights(parts, spacing, seed)
-    return keep_tiles(lambda row, column: tiles(row, column).astype(np.float32))
+    return keep_arrays(lambda row, column: tiles(row, column).astype(np.float32))
 
 
 @lru_cache(maxsize=2)
@@ -199,4 +200,4 @@ def _kept_map_tiles(
     place: Georeference | None,
 ) -> Tiles:
     del version  # part of the key alone, as above
-    return keep_tiles(endless_materials(layout, period, spacing, seed, place))
+    return keep_arrays(endless_materials(layout, period, spacing, seed, place))

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.array_cache import keep_arrays
 from insonify.kernels.common.streams import RELIEF_BAND
 from insonify.scene.reliefs.spectrum import Band, Density
 from insonify.terrain.lattice_noise import lattice_noise
@@ -36,7 +37,6 @@ FEATURE = 6.0  # frequency steps of the coarsest filter across the finest featur
 FAINT = 1e-9  # share of the variance that may be neglected
 HALF_BAND = 12  # pairs of taps of the half-band filter
 KAISER = 9.0  # shape of its window: images are 90 dB down
-KEPT_TILES = 40  # tiles kept per pyramid, 2 MB each
 
 
 class EndlessField:
@@ -141,7 +141,7 @@ class _Pyramid:
             for level in range(first, last + 1)
         }
         self._last = last
-        self._tile = lru_cache(maxsize=KEPT_TILES)(self._made_tile)
+        self._tile = keep_arrays(self._made_tile)
 
     @cached_property
     def variance(self) -> float:

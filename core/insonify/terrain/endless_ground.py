@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.array_cache import ARRAYS, keep_arrays
 from insonify.parallel import in_parallel
 from insonify.scene.materials import Reflectivity
 from insonify.terrain.endless_field import TILE, gather_tiles
@@ -19,7 +20,7 @@ from insonify.terrain.ground import Ground, bilinear
 Column = NDArray[np.float64]
 Tiles = Callable[[int, int], NDArray[Any]]
 
-KEPT_TILES = 192  # tiles of heights kept, 1 MB each
+TILE_BYTES = 4 * TILE**2  # of heights
 KEPT_WINDOWS = 4  # windows of heights and materials kept
 
 
@@ -131,18 +132,13 @@ class EndlessGround:
 AnyGround = Ground | EndlessGround
 
 
-def keep_tiles(tile: Tiles) -> Tiles:
-    """Return the function of tiles with a cache of its last results."""
-    return lru_cache(maxsize=KEPT_TILES)(tile)
-
-
 @lru_cache(maxsize=KEPT_WINDOWS)
 def _thinned(ground: EndlessGround, every: int) -> EndlessGround:
     """Endless bed thinned to every n-th node."""
     side = every * TILE
 
     def of(tiles: Tiles) -> Tiles:
-        return keep_tiles(
+        return keep_arrays(
             lambda row, column: gather_tiles(tiles, (row * side, column * side), (side, side))[::every, ::every]
         )
 
@@ -154,6 +150,6 @@ def _torus(tiles: Tiles, first: tuple[int, int], side: int) -> NDArray[Any]:
     """Square of nodes, each stored at its indices modulo the size of the square."""
     rows, columns = (range(low // TILE, (low + side - 1) // TILE + 1) for low in first)
     places = [(row, column) for row in rows for column in columns]
-    if len(places) <= KEPT_TILES:
+    if len(places) * TILE_BYTES <= ARRAYS.limit:  # else the first are dropped before they are gathered
         in_parallel(lambda first, last: [tiles(*place) for place in places[first:last]], len(places), least=1)
     return np.roll(gather_tiles(tiles, first, (side, side)), (first[0] % side, first[1] % side), axis=(0, 1))

@@ -1,0 +1,60 @@
+"""Arrays that are kept, in bounds."""
+
+from __future__ import annotations
+
+import gc
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from insonify.array_cache import ArrayCache
+
+KB = 1024
+
+
+def test_the_least_recently_used_arrays_are_dropped() -> None:
+    cache, made = ArrayCache(3 * KB), []
+
+    def array(number: int) -> np.ndarray:
+        made.append(number)
+        return np.full(KB, number, np.uint8)
+
+    kept = cache.keep(array)
+    for number in (1, 2, 3, 1, 4, 1, 2):
+        assert kept(number)[0] == number
+    assert made == [1, 2, 3, 4, 2], "2 was the oldest when 4 came"
+    assert cache.bytes == 3 * KB
+
+
+def test_functions_share_the_bound_and_not_their_results() -> None:
+    cache = ArrayCache(4 * KB)
+    one, other = (cache.keep(lambda n, v=value: np.full(n, v, np.uint8)) for value in (1, 2))
+    assert (one(KB)[0], other(KB)[0], one(KB)[0]) == (1, 2, 1)
+    assert cache.bytes == 2 * KB
+
+
+def test_an_array_larger_than_the_bound_is_kept_alone() -> None:
+    cache = ArrayCache(KB)
+    kept = cache.keep(lambda n: np.zeros(n, np.uint8))
+    kept(10)
+    assert kept(4 * KB) is kept(4 * KB)
+    assert cache.bytes == 4 * KB
+
+
+def test_results_go_with_their_function() -> None:
+    cache = ArrayCache(64 * KB)
+    gone, stays = (cache.keep(lambda n, _=k: np.zeros(n, np.uint8)) for k in range(2))
+    gone(KB)
+    del gone
+    gc.collect()
+    stays(KB)
+    assert cache.bytes == KB
+
+
+def test_threads_agree_on_what_is_kept() -> None:
+    cache = ArrayCache(8 * KB)
+    kept = cache.keep(lambda n: np.full(KB, n, np.uint8))
+    with ThreadPoolExecutor(4) as threads:
+        found = list(threads.map(lambda n: int(kept(n % 20)[0]), range(400)))
+    assert found == [n % 20 for n in range(400)]
+    assert cache.bytes == 8 * KB
