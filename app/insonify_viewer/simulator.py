@@ -141,8 +141,11 @@ class Simulator(QObject):
     @property
     def activity(self) -> Activity:
         """What the worker does besides tracing pings, first of all compiling kernels."""
-        compilation = self._compilation
-        return self._activity if compilation is None else Activity(compilation.sentence, compilation.done)
+        reported = self._compilation
+        if reported is None:
+            return self._activity
+        compilation = reported.by_now
+        return Activity(compilation.sentence, compilation.done)
 
     def ask(self, request: PingRequest) -> None:
         """Trace these pings next, instead of a request that still waits."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -63,7 +65,7 @@ def reports(cache: Path) -> list[str]:
 
 
 def test_the_share_done_grows_and_nothing_is_said_of_code_on_disk(tmp_path: Path) -> None:
-    *shares, end = [eval(line, {"Compilation": Compilation}) for line in reports(tmp_path)]
+    *shares, end = [eval(line, {"Compilation": Compilation, "inf": math.inf}) for line in reports(tmp_path)]
     assert end is None
     assert {report.subject for report in shares} == {"the bed"}
     done = [report.done for report in shares]
@@ -73,6 +75,19 @@ def test_the_share_done_grows_and_nothing_is_said_of_code_on_disk(tmp_path: Path
     assert shares[0].seconds_left is None
     assert shares[-1].seconds_left > 0.0
     assert reports(tmp_path) == []
+
+
+def test_progress_goes_on_between_two_reports(monkeypatch: pytest.MonkeyPatch) -> None:
+    report = Compilation("bent rays", 0.6, 20.0, reported=100.0)
+    predicted = []
+    for now in (99.0, 100.0, 110.0, 119.0, 500.0):
+        monkeypatch.setattr(time, "monotonic", lambda now=now: now)
+        predicted.append(report.by_now)
+    assert predicted[0] == predicted[1] == report
+    assert predicted[2].done == pytest.approx(0.8)
+    assert predicted[2].seconds_left == pytest.approx(10.0)
+    assert predicted[3].done < predicted[4].done < 1.0
+    assert Compilation("bent rays", 0.0, None).by_now.done == 0.0
 
 
 @pytest.mark.parametrize("screen", [Terminal, io.StringIO])

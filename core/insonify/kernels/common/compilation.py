@@ -6,17 +6,21 @@ A kernel is compiled when it is first called, and its machine code is kept on di
         record = simulation.intensity(pings)
 
 ``show`` gets a `Compilation` whenever a function of a kernel is finished, and None when the kernel is. It is called by
-the thread that compiles, which holds Numba's lock: it should only hand the values on. It is never called for kernels
-whose machine code is found on disk. Every watcher hears of compilations on all threads.
+the thread that compiles, which holds Numba's lock: it should only hand the values on. `Compilation.by_now` is the
+progress between two reports. Nothing is reported of kernels whose machine code is found on disk. Every watcher hears of
+compilations on all threads.
 """
 
 from __future__ import annotations
 
 import contextlib
+import math
+import time
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 MINUTE = 60.0
+NEARLY = 0.98  # greatest share of the predicted time that is taken as passed
 
 
 class Compilation(NamedTuple):
@@ -25,6 +29,20 @@ class Compilation(NamedTuple):
     subject: str  # what the kernel calculates, in words: "bent rays"
     done: float  # share of its time, 0 to 1; never falls
     seconds_left: float | None  # about; None at the beginning
+    reported: float = math.inf  # when, by `time.monotonic`
+
+    @property
+    def by_now(self) -> Compilation:
+        """The progress at present, if all goes as predicted since the report.
+
+        The longest step comes last, when a kernel is optimised as a whole: nothing is reported meanwhile.
+        """
+        if self.seconds_left is None:
+            return self
+        passed = min(max(time.monotonic() - self.reported, 0.0) / self.seconds_left, NEARLY)
+        return self._replace(
+            done=self.done + (1.0 - self.done) * passed, seconds_left=self.seconds_left * (1.0 - passed)
+        )
 
     @property
     def sentence(self) -> str:
