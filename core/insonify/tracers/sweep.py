@@ -1,10 +1,12 @@
 """The sweep: a few vertical planes cut the scene, and one running horizon in each decides which bed is visible.
 
-Through layered water it goes by tables of apparent positions; pings without valid tables are traced by rays. Derived in
-docs/theory/sweep.md.
+Through layered water it goes by tables of apparent positions; pings without valid tables are traced by sheets of rays.
+Derived in docs/theory/sweep.md.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -16,10 +18,12 @@ from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace, swee
 from insonify.packing.apparent_tables import make_apparent_tables
 from insonify.packing.navigation import take_poses
 from insonify.parallel import PerThread
+from insonify.tracers import ray_sheets
 from insonify.tracers.azimuth_fan import lay_planes_of_images
 from insonify.tracers.blocks import Record, new_record, trace_blocks
 from insonify.tracers.rays import trace as trace_rays
 
+RAYS_A_SHEET = 8.0  # of a fan where refraction folds, per root of all its rays: both parts of the error are about equal
 PLANES_A_THREAD = 64  # planes of both sides worth handing to a thread, some 0.4 ms
 
 
@@ -62,7 +66,7 @@ def trace(
     apparent, folded = make_apparent_tables(arrays, poses)
     out = new_record(arrays, poses)
     if folded.any():
-        out[folded] = trace_rays(arrays, take_poses(poses, np.flatnonzero(folded)), rays=rays, threads=threads)
+        out[folded] = _trace_folded(arrays, take_poses(poses, np.flatnonzero(folded)), rays, threads)
     clear = np.flatnonzero(~folded)
     for among, beam, lifted in lay_planes_of_images(arrays, take_poses(poses, clear), planes):
         places = clear[among]
@@ -72,6 +76,14 @@ def trace(
         if traced is not out:
             out[places] = traced
     return out
+
+
+def _trace_folded(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> Record:
+    """Trace pings from which places are reached by several rays or by none, in sheets of rays where those serve."""
+    if not ray_sheets.can_trace(arrays):
+        return trace_rays(arrays, poses, rays=rays, threads=threads)
+    sheets = max(round(math.sqrt(rays) / RAYS_A_SHEET), 1) if arrays.half_width > 0.0 else 1
+    return ray_sheets.trace(arrays, poses, sheets=sheets, rays=max(rays // sheets, sheets), threads=threads)
 
 
 def _trace_alike(
