@@ -131,9 +131,11 @@ class Probe:
             self._trace(model._replace(planes=1), FEW)
         work = self._packed.work(model)
 
-        def unlike(other: Model) -> tuple[int, float]:
+        def unlike(other: Model) -> tuple[int, float, float]:
             kernels = (model.method != other.method) + (model.bent != other.bent)
-            return kernels, abs(math.log(self._packed.work(other) / work))
+            # Refracted pings that the sweep leaves to rays take as long as their rays, which its work does not count.
+            rays = abs(math.log((1 + other.rays) / (1 + model.rays))) if model.bent else 0.0
+            return kernels, rays, abs(math.log(self._packed.work(other) / work))
 
         nearest = min(self._traced, key=unlike)
         return self._traced[nearest].seconds * work / self._packed.work(nearest)

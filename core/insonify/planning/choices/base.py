@@ -85,6 +85,15 @@ class Case:
         """Planes by which effects are compared; one for beams with a pattern, which need many near nadir."""
         return FEW_PLANES if self.scene.sonar.beam.has_width and not self.packed.arrays.pattern.tabulated else 1
 
+    @property
+    def least_planes(self) -> int:
+        """Planes by which effects are compared that hardly depend on them: one, which is fastest.
+
+        Two for surface paths of a beam with a pattern, whose single plane is integrated over the beam at every knot.
+        """
+        whole_beam = self.scene.sonar.beam.has_width and self.packed.arrays.pattern.tabulated
+        return 2 if self.paths and whole_beam else 1
+
     @cached_property
     def first_echoes(self) -> dict[str, float]:
         """Slant range of the first echo of each path by the sea surface, in metres."""

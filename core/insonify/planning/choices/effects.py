@@ -141,10 +141,10 @@ class SurfacePath(Choice):
         return (off, off | {self.subject}) if wish is None else (off | {self.subject},)
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
-        """Share of its echoes in the record, in the same pings by one plane."""
+        """Share of its echoes in the record, in the same pings by the least planes."""
         if self.subject in model.ways or self.subject not in case.paths:
             return 0.0
-        whole = Model(targets=case.targets, ways=case.paths)
+        whole = Model(planes=case.least_planes, targets=case.targets, ways=case.paths)
         without = whole._replace(ways=case.paths - {self.subject})
         share = case.probe.difference(without, whole, cautious=cautious)
         return share * math.sqrt(len(case.paths - model.ways))  # energies add up, errors are summed by squares

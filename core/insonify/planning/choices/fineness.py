@@ -195,10 +195,10 @@ class Segments(Choice):
         return tuple(self.parse(text) for text in self.offered) if wish is None else (wish,)
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
-        """Error measured from the smallest share, by one plane without paths by the sea surface."""
+        """Error measured from the smallest share, by the least planes."""
         if model.method != "sweep":
             return 0.0
-        fine = _single(case, model)._replace(ways=frozenset(), misplaced=float(self.offered[-1]))
+        fine = _single(case, model)._replace(misplaced=float(self.offered[-1]))
         whole = fine._replace(misplaced=math.inf)
         little = case.probe.difference(whole, fine, nearer=NEARER) < LITTLE_MISPLACED
         # All shares between are closer still.
@@ -251,7 +251,7 @@ class Spacing(Number):
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Greatest error of the strides up to a model's, with few planes; if not cautious, that of its own."""
-        fine = _finest(case, model)._replace(planes=1 if case.paths else case.few_planes)
+        fine = _finest(case, model)._replace(planes=case.least_planes if case.paths else case.few_planes)
         if not cautious:
             return case.probe.difference(fine._replace(every=model.every), fine)
         strides = [2**n for n in range(1, int(math.log2(model.every)) + 1)]
@@ -299,11 +299,12 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
 
 
 def _single(case: Case, model: Model) -> Model:
-    """Model with all effects and nodes, one plane and few rays, whatever effects another model of its tracer has."""
+    """Model with all effects and nodes, the least planes and few rays, whatever effects a given one has."""
     swept = FEWEST_RAYS if case.bent else 0
     rays = {"sweep": swept, "march": model.rays}.get(model.method, FEWEST_RAYS)
     return Model(
         model.method,
+        planes=case.least_planes,
         rays=rays,
         step=model.step,
         bent=case.bent,
@@ -314,7 +315,7 @@ def _single(case: Case, model: Model) -> Model:
 
 
 def _finest(case: Case, model: Model) -> Model:
-    """Model of one plane beside which errors of planes, rays and nodes are measured."""
+    """Model of the least planes beside which errors of planes, rays and nodes are measured."""
     return _single(case, model)._replace(misplaced=Segments().common(case, model))
 
 
