@@ -14,7 +14,7 @@ from insonify.accuracy.record_errors import compare_records
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import LIGHT, SONAR, Water, no_surface_multipath
 from insonify.scene import SceneError, edit, load_scene
-from insonify.tracers import ray_sheets, rays
+from insonify.tracers import ray_sheets, rays, sweep
 
 FAN = math.radians(1.0)
 POSES = poses_of([0.0, 3.7], 1.3, 8.0)
@@ -81,6 +81,14 @@ def test_what_comes_back_by_other_paths_is_spread_over_its_bins():
     assert one.beyond < 0.03
     assert two.beyond < min(0.3 * one.beyond, 0.01)
     assert abs(two.energy_bias) < 2e-3
+
+
+@pytest.mark.parametrize(("half_width", "limit"), [(0.0, 0.003), (FAN / 2.0, 0.03)])
+def test_the_sweep_of_water_that_folds_is_near_the_reference(half_width, limit):
+    arrays, poses = pack_for_chart(load_scene("double-image"), 1)
+    arrays = arrays._replace(half_width=half_width)
+    right = ray_sheets.trace(arrays, poses, sheets=64, rays=1 << 13)
+    assert compare_records(arrays, poses, sweep.trace(arrays, poses, rays=4000), right).beyond < limit
 
 
 def test_no_record_depends_on_the_threads():
