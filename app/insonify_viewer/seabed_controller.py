@@ -108,6 +108,13 @@ class SeabedController:
         if self._view is not None:
             self._view.reset_camera()
 
+    def reset_view(self) -> None:
+        """Put the camera behind and above the fish now."""
+        self.reset_camera()
+        if self._latest is not None:
+            simulation, ping, tones, at_once = self._latest
+            self.show_sonar(simulation, ping, tones, at_once=at_once)
+
     def draw_now(self) -> None:
         """Draw immediately, for a picture of the window."""
         if self._view is not None:

@@ -221,6 +221,7 @@ class Viewer(QObject):
         window.undo.triggered.connect(session.undo)
         window.redo.triggered.connect(session.redo)
         window.levels.triggered.connect(self.find_levels)
+        window.reset_view.triggered.connect(self._seabed.reset_view)
         window.gain_changed.connect(self.show_gain)
         window.palette_changed.connect(self.show_palette)
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))

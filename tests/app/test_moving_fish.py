@@ -11,9 +11,11 @@ from stand_in import StandIn
 
 from insonify.kernels.common.types import PORT, STARBOARD
 from insonify.scene import Scene, edit
+from insonify_viewer.application import has_opengl
 from insonify_viewer.marked_point import locate_mark
 from insonify_viewer.session import Mark
 from insonify_viewer.views.pv_meshes import PATH_POINTS, path_pings, pose_matrix, scan_line
+from insonify_viewer.views.seabed_view import FARTHEST, NEAREST
 
 TURN = {"kind": "turn", "rate": 10.0, "begin": 2.0, "duration": 9.0}
 TILTED = {"kind": "pitch", "amplitude": 10.0, "period": 1e5, "phase": 90.0}
@@ -108,3 +110,29 @@ def _looks(view: Any) -> float:
     camera = view._canvas.plotter.camera
     ahead = np.array(camera.focal_point) - camera.position
     return math.atan2(ahead[1], ahead[0])
+
+
+def test_the_view_is_reset_and_its_zoom_is_limited(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    view = viewer.seabed.view
+    camera = view._canvas.plotter.camera
+    home, focus = np.array(camera.position), np.array(camera.focal_point)
+    reach = view._reach
+    for distance, kept in ((1e-4 * reach, NEAREST * reach), (1e3 * reach, FARTHEST * reach), (reach, reach)):
+        camera.position = tuple(focus + (home - focus) / np.linalg.norm(home - focus) * distance)
+        view._clip()
+        assert np.linalg.norm(np.array(camera.position) - focus) == pytest.approx(kept)
+    viewer.window.reset_view.trigger()
+    assert np.array(camera.position) == pytest.approx(home)
+
+
+def test_the_wheel_does_not_zoom_beyond_the_limits(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    view = viewer.seabed.view
+    if not has_opengl():
+        pytest.skip("no OpenGL for a widget")
+    camera, iren = view._canvas.plotter.camera, view._canvas.plotter.iren.interactor
+    for event, limit in (("MouseWheelForwardEvent", NEAREST), ("MouseWheelBackwardEvent", FARTHEST)):
+        for _ in range(120):
+            iren.InvokeEvent(event)
+        assert camera.distance == pytest.approx(limit * view._reach, rel=0.01)

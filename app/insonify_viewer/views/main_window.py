@@ -248,6 +248,9 @@ class MainWindow(QMainWindow):
         self.palettes = _combo([(name, name) for name in palettes])
         self.palettes.setToolTip("Palette of the record")
         self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
+        tip = "Put the camera behind and above the fish again"
+        self.reset_view = self._tool(bar, "Reset view", tip, QKeySequence("Home"))
+        bar.addSeparator()
         self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
         self._add_gain(bar)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,7 @@ CAMERA = (-1.85, -0.12, 1.15)  # ahead, to port, up; in slant ranges, for a squa
 FOCUS = (-0.22, 0.0, -0.20)
 VIEW_ANGLE = 54.0
 FISH = 0.075  # length in slant ranges: larger than life, so that it shows
+NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
 
@@ -64,6 +66,7 @@ class SeabedView(QWidget):
         self._path = pv_meshes.path_mesh()
         self._bed = pv_meshes.bed_mesh()
         self._furnish()
+        self._canvas.on_turn(self._clip)
         self._drawn, self._took = 0.0, 0.05
         self._due = QTimer(self)
         self._due.setSingleShot(True)
@@ -113,7 +116,7 @@ class SeabedView(QWidget):
         self._later()
 
     def reset_camera(self) -> None:
-        """Reset the camera to its place behind and above the fish."""
+        """Reset the camera to its place behind and above the fish, when the fish is shown next."""
         self._reach = 0.0
 
     def close_view(self) -> None:
@@ -162,8 +165,17 @@ class SeabedView(QWidget):
             focus = place + turn @ (np.array(camera.focal_point) - self._fish_at)
         camera.position, camera.focal_point = tuple(position), tuple(focus)
         self._fish_at, self._heading = place, heading
+        self._clip()
+
+    def _clip(self) -> None:
+        """Keep the distance of the camera within limits, and fit its clipping range to it."""
+        camera = self._canvas.plotter.camera
+        position, focus = np.array(camera.position), np.array(camera.focal_point)
         distance = float(np.linalg.norm(position - focus))
-        camera.clipping_range = (0.02 * distance, distance + 6.0 * reach)
+        kept = min(max(distance, NEAREST * self._reach), FARTHEST * self._reach)
+        if kept != distance and distance > 0.0:
+            camera.position = tuple(focus + (position - focus) * (kept / distance))
+        camera.clipping_range = (0.02 * kept, kept + 6.0 * self._reach)
 
     def _later(self) -> None:
         """Schedule a drawing, with a pause after the last one."""
@@ -211,6 +223,12 @@ class _Interactive:
             self.plotter.iren.interactor.RemoveObservers(event)
         self.widget: QWidget = self.plotter
 
+    def on_turn(self, turned: Callable[[], None]) -> None:
+        """Call a function whenever the person has turned or zoomed the view."""
+        self.plotter.iren.interactor.GetInteractorStyle().AddObserver("InteractionEvent", lambda *_: turned())
+        for event in ("MouseWheelForwardEvent", "MouseWheelBackwardEvent"):
+            self.plotter.iren.interactor.AddObserver(event, lambda *_: turned(), -1.0)
+
     def draw(self) -> None:
         self.widget.update()
 
@@ -235,6 +253,9 @@ class _OffScreen:
         self.plotter: Any = pv.Plotter(off_screen=True, window_size=[640, 480])
         self.widget = _PixelsWidget(self._resize, parent)
         self._took = 0.0
+
+    def on_turn(self, turned: Callable[[], None]) -> None:
+        """Nobody turns a picture."""
 
     def _resize(self, width: int, height: int) -> None:
         self.plotter.window_size = [max(width, 2), max(height, 2)]
