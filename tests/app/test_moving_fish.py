@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
 from stand_in import StandIn
 
 from insonify.kernels.common.types import PORT, STARBOARD
@@ -14,7 +16,7 @@ from insonify.scene import Scene, edit
 from insonify_viewer.application import has_opengl
 from insonify_viewer.marked_point import locate_mark
 from insonify_viewer.session import Mark
-from insonify_viewer.views.pv_meshes import PATH_POINTS, path_pings, pose_matrix, scan_line
+from insonify_viewer.views.pv_meshes import MESH_NODES, PATH_POINTS, bed_patch, path_pings, pose_matrix, scan_line
 from insonify_viewer.views.seabed_view import FARTHEST, NEAREST
 
 TURN = {"kind": "turn", "rate": 10.0, "begin": 2.0, "duration": 9.0}
@@ -136,3 +138,28 @@ def test_the_wheel_does_not_zoom_beyond_the_limits(open_viewer: Any, small: Scen
         for _ in range(120):
             iren.InvokeEvent(event)
         assert camera.distance == pytest.approx(limit * view._reach, rel=0.01)
+
+
+def test_a_view_that_is_turned_draws_a_lighter_bed_of_the_same_shape(
+    open_viewer: Any, small: Scene, qtbot: Any
+) -> None:
+    viewer = open_viewer(small)
+    view = viewer.seabed.view
+    if not has_opengl():
+        pytest.skip("no OpenGL for a widget")
+    whole = np.asarray(view._bed.points).reshape(MESH_NODES, MESH_NODES, 3)
+    thinned = np.asarray(view._thinned_bed.points)
+    assert thinned.reshape(129, 129, 3) == pytest.approx(whole[::2, ::2])
+    assert np.ptp(thinned[:, :2], axis=0) == pytest.approx(np.ptp(whole[..., :2], axis=(0, 1)))  # as far as the whole
+    canvas, middle = view._canvas.widget, view.rect().center()
+    assert _drawn_beds(view) == (True, False)
+    QTest.mousePress(canvas, Qt.MouseButton.LeftButton, pos=middle)
+    assert _drawn_beds(view) == (False, True)
+    view.show_bed(bed_patch(viewer._answer.simulation.ground, (5.0, 0.0), view._reach))
+    assert _drawn_beds(view) == (False, True), "another bed does not end the turn"
+    QTest.mouseRelease(canvas, Qt.MouseButton.LeftButton, pos=middle)
+    assert _drawn_beds(view) == (True, False)
+
+
+def _drawn_beds(view: Any) -> tuple[bool, bool]:
+    return bool(view._bed_actor.visibility), bool(view._thinned_actor.visibility)

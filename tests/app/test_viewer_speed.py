@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QTimer
+from PySide6.QtCore import QPoint, Qt, QTimer
+from PySide6.QtTest import QTest
 
 from insonify.scene import edit, load_scene
 from insonify_viewer.modelling import Modelling
@@ -18,6 +19,7 @@ from insonify_viewer.simulator import PingRequest, Simulator
 
 pytestmark = pytest.mark.bench
 MOVES = 12
+TURNS = 20
 
 
 def seconds_until(qtbot: Any, condition: Callable[[], bool], timeout: int = 20000) -> float:
@@ -122,3 +124,21 @@ def test_live_tow(open_viewer: Any, qtbot: Any) -> None:
     rate, drawing = (viewer.tow.newest - before) / 3.0, 1e3 * viewer.seabed.view.draw_time
     print(f"\n{rate:.0f} pings a second; 3-D drawing {drawing:.0f} ms")
     print(f"main thread outside GL: p99 {1e3 * np.quantile(found, 0.99):.1f} ms, worst {1e3 * found.max():.1f} ms")
+
+
+def test_a_view_that_is_turned(open_viewer: Any, qtbot: Any) -> None:
+    viewer = open_viewer(load_scene("default"), prepare=None)
+    viewer.window.resize(1480, 900)
+    qtbot.wait(500)
+    canvas = viewer.seabed.view._canvas.widget
+    place, frames, seconds = canvas.rect().center(), [], []
+    canvas.frameSwapped.connect(lambda: frames.append(time.perf_counter()))
+    QTest.mousePress(canvas, Qt.MouseButton.LeftButton, pos=place)
+    for turn in range(2 * TURNS):
+        place += QPoint(6 if turn < TURNS else -6, (-1) ** turn)
+        before = len(frames)
+        QTest.mouseMove(canvas, place)
+        seconds.append(seconds_until(qtbot, lambda before=before: len(frames) > before))
+    QTest.mouseRelease(canvas, Qt.MouseButton.LeftButton, pos=place)
+    size, rate = f"{canvas.width()} × {canvas.height()} px", 1 / np.mean(seconds)
+    print(f"\n3-D view of {size} while turned: {rate:.1f} frames/s, median {1e3 * np.median(seconds):.0f} ms")

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from insonify.packing.track import TowLine
     from insonify.terrain import AnyGround
 
-MESH_NODES = 256
+MESH_NODES = 257
+THINNED = 2  # every so many nodes are drawn while the view is turned
 TEXTURE_SIZE = 768
 LINE_POINTS = 96  # per side, of the current scan line
 MAX_SOLIDS = 400
@@ -84,15 +85,20 @@ def bed_patch(bed: AnyGround, centre: tuple[float, float], reach: float) -> BedP
     return BedPatch(centre, points, bed_image(ground, centre, half, TEXTURE_SIZE))
 
 
-def bed_mesh() -> Any:
-    """Return a textured grid of `MESH_NODES`² nodes, to be filled from a `BedPatch`."""
+def bed_mesh(*, thinned: bool = False) -> Any:
+    """Return a textured grid of `MESH_NODES`² nodes or of every `THINNED`th of them, to be filled from a `BedPatch`."""
     mesh: Any = pv.StructuredGrid()
-    side = np.linspace(0.0, 1.0, MESH_NODES, dtype=np.float32)
+    side = np.linspace(0.0, 1.0, MESH_NODES, dtype=np.float32)[:: THINNED if thinned else 1]
     u, v = np.meshgrid(side, side)
     mesh.points = np.column_stack([u.ravel(), v.ravel(), np.zeros(u.size, np.float32)])
-    mesh.dimensions = (MESH_NODES, MESH_NODES, 1)
+    mesh.dimensions = (len(side), len(side), 1)
     mesh.active_texture_coordinates = np.column_stack([u.ravel(), v.ravel()])
     return mesh
+
+
+def thinned_points(points: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Every `THINNED`th node of a `BedPatch` along both axes, its edges among them."""
+    return points.reshape(MESH_NODES, MESH_NODES, 3)[::THINNED, ::THINNED].reshape(-1, 3)
 
 
 def targets_mesh(solids: Solids, mesh: Mesh, colours: NDArray[np.uint8]) -> Any:

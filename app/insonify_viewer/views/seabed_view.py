@@ -32,6 +32,7 @@ FOCUS = (-0.22, 0.0, -0.20)
 VIEW_ANGLE = 54.0
 FISH = 0.075  # length in slant ranges: larger than life, so that it shows
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
+ANISOTROPY = 4  # of the bed's texture, so that it is sharp far away
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
 
@@ -62,11 +63,13 @@ class SeabedView(QWidget):
         self._reach = 0.0
         self._fish_at: NDArray[np.float64] | None = None
         self._heading = 0.0
+        self._bed_shown = self._held = False
         self._fan = ScanFan()
         self._path = pv_meshes.path_mesh()
-        self._bed = pv_meshes.bed_mesh()
+        self._bed, self._thinned_bed = pv_meshes.bed_mesh(), pv_meshes.bed_mesh(thinned=True)
         self._furnish()
         self._canvas.on_turn(self._clip)
+        self._canvas.on_hold(self._thin)
         self._drawn, self._took = 0.0, 0.05
         self._due = QTimer(self)
         self._due.setSingleShot(True)
@@ -75,10 +78,14 @@ class SeabedView(QWidget):
     def show_bed(self, patch: BedPatch) -> None:
         """Show another bed."""
         self._bed.points = patch.points
-        # One texture for all beds: OpenGL would keep the pixels of every other one until the window closes.
-        self._texture.SetInputData(pv.Texture(patch.image).to_image())
-        self._texture.Modified()
-        self._bed_actor.visibility = True
+        self._thinned_bed.points = pv_meshes.thinned_points(patch.points)
+        image = pv.Texture(patch.image).to_image()
+        # The same textures for all beds: OpenGL would keep the pixels of every other one until the window closes.
+        for actor in (self._bed_actor, self._thinned_actor):
+            actor.texture.SetInputData(image)
+            actor.texture.Modified()
+        self._bed_shown = True
+        self._thin(self._held)
         self._later()
 
     def show_targets(self, mesh: Any) -> None:
@@ -128,10 +135,8 @@ class SeabedView(QWidget):
         plotter = self._canvas.plotter
         plotter.set_background(WATER[0], top=WATER[1])
         add: dict[str, Any] = {"render": False, "reset_camera": False, "show_scalar_bar": False}
-        blank = np.zeros((2, 2, 3), np.uint8)
-        self._texture = pv.Texture(blank)
-        self._texture.interpolate = self._texture.mipmap = True
-        self._bed_actor = plotter.add_mesh(self._bed, texture=self._texture, lighting=False, **add)
+        self._bed_actor = plotter.add_mesh(self._bed, texture=_blank_texture(ANISOTROPY), lighting=False, **add)
+        self._thinned_actor = plotter.add_mesh(self._thinned_bed, texture=_blank_texture(1), lighting=False, **add)
         shiny: dict[str, Any] = {"ambient": 0.35, "diffuse": 0.7, "specular": 0.25}
         ball = pv.Sphere()
         ball.cell_data["colour"] = np.zeros((ball.n_cells, 3), np.uint8)
@@ -177,6 +182,12 @@ class SeabedView(QWidget):
             camera.position = tuple(focus + (position - focus) * (kept / distance))
         camera.clipping_range = (0.02 * kept, kept + 6.0 * self._reach)
 
+    def _thin(self, held: bool) -> None:
+        """Draw a bed of fewer nodes, filtered faster, while the person holds the view, so that it turns smoothly."""
+        self._held = held
+        self._bed_actor.visibility = self._bed_shown and not held
+        self._thinned_actor.visibility = self._bed_shown and held
+
     def _later(self) -> None:
         """Schedule a drawing, with a pause after the last one."""
         if not self._due.isActive():
@@ -200,6 +211,14 @@ def _about_z(angle: float) -> NDArray[np.float64]:
     """Rotation matrix about z by an angle in radians."""
     cos, sin = math.cos(angle), math.sin(angle)
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _blank_texture(anisotropy: int) -> Any:
+    """Return a black texture that is filtered with at most so many samples along the line of sight."""
+    texture = pv.Texture(np.zeros((2, 2, 3), np.uint8))
+    texture.interpolate = texture.mipmap = True
+    texture.SetMaximumAnisotropicFiltering(float(anisotropy))
+    return texture
 
 
 def _pin() -> Any:
@@ -229,6 +248,12 @@ class _Interactive:
         for event in ("MouseWheelForwardEvent", "MouseWheelBackwardEvent"):
             self.plotter.iren.interactor.AddObserver(event, lambda *_: turned(), -1.0)
 
+    def on_hold(self, held: Callable[[bool], None]) -> None:
+        """Call a function with True when the person takes hold of the view, and with False when it is let go."""
+        style = self.plotter.iren.interactor.GetInteractorStyle()
+        style.AddObserver("StartInteractionEvent", lambda *_: held(True))
+        style.AddObserver("EndInteractionEvent", lambda *_: held(False))
+
     def draw(self) -> None:
         self.widget.update()
 
@@ -256,6 +281,9 @@ class _OffScreen:
 
     def on_turn(self, turned: Callable[[], None]) -> None:
         """Nobody turns a picture."""
+
+    def on_hold(self, held: Callable[[bool], None]) -> None:
+        """Nobody takes hold of a picture."""
 
     def _resize(self, width: int, height: int) -> None:
         self.plotter.window_size = [max(width, 2), max(height, 2)]

@@ -59,6 +59,7 @@ class WaterView(QWidget):
         if self._diagram is None:
             painter.setPen(QUIET)
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "tracing rays …")
+            painter.end()
             return
         frame = self._frame()
         if self._rays is None:
@@ -66,6 +67,7 @@ class WaterView(QWidget):
         painter.drawPixmap(0, 0, self._rays)
         points = [frame.of_speed(speed, depth) for depth, speed in self._points if depth <= frame.bottom]
         paint_profile(painter, self._diagram, frame, points, self._held)
+        painter.end()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Fit the rays to the new size."""
