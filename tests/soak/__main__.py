@@ -1,0 +1,124 @@
+"""Uses the window at random: ``python -m soak MINUTES SEED``, with ``tests`` on the path and a screen."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QTimer
+
+from insonify.scene import load_scene
+from insonify_viewer.application import has_opengl, main_thread_collection, make_application
+from insonify_viewer.viewer import Viewer
+from soak.actions import Steps, draw_action
+from soak.dialogs import Answers
+from soak.watch import Faults, Gaps, holdings, left_threads
+
+MARKS = (0.25, 0.5, 0.75, 1.0)
+PATIENCE = 120.0  # s, for the worker to end after the window has closed: it may be compiling
+
+
+class Person:
+    """Acts on the window until the time is over, then closes it.
+
+    Parameters
+    ----------
+    viewer : Viewer
+        The window.
+    seconds, seed
+        For how long, and the seed of the actions.
+    faults, gaps
+        Told what is being done, and what the 3-D view is.
+    """
+
+    def __init__(self, viewer: Viewer, seconds: float, seed: int, faults: Faults, gaps: Gaps) -> None:
+        self._viewer, self._seconds, self._faults, self._gaps = viewer, seconds, faults, gaps
+        self._random = np.random.default_rng(seed)
+        self._steps: Steps = iter(())
+        self._begun = 0.0
+        self._marks = list(MARKS)
+        self.actions, self.closing = 0, 0.0
+        self._timer = QTimer(singleShot=True)
+        self._timer.timeout.connect(self._act)
+        self._timer.start(100)
+
+    def _act(self) -> None:
+        if not self._begun and not self._start():
+            return
+        share = (time.monotonic() - self._begun) / self._seconds
+        while self._marks and share >= self._marks[0]:
+            say(f"{100 * self._marks.pop(0):3.0f} %: {holdings()}, {self.actions} actions; {self._gaps.in_words()}")
+        if share >= 1.0:
+            self._close()
+            return
+        self._timer.start(int(self._next_step()))
+
+    def _start(self) -> bool:
+        """Wait for the first picture."""
+        if not self._viewer.complete:
+            self._timer.start(100)
+            return False
+        renderer = self._viewer.seabed.view._canvas.plotter.renderer
+        self._gaps.leave_out_drawing(renderer)
+        self._faults.watch_drawing(renderer)
+        self._gaps.gaps.clear()
+        self._gaps.causes.clear()
+        self._begun = time.monotonic()
+        say(f"  0 %: {holdings()}")
+        return True
+
+    def _next_step(self) -> float:
+        """Take a step of the action under way, or begin another; return the milliseconds to wait after it."""
+        try:
+            return next(self._steps)
+        except StopIteration:
+            action = draw_action(self._random)
+            self.actions += 1
+            self._faults.doing = f"{action.do.__name__} in {self._viewer.session.scene.title!r}, action {self.actions}"
+            self._steps = action.do(self._viewer, self._random)
+        except Exception:
+            self._steps = iter(())
+            sys.excepthook(*sys.exc_info())
+        return 5.0
+
+    def _close(self) -> None:
+        self._faults.doing = "closing"
+        begun = time.perf_counter()
+        self._viewer.window.close()
+        self.closing = time.perf_counter() - begun
+
+
+def soak(seconds: float, seed: int) -> int:
+    """Use the window for a time; print figures, and return the number of kinds of faults."""
+    application: Any = make_application()
+    faults, gaps = Faults(), Gaps()
+    with tempfile.TemporaryDirectory() as folder, main_thread_collection():
+        Answers(np.random.default_rng([seed, 1]), Path(folder))
+        viewer = Viewer(load_scene("default"), accelerated=has_opengl())
+        viewer.window.show()
+        QTimer.singleShot(0, viewer.start)
+        person = Person(viewer, seconds, seed, faults, gaps)
+        application.exec()
+        say(f"seed {seed}: {person.actions} actions, {gaps.in_words()}; closed in {person.closing:.2f} s")
+        gaps.close()
+        for stack in left_threads(PATIENCE):
+            faults.add(f"a thread is left: {stack}")
+    faults.close()
+    for cause, _ in sorted(gaps.causes.items(), reverse=True)[:25]:
+        say(f"  {cause}")
+    for told, count in faults.found.items():
+        say(f"--- {count} × {told}")
+    return len(faults.found)
+
+
+def say(line: str) -> None:
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    sys.exit(soak(60.0 * float(sys.argv[1]), int(sys.argv[2])) > 0)

@@ -1,0 +1,63 @@
+"""Answers to the window's dialogs, drawn at random: whole files, damaged files, files of another kind, none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PySide6.QtWidgets import QFileDialog, QMessageBox
+
+from fuzz.samples import SAMPLES
+
+KINDS = {
+    "Open a scene": ("scene",),
+    "Open a measured bed": ("grid-npy", "grid-tif", "grid-bag", "grid-asc"),
+    "Open recorded navigation": ("tow-csv", "tow-gpx", "tow-xtf"),
+    "Open a measured cast": ("cast-asvp", "cast-csv", "cast-cnv"),
+    "Open a mesh": ("mesh-obj", "mesh-stl", "mesh-ply", "mesh-glb"),
+    "Open a map of materials": ("image-png", "image-tif"),
+}
+
+
+class Answers:
+    """Answers every dialog at once.
+
+    Parameters
+    ----------
+    random : Generator
+        Draws the answers.
+    folder : Path
+        Holds the files.
+    """
+
+    def __init__(self, random: np.random.Generator, folder: Path) -> None:
+        self._random, self._folder, self._files = random, folder, 0
+        QFileDialog.getOpenFileName = self._open  # type: ignore[method-assign,assignment]
+        QFileDialog.getSaveFileName = self._save  # type: ignore[method-assign,assignment]
+        QMessageBox.question = lambda *_: QMessageBox.StandardButton.Discard  # type: ignore[method-assign,assignment]
+
+    def _open(self, _: Any, title: str, *rest: Any) -> tuple[str, str]:
+        chance = self._random.random()
+        if chance < 0.1:
+            return "", ""
+        if chance < 0.2:
+            return str(self._random.choice([str(self._folder), "/nowhere/scene.toml", "/dev/null"])), ""
+        names = KINDS[str(self._random.choice(list(KINDS)))] if chance < 0.3 else KINDS.get(title, ("correlation-csv",))
+        return str(self._file(str(self._random.choice(names)), damaged=chance > 0.6)), ""
+
+    def _file(self, name: str, *, damaged: bool) -> Path:
+        sample = SAMPLES[name]
+        self._files += 1
+        folder = self._folder / f"{self._files}"
+        folder.mkdir()
+        path = folder / sample.file
+        sample.write(path)
+        if damaged:
+            path.write_bytes(sample.mutate(path.read_bytes(), self._random))
+        return path
+
+    def _save(self, *_: Any) -> tuple[str, str]:
+        self._files += 1
+        name = self._random.choice(["a.toml", "a.png", "a.nc", "a.npz", "a", "nowhere/a.png"])
+        return str(self._folder / f"saved-{self._files}-{name}"), ""
