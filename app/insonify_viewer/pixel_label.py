@@ -76,28 +76,32 @@ def label_bin(simulation: Simulation, labels: RecordLabels, side: int, range_bin
 
     place = (0, side, range_bin)
     scene = simulation.scene
+    shadow = _shadow(scene.targets, float(labels.shadow[place]), int(labels.shadow_id[place]))
+    volume = int(labels.volume_id[place])
+    if volume >= 0:
+        return PixelLabel(source=_numbered(scene.volumes, volume), shadow=shadow)
     target, row, path = int(labels.target_id[place]), int(labels.material[place]), int(labels.path[place])
     materials = [*simulation.ground.names, *(each.material.name for each in scene.targets)]
     return PixelLabel(
-        source=_target(scene.targets, target) if target >= 0 else "bed" if target == BED else "",
+        source=_numbered(scene.targets, target) if target >= 0 else "bed" if target == BED else "",
         material=materials[row].replace("_", " ") if row >= 0 else "",
         ghost=GHOSTS.get(PATHS[path], "") if path >= 0 else "",
-        shadow=_shadow(scene.targets, float(labels.shadow[place]), int(labels.shadow_id[place])),
+        shadow=shadow,
         ground_range=_number(labels.ground_range[place]),
         incidence=_number(labels.incidence[place]),
     )
 
 
-def _target(targets: tuple[object, ...], index: int) -> str:
-    """Name of a target as the heading of its section has it."""
-    kind = str(getattr(targets[index], "kind", "target")).replace("_", " ")
+def _numbered(parts: tuple[object, ...], index: int) -> str:
+    """Name of a target or a volume as the heading of its section has it."""
+    kind = str(getattr(parts[index], "kind", "target")).replace("_", " ")
     return f"{kind} {index + 1}"
 
 
 def _shadow(targets: tuple[object, ...], share: float, index: int) -> str:
     if index < 0 or share < LEAST:
         return ""
-    of = f"shadow of {_target(targets, index)}"
+    of = f"shadow of {_numbered(targets, index)}"
     return of if share >= HIDDEN else f"{100 * share:.0f} % in the {of}"
 
 

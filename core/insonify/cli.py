@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from insonify.commands import render
-from insonify.commands.compilation_bar import CompilationBar
 from insonify.commands.options import add_scene, check_output, chosen_scene
+from insonify.compilation_bar import CompilationBar
 from insonify.display.display_options import DisplayOptions
 from insonify.errors import FileWarning
 from insonify.kernels.common.compilation import watch_compilation

@@ -63,7 +63,10 @@ def open_viewer(qtbot: Any, qapp: QApplication, _questions_are_answered: None) -
             window.close()
             window.deleteLater()
         qapp.processEvents()
-        assert not [t for t in set(threading.enumerate()) - before if t.name.startswith("insonify")]
+        # Closing does not wait for a block that is being traced or a kernel that is being compiled; their thread ends.
+        for thread in (t for t in set(threading.enumerate()) - before if t.name.startswith("insonify")):
+            thread.join(timeout=20.0)
+            assert not thread.is_alive()
         assert not [t for viewer in viewers for t in viewer.findChildren(QTimer) if t.isActive()]
         # A loop of events deletes what a test leaves to be deleted later; here there is none.
         QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)

@@ -55,7 +55,7 @@ class StandIn:
         return np.asarray(amplitude**2 * np.maximum(self.curve, 1e-30), dtype=np.float32)
 
     def truth(self, pings: NDArray[np.int64]) -> RecordLabels:
-        """Bed beyond the water column; target 0 in bin 70, its shadow in 71; a ghost in 80; nothing in 90."""
+        """Bed past the water column; target 0 in bin 70, its shadow in 71; a ghost in 80; none in 90; volume 0 in 5."""
         shape = (len(pings), 2, self.scene.sonar.bins)
         first = self.scene.sonar.bins // 10
         target, path = np.full(shape, -2, np.int16), np.full(shape, -1, np.int8)
@@ -67,11 +67,13 @@ class StandIn:
         shadow[..., 71], by[..., 71] = 1.0, 0
         shadow[..., 72], by[..., 72] = 0.3, 0
         heard = np.where(target > -2, 1.0, np.nan)
+        volume = np.full(shape, -2, np.int16)
+        volume[..., 5] = 0 if self.scene.volumes else -2
         slant = (np.arange(shape[-1]) + 0.5) * self.scene.sonar.range / shape[-1]
         flat = np.sqrt(np.maximum(slant**2 - self.scene.altitude**2, 0.0))
         return RecordLabels(
             target, material, shadow, by, (heard * flat).astype(np.float32), (heard * 40.0).astype(np.float32), path,
-            np.zeros(shape, bool), np.zeros(shape, np.float32),
+            volume, np.zeros(shape, bool), np.zeros((len(pings), 2, 1), np.float32),
         )  # fmt: skip
 
 

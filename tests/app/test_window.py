@@ -250,6 +250,12 @@ def test_the_readout_names_what_a_pixel_is(
     assert not any(part in readout.text() for part in untold)
 
 
+def test_the_readout_names_a_school(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(edit(small, {"volumes": [{"kind": "school", "position": [0.0, 10.0, -20.0]}]}))
+    viewer.window.waterfall.hovered.emit(Mark(ping=100, side=0, bin=5))
+    qtbot.waitUntil(lambda: "school 1" in viewer.panels["readout"].widget.text())
+
+
 def test_the_readout_tells_the_truth_of_the_core(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     from insonify.simulation import prepare
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from insonify.commands import compilation_bar
+from insonify import compilation_bar
 from insonify.kernels.common.cache import SOURCES
 from insonify.kernels.common.compilation import Compilation
 from insonify.kernels.common.compilation_events import WORDS, called_functions

@@ -59,8 +59,9 @@ def test_every_heard_bin_has_a_way_and_no_other():
 
 
 def test_a_shadow_stays_one_when_a_ghost_lies_in_it():
-    with_ghosts = simulate(GHOSTS, truth=True)
-    without = simulate(edit(GHOSTS, {"water.surface": "none"}), truth=True)
+    alike = {"planes": "8", "segments": "whole", "spacing": "1"}
+    with_ghosts = simulate(GHOSTS, truth=True, forced=alike)
+    without = simulate(edit(GHOSTS, {"water.surface": "none"}), truth=True, forced=alike)
     np.testing.assert_array_equal(with_ghosts.shadow, without.shadow)
     assert without.shadow.any()
     assert (with_ghosts.path.values[with_ghosts.shadow.values == 1.0] > 0).any()

@@ -248,9 +248,8 @@ class MainWindow(QMainWindow):
         self.palettes = _combo([(name, name) for name in palettes])
         self.palettes.setToolTip("Palette of the record")
         self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
-        tip = "Put the camera behind and above the fish again"
-        self.reset_view = self._tool(bar, "Reset view", tip, QKeySequence("Home"))
-        bar.addSeparator()
+        tip = "Reset view: put the camera behind and above the fish again"
+        self.reset_view = self._tool(bar, "\u2302", tip, QKeySequence("Home"))
         self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
         self._add_gain(bar)
 
@@ -271,13 +270,12 @@ class MainWindow(QMainWindow):
         bar.addWidget(self.targets)
 
     def _add_gain(self, bar: QToolBar) -> None:
-        self.gain = QSlider(Qt.Orientation.Horizontal)
+        self.gain = _GainSlider(Qt.Orientation.Horizontal)
         self.gain.setRange(-10 * GAIN_REACH, 10 * GAIN_REACH)
-        self.gain.setMinimumWidth(40)
         self.gain.setMaximumWidth(130)
         self.gain.setToolTip("Display gain")
         self._gain_text = QLabel("0 dB")
-        self._gain_text.setMinimumWidth(self.fontMetrics().horizontalAdvance("-30.0 dB") + 12)
+        self._gain_text.setMinimumWidth(self.fontMetrics().horizontalAdvance("-30.0 dB") + 4)
         self.gain.valueChanged.connect(self._gain_moved)
         bar.addWidget(QLabel("gain"))
         bar.addWidget(self.gain)
@@ -314,6 +312,13 @@ class MainWindow(QMainWindow):
         action.setShortcut(shortcut)
         action.setToolTip(_with_key(tip, shortcut))
         return action
+
+
+class _GainSlider(QSlider):
+    """Slider that asks for little room and takes what there is."""
+
+    def sizeHint(self) -> QSize:
+        return QSize(40, super().sizeHint().height())
 
 
 def _with_key(tip: str, shortcut: QKeySequence) -> str:
