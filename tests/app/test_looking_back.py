@@ -1,0 +1,81 @@
+"""Earlier pings in the window: the handle, the wheel and the button that pauses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+
+from insonify.scene import Scene
+
+
+def test_looking_back_traces_the_old_pings_again(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    first = viewer.window.waterfall.picture().copy()
+    viewer.tow.restart(1000)
+    viewer.run(False)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert set(viewer.record.ping) == set(range(873, 1001))
+    viewer.look_back(1000 - 127)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert viewer.window.waterfall.top == 127
+    assert (viewer.window.waterfall.picture() == first).all()
+
+
+def test_the_handle_brings_the_fish_abeam_of_the_pipe(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    waterfall, handle = viewer.window.waterfall, viewer.window.waterfall._handle
+    viewer.run(True)
+    qtbot.waitUntil(lambda: handle.last == 127 or viewer.tow.newest > 127, timeout=2000)
+    QTest.mousePress(waterfall, Qt.MouseButton.LeftButton, pos=handle.place_of(waterfall.top).toPoint())
+    assert handle.held
+    assert not viewer.tow.running
+    place = handle.place_of(60)  # the pipe begins 12 m along the track
+    QTest.mouseMove(waterfall, place.toPoint())
+    QTest.mouseRelease(waterfall, Qt.MouseButton.LeftButton, pos=place.toPoint())
+    assert not handle.held
+    assert waterfall.top == pytest.approx(60, abs=1)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert viewer.seabed.view._fish_actor.user_matrix[0, 3] == pytest.approx(0.2 * waterfall.top)
+    assert waterfall.picture().shape[0] == waterfall.top + 1
+    viewer.run(True)
+    assert viewer.tow.top == viewer.tow.newest
+
+
+def test_the_handle_reaches_every_ping(open_viewer: Any, small: Scene) -> None:
+    handle = open_viewer(small).window.waterfall._handle
+    handle.last = 127
+    assert [handle.ping_at(handle.place_of(ping)) for ping in range(128)] == list(range(128))
+
+
+def test_the_button_says_what_it_does(open_viewer: Any, small: Scene) -> None:
+    window = open_viewer(small).window
+    assert (window.pause.text(), window.pause.isChecked()) == ("Play", True)
+    window.pause.trigger()
+    assert (window.pause.text(), window.pause.isChecked()) == ("Pause", False)
+    assert "Space" in window.pause.toolTip()
+
+
+def test_sentences_go_when_they_are_read(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.window._fading.setInterval(30)
+    viewer.window.say("saved it")
+    qtbot.waitUntil(lambda: viewer.window._sentence.text() == "")
+    viewer.window.say("this scene cannot be simulated", lasting=True)
+    qtbot.wait(60)
+    assert viewer.window._sentence.text() == "this scene cannot be simulated"
+    viewer.run(True)
+    assert viewer.window._sentence.text() == ""
+
+
+def test_wheel_looks_back_only_when_paused(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.tow.restart(500)
+    viewer.run(True)
+    viewer.window.waterfall.scrolled.emit(40)
+    assert viewer.tow.top == viewer.tow.newest
+    viewer.run(False)
+    viewer.window.waterfall.scrolled.emit(40)
+    assert viewer.tow.top == viewer.tow.newest - 40
