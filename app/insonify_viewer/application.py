@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -36,10 +37,15 @@ def open_window(scene: Scene) -> int:
         QTimer.singleShot(0, viewer.start)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         code = application.exec()
-        if viewer.simulator.working:
-            # It compiles, which cannot be interrupted; Python would wait for it.
+        if is_working():
+            # A thread compiles, which cannot be interrupted; Python would wait for it.
             os._exit(code)
         return code
+
+
+def is_working() -> bool:
+    """Whether a thread beside the window has not ended yet."""
+    return any(thread.name.startswith("insonify ") for thread in threading.enumerate())
 
 
 def _close_on_interrupt(viewer: Viewer) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from insonify.scene import SceneError
+from insonify_viewer.thread_priority import yield_to_window
 
 Progress = Callable[[float], None]
 
@@ -69,6 +70,7 @@ class Job:
         self._thread.join(patience)
 
     def _work(self) -> None:
+        yield_to_window()
         try:
             self._call_later(self._done, self._do(self._report))
         except StoppedError:

@@ -6,6 +6,8 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+from insonify_viewer.thread_priority import yield_to_window
+
 Errand = tuple[Callable[[], Any], Callable[[Any], None]]
 
 
@@ -44,6 +46,7 @@ class NewestWins:
             self._thread.join(patience)
 
     def _work(self) -> None:
+        yield_to_window()
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._waiting or self._closing)

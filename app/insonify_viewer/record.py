@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
+if TYPE_CHECKING:
+    from insonify.scene import Scene
+
+MAX_PINGS, MAX_CELLS = 2048, 2**26  # limits of the record on screen
 Rows = NDArray[np.int64]
 
 
@@ -96,3 +102,8 @@ class Record:
             return None
         column = self.bins - 1 - range_bin if side == 0 else self.bins + range_bin
         return float(self.amplitude[row, column])
+
+
+def pings_held(scene: Scene) -> int:
+    """Count the pings of a scene's track that the record on screen holds."""
+    return min(scene.track.pings, MAX_PINGS, MAX_CELLS // (2 * scene.sonar.bins))

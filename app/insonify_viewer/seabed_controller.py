@@ -120,10 +120,10 @@ class SeabedController:
         if self._view is not None:
             self._view.draw_now()
 
-    def close(self) -> None:
-        """Release the drawing resources."""
+    def close(self, patience: float | None = None) -> None:
+        """Release the drawing resources, and wait for each bed that is being made, at most for a time in seconds."""
         for job in self._jobs:
-            job.close()
+            job.close(patience)
         if self._view is not None:
             self._view.close_view()
             self._view = None

@@ -18,6 +18,7 @@ from insonify.kernels.common.compilation import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError
 from insonify_viewer.laid_scene import is_same_ground
 from insonify_viewer.modelling import Modelling
+from insonify_viewer.thread_priority import yield_to_window
 from insonify_viewer.waiting import Activity
 
 if TYPE_CHECKING:
@@ -178,11 +179,6 @@ class Simulator(QObject):
         """Pass a result from any thread to the main thread; it is dropped once the viewer closes."""
         self._called_back.emit(receive, result)
 
-    @property
-    def working(self) -> bool:
-        """Whether the worker is still there."""
-        return self._thread.is_alive()
-
     def close(self, patience: float | None = None) -> None:
         """Stop the worker and wait for it, at most for a time in seconds: it may be compiling."""
         with self._changed:
@@ -192,6 +188,7 @@ class Simulator(QObject):
         self._thread.join(patience)
 
     def _work(self) -> None:
+        yield_to_window()
         while not self._closing:
             with self._changed:
                 self._changed.wait_for(lambda: self._patient or self._is_wanted())

@@ -23,7 +23,7 @@ from insonify_viewer.mark_controller import MarkController
 from insonify_viewer.marked_point import MarkedPoint
 from insonify_viewer.panel_set import PanelSet
 from insonify_viewer.panels.panel import RecordGrowth, Workbench
-from insonify_viewer.record import Record
+from insonify_viewer.record import Record, pings_held
 from insonify_viewer.saving import Saving
 from insonify_viewer.seabed_controller import SeabedController
 from insonify_viewer.session import Mark, Session
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from insonify.planning.models import PackedScene
     from insonify.simulation import Simulation
 
-MAX_PINGS, MAX_CELLS = 2048, 2**26  # limits of the record on screen
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits
 PATIENCE = 0.25  # s, for each thread when the window closes
@@ -70,11 +69,11 @@ class Viewer(QObject):
     def __init__(self, scene: Scene, *, accelerated: bool, prepare: Any = None) -> None:
         super().__init__()
         self.session = Session(scene)
-        self.tow = TowClock(_pings_held(scene) - 1)
+        self.tow = TowClock(pings_held(scene) - 1)
         self.simulator = Simulator(prepare, parent=self)
         native = accelerated and QGuiApplication.platformName() == "xcb"
         self.window = MainWindow(native=native, palettes=PALETTES)
-        self.record = Record(_pings_held(scene), scene.sonar.bins)
+        self.record = Record(pings_held(scene), scene.sonar.bins)
         self.files = FileDialogs(self.window, self.simulator, self.open, self.window.say)
         self.saving = Saving(self.session, self.window, self.simulator)
         self.panels = PanelSet(self._workbench())
@@ -158,7 +157,7 @@ class Viewer(QObject):
         file : str
             The file that it was read from; without one it counts as not saved.
         """
-        self.tow.restart(_pings_held(scene) - 1)
+        self.tow.restart(pings_held(scene) - 1)
         if self._stopped:
             self.run(True)
         self._contrast.due = True
@@ -202,7 +201,7 @@ class Viewer(QObject):
         self.saving.close(8.0 * PATIENCE)  # which removes what is not finished, after the block under way
         self._marks.close(PATIENCE)
         self.simulator.close(PATIENCE)
-        self._seabed.close()
+        self._seabed.close(PATIENCE)
 
     def _connect(self) -> None:
         window, session = self.window, self.session
@@ -258,7 +257,7 @@ class Viewer(QObject):
             self._traced = traced
         self._fine = settled
         if not self._holds(scene):
-            self.record = Record(_pings_held(scene), scene.sonar.bins)
+            self.record = Record(pings_held(scene), scene.sonar.bins)
             self._answer = None
             self._show_geometry(scene)
         self._show_scene(scene, settled=settled)
@@ -306,7 +305,7 @@ class Viewer(QObject):
         return self.record.missing(self.tow.top, 2 * self._number + self._fine)
 
     def _holds(self, scene: Scene) -> bool:
-        return (self.record.pings, self.record.bins) == (_pings_held(scene), scene.sonar.bins)
+        return (self.record.pings, self.record.bins) == (pings_held(scene), scene.sonar.bins)
 
     def _ask(self) -> None:
         """Request the missing pings, unless the scene was refused."""
@@ -395,7 +394,3 @@ class Viewer(QObject):
 def _silence(simulation: Simulation | LaidScene) -> NDArray[np.float32]:
     """Tones of a scan line without echoes."""
     return np.zeros(2 * simulation.arrays.bins, dtype=np.float32)
-
-
-def _pings_held(scene: Scene) -> int:
-    return min(scene.track.pings, MAX_PINGS, MAX_CELLS // (2 * scene.sonar.bins))

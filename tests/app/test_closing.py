@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import os
 import subprocess
 import sys
 import threading
@@ -16,6 +17,8 @@ from stand_in import StandIn
 from insonify.scene import Scene, SceneError
 from insonify_viewer import application
 from insonify_viewer.application import has_opengl
+from insonify_viewer.job import Job
+from insonify_viewer.newest_wins import NewestWins
 
 
 def test_a_closed_view_names_nothing_that_qt_deletes_with_the_window(open_viewer: Any, small: Scene) -> None:
@@ -59,9 +62,30 @@ def test_a_window_closes_during_work_at_once(open_viewer: Any, small: Scene, qtb
     begun = time.perf_counter()
     assert viewer.window.close()
     taken = time.perf_counter() - begun
-    assert viewer.simulator.working
+    assert application.is_working()
     going.set()
     viewer.simulator.close()
+    assert taken < 1.0
+
+
+@pytest.mark.parametrize("busy", ["a bed", "a chart"])
+def test_a_window_closes_during_work_beside_it_at_once(open_viewer: Any, small: Scene, qtbot: Any, busy: str) -> None:
+    viewer, going, threads = open_viewer(small), threading.Event(), set(threading.enumerate())
+
+    def work(*_: Any) -> None:
+        going.wait(20.0)
+
+    if busy == "a bed":
+        viewer.seabed._begin(work, print)
+    else:
+        viewer.panels["chart"].measure = work
+        viewer.panels["chart"].begin()
+    begun = time.perf_counter()
+    assert viewer.window.close()
+    taken = time.perf_counter() - begun
+    going.set()
+    for thread in set(threading.enumerate()) - threads:
+        thread.join(10.0)
     assert taken < 1.0
 
 
@@ -102,3 +126,20 @@ def test_no_worker_imports_modules_of_qt() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="priorities of single threads are Linux's")
+def test_threads_beside_the_window_yield_the_processor_to_it(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer, found = open_viewer(small), []
+
+    def niceness() -> int:
+        return os.getpriority(os.PRIO_PROCESS, 0)
+
+    later = viewer.simulator.call_later
+    viewer.simulator.send(niceness, found.append)
+    Job(lambda _: niceness(), later, progressed=print, done=found.append, failed=print, name="test").start()
+    thread = NewestWins("test", later)
+    thread.send(niceness, found.append)
+    qtbot.waitUntil(lambda: len(found) == 3, timeout=5000)
+    thread.close()
+    assert min(found) > niceness()

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
     from insonify.accuracy.charts.measurement import AccuracyRow
 
+PATIENCE = 0.25  # s, for a measurement that is under way when the window closes
+
 
 class ChartPanel(Panel):
     """Measures charts of the current scene, one at a time.
@@ -85,9 +87,9 @@ class ChartPanel(Panel):
             self._workbench.simulator.send(lambda: _written(chart, path), self._tell)
 
     def closing(self) -> None:
-        """Stop the measurement, wait for its thread, and close the window."""
+        """Stop the measurement, wait a moment for its thread, and close the window."""
         if self._measurement is not None:
-            self._measurement.close()
+            self._measurement.close(PATIENCE)
             self._measurement = None
         if self.view is not None:
             self.view.close()
