@@ -65,8 +65,7 @@ class Person:
         renderer = self._viewer.seabed.view._canvas.plotter.renderer
         self._gaps.leave_out_drawing(renderer)
         self._faults.watch_drawing(renderer)
-        self._gaps.gaps.clear()
-        self._gaps.causes.clear()
+        self._gaps.clear()
         self._begun = time.monotonic()
         say(f"  0 %: {holdings()}")
         return True

@@ -10,6 +10,7 @@ import time
 import traceback
 from collections import Counter
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,6 @@ class Faults:
         self.found: Counter[str] = Counter()
         self.doing = "starting"
         self._vtk = vtkStringOutputWindow()
-        vtkOutputWindow.SetInstance(self._vtk)
         sys.excepthook = lambda _, error, __: self._take(error)
         sys.unraisablehook = lambda hook: self._take(hook.exc_value)
         threading.excepthook = lambda hook: self._take(hook.exc_value)
@@ -42,13 +42,14 @@ class Faults:
         self.found[f"while: {self.doing}\n{told}"] += 1
 
     def watch_drawing(self, renderer: Any) -> None:
-        """Look for an error of OpenGL after each drawing."""
+        """Look for an error of OpenGL after each drawing, and gather what VTK says."""
+        vtkOutputWindow.SetInstance(self._vtk)  # in place of PyVista's
         renderer.AddObserver("EndEvent", self._look)
 
     def close(self) -> None:
         """Add what VTK has said."""
         qInstallMessageHandler(None)
-        assert vtkOutputWindow.GetInstance() is self._vtk
+        sys.excepthook, sys.unraisablehook = sys.__excepthook__, sys.__unraisablehook__
         if told := self._vtk.GetOutput():
             self.add(f"VTK: {told[:4000]}")
 
@@ -71,9 +72,10 @@ class Gaps(QObject):
     def __init__(self) -> None:
         super().__init__()
         self.gaps: list[float] = []
+        self.busy: list[float] = []  # processor time of the main thread, drawing included
         self.causes: Counter[str] = Counter()
         self._last, self._drawing, self._drawn = time.perf_counter(), 0.0, 0.0
-        self._main, self._ending = threading.main_thread().ident, threading.Event()
+        self._ending, self._used = threading.Event(), time.thread_time()
         self._seen = ""
         timer = QTimer(self)
         timer.setTimerType(Qt.TimerType.PreciseTimer)
@@ -95,26 +97,53 @@ class Gaps(QObject):
     def in_words(self) -> str:
         """The gaps as one sentence."""
         found = 1e3 * np.array(self.gaps)
-        usual, late, over = np.median(found), np.quantile(found, 0.99), np.sum(found > LIMIT)
-        return f"gaps p50 {usual:.1f}, p99 {late:.1f}, greatest {found.max():.0f} ms; {over} over {LIMIT:g} ms"
+        late, over, busy = np.quantile(found, 0.99), np.sum(found > LIMIT), 1e3 * np.array(self.busy)
+        return (
+            f"gaps p99 {late:.1f}, greatest {found.max():.0f} ms, {over} over {LIMIT:g} ms; "
+            f"of processor time p99 {np.quantile(busy, 0.99):.1f}, greatest {busy.max():.0f} ms"
+        )
 
     def _drew(self, *_: Any) -> None:
         self._drawn += time.perf_counter() - self._drawing
 
     def _turn(self) -> None:
         now = time.perf_counter()
-        gap = max(now - self._last - self._drawn, 0.0)
+        gap, busy = max(now - self._last - self._drawn, 0.0), time.thread_time() - self._used
         self.gaps.append(gap)
+        self.busy.append(busy)
         if gap > LONG:
-            self.causes[f"{1e3 * gap:5.0f} ms: {self._seen or 'not in Python'}"] += 1
-        self._last, self._drawn, self._seen = time.perf_counter(), 0.0, ""
+            self.causes[
+                f"{1e3 * gap:5.0f} ms, {1e3 * busy:4.0f} of processor time: {self._seen or 'not in Python'}"
+            ] += 1
+        self._last, self._drawn, self._seen, self._used = time.perf_counter(), 0.0, "", time.thread_time()
+
+    def clear(self) -> None:
+        """Forget all gaps so far."""
+        self.gaps.clear()
+        self.busy.clear()
+        self.causes.clear()
 
     def _sample(self) -> None:
+        """Note where the threads are while a gap lasts: the main thread, and those that may hold the interpreter."""
+        own = threading.get_ident()
         while not self._ending.wait(0.02):
             if time.perf_counter() - self._last > 0.6 * LONG:
-                frames = traceback.extract_stack(sys._current_frames()[self._main])
-                ours = [f"{Path(frame.filename).name}:{frame.lineno} {frame.name}" for frame in frames]
-                self._seen = " < ".join(ours[:-6:-1])
+                frames = sys._current_frames()
+                names = {thread.ident: thread.name for thread in threading.enumerate()}
+                found = [(names.get(ident, "?"), _place(frame)) for ident, frame in frames.items() if ident != own]
+                del frames  # the widgets' painters among their variables would outlive their functions
+                self._seen = "; ".join(f"{name}: {place}" for name, place in reversed(found) if not _rests(place))
+
+
+def _place(frame: FrameType) -> str:
+    """The innermost functions of a stack, in words."""
+    calls = traceback.extract_stack(frame)[:-5:-1]
+    return " < ".join(f"{Path(call.filename).name}:{call.lineno} {call.name}" for call in calls)
+
+
+def _rests(place: str) -> bool:
+    """Whether a thread waits for work."""
+    return "wait_for" in place or place.startswith("thread.py")
 
 
 def resident() -> float:
