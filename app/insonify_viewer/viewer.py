@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Callable
 from functools import partial
@@ -337,6 +338,7 @@ class Viewer(QObject):
         current = answer.fine and answer.number == self._number
         if self._freeing and not self._missing().size:
             self._freeing = False
+            gc.collect()  # simulations and beds refer to themselves: few objects, but many megabytes
             self.simulator.send(return_free_memory, lambda _: None)
         self.panels.tell_growth(RecordGrowth(answer, self.record, current, complete=not self._missing().size))
         if not self._started:

@@ -8,13 +8,14 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 from typing import Any
 
 import pytest
 from PySide6.QtCore import QObject, Qt
 from stand_in import StandIn
 
-from insonify.scene import Scene, SceneError
+from insonify.scene import Scene, SceneError, edit
 from insonify_viewer import application
 from insonify_viewer.application import has_opengl
 from insonify_viewer.job import Job
@@ -66,6 +67,16 @@ def test_a_window_closes_during_work_at_once(open_viewer: Any, small: Scene, qtb
     going.set()
     viewer.simulator.close()
     assert taken < 1.0
+
+
+def test_opening_a_scene_frees_what_the_one_before_held(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer, part = open_viewer(small), QObject()
+    part.itself = part  # type: ignore[attr-defined]
+    gc.collect()  # so that only a full collection finds it
+    gone = weakref.ref(part)
+    del part
+    viewer.open(edit(small, {"seed": 7}))
+    qtbot.waitUntil(lambda: viewer.complete and gone() is None, timeout=10000)
 
 
 @pytest.mark.parametrize("busy", ["a bed", "a chart"])
