@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QGuiApplication
 
+from insonify.array_cache import ARRAYS
 from insonify.display.picture import PALETTES, load_palette
 from insonify.scene import Scene, SceneError, bundled_scenes
 from insonify_viewer.auto_pause import next_pause
@@ -164,6 +165,7 @@ class Viewer(QObject):
         self._contrast.due = True
         self.seabed.reset_camera()
         self._freeing = True
+        self.simulator.send(ARRAYS.clear, lambda _: None)  # tiles of the bed that is left may take 640 MB
         self.session.open(scene, file, bundled=Path(file) in bundled_scenes().values())
         self.window.say(scene.title)
 

@@ -60,6 +60,12 @@ class ArrayCache:
         weakref.finalize(kept, self._dead.append, token)
         return kept
 
+    def clear(self) -> None:
+        """Drop all arrays; they are made again when they are asked for."""
+        with self._lock:
+            self._arrays.clear()
+            self._bytes = 0
+
     def _put(self, key: Hashable, array: NDArray[Any]) -> None:
         while self._dead:
             self._forget(self._dead.popleft())

@@ -58,3 +58,19 @@ def test_threads_agree_on_what_is_kept() -> None:
         found = list(threads.map(lambda n: int(kept(n % 20)[0]), range(400)))
     assert found == [n % 20 for n in range(400)]
     assert cache.bytes == 8 * KB
+
+
+def test_a_cleared_store_makes_its_arrays_again() -> None:
+    cache, made = ArrayCache(1000), []
+
+    @cache.keep
+    def ones(count: int) -> np.ndarray:
+        made.append(count)
+        return np.ones(count)
+
+    for _ in range(2):
+        ones(4)
+    cache.clear()
+    assert cache.bytes == 0
+    assert (ones(4) == 1.0).all()
+    assert (made, cache.bytes) == ([4, 4], 32)
