@@ -20,7 +20,10 @@ IMPORTERS = {"common.base", "sweep.user", "sweep.indirect"}
 
 # One small kernel, compiled or read in a process of its own.
 USE = """
+import sys
+import numba
 import numpy as np
+numba.__version__ = sys.argv[1]
 from insonify.kernels.common.hashing import splitmix64
 value = splitmix64(np.uint64(1234567))
 print(value, sum(splitmix64.entry.stats.cache_hits.values()))
@@ -77,9 +80,9 @@ def test_damaged_digests_are_computed_anew(tmp_path: Path) -> None:
     assert source_digests(tmp_path, tmp_path / "kept") == kept
 
 
-def use_kernel(cache: Path) -> tuple[str, int]:
+def use_kernel(cache: Path, version: str = numba.__version__) -> tuple[str, int]:
     """Return what the kernel gives in a new process, and how often its machine code was read from disk."""
-    command = [sys.executable, "-c", USE]
+    command = [sys.executable, "-c", USE, version]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
     value, hits = subprocess.run(command, env=environment, capture_output=True, check=True, text=True).stdout.split()
     return value, int(hits)
@@ -93,6 +96,14 @@ def test_machine_code_is_read_from_disk_and_compiled_anew_once_damaged(tmp_path:
         file.write_bytes(b"damaged")
     assert use_kernel(tmp_path) == (VALUE, 0)
     assert use_kernel(tmp_path) == (VALUE, 1)
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_versions_of_numba_leave_the_machine_code_of_others_alone(tmp_path: Path) -> None:
+    assert use_kernel(tmp_path) == (VALUE, 0)
+    assert use_kernel(tmp_path, "0.0.0") == (VALUE, 0)
+    assert use_kernel(tmp_path) == (VALUE, 1)
+    assert use_kernel(tmp_path, "0.0.0") == (VALUE, 1)
 
 
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import llvmlite.binding as llvm
+import numba
 import numba.core.config
 import platformdirs
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
@@ -156,6 +157,10 @@ class _CacheImpl(CompileResultCacheImpl):
     """What is written of a function that Python calls: its machine code, and the name of that."""
 
     _locator_classes = [_Locator]  # noqa: RUF012  # Numba's own attribute
+
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        # Numba empties an index that another of its versions wrote: environments with two would do so in turn.
+        return f"{super().get_filename_base(fullname, abiflags)}.numba-{numba.__version__}"
 
     def reduce(self, cres: Any) -> tuple[Any, ...]:
         (name, kind, (code, _)), *rest = super().reduce(cres)
