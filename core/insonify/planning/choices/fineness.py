@@ -26,7 +26,8 @@ METHODS = ("auto", "sweep", "march", "rays")
 # Numbers of planes that a plan may choose.
 COUNTS = (*range(1, 9), *range(10, 17, 2), *range(20, 33, 4), *range(40, 65, 8), *range(80, 129, 16))
 MOST_PLANES = COUNTS[-1]
-FOLDED_RAYS = (4000, 16_000, 64_000)  # per side, of the sweep's pings with several eigenrays or none
+# Rays per side of the sweep's pings with several eigenrays or none; each number is judged by the next.
+RAYS_STEP, FOLDED_RAYS = 4, (4000, 16_000, 64_000)
 STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period of the bed keeps
 OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed, whose record is well known
 NEARER = 1.0 / 3.0  # weight of the error of coarser nodes over all bins, the strong ones near nadir too
@@ -130,9 +131,21 @@ class Rays(Ladder):
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of single rays; with the sweep of those pings only that it leaves to rays."""
         if model.method == "sweep" and model.bent:
-            plain = _finest(case, model)._replace(rays=model.rays)
-            return case.probe.difference(plain, plain._replace(rays=2 * model.rays), cautious=cautious)
+            return self._folded(case, model, cautious)
         return super().error(case, model, cautious)
+
+    def _folded(self, case: Case, model: Model, cautious: bool) -> float:
+        """Error measured from the next number of rays; beyond the last it falls with the power with which it fell."""
+        fine = _finest(case, model)
+
+        def step(rays: int) -> float:
+            pair = (fine._replace(rays=number) for number in (rays, RAYS_STEP * rays))
+            return case.probe.difference(*pair, cautious=cautious)
+
+        if model.rays < FOLDED_RAYS[-1]:
+            return step(model.rays)
+        before, error = (step(rays) for rays in FOLDED_RAYS[:2])
+        return error * min(max(error / before, 1.0 / RAYS_STEP), RAYS_STEP**-0.5) if before > 0.0 else error
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the rays."""
