@@ -104,7 +104,9 @@ def test_grids_of_all_mosaics_fit_together():
     np.testing.assert_allclose(np.array(mosaic.corner) / 0.25, np.rint(np.array(mosaic.corner) / 0.25))
 
 
-@pytest.mark.parametrize(("spacing", "cell"), [(0.5, 0.5), (0.3, 0.2), (0.13, 0.1), (0.01, 0.1), (7.0, 5.0)])
+@pytest.mark.parametrize(
+    ("spacing", "cell"), [(0.5, 0.5), (0.3, 0.2), (0.1999, 0.2), (0.13, 0.1), (0.01, 0.1), (7.0, 5.0)]
+)
 def test_cells_are_round_and_hold_about_a_ping(spacing, cell):
     assert choose_cell([straight_swath(spacing=spacing)]) == pytest.approx(cell)
 

@@ -17,6 +17,7 @@ FARTHEST_GAP = 5.0  # median distances between pings over which the swath is sti
 LARGEST_SIDE = 30_000  # cells
 FAINTEST = -40.0  # dB, of cells in which nothing is heard
 ROUND = (1.0, 2.0, 5.0)  # leading digits of a cell's size
+ALIKE = 0.01  # share by which pings may lie nearer than a cell: positions in files are rounded
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,10 +51,10 @@ class _Layer:
 
 def choose_cell(swaths: Sequence[Swath]) -> float:
     """Return a round cell size, 1, 2 or 5 times a power of ten, no finer than the pings and the bins of the records."""
-    finest = max(max(swath.spacing, swath.bin_length) for swath in swaths)
+    finest = max(max(swath.spacing, swath.bin_length) for swath in swaths) * (1.0 + ALIKE)
     power = 10.0 ** math.floor(math.log10(finest))
     # Rounded down, so that a cell holds about one ping.
-    return power * max(digit for digit in ROUND if digit * power <= finest * (1.0 + 1e-9))
+    return power * max(digit for digit in ROUND if digit * power <= finest)
 
 
 def make_mosaic(swaths: Sequence[Swath], cell: float | None = None, overlap: str = OVERLAPS[0]) -> Mosaic:
