@@ -8,12 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QApplication, QTabBar, QWidget
+from PySide6.QtWidgets import QApplication, QComboBox, QTabBar, QWidget
 
-from insonify.display.picture import PALETTES
 from insonify.scene import bundled_scenes
 from insonify_viewer.target_placement import target_menu
-from insonify_viewer.tow_clock import SPEEDS
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.field_rows import STEPS, ChoiceRow, NumberRow
 
@@ -105,19 +103,19 @@ def pause_or_play(viewer: Viewer, random: Random) -> Steps:
     yield float(random.choice([50.0, 2000.0]))
 
 
-def change_speed(viewer: Viewer, random: Random) -> Steps:
-    box = viewer.window.speed
-    index = int(random.integers(len(SPEEDS)))
+def _choose_entry(box: QComboBox, random: Random) -> None:
+    index = int(random.integers(box.count()))
     box.setCurrentIndex(index)
     box.activated.emit(index)
+
+
+def change_speed(viewer: Viewer, random: Random) -> Steps:
+    _choose_entry(viewer.window.speed, random)
     yield 200.0
 
 
 def change_palette(viewer: Viewer, random: Random) -> Steps:
-    box = viewer.window.palettes
-    index = int(random.integers(len(PALETTES)))
-    box.setCurrentIndex(index)
-    box.activated.emit(index)
+    _choose_entry(viewer.window.palettes, random)
     yield 30.0
 
 

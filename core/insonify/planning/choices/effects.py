@@ -26,8 +26,10 @@ class Bending(Choice):
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Error of straight rays: the same pings by few planes, without paths by the surface."""
-        if model.bent or case.straight_bound < NEGLIGIBLE:
-            return 0.0 if model.bent else case.straight_bound
+        if model.bent:
+            return 0.0
+        if case.straight_bound < NEGLIGIBLE:
+            return case.straight_bound
         method = "rays" if case.scene.water.varies_along else "sweep"
         plain = Model(method, case.few_planes, FEWEST_RAYS, targets=case.targets)
         return case.probe.difference(plain, plain._replace(bent=True), cautious=cautious)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
@@ -24,9 +25,9 @@ class MotionKind(Choice):
     family = MOTIONS
 
     @property
+    @abstractmethod
     def parts(self) -> tuple[SingleMotion, ...]:
         """The motions of the towfish, one or several."""
-        raise NotImplementedError
 
 
 class SingleMotion(MotionKind):
