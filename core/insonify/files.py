@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -25,8 +26,16 @@ def bundled_scenes() -> dict[str, Path]:
 
 def bundled_meshes() -> dict[str, Path]:
     """Return the shapes that come with the package, by name."""
-    # In a checkout, the script that makes a mesh stands beside it.
-    return {path.stem: path for path in sorted((resources() / "meshes").iterdir()) if path.suffix != ".py"}
+    # In a checkout, the scripts that make meshes stand beside them.
+    beside = (".py", ".toml")
+    return {path.stem: path for path in sorted((resources() / "meshes").iterdir()) if path.suffix not in beside}
+
+
+@cache
+def bundled_targets() -> dict[str, str]:
+    """Return what each mesh of the library of targets is, by name, in the order of the library."""
+    text = (resources() / "meshes" / "library.toml").read_text(encoding="utf-8")
+    return {str(name): str(title) for name, title in tomllib.loads(text).items()}
 
 
 def file_version(path: str | Path) -> tuple[int, int]:

@@ -9,6 +9,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from library import target_library
 
 INK, ACCENT, LIT, DARK, PALE = "#2b3440", "#b3561d", "#1f7a8c", "#9aa5b1", "#e8ecf0"
 STYLE: Any = {
@@ -298,4 +299,5 @@ FIGURES: dict[str, tuple[Size, Callable[[Any], None]]] = {
     "speckle.svg": ((6.5, 3.8), speckle),
     "data-flow.svg": ((11.0, 3.2), data_flow),
     "fractal-beds.jpg": ((7.2, 5.0), fractal_beds),
+    "target-library.jpg": ((10.0, 9.6), target_library),
 }
