@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from beds import solids_of
+from brute_force import Response
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
 from insonify.scene.surfaces import WAYS
@@ -79,3 +80,30 @@ def naive_ghost(arrays: SceneArrays, x: float, y: float, z: float, way: str, sam
         lit &= k < arrays.bins
         out[side] = np.bincount(k[lit], (share * energy)[lit], arrays.bins)
     return out * arrays.range_factor
+
+
+def naive_level_ghost(
+    arrays: SceneArrays, respond: Response, altitude: float, depth: float, way: str, squint: float = 0.0
+) -> np.ndarray:
+    """One ghost of a level Lambert bed by a beam of any response, azimuth by azimuth, (bins,) of one side.
+
+    Out in one direction and back from another the response is the root of the product of both two-way ones; law
+    `light` divides each by its integral over azimuths.
+    """
+    one, other, share = image_heights(way, altitude, depth)
+    edges = np.linspace(0.0, 1.2 * arrays.bins * arrays.bin_length, 10 * arrays.bins)
+    x, step = 0.5 * (edges[1:] + edges[:-1]), edges[1]
+    r, s = np.hypot(x, one), np.hypot(x, other)
+    azimuth = math.pi * ((np.arange(2001) + 0.5) / 2001 - 0.5)
+    passed = [respond((x / leg)[:, None] * np.sin(azimuth) - math.sin(squint), leg[:, None]) for leg in (r, s)]
+    taken_in = np.sqrt(passed[0] * passed[1]).mean(axis=1) * math.pi
+    if arrays.law == LIGHT:
+        whole = np.sqrt(passed[0].mean(axis=1) * passed[1].mean(axis=1)) * math.pi
+        averaged = np.divide(taken_in, whole, out=np.zeros_like(x), where=whole > 0.0)
+        energy = 0.25 * (one / r + other / s) * (x / r + x / s) / arrays.bin_length * averaged
+    else:
+        energy = one * other / (r * s) ** 3 * (0.5 * (r + s)) ** 4 / math.pi * taken_in * x
+    up_to = np.concatenate([[0.0], np.cumsum(share * energy * step)])
+    where = 0.5 * (np.hypot(edges, one) + np.hypot(edges, other))
+    borders = np.arange(arrays.bins + 1) * arrays.bin_length
+    return np.asarray(np.diff(np.interp(borders, where, up_to)) * arrays.range_factor)

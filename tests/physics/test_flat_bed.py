@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from beds import arrays_of, poses_of
+from beds import arrays_of, gaussian_pattern, poses_of
 from insonify.acoustics.flat_bed import flat_bed_curve
 from insonify.kernels.common.types import LIGHT, SONAR
 from insonify.scene import edit, load_scene
@@ -95,6 +95,20 @@ def test_one_plane_stands_for_a_whole_pattern(beam, bound):
         for planes in (1, 64)
     )
     np.testing.assert_allclose(one[280:] / many[280:], 1.0, atol=bound)
+
+
+@pytest.mark.parametrize("planes", [1, 16, 256])
+@pytest.mark.parametrize("pitch", [0.0, 4.0])
+@pytest.mark.parametrize("squint", [0.0, -5.0, 10.0, 20.0])
+def test_light_of_a_level_bed_does_not_depend_on_where_the_beam_points(squint, pitch, planes):
+    """Law `light` averages over the beam: H / r, whatever its squint and the pitch of the fish."""
+    pattern = gaussian_pattern(math.radians(3.0), squint=math.radians(squint))
+    arrays = flat(law=LIGHT, half_width=math.radians(3.0), pattern=pattern)
+    record = sweep.trace(arrays, poses_of(3.0, 5.0, ALTITUDE, 0.7, math.radians(pitch)), planes=planes)[0]
+    radiance = ALTITUDE / ((np.arange(1000) + 0.5) * 0.05)
+    # Nearer, the beam's cone may miss the bed, or graze it over many azimuths at once.
+    near = int(ALTITUDE / math.cos(math.radians(abs(squint) + pitch + 8.0)) / 0.05) + 2
+    np.testing.assert_allclose(record[:, near:], np.tile(radiance[near:], (2, 1)), rtol=0.01)
 
 
 @pytest.mark.parametrize("law", [LIGHT, SONAR])

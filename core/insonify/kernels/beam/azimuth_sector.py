@@ -181,13 +181,28 @@ def _pattern_weight(x, z, r, sector, pattern, law):
     if law != LIGHT:
         return response * width
     # Law `light` averages over the azimuths inside the beam there.
-    level, tip = sector.ahead_level * x / r, sector.ahead_up * z / r
-    if widest_extent(pattern) < LINEAR_SINE * level:
-        ends = tip - level, tip + level
-        whole = integrated_response(centre, extent, integral, first_range, per_octave, ends[0], ends[1], r) / level
-    else:
-        whole = azimuthal_response(pattern, level, tip, r)
+    if is_whole_beam(sector):
+        return response if width > 0.0 else 0.0
+    whole = _azimuths_in_beam(x / r, z / r, r, sector, pattern)
     return response * width / (x * whole) if whole > 0.0 else 0.0
+
+
+@inlined_uncounted
+def _azimuths_in_beam(c, s, r, sector, pattern):
+    """Azimuth of the whole beam at the cosine and sine of a launch angle, weighted by the two-way response, rad."""
+    level, tip = sector.ahead_level * c, sector.ahead_up * s
+    centre, extent, integral = pattern.centre, pattern.extent, pattern.integral
+    # Along the beam's azimuths ds = level cos φ dφ, and level cos φ hardly changes: to second order its reciprocal's
+    # mean differs by (1 + 2 sin²φ) / cos⁴φ times what it does athwart.
+    off = centre - tip
+    turned = level * level - off * off
+    if widest_extent(pattern) * math.sqrt(level * level + 2.0 * off * off) < LINEAR_SINE * turned:
+        ends = tip - level, tip + level
+        response = integrated_response(
+            centre, extent, integral, pattern.first_range, pattern.per_octave, ends[0], ends[1], r
+        )
+        return response / math.sqrt(turned)
+    return azimuthal_response(pattern, level, tip, r)
 
 
 @inlined_uncounted
