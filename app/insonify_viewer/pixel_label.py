@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from insonify.explanation.names import PATH_NAMES, name_materials, name_part
+
 if TYPE_CHECKING:
     from insonify.simulation import Simulation
     from insonify.tracers.labels import RecordLabels
@@ -13,13 +15,6 @@ if TYPE_CHECKING:
 BED = -1
 HIDDEN = 0.5  # share of the bed's echo that is hidden where a bin counts as shadow
 LEAST = 0.05  # share hidden that is worth telling
-GHOSTS = {
-    "surface_bottom": "ghost by surface and bottom",
-    "surface_bottom_surface": "ghost by surface, bottom and surface",
-    "second_bottom": "second bottom echo",
-    "surface": "echo of the sea surface",
-    "crosstalk": "crosstalk from the other side",
-}
 
 
 @dataclass(frozen=True)
@@ -79,29 +74,22 @@ def label_bin(simulation: Simulation, labels: RecordLabels, side: int, range_bin
     shadow = _shadow(scene.targets, float(labels.shadow[place]), int(labels.shadow_id[place]))
     volume = int(labels.volume_id[place])
     if volume >= 0:
-        return PixelLabel(source=_numbered(scene.volumes, volume), shadow=shadow)
+        return PixelLabel(source=name_part(scene.volumes, volume), shadow=shadow)
     target, row, path = int(labels.target_id[place]), int(labels.material[place]), int(labels.path[place])
-    materials = [*simulation.ground.names, *(each.material.name for each in scene.targets)]
     return PixelLabel(
-        source=_numbered(scene.targets, target) if target >= 0 else "bed" if target == BED else "",
-        material=materials[row].replace("_", " ") if row >= 0 else "",
-        ghost=GHOSTS.get(PATHS[path], "") if path >= 0 else "",
+        source=name_part(scene.targets, target) if target >= 0 else "bed" if target == BED else "",
+        material=name_materials(scene, simulation.ground)[row] if row >= 0 else "",
+        ghost=PATH_NAMES[PATHS[path]] if path > 0 else "",  # the first is the direct one
         shadow=shadow,
         ground_range=_number(labels.ground_range[place]),
         incidence=_number(labels.incidence[place]),
     )
 
 
-def _numbered(parts: tuple[object, ...], index: int) -> str:
-    """Name of a target or a volume as the heading of its section has it."""
-    kind = str(getattr(parts[index], "kind", "target")).replace("_", " ")
-    return f"{kind} {index + 1}"
-
-
 def _shadow(targets: tuple[object, ...], share: float, index: int) -> str:
     if index < 0 or share < LEAST:
         return ""
-    of = f"shadow of {_numbered(targets, index)}"
+    of = f"shadow of {name_part(targets, index)}"
     return of if share >= HIDDEN else f"{100 * share:.0f} % in the {of}"
 
 

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from insonify.accuracy.charts.kinds.accuracy import chart
     from insonify.acoustics.caustics import caustics
     from insonify.acoustics.paths import eigenrays, ray_paths, shadow_zones
+    from insonify.explanation.pixel import explain_pixel
     from insonify.planning import plan
     from insonify.scene import Scene, SceneError, load_scene
     from insonify.simulation import prepare, simulate, simulate_blocks
@@ -20,6 +21,7 @@ __all__ = [
     "caustics",
     "chart",
     "eigenrays",
+    "explain_pixel",
     "load_scene",
     "plan",
     "prepare",
@@ -37,6 +39,7 @@ _MODULES = {
     "caustics": "acoustics.caustics",
     "chart": "accuracy.charts.kinds.accuracy",
     "eigenrays": "acoustics.paths",
+    "explain_pixel": "explanation.pixel",
     "load_scene": "scene",
     "plan": "planning",
     "prepare": "simulation",

@@ -120,7 +120,7 @@ def trace_labels(
     SceneError
         If the sonar runs into a target.
     """
-    found = empty_labels(poses.x.size, arrays.bins, _targets(arrays))
+    found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
     apparent, folded = make_apparent_tables(arrays, poses)
     if folded.any():
         _enter(
@@ -148,12 +148,12 @@ def _enter(found: BinLabels, places: NDArray[np.int64], some: BinLabels) -> None
 
 def _find_by_rays(arrays: SceneArrays, poses: Poses, rays: int, threads: int | None) -> BinLabels:
     """Labels of pings traced by rays along arcs."""
-    found, bare = empty_labels(poses.x.size, arrays.bins, _targets(arrays)), without_targets(arrays)
+    found, bare = empty_labels(poses.x.size, arrays.bins, count_targets(arrays)), without_targets(arrays)
 
     def block(part: Poses, first: int, last: int) -> int:
         tables = (
-            empty_contributor_table(_contributors(arrays), arrays.bins),
-            empty_shadow_table(_targets(arrays), arrays.bins),
+            empty_contributor_table(count_contributors(arrays), arrays.bins),
+            empty_shadow_table(count_targets(arrays), arrays.bins),
         )
         return int(label_refracted_pings(arrays, bare, part, rays, *tables, labels_of_pings(found, first, last)))
 
@@ -165,12 +165,12 @@ def _find(
     arrays: SceneArrays, poses: Poses, beams: list[AzimuthFan], apparent: ApparentTables, threads: int | None
 ) -> BinLabels:
     """Labels of pings that share their planes."""
-    contributors = _contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
-    found = empty_labels(poses.x.size, arrays.bins, _targets(arrays))
+    contributors = count_contributors(arrays) * (PATH_COUNT if arrays.multipath.enabled else 1)
+    found = empty_labels(poses.x.size, arrays.bins, count_targets(arrays))
 
     def make_room() -> tuple[Any, ...]:
         room = empty_sweep_workspace(arrays, apparent)
-        images, shadows = empty_multipath_workspace(arrays), empty_shadow_table(_targets(arrays), arrays.bins)
+        images, shadows = empty_multipath_workspace(arrays), empty_shadow_table(count_targets(arrays), arrays.bins)
         return room, images, empty_contributor_table(contributors, arrays.bins), shadows
 
     rooms = PerThread(make_room)
@@ -182,23 +182,23 @@ def _find(
     return found
 
 
-def _targets(arrays: SceneArrays) -> int:
+def count_targets(arrays: SceneArrays) -> int:
     """Count the declared targets."""
     return 1 + max(int(bodies.target.max(initial=-1)) for bodies in (arrays.solids, arrays.mesh))
 
 
-def _contributors(arrays: SceneArrays) -> int:
+def count_contributors(arrays: SceneArrays) -> int:
     """Count the contributors by one path: materials of the bed, then targets."""
-    return arrays.reflectivity.shape[0] + _targets(arrays)
+    return arrays.reflectivity.shape[0] + count_targets(arrays)
 
 
 def _in_words_of_the_scene(arrays: SceneArrays, found: BinLabels) -> RecordLabels:
     """Turn contributors into targets and materials, radians into degrees."""
     rows = arrays.reflectivity.shape[0]
-    heard, way, who = found.contributor != NO_PRIMITIVE, *np.divmod(found.contributor, _contributors(arrays))
+    heard, way, who = found.contributor != NO_PRIMITIVE, *np.divmod(found.contributor, count_contributors(arrays))
     of_surface = way == SURFACE_ECHO
     is_target = heard & (who >= rows)
-    material_of = np.arange(_contributors(arrays))
+    material_of = np.arange(count_contributors(arrays))
     for bodies in (arrays.solids, arrays.mesh):
         material_of[rows + bodies.target] = bodies.material
     return RecordLabels(

@@ -16,12 +16,11 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, raise_sector, weigh_paired_knots
-from insonify.kernels.beam.pattern import two_way_response
 from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.range_bins import accumulate_bins
-from insonify.kernels.common.types import LIGHT, SONAR, SceneArrays
+from insonify.kernels.common.types import LIGHT, SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
 from insonify.kernels.multipath.echo_list import (
     ENOUGH,
@@ -34,18 +33,16 @@ from insonify.kernels.multipath.echo_list import (
 from insonify.kernels.multipath.image_sources import (
     SECOND_BOTTOM,
     SURFACE_BOTTOM,
-    SURFACE_ECHO,
     height_delay,
     image_pair,
     pair_response,
     pair_strength,
     spreading_ratio,
-    surface_image,
     tilt_delay,
     wave_advance,
 )
+from insonify.kernels.multipath.surface_echo import add_surface_echo
 from insonify.kernels.multipath.target_multipath import list_target_echoes
-from insonify.kernels.rays.launch import orient_beam
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
 from insonify.kernels.sweep.partial_segments import FINE
 from insonify.kernels.sweep.sweep import LOWEST, aim_plane, visible_from
@@ -170,14 +167,28 @@ def add_multipath(arrays, poses, ping, side, fan, image_fan, workspace, sink):
             continue
         beam = image_fan if pair.one.mirrored else fan
         for k in range(beam.azimuth.size):
-            _add_plane(arrays, poses, ping, side, beam, k, pair, workspace, sink)
+            add_image_plane(arrays, poses, ping, side, beam, k, pair, workspace, sink)
     if arrays.multipath.surface_echo:
-        _add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
+        add_surface_echo(arrays, poses, ping, side, workspace.echoes, sink)
 
 
 @kernel
-def _add_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
-    """Put the echoes by one pair of images in plane k of a fan into a difference array."""
+def add_image_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
+    """Put the echoes by one pair of images in plane k of a fan into a difference array.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+    poses : Poses
+    ping, side : int
+    fan : AzimuthFan
+        Of the sonar, or of its image if the lower image is mirrored.
+    k : int
+    pair : ImagePath
+    workspace : MultipathWorkspace
+    sink : EchoSink
+        Takes the echoes and, if asked to, their contributors.
+    """
     plane, sector, _ = aim_plane(arrays, poses, ping, side, fan, k, straight_grid())
     near_field, per_height = fan.near_field[k], fan.reach[k]
     height = max(plane.z - arrays.bed.low, LOWEST)
@@ -376,25 +387,3 @@ def _list_part(segment, pair, x_from, x_to, near, far, echoes, n):
     tilt = tilt_delay(pair.one, -a, r_one, variance) + tilt_delay(pair.other, -b, r_other, variance)
     cosine = min(cos_one, cos_other)
     return list_echo(echoes, n, SurfaceEcho(near, far, energy, rise, tilt, x, cosine, segment.material))
-
-
-@kernel
-def _add_surface_echo(arrays, poses, ping, side, echoes, sink):
-    """Add the echo of the sea surface straight above: of an image source twice as far away as the surface.
-
-    It is 1 / (2d)² in the bin of the depth d, with the record's 1/d⁴ taken out; under law `light` it is the image of a
-    lamp in a mirror.
-    """
-    image = surface_image(arrays, poses.z[ping])
-    depth, law = image.above, arrays.law
-    if not 0.0 < depth < arrays.bins * arrays.bin_length:
-        return
-    value = 1.0
-    if arrays.pattern.tabulated:
-        beam, fan = orient_beam(arrays, poses, ping, side), arrays.half_width > 0.0
-        value = two_way_response(arrays.pattern, beam, fan, SONAR, 0.0, 0.0, 1.0, depth)
-    energy = value if law == LIGHT else 0.25 * value * depth * depth
-    rise = height_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.rms_height)
-    tilt = tilt_delay(image, 2.0 * depth, 2.0 * depth, arrays.multipath.slope_variance)
-    n = list_echo(echoes, 0, SurfaceEcho(depth, depth, energy, rise, tilt, 0.0, 1.0, 0))
-    _deposit(arrays, 1, SURFACE_ECHO, echoes, n, sink)

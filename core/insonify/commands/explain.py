@@ -1,0 +1,75 @@
+"""``insonify explain``: what one pixel of a record is made of, term by term in decibels."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import TYPE_CHECKING, Any
+
+from insonify.commands.options import add_method, add_scene, chosen_model, chosen_scene, say
+from insonify.scene import Scene, SceneError
+
+if TYPE_CHECKING:
+    from insonify.explanation.pixel import PixelExplanation
+
+MOST = 4  # contributions and obstructions that are printed
+
+
+def register(subparsers: Any) -> None:
+    """Add ``explain``."""
+    parser = subparsers.add_parser(
+        "explain",
+        help="explain one pixel of a scene's record",
+        description="Say what one pixel of a record shows or why it is dark. Print the terms in dB that add up to it, "
+        "what returns its echo and what hides the bed there. Example: insonify explain default --ping 230 --range 25",
+    )
+    add_scene(parser)
+    add_method(parser)
+    parser.add_argument("--ping", type=int, required=True, metavar="N", help="number of the ping, from 0")
+    parser.add_argument("--side", choices=("port", "starboard"), default="port", help="default: %(default)s")
+    parser.add_argument("--range", type=float, required=True, metavar="M", help="slant range of the pixel, m")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Explain one pixel."""
+    # lazy: loads Numba, which other commands do without
+    from insonify.explanation.pixel import explain_pixel
+    from insonify.simulation import prepare
+
+    scene = chosen_scene(arguments)
+    pixel, side = _bin_at(scene, arguments.range), ("port", "starboard").index(arguments.side)
+    if not 0 <= arguments.ping < scene.track.pings:
+        last = scene.track.pings - 1
+        raise SceneError(f"--ping {arguments.ping}: the track has none such; give one from 0 to {last}")
+    how: dict[str, Any] = {"method": arguments.method, "tolerance": arguments.tolerance}
+    simulation = prepare(scene, **how, forced=chosen_model(arguments))
+    for line in _table(explain_pixel(simulation, arguments.ping, side, pixel)):
+        say(line)
+
+
+def _bin_at(scene: Scene, slant_range: float) -> int:
+    """Range bin at a slant range."""
+    if not 0.0 <= slant_range < scene.sonar.range:
+        raise SceneError(f"--range {slant_range:g}: outside the record; give 0 up to {scene.sonar.range:g} m")
+    return min(int(slant_range / scene.sonar.range * scene.sonar.bins), scene.sonar.bins - 1)
+
+
+def _table(explained: PixelExplanation) -> list[str]:
+    """Lines that print an explanation."""
+    side = ("port", "starboard")[explained.side]
+    lines = [f"ping {explained.ping}, {side}, {explained.slant_range:.2f} m: {explained.summary}", ""]
+    lines += [f"{term.name:<22}{_number(term.decibels):>10} dB  {term.detail}".rstrip() for term in explained.terms]
+    lines.append(f"{'pixel':<22}{_number(explained.level):>10} dB")
+    for each in explained.contributions[:MOST]:
+        lines.append(f"{100.0 * each.share:>6.1f} % {each.words}, at {each.ground_range:.2f} m")
+    for hidden in explained.obstructions[:MOST]:
+        lines.append(f"{100.0 * hidden.share:>6.1f} % hidden by {hidden.hider}")
+    if explained.obstructions and math.isfinite(explained.unhidden):
+        lines.append(f"{'with nothing hidden':<22}{_number(explained.unhidden):>10} dB")
+    return [*lines, *explained.approximations]
+
+
+def _number(level: float) -> str:
+    # Rounded first, so that no "-0.00" is printed.
+    return f"{round(level, 2) + 0.0:.2f}" if math.isfinite(level) else "no echo"

@@ -1,0 +1,107 @@
+"""Cross-section of the scene in the plane along the axis of the beam of one ping."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.explanation.names import name_part
+from insonify.explanation.pixel_parts import arrays_at, settings_of
+from insonify.explanation.pixel_window import whole_window
+from insonify.explanation.sound_paths import SonarPose, locate_sonar
+from insonify.packing.apparent_tables import make_apparent_tables
+from insonify.simulation import Simulation
+from insonify.tracers.azimuth_fan import lay_planes_of_images
+from insonify.tracers.echo_parts import BEHIND_BED, HEARD, EchoParts, find_direct_parts, take_central_plane
+
+Points = NDArray[np.float64]
+SAMPLES = 1024  # of the bed's profile
+
+
+@dataclass(frozen=True, eq=False)
+class CrossSection:
+    """What one plane cuts, as ground range and height above the datum, m.
+
+    Attributes
+    ----------
+    ping, side : int
+    azimuth : float
+        Of the plane, from athwart towards the bow, rad.
+    sonar : SonarPose
+    reach : float
+        Ground range to which the section is drawn, m.
+    bed : (n, 2) float64
+        Profile of the bed, NaN where there is none.
+    heard, hidden : (m, 2, 2) float64
+        Stretches of the bed that the sonar sees, and that other bed or targets hide from it.
+    targets : tuple of (str, (k, 2, 2) float64)
+        Names of the targets, and what the sonar sees of each.
+    horizon : (k, 2, 2) float64
+        From each crest of the bed that hides bed to the end of what it hides.
+    """
+
+    ping: int
+    side: int
+    azimuth: float
+    sonar: SonarPose
+    reach: float
+    bed: Points
+    heard: Points
+    hidden: Points
+    targets: tuple[tuple[str, Points], ...]
+    horizon: Points
+
+
+def cut_cross_section(simulation: Simulation, ping: int, side: int) -> CrossSection:
+    """Cut the scene along the axis of the beam of one ping.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    ping : int
+    side : int
+        0 port, 1 starboard.
+
+    Returns
+    -------
+    CrossSection
+        Where refraction folds, without what is heard and hidden.
+    """
+    arrays, pose = arrays_at(simulation, ping)
+    sonar, reach = locate_sonar(simulation, pose, side), arrays.bins * arrays.bin_length
+    _, folded = make_apparent_tables(arrays, pose)
+    fans = lay_planes_of_images(arrays, pose, settings_of(simulation).get("planes", 1))
+    azimuth, parts = 0.0, None
+    if fans and not folded.any():
+        fan = take_central_plane(arrays, fans[0][1])
+        azimuth = float(fan.azimuth[0])
+        parts = find_direct_parts(arrays, pose, side, whole_window(arrays).window, fan)
+    x = np.linspace(0.0, reach, SAMPLES)
+    level = sonar.place[:2] + np.multiply.outer(x, sonar.direction(azimuth))
+    bed = np.column_stack([x, simulation.ground.height_at(level[:, 0], level[:, 1])])
+    nothing = np.empty((0, 2, 2))
+    found = (nothing, nothing, (), nothing) if parts is None else _stretches(simulation, parts)
+    return CrossSection(ping, side, azimuth, sonar, reach, bed, *found)
+
+
+def _stretches(
+    simulation: Simulation, parts: EchoParts
+) -> tuple[Points, Points, tuple[tuple[str, Points], ...], Points]:
+    """Stretches heard and hidden, targets, and horizons behind crests."""
+    ends = np.stack([parts.begin, parts.end], axis=1)
+    of_bed = parts.target < 0
+    seen, targets = parts.state == HEARD, simulation.scene.targets
+    named = tuple(
+        (name_part(targets, int(k)), ends[seen & (parts.target == k)]) for k in np.unique(parts.target[~of_bed])
+    )
+    return ends[of_bed & seen], ends[~seen], named, _horizons(parts.take(parts.state == BEHIND_BED))
+
+
+def _horizons(hidden: EchoParts) -> Points:
+    """Lines from crests to the ends of the bed that they hide."""
+    crests, which = np.unique(hidden.crest, axis=0, return_inverse=True)
+    ends = [hidden.end[which.ravel() == k] for k in range(len(crests))]
+    lines = [(crest, end[np.argmax(end[:, 0])]) for crest, end in zip(crests, ends)]
+    return np.array(lines).reshape(-1, 2, 2)

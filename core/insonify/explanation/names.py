@@ -1,0 +1,30 @@
+"""Names of what returns or hides an echo, as people read them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from insonify.scene import Scene
+    from insonify.terrain import AnyGround
+
+PATH_NAMES = {
+    "direct": "direct",
+    "surface_bottom": "ghost by surface and bottom",
+    "surface_bottom_surface": "ghost by surface, bottom and surface",
+    "second_bottom": "second bottom echo",
+    "surface": "echo of the sea surface",
+    "crosstalk": "crosstalk from the other side",
+}
+
+
+def name_part(parts: tuple[object, ...], index: int) -> str:
+    """Name a target or a volume by its kind and its number from 1: ``pipe 1``."""
+    kind = str(getattr(parts[index], "kind", "target")).replace("_", " ")
+    return f"{kind} {index + 1}"
+
+
+def name_materials(scene: Scene, ground: AnyGround) -> tuple[str, ...]:
+    """Names of the materials by their rows: those of the bed, then those of the targets."""
+    names = (*ground.names, *(target.material.name for target in scene.targets))
+    return tuple(name.replace("_", " ") for name in names)

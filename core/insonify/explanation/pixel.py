@@ -1,0 +1,186 @@
+"""Explanation of one pixel of a record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from insonify.explanation.budget import SILENCE, Term, decibels, echo_terms, normal_strength
+from insonify.explanation.contributions import Contribution, find_contributions
+from insonify.explanation.obstructions import Obstruction, find_obstructions
+from insonify.explanation.pixel_parts import PixelParts, find_pixel_parts
+from insonify.explanation.receiver_stages import ReceiverStage, record_by_stages
+from insonify.explanation.sound_paths import SonarPose
+from insonify.explanation.summary import summarise_pixel
+from insonify.kernels.common.types import LIGHT, SceneArrays
+from insonify.scene import SceneError
+from insonify.simulation import Simulation
+
+NEGLIGIBLE = 1e-3  # dB, of a term of the tracer that is not listed
+DETAILS = {
+    "source level": "at 1 m",
+    "water column": "reverberation, schools and plumes",
+    "speckle": "interference in this pixel",
+    "crosstalk": "from the other side",
+    "fluctuation": "of this ping",
+    "noise": "ambient",
+    "other waves": "ringing and interference",
+    "time-varied gain": "of this bin",
+    "recorder": "gain, full scale and rounding",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class PixelExplanation:
+    """Explanation of one pixel.
+
+    Attributes
+    ----------
+    ping, side, bin : int
+        The pixel; port is side 0.
+    slant_range : float
+        Of its centre as recorded, m.
+    value : float
+        Linear intensity in the record.
+    terms : tuple of Term
+        Decibels that add up to the value: of the greatest contribution, of the others, then of the receiver.
+    contributions : tuple of Contribution
+        By share, the greatest first.
+    obstructions : tuple of Obstruction
+        By share likewise.
+    unhidden : float
+        Level in dB that the mean echo would have if nothing hid anything, with source level and gain; minus infinity
+        for silence.
+    sonar : SonarPose
+        The sonar at that ping.
+    summary : str
+        One sentence: what is heard, or why nothing is.
+    approximations : tuple of str
+        What is not exactly as the record has it; empty where everything is.
+    """
+
+    ping: int
+    side: int
+    bin: int
+    slant_range: float
+    value: float
+    terms: tuple[Term, ...]
+    contributions: tuple[Contribution, ...]
+    obstructions: tuple[Obstruction, ...]
+    unhidden: float
+    sonar: SonarPose
+    summary: str
+    approximations: tuple[str, ...]
+
+    @property
+    def level(self) -> float:
+        """Level of the pixel in the record, dB."""
+        return decibels(self.value)
+
+
+def explain_pixel(simulation: Simulation, ping: int, side: int, pixel: int) -> PixelExplanation:
+    """Explain one pixel of a simulation's record.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        From `insonify.prepare`.
+    ping : int
+        Number of the ping.
+    side : int
+        0 port, 1 starboard.
+    pixel : int
+        Range bin, from 0.
+
+    Returns
+    -------
+    PixelExplanation
+
+    Raises
+    ------
+    SceneError
+        If the record has no such pixel, or the sonar is inside a target.
+    """
+    _refuse_outside(simulation.reduced, ping, side, pixel)
+    parts = find_pixel_parts(simulation, ping, side, pixel)
+    stages = record_by_stages(simulation, ping)
+    contributions, obstructions = find_contributions(parts), find_obstructions(parts)
+    terms = _echo_terms(parts, contributions)
+    return PixelExplanation(
+        ping=ping,
+        side=side,
+        bin=pixel,
+        slant_range=(pixel + 0.5) * simulation.scene.sonar.range / simulation.scene.sonar.bins,
+        value=float(stages[-1].record[side, pixel]),
+        terms=tuple(_with_receiver(terms, stages, side, pixel)),
+        contributions=contributions,
+        obstructions=obstructions,
+        unhidden=_unhidden(simulation, parts, pixel),
+        sonar=parts.sonar,
+        summary=summarise_pixel(parts, contributions, obstructions),
+        approximations=_approximations(parts, contributions),
+    )
+
+
+def _refuse_outside(arrays: SceneArrays, ping: int, side: int, pixel: int) -> None:
+    if ping < 0:
+        raise SceneError(f"ping: {ping} is before the first; give a number from 0")
+    if side not in (0, 1):
+        raise SceneError(f"side: {side} is neither port (0) nor starboard (1); give one of both")
+    if not 0 <= pixel < arrays.bins:
+        raise SceneError(f"bin: {pixel} is outside the record; give one from 0 to {arrays.bins - 1}")
+
+
+def _echo_terms(parts: PixelParts, contributions: Sequence[Contribution]) -> list[Term]:
+    """Terms of the greatest contribution and of all others; none without an echo."""
+    if not contributions:
+        return []
+    first, light = contributions[0], parts.arrays.law == LIGHT
+    normal = normal_strength(parts.arrays.reflectivity[first.row], light=light) if first.row >= 0 else 0.0
+    terms = echo_terms(first.parts, normal, light=light)
+    if len(contributions) > 1:
+        terms.append(Term("other echoes", decibels(1.0 / first.share), f"{len(contributions) - 1} more contributions"))
+    return terms
+
+
+def _with_receiver(terms: list[Term], stages: Sequence[ReceiverStage], side: int, pixel: int) -> list[Term]:
+    """Budget with the receiver's terms, the source level first."""
+    levels = [decibels(float(stage.record[side, pixel])) for stage in stages]
+    budget, total = list(terms), sum(term.decibels for term in terms) if terms else SILENCE
+    if levels[0] > SILENCE and abs(levels[0] - total) > NEGLIGIBLE:
+        change = levels[0] - total if terms else levels[0]
+        budget.append(Term("tracing", change, "between the tracer and these parts"))
+    elif terms and levels[0] == SILENCE:
+        budget = []
+    for before, after, stage in zip(levels, levels[1:], stages[1:]):
+        term = _change(stage.name, before, after, DETAILS[stage.name])
+        if term is not None:
+            budget.insert(0 if stage.name == "source level" else len(budget), term)
+    return budget
+
+
+def _change(name: str, before: float, after: float, detail: str) -> Term | None:
+    """Term of a change of level; where there was silence before, the level itself; None where silence lasts."""
+    if before == SILENCE:
+        return None if after == SILENCE else Term(name, after, f"{detail}; nothing else is there")
+    return Term(name, after - before, detail)
+
+
+def _unhidden(simulation: Simulation, parts: PixelParts, pixel: int) -> float:
+    """Level of the mean echo if nothing hid anything, with source level and gain, dB."""
+    reception = simulation.reception
+    return decibels(float(parts.parts.value.sum()) * reception.source * float(reception.gain[pixel]))
+
+
+def _approximations(parts: PixelParts, contributions: Sequence[Contribution]) -> tuple[str, ...]:
+    """Tell what is not exactly as the record has it."""
+    simulation, said = parts.simulation, []
+    if simulation.plan.method != "sweep":
+        said.append("parts come from the sweep's planes, the record from single rays: the term 'tracing' is the rest")
+    elif parts.folded:
+        said.append("refraction folds: parts are single rays, and bed that other bed hides is not listed")
+    if simulation.reception.coherent:
+        said.append("parts are mean echoes; the term 'speckle' holds the interference of single scatterers")
+    if any(each.path != "direct" for each in contributions):
+        said.append("an echo by way of the sea surface is placed where its plane returns most")
+    return tuple(said)

@@ -1,0 +1,132 @@
+"""Parts of the echo in one pixel, and the scene about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.explanation.names import name_materials, name_part
+from insonify.explanation.pixel_window import PixelWindow, pixel_window
+from insonify.explanation.sound_paths import DIRECT, SURFACE, SonarPose, height_by_range, locate_sonar, trace_path
+from insonify.kernels.common.types import Poses, SceneArrays
+from insonify.packing.apparent_tables import make_apparent_tables
+from insonify.packing.navigation import take_poses
+from insonify.simulation import Simulation
+from insonify.tracers.echo_parts import EchoParts, find_echo_parts
+
+Points = NDArray[np.float64]
+LOUD = 0.02  # share of a contributor's echo from which a ray is drawn to a part of it
+MOST_RAYS = 12  # to the parts of one contributor
+
+
+@dataclass(frozen=True, eq=False)
+class PixelParts:
+    """Parts of the echo in one pixel.
+
+    Attributes
+    ----------
+    simulation : Simulation
+    arrays : SceneArrays
+        As traced, over the ground about the ping.
+    pose : Poses
+        Of the ping.
+    side : int
+    window : PixelWindow
+        Bins that echo in the pixel.
+    sonar : SonarPose
+    folded : bool
+        Whether refraction folds, so that parts are single rays.
+    parts : EchoParts
+    """
+
+    simulation: Simulation
+    arrays: SceneArrays
+    pose: Poses
+    side: int
+    window: PixelWindow
+    sonar: SonarPose
+    folded: bool
+    parts: EchoParts
+
+    def name(self, target: int, path: int = DIRECT) -> str:
+        """Name of what echoes: a target, the bed or the sea surface."""
+        if path == SURFACE:
+            return "sea surface"
+        return name_part(self.simulation.scene.targets, target) if target >= 0 else "bed"
+
+    def material(self, row: int) -> str:
+        """Name of a material by its row; empty where there is none."""
+        return name_materials(self.simulation.scene, self.simulation.ground)[row] if row >= 0 else ""
+
+    def segments(self, some: EchoParts) -> Points:
+        """Beginnings and ends of parts in local coordinates, (n, 2, 3) in metres."""
+        ends = [
+            [self.sonar.to_world(azimuth, np.stack(pair)) for azimuth, *pair in zip(some.azimuth, some.begin, some.end)]
+        ]
+        return np.array(ends).reshape(-1, 2, 3)
+
+    def rays(self, some: EchoParts) -> tuple[Points, ...]:
+        """Ways of the sound to the loudest of some parts, in local coordinates."""
+        loudest = np.argsort(some.value)[::-1][:MOST_RAYS]
+        chosen = loudest[some.value[loudest] >= LOUD * some.value.sum()]
+        rays = []
+        for k in chosen if chosen.size else loudest[:1]:
+            azimuth, launch = float(some.azimuth[k]), float(some.launch[k])
+            flat = trace_path(self.arrays, self.sonar, int(some.path[k]), azimuth, launch, some.middle[k])
+            rays.append(self.sonar.to_world(azimuth, flat))
+        return tuple(rays)
+
+
+def find_pixel_parts(simulation: Simulation, ping: int, side: int, pixel: int) -> PixelParts:
+    """Find the parts of the echo in one pixel.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    ping, side, pixel : int
+
+    Returns
+    -------
+    PixelParts
+    """
+    arrays, pose = arrays_at(simulation, ping)
+    window, sonar = pixel_window(arrays, simulation.reception.taps, pixel), locate_sonar(simulation, pose, side)
+    parts = find_echo_parts(arrays, pose, side, window.window, **settings_of(simulation))
+    _, folded = make_apparent_tables(arrays, pose)
+    placed = _place_surface_parts(simulation, sonar, parts)
+    return PixelParts(simulation, arrays, pose, side, window, sonar, bool(folded.any()), placed)
+
+
+def arrays_at(simulation: Simulation, ping: int) -> tuple[SceneArrays, Poses]:
+    """Scene over the ground about a ping, as traced, and the pose of the ping."""
+    pose = simulation.poses(np.array([ping], dtype=np.int64))
+    ((_, arrays),) = simulation.tiles.split(simulation.reduced, pose)
+    return arrays, take_poses(pose, slice(0, 1))
+
+
+def settings_of(simulation: Simulation) -> dict[str, Any]:
+    """Planes and rays by which a simulation is traced."""
+    return {name: number for name, number in simulation.plan.settings.items() if name in ("planes", "rays")}
+
+
+def _place_surface_parts(simulation: Simulation, sonar: SonarPose, parts: EchoParts) -> EchoParts:
+    """Parts with the heights of those by way of the sea surface: of the bed there, or by the slant range."""
+    unknown = np.flatnonzero(np.isnan(parts.begin[:, 1]))
+    if not unknown.size:
+        return parts
+    place = parts.begin.copy()
+    for k in unknown:
+        x, path = float(place[k, 0]), int(parts.path[k])
+        level = sonar.place[:2] + x * sonar.direction(float(parts.azimuth[k]))
+        bed = float(simulation.ground.height_at(level[:1], level[1:])[0])
+        if path == SURFACE:
+            place[k] = 0.0, sonar.surface
+        elif parts.target[k] >= 0 or not np.isfinite(bed):
+            low = bed if np.isfinite(bed) else float(simulation.arrays.bed.low)
+            place[k, 1] = height_by_range(sonar, path, x, float(parts.near[k]), low)
+        else:
+            place[k, 1] = bed
+    return replace(parts, begin=place, end=np.where(np.isnan(parts.end), place, parts.end))

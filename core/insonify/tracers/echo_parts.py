@@ -1,0 +1,326 @@
+"""Parts of which the echo in some range bins of one ping is made, by the geometry of the sweep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.bed.profile import empty_profile, profile_capacity
+from insonify.kernels.common.contributors import empty_contributor_table
+from insonify.kernels.common.range_bins import FIXED_POINT
+from insonify.kernels.common.types import BED, Poses, SceneArrays
+from insonify.kernels.labels import echo_parts as kernels
+from insonify.kernels.labels.echo_parts import PartList, Window, list_echo_parts
+from insonify.kernels.labels.refracted_parts import list_refracted_parts
+from insonify.kernels.multipath.echo_list import EchoSink
+from insonify.kernels.multipath.image_sources import (
+    PATH_COUNT,
+    SURFACE_BOTTOM,
+    SURFACE_BOTTOM_SURFACE,
+    SURFACE_ECHO,
+)
+from insonify.kernels.multipath.plane_echoes import note_plane_echoes
+from insonify.kernels.multipath.surface_multipath import empty_multipath_workspace
+from insonify.kernels.sweep.sweep import AzimuthFan, empty_sweep_workspace
+from insonify.packing.apparent_tables import make_apparent_tables
+from insonify.packing.containment import refuse_sonar_in_solid
+from insonify.packing.reduced_scene import without_targets
+from insonify.tracers.azimuth_fan import lay_planes_of_images
+from insonify.tracers.labels import count_contributors
+
+HEARD, BEHIND_BED, BEHIND_TARGET = kernels.HEARD, kernels.BEHIND_BED, kernels.BEHIND_TARGET
+ROOM = 1024  # parts for which there is room at first
+
+Column = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class EchoParts:
+    """Parts of the echo in some range bins of one side of one ping, one entry a part.
+
+    Parts by way of the sea surface lie in the bins alone: what is not known of them is NaN.
+
+    Attributes
+    ----------
+    state : int64
+        HEARD, BEHIND_BED or BEHIND_TARGET; hidden parts have the echo that they would return were they in sight.
+    path : int64
+        Place of the propagation path among `insonify.tracers.labels.PATHS`.
+    azimuth : float64
+        Of the plane in which the part lies, from athwart towards the bow, rad.
+    target, material : int64
+        Index of the declared target, -1 for the bed; row of the reflectivity table.
+    hider : int64
+        Index of the target that hides the part, -2 where none does.
+    crest : (n, 2) float64
+        Ground range and height above the datum of the bed's highest place, as the sonar sees it, before the part, m.
+    begin, end : (n, 2) float64
+        Ground range and height above the datum of both ends, m.
+    near, far : float64
+        Slant range of both ends, m.
+    launch : float64
+        Launch angle of the middle above the horizontal, rad.
+    cosine, strength : float64
+        Cosine of the incidence, and the scattering strength of the material there, m² per m² and steradian.
+    weight, width, vertical, gain : float64
+        Factor of the beam and of refraction (law `sonar`: m, along the track), of which ``width`` is the part without
+        the response of the beam, ``vertical`` the response of the vertical beam and ``gain`` that of refraction.
+    echo, spread, value : float64
+        Echo in the bins, weighed by each of three weights.
+    """
+
+    state: Numbers
+    path: Numbers
+    azimuth: Column
+    target: Numbers
+    material: Numbers
+    hider: Numbers
+    crest: Column
+    begin: Column
+    end: Column
+    near: Column
+    far: Column
+    launch: Column
+    cosine: Column
+    strength: Column
+    weight: Column
+    width: Column
+    vertical: Column
+    gain: Column
+    echo: Column
+    spread: Column
+    value: Column
+
+    def take(self, which: NDArray[np.bool_] | Numbers) -> EchoParts:
+        """Return some of the parts, by a mask or by their places."""
+        return EchoParts(*(getattr(self, field.name)[which] for field in fields(self)))
+
+    @property
+    def middle(self) -> Column:
+        """Ground range and height of the middle of each part, (n, 2) in metres."""
+        return 0.5 * (self.begin + self.end)
+
+
+def join_parts(*lists: EchoParts) -> EchoParts:
+    """Join several lists of parts."""
+    return EchoParts(*(np.concatenate([getattr(one, field.name) for one in lists]) for field in fields(EchoParts)))
+
+
+def find_echo_parts(
+    arrays: SceneArrays, pose: Poses, side: int, window: Window, *, planes: int = 16, rays: int = 4000
+) -> EchoParts:
+    """Find the parts of which the echo in some range bins is made.
+
+    Parameters
+    ----------
+    arrays : SceneArrays
+        The packed scene.
+    pose : Poses
+        Pose of the sonar at one ping.
+    side : int
+        0 port, 1 starboard.
+    window : Window
+        The bins, and three weights of the energy of each.
+    planes : int
+        Planes across a fan beam; a knife has one.
+    rays : int
+        Rays of a side whose refracted sound comes to some places along several rays, or along none; there each ray is
+        a part, and what the bed hides of itself is not listed.
+
+    Returns
+    -------
+    EchoParts
+
+    Raises
+    ------
+    SceneError
+        If the sonar runs into a target.
+    """
+    _, folded = make_apparent_tables(arrays, pose)
+    if folded.any():
+        return _find_refracted_parts(arrays, pose, side, window, rays)
+    fans = lay_planes_of_images(arrays, pose, planes)
+    if not fans:
+        return _joined_rows([])
+    _, fan, lifted = fans[0]
+    direct = find_direct_parts(arrays, pose, side, window, fan)
+    if not arrays.multipath.enabled:
+        return direct
+    return join_parts(direct, find_surface_parts(arrays, pose, side, window, (fan, lifted)))
+
+
+def _find_refracted_parts(arrays: SceneArrays, pose: Poses, side: int, window: Window, rays: int) -> EchoParts:
+    """Find the rays that echo in the window, where refraction folds."""
+    bare, room = without_targets(arrays), ROOM
+    while True:
+        rows = np.zeros((room, kernels.COLUMNS))
+        count = int(list_refracted_parts(arrays, bare, pose, 0, side, rays, window, rows))
+        if count <= room:
+            return _columns(rows[:count])
+        room = count
+
+
+def take_central_plane(arrays: SceneArrays, fan: AzimuthFan) -> AzimuthFan:
+    """Return the plane of a fan that is nearest to the axis of its beam, as a fan of one."""
+    k = int(np.argmin(np.abs(np.sin(fan.azimuth) - arrays.pattern.centre)))
+    return AzimuthFan(*(column[k : k + 1] for column in fan))
+
+
+def find_direct_parts(arrays: SceneArrays, pose: Poses, side: int, window: Window, fan: AzimuthFan) -> EchoParts:
+    """Find the parts by the direct path in the planes of a fan.
+
+    Parameters
+    ----------
+    arrays, pose, side, window
+        As of `find_echo_parts`.
+    fan : AzimuthFan
+
+    Returns
+    -------
+    EchoParts
+
+    Raises
+    ------
+    SceneError
+        If the sonar runs into a target.
+    """
+    apparent, _ = make_apparent_tables(arrays, pose)
+    workspace = empty_sweep_workspace(arrays, apparent)
+    knots = empty_profile(profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing))
+    bins, room = np.zeros(arrays.bins + 2, np.int64), ROOM
+    while True:
+        rows = np.zeros((room, kernels.COLUMNS))
+        parts = PartList(rows, bins, knots)
+        count = int(list_echo_parts(arrays, pose, 0, side, fan, apparent, workspace, window, parts))
+        if count < 0:
+            refuse_sonar_in_solid(arrays.solids, [count])
+        if count <= room:
+            return _columns(rows[:count])
+        room = count
+
+
+def _columns(rows: Column) -> EchoParts:
+    """Columns of listed parts of the direct path."""
+    k = kernels
+    state, target, material, hider = rows[:, [k.STATE, k.TARGET, k.MATERIAL, k.HIDER]].T.astype(np.int64)
+    ends: list[Any] = [rows[:, [a, b]] for a, b in ((k.CREST_X, k.CREST_Z), (k.X_FROM, k.Z_FROM), (k.X_TO, k.Z_TO))]
+    return EchoParts(
+        state,
+        np.zeros(len(rows), np.int64),
+        rows[:, k.AZIMUTH],
+        target,
+        material,
+        hider,
+        *ends,
+        *rows[:, k.NEAR :].T,
+    )
+
+
+def find_surface_parts(
+    arrays: SceneArrays, pose: Poses, side: int, window: Window, fans: tuple[AzimuthFan, AzimuthFan]
+) -> EchoParts:
+    """Find the contributors of the echo by way of the sea surface, one part for each of every plane.
+
+    Parameters
+    ----------
+    arrays, pose, side, window
+        As of `find_echo_parts`.
+    fans : tuple of two AzimuthFan
+        Of the sonar and of its image in the sea surface.
+
+    Returns
+    -------
+    EchoParts
+    """
+    direct, lifted = fans
+    workspace = empty_multipath_workspace(arrays)
+    table = empty_contributor_table(count_contributors(arrays) * PATH_COUNT, arrays.bins)
+    sink, found = EchoSink(np.zeros(arrays.bins + 2, np.int64), table, True), []
+    for path in range(SURFACE_BOTTOM, SURFACE_ECHO + 1):
+        fan = lifted if path == SURFACE_BOTTOM_SURFACE else direct
+        for k in range(fan.azimuth.size if path != SURFACE_ECHO else 1):
+            if not note_plane_echoes(arrays, pose, 0, side, path, fan, k, workspace, sink):
+                break
+            found += _noted_parts(arrays, table, window, path, float(fan.azimuth[k]))
+            table.present[:] = False
+            sink.bins[:] = 0
+    return _joined_rows(found)
+
+
+def _noted_parts(arrays: SceneArrays, table: Any, window: Window, path: int, azimuth: float) -> list[dict[str, float]]:
+    """Parts noted for one path in one plane: a contributor's echo in the bins, placed where its strongest lies."""
+    bins = slice(window.first, window.first + window.weights.shape[1])
+    materials, found = arrays.reflectivity.shape[0], []
+    for row in np.flatnonzero(table.present):
+        energy = np.where(table.strongest[row, bins] >= 0.0, table.energy[row, bins], 0.0) / FIXED_POINT
+        value = window.weights[2] * energy
+        if not value.any():
+            continue
+        strongest = window.first + int(np.argmax(value))
+        who = int(row) - path * count_contributors(arrays)
+        of_surface = path == SURFACE_ECHO
+        found.append(
+            {
+                "path": path,
+                "azimuth": azimuth,
+                "target": BED if who < materials or of_surface else who - materials,
+                "material": _material_of(arrays, who) if not of_surface else -1,
+                "x": float(table.x[row, strongest]),
+                "range": (strongest + 0.5) * arrays.bin_length,
+                "cosine": float(table.cosine[row, strongest]),
+                "echo": float(window.weights[0] @ energy),
+                "spread": float(window.weights[1] @ energy),
+                "value": float(value.sum()),
+            }
+        )
+    return found
+
+
+def _material_of(arrays: SceneArrays, contributor: int) -> int:
+    """Row of the reflectivity table of a contributor: the row itself for the bed's, else that of its target."""
+    materials = arrays.reflectivity.shape[0]
+    if contributor < materials:
+        return contributor
+    for bodies in (arrays.solids, arrays.mesh):
+        own = np.flatnonzero(bodies.target == contributor - materials)
+        if own.size:
+            return int(bodies.material[own[0]])
+    return -1
+
+
+def _joined_rows(found: list[dict[str, float]]) -> EchoParts:
+    """Parts of echoes by way of the sea surface as columns."""
+
+    def column(name: str, kind: Any = np.float64) -> Any:
+        return np.array([row[name] for row in found], dtype=kind)
+
+    n, unknown = len(found), np.full(len(found), np.nan)
+    x, r = column("x"), column("range")
+    place = np.column_stack([x, unknown])
+    return EchoParts(
+        state=np.full(n, HEARD),
+        path=column("path", np.int64),
+        azimuth=column("azimuth"),
+        target=column("target", np.int64),
+        material=column("material", np.int64),
+        hider=np.full(n, -2),
+        crest=np.full((n, 2), np.nan),
+        begin=place,
+        end=place,
+        near=r,
+        far=r,
+        launch=unknown,
+        cosine=column("cosine"),
+        strength=unknown,
+        weight=unknown,
+        width=unknown,
+        vertical=unknown,
+        gain=unknown,
+        echo=column("echo"),
+        spread=column("spread"),
+        value=column("value"),
+    )
