@@ -38,6 +38,11 @@ def bundled_targets() -> dict[str, str]:
     return {str(name): str(title) for name, title in tomllib.loads(text).items()}
 
 
+def bundled_specifications(folder: str) -> dict[str, Path]:
+    """Return the specifications that come with the package, by name: those of ``surveys`` or of ``datasets``."""
+    return {path.stem: path for path in sorted((resources() / folder).glob("*.toml"))}
+
+
 def file_version(path: str | Path) -> tuple[int, int]:
     """Return numbers that change with the content of a file; zeros for anything else, which the reader refuses."""
     file = Path(path)

@@ -70,6 +70,17 @@ def add_threads(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_scheduler(parser: argparse.ArgumentParser) -> None:
+    """Add the option that says where jobs run."""
+    parser.add_argument(
+        "--scheduler",
+        default="local",
+        metavar="WHERE",
+        help="local:N for N workers on this machine, or tcp://HOST:PORT of an existing dask scheduler, whose workers "
+        "see the same folder (default: local, with one worker for each core that the process may use)",
+    )
+
+
 class _Methods:
     """Names of the methods, read when they are needed: the planner takes half of the time to load a command."""
 

@@ -78,6 +78,16 @@ def clear_leftovers(final: Path) -> None:
             remove(left.path)
 
 
+def clear_ended(folder: Path) -> None:
+    """Remove what ended processes of this user and machine left unfinished in a folder, whatever it belongs to."""
+    pattern = re.compile(rf"\..*\.{UNFINISHED}-(\w+)-(\d+)-\d+(\.\w+)?")
+    for name in os.listdir(folder):
+        match = pattern.fullmatch(name)
+        path = folder / name
+        if match and match[1] == _host() and _is_own(path) and not _is_running(int(match[2])):
+            remove(path)
+
+
 def remove(path: Path) -> None:
     """Remove a file or a folder, if there is one."""
     if path.is_dir() and not path.is_symlink():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from collections.abc import Mapping
 from typing import Any
@@ -11,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from insonify.errors import SceneError
 from insonify.scene.base import Choice
+from insonify.scene.faults import describe_fault
 from insonify.scene.kinds import kind_name, models_of
 from insonify.scene.scene import Scene
 
@@ -26,7 +26,7 @@ def build(values: Mapping[str, Any]) -> Scene:
     try:
         return Scene.model_validate(dict(values))
     except ValidationError as error:
-        raise SceneError(_sentence(error)) from None
+        raise SceneError(describe_fault(error, Scene)) from None
 
 
 def plain(scene: Scene) -> dict[str, Any]:
@@ -161,95 +161,3 @@ def _table(model: type[BaseModel]) -> frozenset[str]:
 
 def _model_of_kind(models: tuple[type[BaseModel], ...], kind: Any) -> type[BaseModel] | None:
     return next((model for model in models if kind_name(model) == kind), None)
-
-
-def _sentence(error: ValidationError) -> str:
-    """Describe the first fault in one sentence: field, value, remedy."""
-    faults = error.errors()
-    path = _path(faults[0]["loc"])
-    # Where a field accepts several types, the error of the closest type lies at the greatest depth.
-    fault = max((f for f in faults if _path(f["loc"]).startswith(path)), key=lambda f: len(f["loc"]))
-    where = _path(fault["loc"]) or "scene"
-    kind, value = fault["type"], fault["input"]
-    context = fault.get("ctx", {})
-    if kind == "extra_forbidden":
-        return f"{where}: unknown key; {_nearest(fault['loc'])}"
-    if kind == "missing":
-        return f"{where}: is missing; add it"
-    if kind.startswith("union_tag"):
-        expected = str(context.get("expected_tags", "")).replace("'", "")
-        given = value.get("kind", "nothing") if isinstance(value, dict) else value
-        return f"{where}.kind: {_shown(given)} is not a kind known here; choose one of {expected}"
-    if kind == "value_error":
-        text = str(context["error"])
-        if text.startswith(("is ", "must ")):
-            return f"{where}: {_shown(value)} {text}"
-        return f"{where}: {text}" if fault["loc"] else text
-    if kind == "literal_error":
-        return f"{where}: {_shown(value)} is not known; choose {context['expected']}"
-    if kind in _BOUNDS:
-        bound = context[_BOUNDS[kind][0]]
-        return f"{where}: {_shown(value)} is out of bounds; give a value {_BOUNDS[kind][1]} {bound:g}"
-    if kind.endswith(("too_short", "too_long")):
-        bound = f"least {context['min_length']}" if "min_length" in context else f"most {context['max_length']}"
-        return f"{where}: {_shown(value)} has length {len(value)}; give at {bound}"
-    if kind == "finite_number":
-        return f"{where}: {_shown(value)} is not a finite number; give a plain number"
-    unsaid = ("what fits", fault["msg"])
-    wanted, remedy = next((said for start, said in _WANTED.items() if kind.startswith(start)), unsaid)
-    return f"{where}: {_shown(value)} is not {wanted}; {remedy}"
-
-
-# Expected value and remedy by pydantic's type of fault.
-_WANTED = {
-    "float": ("a number", "give a plain number"),
-    "int": ("a whole number", "give a number without a fraction"),
-    "bool": ("a truth value", "write true or false"),
-    "string": ("text", "put it in quotes"),
-    "tuple": ("a list", "write [..., ...] with one value for each place"),
-    "model": ("a table", "write { field = value }, or the fields in a section of their own"),
-}
-_BOUNDS = {
-    "greater_than": ("gt", "above"),
-    "greater_than_equal": ("ge", "of at least"),
-    "less_than": ("lt", "below"),
-    "less_than_equal": ("le", "of at most"),
-}
-
-
-def _shown(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _path(location: tuple[int | str, ...]) -> str:
-    """Dotted path of a fault, without the kinds that pydantic puts between the fields."""
-    model: list[type[BaseModel]] = [Scene]
-    parts: list[str] = []
-    for step in location:
-        if isinstance(step, str) and parts and not any(step in m.model_fields for m in model):
-            tagged = [m for m in model if kind_name(m) == step]
-            if tagged:
-                model = tagged
-                continue
-            if "[" in step or step.removeprefix("constrained-") in ("float", "int", "str"):
-                continue
-        parts.append(str(step) if str(step).replace("-", "_").isidentifier() or isinstance(step, int) else repr(step))
-        if isinstance(step, str):
-            model = [child for m in model for child in models_of(m, step)]
-    return ".".join(parts)
-
-
-def _nearest(location: tuple[int | str, ...]) -> str:
-    """Suggest the field a mistyped key was probably meant to be."""
-    models: list[type[BaseModel]] = [Scene]
-    for step in location[:-1]:
-        if isinstance(step, int):
-            continue
-        tagged = [m for m in models if kind_name(m) == step]
-        models = tagged or [child for m in models for child in models_of(m, step)]
-    names = [name for model in models for name in model.model_fields]
-    close = difflib.get_close_matches(str(location[-1]), names, n=1)
-    if close:
-        return f"did you mean {close[0]!r}?"
-    return f"remove it, or use one of {', '.join(names)}" if names else "remove it"

@@ -56,7 +56,7 @@ def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
     name = "scene" if source is None else str(source)
     try:
         values = tomllib.loads(text)
-        return build(values if source is None else _with_paths_beside(source, values))
+        return build(values if source is None else with_paths_beside(source, values))
     except tomllib.TOMLDecodeError as error:
         raise SceneError(f"{name}: is not valid TOML ({error}); mend that line") from None
     except RecursionError:
@@ -70,14 +70,22 @@ def scene_to_toml(scene: Scene) -> str:
     return tomli_w.dumps(plain(scene))
 
 
-def _with_paths_beside(source: Path, value: Any) -> Any:
-    """Take every relative ``path`` of a scene from the scene's folder."""
+def with_paths_beside(source: Path, value: Any) -> Any:
+    """Take every relative ``path`` of nested values from the folder of the file that they were read from.
+
+    Parameters
+    ----------
+    source : Path
+        That file.
+    value : object
+        Plain values of TOML.
+    """
     if isinstance(value, list):
-        return [_with_paths_beside(source, item) for item in value]
+        return [with_paths_beside(source, item) for item in value]
     if not isinstance(value, dict):
         return value
     return {
-        key: _beside(source, child) if key == "path" and isinstance(child, str) else _with_paths_beside(source, child)
+        key: _beside(source, child) if key == "path" and isinstance(child, str) else with_paths_beside(source, child)
         for key, child in value.items()
     }
 

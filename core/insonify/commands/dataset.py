@@ -1,0 +1,55 @@
+"""``insonify dataset``: a labelled data set by its specification."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from insonify.commands.options import add_scheduler, say
+from insonify.files import bundled_specifications
+
+EXAMPLES = "examples: insonify dataset mines -o mines --scheduler local:4; insonify dataset mines -o few --scenes 8"
+
+
+def register(subparsers: Any) -> None:
+    """Add ``dataset``."""
+    parser = subparsers.add_parser(
+        "dataset",
+        help="make a labelled data set by its specification",
+        description="Draw scenes, simulate them, and cut their records into images with masks and annotations. What is "
+        "done already is not done again: the same command goes on after an interruption, and more scenes are added.",
+        epilog=EXAMPLES,
+    )
+    names = ", ".join(bundled_specifications("datasets"))
+    parser.add_argument("specification", metavar="SPEC", help=f"a TOML file, or a bundled specification: {names}")
+    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder of the data set")
+    parser.add_argument("--scenes", metavar="N", help="number of scenes, instead of that of the specification")
+    add_scheduler(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Do the jobs that are missing, then write what concerns the whole data set."""
+    # lazy: the other commands need none of it
+    from insonify.scene import load_scene
+    from insonify.surveys.datasets.assembly import assemble
+    from insonify.surveys.datasets.specification import DatasetSpecification
+    from insonify.surveys.datasets.work import DatasetWork
+    from insonify.surveys.engine.console import INTERRUPTED, work_on
+    from insonify.surveys.specification import read_specification
+
+    bundled = bundled_specifications("datasets")
+    changes = {} if arguments.scenes is None else {"scenes": arguments.scenes}
+    specification = read_specification(arguments.specification, DatasetSpecification, bundled, changes)
+    work = DatasetWork(specification, load_scene(specification.base), Path(arguments.output).absolute())
+    ended = work_on(work, "data set", arguments.scheduler)
+    if ended is None:
+        return INTERRUPTED
+    totals = assemble(specification, work.folder, ended.done)
+    counts = ", ".join(f"{totals.tiles[split]} {split}" for split in specification.splits)
+    scenes = len(ended.done) * specification.storage.scenes
+    images, targets = totals.tiles.total(), totals.targets.total()
+    say(f"{arguments.output}: {scenes} scenes, {images} images ({counts}), {targets} targets")
+    ended.refuse_failures()
+    return 0

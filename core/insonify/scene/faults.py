@@ -1,0 +1,113 @@
+"""Faults of declarations, each told in one sentence: field, value, remedy."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from insonify.scene.kinds import kind_name, models_of
+
+
+def describe_fault(error: ValidationError, root: type[BaseModel]) -> str:
+    """Describe the first fault of a declaration in one sentence: field, value, remedy.
+
+    Parameters
+    ----------
+    error : ValidationError
+    root : type
+        The declaration that was being validated.
+
+    Returns
+    -------
+    str
+    """
+    faults = error.errors()
+    path = _path(faults[0]["loc"], root)
+    # Where a field accepts several types, the error of the closest type lies at the greatest depth.
+    fault = max((f for f in faults if _path(f["loc"], root).startswith(path)), key=lambda f: len(f["loc"]))
+    where = _path(fault["loc"], root) or "scene"
+    kind, value = fault["type"], fault["input"]
+    context = fault.get("ctx", {})
+    if kind == "extra_forbidden":
+        return f"{where}: unknown key; {_nearest(fault['loc'], root)}"
+    if kind == "missing":
+        return f"{where}: is missing; add it"
+    if kind.startswith("union_tag"):
+        expected = str(context.get("expected_tags", "")).replace("'", "")
+        given = value.get("kind", "nothing") if isinstance(value, dict) else value
+        return f"{where}.kind: {_shown(given)} is not a kind known here; choose one of {expected}"
+    if kind == "value_error":
+        text = str(context["error"])
+        if text.startswith(("is ", "must ")):
+            return f"{where}: {_shown(value)} {text}"
+        return f"{where}: {text}" if fault["loc"] else text
+    if kind == "literal_error":
+        return f"{where}: {_shown(value)} is not known; choose {context['expected']}"
+    if kind in _BOUNDS:
+        bound = context[_BOUNDS[kind][0]]
+        return f"{where}: {_shown(value)} is out of bounds; give a value {_BOUNDS[kind][1]} {bound:g}"
+    if kind.endswith(("too_short", "too_long")):
+        bound = f"least {context['min_length']}" if "min_length" in context else f"most {context['max_length']}"
+        return f"{where}: {_shown(value)} has length {len(value)}; give at {bound}"
+    if kind == "finite_number":
+        return f"{where}: {_shown(value)} is not a finite number; give a plain number"
+    unsaid = ("what fits", fault["msg"])
+    wanted, remedy = next((said for start, said in _WANTED.items() if kind.startswith(start)), unsaid)
+    return f"{where}: {_shown(value)} is not {wanted}; {remedy}"
+
+
+# Expected value and remedy by pydantic's type of fault.
+_WANTED = {
+    "float": ("a number", "give a plain number"),
+    "int": ("a whole number", "give a number without a fraction"),
+    "bool": ("a truth value", "write true or false"),
+    "string": ("text", "put it in quotes"),
+    "tuple": ("a list", "write [..., ...] with one value for each place"),
+    "model": ("a table", "write { field = value }, or the fields in a section of their own"),
+}
+_BOUNDS = {
+    "greater_than": ("gt", "above"),
+    "greater_than_equal": ("ge", "of at least"),
+    "less_than": ("lt", "below"),
+    "less_than_equal": ("le", "of at most"),
+}
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _path(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
+    """Dotted path of a fault, without the kinds that pydantic puts between the fields."""
+    model: list[type[BaseModel]] = [root]
+    parts: list[str] = []
+    for step in location:
+        if isinstance(step, str) and parts and not any(step in m.model_fields for m in model):
+            tagged = [m for m in model if kind_name(m) == step]
+            if tagged:
+                model = tagged
+                continue
+            if "[" in step or step.removeprefix("constrained-") in ("float", "int", "str"):
+                continue
+        parts.append(str(step) if str(step).replace("-", "_").isidentifier() or isinstance(step, int) else repr(step))
+        if isinstance(step, str):
+            model = [child for m in model for child in models_of(m, step)]
+    return ".".join(parts)
+
+
+def _nearest(location: tuple[int | str, ...], root: type[BaseModel]) -> str:
+    """Suggest the field a mistyped key was probably meant to be."""
+    models: list[type[BaseModel]] = [root]
+    for step in location[:-1]:
+        if isinstance(step, int):
+            continue
+        tagged = [m for m in models if kind_name(m) == step]
+        models = tagged or [child for m in models for child in models_of(m, step)]
+    names = [name for model in models for name in model.model_fields]
+    close = difflib.get_close_matches(str(location[-1]), names, n=1)
+    if close:
+        return f"did you mean {close[0]!r}?"
+    return f"remove it, or use one of {', '.join(names)}" if names else "remove it"

@@ -1,0 +1,1 @@
+"""Labelled data sets: scenes by drawing values, tiles of their records, annotations."""

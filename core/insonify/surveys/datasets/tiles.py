@@ -1,0 +1,220 @@
+"""Tiles of a labelled record: images, masks, and what each shows of every target."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.display.normalisation import normalise
+from insonify.display.sheet import compute_median_curve
+from insonify.io.record_schema import CHANNELS
+from insonify.scene import SceneError
+from insonify.surveys.annotations import EXTENTS
+from insonify.surveys.datasets.scenes import DrawnScene
+from insonify.surveys.datasets.specification import Images, Tiles
+from insonify.surveys.storages import Tile
+from insonify.tracers.labels import NOTHING, PATHS
+from insonify.tracers.target_truth import DARK
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SILENT, BED, SHADOW, OTHER, FIRST_CLASS = range(5)  # classes of a mask; the classes of targets follow in order
+Region = NDArray[np.bool_]
+
+
+class _Side(NamedTuple):
+    """One side of a record, (pings, bins) each."""
+
+    image: NDArray[np.unsignedinteger]
+    mask: NDArray[np.uint8]
+    echo_id: NDArray[np.int16]
+    shadow_id: NDArray[np.int16]
+
+
+def grey_levels(record: xr.Dataset, images: Images) -> NDArray[np.unsignedinteger]:
+    """Grey levels of a record, simulated or recorded.
+
+    Parameters
+    ----------
+    record : Dataset
+    images : Images
+        Bits, and the decibels that are black and white.
+
+    Returns
+    -------
+    (2, pings, bins) uint8 or uint16
+        Level in decibels relative to the median of the record at that range, as `normalise` has it; 0 where silent.
+    """
+    amplitude = normalise(record["intensity"].values.swapaxes(0, 1), compute_median_curve(record))
+    white = 2**images.bits - 1
+    with np.errstate(divide="ignore"):
+        level = (20.0 * np.log10(amplitude) - images.low) * (white / (images.high - images.low))
+    kind = np.uint8 if images.bits == 8 else np.uint16
+    return np.rint(np.clip(level, 0.0, white)).astype(kind).swapaxes(0, 1)
+
+
+def starts(length: int, size: int, overlap: float) -> list[int]:
+    """First places of tiles along one side of a record, evenly spaced; the last tile ends with the record.
+
+    Parameters
+    ----------
+    length, size : int
+        Of the record and of a tile.
+    overlap : float
+        Share of a tile that the next one shows again at least.
+    """
+    room = length - size
+    steps = math.ceil(room / max(1, int(size * (1.0 - overlap))))
+    return [room * step // max(steps, 1) for step in range(steps + 1)]
+
+
+def cut_tiles(
+    drawn: DrawnScene, record: xr.Dataset, classes: Sequence[str], tiles: Tiles, images: Images
+) -> Iterator[Tile]:
+    """Cut a labelled record of a scene into tiles.
+
+    Parameters
+    ----------
+    drawn : DrawnScene
+        The scene.
+    record : Dataset
+        Its record, with truth.
+    classes : sequence of str
+        All classes of the data set.
+    tiles, images
+        As the specification has them.
+
+    Yields
+    ------
+    Tile
+        By side, ping and bin.
+
+    Raises
+    ------
+    SceneError
+        If the record is smaller than a tile.
+    """
+    pings, bins = record.sizes["ping_time"], record.sizes["range_sample"]
+    for name, size, length in (("pings", tiles.pings, pings), ("bins", tiles.bins, bins)):
+        if size > length:
+            raise SceneError(f"tiles.{name}: {size} is more than the {length} {name} of scene {drawn.number}; lower it")
+    grey = grey_levels(record, images)
+    for channel, side in enumerate(CHANNELS):
+        whole = _take_side(drawn, record, grey[channel], channel, classes)
+        held = _Held(drawn, record, channel, whole)
+        for ping in starts(pings, tiles.pings, tiles.overlap):
+            for first in starts(bins, tiles.bins, tiles.overlap):
+                yield _cut(drawn, whole, held, (side, ping, first), tiles)
+
+
+def _take_side(
+    drawn: DrawnScene, record: xr.Dataset, grey: NDArray[np.unsignedinteger], channel: int, classes: Sequence[str]
+) -> _Side:
+    """Image, mask and labels of one side."""
+    columns = {name: record[name].values[channel] for name in ("target_id", "path", "shadow", "shadow_id")}
+    target_id = columns["target_id"]
+    echo_id = np.where((columns["path"] == PATHS.index("direct")) & (target_id >= 0), target_id, NOTHING)
+    shadow_id = np.where(columns["shadow"] >= DARK, columns["shadow_id"], NOTHING)
+    mask = np.where(target_id == NOTHING, SILENT, BED).astype(np.uint8)
+    mask[columns["shadow"] >= DARK] = SHADOW
+    numbers = [drawn.classes.get(index) for index in range(len(drawn.scene.targets))]
+    rows = [OTHER if name is None else FIRST_CLASS + classes.index(name) for name in numbers]
+    echoes = echo_id >= 0
+    mask[echoes] = np.array([*rows, 0], dtype=np.uint8)[echo_id[echoes]]
+    return _Side(grey, mask, echo_id.astype(np.int16), shadow_id.astype(np.int16))
+
+
+class _Held:
+    """What one side of a record shows of each target of a class."""
+
+    def __init__(self, drawn: DrawnScene, record: xr.Dataset, channel: int, side: _Side) -> None:
+        self.targets: list[tuple[int, tuple[int, int, int, int], int]] = []
+        self.told: dict[int, dict[str, Any]] = {}
+        if not drawn.classes:
+            return
+        boxes, lengths = record["target_box"].values[:, channel], record["shadow_length"].values[:, channel]
+        strengths = record["target_strength"].values
+        for target, name in drawn.classes.items():
+            if boxes[target, 0] < 0:
+                continue
+            first, last, near, far = (int(edge) for edge in boxes[target])
+            box = first, last + 1, near, far + 1
+            window = np.s_[first : last + 1, near : far + 1]
+            area = int(((side.echo_id[window] == target) | (side.shadow_id[window] == target)).sum())
+            self.targets.append((target, box, area))
+            self.told[target] = {
+                "class": name,
+                "target": target,
+                "shape": getattr(drawn.scene.targets[target], "path", drawn.scene.targets[target].kind),
+                "shadow_length": round(float(lengths[target]), 4),
+                "target_strength": round(float(strengths[target]), 3) if np.isfinite(strengths[target]) else None,
+            }
+
+
+def _cut(drawn: DrawnScene, side: _Side, held: _Held, place: tuple[str, int, int], tiles: Tiles) -> Tile:
+    """Cut one tile, and tell of it."""
+    channel, ping, first = place
+    window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
+    told = {
+        "name": f"{drawn.number:07d}-{channel}-{ping}-{first}",
+        "split": drawn.split,
+        "scene": drawn.number,
+        "side": channel,
+        "first_ping": ping,
+        "first_bin": first,
+        "shape": [tiles.pings, tiles.bins],
+        "targets": list(_targets_within(side, held, (ping, first), tiles)),
+    }
+    return Tile(side.image[window], side.mask[window], told)
+
+
+def _targets_within(side: _Side, held: _Held, corner: tuple[int, int], tiles: Tiles) -> Iterator[dict[str, Any]]:
+    """Annotate the targets of which a tile shows enough."""
+    ping, first = corner
+    for target, (top, bottom, left, right), area in held.targets:
+        if bottom <= ping or top >= ping + tiles.pings or right <= first or left >= first + tiles.bins:
+            continue
+        window = np.s_[ping : ping + tiles.pings, first : first + tiles.bins]
+        echo, shadow = side.echo_id[window] == target, side.shadow_id[window] == target
+        shown = int((echo | shadow).sum())
+        if shown and shown >= tiles.least * area:
+            regions = dict(zip(EXTENTS, map(describe_region, (echo, shadow, echo | shadow))))
+            yield {**held.told[target], "shown": round(shown / area, 4), **regions}
+
+
+def describe_region(region: Region) -> dict[str, Any] | None:
+    """Box, area and run lengths of a region of a tile; None of an empty one.
+
+    Parameters
+    ----------
+    region : (rows, columns) bool
+
+    Returns
+    -------
+    dict
+        ``box`` as [x, y, width, height], ``area`` in pixels, ``segmentation`` as COCO has it: lengths of runs down the
+        columns, first of what is outside.
+    """
+    rows, columns = np.flatnonzero(region.any(axis=1)), np.flatnonzero(region.any(axis=0))
+    if not rows.size:
+        return None
+    x, y = int(columns[0]), int(rows[0])
+    return {
+        "box": [x, y, int(columns[-1]) - x + 1, int(rows[-1]) - y + 1],
+        "area": int(region.sum()),
+        "segmentation": {"size": list(region.shape), "counts": run_lengths(region)},
+    }
+
+
+def run_lengths(region: Region) -> list[int]:
+    """Lengths of runs down the columns of a region, alternately outside and inside, first outside."""
+    down = region.ravel(order="F")
+    changes = np.flatnonzero(down[1:] != down[:-1]) + 1
+    edges = np.concatenate([[0], changes, [down.size]])
+    lengths: list[int] = np.diff(edges).tolist()
+    return [0, *lengths] if down[0] else lengths

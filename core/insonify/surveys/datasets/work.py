@@ -1,0 +1,87 @@
+"""Work of a data set: each job draws some scenes, simulates them, and stores the tiles of their records."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from insonify.scene import Scene, edit, scene_to_toml
+from insonify.simulation import simulate
+from insonify.surveys.datasets.scenes import DrawnScene, draw_scene
+from insonify.surveys.datasets.specification import DatasetSpecification
+from insonify.surveys.datasets.tiles import cut_tiles
+from insonify.surveys.draws import hash_share
+from insonify.surveys.engine.jobs import digest_of, name_job, shelf_of
+from insonify.surveys.specification import contents_of
+from insonify.surveys.storages import Tile
+
+WARMING = 4  # pings of a scene that compiles the kernels
+GROWS = "scenes"  # field on which no scene depends: a data set may grow
+
+
+@dataclass(frozen=True)
+class DatasetWork:
+    """The jobs of a data set.
+
+    Attributes
+    ----------
+    specification : DatasetSpecification
+    base : Scene
+        Scene that all others begin with.
+    folder : Path
+        Of the data set.
+    """
+
+    specification: DatasetSpecification
+    base: Scene
+    folder: Path
+
+    @cached_property
+    def digest(self) -> str:
+        """Hash of all that every job depends on."""
+        values, *others = contents_of(self.specification, self.base)
+        return digest_of({name: value for name, value in values.items() if name != GROWS}, *others)
+
+    def names(self) -> list[str]:
+        """Names of all jobs."""
+        return [name_job(number, self.digest) for number in range(self.specification.scenes // self._together)]
+
+    def make(self, name: str, beside: Path) -> dict[str, Any]:
+        """Simulate the scenes of a job, store their tiles below a folder, and tell of them."""
+        job = int(name.partition("-")[0])
+        tiles: list[Tile] = []
+        scenes = []
+        for number in range(job * self._together, (job + 1) * self._together):
+            drawn = draw_scene(self.specification, self.base, number)
+            tiles += self._tiles_of(drawn)
+            told = {"scene": number, "hash": drawn.digest, "drawn": drawn.drawn}
+            scenes.append(told | {"toml": scene_to_toml(drawn.scene)})
+        self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
+        return {"made": len(tiles), "scenes": scenes, "tiles": [tile.told for tile in tiles]}
+
+    def warm_up(self) -> None:
+        """Simulate a few pings of the first scene."""
+        scene = draw_scene(self.specification, self.base, 0).scene
+        simulate(edit(scene, {"track.pings": min(WARMING, scene.track.pings)}), truth=True)
+
+    @property
+    def _together(self) -> int:
+        return self.specification.storage.scenes
+
+    def _tiles_of(self, drawn: DrawnScene) -> Iterator[Tile]:
+        """Tiles of one scene that are kept, annotated."""
+        wanted, classes = self.specification, self.specification.classes
+        record = simulate(drawn.scene, truth=True)
+        for tile in cut_tiles(drawn, record, classes, wanted.tiles, wanted.images):
+            if not self._is_kept(tile.told):
+                continue
+            for kind in wanted.annotations:
+                tile.labels.update(kind.of_tile(tile.told, classes))
+            yield tile
+
+    def _is_kept(self, told: Mapping[str, Any]) -> bool:
+        wanted = self.specification
+        return bool(told["targets"]) or hash_share(wanted.seed, told["scene"], told["name"]) < wanted.tiles.empty

@@ -1,0 +1,43 @@
+"""Distributions from which a data set draws values, one file a kind."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, TypeAdapter, ValidationError
+
+from insonify.scene.base import Choice
+from insonify.scene.faults import describe_fault
+from insonify.scene.kinds import Family, KindOf
+
+DISTRIBUTIONS = Family("distributions", "insonify.surveys.distributions")
+MARK = "draw"  # key of a table that makes it a distribution; many scene fields have kinds of the same names
+
+
+class DistributionKind(Choice):
+    """Distribution of a value of a scene."""
+
+    family = DISTRIBUTIONS
+
+    @abstractmethod
+    def quantile(self, share: float) -> Any:
+        """Return the value below which a share of all draws lies, 0 < share < 1."""
+
+
+def _as_distribution(value: Any) -> Any:
+    """Read a table with the key ``draw`` as a distribution; anything else is a value that every scene has."""
+    if not (isinstance(value, dict) and MARK in value):
+        return value
+    fields = {"kind": value[MARK]} | {name: field for name, field in value.items() if name != MARK}
+    kinds = DISTRIBUTIONS.models(DistributionKind)  # type: ignore[type-abstract]  # only the kinds are made
+    if fields["kind"] not in kinds:
+        raise ValueError(f"draw: {fields['kind']!r} is no distribution; choose one of {', '.join(kinds)}")
+    try:
+        made = TypeAdapter(Annotated[DistributionKind, KindOf(DISTRIBUTIONS)]).validate_python(fields)
+    except ValidationError as error:
+        raise ValueError(describe_fault(error, kinds[fields["kind"]])) from None
+    return made
+
+
+Drawn = Annotated[Any, BeforeValidator(_as_distribution)]

@@ -1,0 +1,66 @@
+"""Storage of images and masks, one file a kind."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.scene.base import Choice, parameter
+from insonify.scene.kinds import Family
+
+STORAGES = Family("storages", "insonify.surveys.storages")
+IMAGES, MASKS = "images", "masks"
+
+
+@dataclass(frozen=True, eq=False)
+class Tile:
+    """A tile of a record, ready to be stored.
+
+    Attributes
+    ----------
+    image : (pings, bins) uint8 or uint16
+        Grey levels.
+    mask : (pings, bins) uint8
+        Class of every bin.
+    told : dict
+        What is told of it: ``name``, ``split``, ``shape``, ``targets`` and more; `StorageKind.write` adds ``file``.
+    labels : dict of str to (str, bytes)
+        Suffix and content of files of annotations, by their folder beside that of the images.
+    """
+
+    image: NDArray[np.unsignedinteger]
+    mask: NDArray[np.uint8]
+    told: dict[str, Any]
+    labels: dict[str, tuple[str, bytes]] = field(default_factory=dict)
+
+
+class StorageKind(Choice):
+    """How the tiles of a job are stored."""
+
+    family = STORAGES
+    scenes: int = parameter(1, description="scenes of a job, whose tiles are stored together", ge=1, le=10_000)
+
+    @abstractmethod
+    def write(self, folder: Path, job: str, shelf: str, tiles: Sequence[Tile]) -> None:
+        """Write the tiles of one job, all of one split, and tell each where its image is: ``told["file"]``.
+
+        Parameters
+        ----------
+        folder : Path
+            Stands for that of the data set.
+        job : str
+            Number of the job.
+        shelf : str
+            Folder that jobs of nearby numbers share.
+        tiles : sequence of Tile
+        """
+
+    @abstractmethod
+    def read_image(self, folder: Path, file: str) -> NDArray[np.unsignedinteger]:
+        """Read an image by what `write` told of it."""

@@ -1,0 +1,296 @@
+"""Data sets: what is drawn, what tiles show, and that annotations are those of the labels."""
+
+from __future__ import annotations
+
+import io
+import itertools
+import json
+import math
+import tarfile
+import tomllib
+
+import numpy as np
+import pytest
+import zarr
+from PIL import Image
+
+import insonify
+from insonify import cli
+from insonify.files import bundled_specifications
+from insonify.scene import load_scene, scene_from_toml, scene_to_toml
+from insonify.surveys.datasets.scenes import draw_scene, split_of
+from insonify.surveys.datasets.specification import DatasetSpecification
+from insonify.surveys.datasets.tiles import FIRST_CLASS, SHADOW, describe_region, starts
+from insonify.surveys.datasets.work import DatasetWork
+from insonify.surveys.engine.jobs import finish, read_flag
+from insonify.surveys.specification import read_specification
+from small_sets import SET, contents, write_set
+
+BASE = load_scene("default")
+
+
+def specification(**changes) -> DatasetSpecification:
+    return DatasetSpecification.model_validate({**tomllib.loads(SET), **changes})
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """A data set of eight scenes, made by the command on two workers."""
+    folder = tmp_path_factory.mktemp("small")
+    path = write_set(folder)
+    assert cli.main(["dataset", str(path), "-o", str(folder / "set"), "--scheduler", "local:2"]) == 0
+    return folder / "set"
+
+
+def metadata(folder):
+    return [json.loads(line) for line in (folder / "metadata.jsonl").read_text().splitlines()]
+
+
+def pixels(path):
+    with Image.open(path) as picture:
+        return np.asarray(picture)
+
+
+def decoded(segmentation):
+    """Mask of COCO's run lengths, the obvious way."""
+    flat, value = [], False
+    for length in segmentation["counts"]:
+        flat += [value] * length
+        value = not value
+    return np.array(flat).reshape(segmentation["size"], order="F")
+
+
+def test_a_scene_depends_on_its_number_and_no_value_on_another_field():
+    one, more = specification(), specification(**{"set": {**tomllib.loads(SET)["set"], "sonar.frequency": 3e5}})
+    first = draw_scene(one, BASE, 3)
+    assert first == draw_scene(one, BASE, 3)
+    assert first.drawn == draw_scene(more, BASE, 3).drawn
+    assert first.scene.seed != draw_scene(one, BASE, 4).scene.seed
+    assert 5.0 <= first.scene.track.altitude <= 7.0
+
+
+def test_targets_lie_clear_of_one_another_within_range():
+    group = {"name": "rock", "of": ["rock-round"], "count": 6}
+    for number in range(20):
+        scene = draw_scene(specification(targets=[group], negatives=0.0), BASE, number).scene
+        places, radius = [target.position for target in scene.targets], scene.targets[0].outline.radius
+        assert len(places) == 6
+        assert all(math.dist(a, b) > 2.0 * radius for n, a in enumerate(places) for b in places[:n])
+        assert all(scene.altitude < abs(y) < 24.0 for _, y in places)
+
+
+def test_negatives_and_counts_are_as_asked():
+    one = specification(negatives=0.3)
+    counts = [list(draw_scene(one, BASE, number).classes.values()) for number in range(300)]
+    assert 60 <= counts.count([]) <= 120
+    assert {len(names) for names in counts if names} == {2, 3}
+
+
+def test_splits_have_their_shares_whatever_the_number_of_scenes():
+    shares = {"train": 0.7, "validation": 0.2, "test": 0.1}
+    for scenes in (20, 100, 1000):
+        found = [split_of(shares, number) for number in range(scenes)]
+        assert all(abs(found.count(name) - share * scenes) <= 2.0 for name, share in shares.items())
+
+
+@pytest.mark.parametrize(
+    ("length", "size", "overlap"), [(512, 256, 0.0), (512, 256, 0.25), (100, 100, 0.5), (97, 32, 0.3)]
+)
+def test_tiles_reach_both_ends_with_the_overlap_asked_for(length, size, overlap):
+    places = starts(length, size, overlap)
+    assert places[0] == 0
+    assert places[-1] == length - size
+    assert all(b - a <= math.ceil(size * (1.0 - overlap)) for a, b in itertools.pairwise(places))
+
+
+def test_run_lengths_give_the_region_back():
+    region = np.random.default_rng(1).random((13, 7)) < 0.4
+    for mask in (region, ~region):
+        told = describe_region(mask)
+        np.testing.assert_array_equal(decoded(told["segmentation"]), mask)
+        assert told["area"] == mask.sum()
+    assert describe_region(np.zeros((4, 4), bool)) is None
+
+
+def test_every_image_has_its_mask_and_its_labels(small):
+    lines = metadata(small)
+    assert len(lines) > 20
+    for line in lines:
+        path = small / line["file_name"]
+        image, mask = (pixels(str(path).replace("/images/", f"/{kind}/")) for kind in ("images", "masks"))
+        assert image.shape == mask.shape == (64, 80)
+        assert image.dtype == mask.dtype == np.uint8
+        labels = (small / line["file_name"].replace("/images/", "/labels/")).with_suffix(".txt").read_text()
+        assert len(labels.splitlines()) == len(line["targets"])
+
+
+def test_annotations_are_those_of_the_simulation_by_truth(small):
+    """The boxes of COCO, put back into the record, are those that the labels of the whole record give."""
+    told = [read_flag(small, name) for name in sorted(path.stem for path in small.glob("jobs/*/*.json"))]
+    scene = next(one for one in told if sum(len(tile["targets"]) for tile in one["tiles"]) > 2)
+    record = insonify.simulate(scene_from_toml(scene["scenes"][0]["toml"]), truth=True)
+    for tile in scene["tiles"]:
+        for found in tile["targets"]:
+            whole = record["echo_box"].sel(channel=tile["side"]).values[found["target"]]
+            if found["echo"] is None:
+                continue
+            x, y, width, height = found["echo"]["box"]
+            first, near = tile["first_ping"] + y, tile["first_bin"] + x
+            assert whole[0] <= first <= first + height - 1 <= whole[1]
+            assert whole[2] <= near <= near + width - 1 <= whole[3]
+            if found["shown"] == 1.0:
+                assert [first, first + height - 1, near, near + width - 1] == whole.tolist()
+
+
+def test_masks_and_coco_tell_the_same(small):
+    coco = json.loads((small / "train" / "coco-echo.json").read_text())
+    names = {category["id"]: category["name"] for category in coco["categories"]}
+    assert list(names.values()) == ["drum", "rock"]
+    images = {image["id"]: image for image in coco["images"]}
+    assert coco["annotations"]
+    for annotation in coco["annotations"]:
+        image = images[annotation["image_id"]]
+        mask = pixels(small / image["file_name"].replace("/images/", "/masks/"))
+        region = decoded(annotation["segmentation"])
+        assert (mask[region] == FIRST_CLASS + annotation["category_id"] - 1).all()
+        assert annotation["area"] == region.sum()
+    shadows = json.loads((small / "train" / "coco-shadow.json").read_text())["annotations"]
+    dark = pixels(small / images[shadows[0]["image_id"]]["file_name"].replace("/images/", "/masks/"))
+    assert (dark[decoded(shadows[0]["segmentation"])] >= SHADOW).all()
+
+
+def test_every_image_is_in_one_split_and_no_scene_in_two(small):
+    of_scene: dict[int, set[str]] = {}
+    for line in metadata(small):
+        assert line["file_name"].startswith(f"{line['split']}/")
+        of_scene.setdefault(line["scene"], set()).add(line["split"])
+        assert line["hash"]
+        assert 5.0 <= line["drawn"]["track.altitude"] <= 7.0
+    assert all(len(splits) == 1 for splits in of_scene.values())
+    listed = [json.loads((small / split / "coco-both.json").read_text())["images"] for split in ("train", "test")]
+    assert {image["file_name"] for image in listed[0]}.isdisjoint(image["file_name"] for image in listed[1])
+
+
+def test_yolo_boxes_are_those_of_coco(small):
+    coco = json.loads((small / "train" / "coco-both.json").read_text())
+    image = next(one for one in coco["images"] if one["id"] == coco["annotations"][0]["image_id"])
+    x, y, width, height = coco["annotations"][0]["bbox"]
+    line = (small / image["file_name"].replace("images", "labels")).with_suffix(".txt").read_text().splitlines()[0]
+    shares = [(x + width / 2) / 80, (y + height / 2) / 64, width / 80, height / 64]
+    np.testing.assert_allclose([float(share) for share in line.split()[1:]], shares, atol=1e-6)
+    assert "val: validation/images" in (small / "data.yaml").read_text()
+
+
+def test_pictures_of_the_whole_are_there(small):
+    for name in ("contact-sheet.png", "class-balance.png"):
+        assert min(pixels(small / name).shape[:2]) > 200
+
+
+def test_a_second_run_does_nothing_and_a_greater_number_adds_scenes(small, tmp_path, capsys):
+    before = contents(small)
+    path = write_set(tmp_path)
+    assert cli.main(["dataset", str(path), "-o", str(small)]) == 0
+    assert contents(small) == before
+    assert cli.main(["dataset", str(path), "-o", str(small), "--scenes", "9", "--scheduler", "local:1"]) == 0
+    after = contents(small)
+    assert {name for name in before if "images" in name} <= set(after)
+    assert all(after[name] == digest for name, digest in before.items() if "/images/" in name)
+    assert "9 scenes" in capsys.readouterr().out
+    assert cli.main(["dataset", str(path), "-o", str(small), "--scenes", "2"]) == 2
+    assert "holds 7 jobs of another data set" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["webdataset", "zarr"])
+def test_shards_hold_what_the_folders_hold(small, tmp_path, kind):
+    one = specification(storage={"kind": kind, "scenes": 4}, splits={"train": 1.0})
+    work = DatasetWork(one, BASE, tmp_path / "set")
+    for name in work.names():
+        finish(work, name)
+    told = [tile for name in work.names() for tile in read_flag(work.folder, name)["tiles"]]
+    plain = {line["name"]: line["file_name"] for line in metadata(small) if line["scene"] < 8}
+    assert [tile["name"] for tile in told] == list(plain)
+    for tile in told:
+        image = one.storage.read_image(work.folder, tile["file"])
+        np.testing.assert_array_equal(image, pixels(small / plain[tile["name"]]))
+
+
+def test_an_archive_is_as_webdataset_reads_it(tmp_path):
+    one = specification(storage={"kind": "webdataset", "scenes": 4})
+    work = DatasetWork(one, BASE, tmp_path / "set")
+    finish(work, work.names()[0])
+    (path,) = (tmp_path / "set").rglob("*.tar")
+    with tarfile.open(path) as archive:
+        members = [entry.name for entry in archive]
+        told = json.load(archive.extractfile(next(name for name in members if name.endswith(".json"))))
+        picture = Image.open(io.BytesIO(archive.extractfile(f"{told['name']}.png").read()))
+    assert picture.size == (80, 64)
+    keys = [name.partition(".")[0] for name in members]
+    assert keys == sorted(keys, key=keys.index)  # what belongs to a tile stands together
+    assert {name.partition(".")[2] for name in members} == {"png", "mask.png", "txt", "json"}
+
+
+def test_a_zarr_store_is_read_by_zarr(tmp_path):
+    one = specification(storage={"kind": "zarr", "scenes": 4}, images={"bits": 16})
+    work = DatasetWork(one, BASE, tmp_path / "set")
+    finish(work, work.names()[0])
+    (path,) = (tmp_path / "set").rglob("*.zarr")
+    group = zarr.open_group(path, mode="r")
+    assert group["images"].shape == group["masks"].shape == (len(group.attrs["names"]), 64, 80)
+    assert group["images"].dtype == np.uint16
+
+
+def test_grey_levels_are_decibels_about_the_median(tmp_path):
+    levels = {"bits": 16, "low": -30.0, "high": 30.0}
+    work = DatasetWork(
+        specification(images=levels, targets=[], tiles={"pings": 64, "bins": 80}), BASE, tmp_path / "set"
+    )
+    finish(work, work.names()[0])
+    tiles = [tile for tile in read_flag(work.folder, work.names()[0])["tiles"] if tile["first_bin"] > 0]
+    image = pixels(work.folder / tiles[0]["file"])
+    # The median of Rayleigh speckle is the level of the middle grey.
+    assert image.dtype == np.uint16
+    assert np.median(image) == pytest.approx(0.5 * 65535, rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"scenes": "0"}, "set.toml: scenes: 0 is out of bounds; give a value of at least 1"),
+        ({"negatives": "2.0"}, "set.toml: negatives: 2.0 is out of bounds; give a value of at most 1"),
+        ({"base": '"no-such"'}, "no such file; give a TOML file or one of"),
+        ({"storage": '"tape"'}, "storage.kind: 'tape' is not a kind known here; choose one of files, webdataset, zarr"),
+        ({"storage": '"zarr"'}, "scenes: 8 is no multiple of storage.scenes 16, which are stored together; give 16"),
+        ({"annotations": '["voc"]'}, "annotations.0.kind: 'voc' is not a kind known here; choose one of coco, yolo"),
+        ({"splits": '{ train = -1.0 }'}, "splits.train: -1.0 is out of bounds"),
+        ({"colour": "1"}, "set.toml: colour: unknown key; remove it, or use one of title"),
+    ],
+)  # fmt: skip
+def test_a_mistake_in_a_specification_is_told_in_a_sentence(tmp_path, capsys, changes, told):
+    assert cli.main(["dataset", str(write_set(tmp_path, **changes)), "-o", str(tmp_path / "set")]) == 2
+    complaint = capsys.readouterr().err
+    assert told in complaint
+    assert len(complaint.splitlines()) == 1
+    assert not (tmp_path / "set").exists()
+
+
+def test_an_unknown_target_is_told_before_anything_is_made(tmp_path, capsys):
+    path = write_set(tmp_path, SET.replace('["drum"]', '["drumm"]'))
+    assert cli.main(["dataset", str(path), "-o", str(tmp_path / "set")]) == 2
+    assert "of: 'drumm' is not in the library of targets; choose from anchor, bomb," in capsys.readouterr().err
+
+
+def test_scenes_that_cannot_be_are_told_and_the_others_made(tmp_path, capsys):
+    path = write_set(tmp_path, SET.replace("low = 5.0, high = 7.0", "low = 20.0, high = 40.0"))
+    assert cli.main(["dataset", str(path), "-o", str(tmp_path / "set"), "--scheduler", "local:1"]) == 2
+    complaint = capsys.readouterr().err
+    assert "7 of 8 jobs could not be done, the others are done; job 1: scene 1: targets: no ground range" in complaint
+    assert {line["scene"] for line in metadata(tmp_path / "set")} == {0}
+
+
+@pytest.mark.parametrize("name", list(bundled_specifications("datasets")))
+def test_a_bundled_specification_makes_its_first_scenes(name):
+    one = read_specification(name, DatasetSpecification, bundled_specifications("datasets"), {})
+    base = load_scene(one.base)
+    for number in range(40):
+        drawn = draw_scene(one, base, number)
+        assert scene_from_toml(scene_to_toml(drawn.scene)) == drawn.scene

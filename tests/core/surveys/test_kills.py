@@ -1,0 +1,139 @@
+"""Data sets with a killed driver, an interrupt, or a full disk: nothing done is lost, and a rerun completes them."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from insonify import cli
+from insonify.surveys.engine.jobs import done_jobs, read_flag
+from small_sets import contents, write_set
+
+SCENES = "12"
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("undisturbed")
+    assert cli.main(words(folder)) == 0
+    return contents(folder / "set")
+
+
+def words(folder):
+    path = write_set(folder, scenes=SCENES)
+    return ["dataset", str(path), "-o", str(folder / "set"), "--scheduler", "local:2"]
+
+
+def driver(folder, **options):
+    """Start the command in a process, and a group, of its own."""
+    command = [sys.executable, "-m", "insonify", *words(folder)]
+    return subprocess.Popen(
+        command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True, **options
+    )
+
+
+def wait_for_jobs(folder, count, process):
+    """Wait until so many jobs are done."""
+    while len(done_jobs(folder / "set")) < count and process.poll() is None:
+        time.sleep(0.005)
+
+
+def check_done(folder, undisturbed):
+    """What is done is whole and as it is undisturbed; no other file has a name that a reader would take."""
+    for name in done_jobs(folder / "set"):
+        told = read_flag(folder / "set", name)
+        assert json.loads(json.dumps(told)) == told
+        for tile in told["tiles"]:
+            for kind, suffix in (("images", ".png"), ("masks", ".png"), ("labels", ".txt")):
+                path = (folder / "set" / tile["file"].replace("/images/", f"/{kind}/")).with_suffix(suffix)
+                assert undisturbed[str(path.relative_to(folder / "set"))]
+    for name, digest in contents(folder / "set").items():
+        assert ".unfinished-" in name or undisturbed[name] == digest
+
+
+def ended_workers(process):
+    """Wait until no process of the driver's group is left."""
+    deadline = time.monotonic() + 30.0
+    while time.monotonic() < deadline:
+        try:
+            os.killpg(process.pid, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def kill_and_go_on(folder, undisturbed, jobs):
+    process = driver(folder)
+    wait_for_jobs(folder, jobs, process)
+    process.kill()
+    process.communicate(timeout=20)
+    assert ended_workers(process)
+    check_done(folder, undisturbed)
+    done = done_jobs(folder / "set")
+    assert cli.main(words(folder)) == 0
+    assert done <= done_jobs(folder / "set")
+    assert contents(folder / "set") == undisturbed
+
+
+def test_a_killed_driver_loses_nothing(tmp_path, undisturbed):
+    kill_and_go_on(tmp_path, undisturbed, 3)
+
+
+@pytest.mark.kill
+@pytest.mark.parametrize("jobs", range(12))
+@pytest.mark.parametrize("attempt", range(3))
+def test_a_driver_killed_at_any_time_loses_nothing(tmp_path, undisturbed, jobs, attempt):
+    kill_and_go_on(tmp_path, undisturbed, jobs)
+
+
+@pytest.mark.kill
+@pytest.mark.parametrize("jobs", range(10))
+def test_workers_killed_at_any_time_lose_nothing(tmp_path, undisturbed, jobs):
+    process = driver(tmp_path)
+    wait_for_jobs(tmp_path, jobs, process)
+    tasks = Path(f"/proc/{process.pid}/task")
+    children = [child for task in tasks.iterdir() for child in (task / "children").read_text().split()]
+    worker = next(
+        (int(child) for child in children if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text()), None
+    )
+    if worker is not None:
+        os.kill(worker, signal.SIGKILL)
+    assert process.wait(timeout=120) == 0, process.communicate()
+    process.communicate()
+    assert contents(tmp_path / "set") == undisturbed
+
+
+def test_an_interrupted_run_keeps_what_is_done_and_goes_on(tmp_path, undisturbed):
+    process = driver(tmp_path)
+    wait_for_jobs(tmp_path, 2, process)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal sends it: to the workers as well
+    complaint = process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert f"of {SCENES} jobs are done and stay; the same command goes on" in complaint
+    assert len(complaint.splitlines()) == 1
+    assert ended_workers(process)
+    check_done(tmp_path, undisturbed)
+    assert not [name for name in contents(tmp_path / "set") if ".unfinished-" in name]
+    assert cli.main(words(tmp_path)) == 0
+    assert contents(tmp_path / "set") == undisturbed
+
+
+def test_a_full_disk_is_told_and_nothing_is_half_written(tmp_path, undisturbed):
+    limit = 4500  # bytes of a file: some images are larger
+    process = driver(tmp_path, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+    complaint = process.communicate(timeout=120)[1]
+    assert process.returncode == 2
+    assert complaint.count("\n") == 1
+    assert f"{tmp_path / 'set'}: File too large; check the path, its permissions and the disk" in complaint
+    check_done(tmp_path, undisturbed)
+    assert cli.main(words(tmp_path)) == 0
+    assert contents(tmp_path / "set") == undisturbed

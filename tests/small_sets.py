@@ -1,0 +1,56 @@
+"""Small specifications of data sets and surveys, and comparisons of the folders that they make."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+SET = """
+title = "Drums and rocks"
+seed = 3
+scenes = 8
+base = "default"
+negatives = 0.25
+[set]
+targets = []
+"seabed.spacing" = 0.2
+"seabed.relief" = "flat"
+"seabed.material" = { draw = "choice", of = ["silt", "medium_sand"] }
+"sonar.range" = 24.0
+"sonar.bins" = 160
+"track.pings" = 96
+"track.altitude" = { draw = "uniform", low = 5.0, high = 7.0 }
+"receiver.speckle" = "rayleigh"
+[[targets]]
+name = "drum"
+of = ["drum"]
+count = { draw = "integers", low = 1, high = 2 }
+[targets.set]
+scale = 2.0
+heading = { draw = "uniform", low = -90.0, high = 90.0 }
+[[targets]]
+name = "rock"
+of = ["rock-round", { kind = "sphere", radius = 0.8 }]
+count = 1
+[tiles]
+pings = 64
+bins = 80
+overlap = 0.2
+empty = 0.5
+"""
+
+
+def write_set(folder: Path, text: str = SET, **changes: str) -> Path:
+    """Write a specification with some of its first lines changed; return its path."""
+    for name, value in changes.items():
+        line = next((line for line in text.splitlines() if line.startswith(f"{name} = ")), None)
+        text = text.replace(line, f"{name} = {value}", 1) if line else f"{name} = {value}\n{text}"
+    path = folder / "set.toml"
+    path.write_text(text)
+    return path
+
+
+def contents(folder: Path) -> dict[str, str]:
+    """Hash of every file below a folder, by its path."""
+    files = (path for path in sorted(folder.rglob("*")) if path.is_file())
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
