@@ -12,11 +12,11 @@ import sys
 import numpy as np
 import pytest
 
+from floor import floor_call
 from insonify.accuracy.timing import time_calls
 from insonify.commands.render import write
 from insonify.display.display_options import DisplayOptions
 from insonify.display.normalisation import LevelBed
-from insonify.kernels.common.jit import kernel
 from insonify.parallel import count_threads
 from insonify.receiver import receive
 from insonify.scene import edit, load_scene
@@ -26,26 +26,6 @@ pytestmark = pytest.mark.bench
 DEFAULT = load_scene("default")
 BARE = edit(DEFAULT, {"sonar.beam": "knife", "targets": [], "sonar.pulse": "ideal"})
 THREADS = [1, count_threads()]
-
-
-@kernel
-def read_and_write(heights, reach, out):
-    """Read the heights abeam of every ping on both sides and write its bins."""
-    rows, columns = heights.shape
-    for ping in range(out.shape[0]):
-        row = heights[ping % rows]
-        for side in range(2):
-            first = columns // 2 * side
-            bins = out[ping, side]
-            for k in range(bins.size):
-                bins[k] = row[first + k * reach // bins.size]
-
-
-def floor(simulation, pings):
-    """Call that reads the heights and writes the bins of some pings."""
-    bed, bins = simulation.reduced.bed, simulation.scene.sonar.bins
-    reach = min(int(simulation.scene.sonar.range / bed.spacing), bed.transposed.shape[1] // 2 - 1)
-    return lambda: read_and_write(bed.transposed, reach, np.empty((pings, 2, bins), np.float32))
 
 
 def tracer(simulation, pings, threads):
@@ -82,7 +62,7 @@ def test_from_call_to_dataset(capsys, pings, threads):
     scene = edit(BARE, {"track.pings": pings})
     simulation = prepare(scene, threads=threads)
     calls = {
-        "floor": floor(simulation, pings),
+        "floor": floor_call(simulation, pings),
         "tracer": tracer(simulation, pings, threads),
         "intensity": lambda: simulation.intensity(np.arange(pings)),
         "viewer": viewer(simulation, pings),

@@ -1,0 +1,141 @@
+"""Kernels beside a floor and beside Embree's casts, in one run: `pytest -m bench -s tests/bench/test_kernels.py`.
+
+The floor only reads a ping's heights and writes its bins. Embree casts 2000 rays a ping on a scene of triangles; it is
+the optional extra `embree`. Times are those of the thread itself, so that what else the machine does hardly counts.
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+from importlib.util import find_spec
+from time import thread_time
+
+import numpy as np
+import pytest
+
+from floor import floor_call
+from insonify.accuracy.charts.embree import TriangulatedScene
+from insonify.accuracy.record_errors import compare_records
+from insonify.accuracy.timing import time_calls
+from insonify.kernels.rays.first_echoes import empty_bundle, empty_launch
+from insonify.kernels.rays.launch import aim_rays, orient_beam, rotate_to_world
+from insonify.scene import edit, load_scene
+from insonify.simulation import prepare
+from insonify.tracers import sweep
+from insonify.tracers.azimuth_fan import lay_planes_of_images
+
+pytestmark = pytest.mark.bench
+DEFAULT = load_scene("default")
+KNIFE, BARE = {"sonar.beam": "knife"}, {"targets": []}
+ARRAY = {"kind": "array", "length": 0.3, "two_way": True}
+HEADINGS = (10.0, 37.0, 45.0)
+PLANES = 8
+PINGS, SOME = np.arange(512), np.arange(40, 480, 40)
+ROUNDS = 15
+
+
+def embree_call(simulation, pings):
+    """Call that casts 1000 rays a side at the pings, aimed as the exact rays of a knife."""
+    arrays, poses = simulation.reduced, simulation.poses(pings)
+    triangles = TriangulatedScene(arrays, poses)
+    bundles = []
+    for ping in range(pings.size):
+        for side in range(2):
+            launch, bundle = empty_launch(1000), empty_bundle(1000)
+            beam = orient_beam(arrays, poses, ping, side)
+            aim_rays(launch, beam.z, 0.0, beam.reach, 0.0, arrays.law, False)
+            rotate_to_world(launch, beam, bundle)
+            bundles.append(bundle)
+    rays = [
+        (
+            (np.column_stack([bundle.x, bundle.y, bundle.z]) - triangles._origin).astype(np.float32),
+            np.column_stack([bundle.dx, bundle.dy, bundle.dz]).astype(np.float32),
+        )
+        for bundle in bundles
+    ]
+    return lambda: [triangles._scene.run(origins, directions, output=1) for origins, directions in rays]
+
+
+def trace_call(simulation, pings=PINGS, **settings):
+    poses = simulation.poses(pings)
+    settings = {"threads": 1, **simulation.plan.settings} | settings
+    return partial(sweep.trace, simulation.reduced, poses, **settings)
+
+
+def planes_of(simulation, planes):
+    return lay_planes_of_images(simulation.reduced, simulation.poses(PINGS[:1]), planes)[0][1].azimuth.size
+
+
+def say(capsys, text):
+    with capsys.disabled():
+        sys.stdout.write(f"\n{text}")
+
+
+def crossing(simulation, position, width):
+    """Pings whose beam's middle lies within a length of a position along the track."""
+    pings = np.arange(simulation.scene.track.pings)
+    return pings[np.abs(simulation.poses(pings).x - position) < width]
+
+
+def cases():
+    """Calls with their numbers of pings, and pairs to compare: name, what, beside what, the goal."""
+    calls, pairs = {}, []
+    knife = prepare(edit(DEFAULT, KNIFE | BARE))
+    calls["floor"] = floor_call(knife, PINGS.size), PINGS.size
+    if find_spec("embreex") is not None:
+        calls["Embree, 2000 casts"] = embree_call(knife, SOME), SOME.size
+    calls["knife"] = trace_call(knife), PINGS.size
+    calls["knife with targets"] = trace_call(prepare(edit(DEFAULT, KNIFE))), PINGS.size
+    for heading in HEADINGS:
+        tow = prepare(edit(DEFAULT, KNIFE | BARE | {"track.heading": heading}))
+        calls[f"knife towed at {heading:g}°"] = trace_call(tow), PINGS.size
+        pairs.append((f"knife towed at {heading:g}°", "knife", 1.0, "2"))
+    fan = prepare(edit(DEFAULT, BARE))
+    array = prepare(edit(DEFAULT, BARE | {"sonar.beam": ARRAY}))
+    calls["array, two-way"] = trace_call(array, planes=PLANES), PINGS.size
+    laid = planes_of(array, PLANES)
+    alike = min(range(2, 64), key=lambda n: abs(planes_of(fan, n) - laid))
+    calls["fan of as many planes"] = trace_call(fan, planes=alike), PINGS.size
+    pairs.append(("array, two-way", "fan of as many planes", laid / planes_of(fan, alike), "1.5"))
+    for name, scene in (("fan", edit(DEFAULT, BARE)), ("ghosts", load_scene("ghosts"))):
+        below = edit(scene, {"water.surface": "flat"})
+        silent = edit(scene, {"water.surface": "none"})
+        calls[f"{name} by the surface"] = trace_call(prepare(below), SOME, planes=PLANES), SOME.size
+        calls[f"{name} without"] = trace_call(prepare(silent), SOME, planes=PLANES), SOME.size
+        pairs.append((f"{name} by the surface", f"{name} without", 1.0, "3"))
+    wreck = edit(load_scene("rough-ground"), {"sonar.beam": ARRAY, "sonar.vertical": {"kind": "uniform"}})
+    for name, changes in (("ghosts of a mesh", {}), ("the mesh without", {"water.surface": "none"})):
+        simulation = prepare(edit(wreck, changes), tolerance=0.2)
+        pings = crossing(simulation, 20.0, 3.0)[::4]
+        calls[f"{name}, array"] = trace_call(simulation, pings, planes=PLANES), pings.size
+    pairs.append(("ghosts of a mesh, array", "the mesh without, array", 1.0, "3"))
+    return calls, pairs
+
+
+def test_kernels(capsys):
+    calls, pairs = cases()
+    timings = time_calls({name: call for name, (call, _) in calls.items()}, rounds=ROUNDS, clock=thread_time)
+    each = {name: 1e6 * timings[name].median / pings for name, (_, pings) in calls.items()}
+    embree = each.get("Embree, 2000 casts", np.nan)
+    for name, microseconds in each.items():
+        say(
+            capsys,
+            f"{name:28s} {microseconds:10.2f} µs a ping ± {100 * timings[name].spread:3.0f} %, "
+            f"{microseconds / each['floor']:8.2f} × the floor, Embree's casts {embree / microseconds:8.2f} ×",
+        )
+    say(capsys, f"targets + {each['knife with targets'] - each['knife']:.1f} µs a ping (at most 8)")
+    for what, beside, more, goal in pairs:
+        say(capsys, f"{what}: {each[what] / each[beside] / more:.2f} × {beside} (at most {goal})")
+
+
+def test_the_default_fan_as_planned(capsys):
+    simulation = prepare(DEFAULT)
+    timing = time_calls({"fan": trace_call(simulation, threads=2)}, rounds=ROUNDS)["fan"]
+    coarse, fine = (trace_call(simulation, SOME, planes=n)() for n in (simulation.plan.planes, 64))
+    error = compare_records(simulation.reduced, simulation.poses(SOME), coarse, fine).beyond
+    say(
+        capsys,
+        f"default fan, {simulation.plan.planes} planes, {PINGS.size} pings on two threads: "
+        f"{1e3 * timing.median:.1f} ms ± {100 * timing.spread:.0f} % (at most 25), {100 * error:.2f} % from 64 planes",
+    )

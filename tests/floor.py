@@ -1,0 +1,32 @@
+"""The least that any tracer does: a kernel that reads the heights abeam of every ping and writes its bins."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from insonify.kernels.common.jit import kernel
+from insonify.simulation import Simulation
+
+
+@kernel
+def read_and_write(heights, reach, out):
+    """Read the heights abeam of every ping on both sides and write its bins."""
+    rows, columns = heights.shape
+    for ping in range(out.shape[0]):
+        row = heights[ping % rows]
+        for side in range(2):
+            total = np.float32(0.0)
+            for k in range(columns // 2 * side, columns // 2 * side + reach):
+                total += row[k]
+            bins = out[ping, side]
+            for k in range(bins.size):
+                bins[k] = total
+
+
+def floor_call(simulation: Simulation, pings: int) -> Callable[[], None]:
+    """Call that reads the heights and writes the bins of some pings."""
+    bed, bins = simulation.reduced.bed, simulation.scene.sonar.bins
+    reach = min(int(simulation.scene.sonar.range / bed.spacing), bed.transposed.shape[1] // 2 - 1)
+    return lambda: read_and_write(bed.transposed, reach, np.empty((pings, 2, bins), np.float32))
