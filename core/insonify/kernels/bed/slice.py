@@ -1,8 +1,8 @@
 """Profile of a gridded bed along a vertical half-plane through the sonar, at any azimuth.
 
 Knots lie where the plane crosses *both* families of grid lines, so that every segment belongs to one cell.
-The grid is walked in strips between neighbouring lines of the sparser family; within a strip the knots lie on
-consecutive nodes of two rows of memory, which is what makes the walk cheap at any azimuth. Derived in
+Near the grid's axes the grid is walked in strips between neighbouring lines of the sparser family; within a strip the
+knots lie on consecutive nodes of two rows of memory. Oblique planes are walked line by line. Derived in
 docs/theory/sweep.md.
 """
 
@@ -14,13 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.kernels.bed.grid import MERGED, clip_to_grid, first_line, last_line, wrap_index
+from insonify.kernels.bed.oblique_walk import walk_oblique
 from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.bed.subdivision import measure_segments
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.prefetch import LINE, prefetch_read
 
-# Knots closer to a grid corner than this share of a cell merge with it.
-MERGED = 1e-6
+# Slope of a plane against the grid's nearer axis from which on its strips are too short to be walked one by one.
+OBLIQUE = 0.15
 
 
 class GridWalk(NamedTuple):
@@ -75,23 +77,27 @@ def slice_bed(bed, limits, x, y, z, ex, ey, reach, profile):
     # A profile serves one bed: if the first segment already has the only material, all segments have it.
     if not bed.mapped and profile.material[0] != bed.materials[0, 0]:
         profile.material[:] = bed.materials[0, 0]
-    count = _walk_strips(bed, GridWalk(nodes, v_is_y, u0, v0, z, ex, ey), reach, profile)
+    near, far = 0.0, reach
+    if not bed.periodic:
+        near, far = clip_to_grid(u0, ex / bed.spacing, nodes.shape[0] - 1.0, near, far)
+        near, far = clip_to_grid(v0, ey / bed.spacing, nodes.shape[1] - 1.0, near, far)
+        if far - near <= MERGED * bed.spacing:
+            return 0
+    if abs(ex) > OBLIQUE * abs(ey):
+        rows = bed.heights if v_is_y else bed.transposed
+        count = walk_oblique(
+            rows, bed.materials, bed.mapped, bed.periodic, bed.spacing, v_is_y, u0, v0, z, ex, ey, near, far, profile
+        )
+    else:
+        count = _walk_strips(bed, GridWalk(nodes, v_is_y, u0, v0, z, ex, ey), near, far, profile)
     return measure_segments(count, ex, 1.0 / ey, bed, limits, profile) if count > 1 else count
 
 
 @inlined_uncounted
-def _walk_strips(bed, walk, reach, profile):
-    """Add the knots of all strips to a profile; return their number."""
-    u0, v0, eu, ev = walk.u0, walk.v0, walk.eu, walk.ev
-    nu, nv = walk.nodes.shape
-    spacing = bed.spacing
-    near, far = 0.0, reach
-    if not bed.periodic:
-        near, far = clip_to_grid(u0, eu / spacing, nu - 1.0, near, far)
-        near, far = clip_to_grid(v0, ev / spacing, nv - 1.0, near, far)
-        if far - near <= MERGED * spacing:
-            return 0
-    column = _first_column(u0 + near * eu / spacing, eu, nu, bed.periodic)
+def _walk_strips(bed, walk, near, far, profile):
+    """Add the knots of all strips between two ground ranges to a profile; return their number."""
+    u0, eu, spacing = walk.u0, walk.eu, bed.spacing
+    column = _first_column(u0 + near * eu / spacing, eu, walk.nodes.shape[0], bed.periodic)
     start, count = near, 0
     while start < far:
         end = far
@@ -118,13 +124,12 @@ def _add_strip(bed, walk, column, start, end, count, profile):
     step = 1 if ev > 0.0 else -1
     v_start, v_end = v0 + start * ev / spacing, v0 + end * ev / spacing
     # Nodes from the one behind the first knot to the one beyond the last: all that the strip depends on.
-    behind = math.floor(v_start + MERGED) if step > 0 else math.ceil(v_start - MERGED)
-    beyond = math.ceil(v_end - MERGED) if step > 0 else math.floor(v_end + MERGED)
+    behind, beyond = first_line(v_start, step), last_line(v_end, step)
     inner = max((beyond - behind) * step - 1, 0)
     nodes_read = padded_count(inner + 2)
     low, high = profile.low[:nodes_read], profile.high[:nodes_read]
-    _read_row(nodes[_wrap_index(column, nodes.shape[0])], behind, step, low)
-    _read_row(nodes[_wrap_index(column + 1, nodes.shape[0])], behind, step, high)
+    _read_row(nodes[wrap_index(column, nodes.shape[0])], behind, step, low)
+    _read_row(nodes[wrap_index(column + 1, nodes.shape[0])], behind, step, high)
     head, segments = count - 1, inner + 1
     x, z, across = profile.x[head:], profile.z[head:], profile.across
     before = z[0]
@@ -165,15 +170,15 @@ def prefetch_strip(bed, x, y, ex, ey, reach):
         u, v, ex, ey = v, u, ey, ex
     length = min(reach, bed.spacing / max(abs(ex), MERGED)) / bed.spacing
     rows, columns = nodes.shape
-    low = nodes[_wrap_index(math.floor(u), rows)]
-    high = nodes[_wrap_index(math.floor(u) + 1, rows)]
+    low = nodes[wrap_index(math.floor(u), rows)]
+    high = nodes[wrap_index(math.floor(u) + 1, rows)]
     node = math.floor(v)
     if ey < 0.0:
         node -= int(length)
     per_line = LINE // nodes.itemsize
     for k in range(node, node + int(length), per_line):
-        prefetch_read(low, _wrap_index(k, columns))
-        prefetch_read(high, _wrap_index(k, columns))
+        prefetch_read(low, wrap_index(k, columns))
+        prefetch_read(high, wrap_index(k, columns))
 
 
 @inlined_uncounted
@@ -192,14 +197,6 @@ def snap_to_grid(component):
 
 
 @inlined_uncounted
-def _wrap_index(index, size):
-    """Index of a node on a bed that repeats: the whole number within [0, size)."""
-    if 0 <= index < size:
-        return index
-    return index % size
-
-
-@inlined_uncounted
 def _interpolate(low, high, node, fv, fu, spacing):
     """Bilinear height and cross-strip gradient at the fractions ``fv`` beyond a node and ``fu`` between the borders."""
     near = low[node] + np.float64(low[node + 1] - low[node]) * fv
@@ -212,7 +209,7 @@ def _read_row(row, first, step, out):
     """Copy consecutive nodes of a row, ascending or descending and wrapped at its end, in contiguous runs."""
     done = 0
     while done < out.size:
-        place = _wrap_index(first + step * done, row.size)
+        place = wrap_index(first + step * done, row.size)
         if step > 0:
             run = min(out.size - done, row.size - place)
             _copy(row[place : place + run], out[done : done + run])
@@ -267,33 +264,9 @@ def _fill_materials(materials, v_is_y, column, behind, step, out):
         # A cell belongs to its low corner.
         v = behind + step * k - (1 if step < 0 else 0)
         if v_is_y:
-            out[k] = materials[_wrap_index(v, rows), _wrap_index(column, columns)]
+            out[k] = materials[wrap_index(v, rows), wrap_index(column, columns)]
         else:
-            out[k] = materials[_wrap_index(column, rows), _wrap_index(v, columns)]
-
-
-@inlined_uncounted
-def clip_to_grid(origin, rate, highest, near, far):
-    """Part of an interval on which a coordinate stays within a grid.
-
-    Parameters
-    ----------
-    origin, rate : float
-        The coordinate is origin + t rate.
-    highest : float
-        It must lie within [0, highest].
-    near, far : float
-        The interval of t.
-
-    Returns
-    -------
-    tuple of two float
-        The first exceeds the second if nothing is left.
-    """
-    if rate == 0.0:
-        return (near, far) if 0.0 <= origin <= highest else (1.0, 0.0)
-    one, other = -origin / rate, (highest - origin) / rate
-    return max(near, min(one, other)), min(far, max(one, other))
+            out[k] = materials[wrap_index(column, rows), wrap_index(v, columns)]
 
 
 @inlined_uncounted

@@ -1,0 +1,87 @@
+"""Places on the grid of a bed: indices of nodes, wrapped where the bed repeats, and the part of a line within it."""
+
+from __future__ import annotations
+
+import math
+
+from insonify.kernels.common.jit import inlined_uncounted
+
+# Knots closer to a grid corner than this share of a cell merge with it.
+MERGED = 1e-6
+
+
+@inlined_uncounted
+def wrap_index(index, size):
+    """Index of a node on a bed that repeats: the whole number within [0, size).
+
+    Parameters
+    ----------
+    index, size : int
+
+    Returns
+    -------
+    int
+    """
+    if 0 <= index < size:
+        return index
+    return index % size
+
+
+@inlined_uncounted
+def clip_to_grid(origin, rate, highest, near, far):
+    """Part of an interval on which a coordinate stays within a grid.
+
+    Parameters
+    ----------
+    origin, rate : float
+        The coordinate is origin + t rate.
+    highest : float
+        It must lie within [0, highest].
+    near, far : float
+        The interval of t.
+
+    Returns
+    -------
+    tuple of two float
+        The first exceeds the second if nothing is left.
+    """
+    if rate == 0.0:
+        return (near, far) if 0.0 <= origin <= highest else (1.0, 0.0)
+    one, other = -origin / rate, (highest - origin) / rate
+    return max(near, min(one, other)), min(far, max(one, other))
+
+
+@inlined_uncounted
+def first_line(v, step):
+    """Last grid line at or behind a place of a walk; a line just ahead counts as reached.
+
+    Parameters
+    ----------
+    v : float
+        Place, in nodes.
+    step : int
+        1 or -1, the sense of the walk.
+
+    Returns
+    -------
+    int
+    """
+    return math.floor(v + MERGED) if step > 0 else math.ceil(v - MERGED)
+
+
+@inlined_uncounted
+def last_line(v, step):
+    """First grid line at or beyond a place of a walk; a line just behind counts as not yet left.
+
+    Parameters
+    ----------
+    v : float
+        Place, in nodes.
+    step : int
+        1 or -1, the sense of the walk.
+
+    Returns
+    -------
+    int
+    """
+    return math.ceil(v - MERGED) if step > 0 else math.floor(v + MERGED)
