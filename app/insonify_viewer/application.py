@@ -74,18 +74,40 @@ def _draw(application: QApplication, scene: Scene, path: Path) -> None:
     viewer.window.show()
     viewer.tow.run(False)
     viewer.start()
-    deadline = time.monotonic() + PATIENCE
-    while not viewer.complete and not viewer.failure and time.monotonic() < deadline:
-        application.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, 50)
-        time.sleep(0.005)
-    failure = viewer.failure or ("" if viewer.complete else f"no picture after {PATIENCE:g} s; try a smaller scene")
     try:
+        with _slot_errors() as errors:
+            failure = _wait_for_picture(application, viewer, errors)
         if failure:
             raise SceneError(failure)
         viewer.seabed.draw_now()
         save_picture(viewer.window, path)
     finally:
         viewer.window.close()
+
+
+def _wait_for_picture(application: QApplication, viewer: Viewer, errors: list[BaseException]) -> str:
+    """Wait until the window shows its scene; return why it does not, in one sentence, or nothing."""
+    deadline = time.monotonic() + PATIENCE
+    while not viewer.complete and not viewer.failure and not errors:
+        if time.monotonic() >= deadline:
+            return f"no picture after {PATIENCE:g} s; try a smaller scene"
+        application.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, 50)
+        time.sleep(0.005)
+    if errors:
+        return f"the window cannot be drawn ({type(errors[0]).__name__}: {errors[0]}); this is a fault of the program"
+    return viewer.failure
+
+
+@contextmanager
+def _slot_errors() -> Iterator[list[BaseException]]:
+    """Collect exceptions of slots, which Qt would print and pass over."""
+    errors: list[BaseException] = []
+    before = sys.excepthook
+    sys.excepthook = lambda kind, error, trace: errors.append(error)
+    try:
+        yield errors
+    finally:
+        sys.excepthook = before
 
 
 @contextmanager

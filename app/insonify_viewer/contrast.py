@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.display.picture import choose_contrast
+from insonify_viewer.views.pixels import compress_highlights
 
 if TYPE_CHECKING:
     from insonify_viewer.record import Record
@@ -51,4 +52,4 @@ class Contrast:
         """Brightness of amplitudes as shown, 0 to 1."""
         low, high = self._levels
         span = np.float32(max(high - low, 1e-30))
-        return np.asarray(np.clip((amplitude * np.float32(self._gain) - np.float32(low)) / span, 0.0, 1.0))
+        return compress_highlights((amplitude * np.float32(self._gain) - np.float32(low)) / span)

@@ -46,10 +46,10 @@ class TowClock:
         return self.newest > before
 
     def run(self, running: bool) -> None:
-        """Run on from the newest ping, or pause."""
+        """Run on from the ping on top of the screen, or pause."""
         self.running = running
-        if running:
-            self._back = 0
+        if running and self._back:
+            self._position, self._back = float(self.top), 0
 
     def look_back(self, pings: int) -> None:
         """Move the paused screen back by some pings, within those that were sent."""

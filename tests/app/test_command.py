@@ -7,13 +7,16 @@ import subprocess
 import sys
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from insonify.cli import main
-from insonify_viewer import screen_check
+from insonify.scene import Scene, SceneError
+from insonify_viewer import application, screen_check
+from insonify_viewer.viewer import Viewer
 
 SMALL = ("--set", "track.pings=64", "--set", "sonar.bins=200")
 
@@ -38,6 +41,19 @@ def test_snapshot_without_a_display(tmp_path: Path) -> None:
     assert water > 0.1
     assert record.std() > 15.0
     assert [p.name for p in tmp_path.iterdir()] == ["window.png"]
+
+
+def test_a_fault_in_a_slot_ends_a_snapshot_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, qapp: Any, small: Scene
+) -> None:
+    def fail(*_: Any) -> None:
+        raise ZeroDivisionError("no such row")
+
+    monkeypatch.setattr(Viewer, "_take", fail)
+    monkeypatch.setattr(application, "PATIENCE", 3600.0)
+    with pytest.raises(SceneError, match=r"ZeroDivisionError: no such row.*fault of the program$"):
+        application.draw_window(small, tmp_path / "window.png")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_no_display_draws_the_window_and_says_so(tmp_path: Path) -> None:

@@ -40,8 +40,9 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(open_viewer: Any, small: S
     qtbot.waitUntil(lambda: viewer.complete)
     assert viewer.seabed.view._fish_actor.user_matrix[0, 3] == pytest.approx(0.2 * waterfall.top)
     assert waterfall.picture().shape[0] == waterfall.top + 1
+    shown = waterfall.top
     viewer.run(True)
-    assert viewer.tow.top == viewer.tow.newest
+    assert viewer.tow.top == viewer.tow.newest == shown, "the tow goes on from the ping that was scrubbed to"
 
 
 def test_the_handle_reaches_every_ping(open_viewer: Any, small: Scene) -> None:

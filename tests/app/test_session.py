@@ -7,14 +7,26 @@ from typing import Any
 import numpy as np
 import pytest
 
+from insonify.display.normalisation import LevelBed
+from insonify.display.picture import choose_contrast
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
+from insonify.simulation import prepare
 from insonify_viewer.fields import ChoiceField, NumberField
 from insonify_viewer.panels.parameters.sections import sections_of
 from insonify_viewer.quantities import format_duration, format_quantity, parse_quantity, slider_position, slider_value
 from insonify_viewer.record import Record
 from insonify_viewer.session import Mark, Session
 from insonify_viewer.tow_clock import TowClock
-from insonify_viewer.views.pixels import colour_table, colours, column_means, round_steps
+from insonify_viewer.views.pixels import (
+    HEADROOM,
+    KNEE,
+    colour_table,
+    colours,
+    column_means,
+    compress_highlights,
+    round_steps,
+    with_highlights,
+)
 
 
 @pytest.fixture(scope="module")
@@ -245,6 +257,10 @@ def test_tow_counts_pauses_and_looks_back() -> None:
     assert tow.top == 3
     tow.go_to(200)
     assert (tow.top, tow.newest) == (200, 531)
+    tow.run(True)
+    assert (tow.top, tow.newest) == (200, 200), "the tow goes on from the ping on top"
+    assert tow.advance(1.0, 10.0)
+    assert tow.top == 220
     tow.go_to(900)
     assert (tow.top, tow.newest) == (900, 900)
     tow.restart(531)
@@ -339,6 +355,29 @@ def test_colours_run_from_low_to_high() -> None:
         "0xffffffff",
         "0xffffffff",
     ]
+
+
+def test_highlights_are_told_apart_and_the_bed_keeps_its_tones() -> None:
+    tones = np.linspace(0.0, KNEE, 50, dtype=np.float32)
+    np.testing.assert_allclose(compress_highlights(tones), tones, atol=1e-6)
+    targets = compress_highlights(np.array([1.0, 2.0, 5.0, 10.0, HEADROOM], np.float32))
+    assert (np.diff(targets) > 0.03).all()
+    assert targets[-1] == pytest.approx(1.0)
+    table = with_highlights(colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)))
+    painted = colours(np.array([[-1.0, 0.0, 0.5, 2.0, 5.0, 99.0]], np.float32), 0.0, 1.0, table)
+    grey = [int(word) & 0xFF for word in painted[0]]
+    assert grey[:3] == [0, 0, 127]
+    assert grey[2] < grey[3] < grey[4] < grey[5] == 255
+
+
+def test_the_target_of_a_scene_is_not_saturated() -> None:
+    scene = edit(load_scene("pipe-on-bed"), {"track.pings": 32})
+    simulation, pings = prepare(scene), np.arange(32)
+    amplitude = LevelBed(simulation).normalise(simulation.intensity(pings), pings)
+    labels = simulation.truth(pings)
+    low, high = choose_contrast(amplitude)
+    tones = compress_highlights((amplitude - np.float32(low)) / np.float32(high - low))
+    assert (tones[(labels.target_id == 0) & (labels.path == 0)] > 0.999).mean() < 0.05
 
 
 def test_ticks_are_round() -> None:

@@ -136,7 +136,7 @@ class MainWindow(QMainWindow):
         """Set the button that pauses or plays, which says what it would do."""
         self.pause.setChecked(not running)
         self.pause.setText("Pause" if running else "Play")
-        tip = "Pause the tow; the mouse wheel then looks back" if running else "Tow on from the newest ping"
+        tip = "Pause the tow; the mouse wheel then looks back" if running else "Tow on from the ping on top"
         self.pause.setToolTip(_with_key(tip, self.pause.shortcut()))
 
     def closeEvent(self, event: QCloseEvent) -> None:

@@ -7,6 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+KNEE = 0.75  # tone up to which tones are linear
+HEADROOM = 24  # times the upper level that takes the last colour: 28 dB
+
 
 def column_means(amplitude: NDArray[np.float32], width: int) -> NDArray[np.float32]:
     """Average bins into display columns, or repeat them where there are more columns than bins.
@@ -31,17 +34,35 @@ def column_means(amplitude: NDArray[np.float32], width: int) -> NDArray[np.float
     return np.asarray(sums / np.diff(edges).astype(np.float32), dtype=np.float32)
 
 
+def compress_highlights(tone: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Tones of amplitudes between the two levels (0 and 1) and beyond, from 0 to 1.
+
+    Up to `KNEE` they stay as they are. Beyond, they grow with the logarithm up to `HEADROOM` times the upper level, so
+    that a target far above the bed keeps its highlights apart.
+    """
+    above = np.maximum((tone - np.float32(KNEE)) / np.float32(1.0 - KNEE), 0.0)
+    most = math.log1p((HEADROOM - KNEE) / (1.0 - KNEE))
+    curved = KNEE + (1.0 - KNEE) * np.log1p(above) / most
+    return np.asarray(np.where(above > 0.0, np.minimum(curved, 1.0), np.maximum(tone, 0.0)), dtype=np.float32)
+
+
 def colour_table(palette: NDArray[np.uint8]) -> NDArray[np.uint32]:
     """Pack a palette of (256, 3) bytes into (256,) words 0xffRRGGBB."""
     red, green, blue = palette.astype(np.uint32).T
     return np.asarray(0xFF000000 | red << 16 | green << 8 | blue, dtype=np.uint32)
 
 
+def with_highlights(table: NDArray[np.uint32]) -> NDArray[np.uint32]:
+    """Extend a table of 256 colours to tones up to `HEADROOM`, with the highlights compressed into it."""
+    tones = compress_highlights(np.arange(255 * HEADROOM + 1, dtype=np.float32) / np.float32(255.0))
+    return np.asarray(table[np.floor(255.0 * tones + 1e-3).astype(np.int64)])
+
+
 def colours(amplitude: NDArray[np.float32], low: float, high: float, table: NDArray[np.uint32]) -> NDArray[np.uint32]:
-    """Colour amplitudes; ``low`` takes the first colour of the table, ``high`` the last."""
+    """Colour amplitudes: ``low`` takes the first colour of the table, ``high`` the one after 255 more."""
     scale = 255.0 / max(high - low, 1e-30)
     index = (amplitude - np.float32(low)) * np.float32(scale)
-    return np.asarray(table[np.clip(index, 0.0, 255.0).astype(np.uint8)])
+    return np.asarray(table[np.clip(index, 0.0, len(table) - 1.0).astype(np.uint16)])
 
 
 def dimmed(words: NDArray[np.uint32]) -> NDArray[np.uint32]:

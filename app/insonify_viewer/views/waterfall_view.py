@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.session import Mark
 from insonify_viewer.views.along_track_blur import blur_along_track
-from insonify_viewer.views.pixels import colour_table, colours, column_means, dimmed, round_steps
+from insonify_viewer.views.pixels import colour_table, colours, column_means, dimmed, round_steps, with_highlights
 from insonify_viewer.views.scrub_handle import ScrubHandle
 from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
 from insonify_viewer.views.true_scale import name_scale, plot_at_true_scale
@@ -52,7 +52,7 @@ class WaterfallView(QWidget):
         self._top = 0
         self._range, self._step = 1.0, 1.0
         self._levels, self._gain = (0.0, 1.0), 1.0
-        self._table = colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1))
+        self._table = with_highlights(colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)))
         self._mark: Mark | None = None
         self._waiting: Waiting | None = None
         self._oldest = -1  # stamp; rows with an older one are dimmed
@@ -115,7 +115,7 @@ class WaterfallView(QWidget):
 
     def show_palette(self, colours: NDArray[np.uint8]) -> None:
         """Colour by another palette, (256, 3)."""
-        self._table = colour_table(colours)
+        self._table = with_highlights(colour_table(colours))
         self._paint_rows(np.arange(self._record.pings))
 
     def show_levels(self, levels: tuple[float, float], gain: float) -> None:

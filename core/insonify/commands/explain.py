@@ -59,17 +59,19 @@ def _table(explained: PixelExplanation) -> list[str]:
     """Lines that print an explanation."""
     side = ("port", "starboard")[explained.side]
     lines = [f"ping {explained.ping}, {side}, {explained.slant_range:.2f} m: {explained.summary}", ""]
-    lines += [f"{term.name:<22}{_number(term.decibels):>10} dB  {term.detail}".rstrip() for term in explained.terms]
-    lines.append(f"{'pixel':<22}{_number(explained.level):>10} dB")
+    lines += [_line(term.name, term.decibels, term.detail) for term in explained.terms]
+    lines.append(_line("pixel", explained.level))
     for each in explained.contributions[:MOST]:
         lines.append(f"{100.0 * each.share:>6.1f} % {each.words}, at {each.ground_range:.2f} m")
     for hidden in explained.obstructions[:MOST]:
         lines.append(f"{100.0 * hidden.share:>6.1f} % hidden by {hidden.hider}")
     if explained.obstructions and math.isfinite(explained.unhidden):
-        lines.append(f"{'with nothing hidden':<22}{_number(explained.unhidden):>10} dB")
+        lines.append(_line("with nothing hidden", explained.unhidden))
     return [*lines, *explained.approximations]
 
 
-def _number(level: float) -> str:
+def _line(name: str, level: float, detail: str = "") -> str:
+    """Line of a level with its name."""
     # Rounded first, so that no "-0.00" is printed.
-    return f"{round(level, 2) + 0.0:.2f}" if math.isfinite(level) else "no echo"
+    number = f"{round(level, 2) + 0.0:>10.2f} dB" if math.isfinite(level) else f"{'no echo':>10}"
+    return f"{name:<22}{number}  {detail}".rstrip()
