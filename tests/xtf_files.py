@@ -5,9 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pyxtf
+import xarray as xr
 
 PORT, STARBOARD, SUBBOTTOM = 1, 2, 0
 FORMATS = {"u1": 8, "<u2": 3, "<u4": 2, "<f4": 5}
+FAR_TO_NEAR, NEAR_TO_FAR = [4, 3, 2, 1], [10, 20, 30, 40]
+PING = {"samples": [FAR_TO_NEAR, NEAR_TO_FAR]}
 
 
 def write_xtf(path: Path, pings: list[dict], *, channels=(PORT, STARBOARD), kind="<u2", told=True, **fields) -> Path:
@@ -50,3 +53,10 @@ def packet(number: int, ping: dict, kind: str = "<u2") -> bytes:
     size = ctypes.sizeof(header) + len(body)
     header.NumBytesThisRecord = -(-size // 64) * 64
     return bytes(header) + body + bytes(header.NumBytesThisRecord - size)
+
+
+def amplitudes(record: xr.Dataset) -> np.ndarray:
+    """Amplitudes of a record, (2, pings, bins)."""
+    assert record["intensity"].dims == ("channel", "ping_time", "range_sample")
+    assert record["intensity"].dtype == np.float32
+    return np.sqrt(record["intensity"].values)
