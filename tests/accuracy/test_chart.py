@@ -183,6 +183,23 @@ def test_time_to_come_within_an_error():
     assert np.isnan(whole.time_to_error("sweep", 0.5 * whole.scenes[False].reference.floor, targets=False))
 
 
+def test_speeds_are_compared_with_the_division_that_serves_best_at_that_error():
+    rays = (row("rays", "16,000 rays", 1900.0, 0.02),)
+    divided = row("sweep", "1 plane", 30.0, 0.001)
+    whole = (row("sweep, whole segments", "1 plane", 10.0, 0.1), row("sweep, whole segments", "2 planes", 20.0, 0.01))
+    lesser = (row("sweep, every 2nd node", "1 plane", 1.0, 0.01), row("sweep, straight", "1 plane", 1.0, 0.01))
+    found = made((*rays, divided, *whole, *lesser))
+    method, time = found.fastest_sweep(0.02, targets=False)
+    assert (method, time) == ("sweep, whole segments", pytest.approx(10.0 * 2.0 ** np.log10(5.0)))
+    assert found.describe_speedup(targets=False) == (
+        "2 % in 16.2 µs by the sweep (whole segments), in 1.9 ms by exact rays: × 117"
+    )
+    # An error that whole segments do not reach is that of divided ones.
+    assert made((*rays, divided, whole[0])).fastest_sweep(0.02, targets=False) == ("sweep", 30.0)
+    assert made((*rays, divided, whole[0])).describe_speedup(targets=False).startswith("2 % in 30 µs by the sweep, in")
+    assert made(rays).describe_speedup(targets=False) == ""
+
+
 def test_how_much_sooner_the_sweep_is_near_the_truth_is_said(measured):
     for note, which in zip(measured.summarise(), ("without", "with")):
         assert note.startswith(f"{which} targets: 2 % in ")

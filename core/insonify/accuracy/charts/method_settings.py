@@ -24,7 +24,7 @@ COARSE_PLANES = (4, 16)
 DOUBLE_PLANES = (4, 16, 64)
 # Share of a bin's echo that a segment of a profile may add wrongly before it is divided; beside the default.
 DIVISIONS = {"whole segments": math.inf, "segments to 3 %": 0.03, "segments to 1 %": 0.01}
-DIVIDED_PLANES = (16, 64)
+SWEEPS = ("sweep", *(f"sweep, {division}" for division in DIVISIONS))  # of the whole scene, however divided
 EMBREE, EMBREE_OWN = "embree", "embree, against its own triangles"
 
 Record = NDArray[np.float32]
@@ -95,9 +95,9 @@ def list_settings(arrays: SceneArrays, poses: Poses) -> list[MethodSetting]:
         out += sweep_settings("sweep", arrays, PLANES) + sweep_settings(
             "sweep, float64", arrays, DOUBLE_PLANES, double=True
         )
-        for division, share in DIVISIONS.items():
+        for method, share in zip(SWEEPS[1:], DIVISIONS.values()):
             divided = arrays._replace(limits=arrays.limits._replace(misplaced=share))
-            out += sweep_settings(f"sweep, {division}", divided, DIVIDED_PLANES)
+            out += sweep_settings(method, divided, PLANES)
         for every, ordinal in COARSER.items():
             if (coarse := coarsen_bed(arrays.bed, every)) is not None:
                 out += sweep_settings(f"sweep, every {ordinal} node", arrays._replace(bed=coarse), COARSE_PLANES)
