@@ -53,6 +53,37 @@ def cylinder(start: ArrayLike, end: ArrayLike, radius: float) -> Meeting:
     return meet
 
 
+def frustum(start: ArrayLike, end: ArrayLike, first: float, last: float) -> Meeting:
+    """Meeting of rays with a cylinder or a cone by its radii at both ends, which are closed."""
+    begin, beyond = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+    length = float(np.linalg.norm(beyond - begin))
+    axis, taper = (beyond - begin) / length, (last - first) / length
+
+    def meet(origin: Array, way: Array) -> tuple[Array, Array]:
+        along, rate = (origin - begin) @ axis, way @ axis
+        off, out = (origin - begin) - along * axis, way - rate[..., None] * axis
+        radius, growth = first + taper * along, taper * rate
+        a, b, c = (out * out).sum(axis=-1) - growth**2, out @ off - growth * radius, off @ off - radius**2
+        best, cosine = np.full(rate.shape, np.inf), np.zeros(rate.shape)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            for sign in (-1.0, 1.0):
+                t = (-b + sign * np.sqrt(b * b - a * c)) / a
+                across = off + t[..., None] * out
+                normal = across / np.linalg.norm(across, axis=-1)[..., None] - taper * axis
+                facing = -(normal * way).sum(axis=-1) / np.sqrt(1.0 + taper**2)
+                inside = (along + t * rate >= 0.0) & (along + t * rate <= length) & (radius + t * growth > 0.0)
+                met = (t > 0.0) & inside & (t < best) & (facing > 0.0)
+                best, cosine = np.where(met, t, best), np.where(met, facing, cosine)
+            for place, side, wide in ((0.0, -1.0, first), (length, 1.0, last)):
+                t = (place - along) / rate
+                across = np.linalg.norm(off + t[..., None] * out, axis=-1)
+                met = (t > 0.0) & (across <= wide) & (t < best) & (side * rate < 0.0)
+                best, cosine = np.where(met, t, best), np.where(met, -side * rate, cosine)
+        return best, cosine
+
+    return meet
+
+
 def box(centre: ArrayLike, axes: Array, half: ArrayLike) -> Meeting:
     """Meeting of rays with a box whose axes are the columns of a rotation."""
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from beds import solids_of
-from brute_force import Response
+from brute_force import Material, Meeting, Response
 from insonify.acoustics.sea_surface import make_surface_multipath
 from insonify.kernels.common.types import LIGHT, SceneArrays, still_water
 from insonify.scene.surfaces import WAYS
@@ -107,3 +108,75 @@ def naive_level_ghost(
     where = 0.5 * (np.hypot(edges, one) + np.hypot(edges, other))
     borders = np.arange(arrays.bins + 1) * arrays.bin_length
     return np.asarray(np.diff(np.interp(borders, where, up_to)) * arrays.range_factor)
+
+
+def _bistatic(law: int, one: np.ndarray, other: np.ndarray, towards: np.ndarray, material: Material) -> np.ndarray:
+    """Strength between two directions, of the mean of both orders."""
+    diffuse, specular, shininess = material
+    lobe = specular * np.clip(2.0 * one * other - towards, 0.0, None) ** shininess
+    if law == LIGHT:
+        return 0.5 * diffuse * (one + other) + lobe
+    return one * other / math.pi * (diffuse + 0.5 * (shininess + 2.0) * lobe)
+
+
+def _last_met(meets: Callable[[float], bool], inside: float, outside: float) -> float:
+    for _ in range(60):
+        middle = 0.5 * (inside + outside)
+        inside, outside = (middle, outside) if meets(middle) else (inside, middle)
+    return inside
+
+
+@np.errstate(invalid="ignore")  # rays that miss a body are infinitely long
+def naive_target_ghost(
+    arrays: SceneArrays,
+    meet: Meeting,
+    material: Material,
+    altitude: float,
+    depth: float,
+    way: str,
+    *,
+    across: int = 1,
+    up: int = 20_000,
+) -> np.ndarray:
+    """One ghost of a convex body without a bed by brute force, (bins,) of the port side of a level fish heading +x.
+
+    ``across`` azimuths of ``up`` launch angles from the lower image, denser towards the body's edges. Places count
+    that the higher image meets first too.
+    """
+    one, other, share = image_heights(way, altitude, depth)
+    lower, higher, sine = np.array([0.0, 0.0, one]), np.array([0.0, 0.0, other]), math.sin(arrays.half_width)
+    out, widest = np.zeros(arrays.bins), math.asin(min(sine / math.cos(1.3), 1.0))
+    for azimuth in widest * (2.0 * (np.arange(across) + 0.5) / across - 1.0):
+
+        def directions(angle: np.ndarray, azimuth: float = azimuth) -> np.ndarray:
+            level = np.cos(angle)
+            return np.stack([level * math.sin(azimuth), level * math.cos(azimuth), np.sin(angle)], axis=-1)
+
+        def meets(angle: float) -> bool:
+            return bool(np.isfinite(meet(lower, directions(np.array([angle])))[0][0]))
+
+        scan = np.linspace(-1.3, -0.1, 4001)
+        seen = np.flatnonzero(np.isfinite(meet(lower, directions(scan))[0]))
+        if not seen.size:
+            continue
+        low, high = _last_met(meets, scan[seen[0]], -1.31), _last_met(meets, scan[seen[-1]], -0.09)
+        edges = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(math.pi * np.arange(up + 1) / up)
+        angle = 0.5 * (edges[1:] + edges[:-1])
+        (near, cos_near), (ends, _) = meet(lower, directions(angle)), meet(lower, directions(edges))
+        far = np.linalg.norm(lower + near[:, None] * directions(angle) - higher, axis=-1)
+        back = (lower + near[:, None] * directions(angle) - higher) / far[:, None]
+        first, cos_far = meet(higher, back)
+        lit = (np.abs(first - far) < 1e-7 * far) & (np.abs(math.sin(azimuth)) * np.cos(angle) <= sine)
+        towards, r = (directions(angle) * back).sum(axis=-1), 0.5 * (near + far)
+        value = _bistatic(arrays.law, cos_near, cos_far, towards, material)
+        cone = 2.0 * np.arcsin(np.minimum(sine / np.cos(angle), 1.0))
+        if arrays.law == LIGHT:
+            beyond = np.linalg.norm(lower + ends[:, None] * directions(edges) - higher, axis=-1)
+            energy = value * np.abs(np.diff(0.5 * (ends + beyond))) / arrays.bin_length
+            energy *= 2.0 * widest / across / cone if sine > 0.0 else 1.0
+        else:
+            width = near * np.cos(angle) * 2.0 * widest / across if sine > 0.0 else 1.0
+            energy = value * width * near * np.diff(edges) / cos_near * (r * r / (near * far)) ** 2
+        lit &= np.isfinite(energy) & (r < arrays.bins * arrays.bin_length)
+        out += np.bincount((r[lit] / arrays.bin_length).astype(int), share * energy[lit], arrays.bins)
+    return out * arrays.range_factor

@@ -192,10 +192,10 @@ def visible_facet(primitive, low, high, k, facets, bed, knot):
     """
     step = (high - low) / facets
     start, stop = low + k * step, low + (k + 1) * step
-    facet = _intersect_facet(primitive, start, stop)
+    facet = intersect_facet(primitive, start, stop)
     risen = _is_clear(facet.near, start, bed, knot)
     if risen == _is_clear(facet.far, stop, bed, knot):
-        return facet if risen else _intersect_facet(primitive, stop, stop)
+        return facet if risen else intersect_facet(primitive, stop, stop)
     clear, hidden = (start, stop) if risen else (stop, start)
     for _ in range(HALVINGS):
         middle = 0.5 * (clear + hidden)
@@ -204,7 +204,7 @@ def visible_facet(primitive, low, high, k, facets, bed, knot):
             clear = middle
         else:
             hidden = middle
-    return _intersect_facet(primitive, start, clear) if risen else _intersect_facet(primitive, clear, stop)
+    return intersect_facet(primitive, start, clear) if risen else intersect_facet(primitive, clear, stop)
 
 
 @inlined_uncounted
@@ -228,8 +228,19 @@ def _facet_count(facet):
 
 
 @inlined_uncounted
-def _intersect_facet(primitive, low, high):
-    """Intersect a primitive along the beginning, the middle and the end of a facet."""
+def intersect_facet(primitive, low, high):
+    """Intersect a primitive along the beginning, the middle and the end of a facet.
+
+    Parameters
+    ----------
+    primitive : Primitive
+    low, high : float
+        Launch angles at which the facet begins and ends, rad.
+
+    Returns
+    -------
+    Facet
+    """
     near, _ = intersect_primitive(primitive, math.cos(low), math.sin(low))
     c, s = math.cos(0.5 * (low + high)), math.sin(0.5 * (low + high))
     centre, incidence = intersect_primitive(primitive, c, s)
