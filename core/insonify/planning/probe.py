@@ -23,6 +23,7 @@ Record = NDArray[np.float32]
 FEW = 12  # pings on which models of much work are compared
 LITTLE = 1e6  # work of some milliseconds, up to which models are compared on all pings
 OF_A_THREAD = 4  # pings worth handing to a thread
+_LOADED: set[tuple[str, bool, bool]] = set()  # kernels that a probe of this process has called: method, bent, paths
 
 
 class Traced(NamedTuple):
@@ -60,7 +61,6 @@ class Probe:
         )
         self._traced: dict[Model, Traced] = {}
         self._differences: dict[tuple[Model, Model, float, bool], float] = {}
-        self._warm: set[tuple[str, bool, bool]] = set()
 
     def leave_out_collisions(self, model: Model) -> None:
         """Leave out pings in which the sonar is inside a target: they are refused when they are simulated.
@@ -158,9 +158,9 @@ class Probe:
             return record, (time.thread_time() - began) / (last - first)
 
         kernels = (model.method, model.bent, bool(model.ways))
-        if kernels not in self._warm:  # the first call loads the kernels
+        if kernels not in _LOADED:  # the first call takes longer, for it loads them
             block(0, 1)
-            self._warm.add(kernels)
+            _LOADED.add(kernels)
         parts = in_parallel(block, count, least=OF_A_THREAD)
         record = np.concatenate([part for part, _ in parts])[:, :, self._near :] * self._scale[:count]
         return Traced(record, count, float(np.median([seconds for _, seconds in parts])))

@@ -24,13 +24,14 @@ FEW_PLANES, FEWEST_RAYS = 4, 1000  # rays per side; enough to compare effects in
 NEGLIGIBLE = 1e-4  # bound on the error of straight rays below which it is not measured
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Case:
     """A scene that is planned, with the requested method and the forced choices by their subjects."""
 
     packed: PackedScene
     asked: str
     forced: Mapping[str, str]
+    swept: Model | None = None  # beside which errors of fineness are measured, once it is known
 
     @property
     def scene(self) -> Scene:

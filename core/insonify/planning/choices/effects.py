@@ -31,8 +31,9 @@ class Bending(Choice):
         if case.straight_bound < NEGLIGIBLE:
             return case.straight_bound
         method = "rays" if case.scene.water.varies_along else "sweep"
-        plain = Model(method, case.few_planes, FEWEST_RAYS, targets=case.targets)
-        return case.probe.difference(plain, plain._replace(bent=True), cautious=cautious)
+        bent = Model(method, case.few_planes, FEWEST_RAYS, bent=True, targets=case.targets)
+        straight = bent._replace(bent=False, rays=0 if method == "sweep" else FEWEST_RAYS)
+        return case.probe.difference(straight, bent, cautious=cautious)
 
     def require(self, case: Case, model: Model) -> None:
         """Raise an error if refraction is combined with an effect computed along straight rays only."""
@@ -179,4 +180,6 @@ class SurfacePath(Choice):
         yield self.switched(case, model, choice, reason, model.ways - {self.subject}, on, error)
 
 
-CHOICES: tuple[Choice, ...] = (Bounces(), Bending(), Targets(), FarTargets(), *(SurfacePath(way) for way in WAYS))
+# Effects that may err too little to matter beside others.
+SMALL_EFFECTS: tuple[Choice, ...] = (Bending(), *(SurfacePath(way) for way in WAYS))
+CHOICES: tuple[Choice, ...] = (Bounces(), Targets(), FarTargets(), *SMALL_EFFECTS)

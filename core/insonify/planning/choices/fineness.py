@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import takewhile
 
 from insonify.planning.choices.base import (
     FEWEST_RAYS,
@@ -16,6 +17,7 @@ from insonify.planning.choices.base import (
     Number,
     percent,
 )
+from insonify.planning.choices.effects import SMALL_EFFECTS
 from insonify.planning.models import Model
 from insonify.planning.plan_entries import PlanEntry
 from insonify.planning.probe import FEW
@@ -32,7 +34,8 @@ STRIDES, FEWEST_CELLS = (1, 2, 4, 8, 16, 32), 8  # of nodes; cells that a period
 OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed, whose record is well known
 NEARER = 1.0 / 3.0  # weight of the error of coarser nodes over all bins, the strong ones near nadir too
 LITTLE_MISPLACED = 0.002  # error of whole segments below which no division of them is measured
-MISPLACED_BESIDE = 0.02  # error of segments beside which errors of planes and nodes may be measured
+SEVERAL = 2  # planes, the fewest that average over the beam
+BESIDE = 0.05  # error of other choices beside which the error of a choice may be measured
 AT_NO_COST = 2e6  # work of the probe that takes some milliseconds
 
 
@@ -91,8 +94,8 @@ class Planes(Ladder):
         return super().error(case, model, cautious) if case.scene.sonar.beam.has_width else 0.0
 
     def pair(self, case: Case, model: Model, rung: int) -> tuple[Model, Model]:
-        """Models of a rung and of so many planes that some meet every target, otherwise the finest."""
-        plain = _finest(case, model)
+        """Models of a rung and of so many planes that some meet every target, beside others that err by little."""
+        plain = _finest(case, model)._replace(every=Spacing().common(case, model))
         coarse, fine = super().pair(case, plain, rung)
         return coarse, fine._replace(planes=max(fine.planes, _planes_that_meet(case, plain)))
 
@@ -136,7 +139,7 @@ class Rays(Ladder):
 
     def _folded(self, case: Case, model: Model, cautious: bool) -> float:
         """Error measured from the next number of rays; beyond the last it falls with the power with which it fell."""
-        fine = _finest(case, model)
+        fine = _finest(case, model)._replace(bent=True)
 
         def step(rays: int) -> float:
             pair = (fine._replace(rays=number) for number in (rays, RAYS_STEP * rays))
@@ -221,8 +224,7 @@ class Segments(Choice):
     def common(self, case: Case, model: Model) -> float:
         """Share with which errors of planes and nodes are measured: the greatest of little error, at any tolerance."""
         shares = self.settings(case, model)
-        fitting = (one for one in shares if self.error(case, model._replace(misplaced=one)) < MISPLACED_BESIDE)
-        return next(fitting, shares[-1])
+        return next((one for one in shares if self.error(case, model._replace(misplaced=one)) < BESIDE), shares[-1])
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the segments, with the time beyond that of whole ones."""
@@ -257,14 +259,16 @@ class Spacing(Number):
                     "give a number that does, such as 1"
                 )
             return (wish,)
-        if not (seabed.random_reliefs or seabed.relief.level) or model.method != "sweep":
+        # To make endless ground anew for each stride takes far longer than to trace all of its nodes.
+        if not (seabed.random_reliefs or seabed.relief.level) or seabed.endless or model.method != "sweep":
             return (1,)
         fitting = (n for n in STRIDES if n == 1 or all(c % n == 0 and c >= FEWEST_CELLS * n for c in cells))
         return tuple(sorted(fitting, reverse=True))
 
     def error(self, case: Case, model: Model, cautious: bool = True) -> float:
         """Greatest error of the strides up to a model's, with few planes; if not cautious, that of its own."""
-        fine = _finest(case, model)._replace(planes=case.least_planes if case.paths else case.few_planes)
+        fine = _finest(case, model)
+        fine = fine._replace(planes=case.least_planes if fine.ways else case.few_planes)
         if not cautious:
             return case.probe.difference(fine._replace(every=model.every), fine)
         strides = [2**n for n in range(1, int(math.log2(model.every)) + 1)]
@@ -272,6 +276,11 @@ class Spacing(Number):
         weight = OF_LEVEL_BED if case.scene.seabed.relief.level and self.subject not in case.forced else 1.0
         pairs = ((fine._replace(every=every), fine) for every in coarse)
         return weight * max((case.probe.difference(*pair, nearer=NEARER, cautious=True) for pair in pairs), default=0.0)
+
+    def common(self, case: Case, model: Model) -> int:
+        """Stride with which errors of planes are measured: the greatest of little error, at any tolerance."""
+        strides = reversed(self.settings(case, model))
+        return max(takewhile(lambda one: self.error(case, model._replace(every=one)) < BESIDE, strides), default=1)
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the nodes."""
@@ -289,8 +298,7 @@ class Spacing(Number):
 def measure_together(case: Case, model: Model, apart: float, cautious: bool = True) -> float:
     """Error of a swept model as a whole, in which what its choices leave out may add up or cancel.
 
-    The model with the planes of the rung below is compared with the finest model of twice as many; what this exceeds
-    the error of those planes by belongs to its other choices.
+    By few planes the model is compared with the finest one; the error of its own planes is added.
 
     Parameters
     ----------
@@ -303,22 +311,28 @@ def measure_together(case: Case, model: Model, apart: float, cautious: bool = Tr
     """
     if model.method != "sweep" or (model.bent and case.folds):
         return apart
-    planes, segments, rung = Planes(), Segments(), Planes().rung(model)
-    coarse, fine = planes.pair(case, model, rung) if case.scene.sonar.beam.has_width else 2 * (_finest(case, model),)
-    whole = model._replace(planes=rung, rays=fine.rays * model.bent, misplaced=max(model.misplaced, fine.misplaced))
-    others = case.probe.difference(whole, fine) ** 2 - case.probe.difference(coarse, fine) ** 2
-    of_segments = segments.error(case, model._replace(misplaced=min(model.misplaced, fine.misplaced)), cautious)
-    return math.sqrt(planes.error(case, model, cautious) ** 2 + max(others, 0.0) + of_segments**2)
+    planes, segments, fine = Planes(), Segments(), _finest(case, model)
+    few = min(model.planes, max(SEVERAL, case.least_planes if fine.ways else case.few_planes))
+    whole = model._replace(
+        planes=few,
+        rays=fine.rays,
+        misplaced=max(model.misplaced, fine.misplaced),
+        bent=model.bent and fine.bent,
+        ways=model.ways & fine.ways,
+    )
+    errors = [choice.error(case, model, cautious) for choice in SMALL_EFFECTS if choice.error(case, fine) > 0.0]
+    errors.append(case.probe.difference(whole, fine._replace(planes=few), cautious=cautious))
+    errors.append(segments.error(case, model._replace(misplaced=min(model.misplaced, fine.misplaced)), cautious))
+    return math.hypot(planes.error(case, model, cautious), *errors)
 
 
 def _single(case: Case, model: Model) -> Model:
-    """Model with all effects and nodes, the least planes and few rays, whatever effects a given one has."""
-    swept = FEWEST_RAYS if case.bent else 0
-    rays = {"sweep": swept, "march": model.rays}.get(model.method, FEWEST_RAYS)
+    """Model of the least planes, few rays and all nodes, and of all effects; swept, of those that err by no little."""
+    if model.method == "sweep":
+        return _swept(case)
     return Model(
         model.method,
-        planes=case.least_planes,
-        rays=rays,
+        rays=model.rays if model.method == "march" else FEWEST_RAYS,
         step=model.step,
         bent=case.bent,
         bounces=model.bounces,
@@ -327,8 +341,20 @@ def _single(case: Case, model: Model) -> Model:
     )
 
 
+def _swept(case: Case) -> Model:
+    """Swept model without the effects that err by little, beside which errors of fineness are measured."""
+    if case.swept is None:
+        made = Model(bent=case.bent, targets=case.targets, ways=case.paths)
+        for choice in SMALL_EFFECTS:
+            models = [made._replace(**{choice.field: value}) for value in choice.settings(case, made)]
+            made = next((one for one in models if choice.error(case, one) < BESIDE), models[-1])
+        planes = case.least_planes if made.ways else 1
+        case.swept = made._replace(planes=planes, rays=FEWEST_RAYS if made.bent else 0)
+    return case.swept
+
+
 def _finest(case: Case, model: Model) -> Model:
-    """Model of the least planes beside which errors of planes, rays and nodes are measured."""
+    """Model of the least planes beside which errors of rays and nodes are measured."""
     return _single(case, model)._replace(misplaced=Segments().common(case, model))
 
 

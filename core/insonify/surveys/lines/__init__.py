@@ -1,1 +1,0 @@
-"""Surveys line by line: the lines, their records, their mosaic, and what they cover."""
