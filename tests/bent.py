@@ -21,8 +21,28 @@ def layered(heights: ArrayLike, speeds: ArrayLike, sonar: float, surface: float 
     return Water(True, h, c[None, :].copy(), np.zeros(1), 1.0, 0.0, reference, surface)
 
 
-def speed(water: Water, z: np.ndarray) -> np.ndarray:
-    return np.interp(z, water.height, water.speed[0])
+def speed_and_gradient(water: Water, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Speed of sound at heights, which is linear between the nodes and level beyond them, and how it grows upwards."""
+    speeds = water.speed[0]
+    slopes = np.concatenate([[0.0], np.diff(speeds) / np.diff(water.height), [0.0]])
+    layer = sum((z >= node).astype(np.intp) for node in water.height)
+    node = np.maximum(layer - 1, 0)
+    g = slopes[layer]
+    return speeds[node] + g * (z - water.height[node]), g
+
+
+def onward(water: Water, state: Sequence[np.ndarray], ds: ArrayLike) -> list[np.ndarray]:
+    """One step of the ray equations, by the rule of the middle twice over (Runge and Kutta's fourth order)."""
+
+    def rates(x, z, a, t):
+        (c, g), cosine = speed_and_gradient(water, z), np.cos(a)
+        return cosine, np.sin(a), -g / c * cosine, 1.0 / c
+
+    k1 = rates(*state)
+    k2 = rates(*(s + 0.5 * ds * k for s, k in zip(state, k1)))
+    k3 = rates(*(s + 0.5 * ds * k for s, k in zip(state, k2)))
+    k4 = rates(*(s + ds * k for s, k in zip(state, k3)))
+    return [s + ds / 6.0 * (a + 2.0 * b + 2.0 * c + d) for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
 
 
 def follow(
@@ -32,45 +52,35 @@ def follow(
 
     Returns ground range, height, direction and travel time where each ends (NaN if it meets nothing), and what it met.
     """
-    x, height, angle, time = np.zeros_like(angles), np.full_like(angles, z), angles.copy(), np.zeros_like(angles)
-    out = {name: np.full_like(angles, np.nan) for name in ("x", "z", "angle", "time")}
-    what, alive = np.full(angles.shape, -2), np.arange(angles.size)
-
-    def onward(state, ds):
-        """One step of the ray equations, by the rule of the middle twice over (Runge and Kutta's fourth order)."""
-
-        def rates(x, z, a, t):
-            c = speed(water, z)
-            g = (speed(water, z + 1e-4) - speed(water, z - 1e-4)) / 2e-4
-            return np.cos(a), np.sin(a), -g / c * np.cos(a), 1.0 / c
-
-        k1 = rates(*state)
-        k2 = rates(*(s + 0.5 * ds * k for s, k in zip(state, k1)))
-        k3 = rates(*(s + 0.5 * ds * k for s, k in zip(state, k2)))
-        k4 = rates(*(s + ds * k for s, k in zip(state, k3)))
-        return [s + ds / 6.0 * (a + 2.0 * b + 2.0 * c + d) for s, a, b, c, d in zip(state, k1, k2, k3, k4)]
-
-    state = [x, height, angle, time]
+    state = [np.zeros_like(angles), np.full_like(angles, z), angles.copy(), np.zeros_like(angles)]
+    last = [np.full_like(angles, np.nan) for _ in state]  # before the step in which it ends
+    alive = np.arange(angles.size)
     for _ in range(int(1.1 * reach / step)):
-        after = onward(state, step)
-        met = hit(after[0], after[1])
-        ended = met != -2
-        if ended.any():
-            low, high = np.zeros(ended.sum()), np.full(ended.sum(), step)
-            before = [s[ended] for s in state]
-            for _ in range(40):
-                middle = 0.5 * (low + high)
-                inside = hit(*onward(before, middle)[:2]) != -2
-                low, high = np.where(inside, low, middle), np.where(inside, middle, high)
-            there = onward(before, high)
-            for name, values in zip(out, there):
-                out[name][alive[ended]] = values
-            what[alive[ended]] = hit(there[0], there[1])
-        keep = ~ended
-        state, alive = [s[keep] for s in after], alive[keep]
+        after = onward(water, state, step)
+        ended = hit(after[0], after[1]) != -2
+        for values, before in zip(last, state):
+            values[alive[ended]] = before[ended]
+        state, alive = [s[~ended] for s in after], alive[~ended]
         if alive.size == 0:
             break
+    ends = np.isfinite(last[0])
+    there = _ends(water, [values[ends] for values in last], hit, step)
+    out = {name: np.full_like(angles, np.nan) for name in ("x", "z", "angle", "time")}
+    for name, values in zip(out, there):
+        out[name][ends] = values
+    what = np.full(angles.shape, -2)
+    what[ends] = hit(there[0], there[1])
     return out | {"what": what}
+
+
+def _ends(water: Water, before: Sequence[np.ndarray], hit: Callable, step: float) -> list[np.ndarray]:
+    """Halve the last step of each ray forty times, and return where it is just inside of what it meets."""
+    low, high = np.zeros(before[0].size), np.full(before[0].size, step)
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        inside = hit(*onward(water, before, middle)[:2]) != -2
+        low, high = np.where(inside, low, middle), np.where(inside, middle, high)
+    return onward(water, before, high)
 
 
 def knife(

@@ -34,6 +34,13 @@ def _questions_are_answered(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(QMessageBox, "question", lambda *_: QMessageBox.StandardButton.Discard)
 
 
+@pytest.fixture(autouse=True)
+def _widgets_are_deleted() -> Iterator[None]:
+    """Delete what a test leaves to be deleted later, as a loop of events does: style sheets are applied to it too."""
+    yield
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+
+
 @pytest.fixture
 def open_viewer(qtbot: Any, qapp: QApplication, _questions_are_answered: None) -> Iterator[Opener]:
     """Open viewers on the stand-in simulation; close them and look for what they left."""
@@ -68,6 +75,4 @@ def open_viewer(qtbot: Any, qapp: QApplication, _questions_are_answered: None) -
             thread.join(timeout=20.0)
             assert not thread.is_alive()
         assert not [t for viewer in viewers for t in viewer.findChildren(QTimer) if t.isActive()]
-        # A loop of events deletes what a test leaves to be deleted later; here there is none.
-        QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
         viewers.clear()
