@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -12,6 +13,9 @@ from pydantic import ValidationError
 
 from drawn_scenes import scenes
 from insonify.planning import plan
+from insonify.planning.choices.base import Case
+from insonify.planning.models import pack
+from insonify.planning.selection import check_request, choose_for_case
 from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify.simulation import prepare
 from planned_scenes import planned_scene
@@ -27,9 +31,16 @@ def drawn(values):
         assume(False)
 
 
+@lru_cache(maxsize=1)
+def case_of(scene):
+    """What is measured of a scene, which does not depend on the tolerance."""
+    check_request(scene, 0.03, "auto", {})
+    return Case(pack(scene), "auto", {})
+
+
 def planned(scene, tolerance):
     try:
-        return plan(scene, tolerance)
+        return choose_for_case(case_of(scene), tolerance)
     except SceneError:
         assume(False)
 
@@ -50,8 +61,14 @@ def test_more_tolerance_never_means_more_work(values, one, other):
 @pytest.mark.parametrize("seed", range(40))
 def test_more_tolerance_never_means_more_work_over_rough_beds(seed, tmp_path):
     scene, _ = planned_scene(seed, tmp_path)
-    work = [plan(scene, tolerance).work for tolerance in np.geomspace(0.01, 0.5, 12)]
+    work = [planned(scene, tolerance).work for tolerance in np.geomspace(0.01, 0.5, 12)]
     assert work == sorted(work, reverse=True)
+
+
+def test_what_was_measured_for_other_tolerances_changes_no_plan(tmp_path):
+    scene, _ = planned_scene(3, tmp_path)
+    for tolerance in (0.5, 0.05, 0.01):
+        assert planned(scene, tolerance).model == plan(scene, tolerance).model
 
 
 @pytest.mark.parametrize("seed", range(40))

@@ -79,7 +79,11 @@ def check_request(scene: Scene, tolerance: float, method: str, forced: Mapping[s
 
 def choose_model(packed: PackedScene, tolerance: float, method: str, forced: Mapping[str, str]) -> Plan:
     """Choose the model of a packed scene as `plan` does, whose parameters these are."""
-    case = Case(packed, _asked(method, forced), forced)
+    return choose_for_case(Case(packed, _asked(method, forced), forced), tolerance)
+
+
+def choose_for_case(case: Case, tolerance: float) -> Plan:
+    """Choose the model of a case for a tolerance; what was measured for another tolerance is not measured again."""
     model = _cheapest(case, tolerance / SAFETY)
     entries = tuple(
         entry for choice in CHOICES for entry in choice.entries(case, model, choice.error(case, model, cautious=False))
@@ -89,7 +93,7 @@ def choose_model(packed: PackedScene, tolerance: float, method: str, forced: Map
     if together > MORE_TOGETHER * error:
         entries = (*entries, _more_together(case, model, error, together))
         error = together
-    return Plan(model, entries, error, packed.work(model), case.probe.seconds(model))
+    return Plan(model, entries, error, case.packed.work(model), case.probe.seconds(model))
 
 
 def _more_together(case: Case, model: Model, apart: float, together: float) -> PlanEntry:
