@@ -2,15 +2,15 @@
 
 Numba compiles every function as if Python called it: with a wrapper that unpacks the arguments, all optimisation and
 machine code. A function that another kernel calls needs no wrapper and no machine code: here such a part stays LLVM
-code. It is optimised with the caller's code; on its own only if it has loops, which otherwise become slower. The
-callers' machine code is the same, and the first call of a kernel takes half the time.
+code. It is optimised with the caller's code; on its own only if it has innermost loops, which otherwise become slower.
+The callers' machine code is the same, and the first call of a kernel takes half the time.
 """
 
 from __future__ import annotations
 
 import dis
 from collections.abc import Callable
-from functools import cached_property, update_wrapper
+from functools import cache, cached_property, update_wrapper
 from typing import Any
 
 from numba.core.compiler import Compiler
@@ -84,11 +84,31 @@ class _PartCompiler(Compiler):
 
     def compile_extra(self, func: Any) -> Any:
         """Compile a function."""
-        self.state.library.optimised = _has_loop(func)
+        self.state.library.optimised = _has_innermost_loop(func)
         return super().compile_extra(func)
 
 
-def _has_loop(function: Any) -> bool:
-    """Whether any instruction of a function jumps backwards."""
-    jumps = set(dis.hasjrel) | set(dis.hasjabs)
-    return any(step.opcode in jumps and step.argval <= step.offset for step in dis.get_instructions(function))
+def _has_innermost_loop(function: Any) -> bool:
+    """Whether a function has a loop that calls no kernel with a loop."""
+    steps = list(dis.get_instructions(function))
+    for first, last in _loops(steps):
+        names = {step.argval for step in steps if step.opname == "LOAD_GLOBAL" and first <= step.offset <= last}
+        called = (function.__globals__.get(name) for name in names)
+        if not any(isinstance(value, Kernel) and _reaches_loop(value.py_func) for value in called):
+            return True
+    return False
+
+
+@cache
+def _reaches_loop(function: Any) -> bool:
+    """Whether a function or a kernel that it calls, directly or not, has a loop."""
+    if _loops(list(dis.get_instructions(function))):
+        return True
+    called = (function.__globals__.get(name) for name in function.__code__.co_names)
+    return any(isinstance(value, Kernel) and _reaches_loop(value.py_func) for value in called)
+
+
+def _loops(steps: list[dis.Instruction]) -> list[tuple[int, int]]:
+    """Offsets of the first and the last instruction of each loop, which ends by a jump backwards."""
+    jumps = {*dis.hasjrel, *dis.hasjabs}
+    return [(step.argval, step.offset) for step in steps if step.opcode in jumps and step.argval <= step.offset]
