@@ -13,15 +13,18 @@ from numpy.typing import NDArray
 
 from insonify.accuracy.stability.case import Approach, StabilityCase, StabilityTheme
 from insonify.accuracy.stability.drawing import RIGHT, WRONG, add_legend, add_panel
-from insonify.accuracy.stability.level_scenes import make_level_scene
+from insonify.accuracy.stability.level_scenes import make_level_scene, make_pose
 from insonify.acoustics.flat_bed import along_track_width
+from insonify.acoustics.resolution_cell import bin_centres
 from insonify.display.style import FAINT, INK
+from insonify.kernels.beam.pattern import ring_responses
 from insonify.planning import plan
 from insonify.scene import Scene, edit, load_scene
 from insonify.scene.beams.fan import FanBeam
 from insonify.scene.reliefs.fractal import Fractal
 from insonify.scene.targets.sphere import Sphere
 from insonify.simulation import prepare, simulate
+from insonify.tracers import sweep
 
 Curve = NDArray[np.float64]
 WIDE = {"sonar.beam": {"kind": "fan", "width": 2.5}}
@@ -30,6 +33,8 @@ AS_WIDE = 3.0  # °, of a fan that at far ranges is wider than the way between t
 SLOWLY = 0.1  # of the speed
 FAR_BINS = 200
 SHOWN = 18.0  # m along the track
+ALTITUDE, SQUINT, AWAY = 10.0, 15.0, 1.1  # m; °; altitudes beyond which light is compared
+LENGTH = 1.0  # m, of an array
 LAX = 1.0  # a tolerance that lets planes lie farther apart than a ball is wide
 
 
@@ -185,6 +190,74 @@ def _draw_sparse(figure: Figure) -> None:
     add_legend(axes, "lower right")
 
 
+@lru_cache(maxsize=1)
+def _lights() -> tuple[Curve, Curve, Curve]:
+    """Slant range, and light of a level bed over what it is: averaged over the sines of a squinting beam, and here."""
+    beam = {"kind": "gaussian", "width": 3.0, "squint": SQUINT}
+    arrays = prepare(make_level_scene({"sonar.beam": beam, "sonar.law": "light"})).arrays
+    r = bin_centres(arrays)
+    shown = r > AWAY * ALTITUDE
+    pose = make_pose(0.0, 0.0, ALTITUDE)
+    own = sweep.trace(arrays, pose, planes=64)[0, 0].astype(np.float64)[shown] * r[shown] / ALTITUDE
+    level = np.sqrt(1.0 - (ALTITUDE / r[shown, None]) ** 2)
+    azimuth = math.pi * ((np.arange(4001) + 0.5) / 4001 - 0.5)
+    off = (level * np.sin(azimuth) - math.sin(math.radians(SQUINT))) / math.sin(math.radians(1.5))
+    response = 0.25 ** (off * off)
+    # The beam's azimuths over the integral of its response over sines, ds / level.
+    plain = response.sum(axis=1) / (response * np.cos(azimuth)).sum(axis=1)
+    return r[shown], plain, own
+
+
+def _light_off(light: Curve) -> float:
+    return float(100.0 * np.abs(light - 1.0).max())
+
+
+def _draw_lights(figure: Figure) -> None:
+    r, plain, own = _lights()
+    axes = add_panel(figure, x="slant range, 10 m above the bed (m)", y="light of a level bed, over H/r")
+    axes.plot(r, plain, color=WRONG, label="average over sines")
+    axes.plot(r, own, color=RIGHT, label="average over azimuths")
+    axes.axhline(1.0, color=INK, linewidth=0.6)
+    add_legend(axes)
+
+
+@lru_cache(maxsize=1)
+def _near_field() -> tuple[Curve, Curve, Curve, Curve]:
+    """Ranges, and azimuth that a line array takes in: by its pattern far away, by its table here, by its elements."""
+    far_away = {"sonar.range": 100.0, "sonar.ping_rate": 5.0}
+    scene = make_level_scene({"sonar.beam": {"kind": "array", "length": LENGTH}, **far_away})
+    arrays = prepare(scene).arrays
+    r, wavelength = np.geomspace(10.0, 90.0, 12), arrays.water.reference / scene.sonar.frequency
+    own = np.zeros(r.size)
+    ring_responses(arrays.pattern, np.sqrt(r**2 - 1.0), r, own)
+    sine = np.linspace(-0.3, 0.3, 24_001)
+    place = ((np.arange(256) + 0.5) / 256 - 0.5) * LENGTH
+    far = np.sinc(LENGTH / wavelength * sine) ** 4
+    near = []
+    for one in r:
+        way = np.hypot(one * sine[:, None] - place, one * np.sqrt(1.0 - sine[:, None] ** 2)) - one
+        near.append(np.abs(np.exp(2j * np.pi / wavelength * way).mean(axis=1)) ** 4)
+    step = sine[1] - sine[0]
+    return r, np.full(r.size, far.sum() * step), own, np.array(near).sum(axis=1) * step
+
+
+def _width_of_array_off(width: Curve) -> float:
+    return float(100.0 * np.abs(width / _near_field()[3] - 1.0).max())
+
+
+def _draw_near_field(figure: Figure) -> None:
+    r, far, own, right = _near_field()
+    axes = add_panel(figure, x="slant range (m)", y="width of the beam, two ways (°)", title=f"array of {LENGTH:g} m")
+    for width, look, colour, words in (
+        (far, "-", WRONG, "pattern of the far field"),
+        (own, "-", RIGHT, "pattern for each range"),
+        (right, "o", INK, "element by element"),
+    ):
+        axes.plot(r, np.degrees(width), look, color=colour, markersize=3, label=words)
+    axes.set_yscale("log")
+    add_legend(axes)
+
+
 THEME = StabilityTheme("Beams", 8, (
     StabilityCase(
         "Too few planes across a fan",
@@ -224,5 +297,22 @@ THEME = StabilityTheme("Beams", 8, (
         Approach("Takes ground range times the beam's angle.", lambda: _width_off(_widths()[1]), 30.0),
         Approach("Takes all azimuths with cos θ · |sin φ| within the beam.", lambda: _width_off(_widths()[2]), 0.01),
         _draw_widths,
+    ),
+    StabilityCase(
+        "Light through a beam that squints",
+        "Law light averages over the beam, and off athwart equal steps of the sine are unequal steps of azimuth.",
+        f"error of the light of a level bed, squint of {SQUINT:g}°", "%",
+        Approach("Divides by the integral of the response over sines.", lambda: _light_off(_lights()[1]), 5.0),
+        Approach("Divides by its integral over azimuths.", lambda: _light_off(_lights()[2]), 1.0),
+        _draw_lights,
+    ),
+    StabilityCase(
+        "The near field of a line array",
+        "Nearer than the square of its length over the wavelength, an array hears a stretch as wide as itself.",
+        f"error of the width of the beam of an array of {LENGTH:g} m, from 10 m to 90 m", "%",
+        Approach("Takes the pattern of the far field.", lambda: _width_of_array_off(_near_field()[1]), 50.0),
+        Approach("Tabulates the pattern range by range, by Fresnel's approximation.",
+                 lambda: _width_of_array_off(_near_field()[2]), 2.0),
+        _draw_near_field,
     ),
 ))  # fmt: skip
