@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from insonify.scene import SceneError
 from insonify_viewer.job import Job
 from insonify_viewer.laid_scene import is_same_ground
+from insonify_viewer.line_of_sight import meet_bed
+from insonify_viewer.session import Event
 from insonify_viewer.simulator import Simulator
 from insonify_viewer.views.qt_modules import load_qt_modules
 
@@ -18,9 +20,11 @@ if TYPE_CHECKING:
     from insonify.kernels.common.types import Mesh, Solids
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
+    from insonify_viewer.inspection import SoundDrawing
     from insonify_viewer.laid_scene import LaidScene
     from insonify_viewer.views.pv_meshes import BedPatch
 
+    Vector = NDArray[np.float64]
     _Bed = tuple[AnyGround, tuple[float, float], float]
     _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
     from insonify_viewer.views.seabed_view import SeabedView
@@ -35,6 +39,11 @@ class SeabedController:
         The worker that makes meshes and textures.
     accelerated : bool
         Whether OpenGL widgets work here.
+
+    Attributes
+    ----------
+    picked : Event
+        Called with a place of the bed or of a target that the person clicks, local coordinates in metres.
     """
 
     def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
@@ -45,6 +54,7 @@ class SeabedController:
         self._bodies: _Bodies | None = None
         self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
         self._jobs: list[Job] = []
+        self.picked = Event()
 
     @property
     def view(self) -> SeabedView | None:
@@ -103,6 +113,16 @@ class SeabedController:
         if self._view is not None:
             self._view.show_mark(place)
 
+    def show_pick(self, place: tuple[float, float, float] | None) -> None:
+        """Mark a picked place; None removes the mark."""
+        if self._view is not None:
+            self._view.show_pick(place)
+
+    def show_sound(self, drawing: SoundDrawing | None) -> None:
+        """Draw the sound of a pixel; None removes it."""
+        if self._view is not None:
+            self._view.show_sound(drawing)
+
     def reset_camera(self) -> None:
         """Reset the camera to its place behind and above the fish."""
         if self._view is not None:
@@ -140,10 +160,22 @@ class SeabedController:
         from insonify_viewer.views.seabed_view import SeabedView
 
         self._view = SeabedView(accelerated=self._accelerated)
+        self._view.sighted.connect(self._pick)
         put(self._view)
         if self._latest is not None:
             simulation, ping, tones, at_once = self._latest
             self.show_sonar(simulation, ping, tones, at_once=at_once)
+
+    def _pick(self, begin: Vector, end: Vector, target: Vector | None) -> None:
+        """Tell of the nearest place of a target or of the bed along a line of sight."""
+        if self._latest is None:
+            return
+        bed = self._latest[0].arrays.bed
+        place = meet_bed(self._latest[0].ground, begin, end, (bed.low, bed.high))
+        if target is not None and (place is None or np.linalg.norm(target - begin) < np.linalg.norm(place - begin)):
+            place = float(target[0]), float(target[1]), float(target[2])
+        if place is not None:
+            self.picked.emit(place)
 
     def _bake(self, bed: _Bed, bodies: _Bodies, *, at_once: bool) -> None:
         """Make the meshes of bed and targets, on a thread of their own or on the worker."""
@@ -200,3 +232,8 @@ def _same(first: _Bodies | None, second: _Bodies) -> bool:
         return first is not None
     bodies = [*zip(first[0], second[0]), *zip(first[1], second[1])]
     return np.array_equal(first[2], second[2]) and all(np.array_equal(a, b) for a, b in bodies)
+
+
+def silence(simulation: Simulation | LaidScene) -> NDArray[np.float32]:
+    """Tones of a scan line without echoes."""
+    return np.zeros(2 * simulation.arrays.bins, dtype=np.float32)

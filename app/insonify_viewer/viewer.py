@@ -20,6 +20,7 @@ from insonify.scene import Scene, SceneError, bundled_scenes
 from insonify_viewer.auto_pause import next_pause
 from insonify_viewer.contrast import Contrast
 from insonify_viewer.gc_policy import return_free_memory
+from insonify_viewer.inspection import Inspection
 from insonify_viewer.laid_scene import LaidScene
 from insonify_viewer.mark_controller import MarkController
 from insonify_viewer.marked_point import MarkedPoint
@@ -27,7 +28,7 @@ from insonify_viewer.panel_set import PanelSet
 from insonify_viewer.panels.panel import RecordGrowth, Workbench
 from insonify_viewer.record import Record, pings_held
 from insonify_viewer.saving import Saving
-from insonify_viewer.seabed_controller import SeabedController
+from insonify_viewer.seabed_controller import SeabedController, silence
 from insonify_viewer.session import Mark, Session
 from insonify_viewer.simulator import PingRequest, Simulator, TracedPings
 from insonify_viewer.target_editor import TargetEditor
@@ -38,7 +39,6 @@ from insonify_viewer.waiting import WaitingWatch
 
 if TYPE_CHECKING:
     from insonify.planning.models import PackedScene
-    from insonify.simulation import Simulation
 
 TICK = 25  # ms
 BEHIND = 48  # blank pings on screen at which the tow waits
@@ -60,7 +60,7 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, tow, simulator, window, record, files, saving, targets
+    session, inspection, tow, simulator, window, record, files, saving, targets
         The parts that it connects.
     panels : PanelSet
         The panels of the window, by name.
@@ -71,6 +71,7 @@ class Viewer(QObject):
     def __init__(self, scene: Scene, *, accelerated: bool, prepare: Any = None) -> None:
         super().__init__()
         self.session = Session(scene)
+        self.inspection = Inspection()
         self.tow = TowClock(pings_held(scene) - 1)
         self.simulator = Simulator(prepare, parent=self)
         native = accelerated and QGuiApplication.platformName() == "xcb"
@@ -125,7 +126,7 @@ class Viewer(QObject):
         if isinstance(simulation, SceneError):
             self._refuse(self._number, str(simulation))
             return
-        self._seabed.show_sonar(simulation, self.tow.top, _silence(simulation), at_once=True)
+        self._seabed.show_sonar(simulation, self.tow.top, silence(simulation), at_once=True)
         self._ask()
 
     def _show_laid(self, number: int, packed: PackedScene) -> None:
@@ -163,6 +164,7 @@ class Viewer(QObject):
         if self._stopped:
             self.run(True)
         self._contrast.due = True
+        self.inspection.clear()
         self.seabed.reset_camera()
         self._freeing = True
         self.simulator.send(ARRAYS.clear, lambda _: None)  # tiles of the bed that is left may take 640 MB
@@ -208,6 +210,7 @@ class Viewer(QObject):
 
     def _connect(self) -> None:
         window, session = self.window, self.session
+        self.inspection.connect(window.waterfall, self._seabed)
         session.changed.connect(self._scene_changed)
         session.said.connect(window.say)
         session.marked.connect(self._show_mark)
@@ -250,6 +253,7 @@ class Viewer(QObject):
             say=self.window.say,
             pause=lambda: self.run(False),
             open_panel=self.window.open_panel,
+            inspection=self.inspection,
         )
 
     def _scene_changed(self, scene: Scene, settled: bool) -> None:
@@ -387,14 +391,9 @@ class Viewer(QObject):
         """Move fish and fan to the ping on top, and colour the scan line by its amplitudes."""
         top = self.window.waterfall.top
         if self._laid is not None:
-            self._seabed.show_sonar(self._laid, top, _silence(self._laid), at_once=True)
+            self._seabed.show_sonar(self._laid, top, silence(self._laid), at_once=True)
         if self._laid is not None or self._answer is None:
             return
         row = int(self.record.rows(np.array([top]))[0])
         tones = self._contrast.tones(self.record.amplitude[row])
         self._seabed.show_sonar(self._answer.simulation, top, tones)
-
-
-def _silence(simulation: Simulation | LaidScene) -> NDArray[np.float32]:
-    """Tones of a scan line without echoes."""
-    return np.zeros(2 * simulation.arrays.bins, dtype=np.float32)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 if TYPE_CHECKING:
     from insonify.planning import Plan
     from insonify.scene import Scene
+    from insonify_viewer.inspection import Inspection
     from insonify_viewer.marked_point import MarkedPoint
     from insonify_viewer.record import Record
     from insonify_viewer.session import Session
@@ -56,6 +57,8 @@ class Workbench:
         Pauses the tow.
     open_panel : callable
         Opens the panel of a name.
+    inspection : Inspection
+        The pinned pixel, the picked place, and what is drawn of both.
     """
 
     session: Session
@@ -64,6 +67,7 @@ class Workbench:
     say: Callable[[str], None]
     pause: Callable[[], None]
     open_panel: Callable[[str], None]
+    inspection: Inspection
 
 
 @dataclass(frozen=True)

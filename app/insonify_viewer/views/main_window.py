@@ -250,6 +250,10 @@ class MainWindow(QMainWindow):
         self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
         tip = "Reset view: put the camera behind and above the fish again"
         self.reset_view = self._tool(bar, "\u2302", tip, QKeySequence("Home"))
+        self.trace = self._tool(bar, "Echo", "Echo of one ping under the record", QKeySequence("E"))
+        self.trace.setCheckable(True)
+        self.trace.setChecked(True)
+        self.trace.toggled.connect(self.waterfall.show_trace)
         self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
         self._add_gain(bar)
 

@@ -11,17 +11,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyvista
 from numpy.typing import NDArray
-from PySide6.QtCore import QTimer
-from PySide6.QtGui import QImage, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtCore import QTimer, Signal
+from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from insonify_viewer.views import pv_meshes
+from insonify_viewer.views.pixel_marks import LIT
 from insonify_viewer.views.pv_meshes import BedPatch, ScanFan
+from insonify_viewer.views.sound_actors import SoundActors
 from insonify_viewer.views.theme import MARK
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Poses, SceneArrays
     from insonify.terrain import AnyGround
+    from insonify_viewer.inspection import SoundDrawing
 
 # PyVista is untyped.
 pv: Any = pyvista
@@ -33,6 +36,7 @@ VIEW_ANGLE = 54.0
 FISH = 0.075  # length in slant ranges: larger than life, so that it shows
 NEAREST, FARTHEST = 0.05, 6.0  # distance of the camera from its focus, in slant ranges
 ANISOTROPY = 4  # of the bed's texture, so that it is sharp far away
+STILL = 3  # px by which the mouse may move in a click
 REST = 4.0  # pause between two drawings, in drawing times, which leaves time for the window
 
 
@@ -53,6 +57,8 @@ class SeabedView(QWidget):
         Owner.
     """
 
+    sighted = Signal(object, object, object)  # ends of the line of sight through a click, and a target's place or None
+
     def __init__(self, *, accelerated: bool, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setMinimumSize(200, 140)
@@ -70,6 +76,7 @@ class SeabedView(QWidget):
         self._furnish()
         self._canvas.on_turn(self._clip)
         self._canvas.on_hold(self._thin)
+        self._canvas.on_click(self.look_at)
         self._drawn, self._took = 0.0, 0.05
         self._due = QTimer(self)
         self._due.setSingleShot(True)
@@ -122,6 +129,34 @@ class SeabedView(QWidget):
             self._mark_actor.scale = self._reach
         self._later()
 
+    def show_pick(self, place: tuple[float, float, float] | None) -> None:
+        """Mark a picked place; None removes the mark."""
+        self._pick_actor.visibility = place is not None
+        if place is not None:
+            self._pick_actor.position = place
+            self._pick_actor.scale = self._reach
+        self._later()
+
+    def show_sound(self, drawing: SoundDrawing | None) -> None:
+        """Draw the sound of a pixel; None removes it."""
+        self._sound.show(drawing, self._reach)
+        self._later()
+
+    def look_at(self, x: float, y: float) -> None:
+        """Signal the line of sight through a point of the view, in pixels from its lower left corner."""
+        renderer, ends = self._canvas.plotter.renderer, []
+        for depth in (0.0, 1.0):
+            renderer.SetDisplayPoint(x, y, depth)
+            renderer.DisplayToWorld()
+            *place, scale = renderer.GetWorldPoint()
+            ends.append(np.array(place) / scale)
+        picker = pv._vtk.vtkCellPicker()
+        picker.PickFromListOn()
+        picker.AddPickList(self._targets_actor)
+        picker.SetTolerance(0.0)
+        met = self._targets_actor.visibility and picker.Pick(x, y, 0.0, renderer)
+        self.sighted.emit(*ends, np.array(picker.GetPickPosition()) if met else None)
+
     def reset_camera(self) -> None:
         """Reset the camera to its place behind and above the fish, when the fish is shown next."""
         self._reach = 0.0
@@ -149,6 +184,8 @@ class SeabedView(QWidget):
         self._sheet_actor = plotter.add_mesh(self._fan.sheet, color="#bfeaff", opacity=0.17, lighting=False, **add)
         self._footprint_actor = plotter.add_mesh(self._fan.footprint, scalars="colour", rgb=True, lighting=False, **add)
         self._mark_actor = plotter.add_mesh(_pin(), color=MARK, lighting=False, **add)
+        self._pick_actor = plotter.add_mesh(_pin(), color=LIT, lighting=False, **add)
+        self._sound = SoundActors(plotter)
         for actor in plotter.actors.values():
             actor.visibility = False
 
@@ -254,6 +291,19 @@ class _Interactive:
         style.AddObserver("StartInteractionEvent", lambda *_: held(True))
         style.AddObserver("EndInteractionEvent", lambda *_: held(False))
 
+    def on_click(self, clicked: Callable[[float, float], None]) -> None:
+        """Call a function with the place of a click that does not turn the view."""
+        interactor, begun = self.plotter.iren.interactor, [(0, 0)]
+
+        def release() -> None:
+            place = interactor.GetEventPosition()
+            if abs(place[0] - begun[0][0]) + abs(place[1] - begun[0][1]) <= STILL:
+                clicked(*place)
+
+        style = interactor.GetInteractorStyle()
+        style.AddObserver("StartInteractionEvent", lambda *_: begun.__setitem__(0, interactor.GetEventPosition()))
+        style.AddObserver("EndInteractionEvent", lambda *_: release())
+
     def draw(self) -> None:
         self.widget.update()
 
@@ -285,6 +335,10 @@ class _OffScreen:
     def on_hold(self, held: Callable[[bool], None]) -> None:
         """Nobody takes hold of a picture."""
 
+    def on_click(self, clicked: Callable[[float, float], None]) -> None:
+        """Call a function with the place of a click."""
+        self.widget.clicked = clicked
+
     def _resize(self, width: int, height: int) -> None:
         self.plotter.window_size = [max(width, 2), max(height, 2)]
         self.draw()
@@ -309,6 +363,7 @@ class _PixelsWidget(QWidget):
         super().__init__(parent)
         self._resized = resized
         self._image = QImage()
+        self.clicked: Callable[[float, float], None] = lambda x, y: None
 
     def show_pixels(self, pixels: NDArray[np.uint8]) -> None:
         height, width, _ = pixels.shape
@@ -317,6 +372,10 @@ class _PixelsWidget(QWidget):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         self._resized(self.width(), self.height())
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        place = event.position()
+        self.clicked(place.x(), self.height() - 1.0 - place.y())
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)

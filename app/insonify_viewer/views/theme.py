@@ -54,6 +54,8 @@ QComboBox {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px;
 QComboBox:hover {{ border-color: {ACCENT}; }}
 QComboBox QAbstractItemView {{ background: {RAISED}; color: {TEXT}; selection-background-color: {EDGE};
     selection-color: {TEXT}; outline: 0; }}
+QTreeWidget#budget {{ background: {GROUND}; color: {TEXT}; border: 0; selection-background-color: {EDGE};
+    selection-color: {TEXT}; outline: 0; }}
 QSlider::groove:horizontal {{ height: 3px; background: {EDGE}; border-radius: 1px; }}
 QSlider::sub-page:horizontal {{ background: #9a7445; border-radius: 1px; }}
 QSlider::sub-page:horizontal:disabled {{ background: {EDGE}; }}

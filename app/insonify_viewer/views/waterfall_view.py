@@ -11,6 +11,8 @@ from PySide6.QtWidgets import QWidget
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.session import Mark
 from insonify_viewer.views.along_track_blur import blur_along_track
+from insonify_viewer.views.echo_trace import GAP, draw_trace, room_for_trace
+from insonify_viewer.views.pixel_marks import draw_lit, draw_pin
 from insonify_viewer.views.pixels import colour_table, colours, column_means, dimmed, round_steps, with_highlights
 from insonify_viewer.views.scrub_handle import ScrubHandle
 from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
@@ -20,6 +22,7 @@ from insonify_viewer.waiting import Waiting
 
 LEFT, BOTTOM, TOP, RIGHT = 64, 40, 24, 24
 PINGS_A_NOTCH = 16
+STILL = 3  # px by which the mouse may move in a click
 EMPTY = 0xFF0B1118
 
 
@@ -37,6 +40,7 @@ class WaterfallView(QWidget):
     hovered = Signal(object)  # Mark or None
     scrolled = Signal(int)  # pings further back
     scrubbed = Signal(int)  # ping to put on top
+    clicked = Signal(object)  # Mark
 
     def __init__(self, *, native: bool = False, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -54,6 +58,10 @@ class WaterfallView(QWidget):
         self._levels, self._gain = (0.0, 1.0), 1.0
         self._table = with_highlights(colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)))
         self._mark: Mark | None = None
+        self._pin: Mark | None = None
+        self._lit: tuple[Mark, ...] = ()
+        self._pressed: QPoint | None = None
+        self._traced = True  # whether the echo of one ping is drawn below
         self._waiting: Waiting | None = None
         self._oldest = -1  # stamp; rows with an older one are dimmed
         self._notches = 0
@@ -129,6 +137,21 @@ class WaterfallView(QWidget):
         self._mark = mark
         self.update()
 
+    def show_pin(self, mark: Mark | None) -> None:
+        """Draw a ring about the pinned pixel."""
+        self._pin = mark
+        self.update()
+
+    def show_lit(self, marks: tuple[Mark, ...]) -> None:
+        """Light up pixels."""
+        self._lit = marks
+        self.update()
+
+    def show_trace(self, shown: bool) -> None:
+        """Show the echo of one ping under the record, or give its room to the record."""
+        self._traced = shown
+        self._fit()
+
     @property
     def waiting(self) -> Waiting | None:
         """What the bar over the record says."""
@@ -168,8 +191,17 @@ class WaterfallView(QWidget):
         )
 
     def _plot(self) -> QRect:
-        room = self.rect().adjusted(LEFT, TOP, -RIGHT, -BOTTOM)
+        below = BOTTOM + (room_for_trace(self.height()) if self._traced else 0)
+        room = self.rect().adjusted(LEFT, TOP, -RIGHT, -below)
         return plot_at_true_scale(room, *self._extent())
+
+    def trace_area(self) -> QRect | None:
+        """Place of the echo trace, from below the rulers to the end of the view; None where there is none."""
+        if not self._traced or not room_for_trace(self.height()):
+            return None
+        plot = self._plot()
+        top = plot.bottom() + BOTTOM + GAP
+        return QRect(plot.left(), top, plot.width(), self.height() - top - 4)
 
     def _extent(self) -> tuple[float, float]:
         """Metres along the track and across it that the record shows."""
@@ -212,9 +244,26 @@ class WaterfallView(QWidget):
         self._handle.draw(painter, self._top)
         if self._waiting is not None:
             draw_waiting(painter, plot, self._waiting)
+        draw_lit(painter, (place for place in map(self.place_of, self._lit) if plot.contains(place)))
+        if self._pin is not None and plot.contains(self.place_of(self._pin)):
+            draw_pin(painter, self.place_of(self._pin))
         if self._mark is not None:
             self._draw_cross(painter, plot, self._mark)
+        self._draw_trace(painter)
         painter.end()
+
+    def _draw_trace(self, painter: QPainter) -> None:
+        """Draw the echo of the pinned ping, else of the one under the mouse, else of the one on top."""
+        area, record = self.trace_area(), self._record
+        mark = self._pin or self._mark
+        ping = self._top if mark is None else mark.ping
+        row = int(record.rows(np.array([ping]))[0])
+        if area is None or record.ping[row] != ping:
+            return
+        at = None
+        if mark is not None:
+            at = ((record.bins + mark.bin if mark.side else record.bins - 1 - mark.bin) + 0.5) / (2 * record.bins)
+        draw_trace(painter, area, record.amplitude[row], f"echo of ping {ping}", at)
 
     def _draw_ring(self, painter: QPainter, plot: QRect) -> None:
         pings, width = self._pixels.shape
@@ -279,12 +328,21 @@ class WaterfallView(QWidget):
         if event.button() is Qt.MouseButton.LeftButton and self._handle.contains(event.position()):
             self._handle.held = True
             self._scrub(event)
+        elif event.button() is Qt.MouseButton.LeftButton:
+            self._pressed = event.position().toPoint()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Let go of the handle."""
-        if self._handle.held and event.button() is Qt.MouseButton.LeftButton:
+        """Let go of the handle, or signal a click into the record."""
+        if event.button() is not Qt.MouseButton.LeftButton:
+            return
+        place, pressed, self._pressed = event.position().toPoint(), self._pressed, None
+        if self._handle.held:
             self._handle.held = False
             self.update()
+        elif pressed is not None and (place - pressed).manhattanLength() <= STILL:
+            mark = self.mark_at(place)
+            if mark is not None:
+                self.clicked.emit(mark)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Signal the bin under the mouse, or the ping at the handle."""

@@ -118,7 +118,10 @@ def _listen(
     if near.any():
         off = np.linalg.norm(parts.middle - at, axis=1)
         k = int(np.argmin(np.where(near, off, np.inf)))
-        r = 0.5 * float(parts.near[k] + parts.far[k])
+        r = math.hypot(level, float(place[2] - pose.z[0]))
+        if arrays.water.bent:
+            x = (parts.begin[k, 0], parts.end[k, 0])
+            r = float(np.interp(level, np.sort(x), (parts.near[k], parts.far[k])[:: 1 if x[0] <= x[1] else -1]))
         found.append(Listener(ping, side, int(r / arrays.bin_length), "direct"))
     if arrays.multipath.enabled:
         found += _listen_by_surface(simulation, arrays, pose, (ping, side, azimuth, level), place)

@@ -183,8 +183,8 @@ def _echo_in_bin(labelled, stretch, k):
     """Ground range, cosine of the incidence and energy of what of a stretch lies in range bin k."""
     segment, law, bin_length = labelled.segment, labelled.law, labelled.bin_length
     start, stop = max(stretch.near, k * bin_length), min(stretch.far, (k + 1) * bin_length)
-    a = min(max(_ground_range_at_slant(segment, start, stretch.outward), stretch.x_from), stretch.x_to)
-    b = min(max(_ground_range_at_slant(segment, stop, stretch.outward), stretch.x_from), stretch.x_to)
+    a = min(max(ground_range_at_slant(segment, start, stretch.outward), stretch.x_from), stretch.x_to)
+    b = min(max(ground_range_at_slant(segment, stop, stretch.outward), stretch.x_from), stretch.x_to)
     x, side = 0.5 * (a + b), math.sqrt(segment.area)
     cosine = -segment.facing / (slant_range(segment, x) * side)
     energy = FIXED_POINT * backscatter_strength(cosine, segment.diffuse, segment.specular, segment.shininess, law)
@@ -194,8 +194,22 @@ def _echo_in_bin(labelled, stretch, k):
 
 
 @inlined
-def _ground_range_at_slant(segment, r, outward):
-    """Ground range at which a segment's line has a slant range, beyond the foot of its perpendicular or before it."""
+def ground_range_at_slant(segment, r, outward):
+    """Ground range at which a segment's line has a slant range, beyond the foot of its perpendicular or before it.
+
+    Parameters
+    ----------
+    segment : BedSegment
+    r : float
+        Slant range, m; the nearest one where the line is farther.
+    outward : bool
+        Whether beyond the foot, where slant range grows with ground range.
+
+    Returns
+    -------
+    float
+        m.
+    """
     tilt = 1.0 + segment.slope * segment.slope
     foot = -segment.slope * segment.offset / tilt
     nearest_squared = segment.offset * segment.offset / tilt

@@ -22,6 +22,7 @@ from insonify.kernels.common.scattering import backscatter_strength
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import BED, LIGHT
 from insonify.kernels.geometry.cross_sections import HalfPlane
+from insonify.kernels.labels.bed_labels import ground_range_at_slant
 from insonify.kernels.labels.shadows import NO_TARGET, target_of_body
 from insonify.kernels.refraction.apparent_positions import (
     TableGrid,
@@ -244,9 +245,8 @@ def _list_stretch(arrays, sector, view, workspace, segment, place, x_from, x_to,
     if n >= parts.rows.shape[0]:
         return n + 1
     row = parts.rows[n]
-    # What lies outside the bins is left out, with slant range linear along the stretch.
-    begin, end = _inside(near, far, view)
-    a, b = x_from + begin * (x_to - x_from), x_from + end * (x_to - x_from)
+    a, b = _inside(segment, x_from, x_to, nearest < min(near, far), view)
+    near, far = slant_range(segment, a), slant_range(segment, b)
     middle = 0.5 * (a + b)
     height = segment.offset + segment.slope * middle
     r = math.sqrt(middle * middle + height * height)
@@ -266,7 +266,7 @@ def _list_stretch(arrays, sector, view, workspace, segment, place, x_from, x_to,
         share = (at - profile.x[i]) / run
         row[X_FROM + 2 * end_of] = knots.x[i] + share * (knots.x[i + 1] - knots.x[i])
         row[Z_FROM + 2 * end_of] = z + knots.z[i] + share * (knots.z[i + 1] - knots.z[i])
-    row[NEAR], row[FAR] = near + begin * (far - near), near + end * (far - near)
+    row[NEAR], row[FAR] = near, far
     row[LAUNCH], row[COSINE] = math.atan2(height, middle), cosine
     row[STRENGTH] = backscatter_strength(cosine, segment.diffuse, segment.specular, segment.shininess, arrays.law)
     _enter_beam(arrays, sector, row, middle, height, r, weight, gain)
@@ -282,12 +282,14 @@ def _nearest(segment, x_from, x_to):
 
 
 @inlined
-def _inside(near, far, view):
-    """Shares of a stretch at which it enters and leaves the slant ranges looked at."""
-    if abs(far - near) < 1e-9:
-        return 0.0, 1.0
-    one, other = (view.near - near) / (far - near), (view.far - near) / (far - near)
-    return min(max(min(one, other), 0.0), 1.0), min(max(max(one, other), 0.0), 1.0)
+def _inside(segment, x_from, x_to, turns, view):
+    """Ground ranges between which a stretch lies in the bins; all of it if its slant range falls and grows again."""
+    outward = slant_range(segment, x_to) >= slant_range(segment, x_from)
+    if turns or not x_to > x_from:
+        return x_from, x_to
+    one = min(max(ground_range_at_slant(segment, view.near, outward), x_from), x_to)
+    other = min(max(ground_range_at_slant(segment, view.far, outward), x_from), x_to)
+    return min(one, other), max(one, other)
 
 
 @inlined

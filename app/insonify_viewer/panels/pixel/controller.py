@@ -1,0 +1,173 @@
+"""Explains the pinned pixel on a thread of its own, and finds the pixels that hear a picked place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from insonify.scene import Scene, SceneError
+from insonify_viewer.inspection import Place as ScenePlace
+from insonify_viewer.inspection import SoundDrawing
+from insonify_viewer.newest_wins import NewestWins
+from insonify_viewer.panels.panel import Button, Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.panels.pixel.view.pixel_view import PixelView
+from insonify_viewer.session import Mark
+
+if TYPE_CHECKING:
+    from insonify.explanation.cross_section import CrossSection
+    from insonify.explanation.listeners import Listener
+    from insonify.explanation.pixel import PixelExplanation
+    from insonify.simulation import Simulation
+
+PATIENCE = 0.25  # s, for the thread when the window closes
+AROUND = 600  # pings to either side of the ping on top in which a place may be heard
+
+
+@dataclass(frozen=True, eq=False)
+class ExplainedPixel:
+    """Explanation of a pixel, and the section through the scene that it lies in."""
+
+    explanation: PixelExplanation
+    section: CrossSection
+
+
+class PixelPanel(Panel):
+    """Shows the budget of the pinned pixel beside the plane of the beam."""
+
+    name = "pixel"
+    title = "Pixel"
+    place = Place.BELOW
+    rank = 90
+    button = Button("Pixel", "Explain the pixel of the record that is clicked", "Ctrl+E")
+
+    def __init__(self, workbench: Workbench) -> None:
+        self._workbench = workbench
+        self._thread = NewestWins("pixel", workbench.simulator.call_later)
+        self._simulation: Simulation | None = None
+        self._shown: tuple[Simulation, Mark] | None = None
+        self._asked: tuple[Simulation, Mark] | None = None
+        self._newest = 0
+        self.view = PixelView()
+        workbench.inspection.pinned.connect(self._pin)
+        workbench.inspection.picked.connect(self._pick)
+
+    @property
+    def widget(self) -> PixelView:
+        """The budget beside the cross-section."""
+        return self.view
+
+    @property
+    def complete(self) -> bool:
+        """Whether the pinned pixel is explained in the present scene, or there is none."""
+        return self._wanted is None or self._shown == self._wanted
+
+    @property
+    def _wanted(self) -> tuple[Simulation, Mark] | None:
+        mark = self._workbench.inspection.mark
+        return None if mark is None or self._simulation is None else (self._simulation, mark)
+
+    def record_grown(self, growth: RecordGrowth) -> None:
+        """Explain the pinned pixel anew once another scene is traced at full accuracy."""
+        self._newest = int(growth.record.ping.max())
+        if growth.current and growth.answer.simulation is not self._simulation:
+            self._simulation = growth.answer.simulation
+            self._explain()
+
+    def scene_changed(self, scene: Scene, settled: bool) -> None:
+        """Let go of a pixel that the record no longer has."""
+        mark = self._workbench.inspection.mark
+        if settled and mark is not None and mark.bin >= scene.sonar.bins:
+            self._workbench.inspection.pin(None)
+
+    def closing(self) -> None:
+        """End the thread."""
+        self._thread.close(PATIENCE)
+
+    def _pin(self, mark: Mark | None) -> None:
+        """Open the panel for a pinned pixel, and explain it."""
+        if mark is None:
+            self._shown = self._asked = None
+            self.view.show_nothing()
+            return
+        self._workbench.open_panel(self.name)
+        self._explain()
+
+    def _explain(self) -> None:
+        wanted = self._wanted
+        if wanted is None or wanted in (self._shown, self._asked):
+            return
+        self._asked = wanted
+        self.view.show_waiting(wanted[1])
+        self._thread.send(lambda: _explained(*wanted), lambda found: self._take(wanted, found))
+
+    def _take(self, asked: tuple[Simulation, Mark], found: ExplainedPixel | SceneError | None) -> None:
+        """Show an explanation, unless another one is wanted by now."""
+        if self._asked == asked:
+            self._asked = None
+        if asked != self._wanted:
+            self._explain()
+            return
+        self._shown = asked
+        if isinstance(found, ExplainedPixel):
+            self.view.show_pixel(found.explanation, found.section)
+            self._workbench.inspection.drawn.emit(_drawing(found.explanation))
+        else:
+            self.view.show_nothing()
+            self._workbench.say(str(found or "this pixel cannot be explained; pin another one"))
+
+    def _pick(self, place: ScenePlace | None) -> None:
+        """Light up the pixels that hear a picked place."""
+        simulation = self._simulation
+        if place is None or simulation is None:
+            return
+        last = self._newest
+        pings = np.arange(max(last - 2 * AROUND, 0), last + 1, dtype=np.int64)
+        self._workbench.say("looking for the pixels that hear this place …")
+        self._thread.send(lambda: _listeners(simulation, place, pings), self._light)
+
+    def _light(self, found: tuple[Listener, ...] | None) -> None:
+        """Light the pixels up and say how many there are."""
+        marks = tuple(Mark(each.ping, each.side, each.bin) for each in found or ())
+        self._workbench.inspection.lit.emit(marks)
+        ghosts = sum(each.path != "direct" for each in found or ())
+        self._workbench.say(_words(len(marks) - ghosts, ghosts))
+
+
+def _words(direct: int, ghosts: int) -> str:
+    """Say how many pixels hear a place."""
+    if not direct + ghosts:
+        return "no pixel of the record hears this place: it is hidden or outside the beam"
+    told = f"{direct} {'pixel hears' if direct == 1 else 'pixels hear'} this place"
+    return told + (f", and {ghosts} by way of the sea surface" if ghosts else "")
+
+
+def _explained(simulation: Simulation, mark: Mark) -> Any:
+    # lazy: loads Numba on the thread of the panel; the window opens before
+    from insonify.explanation.cross_section import cut_cross_section
+    from insonify.explanation.pixel import explain_pixel
+
+    try:
+        explanation = explain_pixel(simulation, mark.ping, mark.side, mark.bin)
+        return ExplainedPixel(explanation, cut_cross_section(simulation, mark.ping, mark.side))
+    except SceneError as error:
+        return error
+
+
+def _listeners(simulation: Simulation, place: ScenePlace, pings: Any) -> tuple[Listener, ...]:
+    # lazy: loads Numba on the thread of the panel; the window opens before
+    from insonify.explanation.listeners import find_listeners
+
+    return find_listeners(simulation, np.array(place), pings)
+
+
+def _drawing(explanation: PixelExplanation) -> SoundDrawing:
+    """Lines of an explanation in three dimensions."""
+    nothing = np.empty((0, 2, 3))
+    return SoundDrawing(
+        rays=tuple(ray for each in explanation.contributions for ray in each.rays),
+        blocked=tuple(ray for each in explanation.obstructions for ray in each.rays),
+        heard=np.concatenate([nothing, *(each.places for each in explanation.contributions)]),
+        hidden=np.concatenate([nothing, *(each.places for each in explanation.obstructions)]),
+    )

@@ -1,0 +1,104 @@
+"""Budget of a pixel as a list: terms in dB, what returns the echo, what hides the bed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QHeaderView, QTreeWidget, QTreeWidgetItem, QTreeWidgetItemIterator, QWidget
+
+from insonify_viewer.views.theme import ACCENT, TEXT
+
+if TYPE_CHECKING:
+    from insonify.explanation.pixel import PixelExplanation
+
+MOST = 6  # contributions, and what hides, that are listed
+
+Row = tuple[str, str, str]
+
+
+class BudgetList(QTreeWidget):
+    """Lists the budget of a pixel.
+
+    Parameters
+    ----------
+    parent : QWidget, optional
+        Owner.
+    """
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("budget")
+        self.setAccessibleName("Budget of the pixel")
+        self.setColumnCount(3)
+        self.setHeaderHidden(True)
+        self.setIndentation(10)
+        self.setRootIsDecorated(False)
+        self.setUniformRowHeights(True)
+        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+        self.setMinimumWidth(150)
+        self.header().setStretchLastSection(True)
+        for column in (0, 1):
+            self.header().setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
+
+    def show_explanation(self, explanation: PixelExplanation) -> None:
+        """List the budget of a pixel."""
+        self.clear()
+        terms = [(term.name, _level(term.decibels), term.detail) for term in explanation.terms]
+        self._add_group("pixel", _level(explanation.level), "the sum of" if terms else "", terms)
+        self._add_group("returned by", "", "", _contributions(explanation))
+        unhidden = _level(explanation.unhidden) if explanation.obstructions else ""
+        self._add_group("hidden by", unhidden, "with nothing hidden" if unhidden else "", _obstructions(explanation))
+        for said in explanation.approximations:
+            self._add_group(said, "", "", ())
+        self.expandAll()
+
+    def rows(self) -> list[Row]:
+        """All rows as they are read, groups first."""
+        found: list[Row] = []
+        iterator = QTreeWidgetItemIterator(self)
+        while (item := iterator.value()) is not None:
+            found.append((item.text(0), item.text(1), item.text(2)))
+            iterator += 1
+        return found
+
+    def _add_group(self, name: str, level: str, detail: str, rows: Iterable[Row]) -> None:
+        """Add a heading with its rows; without both, nothing."""
+        rows = list(rows)
+        if not rows and not level and len(name.split()) < 3:
+            return
+        group = QTreeWidgetItem(self, [name, level, detail])
+        group.setForeground(0, QColor(ACCENT))
+        for row in (group, *(QTreeWidgetItem(group, list(texts)) for texts in rows)):
+            row.setTextAlignment(1, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+            row.setForeground(1, QColor(TEXT))
+            row.setToolTip(2, row.text(2))
+            row.setToolTip(0, row.text(0))
+
+
+def _contributions(explanation: PixelExplanation) -> list[Row]:
+    return [
+        (each.words, f"{100.0 * each.share:.1f} %", f"at {each.ground_range:.1f} m, incidence {each.incidence:.0f}°")
+        for each in explanation.contributions[:MOST]
+    ]
+
+
+def _obstructions(explanation: PixelExplanation) -> list[Row]:
+    return [
+        (
+            each.hider,
+            f"{100.0 * each.share:.1f} %",
+            "a slope that faces away" if each.faces_away else f"at {each.ground_range:.1f} m",
+        )
+        for each in explanation.obstructions[:MOST]
+    ]
+
+
+def _level(level: float) -> str:
+    """Level with a true minus sign; no echo has none."""
+    if not math.isfinite(level):
+        return "no echo"
+    return f"{round(level, 2) + 0.0:.2f} dB".replace("-", "−")

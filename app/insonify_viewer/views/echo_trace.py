@@ -1,0 +1,74 @@
+"""Echo of one ping over slant range, drawn under the record and aligned with it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QPointF, QRect, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+
+from insonify_viewer.views.theme import ACCENT, EDGE, MARK, QUIET, RAISED
+
+LEAST, GAP = 84, 22  # px, height of the trace, and its distance from the ruler above it
+ROOMY = 340  # px, height of the view from which there is room for a trace
+FLOOR, STEP = -30.0, 10.0  # dB re level bed: lowest of the scale, and its lines
+
+
+def room_for_trace(height: int) -> int:
+    """Height in px to keep free for the trace in a view; 0 where it is too low."""
+    return LEAST + GAP if height >= ROOMY else 0
+
+
+def trace_levels(amplitude: NDArray[np.float32], width: int) -> NDArray[np.float64]:
+    """Loudest bin of every display column in dB re level bed; minus infinity without echo."""
+    edges = np.arange(width + 1) * amplitude.size // max(width, 1)
+    loudest = np.maximum.reduceat(amplitude, np.minimum(edges[:-1], amplitude.size - 1))
+    with np.errstate(divide="ignore"):
+        return np.asarray(20.0 * np.log10(loudest.astype(np.float64)))
+
+
+def draw_trace(painter: QPainter, area: QRect, amplitude: NDArray[np.float32], title: str, at: float | None) -> None:
+    """Draw the trace of one ping.
+
+    Parameters
+    ----------
+    painter : QPainter
+    area : QRect
+        Below the record, as wide as it.
+    amplitude : (2 bins,) float32
+        From far port to far starboard.
+    title : str
+    at : float, optional
+        Place of the pinned bin, from 0 to 1 across the record.
+    """
+    levels = trace_levels(amplitude, area.width())
+    top = max(STEP * math.ceil(float(levels.max(initial=0.0)) / STEP), STEP)
+    painter.fillRect(area, QColor(RAISED))
+    painter.save()
+    painter.setClipRect(area)
+    _draw_scale(painter, area, top)
+    heights = area.bottom() - (np.maximum(levels, FLOOR) - FLOOR) / (top - FLOOR) * area.height()
+    line = QPolygonF([QPointF(area.left() + x + 0.5, y) for x, y in enumerate(heights.tolist())])
+    painter.setPen(QPen(QColor(ACCENT), 1.0))
+    painter.drawPolyline(line)
+    if at is not None:
+        x = area.left() + at * area.width()
+        painter.setPen(QPen(QColor(MARK), 1.0))
+        painter.drawLine(QPointF(x, area.top()), QPointF(x, area.bottom()))
+    painter.restore()
+    painter.setPen(QColor(QUIET))
+    painter.drawText(QRectF(area.left(), area.top() - 17.0, area.width(), 16.0), Qt.AlignmentFlag.AlignLeft, title)
+
+
+def _draw_scale(painter: QPainter, area: QRect, top: float) -> None:
+    """Draw lines every few decibels, with numbers where there is room."""
+    lines = np.arange(FLOOR + STEP, top, STEP)
+    for level in lines:
+        y = area.bottom() - (level - FLOOR) / (top - FLOOR) * area.height()
+        painter.setPen(QColor(EDGE))
+        painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
+        if level % (2.0 * STEP) == 0.0 or area.height() > 30 * len(lines):
+            painter.setPen(QColor(QUIET))
+            painter.drawText(QPointF(area.left() + 4.0, y - 2.0), f"{level:+g} dB" if level else "level bed")

@@ -1,0 +1,205 @@
+"""A pixel is clicked and explained; a place in three dimensions is clicked and its pixels light up."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QColor
+from PySide6.QtTest import QTest
+
+from insonify.scene import Scene, edit, load_scene
+from insonify_viewer.panels.pixel.view.section_view import BED as GROUND
+from insonify_viewer.panels.pixel.view.section_view import BLOCKED, HEARD, HIDDEN, WATER
+from insonify_viewer.session import Mark
+from insonify_viewer.views.echo_trace import trace_levels
+from insonify_viewer.views.theme import MARK
+
+PIPE = Mark(40, 1, 624)  # echo of the pipe, 31.2 m from the sonar
+SHADOW = Mark(40, 1, 660)
+BED = Mark(40, 1, 500)
+
+
+@pytest.fixture
+def scene() -> Scene:
+    return edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 1000})
+
+
+@pytest.fixture
+def viewer(open_viewer: Any, scene: Scene) -> Any:
+    return open_viewer(scene, prepare=None)
+
+
+def click(viewer: Any, mark: Mark, qtbot: Any) -> None:
+    """Click a pixel, and wait until it is explained: cold kernels take long to compile."""
+    waterfall = viewer.window.waterfall
+    QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=waterfall.place_of(mark))
+    qtbot.waitUntil(lambda: viewer.panels["pixel"].complete, timeout=240000)
+
+
+def is_like(colour: QColor, name: str) -> bool:
+    """Whether a colour is another one as far as a screen of 16 bits tells."""
+    other = QColor(name)
+    pairs = zip(colour.getRgb()[:3], other.getRgb()[:3])
+    return all(abs(one - two) <= 12 for one, two in pairs)
+
+
+def budget(viewer: Any) -> dict[str, str]:
+    return {name: level for name, level, _ in viewer.panels["pixel"].view.budget.rows()}
+
+
+def decibels(text: str) -> float:
+    return float(text.removesuffix(" dB").replace("−", "-"))
+
+
+def test_a_click_pins_a_pixel_and_its_terms_add_up(viewer: Any, qtbot: Any) -> None:
+    view = viewer.panels["pixel"].view
+    assert not view.isVisible()
+    click(viewer, BED, qtbot)
+    mark = viewer.inspection.mark
+    assert abs(mark.bin - BED.bin) <= 3
+    assert view.isVisible()
+    rows = budget(viewer)
+    total = decibels(rows.pop("pixel"))
+    terms = [decibels(level) for level in rows.values() if level.endswith("dB")]
+    assert len(terms) == 7
+    assert sum(terms) == pytest.approx(total, abs=0.05)
+    assert rows["bed, medium sand"] == "100.0 %"
+    recorded = viewer._answer.simulation.intensity(np.array([mark.ping]))[0, mark.side, mark.bin]
+    assert total == pytest.approx(10.0 * np.log10(recorded), abs=0.01)
+
+
+def test_a_shadow_is_explained_and_drawn(viewer: Any, qtbot: Any) -> None:
+    click(viewer, SHADOW, qtbot)
+    assert "in the shadow of pipe 1" in viewer.panels["pixel"].view.summary.text()
+    assert budget(viewer)["pipe 1"] == "100.0 %"
+    assert budget(viewer)["pixel"] == "no echo"
+    shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
+    assert shown == {"rays": False, "blocked": True, "heard": False, "hidden": True}
+    click(viewer, PIPE, qtbot)
+    assert "pipe 1" in viewer.panels["pixel"].view.summary.text()
+    shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
+    assert shown["rays"]
+    assert shown["heard"]
+    ends = np.asarray(viewer.seabed.view._sound.actors["rays"].mapper.dataset.points)[1::2]
+    np.testing.assert_allclose(ends[:, 1], -29.8, atol=0.4)  # on the side of the pipe that faces the sonar
+
+
+def test_the_pinned_pixel_is_ringed_and_let_go_by_a_second_click(viewer: Any, qtbot: Any) -> None:
+    click(viewer, SHADOW, qtbot)
+    waterfall = viewer.window.waterfall
+    place = waterfall.place_of(viewer.inspection.mark)
+    image = waterfall.grab().toImage()
+    assert is_like(image.pixelColor(place + QPoint(7, 0)), MARK)
+    QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=place)
+    assert viewer.inspection.mark is None
+    assert not any(actor.visibility for actor in viewer.seabed.view._sound.actors.values())
+    assert viewer.panels["pixel"].view.budget.rows() == []
+
+
+def test_the_cross_section_shows_bed_shadow_and_ray(viewer: Any, qtbot: Any) -> None:
+    click(viewer, SHADOW, qtbot)
+    section = viewer.panels["pixel"].view.section
+    qtbot.wait(20)
+    image = section.grab().toImage()
+    seen = {image.pixelColor(x, y).name() for x in range(image.width()) for y in range(image.height())}
+    for colour in (WATER, GROUND, HEARD, HIDDEN, BLOCKED):
+        assert any(is_like(QColor(name), colour) for name in seen), colour
+
+
+def test_an_edit_explains_the_pinned_pixel_anew(viewer: Any, qtbot: Any) -> None:
+    click(viewer, SHADOW, qtbot)
+    viewer.session.settle({"targets": []})
+    view = viewer.panels["pixel"].view
+    qtbot.waitUntil(lambda: viewer.complete and "bed, medium sand" in view.summary.text(), timeout=60000)
+    assert "pipe 1" not in budget(viewer)
+
+
+def test_another_scene_lets_go_of_the_pixel(viewer: Any, scene: Scene, qtbot: Any) -> None:
+    click(viewer, SHADOW, qtbot)
+    viewer.open(edit(scene, {"sonar.bins": 500}))
+    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    assert viewer.inspection.mark is None
+
+
+def test_a_drag_over_the_record_is_no_click(viewer: Any) -> None:
+    waterfall = viewer.window.waterfall
+    place = waterfall.place_of(BED)
+    QTest.mousePress(waterfall, Qt.MouseButton.LeftButton, pos=place)
+    QTest.mouseRelease(waterfall, Qt.MouseButton.LeftButton, pos=place + QPoint(20, 0))
+    assert viewer.inspection.mark is None
+
+
+def project(viewer: Any, place: tuple[float, float, float]) -> tuple[float, float]:
+    """Pixel of the 3-D view, from its lower left corner, at which a place is drawn."""
+    renderer = viewer.seabed.view._canvas.plotter.renderer
+    viewer.seabed.draw_now()
+    renderer.SetWorldPoint(*place, 1.0)
+    renderer.WorldToDisplay()
+    x, y, _ = renderer.GetDisplayPoint()
+    return x, y
+
+
+@pytest.mark.parametrize("place", [(6.0, 12.0, 0.0), (9.0, -29.7, 0.9)])
+def test_a_click_in_three_dimensions_lights_up_the_pixels_that_hear_the_place(
+    viewer: Any, place: tuple[float, float, float], qtbot: Any
+) -> None:
+    picked, lit = [], []
+    viewer.inspection.picked.connect(picked.append)
+    viewer.inspection.lit.connect(lit.append)
+    viewer.seabed.view.look_at(*project(viewer, place))
+    np.testing.assert_allclose(picked[-1], place, atol=0.3)
+    qtbot.waitUntil(lambda: len(lit) > 1, timeout=240000)
+    assert {mark.ping for mark in lit[-1]} >= {round(picked[-1][0] / 0.2)}
+    away = np.linalg.norm(np.array(picked[-1][1:]) - [0.0, 10.0])
+    assert all(abs((mark.bin + 0.5) * 0.05 - away) < 0.15 for mark in lit[-1])
+    assert "hear" in viewer.window._sentence.text()
+
+
+def test_a_place_in_the_shadow_is_heard_by_no_pixel(viewer: Any, qtbot: Any) -> None:
+    viewer.inspection.pick((6.0, -31.0, 0.0))
+    qtbot.waitUntil(lambda: "no pixel" in viewer.window._sentence.text(), timeout=240000)
+
+
+def test_the_echo_trace_is_aligned_with_the_record(viewer: Any) -> None:
+    waterfall = viewer.window.waterfall
+    area = waterfall.trace_area()
+    assert (area.left(), area.width()) == (waterfall._plot().left(), waterfall._plot().width())
+    row = waterfall.record.amplitude[waterfall.record.rows(np.array([40]))[0]]
+    loudest = int(np.argmax(trace_levels(row, area.width())))
+    assert abs(area.left() + loudest - waterfall.place_of(PIPE).x()) <= 3
+
+
+def test_without_the_trace_the_record_has_its_room(viewer: Any, qtbot: Any) -> None:
+    waterfall = viewer.window.waterfall
+    assert waterfall.trace_area() is not None
+    before = waterfall._plot().height()
+    viewer.window.trace.trigger()
+    assert waterfall.trace_area() is None
+    assert waterfall._plot().height() >= before
+    viewer.window.trace.trigger()
+    assert waterfall._plot().height() == before
+
+
+def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(edit(small, {"track.pings": 512}))
+    viewer.window.resize(1560, 980)
+    waterfall = viewer.window.waterfall
+    qtbot.waitUntil(lambda: waterfall.height() > 800)
+    plot, area = waterfall._plot(), waterfall.trace_area()
+    assert plot.height() < 0.75 * waterfall.height(), "the record at 1 : 1 is lower than the view"
+    assert plot.height() + area.height() > 0.85 * waterfall.height()
+
+
+def test_a_small_window_stays_usable(viewer: Any, qtbot: Any) -> None:
+    viewer.window.resize(880, 600)
+    click(viewer, BED, qtbot)
+    qtbot.waitUntil(lambda: viewer.window.width() == 880)
+    assert viewer.window.size().height() == 600
+    view, waterfall = viewer.panels["pixel"].view, viewer.window.waterfall
+    assert view.section.width() >= 160
+    assert view.budget.height() >= 80
+    assert waterfall._plot().height() >= 120
+    assert viewer.seabed.view.height() >= 140
