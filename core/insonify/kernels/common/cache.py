@@ -31,7 +31,8 @@ from insonify.kernels.common.part_library import PartLibrary
 
 PACKAGE = "insonify.kernels"
 SOURCES = Path(__file__).parents[1]
-WITHOUT_CODE = {"common.compilation", "common.compilation_events"}  # modules that leave the code alone
+# Modules that leave the code alone.
+WITHOUT_CODE = {"common.compilation", "common.compilation_events", "common.part_process", "common.part_worker"}
 UNUSED = 30 * 86400.0  # seconds after which machine code that no process has used is removed
 
 
@@ -249,3 +250,8 @@ class PartCache(KernelCache):
     """LLVM code on disk of one function that other kernels call."""
 
     _impl_class = _PartCacheImpl
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep the code of a signature, once it is linked."""
+        save = super().save_overload
+        data.library.save_when_linked(lambda: save(sig, data))

@@ -11,6 +11,7 @@ from typing import Any
 from numba.core import event
 
 from insonify.kernels.common.compilation import Compilation, tell_watchers
+from insonify.kernels.common.part_process import end_process, start_process
 
 PACKAGE = __name__.partition(".common.")[0]
 WORDS = {  # by the folder of the kernel's module
@@ -29,6 +30,7 @@ WORDS = {  # by the folder of the kernel's module
     "sweep": "the sweep",
     "targets": "targets",
 }
+MANY = 40  # functions of a kernel whose compilation takes longer than a second process to start
 UNSURE = 0.05  # share done up to which the time left is not told
 ROOT = 0.4  # share of a kernel's time that remains when all its functions are compiled; 0.29 to 0.45 of the sweep's
 
@@ -78,6 +80,8 @@ class CompilationListener(event.Listener):
         if self.depth == 0 and function.__module__.startswith(f"{PACKAGE}."):
             self.progress = _Progress(function)
             tell_watchers(self.progress.report())
+            if len(self.progress.left) >= MANY:
+                start_process()
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
@@ -88,6 +92,7 @@ class CompilationListener(event.Listener):
         if self.progress is None:
             return
         if self.depth == 0:
+            end_process()
             self.progress = None
             tell_watchers(None)
             return
