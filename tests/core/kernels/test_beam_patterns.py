@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of, rough
+from insonify.kernels.beam.pattern_integrals import integrated_response, integrated_responses
+from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
 from insonify.scene.beams.line_array import LineArray
 from insonify.tracers import rays
@@ -180,3 +182,36 @@ def test_the_near_field_between_two_rows_is_that_of_the_array(length, distance):
     )
     found = one + share * (other - one)
     assert np.linalg.norm(found - right) < 0.02 * np.linalg.norm(right)
+
+
+@kernel
+def integrate_along(pattern, x, z, r, axis, borders, many, single):
+    parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
+    integrated_responses(x, z, r, axis, borders, *parts, many)
+    for i in range(x.size):
+        level, tip = axis[0] * x[i] / r[i], axis[1] * z[i] / r[i]
+        single[i] = integrated_response(*parts, level * borders[0] + tip, level * borders[1] + tip, r[i])
+
+
+@pytest.mark.parametrize("rows", [1, 2, 61])
+def test_integrals_along_a_plane_are_those_of_its_places(rows):
+    rng = np.random.default_rng(rows)
+    extent = np.linspace(0.9, 0.3, rows)
+    energy = rng.uniform(0.0, 1.0, (rows, 129))
+    integral = np.cumsum(energy, axis=1) * (2.0 * extent[:, None] / 128)
+    pattern = BeamPattern(True, 0.05, extent, energy, integral, 2.0, 8.0, EVERY_GRAZING, 0.0, 1.0, True)
+    x, z = np.linspace(0.0, 400.0, 501), rng.uniform(-12.0, -8.0, 501)
+    z[200] = np.nan  # a hole in the bed
+    many, single = np.empty((2, 501))
+    integrate_along(pattern, x, z, np.hypot(x, z), (0.98, 0.2), (-0.3, 0.4), many, single)
+    known = np.isfinite(z)
+    np.testing.assert_allclose(many[known], single[known], rtol=1e-10, atol=1e-12)
+    place = np.clip(np.log2(np.hypot(x, z) / 2.0) * 8.0, 0.0, rows - 1.0)[known]
+    tip, level = (0.2 * z / np.hypot(x, z))[known], (0.98 * x / np.hypot(x, z))[known]
+    expected = np.zeros(known.sum())
+    for k in range(rows):
+        columns = 0.05 + extent[k] * np.linspace(-1.0, 1.0, 129)
+        ends = (np.interp(level * border + tip, columns, integral[k]) for border in (-0.3, 0.4))
+        low, high = ends
+        expected += (high - low) * np.maximum(1.0 - np.abs(place - k), 0.0)
+    np.testing.assert_allclose(many[known], expected, rtol=1e-7, atol=1e-9)

@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 from insonify.kernels.beam.pattern import (
     azimuthal_response,
-    integrated_response,
     lobe_response,
     shared_response,
     vertical_response,
     widest_extent,
 )
+from insonify.kernels.beam.pattern_integrals import integrated_response
 from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 
@@ -322,15 +322,9 @@ def pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_oc
     """
     level, tip = sector.ahead_level * x / r, sector.ahead_up * z / r
     span = level * (sector.s_high - sector.s_low)
-    if span <= 0.0:
-        return 0.0
     s_low, s_high = level * sector.s_low + tip, level * sector.s_high + tip
-    return (
-        x
-        * sector.angle
-        * integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r)
-        / span
-    )
+    response = integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r)
+    return x * sector.angle * response / span if span > 0.0 else 0.0
 
 
 @inlined_uncounted

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+from insonify.kernels.beam.pattern_integrals import integrated_response, row_of_range
 from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE, TOP_HAT
 
@@ -23,49 +24,9 @@ def _table_response(pattern, s, r):
 
 
 @inlined_uncounted
-def integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r):
-    """Integral of the two-way response over s between two values, at one slant range.
-
-    The arguments are the pattern's arrays: unpacking its tuple costs more than reading the table.
-
-    Parameters
-    ----------
-    centre, extent, integral, first_range, per_octave
-        Of the BeamPattern.
-    s_low, s_high : float
-        Sines of the angles from the plane athwart the fish.
-    r : float
-        Slant range, m.
-
-    Returns
-    -------
-    float
-    """
-    row, share = _place(extent, first_range, per_octave, r)
-    response = _step(centre, extent[row], integral, row, s_low, s_high)
-    if share > 0.0:
-        response += share * (_step(centre, extent[row + 1], integral, row + 1, s_low, s_high) - response)
-    return response
-
-
-@inlined_uncounted
-def _step(centre, extent, integral, row, s_low, s_high):
-    """Difference of one row's integral between two values of s."""
-    last = integral.shape[1] - 1
-    scale = last / (2.0 * extent)
-    low = min(max((s_low - centre + extent) * scale, 0.0), float(last))
-    high = min(max((s_high - centre + extent) * scale, 0.0), float(last))
-    if low >= high:
-        return 0.0
-    i, j = min(int(low), last - 1), min(int(high), last - 1)
-    below = integral[row, i] + (low - i) * (integral[row, i + 1] - integral[row, i])
-    return integral[row, j] + (high - j) * (integral[row, j + 1] - integral[row, j]) - below
-
-
-@inlined_uncounted
 def _row(pattern, r):
     """Row of the table for a slant range, and the fraction of the way to the next row."""
-    return _place(pattern.extent, pattern.first_range, pattern.per_octave, r)
+    return row_of_range(pattern.extent, pattern.first_range, pattern.per_octave, r)
 
 
 @inlined_uncounted
@@ -73,17 +34,6 @@ def _column(pattern, row, s):
     """Fractional column of one row for a value of s; outside the table beyond the row's extent."""
     extent = pattern.extent[row]
     return (s - pattern.centre + extent) / (2.0 * extent) * (pattern.energy.shape[1] - 1)
-
-
-@inlined_uncounted
-def _place(extent, first_range, per_octave, r):
-    """Row for a slant range and the fraction of the way to the next row, from the pattern's arrays."""
-    last = extent.size - 1
-    if last == 0 or r <= first_range:
-        return 0, 0.0
-    place = min(math.log2(r / first_range) * per_octave, float(last))
-    row = min(int(place), last - 1)
-    return row, place - row
 
 
 @inlined_uncounted

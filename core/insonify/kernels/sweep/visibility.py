@@ -16,11 +16,11 @@ from numpy.typing import DTypeLike, NDArray
 from insonify.kernels.beam.azimuth_sector import (
     in_plane_lobe,
     in_plane_response,
-    pattern_width,
     sector_weight,
     top_hat_share,
     top_hat_width,
 )
+from insonify.kernels.beam.pattern_integrals import integrated_responses
 from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT
@@ -230,9 +230,13 @@ def weigh_knots(x, z, r, sector, pattern, law, out):
 
 @inlined_uncounted
 def _weigh_pattern(x, z, r, sector, parts, out):
-    """Along-track width of a tabulated pattern at each knot."""
+    """Along-track width of a tabulated pattern at each knot, as `pattern_width` for one place."""
+    axis, borders = (sector.ahead_level, sector.ahead_up), (sector.s_low, sector.s_high)
+    integrated_responses(x, z, r, axis, borders, *parts, out)
+    span = sector.ahead_level * (sector.s_high - sector.s_low)
+    real, per_sine = out.dtype.type, sector.angle / span if span > 0.0 else 0.0
     for i in range(x.size):
-        out[i] = pattern_width(x[i], z[i], r[i], sector, *parts)
+        out[i] = out[i] * real(r[i] * per_sine) if x[i] > 0.0 else real(0.0)
 
 
 @inlined_uncounted
