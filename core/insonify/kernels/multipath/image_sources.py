@@ -183,8 +183,10 @@ def pair_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pa
     float
     """
     value = bistatic_strength(cos_one, cos_other, mirrored, diffuse, specular, shininess, pair.law)
-    if pair.orders == 2:
-        value += bistatic_strength(cos_other, cos_one, mirrored, diffuse, specular, shininess, pair.law)
+    if pair.orders == 2 and pair.law == LIGHT:
+        value += bistatic_strength(cos_other, cos_one, mirrored, diffuse, specular, shininess, LIGHT)
+    elif pair.orders == 2:
+        value *= 2.0  # law SONAR is reciprocal
     return value * pair.one.share * pair.other.share
 
 

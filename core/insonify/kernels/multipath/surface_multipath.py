@@ -20,39 +20,30 @@ from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacit
 from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import inlined, kernel
 from insonify.kernels.common.range_bins import accumulate_bins
-from insonify.kernels.common.types import LIGHT, SceneArrays
+from insonify.kernels.common.types import SceneArrays
 from insonify.kernels.geometry.cross_sections import HalfPlane
 from insonify.kernels.multipath.echo_list import (
     ENOUGH,
     EchoSink,
-    SurfaceEcho,
     deposit_echoes,
     empty_echo_list,
-    list_echo,
 )
 from insonify.kernels.multipath.image_sources import (
     SECOND_BOTTOM,
     SURFACE_BOTTOM,
-    height_delay,
     image_pair,
     pair_response,
-    pair_strength,
-    spreading_ratio,
-    tilt_delay,
     wave_advance,
 )
 from insonify.kernels.multipath.surface_echo import add_surface_echo
 from insonify.kernels.multipath.target_multipath import list_target_echoes
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
-from insonify.kernels.sweep.partial_segments import FINE
 from insonify.kernels.sweep.sweep import LOWEST, aim_plane, visible_from
 from insonify.kernels.sweep.target_echoes import ground_range_at, launch_angle
 from insonify.kernels.sweep.visibility import NADIR, weigh_knots
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
-from insonify.kernels.targets.occlusion import next_visible, occlusion_of
+from insonify.kernels.targets.occlusion import next_visible, occluded_slopes, occlusion_of
 
-HALVINGS = 40  # that find where a segment comes nearest to both images
-MOST_PARTS = 1024
 MOST_PASSES = 2  # of the sea surface
 
 
@@ -74,27 +65,6 @@ class MultipathWorkspace(NamedTuple):
     images: tuple[ImageProfile, ImageProfile]
     zbuffers: tuple[AngularZbuffer, AngularZbuffer]
     echoes: NDArray[np.float64]  # a list of echoes
-
-
-class SegmentLine(NamedTuple):
-    """A segment's line in the plane, as one image sees it: z = offset + slope · x."""
-
-    offset: float
-    slope: float
-
-
-class PairedSegment(NamedTuple):
-    """A segment of the bed by itself, as two images see it."""
-
-    one: SegmentLine
-    other: SegmentLine
-    area: float  # 1 + |∇z|²
-    at_nadir: float  # what its plane stands for there, were it linear
-    rate: float  # by which that grows per metre of ground range
-    material: int  # row of the reflectivity table
-    diffuse: float
-    specular: float
-    shininess: float
 
 
 def empty_multipath_workspace(arrays: SceneArrays, dtype: DTypeLike = np.float32) -> MultipathWorkspace:
@@ -200,8 +170,11 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
     count = slice_bed(arrays.bed, arrays.limits, x, y, z, ex, ey, reach, profile)
     one = raise_sector(sector, near_field * (height + pair.one.height))
     other = raise_sector(sector, near_field * (height + pair.other.height))
-    cells_one = _view_from_image(arrays, count, pair.one, plane, one, reach, workspace, 0)
-    cells_other = _view_from_image(arrays, count, pair.other, plane, other, reach, workspace, 1)
+    cells_one = cells_other = _view_from_image(arrays, count, pair.one, plane, one, reach, workspace, 0)
+    if pair.other.height > pair.one.height:
+        cells_other = _view_from_image(arrays, count, pair.other, plane, other, reach, workspace, 1)
+    else:
+        workspace = _with_one_image(workspace)
     if is_whole_beam(one) and arrays.pattern.two_way:
         weigh_paired_knots(workspace.profile.x[:count], workspace.images, one, arrays.pattern, arrays.law)
     n = _list_bed(arrays, count, pair, (cells_one, cells_other), workspace, sink)
@@ -209,6 +182,13 @@ def add_image_plane(arrays, poses, ping, side, fan, k, pair, workspace, sink):
         cells, sectors = (cells_one, cells_other), (one, other)
         n = list_target_echoes(arrays, count, pair, plane, sectors, cells, workspace, n, sink)
     _deposit(arrays, pair.passes, pair.path, workspace.echoes, n, sink)
+
+
+@inlined
+def _with_one_image(workspace):
+    """Return the workspace of a path out and back by the same image, the lower one."""
+    images, zbuffers = workspace.images, workspace.zbuffers
+    return MultipathWorkspace(workspace.profile, (images[0], images[0]), (zbuffers[0], zbuffers[0]), workspace.echoes)
 
 
 @inlined
@@ -249,7 +229,9 @@ def _list_bed(arrays, count, pair, cells, workspace, sink):
     r_other, weight_other = other.r, other.weight
     table, tabulated, two_way = arrays.reflectivity, arrays.pattern.tabulated, arrays.pattern.two_way
     occlusions = occlusion_of(workspace.zbuffers[0], cells[0]), occlusion_of(workspace.zbuffers[1], cells[1])
-    open_to_all, n = cells[0] == 0 and cells[1] == 0, 0
+    from_one, to_one = occluded_slopes(workspace.zbuffers[0], cells[0])
+    from_other, to_other = occluded_slopes(workspace.zbuffers[1], cells[1])
+    n = 0
     for i in range(count - 1):
         if not (launch_one[i + 1] > horizon_one[i] and launch_other[i + 1] > horizon_other[i]):
             continue
@@ -266,10 +248,12 @@ def _list_bed(arrays, count, pair, cells, workspace, sink):
         )
         start = visible_from(lower, x[i], x[i + 1], launch_one[i], horizon_one[i])
         start = max(start, visible_from(higher, x[i], x[i + 1], launch_other[i], horizon_other[i]))
-        if open_to_all:
-            n = _list_stretch(segment, pair, start, x[i + 1], echoes, n)
-        else:
+        covered = (launch_one[i + 1] > from_one) & (launch_one[i] < to_one)
+        if covered or ((launch_other[i + 1] > from_other) & (launch_other[i] < to_other)):
             n = _list_visible_to_both(segment, pair, start, x[i + 1], occlusions, echoes, n)
+        else:
+            near, far = echo_range(segment, start), 0.5 * (r_one[i + 1] + r_other[i + 1])
+            n = list_stretch(segment, pair, start, x[i + 1], near, far, echoes, n)
         if n > ENOUGH:
             _deposit(arrays, pair.passes, pair.path, echoes, n, sink)
             n = 0
@@ -301,89 +285,7 @@ def _list_visible_to_higher(segment, pair, x_from, x_to, occlusion, echoes, n):
             break
         start = x_from if opened <= low else max(ground_range_at(segment.other, opened), x_from)
         stop = x_to if closed >= high else min(ground_range_at(segment.other, closed), x_to)
-        n = _list_stretch(segment, pair, start, stop, echoes, n)
+        near, far = echo_range(segment, start), echo_range(segment, stop)
+        n = list_stretch(segment, pair, start, stop, near, far, echoes, n)
         low, x_from = closed, stop
     return n
-
-
-@inlined
-def _echo_range(segment, x):
-    """Slant range of the echo of a segment at a ground range: half the way by both images."""
-    a, b = segment.one.offset + segment.one.slope * x, segment.other.offset + segment.other.slope * x
-    return 0.5 * (math.sqrt(x * x + a * a) + math.sqrt(x * x + b * b))
-
-
-@inlined
-def _range_rate(segment, x):
-    """Twice the rate at which the slant range of the echo grows with ground range."""
-    slope = segment.one.slope
-    a, b = segment.one.offset + slope * x, segment.other.offset + slope * x
-    return (x + slope * a) / math.sqrt(x * x + a * a) + (x + slope * b) / math.sqrt(x * x + b * b)
-
-
-@kernel
-def _list_stretch(segment, pair, x_from, x_to, echoes, n):
-    """List the echo of a stretch of a segment that both images see; return the number of echoes."""
-    if not x_to > x_from:
-        return n
-    near, far, slope = _echo_range(segment, x_from), _echo_range(segment, x_to), segment.one.slope
-    squared = (x_to - x_from) ** 2 * (1.0 + slope * slope)
-    if squared <= min(abs(far - near), FINE * FINE * near) * near:
-        return _list_part(segment, pair, x_from, x_to, near, far, echoes, n)
-    foot = _nearest_ground_range(segment, x_from, x_to)
-    n = _list_monotone(segment, pair, x_from, foot, echoes, n)
-    return _list_monotone(segment, pair, foot, x_to, echoes, n)
-
-
-@kernel
-def _nearest_ground_range(segment, x_from, x_to):
-    """Ground range of the nearest echo of a segment; slant range falls towards it and grows beyond."""
-    if _range_rate(segment, x_from) >= 0.0:
-        return x_from
-    if _range_rate(segment, x_to) <= 0.0:
-        return x_to
-    low, high = x_from, x_to
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        if _range_rate(segment, middle) < 0.0:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
-
-
-@kernel
-def _list_monotone(segment, pair, x_from, x_to, echoes, n):
-    """List a stretch along which slant range grows or falls, in parts short against their range."""
-    if not x_to > x_from:
-        return n
-    near, slope = _echo_range(segment, x_from), segment.one.slope
-    nearest = max(min(near, _echo_range(segment, x_to)), pair.bin_length)
-    parts = 1 + int(min((x_to - x_from) * math.sqrt(1.0 + slope * slope) / (FINE * nearest), MOST_PARTS - 1.0))
-    dx = (x_to - x_from) / parts
-    for k in range(parts):
-        start = x_from + k * dx
-        far = _echo_range(segment, start + dx)
-        n = _list_part(segment, pair, start, start + dx, near, far, echoes, n)
-        near = far
-    return n
-
-
-@inlined
-def _list_part(segment, pair, x_from, x_to, near, far, echoes, n):
-    """List one part, whose energy is spread evenly over the slant ranges it spans, ``near`` to ``far``."""
-    x, stretch, law = 0.5 * (x_from + x_to), math.sqrt(segment.area), pair.law
-    a, b = segment.one.offset + segment.one.slope * x, segment.other.offset + segment.other.slope * x
-    if -b <= pair.other.above:
-        return n  # land
-    r_one, r_other = math.sqrt(x * x + a * a), math.sqrt(x * x + b * b)
-    cos_one, cos_other = -segment.one.offset / (r_one * stretch), -segment.other.offset / (r_other * stretch)
-    mirrored = 2.0 * cos_one * cos_other - (x * x + a * b) / (r_one * r_other)
-    value = pair_strength(cos_one, cos_other, mirrored, segment.diffuse, segment.specular, segment.shininess, pair)
-    value *= (segment.at_nadir + segment.rate * x) * spreading_ratio(r_one, r_other, law)
-    energy = value * abs(far - near) / pair.bin_length if law == LIGHT else value * stretch * (x_to - x_from)
-    rms, variance = pair.rms_height, pair.slope_variance
-    rise = height_delay(pair.one, -a, r_one, rms) + height_delay(pair.other, -b, r_other, rms)
-    tilt = tilt_delay(pair.one, -a, r_one, variance) + tilt_delay(pair.other, -b, r_other, variance)
-    cosine = min(cos_one, cos_other)
-    return list_echo(echoes, n, SurfaceEcho(near, far, energy, rise, tilt, x, cosine, segment.material))
