@@ -35,6 +35,7 @@ from insonify.kernels.multipath.image_sources import (
     pair_response,
     wave_advance,
 )
+from insonify.kernels.multipath.paired_segments import PairedSegment, SegmentLine, echo_range, list_stretch
 from insonify.kernels.multipath.surface_echo import add_surface_echo
 from insonify.kernels.multipath.target_multipath import list_target_echoes
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
