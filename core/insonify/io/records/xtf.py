@@ -38,6 +38,7 @@ BLOCK = 1024  # bytes of a file header; one more block for every six further cha
 SAMPLES = {2: "<u4", 3: "<u2", 5: "<f4", 8: "u1"}  # by SampleFormat
 BY_BYTES = {1: "u1", 2: "<u2", 4: "<u4"}  # by BytesPerSample, where SampleFormat is 0
 GROUND_RANGE = 2  # of CorrectionFlags
+WIDEST_BEAM = 60.0  # degrees, of a side-scan sonar
 
 
 class _Ping(NamedTuple):
@@ -85,7 +86,7 @@ def read_xtf(path: str | Path, frequency: float | None = None) -> xr.Dataset:
     band = list(told)[chosen]
     pings = [ping for ping in pings if band in ping.bands]
     track = _track(header, [ping.header for ping in pings])
-    track.attributes.update(frequency_attributes(list(told.values()), chosen))
+    track.attributes.update(frequency_attributes(list(told.values()), chosen) | _beam_width(header, band))
     return assemble(path, [ping.bands[band] for ping in pings], track)
 
 
@@ -218,6 +219,13 @@ def _bands(header: Any) -> dict[int, int]:
     """Return the frequency that side-scan channels belong to, counted from 0, by the order of ports and starboards."""
     kinds = [SIDES.get(info.TypeOfChannel) for info in header.ChanInfo]
     return {number: kinds[:number].count(kind) for number, kind in enumerate(kinds) if kind is not None}
+
+
+def _beam_width(header: Any, band: int) -> dict[str, float]:
+    """Return the attribute of the horizontal beamwidth of a band in degrees; none where the file lacks it."""
+    given = [float(header.ChanInfo[number].HorizBeamAngle) for number, each in _bands(header).items() if each == band]
+    width = next((width for width in given if 0.0 < width <= WIDEST_BEAM), None)
+    return {} if width is None else {"beam_width": width}
 
 
 def _frequencies(header: Any, pings: list[_Ping]) -> dict[int, float]:
