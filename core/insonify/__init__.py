@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from insonify.acoustics.caustics import caustics
     from insonify.acoustics.paths import eigenrays, ray_paths, shadow_zones
     from insonify.explanation.pixel import explain_pixel
+    from insonify.inversion.learning import learn
     from insonify.planning import plan
     from insonify.scene import Scene, SceneError, load_scene
     from insonify.simulation import prepare, simulate, simulate_blocks
@@ -22,6 +23,7 @@ __all__ = [
     "chart",
     "eigenrays",
     "explain_pixel",
+    "learn",
     "load_scene",
     "plan",
     "prepare",
@@ -40,6 +42,7 @@ _MODULES = {
     "chart": "accuracy.charts.kinds.accuracy",
     "eigenrays": "acoustics.paths",
     "explain_pixel": "explanation.pixel",
+    "learn": "inversion.learning",
     "load_scene": "scene",
     "plan": "planning",
     "prepare": "simulation",

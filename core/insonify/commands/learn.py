@@ -1,0 +1,53 @@
+"""``insonify learn``: a scene whose record resembles a recording."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from insonify.commands.options import add_frequency, add_output, chosen_output, is_record, say
+from insonify.errors import SceneError
+from insonify.io.records import RECORDS, read_record
+from insonify.scene import read_setting
+
+EXAMPLE = "example: insonify learn recording.xtf -o scene.toml --set sonar.beam.width=0.5"
+
+
+def register(subparsers: Any) -> None:
+    """Add ``learn``."""
+    parser = subparsers.add_parser(
+        "learn",
+        help="make a scene whose record resembles a recording",
+        description="Take sonar and track from a record, learn relief, material, speckle and level of its bed, and "
+        "write a scene whose own record resembles it. Print what matches, what differs, and what the record does not "
+        "tell.",
+        epilog=EXAMPLE,
+    )
+    parser.add_argument("record", metavar="RECORD", help=f"a record: {RECORDS.describe(RECORDS.readable())}")
+    add_output(parser, (".toml",))
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        help="what the record does not tell of sonar, water and receiver, e.g. sonar.beam.width=0.5; repeatable",
+    )
+    add_frequency(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Learn a scene from a record, write it, and print how its record compares."""
+    path, name = chosen_output(arguments), arguments.record
+    changes = dict(read_setting(text) for text in arguments.set)
+    if not is_record(name):
+        raise SceneError(f"{name}: is no record; give {RECORDS.describe(RECORDS.readable())}")
+    record = read_record(name, arguments.frequency)
+    # lazy: the other commands need neither SciPy nor the kernels
+    from insonify.inversion.learning import learn
+
+    learned = learn(record, changes)
+    for line in learned.lines():
+        say(line)
+    for written in learned.write(path):
+        say(str(written))

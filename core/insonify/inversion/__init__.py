@@ -1,0 +1,1 @@
+"""Inversion of a record: relief, material and speckle of a bed whose simulated record resembles it."""

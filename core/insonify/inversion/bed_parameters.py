@@ -1,0 +1,171 @@
+"""Parameters of a learned bed, and the seabed and receiver of a scene that has them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from statistics import NormalDist
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from insonify.inversion.speckle_statistics import choose_speckle
+from insonify.scene import Scene
+from insonify.scene.edit import edit, plain
+from insonify.scene.materials.catalogue import MATERIALS
+from insonify.scene.reliefs.fractal import Fractal, power_spectrum
+
+MOST_CELLS = 2048  # of a period of the bed
+LONGEST_PERIOD = 2.0  # swaths of both sides after which the bed repeats, at least
+BANDS = 12  # of patches of material
+SEDIMENTS = ("silt", "fine_sand", "medium_sand", "coarse_sand", "sandy_gravel")
+USUAL_SPEED = 1500.0  # m/s, where the water has several
+LEAST_RMS = 1e-6  # m
+
+
+class PowerLaw(NamedTuple):
+    """Spectral density A f^−2β of a field on the bed, of both signs of the frequency f in cycles a metre.
+
+    Attributes
+    ----------
+    log_level, exponent : float
+        ln A and β; A in m² times the unit of the field squared, at one cycle a metre.
+    """
+
+    log_level: float
+    exponent: float
+
+
+@dataclass(frozen=True)
+class BedParameters:
+    """Parameters of a bed that are learned.
+
+    Attributes
+    ----------
+    relief : PowerLaw or None
+        Heights in metres; None for a level bed.
+    patches : PowerLaw or None
+        Logarithm of the backscatter; None for an even material.
+    speckle : float
+        Variance of the relative amplitude by speckle.
+    diffuse : float
+        Lambert's share of the material, in the middle of its patches.
+    mirrors : bool
+        Whether the material has the mirror lobe of the sediment that is nearest in level, rather than none.
+    """
+
+    relief: PowerLaw | None
+    patches: PowerLaw | None
+    speckle: float
+    diffuse: float
+    mirrors: bool
+
+    def scaled(self, decibels: float) -> BedParameters:
+        """Material louder by a number of decibels, as far as it returns no more than arrives."""
+        return replace(self, diffuse=min(self.diffuse * 10.0 ** (decibels / 10.0), 1.0))
+
+
+def set_bed(scene: Scene, bed: BedParameters) -> Scene:
+    """Give a scene a bed and speckle of some parameters, on a grid as fine as the record resolves.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene with the sonar and the track of a record.
+    bed : BedParameters
+
+    Returns
+    -------
+    Scene
+    """
+    period, spacing = choose_grid(scene)
+    values = plain(scene)
+    seabed = {
+        "depth": scene.seabed.depth,
+        "spacing": spacing,
+        "relief": _relief(bed, period, spacing),
+        "material": _material(bed, period, spacing),
+    }
+    speckle = choose_speckle(bed.speckle).model_dump(mode="json", exclude_none=True)
+    return edit(scene, {"seabed": seabed, "receiver": values["receiver"] | {"speckle": speckle}})
+
+
+def choose_grid(scene: Scene) -> tuple[float, float]:
+    """Period and spacing of a bed in metres: two swaths long, and as fine as the resolution in range.
+
+    A period has 2048 nodes at most.
+    """
+    sonar = scene.sonar
+    cell = max(sonar.range / sonar.bins, sonar.pulse.cell(scene.water.only_speed or USUAL_SPEED))
+    swath = LONGEST_PERIOD * sonar.range
+    spacing = float(f"{max(cell, swath / MOST_CELLS):.2g}")
+    cells = min(next_fast_len(math.ceil(swath / spacing), real=True), MOST_CELLS)
+    return round(cells * spacing, 9), spacing
+
+
+def realised_rms(law: PowerLaw, period: float, spacing: float) -> float:
+    """Root mean square over one period of a field with a spectral density, on a grid.
+
+    Parameters
+    ----------
+    law : PowerLaw
+        It levels off below one cycle per period.
+    period, spacing : float
+        In metres.
+    """
+    log_level, exponent = law
+    half = round(period / spacing) // 2
+    x, y = np.arange(1.0 - half, half)[:, None], np.arange(0.0, half)
+    power = power_spectrum(Fractal(beta=exponent), x, y)
+    power[half - 1, 0] = 0.0
+    both = 2.0 * float(power.sum()) - float(power[:, 0].sum())  # of both signs of y
+    peak = float(power_spectrum(Fractal(beta=exponent), np.ones(1), np.zeros(1))[0])
+    return math.sqrt(math.exp(log_level) * period ** (2.0 * exponent - 2.0) * both / peak)
+
+
+def slope_above(scene: Scene, shortest: float) -> float:
+    """Root mean square slope along one direction, of the waves of a scene's fractal relief above a wavelength (m)."""
+    relief = scene.seabed.relief
+    if not isinstance(relief, Fractal):
+        return 0.0
+    half = round(relief.period / scene.seabed.spacing) // 2
+    x, y = np.arange(1.0 - half, half)[:, None], np.arange(1.0 - half, half)
+    power = power_spectrum(relief, x, y)
+    power[half - 1, half - 1] = 0.0
+    steep = (2.0 * np.pi / relief.period * x) ** 2 * (np.hypot(x, y) <= relief.period / shortest)
+    return relief.rms * math.sqrt(float((power * steep).sum()) / float(power.sum()))
+
+
+def _relief(bed: BedParameters, period: float, spacing: float) -> dict[str, Any]:
+    """Fractal or level relief as plain values."""
+    rms = 0.0 if bed.relief is None else realised_rms(bed.relief, period, spacing)
+    if bed.relief is None or rms < LEAST_RMS:
+        return {"kind": "flat"}
+    return {"kind": "fractal", "beta": _rounded(bed.relief.exponent), "rms": _rounded(rms), "period": period}
+
+
+def _material(bed: BedParameters, period: float, spacing: float) -> dict[str, Any]:
+    """Plain values of one material, or of a fractal map of one at several levels."""
+    if bed.patches is None:
+        return _at_level(bed, 0.0)
+    spread = realised_rms(bed.patches, period, spacing) * 10.0 / math.log(10.0)  # dB
+    levels = [spread * NormalDist().inv_cdf((number + 0.5) / BANDS) for number in range(BANDS)]
+    return {
+        "kind": "fractal",
+        "beta": _rounded(bed.patches.exponent),
+        "of": [_at_level(bed, level) for level in levels],
+    }
+
+
+def _at_level(bed: BedParameters, decibels: float) -> dict[str, Any]:
+    """Plain values of the sediment nearest in level to the bed plus some decibels, with its level set to that."""
+    diffuse = _rounded(bed.scaled(decibels).diffuse)
+    name = min(SEDIMENTS, key=lambda one: abs(math.log(MATERIALS[one].diffuse / max(diffuse, 1e-12))))
+    specular = min(MATERIALS[name].specular, 1.0 - diffuse) if bed.mirrors else 0.0
+    return {"name": name, "diffuse": diffuse, "specular": _rounded(specular)}
+
+
+def _rounded(value: float) -> float:
+    """Round to five digits, more than a record tells, so that the last bits of sums do not matter."""
+    return float(f"{value:.5g}")

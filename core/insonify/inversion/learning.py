@@ -1,0 +1,112 @@
+"""Bed from a record: a scene whose simulated record resembles a recording, found by simulation and comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from insonify.inversion.findings import Finding, format_table, report_findings
+from insonify.inversion.matching import Matching, speed_of_sound
+from insonify.inversion.recorded_sonar import RecordedSonar, declare_sonar
+from insonify.inversion.segment_spectra import SegmentSpectra, SoundedBed, measure_segment_spectra, sound_bed
+from insonify.inversion.sonar_estimates import estimate_beam, estimate_pulse
+from insonify.inversion.track_file import staged_track, write_learned
+from insonify.scene import Scene
+from insonify.scene.edit import edit
+from insonify.simulation import simulate
+
+LONGEST = 2048  # pings, from the middle of a longer record
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A scene learned from a record, and how its own record compares.
+
+    Attributes
+    ----------
+    scene : Scene
+        On a straight, level track.
+    findings : tuple of Finding
+        What matched, what did not, and what the record does not tell.
+    navigation : mapping of str to (pings,) float64, or None
+        Time, x, y, altitude and heading of a track that is not straight and level.
+    """
+
+    scene: Scene
+    findings: tuple[Finding, ...]
+    navigation: Mapping[str, Any] | None = None
+
+    def lines(self) -> list[str]:
+        """Lay out the findings as lines of a table."""
+        return format_table(self.findings)
+
+    def write(self, path: str | Path) -> list[Path]:
+        """Write the scene as TOML, and its track as CSV beside it where that is not straight; return the files."""
+        return write_learned(path, self.scene, self.navigation)
+
+
+def learn(record: xr.Dataset, changes: Mapping[str, Any] | None = None) -> Learned:
+    """Learn a scene from a record.
+
+    Sonar and track are taken as declared. Relief, material, speckle and level are fitted; then the scene is simulated,
+    the same fit is made of its record, and the difference corrects the parameters (indirect inference: Gouriéroux,
+    Monfort and Renault 1993).
+
+    Parameters
+    ----------
+    record : Dataset
+        From ``records.read_record`` or `simulate`.
+    changes : mapping of str to object, optional
+        Fields of the scene by dotted path that the record does not tell, such as ``{"sonar.beam.width": 0.5}``.
+
+    Returns
+    -------
+    Learned
+
+    Raises
+    ------
+    SceneError
+        If the record shows too little bed, or a field is given that is learned.
+    """
+    record = _middle(record)
+    sonar = declare_sonar(record, changes or {})
+    bed = sound_bed(record, sonar.altitude, separate=not sonar.simulated)
+    spectra = measure_segment_spectra(bed)
+    sonar = _estimate_sonar(sonar, bed, spectra)
+    with staged_track(sonar.scene, sonar.navigation) as scene:
+        candidate, fit = Matching(scene, sonar, bed, spectra).match()
+        own = simulate(candidate.set_on(scene))
+    learned = edit(candidate.set_on(sonar.scene), _title(record))
+    return Learned(learned, report_findings(record, own, sonar, learned, fit), sonar.navigation)
+
+
+def _middle(record: xr.Dataset) -> xr.Dataset:
+    """Cut a long record to the pings in its middle."""
+    pings = record.sizes["ping_time"]
+    first = max(pings - LONGEST, 0) // 2
+    return record.isel(ping_time=slice(first, first + LONGEST))
+
+
+def _estimate_sonar(sonar: RecordedSonar, bed: SoundedBed, spectra: SegmentSpectra) -> RecordedSonar:
+    """Estimate pulse and beam from the record where nothing declares them."""
+    speed = speed_of_sound(sonar.scene)
+    scene = sonar.scene
+    if "sonar.pulse" in sonar.assumed:
+        scene = edit(scene, {"sonar.pulse": estimate_pulse(spectra, bed.bin_length, speed)})
+    if "sonar.beam" in sonar.assumed:
+        scene = edit(scene, {"sonar.beam.width": estimate_beam(spectra, scene, speed)})
+    return sonar._replace(scene=scene)
+
+
+def _title(record: xr.Dataset) -> dict[str, str]:
+    """Title and description of a scene learned from a record."""
+    name = str(record.attrs.get("title", "")) or "a record"
+    return {
+        "title": f"Learned from {name}"[:200],
+        "description": "Relief, material and speckle are learned from a record. The landscape is another one of the "
+        "same statistics, and targets are left out: place your own. Change the seed for another bed of this kind.",
+    }

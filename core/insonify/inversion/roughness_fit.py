@@ -1,0 +1,183 @@
+"""Fit of relief, patches of material and speckle to the spectra of a record, by Whittle's likelihood.
+
+Theory: docs/theory/inversion.md.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from insonify.inversion.footprint import Footprint
+from insonify.inversion.segment_spectra import EFFICIENCY, SEGMENT, AngleGroup, SegmentSpectra
+
+Field = NDArray[np.float64]
+FINEST = 8.0  # resolution cells of the shortest wave that is fitted; a bed's own grid shapes shorter ones
+ALIASES = np.arange(-2, 3)  # bands that pings far apart fold into one
+COARSEST = 2  # cycles per segment that a wave needs, along or across; fewer are removed with the mean plane
+STARTS = (0.8, 1.4, 2.0, 2.6)  # exponents from which the fit starts
+LEVELS, EXPONENTS = (-60.0, 20.0), (0.0, 4.0)
+SILENT = 1e-3  # speckle over the mean power of the record, at least: leakage and aliases rule fainter waves
+
+
+class PowerLawFit(NamedTuple):
+    """Spectral density A f^−2β, of both signs of the frequency f in cycles a metre.
+
+    Attributes
+    ----------
+    log_level, exponent : float
+        ln A and β.
+    log_level_error, exponent_error : float
+        Their standard errors.
+    """
+
+    log_level: float
+    exponent: float
+    log_level_error: float
+    exponent_error: float
+
+
+class RoughnessFit(NamedTuple):
+    """What explains the spectra of a record.
+
+    Attributes
+    ----------
+    relief : PowerLawFit
+        Heights, in m⁴ (cycles a metre)^2β.
+    patches : PowerLawFit or None
+        Logarithm of the backscatter by patches of material; None if none are fitted.
+    speckle : float
+        Variance of the relative amplitude by speckle.
+    cost : float
+        Negative logarithm of the likelihood.
+    """
+
+    relief: PowerLawFit
+    patches: PowerLawFit | None
+    speckle: float
+    cost: float
+
+
+class _GroupModel(NamedTuple):
+    """Model of the spectrum of one group: Σ over power laws and aliases of A f^−2β times a transfer, plus speckle."""
+
+    power: Field  # (cells,) as measured
+    transfers: tuple[Field, ...]  # (aliases, cells) of each power law
+    log_squared: Field  # (aliases, cells), ln f²
+    speckle: Field  # (cells,) for unit variance of a sample
+    weight: float
+
+
+def fit_roughness(
+    spectra: SegmentSpectra, footprint: Footprint, *, patches: bool = False, near: RoughnessFit | None = None
+) -> RoughnessFit:
+    """Fit a power-law relief, on request patches of material, and speckle to the spectra of a record.
+
+    A slope p along the line of sight changes the amplitude by κ p, see `Footprint.respond_to_slope`; patches change it
+    by half the logarithm of their backscatter in every direction alike. Beam, pulse and bins average both. Speckle is
+    white but for the pulse. Whittle's likelihood, Σ ln S + I/S over frequencies, weighs each frequency by what it
+    tells (Whittle 1953).
+
+    Parameters
+    ----------
+    spectra : SegmentSpectra
+    footprint : Footprint
+        Of the sonar.
+    patches : bool
+        Whether patches of material are fitted as well.
+    near : RoughnessFit, optional
+        Fit of a similar record, from which to start; several exponents are tried when left out.
+
+    Returns
+    -------
+    RoughnessFit
+    """
+    models = [_group_model(group, spectra, footprint, patches) for group in spectra.groups]
+    laws = len(models[0].transfers)
+    noise = np.array([np.log(np.mean(model.power / model.speckle)) for model in models])
+    bounds = [LEVELS, EXPONENTS] * laws + [(level + np.log(SILENT), level) for level in noise]
+    exponents = STARTS if near is None else (near.relief.exponent,)
+    starts = [_start(models, noise, exponent) for exponent in exponents]
+    fits = [minimize(_cost, start, (models,), "L-BFGS-B", jac=True, bounds=bounds) for start in starts]
+    best = min(fits, key=lambda fit: fit.fun)
+    errors = np.sqrt(np.diagonal(np.linalg.pinv(_information(best.x, models))))
+    found = [PowerLawFit(*best.x[2 * k : 2 * k + 2], *errors[2 * k : 2 * k + 2]) for k in range(laws)]
+    speckle = float(np.exp(np.median(best.x[2 * laws :])))
+    return RoughnessFit(found[0], found[1] if patches else None, speckle, float(best.fun))
+
+
+def _group_model(group: AngleGroup, spectra: SegmentSpectra, footprint: Footprint, patches: bool) -> _GroupModel:
+    """Model of one group at the frequencies that are fitted; both signs along the track are averaged."""
+    highest = 1.0 / (FINEST * footprint.cell)
+    rows = np.flatnonzero(np.abs(spectra.along[: SEGMENT // 2 + 1]) <= highest)
+    columns = np.flatnonzero((spectra.across > 0.0) & (spectra.across <= highest))
+    fitted = (rows[:, None] >= COARSEST) | (columns >= COARSEST)
+    across = spectra.across[columns]
+    cosine = float(np.sqrt(1.0 - group.sine**2))
+    folded = np.abs(spectra.along[rows]) + ALIASES[:, None] * (SEGMENT * spectra.along[1])
+    ground = across * cosine  # cycles per metre of ground, where dr/dx = cos θ
+    squared = folded[:, :, None] ** 2 + ground**2
+    averaged = footprint.average_along(folded, group.slant_range)[:, :, None] * footprint.average_across(across)
+    slope = (2.0 * np.pi * footprint.respond_to_slope(group.sine) * ground) ** 2
+    transfers = [averaged * slope * cosine] + [averaged * np.full_like(slope, 0.25 * cosine)] * patches
+    power = 0.5 * (group.power[rows] + group.power[-rows % SEGMENT])[:, columns]
+    speckle = np.broadcast_to(footprint.speckle(across) * spectra.sample, power.shape)
+    return _GroupModel(
+        power[fitted],
+        tuple(transfer[:, fitted] for transfer in transfers),
+        np.log(squared[:, fitted]),
+        speckle[fitted],
+        EFFICIENCY * group.segments,
+    )
+
+
+def _densities(parameters: Field, level: float, model: _GroupModel) -> tuple[Field, Field]:
+    """Whole density of a group, and its derivatives by the parameters of the power laws and the speckle's level."""
+    whole = np.exp(level) * model.speckle
+    parts = []
+    for number, transfer in enumerate(model.transfers):
+        log_level, exponent = parameters[2 * number : 2 * number + 2]
+        waves = np.exp(log_level - exponent * model.log_squared) * transfer
+        parts += [waves.sum(axis=0), -(waves * model.log_squared).sum(axis=0)]
+        whole = whole + parts[-2]
+    return whole, np.array([*parts, np.exp(level) * model.speckle])
+
+
+def _places(parameters: Field, models: list[_GroupModel], number: int) -> list[int]:
+    """Places of a group's own parameters: those of all power laws, and its level of speckle."""
+    laws = 2 * len(models[0].transfers)
+    return [*range(laws), laws + number]
+
+
+def _cost(parameters: Field, models: list[_GroupModel]) -> tuple[float, Field]:
+    """Negative logarithm of Whittle's likelihood, and its gradient."""
+    total, gradient = 0.0, np.zeros_like(parameters)
+    for number, model in enumerate(models):
+        places = _places(parameters, models, number)
+        whole, parts = _densities(parameters, parameters[places[-1]], model)
+        total += model.weight * float((np.log(whole) + model.power / whole).sum())
+        gradient[places] += model.weight * (parts @ ((1.0 - model.power / whole) / whole))
+    return total, gradient
+
+
+def _information(parameters: Field, models: list[_GroupModel]) -> Field:
+    """Fisher information: Σ over frequencies of ∂ ln S ∂ ln S, times the independent spectra that are averaged."""
+    found = np.zeros((parameters.size, parameters.size))
+    for number, model in enumerate(models):
+        places = _places(parameters, models, number)
+        whole, parts = _densities(parameters, parameters[places[-1]], model)
+        found[np.ix_(places, places)] += 2.0 * model.weight * ((parts / whole) @ (parts / whole).T)
+    return found
+
+
+def _start(models: list[_GroupModel], noise: Field, exponent: float) -> Field:
+    """Parameters to start from: every part as strong as the record itself."""
+    model = models[0]
+    parameters: list[float] = []
+    for transfer in model.transfers:
+        waves = np.exp(-exponent * model.log_squared) * transfer
+        parameters += [float(np.log(model.power.mean() / waves.sum(axis=0).mean())), exponent]
+    return np.array([*parameters, *noise])
