@@ -30,7 +30,8 @@ def commands() -> list[str]:
     shown = "\n".join(body for language in ("sh", "console") for _, body in blocks(language))
     lines = [line.removeprefix("$ ") for line in shown.splitlines()]
     known = [line for line in lines if re.match(r"insonify \w+ ", line) and line.split()[1] in COMMANDS]
-    return sorted({line for line in known if "span.toml" not in line and "width=90" not in line})
+    made = [title for text in PAGES.values() for title in re.findall(r'```toml title="([^"]+)"', text)]
+    return sorted({line for line in known if not any(name in line for name in ("width=90", *made))})
 
 
 def test_there_are_commands_to_try():
