@@ -14,7 +14,7 @@ from insonify.inversion.level_matching import Pairs, correct_beam, correct_gains
 from insonify.inversion.recorded_sonar import RecordedSonar
 from insonify.inversion.roughness_fit import PowerLawFit, RoughnessFit, fit_roughness
 from insonify.inversion.segment_spectra import SegmentSpectra, SoundedBed, measure_segment_spectra, sound_bed
-from insonify.inversion.speckle_statistics import choose_speckle, variance_of_looks, variance_of_speckle
+from insonify.inversion.speckle_statistics import variance_of_looks
 from insonify.scene import Scene
 from insonify.scene.edit import edit
 from insonify.simulation import simulate
@@ -22,6 +22,7 @@ from insonify.simulation import simulate
 # Share of the difference by which each simulation corrects the parameters: first those of an even bed, then once more
 # if patches of material are added; the last steps average over simulations.
 FIRST_STEPS, STEPS = (1.0, 1.0), (1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0)
+SPECKLE_STEP = 0.5  # the same for speckle, which comes in steps of whole looks
 LARGEST_STEP = 2.0  # of a logarithm of a level
 EXPONENTS = (0.1, 3.0)
 SIGNIFICANT, PATCHIER = 20.0, 3.0  # gain of log likelihood that patches must bring, also over that of an even bed
@@ -151,7 +152,6 @@ def speed_of_sound(scene: Scene) -> float:
 
 def _correct(bed: BedParameters, target: RoughnessFit, found: RoughnessFit, step: float) -> BedParameters:
     """Correct parameters by a share of what the fit of their own record differs from the target."""
-    realised = variance_of_speckle(choose_speckle(bed.speckle))
     patches = bed.patches
     if patches is not None and target.patches is not None and found.patches is not None:
         patches = _moved(patches, target.patches, found.patches, step)
@@ -159,7 +159,7 @@ def _correct(bed: BedParameters, target: RoughnessFit, found: RoughnessFit, step
         bed,
         relief=None if bed.relief is None else _moved(bed.relief, target.relief, found.relief, step),
         patches=patches,
-        speckle=max(realised + target.speckle - found.speckle, 0.0),
+        speckle=max(bed.speckle + SPECKLE_STEP * (target.speckle - found.speckle), 0.0),
     )
 
 
