@@ -9,8 +9,10 @@ import xarray as xr
 
 import insonify.io.records.netcdf
 from insonify.io.atomic import replacing
+from insonify.io.record_schema import join_blocks
 from insonify.io.records import read_record, write_record
-from insonify.scene import SceneError
+from insonify.scene import SceneError, edit, load_scene
+from insonify.simulation import simulate_blocks
 
 
 def block(first: int, pings: int, bins: int = 16) -> xr.Dataset:
@@ -90,6 +92,19 @@ def test_a_tow_is_written_without_being_held(tmp_path):
     write_record(tmp_path / "record.nc", blocks())
     with xr.open_dataset(tmp_path / "record.nc") as read:
         assert read.sizes["ping_time"] == 40
+
+
+def test_npz_of_blocks_is_that_of_the_whole(tmp_path):
+    scene = edit(load_scene("targets"), {"track.pings": 7, "sonar.bins": 40})
+    blocks = list(simulate_blocks(scene, truth=True, block=3))
+    write_record(tmp_path / "blocks.npz", iter(blocks))
+    write_record(tmp_path / "whole.npz", [join_blocks(blocks)])
+    with np.load(tmp_path / "blocks.npz") as one, np.load(tmp_path / "whole.npz") as other:
+        assert sorted(one.files) == sorted(other.files)
+        for name in one.files:
+            assert one[name].dtype == other[name].dtype
+            np.testing.assert_array_equal(one[name], other[name])
+    assert read_record(tmp_path / "blocks.npz").sizes["ping_time"] == 7
 
 
 def test_npz_reads_back_without_pickles(tmp_path):

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from insonify.io.formats import FileFormat
-from insonify.io.numpy_files import Archive
-from insonify.io.record_schema import ACROSS, dimensions_of, join_blocks
+from insonify.io.numpy_files import SUFFIX, Archive
+from insonify.io.record_schema import ACROSS, TARGET_TRUTH, dimensions_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
+ALONG = "ping_time"
 ALONG_RANGE = ("slant_range", "travel_time")  # coordinates
 ATTRIBUTE = "attrs."  # before the names of attributes
 
@@ -31,15 +34,35 @@ def write_npz(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
     blocks : iterable of Dataset
         Successive pings. Variables and coordinates keep their names and shapes; attributes become ``attrs.<name>``.
     """
-    record = join_blocks(list(blocks))
-    arrays = {str(name): variable.values for name, variable in record.variables.items()}
-    arrays |= {f"{ATTRIBUTE}{key}": np.array(value) for key, value in record.attrs.items()}
-    arrays = {
-        name: values.astype(object).astype(str) if values.dtype.kind in "OT" else values
-        for name, values in arrays.items()
-    }
-    with Path(path).open("wb") as file:
-        np.savez(file, **arrays)  # type: ignore[arg-type]
+    parts = list(blocks)
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, variable in parts[0].variables.items():
+            along = ALONG in variable.dims
+            told = parts if along else parts[-1:] if name in TARGET_TRUTH else parts[:1]
+            axis = variable.dims.index(ALONG) if along else 0
+            _write_joined(archive, str(name), [_stored(part.variables[name].values) for part in told], axis)
+        for key, value in parts[0].attrs.items():
+            _write_joined(archive, f"{ATTRIBUTE}{key}", [np.array(value)], 0)
+
+
+def _stored(values: NDArray[Any]) -> NDArray[Any]:
+    """Return an array that needs no pickle."""
+    return values.astype(object).astype(str) if values.dtype.kind in "OT" else values
+
+
+def _write_joined(archive: zipfile.ZipFile, name: str, parts: list[NDArray[Any]], axis: int) -> None:
+    """Write arrays one behind the other along an axis, without joining them in memory, which takes as long again."""
+    dtype = np.result_type(*parts)
+    shape = [*parts[0].shape]
+    if shape:
+        shape[axis] = sum(part.shape[axis] for part in parts)
+    header = {"descr": np.lib.format.dtype_to_descr(dtype), "fortran_order": False, "shape": tuple(shape)}
+    with archive.open(f"{name}{SUFFIX}", "w", force_zip64=True) as file:
+        np.lib.format.write_array_header_2_0(file, header)
+        for index in np.ndindex(*shape[:axis]):
+            for part in parts:
+                # Times have no buffer, bytes have.
+                file.write(np.ascontiguousarray(part[index], dtype).reshape(-1).view(np.uint8).data)
 
 
 def read_npz(path: str | Path) -> xr.Dataset:
