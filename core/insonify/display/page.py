@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 DPI = 100
+COMPRESSION = 2  # of PNG: a quarter of the time of the usual 6, and 5 % more bytes
 LEFT, RIGHT, TOP, BOTTOM = 86, 196, 92, 62  # margins in pixels
 
 
@@ -59,7 +60,7 @@ def write_page(path: str | Path, sheet: RecordSheet, look: DisplayOptions, capti
     figure = draw_page(sheet, look, caption)
     with replacing(path) as beside, warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a title in any script
-        figure.savefig(beside, dpi=DPI)
+        figure.savefig(beside, dpi=DPI, pil_kwargs={"compress_level": COMPRESSION})
 
 
 def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) -> Figure:
