@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import SceneError
+from insonify_viewer.fan_sheet import fan_sheet
 from insonify_viewer.job import Job
-from insonify_viewer.laid_scene import is_same_ground
+from insonify_viewer.laid_scene import LaidScene, is_same_ground
 from insonify_viewer.line_of_sight import meet_bed
+from insonify_viewer.newest_wins import NewestWins
 from insonify_viewer.session import Event
 from insonify_viewer.simulator import Simulator
 from insonify_viewer.views.qt_modules import load_qt_modules
@@ -21,7 +23,6 @@ if TYPE_CHECKING:
     from insonify.simulation import Simulation
     from insonify.terrain import AnyGround
     from insonify_viewer.inspection import SoundDrawing
-    from insonify_viewer.laid_scene import LaidScene
     from insonify_viewer.views.pv_meshes import BedPatch
 
     Vector = NDArray[np.float64]
@@ -54,6 +55,7 @@ class SeabedController:
         self._bodies: _Bodies | None = None
         self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
         self._jobs: list[Job] = []
+        self._fans = NewestWins("fan", simulator.call_later)
         self.picked = Event()
 
     @property
@@ -104,6 +106,7 @@ class SeabedController:
             self._bed, self._bodies = bed, bodies
             self._bake(bed, bodies, at_once=at_once)
         self._view.show_sonar(ground, simulation.arrays, pose, float(line.heading[0]), tones)
+        self._cut_fan(simulation, ping)
         scene = simulation.scene
         step = scene.track.speed / scene.sonar.ping_rate
         self._view.show_path(simulation.poses(path_pings(ping, step, reach)))
@@ -142,6 +145,7 @@ class SeabedController:
 
     def close(self, patience: float | None = None) -> None:
         """Release the drawing resources, and wait for each bed that is being made, at most for a time in seconds."""
+        self._fans.close(patience)
         for job in self._jobs:
             job.close(patience)
         if self._view is not None:
@@ -165,6 +169,19 @@ class SeabedController:
         if self._latest is not None:
             simulation, ping, tones, at_once = self._latest
             self.show_sonar(simulation, ping, tones, at_once=at_once)
+
+    def _cut_fan(self, simulation: Simulation | LaidScene, ping: int) -> None:
+        """Cut the fan by what shades it, on a thread of its own."""
+        if isinstance(simulation, LaidScene):
+            return
+        latest = self._latest
+
+        def show(sheet: NDArray[np.float64] | None) -> None:
+            # The fish may be farther on by now; the next sheet follows.
+            if self._view is not None and sheet is not None and self._latest is latest:
+                self._view.show_sheet(sheet)
+
+        self._fans.send(lambda: fan_sheet(simulation, ping), show)
 
     def _pick(self, begin: Vector, end: Vector, target: Vector | None) -> None:
         """Tell of the nearest place of a target or of the bed along a line of sight."""

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import pyvista as pv
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
@@ -83,7 +84,8 @@ def test_a_shadow_is_explained_and_drawn(viewer: Any, qtbot: Any) -> None:
     shown = {name: bool(actor.visibility) for name, actor in viewer.seabed.view._sound.actors.items()}
     assert shown["rays"]
     assert shown["heard"]
-    ends = np.asarray(viewer.seabed.view._sound.actors["rays"].mapper.dataset.points)[1::2]
+    rays = pv.wrap(viewer.seabed.view._sound.actors["rays"].mapper.GetInput())
+    ends = np.asarray(rays.points)[1::2]
     np.testing.assert_allclose(ends[:, 1], -29.8, atol=0.4)  # on the side of the pipe that faces the sonar
 
 

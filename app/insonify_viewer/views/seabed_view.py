@@ -110,10 +110,17 @@ class SeabedView(QWidget):
         self._fish_actor.user_matrix = pv_meshes.pose_matrix(pose, FISH * reach)
         self._cable_actor.user_matrix = pv_meshes.pose_matrix(pose, FISH * reach, level=True)
         self._fan.move(ground, arrays, pose, tones)
+        self._sheet_actor.mapper.SetInputData(self._fan.sheet)  # until what shades it is known
         for actor in (self._fish_actor, self._cable_actor, self._sheet_actor, self._footprint_actor):
             actor.visibility = True
         self._follow(np.array([pose.x[0], pose.y[0], pose.z[0]], dtype=np.float64), heading, reach)
         self._later()
+
+    def show_sheet(self, triangles: NDArray[np.float64]) -> None:
+        """Show the fan as triangles, (n, 3, 3), until the sonar moves on."""
+        if len(triangles):
+            self._sheet_actor.mapper.SetInputData(pv_meshes.triangles_mesh(triangles))
+            self._later()
 
     def show_path(self, path: Poses) -> None:
         """Draw the track through `PATH_POINTS` poses."""

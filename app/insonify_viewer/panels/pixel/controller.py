@@ -39,7 +39,6 @@ class PixelPanel(Panel):
     name = "pixel"
     title = "Pixel"
     place = Place.BELOW
-    rank = 90
     button = Button("Pixel", "Explain the pixel of the record that is clicked", "Ctrl+E")
 
     def __init__(self, workbench: Workbench) -> None:
