@@ -191,8 +191,9 @@ def pose_matrix(pose: Poses, length: float, *, level: bool = False) -> NDArray[n
 
 def triangles_mesh(triangles: NDArray[np.float64]) -> Any:
     """Return triangles of (n, 3, 3) corners as one surface."""
-    corners = triangles.reshape(-1, 3).astype(np.float32)
-    return pv.PolyData.from_regular_faces(corners, np.arange(len(corners)).reshape(-1, 3))
+    corners = triangles.reshape(-1, 3)
+    faces: Any = np.arange(len(corners)).reshape(-1, 3)
+    return pv.PolyData.from_regular_faces(corners, faces)
 
 
 class ScanFan:
