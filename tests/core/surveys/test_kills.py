@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -129,7 +130,10 @@ def test_an_interrupted_run_keeps_what_is_done_and_goes_on(tmp_path, undisturbed
 
 def test_a_full_disk_is_told_and_nothing_is_half_written(tmp_path, undisturbed):
     limit = 4500  # bytes of a file: some images are larger
-    process = driver(tmp_path, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+    # Python does not notice that it wrote a part of its own bytecode.
+    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
+    limited = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (limit, limit))
+    process = driver(tmp_path, preexec_fn=limited, env=environment)
     complaint = process.communicate(timeout=120)[1]
     assert process.returncode == 2
     assert complaint.count("\n") == 1
@@ -137,3 +141,24 @@ def test_a_full_disk_is_told_and_nothing_is_half_written(tmp_path, undisturbed):
     check_done(tmp_path, undisturbed)
     assert cli.main(words(tmp_path)) == 0
     assert contents(tmp_path / "set") == undisturbed
+
+
+@pytest.mark.kill
+@pytest.mark.parametrize("kilobytes", [64, 128, 256, 400, 600])
+def test_a_disk_that_fills_up_loses_nothing(tmp_path, undisturbed, kilobytes):
+    (tmp_path / "disk").mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(tmp_path / "disk")]
+    if subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("a small disk can be mounted by root alone")
+    try:
+        (tmp_path / "set").symlink_to(tmp_path / "disk")
+        process = driver(tmp_path)
+        complaint = process.communicate(timeout=120)[1]
+        assert process.returncode == 2
+        assert complaint.endswith("No space left on device; check the path, its permissions and the disk\n")
+        check_done(tmp_path, undisturbed)
+        subprocess.run([*mount[:3], "-o", "remount,size=64m", "tmpfs", str(tmp_path / "disk")], check=True)
+        assert cli.main(words(tmp_path)) == 0
+        assert contents(tmp_path / "set") == undisturbed
+    finally:
+        subprocess.run(["umount", str(tmp_path / "disk")], check=True)

@@ -12,6 +12,7 @@ from insonify.surveys.engine.jobs import Outcome, Work, clear_unfinished, finish
 from insonify.surveys.schedulers import connected
 
 AHEAD = 3  # jobs on their way for each thread of a worker: what one does meanwhile hides the way to the driver
+PATIENCE = 60.0  # s, until there is a worker
 RECOUNT = 5.0  # s, after which the workers are counted again
 
 
@@ -63,7 +64,7 @@ def run_jobs(work: Work, names: Sequence[str], scheduler: str, progress: Progres
     done, made, failures = 0, 0, []
     try:
         with connected(scheduler) as client:
-            _warm_up(client, work)
+            _warm_up(client, work, scheduler)
             for ended in _outcomes(client, work, iter(names)):
                 progress(ended)
                 if isinstance(ended, Failure):
@@ -75,8 +76,14 @@ def run_jobs(work: Work, names: Sequence[str], scheduler: str, progress: Progres
     return Tally(done, made, tuple(failures))
 
 
-def _warm_up(client: Any, work: Work) -> None:
+def _warm_up(client: Any, work: Work, scheduler: str) -> None:
     """Let one worker of each machine compile the kernels; the others read them from the machine's cache."""
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError:
+        raise SceneError(
+            f"--scheduler {scheduler}: no worker has come within {PATIENCE:g} s; start some, with 'dask worker'"
+        ) from None
     machines = {address.rpartition(":")[0]: address for address in client.nthreads()}
     warm = [client.submit(work.warm_up, workers=[one], pure=False) for one in machines.values()]
     client.gather(warm, errors="skip")  # a scene that cannot be made is told of by its job
@@ -109,6 +116,11 @@ def _outcome(future: Any, name: str) -> Outcome | Failure:
         return outcome
     if isinstance(error, SceneError):
         return Failure(name, str(error))
+    if isinstance(error, ImportError) or "deserializ" in str(error):
+        raise SceneError(
+            f"--scheduler: a worker cannot read its jobs ({type(error).__name__}); install the same versions of "
+            "insonify, Python and dask there as here"
+        )
     if isinstance(error, (OSError, MemoryError)) or type(error).__name__ != "KilledWorker":
         raise error
     return Failure(name, "its worker ended four times in a row, perhaps for want of memory; give fewer workers")

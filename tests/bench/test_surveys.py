@@ -1,0 +1,152 @@
+"""Speed and memory of data sets: run with `pytest -m bench -s tests/bench/test_surveys.py`.
+
+Images a second on one and two workers, what the engine takes beside the tracing, memory of the driver and of a worker
+over 2,000 images, and the jobs a second that the scheduler and the driver manage, by jobs that do nothing.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+
+from insonify.scene import load_scene
+from insonify.surveys.datasets.specification import DatasetSpecification
+from insonify.surveys.datasets.work import DatasetWork
+from insonify.surveys.engine.jobs import done_jobs
+from insonify.surveys.engine.run import run_jobs
+from insonify.surveys.schedulers import local
+from small_sets import SET
+from written_jobs import WrittenJobs
+
+pytestmark = pytest.mark.bench
+TILES = {"pings": 128, "bins": 160, "empty": 1.0}
+
+
+def specification(scenes, **tow) -> DatasetSpecification:
+    """A data set whose tows are long enough that tracing takes most of the time."""
+    values = tomllib.loads(SET)
+    fields = {"seabed.spacing": 0.05, "sonar.bins": 640, "track.pings": 512, **tow}
+    return DatasetSpecification.model_validate(
+        {**values, "scenes": scenes, "tiles": TILES, "set": {**values["set"], **fields}}
+    )
+
+
+def say(capsys, text):
+    with capsys.disabled():
+        sys.stdout.write(f"\n{text}")
+
+
+class Memory:
+    """Resident memory of this process and of its largest child, sampled while jobs run."""
+
+    def __init__(self):
+        self.samples = []
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._watch)
+
+    def _watch(self):
+        this = psutil.Process()
+        while not self._stop.wait(0.2):
+            children = []
+            for child in this.children(recursive=True):
+                try:
+                    children.append(child.memory_info().rss)
+                except psutil.NoSuchProcess:
+                    continue
+            self.samples.append((time.monotonic(), this.memory_info().rss, max(children, default=0)))
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, *error):
+        self._stop.set()
+        self._thread.join()
+
+
+def timed(work, scheduler):
+    """Seconds from the first to the last outcome, and the images between: the start of workers does not count."""
+    ends = []
+    run_jobs(work, work.names(), scheduler, lambda ended: ends.append((time.perf_counter(), ended.made)))
+    first = len(ends) // 5
+    return ends[-1][0] - ends[first][0], sum(made for _, made in ends[first + 1 :])
+
+
+def test_two_workers_make_images_twice_as_fast(tmp_path, capsys, monkeypatch):
+    base, rates = load_scene("default"), {}
+    for workers in (1, 2, 1, 2):
+        monkeypatch.setattr(local, "most_threads", lambda workers=workers: workers)
+        work = DatasetWork(specification(40), base, tmp_path / f"{len(list(tmp_path.iterdir()))}")
+        seconds, images = timed(work, f"local:{workers}")
+        rates.setdefault(workers, []).append(images / seconds)
+    best = {workers: max(found) for workers, found in rates.items()}
+    say(capsys, f"images a second: {best[1]:.1f} on one worker, {best[2]:.1f} on two: × {best[2] / best[1]:.2f}\n")
+
+
+def test_the_engine_takes_little_beside_the_tracing(tmp_path, capsys, monkeypatch):
+    """One worker's own time in `make` against the time from job to job as the driver sees it."""
+    work = TimedWork(specification(40), load_scene("default"), tmp_path / "set")
+    monkeypatch.setattr(local, "most_threads", lambda: 1)
+    seconds, _ = timed(work, "local:1")
+    spent = np.array([float(path.read_text()) for path in sorted((tmp_path / "set" / "seconds").iterdir())])
+    inside = spent[len(spent) // 5 + 1 :].sum()
+    share = (seconds - inside) / inside
+    say(
+        capsys,
+        f"engine beside its jobs: {1e3 * (seconds - inside) / (0.8 * len(spent)):.1f} ms a job of "
+        f"{1e3 * spent.mean():.0f} ms, {100 * share:.1f} %\n",
+    )
+    assert share <= 0.1
+
+
+class TimedWork(DatasetWork):
+    """A data set whose jobs write how long they took."""
+
+    def make(self, name, beside: Path):
+        begun = time.perf_counter()
+        told = super().make(name, beside)
+        (beside / "seconds").mkdir()
+        (beside / "seconds" / name).write_text(f"{time.perf_counter() - begun:.6f}")
+        return told
+
+
+def test_memory_stays_flat_over_two_thousand_images(tmp_path, capsys):
+    work = DatasetWork(specification(84, **{"track.pings": 384}), load_scene("default"), tmp_path / "set")
+    with Memory() as memory:
+        run_jobs(work, work.names(), "local:2", lambda ended: None)
+    images = len(list((tmp_path / "set").glob("*/images/*/*.png")))
+    samples = np.array(memory.samples)
+    half = len(samples) // 2
+    early, late = samples[half // 2 : half, 1:].mean(axis=0) / 1e6, samples[-half // 2 :, 1:].mean(axis=0) / 1e6
+    say(
+        capsys,
+        f"memory over {images} images: driver {early[0]:.0f} to {late[0]:.0f} MB, "
+        f"worker {early[1]:.0f} to {late[1]:.0f} MB\n",
+    )
+    assert images >= 2000
+    assert late[0] - early[0] < 20.0
+    assert late[1] - early[1] < 60.0
+
+
+@pytest.mark.parametrize("count", [2000, 10_000])
+def test_empty_jobs_show_the_load_of_driver_and_scheduler(tmp_path, capsys, count):
+    work = WrittenJobs(tmp_path / "set", count)
+    begun, driver = time.perf_counter(), psutil.Process().cpu_times()
+    run_jobs(work, work.names(), "local:2", lambda ended: None)
+    seconds, now = time.perf_counter() - begun, psutil.Process().cpu_times()
+    cpu = now.user + now.system - driver.user - driver.system
+    listed = time.perf_counter()
+    assert len(done_jobs(tmp_path / "set")) == count
+    listed = time.perf_counter() - listed
+    say(
+        capsys,
+        f"{count} jobs that write 3 small files: {count / seconds:.0f} a second on two workers; driver and "
+        f"scheduler {1e3 * cpu / count:.2f} ms of processor a job; {1e3 * listed:.0f} ms to list what is done\n",
+    )
