@@ -47,8 +47,9 @@ PySide6 stands in `views`, in the views of panels, and in the few modules that r
 FAMILIES = """
 ## Families of kinds
 
-Every choice of a scene is a family: one class a kind, found by being declared in a module of the family's package, or
-announced by an installed package as an entry point of the group. [Add something new](extend.md) says how.
+Every choice of a scene or of a data set is a family: one class a kind, found by being declared in a module of the
+family's package, or announced by an installed package as an entry point of the group. [Add something new](extend.md)
+says how.
 
 | family | package | entry points | kinds |
 |---|---|---|---|
@@ -141,8 +142,10 @@ def _bases() -> list[Any]:
 
     from insonify.scene import Scene
     from insonify.scene.kinds import Family
+    from insonify.surveys.datasets.specification import DatasetSpecification
 
-    Scene.model_json_schema()  # all families are in use
+    for whole in (Scene, DatasetSpecification):
+        whole.model_json_schema()  # all families are in use
     found = [model for model in _descendants(BaseModel) if isinstance(vars(model).get("family"), Family)]
     return list({model.family.name: model for model in reversed(found)}.values())
 

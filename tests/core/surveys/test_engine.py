@@ -23,7 +23,11 @@ def scheduler():
     from distributed import LocalCluster
 
     with LocalCluster(
-        n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50, worker_dashboard_address=None
+        n_workers=2,
+        threads_per_worker=1,
+        dashboard_address="localhost:0",
+        silence_logs=50,
+        worker_dashboard_address="localhost:0",
     ) as cluster:
         yield cluster.scheduler_address
 
@@ -115,6 +119,16 @@ def test_workers_times_threads_are_the_cores(monkeypatch):
     for text in ("0", "x", "9"):
         with pytest.raises(SceneError, match=f"--scheduler local:{text}: "):
             share_cores(text)
+
+
+def test_a_scheduler_without_workers_is_told(tmp_path, monkeypatch):
+    from distributed import LocalCluster
+
+    monkeypatch.setattr("insonify.surveys.engine.run.PATIENCE", 0.2)
+    with LocalCluster(n_workers=0, dashboard_address="localhost:0", silence_logs=50) as cluster:
+        address = cluster.scheduler_address
+        with pytest.raises(SceneError, match=f"--scheduler {address}: no worker has come within 0.2 s; start some"):
+            run(WrittenJobs(tmp_path / "work", 1), address)
 
 
 def test_a_missing_library_is_told_with_its_remedy(tmp_path, monkeypatch):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import signal
+import warnings
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
@@ -13,6 +14,7 @@ from insonify.cores import VARIABLE, most_threads
 from insonify.errors import SceneError
 from insonify.surveys.schedulers import SchedulerKind
 
+UNSEEN = "localhost:0"  # a dashboard that no other machine can open, at any free port
 LIBRARIES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -69,12 +71,16 @@ def connect(text: str) -> Iterator[Any]:
     settings = {"distributed.admin.log-length": 0, "distributed.worker.profile.enabled": False}
     with ExitStack() as stack:
         stack.enter_context(dask.config.set(settings))
+        stack.enter_context(warnings.catch_warnings())
+        warnings.filterwarnings(
+            "ignore", module="distributed"
+        )  # of slow disks and busy ports: nothing for a user to do
         with _interrupts_held():
             cluster = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
-                dashboard_address=None,
-                worker_dashboard_address=None,
+                dashboard_address=UNSEEN,
+                worker_dashboard_address=UNSEEN,
                 silence_logs=logging.CRITICAL,
                 env={VARIABLE: str(threads), **dict.fromkeys(LIBRARIES, str(threads))},
             )
