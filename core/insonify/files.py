@@ -24,6 +24,11 @@ def bundled_scenes() -> dict[str, Path]:
     return {path.stem: path for path in sorted((resources() / "scenes").glob("*.toml"))}
 
 
+def bundled_lessons() -> dict[str, Path]:
+    """Return the lessons that come with the package, by name."""
+    return {path.stem: path for path in sorted((resources() / "lessons").glob("*.md"))}
+
+
 def bundled_meshes() -> dict[str, Path]:
     """Return the shapes that come with the package, by name."""
     # In a checkout, the scripts that make meshes stand beside them.

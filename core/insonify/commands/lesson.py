@@ -1,0 +1,49 @@
+"""``insonify lesson``: list the lessons of the viewer, or check lessons."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from insonify.commands.options import say
+from insonify.lessons import bundled_lessons, check_lesson, load_lesson, load_lessons
+
+
+def register(subparsers: Any) -> None:
+    """Add ``lesson``."""
+    parser = subparsers.add_parser(
+        "lesson",
+        help="list the lessons of the viewer, or check lessons",
+        description="List the lessons that the viewer teaches, or check lessons of your own. "
+        "Example: insonify lesson check my-lesson.md",
+    )
+    parser.set_defaults(run=run_list)
+    actions = parser.add_subparsers(metavar="ACTION")
+    check = actions.add_parser(
+        "check",
+        help="check that lessons can be done",
+        description="Check that scenes and fields of lessons exist, that values lie in their bounds, and that the "
+        "condition of every step is false before its move and true after it. Example: insonify lesson check my-lesson.md",
+    )
+    check.add_argument(
+        "lessons", nargs="*", metavar="FILE", help="a Markdown file or a bundled lesson (default: all bundled lessons)"
+    )
+    check.set_defaults(run=run_check)
+
+
+def run_list(arguments: argparse.Namespace) -> None:
+    """Print names and titles of the bundled lessons, in their order."""
+    del arguments
+    lessons = load_lessons()
+    width = max((len(lesson.name) for lesson in lessons), default=0)
+    for lesson in lessons:
+        say(f"{lesson.name:<{width}}  {lesson.title}")
+
+
+def run_check(arguments: argparse.Namespace) -> None:
+    """Check lessons; the first fault ends the check with an error."""
+    for name in arguments.lessons or bundled_lessons():
+        lesson = load_lesson(name)
+        check_lesson(lesson)
+        steps = len(lesson.steps)
+        say(f"{lesson.name}: {steps} step{'s' * (steps > 1)}, each can be done and is noticed")

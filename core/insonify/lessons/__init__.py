@@ -1,0 +1,26 @@
+"""Lessons: what to move in a scene step by step, what to look for, and a question with its answer."""
+
+from __future__ import annotations
+
+from insonify.files import bundled_lessons
+from insonify.lessons.checking import check_lesson, states_of
+from insonify.lessons.conditions import Condition, parse_condition
+from insonify.lessons.lesson import Lesson, Step
+from insonify.lessons.reading import load_lesson, load_lessons, parse_lesson
+from insonify.lessons.states import WINDOW_FIELDS, LessonState, split_move
+
+__all__ = [
+    "WINDOW_FIELDS",
+    "Condition",
+    "Lesson",
+    "LessonState",
+    "Step",
+    "bundled_lessons",
+    "check_lesson",
+    "load_lesson",
+    "load_lessons",
+    "parse_condition",
+    "parse_lesson",
+    "split_move",
+    "states_of",
+]

@@ -1,0 +1,141 @@
+"""What conditions of lessons read: the scene's fields, how it is modelled, and the point of the record marked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from insonify.errors import SceneError
+from insonify.files import bundled_scenes
+from insonify.lessons.conditions import Value
+from insonify.scene import Scene, edit, load_scene
+from insonify.scene.base import Declaration
+
+AUTOMATIC = "auto"  # choice of a plan that is not forced
+USUAL_TOLERANCE = 0.03
+SIDES = ("port", "starboard")
+WINDOW_FIELDS = {
+    "plan": "`plan.tolerance` is the tolerance of the plan, `plan.method` and other choices of it are texts, "
+    '`"auto"` where they are not forced',
+    "point": '`point.side` (`"port"` or `"starboard"`) and `point.slant_range` (m) are the point of the record under '
+    "the mouse",
+}
+
+
+@dataclass(frozen=True)
+class LessonState:
+    """A scene, and the state of the window about it.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene.
+    window : mapping of str to value
+        Values by dotted path; each begins with a name in `WINDOW_FIELDS`.
+    """
+
+    scene: Scene
+    window: Mapping[str, Value] = field(default_factory=dict)
+
+    def value(self, path: str) -> Value | None:
+        """Value at a dotted path; None where there is none."""
+        if not is_window_field(path):
+            return field_value(self.scene, path)
+        usual = USUAL_TOLERANCE if path == "plan.tolerance" else AUTOMATIC if path.startswith("plan.") else None
+        return self.window.get(path, usual)
+
+    def moved(self, move: Mapping[str, Any]) -> LessonState:
+        """Return the state after a move.
+
+        Raises
+        ------
+        SceneError
+            One sentence with the field, the value and the remedy.
+        """
+        inside, outside = split_move(move)
+        scene = edit(self.scene, inside) if inside else self.scene
+        for path, value in outside.items():
+            _check_window_value(path, value, scene)
+        return replace(self, scene=scene, window={**self.window, **outside})
+
+
+def start_state(scene: str, changes: Mapping[str, Any]) -> LessonState:
+    """Return the state in which a bundled scene is opened, with some values changed.
+
+    Raises
+    ------
+    SceneError
+        One sentence with the field, the value and the remedy.
+    """
+    if scene not in bundled_scenes():
+        raise SceneError(f"scene: {scene!r} does not come with insonify; choose one of {', '.join(bundled_scenes())}")
+    loaded = load_scene(scene)
+    return LessonState(edit(loaded, changes) if changes else loaded)
+
+
+def is_window_field(path: str) -> bool:
+    """Whether a dotted path is of the window, not of the scene."""
+    return path.partition(".")[0] in WINDOW_FIELDS
+
+
+def split_move(move: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Split a move into the values of the scene and those of the window."""
+    inside = {path: value for path, value in move.items() if not is_window_field(path)}
+    return inside, {path: value for path, value in move.items() if path not in inside}
+
+
+def field_value(scene: Scene, path: str) -> Value | None:
+    """Value of a field of the scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene to read.
+    path : str
+        Dotted path, list positions as numbers: ``targets.0.gap``.
+
+    Returns
+    -------
+    float, str, bool or None
+        Where a field is left open, the value that applies; None where there is no such field, or a table or list.
+    """
+    place: Any = scene
+    owner, step = place, ""
+    for step in path.split("."):
+        owner = place
+        if isinstance(place, tuple):
+            place = place[int(step)] if step.isdecimal() and int(step) < len(place) else None
+        else:
+            place = getattr(place, step, None) if step in getattr(type(place), "model_fields", {}) else None
+    if place is None and isinstance(owner, Declaration) and step in type(owner).model_fields:
+        place = owner.value_in_force(step)
+    return place if isinstance(place, float | int | str) else None
+
+
+def _check_window_value(path: str, value: Any, scene: Scene) -> None:
+    """Refuse a value that the window cannot have."""
+    if path == "plan.tolerance":
+        if isinstance(value, bool | str) or not 0.0 < value <= 1.0:
+            raise SceneError(f"{path}: {value!r} is out of bounds; give a number above 0 and at most 1")
+    elif path == "point.side":
+        if value not in SIDES:
+            raise SceneError(f"{path}: {value!r} is no side; choose one of {', '.join(SIDES)}")
+    elif path == "point.slant_range":
+        if isinstance(value, bool | str) or not 0.0 <= value < scene.sonar.range:
+            raise SceneError(f"{path}: {value!r} is outside the record; give 0 up to {scene.sonar.range:g} m")
+    elif path.startswith("plan."):
+        _check_choice(scene, path.removeprefix("plan."), value)
+    else:
+        raise SceneError(f"{path}: is not known; use point.side or point.slant_range")
+
+
+def _check_choice(scene: Scene, subject: str, choice: Any) -> None:
+    """Refuse a choice that no plan of the scene offers."""
+    # lazy: loads Numba, and few lessons force a choice
+    from insonify.planning.selection import check_request
+
+    if not isinstance(choice, str):
+        raise SceneError(f"plan.{subject}: {choice!r} is not a text; put it in quotes")
+    if choice != AUTOMATIC:
+        check_request(scene, USUAL_TOLERANCE, "auto", {subject: choice})

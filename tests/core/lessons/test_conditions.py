@@ -1,0 +1,108 @@
+"""Conditions of lessons: what they mean, what they refuse, and that nothing of them runs as code."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from insonify.errors import SceneError
+from insonify.lessons import parse_condition
+
+VALUES = {
+    "sonar.beam.width": 5.0,
+    "sonar.beam.kind": "fan",
+    "sonar.range": 50.0,
+    "sonar.bins": 1000,
+    "targets.0.gap": 1.5,
+    "two_way": True,
+}
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("sonar.beam.width >= 5", True),
+        ("sonar.beam.width > 5", False),
+        ("sonar.beam.width != 5", False),
+        ("sonar.beam.kind == 'fan'", True),
+        ('sonar.beam.kind != "fan"', False),
+        ("targets.0.gap < 1.6 and targets.0.gap > 1.4", True),
+        ("sonar.range / sonar.bins <= 0.05", True),
+        ("sonar.range / sonar.bins < 0.05", False),
+        ("2 + 3 * 4 == 14", True),
+        ("(2 + 3) * 4 == 20", True),
+        ("10 - 4 - 3 == 3", True),
+        ("8 / 4 / 2 == 1", True),
+        ("-sonar.range < -4.9e1", True),
+        ("1e3 == sonar.bins", True),
+        ("not sonar.range > 60", True),
+        ("not (sonar.range > 60 or sonar.bins == 1000)", False),
+        ("two_way == true and not two_way == false", True),
+        # "and" binds closer than "or".
+        ("1 == 1 or 1 == 2 and 1 == 2", True),
+        ("(1 == 1 or 1 == 2) and 1 == 2", False),
+    ],
+)
+def test_conditions_mean_what_they_say(text: str, expected: bool) -> None:
+    assert parse_condition(text).holds(VALUES.get) is expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "absent > 1",
+        "absent == absent",
+        "not absent > 1",
+        "sonar.beam.kind > 1",
+        "two_way == 1",
+        "1 / 0 > 1",
+        "two_way + 1 > 0",
+    ],
+)
+def test_what_has_no_value_or_cannot_be_compared_does_not_hold(text: str) -> None:
+    assert parse_condition(text).holds(VALUES.get) is False
+
+
+def test_a_field_that_does_not_decide_may_be_absent() -> None:
+    assert parse_condition("sonar.range == 50 or absent > 1").holds(VALUES.get)
+    assert not parse_condition("sonar.range > 50 and absent > 1").holds(VALUES.get)
+
+
+def test_the_fields_are_told_once_each() -> None:
+    condition = parse_condition("sonar.range > 1 and (sonar.bins < 3 or sonar.range < true)")
+    assert condition.fields == ("sonar.range", "sonar.bins")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "a value is missing"),
+        ("sonar.range", "compares nothing"),
+        ("sonar.range >", "a value is missing"),
+        ("sonar.range > 1 sonar.bins", "does not belong there"),
+        ("1 < sonar.range < 3", "does not belong there"),
+        ("(sonar.range > 1", "not closed"),
+        ("sonar.range = 1", "'=' is not understood"),
+        ("sonar.range > 1;", "';' is not understood"),
+        ("and > 1", "a value is missing"),
+        ("__import__('os') == 1", "does not belong there"),
+        ("sonar.range > [1]", "is not understood"),
+        ("(" * 1000, "nested"),
+        ("x > 1 and " * 200, "characters"),
+    ],
+)
+def test_a_fault_is_one_sentence(text: str, told: str) -> None:
+    with pytest.raises(SceneError, match="condition") as caught:
+        parse_condition(text)
+    assert told in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@given(st.text(alphabet="ab.1 0()<>=!+-*/'\"andortu_e", max_size=60))
+def test_any_text_is_a_condition_or_a_fault(text: str) -> None:
+    try:
+        condition = parse_condition(text)
+    except SceneError:
+        return
+    assert condition.holds({"a": 1.0, "b": "a"}.get) in (True, False)

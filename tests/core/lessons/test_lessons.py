@@ -1,0 +1,144 @@
+"""Lessons: reading, the check of each, and the command."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from insonify.cli import main
+from insonify.errors import SceneError
+from insonify.lessons import (
+    bundled_lessons,
+    check_lesson,
+    load_lesson,
+    load_lessons,
+    parse_lesson,
+    states_of,
+)
+
+LESSON = """+++
+title = "Width"
+scene = "figure-4a"
+order = 5
+set = { "track.altitude" = 8.0 }
++++
+
+What a beam is.
+
+## Widen the beam
+
+Take a *fan*.
+
+```toml
+move = { "sonar.beam.kind" = "fan", "sonar.beam.width" = 6.0 }
+done = "sonar.beam.width >= 5"
+```
+
+Look for: merged echoes,
+on two lines.
+
+Question: Why?
+
+Answer: Because.
+"""
+
+
+def test_the_parts_of_a_lesson() -> None:
+    lesson = parse_lesson(LESSON, "width")
+    assert (lesson.name, lesson.title, lesson.scene, lesson.order) == ("width", "Width", "figure-4a", 5)
+    assert lesson.set == {"track.altitude": 8.0}
+    assert lesson.introduction == "What a beam is."
+    (step,) = lesson.steps
+    assert (step.title, step.text) == ("Widen the beam", "Take a *fan*.")
+    assert step.look_for == "merged echoes,\non two lines."
+    assert (step.question, step.answer) == ("Why?", "Because.")
+    assert step.fields == ("sonar.beam.kind", "sonar.beam.width")
+
+
+def test_states_follow_the_moves() -> None:
+    ((_, start, end),) = states_of(parse_lesson(LESSON, "width"))
+    assert start.value("track.altitude") == 8.0
+    assert start.value("sonar.beam.width") is None
+    assert end.value("sonar.beam.width") == 6.0
+    assert end.value("plan.tolerance") == 0.03
+    assert end.value("plan.method") == "auto"
+    assert end.value("point.side") is None
+
+
+FAULTS = {
+    "has no front matter": ("+++\ntitle", "title"),
+    "its TOML is not valid": ('title = "Width"', "title = "),
+    "order: is missing": ("order = 5\n", ""),
+    "colour: unknown key": ("order = 5", 'order = 5\ncolour = "red"'),
+    "order: 'five' is not a whole number": ("order = 5", 'order = "five"'),
+    "has no step": ("## Widen the beam", "Widen the beam"),
+    "has 0 blocks of TOML": ("```toml", "```text"),
+    "done: is missing": ('done = "sonar.beam.width >= 5"\n', ""),
+    "has no paragraph 'Answer": ("Answer: Because.", ""),
+    "does not say what to move": ("Take a *fan*.", ""),
+    "scene: 'figure-9' does not come with insonify": ('"figure-4a"', '"figure-9"'),
+    "track.altitude: -1.0 is out of bounds": ("8.0", "-1.0"),
+    "sonar.beam.width: -6.0 is out of bounds": ("6.0", "-6.0"),
+    "sonar.beam.widht: unknown key": ('"sonar.beam.width" = 6.0', '"sonar.beam.widht" = 6.0'),
+    "sonar.beam.lenght: is no number": ("sonar.beam.width >= 5", "sonar.beam.lenght >= 5"),
+    "sonar.beam: is no number": ("sonar.beam.width >= 5", "sonar.beam >= 5"),
+    "is true before the move": ("sonar.beam.width >= 5", "sonar.range > 1 or sonar.beam.width >= 5"),
+    "is not true after the move": ("6.0", "4.0"),
+    "compares nothing": ("sonar.beam.width >= 5", "sonar.beam.width"),
+    "plan.tolerance: 2.0 is out of bounds": ('"sonar.beam.width" = 6.0', '"plan.tolerance" = 2.0'),
+    "model: 'plains' is no choice": ('"sonar.beam.width" = 6.0', '"plan.plains" = "8"'),
+    "point.side: 'left' is no side": ('"sonar.beam.width" = 6.0', '"point.side" = "left"'),
+    "point.slant_range: 60.0 is outside": ('"sonar.beam.width" = 6.0', '"point.slant_range" = 60.0'),
+    "point.colour: is not known": ('"sonar.beam.width" = 6.0', '"point.colour" = 1'),
+}
+
+
+@pytest.mark.parametrize("told", FAULTS)
+def test_a_fault_is_one_sentence_that_names_lesson_and_remedy(
+    told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old, new = FAULTS[told]
+    assert old in LESSON
+    file = tmp_path / "width.md"
+    file.write_text(LESSON.replace(old, new, 1), encoding="utf-8")
+    assert main(["lesson", "check", str(file)]) == 2
+    error = capsys.readouterr().err
+    assert "lesson width" in error
+    assert told in error
+    assert error.count("\n") == 1
+    assert "; " in error
+
+
+def test_a_lesson_that_is_not_there_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["lesson", "check", "nowhere.md"]) == 2
+    assert "lesson 'nowhere.md': no such file; give a Markdown file" in capsys.readouterr().err
+
+
+def test_a_file_is_checked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "width.md"
+    file.write_text(LESSON, encoding="utf-8")
+    assert main(["lesson", "check", str(file)]) in (None, 0)
+    assert capsys.readouterr().out == "width: 1 step, each can be done and is noticed\n"
+
+
+@pytest.mark.parametrize("name", bundled_lessons())
+def test_every_bundled_lesson_can_be_done(name: str) -> None:
+    check_lesson(load_lesson(name))
+
+
+def test_lessons_are_listed_in_their_order(capsys: pytest.CaptureFixture[str]) -> None:
+    lessons = load_lessons()
+    assert [lesson.order for lesson in lessons] == sorted({lesson.order for lesson in lessons}), (
+        "each has its own place"
+    )
+    main(["lesson"])
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == [lesson.name for lesson in lessons]
+
+
+def test_a_step_that_cannot_be_reached_is_told() -> None:
+    lesson = parse_lesson(
+        LESSON.replace("done = ", 'scene = "figure-1"\nset = { "sonar.rnage" = 3.0 }\ndone = '), "width"
+    )
+    with pytest.raises(SceneError, match=r"step 'Widen the beam': sonar.rnage: unknown key; did you mean 'range'"):
+        check_lesson(lesson)
