@@ -25,7 +25,7 @@ from insonify_viewer.laid_scene import LaidScene
 from insonify_viewer.mark_controller import MarkController
 from insonify_viewer.marked_point import MarkedPoint
 from insonify_viewer.panel_set import PanelSet
-from insonify_viewer.panels.panel import RecordGrowth, Workbench
+from insonify_viewer.panels.panel import RecordGrowth
 from insonify_viewer.record import Record, pings_held
 from insonify_viewer.saving import Saving
 from insonify_viewer.seabed_controller import SeabedController, silence
@@ -36,6 +36,7 @@ from insonify_viewer.tow_clock import TowClock
 from insonify_viewer.views.file_dialogs import FileDialogs
 from insonify_viewer.views.main_window import MainWindow
 from insonify_viewer.waiting import WaitingWatch
+from insonify_viewer.workbench import make_workbench
 
 if TYPE_CHECKING:
     from insonify.planning.models import PackedScene
@@ -79,7 +80,7 @@ class Viewer(QObject):
         self.record = Record(pings_held(scene), scene.sonar.bins)
         self.files = FileDialogs(self.window, self.simulator, self.open, self.window.say)
         self.saving = Saving(self.session, self.window, self.simulator)
-        self.panels = PanelSet(self._workbench())
+        self.panels = PanelSet(make_workbench(self))
         added = partial(self.panels.tell, "part_added")
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
         self.window.mount(tuple(self.panels.values()))
@@ -231,6 +232,7 @@ class Viewer(QObject):
         window.palette_changed.connect(self.show_palette)
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
         window.running_changed.connect(self.run)
+        window.projector.toggled.connect(lambda large: self.panels.tell("projected", large))
         window.may_close = self.saving.may_leave
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)
@@ -243,18 +245,6 @@ class Viewer(QObject):
                 action(*values)
 
         return ask_then_act
-
-    def _workbench(self) -> Workbench:
-        """Return what the panels are made with."""
-        return Workbench(
-            session=self.session,
-            simulator=self.simulator,
-            files=self.files,
-            say=self.window.say,
-            pause=lambda: self.run(False),
-            open_panel=self.window.open_panel,
-            inspection=self.inspection,
-        )
 
     def _scene_changed(self, scene: Scene, settled: bool) -> None:
         traced = (scene, self.session.modelling)

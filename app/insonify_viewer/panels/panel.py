@@ -25,6 +25,8 @@ class Place(Enum):
     """A tab at the right side."""
     BELOW = "below"
     """Below scene and record, closed until its button or `Workbench.open_panel` opens it."""
+    LEFT = "left"
+    """At the left side, closed until its button or `Workbench.open_panel` opens it."""
     WINDOW = "window"
     """A window of its own, opened by its button or by `Workbench.open_panel`."""
     STATUS = "status"
@@ -37,6 +39,14 @@ class Button(NamedTuple):
     text: str
     tooltip: str
     shortcut: str
+
+
+class SceneOpener(Protocol):
+    """Opens a scene in place of another."""
+
+    def __call__(self, scene: Scene, file: str, *, ask: bool) -> bool:
+        """Open it; return whether the person agreed."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -59,6 +69,13 @@ class Workbench:
         Opens the panel of a name.
     inspection : Inspection
         The pinned pixel, the picked place, and what is drawn of both.
+    open_scene : callable
+        Opens (scene, file) at the start of its track; its argument ``ask`` says whether the person is asked first what
+        becomes of unsaved changes. Returns whether the scene was opened.
+    light_fields : callable
+        Lights the fields at some dotted paths wherever they are shown, and no others.
+    project : callable
+        Switches the view for a projector, full screen and in large type, on or off.
     """
 
     session: Session
@@ -68,6 +85,9 @@ class Workbench:
     pause: Callable[[], None]
     open_panel: Callable[[str], None]
     inspection: Inspection
+    open_scene: SceneOpener
+    light_fields: Callable[[tuple[str, ...]], None]
+    project: Callable[[bool], None]
 
 
 @dataclass(frozen=True)
@@ -109,7 +129,7 @@ class Panel(Protocol):
     rank : int
         Panels of one place stand in the order of their ranks, then of their names.
     button : Button or None
-        Opens the panel, for the places `BELOW` and `WINDOW`.
+        Opens the panel, for the places `BELOW`, `LEFT` and `WINDOW`.
     """
 
     name: ClassVar[str]
@@ -147,6 +167,12 @@ class Panel(Protocol):
 
     def part_added(self, path: str) -> None:
         """Show a part of the scene that was just added, by its dotted path."""
+
+    def fields_lit(self, paths: tuple[str, ...]) -> None:
+        """Light the fields at these dotted paths, bring the first into view, and light no others."""
+
+    def projected(self, large: bool) -> None:
+        """Follow the view for a projector, which shows text large."""
 
     def opened(self, shown: bool) -> None:
         """Follow the opening and closing of the panel."""

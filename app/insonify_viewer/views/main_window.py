@@ -34,6 +34,7 @@ READING_TIME = 12_000  # ms, of a sentence in the status bar
 GAIN_REACH = 30  # dB either way
 SIDE = 332  # px, width of the panels at the side
 BELOW_HEIGHT = 260  # px, of a panel below when it is first opened
+LARGE = 1.6  # factor on the text of the record for a projector
 
 
 class MainWindow(QMainWindow):
@@ -89,6 +90,8 @@ class MainWindow(QMainWindow):
         for panel in panels:
             if panel.place is Place.BELOW:
                 self._mount_below(panel)
+            elif panel.place is Place.LEFT:
+                self._dock(panel, Qt.DockWidgetArea.LeftDockWidgetArea).hide()
             elif panel.place is Place.STATUS:
                 self.statusBar().addPermanentWidget(panel.widget)
             if panel.button is not None:
@@ -188,6 +191,7 @@ class MainWindow(QMainWindow):
         dock = self._dock(panel, Qt.DockWidgetArea.BottomDockWidgetArea)
         dock.hide()
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
+        self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
         self.resizeDocks([dock], [BELOW_HEIGHT], Qt.Orientation.Vertical)
 
     def _add_button(self, panel: Panel) -> None:
@@ -254,6 +258,10 @@ class MainWindow(QMainWindow):
         self.trace.setCheckable(True)
         self.trace.setChecked(True)
         self.trace.toggled.connect(self.waterfall.show_trace)
+        self.projector = self._action("Projector", "Full screen, in large type", QKeySequence("F11"))
+        self.projector.setCheckable(True)
+        self.projector.toggled.connect(self._project)
+        self.addAction(self.projector)
         self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
         self._add_gain(bar)
 
@@ -272,6 +280,14 @@ class MainWindow(QMainWindow):
         menu.triggered.connect(lambda action: self.target_wanted.emit(action.data()))
         self.targets.setMenu(menu)
         bar.addWidget(self.targets)
+
+    def _project(self, large: bool) -> None:
+        """Fill the screen, with large type at the record, or return to the window."""
+        self.waterfall.enlarge_text(LARGE if large else 1.0)
+        if large:
+            self.showFullScreen()
+        else:
+            self.showNormal()
 
     def _add_gain(self, bar: QToolBar) -> None:
         self.gain = _GainSlider(Qt.Orientation.Horizontal)

@@ -36,6 +36,9 @@ QMenu {{ background: {RAISED}; border: 1px solid {EDGE}; padding: 3px; }}
 QMenu::item {{ padding: 4px 18px; border-radius: 3px; }}
 QMenu::item:selected {{ background: {EDGE}; }}
 QLabel#name {{ color: {QUIET}; }}
+QLabel#name[lit="true"], QLabel#choice[lit="true"], QLabel#tick[lit="true"] {{ color: {GROUND}; background: {ACCENT};
+    border-radius: 3px; padding: 1px 4px; }}
+QPushButton#tool[lit="true"] {{ color: {GROUND}; background: {ACCENT}; border-color: {ACCENT}; font-weight: 600; }}
 QLabel#numbers {{ color: {TEXT}; }}
 QLabel#choice {{ color: {TEXT}; font-weight: 600; }}
 QLabel#change {{ color: {ACCENT}; }}

@@ -65,6 +65,7 @@ class WaterfallView(QWidget):
         self._waiting: Waiting | None = None
         self._oldest = -1  # stamp; rows with an older one are dimmed
         self._notches = 0
+        self._text = 1.0  # factor on the size of the text, and of the margins that hold it
         self._handle = ScrubHandle()
         self._fit()
 
@@ -191,8 +192,9 @@ class WaterfallView(QWidget):
         )
 
     def _plot(self) -> QRect:
-        below = BOTTOM + (room_for_trace(self.height()) if self._traced else 0)
-        room = self.rect().adjusted(LEFT, TOP, -RIGHT, -below)
+        left, top, right, bottom = map(self._scaled, (LEFT, TOP, RIGHT, BOTTOM))
+        below = bottom + (room_for_trace(self.height()) if self._traced else 0)
+        room = self.rect().adjusted(left, top, -right, -below)
         return plot_at_true_scale(room, *self._extent())
 
     def trace_area(self) -> QRect | None:
@@ -200,8 +202,20 @@ class WaterfallView(QWidget):
         if not self._traced or not room_for_trace(self.height()):
             return None
         plot = self._plot()
-        top = plot.bottom() + BOTTOM + GAP
+        top = plot.bottom() + self._scaled(BOTTOM) + GAP
         return QRect(plot.left(), top, plot.width(), self.height() - top - 4)
+
+    def enlarge_text(self, factor: float) -> None:
+        """Draw the text of the rulers by a factor larger than usual."""
+        font = self.font()
+        font.setPointSizeF(font.pointSizeF() * factor / self._text)
+        self.setFont(font)
+        self._text = factor
+        self._fit()
+
+    def _scaled(self, pixels: int) -> int:
+        """Pixels at the usual size of the text, in proportion to its present size."""
+        return round(pixels * self._text)
 
     def _extent(self) -> tuple[float, float]:
         """Metres along the track and across it that the record shows."""
@@ -279,7 +293,7 @@ class WaterfallView(QWidget):
     def _draw_slant_ruler(self, painter: QPainter, plot: QRect) -> None:
         """Draw metres of slant range from nadir to both sides."""
         middle, base = plot.left() + plot.width() / 2.0, plot.bottom() + 1
-        for value in round_steps(0.0, self._range, max(plot.width() // 130, 1)):
+        for value in round_steps(0.0, self._range, max(plot.width() // self._scaled(130), 1)):
             for x in {
                 middle - value / self._range * plot.width() / 2.0,
                 middle + value / self._range * plot.width() / 2.0,
@@ -287,20 +301,21 @@ class WaterfallView(QWidget):
                 painter.setPen(QColor(EDGE))
                 painter.drawLine(int(x), base, int(x), base + 5)
                 painter.setPen(QColor(QUIET))
-                painter.drawText(QRect(int(x) - 40, base + 6, 80, 14), Qt.AlignmentFlag.AlignHCenter, f"{value:g}")
+                place = QRect(int(x) - self._scaled(40), base + 6, self._scaled(80), self._scaled(14))
+                painter.drawText(place, Qt.AlignmentFlag.AlignHCenter, f"{value:g}")
         painter.setPen(QColor(QUIET))
-        line = QRect(plot.left(), base + 20, plot.width(), 16)
+        line = QRect(plot.left(), base + self._scaled(20), plot.width(), self._scaled(16))
         scale = name_scale(plot, *self._extent())
         painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, f"slant range (m)  ·  {scale}")
         painter.setPen(QColor(TEXT))
-        line = QRect(plot.left(), plot.top() - 20, plot.width(), 16)
+        line = QRect(plot.left(), plot.top() - self._scaled(20), plot.width(), self._scaled(16))
         painter.drawText(line, Qt.AlignmentFlag.AlignLeft, "port")
         painter.drawText(line, Qt.AlignmentFlag.AlignRight, "starboard")
 
     def _draw_ping_ruler(self, painter: QPainter, plot: QRect) -> None:
         """Draw ping numbers, each with the metres towed."""
-        pings = self._record.pings
-        steps = round_steps(0.0, pings, max(plot.height() // 70, 1))
+        pings, wide, high = self._record.pings, self._scaled(LEFT - 9), self._scaled(14)
+        steps = round_steps(0.0, pings, max(plot.height() // self._scaled(70), 1))
         step = max(int(steps[1]), 1) if len(steps) > 1 else pings
         for ping in range(max(self._top - pings + 1, 0) // step * step, self._top + 1, step):
             y = plot.top() + int((self._top - ping + 0.5) / pings * plot.height())
@@ -309,11 +324,13 @@ class WaterfallView(QWidget):
             painter.setPen(QColor(EDGE))
             painter.drawLine(plot.left() - 5, y, plot.left() - 1, y)
             painter.setPen(QColor(TEXT))
-            painter.drawText(QRect(0, y - 13, LEFT - 9, 14), Qt.AlignmentFlag.AlignRight, f"{ping}")
+            painter.drawText(QRect(0, y - high + 1, wide, high), Qt.AlignmentFlag.AlignRight, f"{ping}")
             painter.setPen(QColor(QUIET))
-            painter.drawText(QRect(0, y, LEFT - 9, 14), Qt.AlignmentFlag.AlignRight, f"{ping * self._step:.4g} m")
+            painter.drawText(QRect(0, y, wide, high), Qt.AlignmentFlag.AlignRight, f"{ping * self._step:.4g} m")
         painter.setPen(QColor(QUIET))
-        painter.drawText(QRect(0, plot.top() - 20, LEFT - 9, 16), Qt.AlignmentFlag.AlignRight, "ping")
+        painter.drawText(
+            QRect(0, plot.top() - self._scaled(20), wide, self._scaled(16)), Qt.AlignmentFlag.AlignRight, "ping"
+        )
 
     def _draw_cross(self, painter: QPainter, plot: QRect, mark: Mark) -> None:
         place = self.place_of(mark)

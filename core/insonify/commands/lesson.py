@@ -22,8 +22,9 @@ def register(subparsers: Any) -> None:
     check = actions.add_parser(
         "check",
         help="check that lessons can be done",
-        description="Check that scenes and fields of lessons exist, that values lie in their bounds, and that the "
-        "condition of every step is false before its move and true after it. Example: insonify lesson check my-lesson.md",
+        description="Check that scenes and fields of lessons exist, that values lie in their bounds, and that "
+        "the condition of every step is false before its move and true after it. "
+        "Example: insonify lesson check my-lesson.md",
     )
     check.add_argument(
         "lessons", nargs="*", metavar="FILE", help="a Markdown file or a bundled lesson (default: all bundled lessons)"

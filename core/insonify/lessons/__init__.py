@@ -7,9 +7,11 @@ from insonify.lessons.checking import check_lesson, states_of
 from insonify.lessons.conditions import Condition, parse_condition
 from insonify.lessons.lesson import Lesson, Step
 from insonify.lessons.reading import load_lesson, load_lessons, parse_lesson
-from insonify.lessons.states import WINDOW_FIELDS, LessonState, split_move
+from insonify.lessons.states import AUTOMATIC, SIDES, WINDOW_FIELDS, LessonState, split_move
 
 __all__ = [
+    "AUTOMATIC",
+    "SIDES",
     "WINDOW_FIELDS",
     "Condition",
     "Lesson",

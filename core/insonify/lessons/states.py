@@ -18,8 +18,8 @@ SIDES = ("port", "starboard")
 WINDOW_FIELDS = {
     "plan": "`plan.tolerance` is the tolerance of the plan, `plan.method` and other choices of it are texts, "
     '`"auto"` where they are not forced',
-    "point": '`point.side` (`"port"` or `"starboard"`) and `point.slant_range` (m) are the point of the record under '
-    "the mouse",
+    "point": '`point.side` (`"port"` or `"starboard"`), `point.slant_range` (m) and `point.ping` are the point of the '
+    "record under the mouse",
 }
 
 
@@ -124,10 +124,13 @@ def _check_window_value(path: str, value: Any, scene: Scene) -> None:
     elif path == "point.slant_range":
         if isinstance(value, bool | str) or not 0.0 <= value < scene.sonar.range:
             raise SceneError(f"{path}: {value!r} is outside the record; give 0 up to {scene.sonar.range:g} m")
+    elif path == "point.ping":
+        if not isinstance(value, int) or value < 0:
+            raise SceneError(f"{path}: {value!r} is no number of a ping; give a whole number from 0")
     elif path.startswith("plan."):
         _check_choice(scene, path.removeprefix("plan."), value)
     else:
-        raise SceneError(f"{path}: is not known; use point.side or point.slant_range")
+        raise SceneError(f"{path}: is not known; use point.side, point.slant_range or point.ping")
 
 
 def _check_choice(scene: Scene, subject: str, choice: Any) -> None:

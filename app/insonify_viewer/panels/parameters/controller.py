@@ -49,6 +49,10 @@ class ParametersPanel(Panel):
         """Unfold the section of a new part."""
         self.view.turn_to(path)
 
+    def fields_lit(self, paths: tuple[str, ...]) -> None:
+        """Light rows; those that a scene has only later are lit then."""
+        self.view.light(paths)
+
     def closing(self) -> None:
         """Drop the update that waits."""
         self.view.stop_waiting()

@@ -21,6 +21,7 @@ from insonify_viewer.fields import ChoiceField, NumberField, Parameter
 from insonify_viewer.panels.parameters.sections import FieldSection
 from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
+from insonify_viewer.views.lighting import light
 
 NARROWEST = 316  # px
 DELAY = 20  # ms, by which the other numbers follow a slider that moves
@@ -52,6 +53,7 @@ class ParametersView(QScrollArea):
         self._column.addStretch(1)
         self.setWidget(self._body)
         self._sections: dict[str, SectionBox] = {}
+        self._lit: tuple[str, ...] = ()
         self._show: Callable[[], None] = _nothing
         self._due = QTimer(self)
         self._due.setSingleShot(True)
@@ -98,21 +100,42 @@ class ParametersView(QScrollArea):
             box = SectionBox(section, self, unfolded=unfolded)
             self._sections[section.key] = box
             self._column.insertWidget(place + 1, box)
+        self._light_rows()
 
     def turn_to(self, key: str) -> None:
         """Unfold the section of a target, fold those of the others, and scroll to it."""
         for name, box in self._sections.items():
             if box.removable:
                 box.unfold(name == key)
-        # The scroll bar reaches a new section only after a layout.
         self._sections[key].show()
-        self._column.activate()
-        self._body.resize(self._body.width(), self._body.sizeHint().height())
+        self._lay_out()
         self.ensureWidgetVisible(self._sections[key], 0, 8)
+
+    def light(self, paths: tuple[str, ...]) -> None:
+        """Light the rows of these fields and no others; unfold their sections and scroll to the first that is there."""
+        self._lit = paths
+        self._light_rows()
+        boxes = [box for box in self._sections.values() if any(path in box.rows for path in paths)]
+        for box in boxes:
+            box.unfold(True)
+        shown = [path for path in paths if any(path in box.rows for box in boxes)]
+        if shown:
+            self._lay_out()
+            self.ensureWidgetVisible(self.row(shown[0]).label, 0, self.height() // 3)
 
     def row(self, path: str) -> Row:
         """Find the row of a field by its dotted path."""
         return next(box.rows[path] for box in self._sections.values() if path in box.rows)
+
+    def _lay_out(self) -> None:
+        """Lay the sections out now: the scroll bar reaches a new one only after that."""
+        self._column.activate()
+        self._body.resize(self._body.width(), self._body.sizeHint().height())
+
+    def _light_rows(self) -> None:
+        for box in self._sections.values():
+            for path, row in box.rows.items():
+                light(row.label, path in self._lit)
 
     def _drop(self, key: str) -> None:
         box = self._sections.pop(key)

@@ -52,6 +52,10 @@ class PlanPanel(Panel):
         self.view.show_plan(plan, self._session.modelling)
         self.view.show_change("", "")
 
+    def fields_lit(self, paths: tuple[str, ...]) -> None:
+        """Light the tolerance, or choices of the plan."""
+        self.view.light({path.removeprefix("plan.") for path in paths if path.startswith("plan.")})
+
     def scene_refused(self) -> None:
         """Show the plan that is still valid."""
         if self._plan is not None:

@@ -23,6 +23,7 @@ from insonify_viewer.modelling import Modelling
 from insonify_viewer.quantities import format_duration
 from insonify_viewer.views.field_rows import Combo, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
+from insonify_viewer.views.lighting import light
 
 if TYPE_CHECKING:
     from insonify.planning import Plan, PlanEntry
@@ -71,6 +72,7 @@ class PlanView(QScrollArea):
         column.addStretch(1)
         self.setWidget(body)
         self._predicted = ""
+        self._lit: set[str] = set()
         self.show_change("", "")
 
     def show_plan(self, plan: Plan, modelling: Modelling) -> None:
@@ -84,6 +86,19 @@ class PlanView(QScrollArea):
             group.show_entries(
                 [entry for entry in plan.entries if entry.modelled is modelled], forced, self.forced.emit
             )
+
+        self._light_lines()
+
+    def light(self, subjects: set[str]) -> None:
+        """Light the lines of these subjects and no others; the tolerance is one."""
+        self._lit = subjects
+        self._light_lines()
+
+    def _light_lines(self) -> None:
+        self._tolerance.light("tolerance" in self._lit)
+        for group in self._groups.values():
+            for name, line in group.lines.items():
+                line.light(name in self._lit)
 
     def show_measured(self, seconds: float) -> None:
         """Show the measured time of a ping below the predicted one."""
@@ -182,6 +197,10 @@ class PlanLine(QWidget):
         self.combo.setVisible(bool(options))
         self.combo.setToolTip(f"Force {entry.subject}, or leave it to the plan")
 
+    def light(self, lit: bool) -> None:
+        """Light the choice, or let it be as usual."""
+        light(self._choice, lit)
+
     def say(self, words: str) -> None:
         """Show the effect of the forced choice."""
         self._change.setText(words)
@@ -206,6 +225,10 @@ class ToleranceRow(QWidget):
         """Show a tolerance, as a share of the record."""
         self._value = 100.0 * share
         self._row.show_value(_number(self._value))
+
+    def light(self, lit: bool) -> None:
+        """Light the row, or let it be as usual."""
+        light(self._row.label, lit)
 
     def _dragged(self, _: str, percent: float) -> None:
         self.show_share(percent / 100.0)

@@ -1,0 +1,201 @@
+"""Leads through lessons: opens their scenes, lights fields, and notices that a step was done."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from insonify.files import bundled_scenes
+from insonify.lessons import AUTOMATIC, SIDES, Lesson, LessonState, load_lessons, split_move
+from insonify.scene import Scene
+from insonify_viewer.marked_point import MarkedPoint
+from insonify_viewer.modelling import Modelling
+from insonify_viewer.panels.lessons.course import Course
+from insonify_viewer.panels.lessons.view import LessonsView
+from insonify_viewer.panels.panel import Button, Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.session import Mark
+
+
+class LessonsPanel(Panel):
+    """Shows the list of lessons, or the present step of one."""
+
+    name = "lessons"
+    title = "Lessons"
+    place = Place.LEFT
+    button = Button("Lessons", "Learn step by step what a side-scan sonar shows, and why", "Ctrl+L")
+
+    def __init__(self, workbench: Workbench) -> None:
+        self._workbench, self._session = workbench, workbench.session
+        self._lessons: tuple[Lesson, ...] = ()
+        self._course: Course | None = None
+        self._finished: set[str] = set()
+        self._point: MarkedPoint | None = None
+        self._newest = 0  # ping
+        self._open_now = False
+        self.view = view = LessonsView()
+        view.started.connect(self.start)
+        view.left.connect(self.leave)
+        view.moved.connect(self.move)
+        view.back.connect(self.back)
+        view.next.connect(self.next)
+        view.projected.connect(workbench.project)
+
+    @property
+    def widget(self) -> LessonsView:
+        """List and steps."""
+        return self.view
+
+    @property
+    def course(self) -> Course | None:
+        """The lesson under way."""
+        return self._course
+
+    def opened(self, shown: bool) -> None:
+        """Read the lessons when the panel first opens; light no field while it is closed."""
+        if shown and not self._lessons:
+            self._lessons = load_lessons()
+            self._show_list()
+        self._open_now = shown
+        self._light()
+
+    def scene_changed(self, scene: Scene, settled: bool) -> None:
+        """Notice what was moved; leave the lesson when the person opens another scene."""
+        del settled
+        if self._course is None:
+            return
+        if scene.title != self._course.start.scene.title:
+            self.leave()
+        else:
+            self._notice()
+
+    def record_grown(self, growth: RecordGrowth) -> None:
+        """Note the newest ping."""
+        self._newest = int(growth.record.ping.max())
+
+    def point_marked(self, point: MarkedPoint | None) -> None:
+        """Notice the point of the record under the mouse."""
+        self._point = point
+        self._notice()
+
+    def projected(self, large: bool) -> None:
+        """Enlarge the text."""
+        self.view.enlarge(large)
+
+    def start(self, name: str) -> None:
+        """Start a lesson; the person is asked first what becomes of changes that are not of a lesson."""
+        course, asked = Course(next(lesson for lesson in self._lessons if lesson.name == name)), self._course is None
+        self._course = None  # what changes on the way is not done by the person
+        if self._open(course, ask=asked):
+            self._show_step(course)
+        else:
+            self.leave()
+
+    def leave(self) -> None:
+        """Return to the list; the scene stays as it is."""
+        self._course = None
+        self._workbench.light_fields(())
+        self._show_list()
+
+    def back(self) -> None:
+        """Return to the step before, as it began."""
+        if self._course is not None and self._course.index:
+            self._go_to(self._course, self._course.index - 1)
+
+    def next(self) -> None:
+        """Go to the next step, or to the list after the last; a step that was left out counts as done by the way."""
+        course = self._course
+        if course is None:
+            return
+        if course.finished:
+            self._finished.add(course.lesson.name)
+        if course.last:
+            self.leave()
+        else:
+            self._go_to(course, course.index + 1)
+
+    def move(self) -> None:
+        """Do what the present step asks for."""
+        if self._course is None:
+            return
+        inside, outside = split_move(self._course.step.move)
+        if inside:
+            self._session.settle(inside)
+        self._model(self._session.modelling, outside)
+        if "point.slant_range" in outside:
+            self._session.point_at(self._mark(outside))
+
+    def _go_to(self, course: Course, index: int) -> None:
+        """Begin a step as it is meant to begin, or with what the person has just done in the step before."""
+        forward, base = course.done and index > course.index, course.base
+        course.go_to(index)
+        self._course = None
+        if course.base != base:
+            self._open(course, ask=False)
+        elif not forward or course.step.set:
+            self._session.open(course.start.scene, _file_of(course), bundled=True)
+            self._model(Modelling(), course.start.window)
+        self._show_step(course)
+
+    def _open(self, course: Course, *, ask: bool) -> bool:
+        """Open the scene of a step at the start of its track; return whether the person agreed."""
+        if not self._workbench.open_scene(course.start.scene, _file_of(course), ask=ask):
+            return False
+        self._model(Modelling(), course.start.window)
+        return True
+
+    def _model(self, modelling: Modelling, window: Mapping[str, Any]) -> None:
+        """Turn to a modelling, with the choices of the plan that a state of the window names."""
+        for path, value in window.items():
+            subject = path.removeprefix("plan.")
+            if path == "plan.tolerance":
+                modelling = modelling.tolerating(float(value))
+            elif subject != path:
+                modelling = modelling.forcing(subject, None if value == AUTOMATIC else str(value))
+        if modelling != self._session.modelling:
+            self._session.model(modelling)
+
+    def _mark(self, point: Mapping[str, Any]) -> Mark:
+        """Bin of the record at a point that a step names."""
+        sonar = self._session.scene.sonar
+        ping = int(point.get("point.ping", self._newest))
+        place = int(point["point.slant_range"] / sonar.range * sonar.bins)
+        return Mark(ping, SIDES.index(point.get("point.side", SIDES[0])), place)
+
+    @property
+    def _state(self) -> LessonState:
+        """What conditions read."""
+        modelling, point = self._session.modelling, self._point
+        window: dict[str, Any] = {"plan.tolerance": modelling.tolerance}
+        window |= {f"plan.{subject}": choice for subject, choice in modelling.forced}
+        if point is not None:
+            mark = point.mark
+            window |= {"point.ping": mark.ping, "point.side": SIDES[mark.side], "point.slant_range": point.slant_range}
+        return LessonState(self._session.scene, window)
+
+    def _notice(self) -> None:
+        if self._course is not None and self._course.notice(self._state):
+            self.view.show_done(True)
+
+    def _show_step(self, course: Course) -> None:
+        """Show the present step, and light what it speaks of."""
+        self._course = course
+        self.view.show_step(course.lesson, course.index)
+        self._light()
+        self._notice()
+
+    def _show_list(self) -> None:
+        self.view.show_list(self._lessons, self._finished)
+
+    def _light(self) -> None:
+        """Light the fields of the present step, with the panel that shows them in front."""
+        if self._course is not None and self._open_now:
+            fields = self._course.step.fields
+            self._workbench.open_panel("plan" if fields[0].startswith("plan.") else "parameters")
+            self._workbench.light_fields(fields)
+        else:
+            self._workbench.light_fields(())
+
+
+def _file_of(course: Course) -> str:
+    """File of the bundled scene that a step is about."""
+    return str(bundled_scenes()[course.base])

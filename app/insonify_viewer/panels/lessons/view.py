@@ -1,0 +1,220 @@
+"""List of lessons, and the steps of one in large type."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QListWidget,
+    QListWidgetItem,
+    QPushButton,
+    QScrollArea,
+    QSizePolicy,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from insonify.lessons import Lesson
+from insonify_viewer.views.lighting import light
+
+USUAL, LARGE = 1.2, 1.9  # factors on the size of the text, without and with a projector
+HEADING = 1.25  # factor on the size of headings
+NARROWEST = 300  # px, at the usual size
+
+
+class LessonsView(QStackedWidget):
+    """Shows lessons, and signals what the person asks for."""
+
+    started = Signal(str)  # name of a lesson
+    left = Signal()
+    moved = Signal()
+    back = Signal()
+    next = Signal()
+    projected = Signal(bool)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setObjectName("panel")
+        self.list = ListPage()
+        self.page = StepPage()
+        self.addWidget(self.list)
+        self.addWidget(self.page)
+        self.list.started.connect(self.started)
+        self.page.left.clicked.connect(self.left)
+        self.page.show_me.clicked.connect(self.moved)
+        self.page.back.clicked.connect(self.back)
+        self.page.next.clicked.connect(self.next)
+        for page in (self.list, self.page):
+            page.projector.toggled.connect(self.projected)
+        self._size = self.font().pointSizeF()
+        self.enlarge(False)
+
+    def show_list(self, lessons: Sequence[Lesson], finished: Collection[str]) -> None:
+        """Show the lessons; those that were finished are ticked."""
+        self.list.show_lessons(lessons, finished)
+        self.setCurrentWidget(self.list)
+
+    def show_step(self, lesson: Lesson, index: int) -> None:
+        """Show a step of a lesson, not yet done."""
+        self.page.show_step(lesson, index)
+        self.setCurrentWidget(self.page)
+
+    def show_done(self, done: bool) -> None:
+        """Tick the step that is shown."""
+        self.page.show_done(done)
+
+    def enlarge(self, large: bool) -> None:
+        """Show text as large as a projector asks for, or at the usual size."""
+        factor = LARGE if large else USUAL
+        points = self._size * factor
+        self.setStyleSheet(
+            f"QLabel, QPushButton, QListWidget {{ font-size: {points:g}pt; }}"
+            f"QLabel#lesson {{ font-size: {HEADING * points:g}pt; font-weight: 600; }}"
+            "QLabel#step { font-weight: 600; }"
+        )
+        self.setMinimumWidth(round(NARROWEST * factor / USUAL))
+        for page in (self.list, self.page):
+            page.projector.setChecked(large)
+
+
+class ListPage(QWidget):
+    """The list of lessons, with a button that starts one."""
+
+    started = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lessons = QListWidget()
+        self.lessons.setObjectName("lessons")
+        self.lessons.setAccessibleName("Lessons")
+        self.lessons.setWordWrap(True)
+        self.lessons.setFrameShape(QFrame.Shape.NoFrame)
+        self.lessons.itemActivated.connect(self._start)
+        self.start = _button("Start", "Open the scene of this lesson, and show its first step")
+        self.start.clicked.connect(lambda: self._start(self.lessons.currentItem()))
+        self.projector = _projector()
+        column = QVBoxLayout(self)
+        column.addWidget(self.lessons, 1)
+        row = QHBoxLayout()
+        row.addWidget(self.projector)
+        row.addWidget(self.start, 1)
+        column.addLayout(row)
+
+    def show_lessons(self, lessons: Sequence[Lesson], finished: Collection[str]) -> None:
+        """Show these lessons, and select the first that is not finished."""
+        self.lessons.clear()
+        for lesson in lessons:
+            item = QListWidgetItem(f"{'✓' if lesson.name in finished else '○'}  {lesson.title}")
+            item.setData(Qt.ItemDataRole.UserRole, lesson.name)
+            self.lessons.addItem(item)
+        todo = [row for row, lesson in enumerate(lessons) if lesson.name not in finished]
+        self.lessons.setCurrentRow(todo[0] if todo else 0)
+        self.start.setEnabled(bool(lessons))
+
+    def _start(self, item: QListWidgetItem) -> None:
+        self.started.emit(item.data(Qt.ItemDataRole.UserRole))
+
+
+class StepPage(QWidget):
+    """One step: what to move, what to look for, a question and its answer."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.left = _button("‹ Lessons", "Leave this lesson; the scene stays as it is")
+        self.projector = _projector()
+        self.lesson, self.step, self.introduction, self.text = _words("lesson"), _words("step"), _words(), _words()
+        self.tick, self.look_for, self.question, self.answer = _words("tick"), _words(), _words(), _words()
+        self.show_me = _button("Show me", "Move it as this step asks")
+        self.reveal = _button("Show the answer", "Show the answer to the question")
+        self.reveal.clicked.connect(lambda: self._show_answer(True))
+        self.back = _button("Back", "Return to the step before (Page Up)")
+        self.next = _button("Next", "Go to the next step (Page Down)")
+        for key, button in (("PgUp", self.back), ("PgDown", self.next)):  # which remote controls of projectors send
+            QShortcut(QKeySequence(key), self, button.click)
+        self._lay_out()
+
+    def show_step(self, lesson: Lesson, index: int) -> None:
+        """Show a step, not yet done, its answer hidden."""
+        step = lesson.steps[index]
+        self.lesson.setText(lesson.title)
+        self.introduction.setText(lesson.introduction)
+        self.introduction.setVisible(index == 0 and bool(lesson.introduction))
+        self.step.setText(f"{index + 1} of {len(lesson.steps)}: {step.title}")
+        self.text.setText(step.text)
+        self.look_for.setText(f"**Look for** {step.look_for}")
+        self.question.setText(f"**Question** {step.question}")
+        self.answer.setText(f"**Answer** {step.answer}")
+        self.back.setEnabled(index > 0)
+        self.next.setText("Next" if index + 1 < len(lesson.steps) else "Finish")
+        self._show_answer(False)
+        self.show_done(False)
+        self._scroll.verticalScrollBar().setValue(0)
+
+    def show_done(self, done: bool) -> None:
+        """Tick the step, and light the button that goes on."""
+        self.tick.setText("✓ done" if done else "○ not done yet")
+        light(self.tick, done)
+        light(self.next, done)
+        self.show_me.setEnabled(not done)
+
+    def _show_answer(self, shown: bool) -> None:
+        self.answer.setVisible(shown)
+        self.reveal.setVisible(not shown)
+
+    def _lay_out(self) -> None:
+        body = QWidget()
+        body.setObjectName("panel")
+        column = QVBoxLayout(body)
+        column.setSpacing(10)
+        done = _row(self.tick, self.show_me)
+        for part in (self.lesson, self.introduction, self.step, self.text, done, self.look_for, self.question):
+            column.addLayout(part) if isinstance(part, QHBoxLayout) else column.addWidget(part)
+        column.addWidget(self.reveal)
+        column.addWidget(self.answer)
+        column.addStretch(1)
+        self._scroll = QScrollArea()
+        self._scroll.setWidgetResizable(True)
+        self._scroll.setFrameShape(QFrame.Shape.NoFrame)
+        self._scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._scroll.setWidget(body)
+        page = QVBoxLayout(self)
+        page.addLayout(_row(self.left, self.projector))
+        page.addWidget(self._scroll, 1)
+        page.addLayout(_row(self.back, self.next))
+
+
+def _row(left: QWidget, right: QWidget) -> QHBoxLayout:
+    row = QHBoxLayout()
+    row.addWidget(left, 1)
+    row.addWidget(right, 1)
+    return row
+
+
+def _words(name: str = "") -> QLabel:
+    label = QLabel()
+    label.setObjectName(name)
+    label.setWordWrap(True)
+    label.setTextFormat(Qt.TextFormat.MarkdownText)
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    return label
+
+
+def _projector() -> QPushButton:
+    button = _button("Projector", "Full screen, in large type (F11)")
+    button.setCheckable(True)
+    return button
+
+
+def _button(text: str, tip: str) -> QPushButton:
+    button = QPushButton(text)
+    button.setObjectName("tool")
+    button.setToolTip(tip)
+    button.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Space pauses the tow
+    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+    return button

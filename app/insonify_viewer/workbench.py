@@ -1,0 +1,34 @@
+"""What a viewer offers to the panels of its window."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from insonify.scene import Scene
+from insonify_viewer.panels.panel import Workbench
+
+if TYPE_CHECKING:
+    from insonify_viewer.viewer import Viewer
+
+
+def make_workbench(viewer: Viewer) -> Workbench:
+    """Return what the panels of a viewer are made with."""
+
+    def open_scene(scene: Scene, file: str, *, ask: bool) -> bool:
+        if ask and not viewer.saving.may_leave():
+            return False
+        viewer.open(scene, file)
+        return True
+
+    return Workbench(
+        session=viewer.session,
+        simulator=viewer.simulator,
+        files=viewer.files,
+        say=viewer.window.say,
+        pause=lambda: viewer.run(False),
+        open_panel=viewer.window.open_panel,
+        inspection=viewer.inspection,
+        open_scene=open_scene,
+        light_fields=lambda paths: viewer.panels.tell("fields_lit", paths),
+        project=viewer.window.projector.setChecked,
+    )

@@ -1,0 +1,237 @@
+"""The lessons' panel in a window: steps are noticed, fields are lit, and scenes follow."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from PySide6.QtWidgets import QMessageBox
+
+from insonify.lessons import load_lessons, parse_lesson
+from insonify.scene import Scene, edit
+from insonify_viewer.modelling import Modelling
+from insonify_viewer.panels.lessons.course import Course
+
+LESSON = """+++
+title = "Range"
+scene = "pipe-on-bed"
+order = 1
+set = { "sonar.bins" = 100 }
++++
+
+About *range*.
+
+## See farther
+
+Move the range to 60 m.
+
+```toml
+move = { "sonar.range" = 60.0 }
+done = "sonar.range >= 60"
+```
+
+Look for: more bed.
+
+Question: How much?
+
+Answer: 10 m.
+
+## Accept an error
+
+Move the tolerance to 20 %.
+
+```toml
+move = { "plan.tolerance" = 0.2 }
+done = "plan.tolerance >= 0.2"
+```
+
+Look for: a faster record.
+
+Question: How fast?
+
+Answer: Faster.
+
+## Point at the pipe
+
+Move the mouse over the port side of another scene.
+
+```toml
+scene = "figure-4b"
+set = { "sonar.bins" = 100 }
+move = { "point.side" = "port", "point.slant_range" = 20.2, "point.ping" = 60 }
+done = 'point.side == "port" and point.slant_range > 20'
+```
+
+Look for: a cross.
+
+Question: Where?
+
+Answer: There.
+"""
+
+
+@pytest.fixture
+def lessons(monkeypatch: pytest.MonkeyPatch) -> None:
+    lesson = parse_lesson(LESSON, "range")
+    monkeypatch.setattr("insonify_viewer.panels.lessons.controller.load_lessons", lambda: (lesson,))
+
+
+def opened(open_viewer: Any, scene: Scene, qtbot: Any) -> tuple[Any, Any]:
+    """A viewer whose panel of lessons is open, with its view."""
+    viewer = open_viewer(scene)
+    viewer.window.open_panel("lessons")
+    panel = viewer.panels["lessons"]
+    qtbot.waitUntil(panel.view.isVisible)
+    return viewer, panel
+
+
+def started(open_viewer: Any, scene: Scene, qtbot: Any) -> tuple[Any, Any]:
+    viewer, panel = opened(open_viewer, scene, qtbot)
+    panel.view.list.start.click()
+    qtbot.waitUntil(lambda: viewer.complete, timeout=20000)
+    return viewer, panel
+
+
+def lit_rows(viewer: Any) -> set[str]:
+    boxes = viewer.panels["parameters"].view._sections.values()
+    return {path for box in boxes for path, row in box.rows.items() if row.label.property("lit")}
+
+
+@pytest.mark.usefixtures("lessons")
+def test_a_lesson_from_its_first_step_to_its_last(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer, panel = started(open_viewer, small, qtbot)
+    page, session = panel.view.page, viewer.session
+    assert (session.scene.title, session.scene.sonar.bins) == ("A pipe on the bed", 100)
+    assert page.lesson.text() == "Range"
+    assert page.step.text() == "1 of 3: See farther"
+    assert not page.next.property("lit")
+    assert not page.back.isEnabled()
+
+    session.drag({"sonar.range": 59.0})
+    assert not page.next.property("lit")
+    session.drag({"sonar.range": 61.0})  # noticed while the slider moves
+    session.settle()
+    assert page.next.property("lit")
+    assert "done" in page.tick.text()
+    session.settle({"sonar.range": 50.0})
+    assert page.next.property("lit"), "what was done stays done"
+
+    page.next.click()
+    assert page.step.text() == "2 of 3: Accept an error"
+    assert not page.next.property("lit")
+    session.model(session.modelling.tolerating(0.25))
+    assert page.next.property("lit")
+
+    page.next.click()
+    assert session.scene.title.startswith("Three pairs of spheres, fan")
+    assert session.modelling == Modelling()
+    qtbot.waitUntil(lambda: viewer.complete, timeout=20000)
+    page.show_me.click()
+    qtbot.waitUntil(lambda: bool(page.next.property("lit")), timeout=10000)
+    assert page.next.text() == "Finish"
+    page.next.click()
+    assert panel.course is None
+    assert panel.view.list.lessons.item(0).text().startswith("✓")
+
+
+@pytest.mark.usefixtures("lessons")
+def test_the_fields_of_a_step_are_lit_and_in_view(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer, panel = started(open_viewer, small, qtbot)
+    parameters = viewer.panels["parameters"].view
+    assert lit_rows(viewer) == {"sonar.range"}
+    assert not parameters.row("sonar.range").label.visibleRegion().isEmpty()
+    panel.view.page.show_me.click()
+    panel.view.page.next.click()
+    assert lit_rows(viewer) == set()
+    plan = viewer.panels["plan"].view
+    assert plan._tolerance._row.label.property("lit")
+    assert not plan._tolerance._row.label.visibleRegion().isEmpty(), "the panel of the plan is in front"
+    panel.view.page.left.click()
+    assert not plan._tolerance._row.label.property("lit")
+
+
+@pytest.mark.usefixtures("lessons")
+def test_back_returns_to_the_step_as_it_began(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer, panel = started(open_viewer, small, qtbot)
+    page = panel.view.page
+    page.next.click()  # a step that is left out is done by the way
+    assert viewer.session.scene.sonar.range == 60.0
+    assert panel.course.index == 1
+    page.show_me.click()
+    assert viewer.session.modelling.tolerance == 0.2
+    page.back.click()
+    assert page.step.text().startswith("1 of 3")
+    assert viewer.session.scene.sonar.range == 50.0
+    assert viewer.session.modelling == Modelling()
+    assert not page.next.property("lit")
+
+
+@pytest.mark.usefixtures("lessons")
+def test_question_and_answer(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    _, panel = started(open_viewer, small, qtbot)
+    page = panel.view.page
+    assert page.question.isVisible()
+    assert not page.answer.isVisible()
+    page.reveal.click()
+    assert page.answer.isVisible()
+    assert "10 m" in page.answer.text()
+    page.next.click()
+    assert not page.answer.isVisible()
+
+
+@pytest.mark.usefixtures("lessons")
+def test_another_scene_ends_the_lesson(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer, panel = started(open_viewer, small, qtbot)
+    viewer.open(edit(small, {"seed": 3}))
+    assert panel.course is None
+    assert panel.view.currentWidget() is panel.view.list
+    assert lit_rows(viewer) == set()
+
+
+@pytest.mark.usefixtures("lessons")
+def test_unsaved_work_is_asked_for_and_moves_of_a_lesson_are_not(
+    open_viewer: Any, small: Scene, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer, panel = opened(open_viewer, small, qtbot)
+    viewer.session.settle({"track.altitude": 7.0})
+    answers = [QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard]
+    monkeypatch.setattr(QMessageBox, "question", lambda *_: answers.pop(0))
+    panel.view.list.start.click()
+    assert panel.course is None
+    assert viewer.session.scene.track.altitude == 7.0
+    panel.view.list.start.click()
+    assert panel.course is not None
+    panel.move()
+    panel.start("range")
+    assert not answers
+
+
+@pytest.mark.usefixtures("lessons")
+def test_the_view_for_a_projector_is_full_screen_in_large_type(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer, panel = started(open_viewer, small, qtbot)
+    window, page = viewer.window, panel.view.page
+    before = page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()
+    window.projector.trigger()
+    assert window.isFullScreen()
+    assert page.projector.isChecked()
+    assert page.text.font().pointSizeF() >= 1.5 * before[0]
+    assert window.waterfall.font().pointSizeF() >= 1.5 * before[1]
+    page.projector.click()
+    assert not window.isFullScreen()
+    assert (page.text.font().pointSizeF(), window.waterfall.font().pointSizeF()) == pytest.approx(before)
+
+
+@pytest.mark.parametrize("name", [lesson.name for lesson in load_lessons()])
+def test_every_field_of_every_lesson_is_in_the_window(name: str) -> None:
+    """What a step asks to move has a row among the parameters, a choice in the plan, or a curve in the water panel."""
+    from insonify_viewer.panels.parameters.sections import sections_of
+
+    lesson = next(lesson for lesson in load_lessons() if lesson.name == name)
+    course = Course(lesson)
+    for index, step in enumerate(lesson.steps):
+        course.go_to(index)
+        scenes = [course.start.scene, course.start.moved(step.move).scene]
+        rows = {row.path for scene in scenes for section in sections_of(scene) for row in section.parameters}
+        for path in step.move:
+            curve = path.startswith(("water.depth.", "water.sound_speed."))
+            assert path in rows or curve or path.startswith(("plan.", "point.")), path
