@@ -46,11 +46,24 @@ def test_cost_is_measured_along_every_axis(monkeypatch, tmp_path):
     monkeypatch.setattr(cost, "SECONDS", 0.5)
     monkeypatch.setattr(cost, "TARGETS", (1, 4))
     monkeypatch.setattr(cost, "PINGS", (4, 8, 16, 32))
+    monkeypatch.setattr(cost, "STREAMED", (100, 400, 1600))
+    monkeypatch.setattr(cost, "SIDES", (128, 256, 512))
+    monkeypatch.setattr(cost, "DIVISIONS", (2, 3))
+    monkeypatch.setattr(cost, "BINS", (0.5, 1.0, 2.0))
+    monkeypatch.setattr(cost, "PLANES", (1, 2, 4))
     told = []
     measured = cost.measure_chart(SMALL, progress=told.append)
-    axes = {"pings", "cells along a profile", "bins a side", "targets in the beam", "planes", "rays a side"}
+    axes = {
+        "pings", "pings of a streamed record", "cells along a profile", "nodes of the bed", "bins a side",
+        "targets in the beam", "triangles in the beam", "planes", "rays a side",
+    }  # fmt: skip
     assert {row.axis for row in measured.rows} == axes
     assert all(row.microseconds > 0.0 for row in measured.rows)
+    streams = [row.megabytes for row in measured.rows if row.axis == "pings of a streamed record"]
+    assert len(streams) == 3
+    assert max(streams) < 50.0
+    beds = [row.megabytes for row in measured.rows if (row.axis, row.method) == ("nodes of the bed", "sweep")]
+    assert np.diff(beds) == pytest.approx([9e-6 * (256**2 - 128**2), 9e-6 * (512**2 - 256**2)], rel=0.01)
     assert 0.3 < measured.fits()["rays a side", "rays"].exponent < 2.0  # other work on the machine counts too
     assert told[-1] <= 1.0
     measured.save(tmp_path / "cost.json")
@@ -77,7 +90,7 @@ def test_convergence_has_the_orders_of_the_methods(monkeypatch, tmp_path):
 
 
 def test_pictures_of_laws_are_written(tmp_path):
-    rows = tuple(CostRow("sweep", "planes", n, 10.0 * n + 5.0, 0.01) for n in (1.0, 2.0, 4.0))
+    rows = tuple(CostRow("sweep", "planes", n, 10.0 * n + 5.0, 0.01, 2.0) for n in (1.0, 2.0, 4.0))
     CostChart("Pipe", rows, "a machine").save(tmp_path / "cost.png")
     points = tuple(ConvergencePoint("rays", 10.0**k, 10.0**-k, k < 3) for k in range(1, 5))
     right = Reference(np.zeros((1, 2, 4), dtype=np.float32), 1e-4, 1 << 16)
