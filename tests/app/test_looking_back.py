@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from insonify.scene import Scene
+from insonify_viewer.views.waterfall_view import EMPTY
 
 
 def test_looking_back_traces_the_old_pings_again(open_viewer: Any, small: Scene, qtbot: Any) -> None:
@@ -43,6 +45,24 @@ def test_the_handle_brings_the_fish_abeam_of_the_pipe(open_viewer: Any, small: S
     shown = waterfall.top
     viewer.run(True)
     assert viewer.tow.top == viewer.tow.newest == shown, "the tow goes on from the ping that was scrubbed to"
+
+
+def test_below_the_first_ping_the_record_is_empty(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    waterfall = viewer.window.waterfall
+    whole = waterfall._pixels.copy()
+    viewer.go_to(60)
+    qtbot.waitUntil(lambda: viewer.complete)
+    shown = waterfall.record.rows(np.arange(61))
+    assert (waterfall._pixels[shown] == whole[shown]).all()
+    hidden = waterfall.record.rows(np.arange(61, 128))
+    assert (waterfall._pixels[hidden] == EMPTY).all(), "later pings would stand below the first one"
+    viewer.show_gain(3.0)
+    assert (waterfall._pixels[hidden] == EMPTY).all()
+    viewer.show_gain(0.0)
+    viewer.go_to(127)
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert (waterfall._pixels == whole).all()
 
 
 def test_the_handle_reaches_every_ping(open_viewer: Any, small: Scene) -> None:

@@ -107,14 +107,18 @@ class WaterfallView(QWidget):
         self._paint_rows(rows)
 
     def show_top(self, ping: int) -> None:
-        """Put a ping on top; blank the rows whose ping is missing."""
+        """Put a ping on top; blank the rows whose ping is missing or lies above it."""
         if ping == self._top:
             return
-        self._top = ping
+        before, self._top = self._top, ping
         pings = self._record.shown(ping)
         rows = self._record.rows(pings)
-        self._pixels[rows[self._record.ping[rows] != pings]] = EMPTY
-        self.update()
+        held = self._record.ping[rows] == pings
+        blank = np.ones(self._record.pings, dtype=bool)
+        blank[rows[held]] = False
+        self._pixels[blank] = EMPTY
+        returned = held & ((pings > before) | (pings <= before - self._record.pings))
+        self._paint_rows(rows[returned])
 
     def show_last(self, ping: int) -> None:
         """Set the last ping that the handle reaches; it does not change while the handle is held."""
@@ -238,7 +242,8 @@ class WaterfallView(QWidget):
         painted = colours(self._columns[rows], low / self._gain, high / self._gain, self._table)
         stale = self._record.stamp[rows] < self._oldest
         painted[stale] = dimmed(painted[stale])
-        painted[self._record.ping[rows] < 0] = EMPTY
+        age = self._top - self._record.ping[rows]
+        painted[(age < 0) | (age >= self._record.pings) | (self._record.ping[rows] < 0)] = EMPTY
         self._pixels[rows] = painted
         self.update()
 
