@@ -19,6 +19,7 @@ from PySide6.QtWidgets import QApplication
 
 from insonify.scene import Scene, SceneError
 from insonify_viewer.gc_policy import collected_by_hand
+from insonify_viewer.session import Mark
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.save_dialogs import save_picture
 from insonify_viewer.views.theme import apply_theme
@@ -28,12 +29,13 @@ COLLECTION_INTERVAL = 200  # ms
 PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles the kernels first
 
 
-def open_window(scene: Scene) -> int:
-    """Open the viewer, run it until it is closed, and return an exit code."""
+def open_window(scene: Scene, pin: Mark | None = None) -> int:
+    """Open the viewer, with a pixel pinned if one is given, run it until it is closed, and return an exit code."""
     application = make_application()
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=has_opengl())
         viewer.window.show()
+        viewer.inspection.pin(pin)
         QTimer.singleShot(0, viewer.start)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         code = application.exec()
@@ -54,8 +56,8 @@ def _close_on_interrupt(viewer: Viewer) -> None:
     QTimer.singleShot(0, viewer.window.close)
 
 
-def draw_window(scene: Scene, path: Path) -> None:
-    """Draw the viewer's window into a PNG, without a screen.
+def draw_window(scene: Scene, path: Path, pin: Mark | None = None) -> None:
+    """Draw the viewer's window into a PNG, with a pixel pinned if one is given, without a screen.
 
     Raises
     ------
@@ -64,15 +66,16 @@ def draw_window(scene: Scene, path: Path) -> None:
     """
     application = make_application()
     with main_thread_collection():
-        _draw(application, scene, path)
+        _draw(application, scene, path, pin)
 
 
-def _draw(application: QApplication, scene: Scene, path: Path) -> None:
+def _draw(application: QApplication, scene: Scene, path: Path, pin: Mark | None) -> None:
     viewer = Viewer(scene, accelerated=False)
     viewer.window.resize(*SNAPSHOT_SIZE)
     viewer.window.move(40, 40)  # away from the pointer, which would highlight a button
     viewer.window.show()
     viewer.tow.run(False)
+    viewer.inspection.pin(pin)
     viewer.start()
     try:
         with _slot_errors() as errors:

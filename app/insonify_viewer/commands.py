@@ -7,8 +7,10 @@ import os
 import sys
 from typing import Any
 
-from insonify.commands.options import add_scene, check_output, chosen_scene
+from insonify.commands.options import add_scene, check_output, chosen_scene, find_pixel
+from insonify.scene import Scene, SceneError
 from insonify_viewer.screen_check import why_no_window
+from insonify_viewer.session import Mark
 
 FALLBACK = "insonify.png"
 
@@ -18,6 +20,12 @@ def register(subparsers: Any) -> None:
     parser = subparsers.add_parser("view", help="open the viewer", description="Open the viewer on a scene.")
     add_scene(parser, optional=True)
     parser.add_argument("--snapshot", metavar="PNG", help="draw the window into this picture instead of opening it")
+    parser.add_argument(
+        "--pin",
+        nargs=3,
+        metavar=("PING", "SIDE", "RANGE"),
+        help="explain a pixel of the record from the start, e.g. --pin 150 starboard 36.5",
+    )
     parser.set_defaults(run=run)
 
 
@@ -27,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     Parameters
     ----------
     arguments : Namespace
-        Scene, settings and ``snapshot``.
+        Scene, settings, ``snapshot`` and ``pin``.
 
     Returns
     -------
@@ -35,12 +43,13 @@ def run(arguments: argparse.Namespace) -> int:
         Exit code.
     """
     scene = chosen_scene(arguments)
+    pin = None if arguments.pin is None else _pinned(scene, *arguments.pin)
     reason = why_no_window()
     if arguments.snapshot is None and not reason:
         # lazy: loads Qt, which no other command needs
         from insonify_viewer.application import open_window
 
-        return open_window(scene)
+        return open_window(scene, pin)
     path = check_output(arguments.snapshot or FALLBACK, (".png",), "--snapshot")
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
     if reason and sys.platform.startswith("linux"):
@@ -49,7 +58,17 @@ def run(arguments: argparse.Namespace) -> int:
     # lazy: loads Qt, which no other command needs
     from insonify_viewer.application import draw_window
 
-    draw_window(scene, path)
+    draw_window(scene, path, pin)
     if arguments.snapshot is None:
         sys.stdout.write(f"No window can be opened ({reason}); the window was drawn into {path}.\n")
     return 0
+
+
+def _pinned(scene: Scene, ping: str, side: str, slant_range: str) -> Mark:
+    """Mark of a pixel that is pinned from the start."""
+    try:
+        number, distance = int(ping), float(slant_range)
+    except ValueError as error:
+        given = f"{ping} {side} {slant_range}"
+        raise SceneError(f"--pin {given}: write a ping, a side and a range, such as 150 starboard 36.5") from error
+    return Mark(*find_pixel(scene, number, side, distance))

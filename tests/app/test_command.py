@@ -14,8 +14,9 @@ import pytest
 from PIL import Image
 
 from insonify.cli import main
-from insonify.scene import Scene, SceneError
+from insonify.scene import Scene, SceneError, edit, load_scene
 from insonify_viewer import application, screen_check
+from insonify_viewer.session import Mark
 from insonify_viewer.viewer import Viewer
 
 SMALL = ("--set", "track.pings=64", "--set", "sonar.bins=200")
@@ -41,6 +42,14 @@ def test_snapshot_without_a_display(tmp_path: Path) -> None:
     assert water > 0.1
     assert record.std() > 15.0
     assert [p.name for p in tmp_path.iterdir()] == ["window.png"]
+
+
+def test_a_pinned_pixel_is_explained_in_the_picture(tmp_path: Path, qapp: Any) -> None:
+    scene = edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 500})
+    for name, pin in (("plain.png", None), ("pinned.png", Mark(40, 1, 330))):
+        application.draw_window(scene, tmp_path / name, pin)
+    plain, pinned = (np.asarray(Image.open(tmp_path / name).convert("RGB")) for name in ("plain.png", "pinned.png"))
+    assert (plain != pinned).any(axis=2)[700:].mean() > 0.05, "the panel stands below"
 
 
 def test_a_fault_in_a_slot_ends_a_snapshot_at_once(
@@ -72,6 +81,9 @@ def test_no_display_draws_the_window_and_says_so(tmp_path: Path) -> None:
         (("default", "--snapshot", "w.jpg"), "end the name in .png"),
         (("default", "--snapshot", "nowhere/w.png"), "no folder"),
         (("default", "--set", "sonar.range=-1"), "sonar.range"),
+        (("default", "--pin", "5000", "port", "20"), "ping 5000"),
+        (("default", "--pin", "5", "left", "20"), "side 'left'"),
+        (("default", "--pin", "5", "port", "far"), "--pin 5 port far"),
     ],
 )
 def test_mistakes_are_one_sentence(words: tuple[str, ...], part: str, capsys: pytest.CaptureFixture[str]) -> None:

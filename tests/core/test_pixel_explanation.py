@@ -322,9 +322,7 @@ def test_the_command_prints_the_terms_and_their_sum(capsys):
     assert printed[0].startswith("ping 150, starboard, 30.0")
 
 
-@pytest.mark.parametrize(
-    ("where", "said"), [(["--range", "1e4"], "--range 10000"), (["--ping", "9999"], "--ping 9999")]
-)
+@pytest.mark.parametrize(("where", "said"), [(["--range", "1e4"], "range 10000 m"), (["--ping", "9999"], "ping 9999")])
 def test_the_command_refuses_what_the_record_lacks(where, said, capsys):
     assert main(["explain", "default", "--ping", "1", "--range", "20", *where]) == 2
     assert said in capsys.readouterr().err

@@ -6,8 +6,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from insonify.commands.options import add_method, add_scene, chosen_model, chosen_scene, say
-from insonify.scene import Scene, SceneError
+from insonify.commands.options import SIDES, add_method, add_scene, chosen_model, chosen_scene, find_pixel, say
 
 if TYPE_CHECKING:
     from insonify.explanation.pixel import PixelExplanation
@@ -26,7 +25,7 @@ def register(subparsers: Any) -> None:
     add_scene(parser)
     add_method(parser)
     parser.add_argument("--ping", type=int, required=True, metavar="N", help="number of the ping, from 0")
-    parser.add_argument("--side", choices=("port", "starboard"), default="port", help="default: %(default)s")
+    parser.add_argument("--side", choices=SIDES, default="port", help="default: %(default)s")
     parser.add_argument("--range", type=float, required=True, metavar="M", help="slant range of the pixel, m")
     parser.set_defaults(run=run)
 
@@ -38,26 +37,16 @@ def run(arguments: argparse.Namespace) -> None:
     from insonify.simulation import prepare
 
     scene = chosen_scene(arguments)
-    pixel, side = _bin_at(scene, arguments.range), ("port", "starboard").index(arguments.side)
-    if not 0 <= arguments.ping < scene.track.pings:
-        last = scene.track.pings - 1
-        raise SceneError(f"--ping {arguments.ping}: the track has none such; give one from 0 to {last}")
+    pixel = find_pixel(scene, arguments.ping, arguments.side, arguments.range)
     how: dict[str, Any] = {"method": arguments.method, "tolerance": arguments.tolerance}
     simulation = prepare(scene, **how, forced=chosen_model(arguments))
-    for line in _table(explain_pixel(simulation, arguments.ping, side, pixel)):
+    for line in _table(explain_pixel(simulation, *pixel)):
         say(line)
-
-
-def _bin_at(scene: Scene, slant_range: float) -> int:
-    """Range bin at a slant range."""
-    if not 0.0 <= slant_range < scene.sonar.range:
-        raise SceneError(f"--range {slant_range:g}: outside the record; give 0 up to {scene.sonar.range:g} m")
-    return min(int(slant_range / scene.sonar.range * scene.sonar.bins), scene.sonar.bins - 1)
 
 
 def _table(explained: PixelExplanation) -> list[str]:
     """Lines that print an explanation."""
-    side = ("port", "starboard")[explained.side]
+    side = SIDES[explained.side]
     lines = [f"ping {explained.ping}, {side}, {explained.slant_range:.2f} m: {explained.summary}", ""]
     lines += [_line(term.name, term.decibels, term.detail) for term in explained.terms]
     lines.append(_line("pixel", explained.level))

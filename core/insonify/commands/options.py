@@ -60,6 +60,42 @@ def add_method(parser: argparse.ArgumentParser) -> None:
     )
 
 
+SIDES = ("port", "starboard")
+
+
+def find_pixel(scene: Scene, ping: int, side: str, slant_range: float) -> tuple[int, int, int]:
+    """Find a pixel of a scene's record.
+
+    Parameters
+    ----------
+    scene : Scene
+    ping : int
+        Number of the ping, from 0.
+    side : str
+        ``port`` or ``starboard``.
+    slant_range : float
+        m.
+
+    Returns
+    -------
+    tuple of three int
+        Ping, side (0 port, 1 starboard) and range bin.
+
+    Raises
+    ------
+    SceneError
+        If the record has no such pixel.
+    """
+    pings, sonar = scene.track.pings, scene.sonar
+    if not 0 <= ping < pings:
+        raise SceneError(f"ping {ping}: the track has none such; give one from 0 to {pings - 1}")
+    if side not in SIDES:
+        raise SceneError(f"side {side!r}: neither port nor starboard; give one of both")
+    if not 0.0 <= slant_range < sonar.range:
+        raise SceneError(f"range {slant_range:g} m: outside the record; give 0 up to {sonar.range:g} m")
+    return ping, SIDES.index(side), min(int(slant_range / sonar.range * sonar.bins), sonar.bins - 1)
+
+
 def add_threads(parser: argparse.ArgumentParser) -> None:
     """Add the option that limits the threads."""
     parser.add_argument(

@@ -10,12 +10,13 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHeaderView, QTreeWidget, QTreeWidgetItem, QTreeWidgetItemIterator, QWidget
 
-from insonify_viewer.views.theme import ACCENT, TEXT
+from insonify_viewer.views.theme import ACCENT
 
 if TYPE_CHECKING:
     from insonify.explanation.pixel import PixelExplanation
 
 MOST = 6  # contributions, and what hides, that are listed
+LEVEL, NAME, DETAIL = 0, 1, 2  # columns; levels come first, so that a narrow list shows them
 
 Row = tuple[str, str, str]
 
@@ -41,7 +42,7 @@ class BudgetList(QTreeWidget):
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setMinimumWidth(150)
         self.header().setStretchLastSection(True)
-        for column in (0, 1):
+        for column in (LEVEL, NAME):
             self.header().setSectionResizeMode(column, QHeaderView.ResizeMode.ResizeToContents)
 
     def show_explanation(self, explanation: PixelExplanation) -> None:
@@ -53,30 +54,30 @@ class BudgetList(QTreeWidget):
         unhidden = _level(explanation.unhidden) if explanation.obstructions else ""
         self._add_group("hidden by", unhidden, "with nothing hidden" if unhidden else "", _obstructions(explanation))
         for said in explanation.approximations:
-            self._add_group(said, "", "", ())
+            QTreeWidgetItem(self, [said]).setFirstColumnSpanned(True)
         self.expandAll()
 
     def rows(self) -> list[Row]:
-        """All rows as they are read, groups first."""
+        """Name, level and detail of all rows, each group before its own."""
         found: list[Row] = []
         iterator = QTreeWidgetItemIterator(self)
         while (item := iterator.value()) is not None:
-            found.append((item.text(0), item.text(1), item.text(2)))
+            found.append((item.text(NAME), item.text(LEVEL), item.text(DETAIL)))
             iterator += 1
         return found
 
     def _add_group(self, name: str, level: str, detail: str, rows: Iterable[Row]) -> None:
-        """Add a heading with its rows; without both, nothing."""
+        """Add a heading with its rows; one without level and rows is left out."""
         rows = list(rows)
-        if not rows and not level and len(name.split()) < 3:
+        if not rows and not level:
             return
-        group = QTreeWidgetItem(self, [name, level, detail])
-        group.setForeground(0, QColor(ACCENT))
-        for row in (group, *(QTreeWidgetItem(group, list(texts)) for texts in rows)):
-            row.setTextAlignment(1, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-            row.setForeground(1, QColor(TEXT))
-            row.setToolTip(2, row.text(2))
-            row.setToolTip(0, row.text(0))
+        group = QTreeWidgetItem(self, [level, name, detail])
+        group.setForeground(NAME, QColor(ACCENT))
+        own = [QTreeWidgetItem(group, [level, name, detail]) for name, level, detail in rows]
+        for row in (group, *own):
+            row.setTextAlignment(LEVEL, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+            for column in (NAME, DETAIL):
+                row.setToolTip(column, row.text(column))
 
 
 def _contributions(explanation: PixelExplanation) -> list[Row]:
