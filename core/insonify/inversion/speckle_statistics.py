@@ -10,7 +10,7 @@ from insonify.scene.speckles.k import K
 from insonify.scene.speckles.none import NoSpeckle
 from insonify.scene.speckles.rayleigh import Rayleigh
 
-MOST_LOOKS = 64
+MOST_LOOKS = 32
 SPIKY = 1.5  # times the variance of one look, beyond which the bed itself is spiky; steep relief adds nearly as much
 SPIKIEST, SMOOTHEST = 0.05, 100.0  # shapes of K speckle
 
@@ -32,7 +32,7 @@ def variance_of_speckle(speckle: SpeckleKind) -> float:
 def choose_speckle(variance: float) -> SpeckleKind:
     """Speckle whose relative amplitude has a variance.
 
-    Below half the variance of 64 looks there is none; up to 1.5 times that of one look it is Rayleigh speckle of some
+    Below half the variance of 32 looks there is none; up to 1.5 times that of one look it is Rayleigh speckle of some
     looks; beyond, K speckle of one look.
     """
     if variance < 0.5 * variance_of_looks(MOST_LOOKS):
