@@ -6,7 +6,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from insonify.kernels.common.types import Bed, SceneArrays, still_water
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.kernels.common.types import Bed, Poses, SceneArrays, still_water
 from insonify.packing.reduced_scene import reduce_scene
 from insonify.packing.scene_arrays import make_bed, pack_scene
 from insonify.packing.terrain_tiles import TerrainTiles
@@ -87,6 +90,21 @@ class PackedScene:
         arrays = reduce_scene(whole, bed=bed, ways=model.ways, bounces=model.bounces, targets=model.targets)
         arrays = arrays._replace(limits=arrays.limits._replace(misplaced=model.misplaced))
         return ReducedScene(whole, arrays, tiles, tracer)
+
+    def trace(self, model: Model, poses: Poses) -> NDArray[np.float32]:
+        """Trace pings by a model on one thread, (pings, sides, bins).
+
+        Raises
+        ------
+        SceneError
+            If the sonar is inside a target.
+        """
+        reduced = self.reduced(model)
+
+        def on_tile(tile: SceneArrays, poses: Poses) -> tuple[NDArray[np.float32]]:
+            return (reduced.tracer.trace(tile, poses, threads=1, **model.settings),)
+
+        return reduced.tiles.map(on_tile, reduced.arrays, poses)[0]
 
     def _grid(self, every: int, bins_beyond: int) -> tuple[Bed, TerrainTiles]:
         """Bed and tiles of every n-th node, made once."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ from insonify.packing.navigation import make_poses, take_poses
 from insonify.parallel import in_parallel
 from insonify.planning.models import Model, PackedScene
 from insonify.planning.probe_pings import ProbePings
-from insonify.scene import SceneError, edit
+from insonify.scene import SceneError
 
 Record = NDArray[np.float32]
 FEW = 12  # pings on which models of much work are compared
@@ -46,19 +45,12 @@ class Probe:
     """
 
     def __init__(self, packed: PackedScene, pings: ProbePings) -> None:
-        if packed.scene.receiver.speckle.interferes:
-            # Errors are those of the mean energy; interfering waves differ at random.
-            packed = replace(packed, scene=edit(packed.scene, {"receiver.speckle": "none"}))
         self._packed = packed
         ordered, self._is_across = pings.interleaved()
         self._poses = make_poses(packed.scene, packed.ground, ordered)
-        arrays = packed.arrays
-        self._near = find_first_bin(1.0, arrays, self._poses)
-        self._beyond = find_first_bin(ERROR_ALTITUDES, arrays, self._poses) - self._near
-        curve = compute_flat_bed_curves(arrays, self._poses)[:, :, self._near :]
-        self._scale = np.divide(1.0, curve, out=np.zeros_like(curve), where=curve > np.finfo(np.float32).tiny).astype(
-            np.float32
-        )
+        self._near = find_first_bin(1.0, packed.arrays, self._poses)
+        self._beyond = find_first_bin(ERROR_ALTITUDES, packed.arrays, self._poses) - self._near
+        self._scale = scale_to_flat_bed(packed.arrays, self._poses, self._near)
         self._traced: dict[Model, Traced] = {}
         self._differences: dict[tuple[Model, Model, float, bool], float] = {}
 
@@ -80,10 +72,8 @@ class Probe:
             self._scale = self._scale[kept]
 
     def _is_clear(self, model: Model, ping: int) -> bool:
-        reduced = self._packed.reduced(model)
         try:
-            pose = take_poses(self._poses, slice(ping, ping + 1))
-            reduced.tracer.trace(reduced.arrays, pose, threads=1, **model.settings)
+            self._packed.trace(model, take_poses(self._poses, slice(ping, ping + 1)))
         except SceneError:
             return False
         return True
@@ -125,6 +115,18 @@ class Probe:
             for missed, whole in groups
         )
 
+    def trend(self, coarser: Model, coarse: Model, fine: Model) -> float:
+        """Share of its last change by which a record goes on to change: the ratio of the vectors of both changes.
+
+        Changes at random are at right angles and give 0; those of a bias that falls with the first power, a half.
+        This is the vector form of Aitken's process (Wynn 1962).
+        """
+        count = self.count(fine)
+        records = [self._trace(model, count).record[:count, :, self._beyond :] for model in (coarser, coarse, fine)]
+        before, last = records[0] - records[1], records[1] - records[2]
+        square = float(np.square(before).sum(dtype=np.float64))
+        return float((before * last).sum(dtype=np.float64)) / square if square > 0.0 else 0.0
+
     def seconds(self, model: Model) -> float:
         """Seconds of a ping by a model, in proportion to its work from the most similar model traced."""
         if all(other.method != model.method for other in self._traced):
@@ -147,14 +149,9 @@ class Probe:
         return self._traced[model]
 
     def _made(self, model: Model, count: int) -> Traced:
-        reduced = self._packed.reduced(model)
-
-        def on_tile(tile: SceneArrays, poses: Poses) -> tuple[Record]:
-            return (reduced.tracer.trace(tile, poses, threads=1, **model.settings),)
-
         def block(first: int, last: int) -> tuple[Record, float]:
             began = time.thread_time()
-            record = reduced.tiles.map(on_tile, reduced.arrays, take_poses(self._poses, slice(first, last)))[0]
+            record = self._packed.trace(model, take_poses(self._poses, slice(first, last)))
             return record, (time.thread_time() - began) / (last - first)
 
         kernels = (model.method, model.bent, bool(model.ways))
@@ -164,6 +161,13 @@ class Probe:
         parts = in_parallel(block, count, least=OF_A_THREAD)
         record = np.concatenate([part for part, _ in parts])[:, :, self._near :] * self._scale[:count]
         return Traced(record, count, float(np.median([seconds for _, seconds in parts])))
+
+
+def scale_to_flat_bed(arrays: SceneArrays, poses: Poses, first: int) -> Record:
+    """Return the factors by which a record is divided by its flat-bed curve, from a bin on; 0 where that is none."""
+    curve = compute_flat_bed_curves(arrays, poses)[:, :, first:]
+    heard = curve > np.finfo(np.float32).tiny
+    return np.divide(1.0, curve, out=np.zeros_like(curve), where=heard).astype(np.float32)
 
 
 def _ratio(missed: NDArray[np.float64], whole: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -79,15 +79,18 @@ def choose_probe_pings(
     ProbePings
         A function of the scene alone.
     """
-    # Far along endless ground the bed has first to be made.
-    pings = min(scene.track.pings, MADE_AT_ONCE) if scene.seabed.endless else scene.track.pings
-    spread = _spread(pings, SPREAD)
+    spread = spread_over_track(scene, SPREAD)
     if scene.seabed.relief.measured:
-        spread = _spread_over_bed(scene, ground, pings)
+        spread = _spread_over_bed(scene, ground, scene.track.pings)
     if scene.track.motions:
-        many = _spread(pings, EXCURSIONS)
+        many = spread_over_track(scene, EXCURSIONS)
         spread = np.union1d(spread, _excursions(make_poses(scene, ground, many), many))
     return ProbePings(spread, _across(scene, targets, half_width))
+
+
+def spread_over_track(scene: Scene, count: int) -> Pings:
+    """One ping from each of ``count`` equal parts of the track; far along endless ground the bed has yet to be made."""
+    return _spread(min(scene.track.pings, MADE_AT_ONCE) if scene.seabed.endless else scene.track.pings, count)
 
 
 def _spread(pings: int, count: int) -> Pings:

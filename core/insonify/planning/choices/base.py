@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
 from insonify.acoustics.straightness import estimate_refraction
 from insonify.planning.checks import check_refraction
+from insonify.planning.loud_pings import add_loud_pings
 from insonify.planning.models import Model, PackedScene
 from insonify.planning.plan_entries import PlanEntry
 from insonify.planning.probe import Probe
 from insonify.planning.probe_pings import choose_probe_pings
 from insonify.planning.relevance import find_audible_multipaths, find_multipaths_in_reach, find_targets_in_reach
-from insonify.scene import Scene, SceneError
+from insonify.scene import Scene, SceneError, edit
 
 SWITCH = ("on", "off")
 EFFECT, TRACER, GRID, FINENESS = range(4)  # stages in which choices are made
@@ -51,9 +52,12 @@ class Case:
     @cached_property
     def probe(self) -> Probe:
         """Its probe, made when a choice first asks for it."""
-        probe = Probe(
-            self.packed, choose_probe_pings(self.scene, self.packed.ground, self.targets, self.packed.arrays.half_width)
-        )
+        packed = self.packed
+        if self.scene.receiver.speckle.interferes:
+            # Errors are those of the mean energy; interfering waves differ at random.
+            packed = replace(packed, scene=edit(self.scene, {"receiver.speckle": "none"}))
+        pings = choose_probe_pings(self.scene, packed.ground, self.targets, packed.arrays.half_width)
+        probe = Probe(packed, add_loud_pings(packed, pings))
         if self.targets:
             probe.leave_out_collisions(Model(targets=self.targets))
         return probe
@@ -262,10 +266,11 @@ class Ladder(Number):
         rung = self.rung(model)
         error = case.probe.difference(*self.pair(case, model, rung), cautious=cautious)
         finer = max(getattr(model, self.field) / rung, 1.0)
-        if finer == 1.0 or error == 0.0:
-            return error
-        coarser = self.pair(case, model, rung // 2)
-        before = case.probe.difference(*coarser, cautious=cautious) if rung > self.first else error
+        if rung == self.first or error == 0.0:
+            return error * finer**-0.5
+        coarser, pair = self.pair(case, model, rung // 2), self.pair(case, model, rung)
+        error /= 1.0 - min(max(case.probe.trend(coarser[0], *pair), 0.0), 0.5)  # what finer ones add to the difference
+        before = case.probe.difference(*coarser, cautious=cautious)
         return float(error * finer ** -min(max(math.log2(max(before / error, 1.0)), 0.5), 1.0))
 
     def measured(self, case: Case, model: Model, words: str, error: float) -> str:

@@ -35,7 +35,9 @@ OF_LEVEL_BED = 30.0  # weight of errors of coarser nodes over a level bed, whose
 NEARER = 1.0 / 3.0  # weight of the error of coarser nodes over all bins, the strong ones near nadir too
 LITTLE_MISPLACED = 0.002  # error of whole segments below which no division of them is measured
 SEVERAL = 2  # planes, the fewest that average over the beam
-BESIDE = 0.05  # error of other choices beside which the error of a choice may be measured
+# Errors of effects, of segments and of nodes beside which errors of fineness are measured; what is finer than the nodes
+# may be what several planes average.
+BESIDE_EFFECTS, BESIDE_SEGMENTS, BESIDE_NODES = 0.05, 0.02, 0.005
 AT_NO_COST = 2e6  # work of the probe that takes some milliseconds
 
 
@@ -224,7 +226,9 @@ class Segments(Choice):
     def common(self, case: Case, model: Model) -> float:
         """Share with which errors of planes and nodes are measured: the greatest of little error, at any tolerance."""
         shares = self.settings(case, model)
-        return next((one for one in shares if self.error(case, model._replace(misplaced=one)) < BESIDE), shares[-1])
+        return next(
+            (one for one in shares if self.error(case, model._replace(misplaced=one)) < BESIDE_SEGMENTS), shares[-1]
+        )
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the segments, with the time beyond that of whole ones."""
@@ -280,7 +284,9 @@ class Spacing(Number):
     def common(self, case: Case, model: Model) -> int:
         """Stride with which errors of planes are measured: the greatest of little error, at any tolerance."""
         strides = reversed(self.settings(case, model))
-        return max(takewhile(lambda one: self.error(case, model._replace(every=one)) < BESIDE, strides), default=1)
+        return max(
+            takewhile(lambda one: self.error(case, model._replace(every=one)) < BESIDE_NODES, strides), default=1
+        )
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the nodes."""
@@ -347,7 +353,7 @@ def _swept(case: Case) -> Model:
         made = Model(bent=case.bent, targets=case.targets, ways=case.paths)
         for choice in SMALL_EFFECTS:
             models = [made._replace(**{choice.field: value}) for value in choice.settings(case, made)]
-            made = next((one for one in models if choice.error(case, one) < BESIDE), models[-1])
+            made = next((one for one in models if choice.error(case, one) < BESIDE_EFFECTS), models[-1])
         planes = case.least_planes if made.ways else 1
         case.swept = made._replace(planes=planes, rays=FEWEST_RAYS if made.bent else 0)
     return case.swept
