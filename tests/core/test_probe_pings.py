@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from insonify.packing.navigation import make_poses
+from insonify.planning.loud_pings import add_loud_pings
+from insonify.planning.models import pack
 from insonify.planning.probe_pings import SPREAD, choose_probe_pings
 from insonify.scene import edit, load_scene
 from insonify.terrain import build_ground
@@ -80,3 +82,29 @@ def test_pings_are_spread_where_a_measured_bed_is_heard(tmp_path):
     ahead = found * scene.track.speed / scene.sonar.ping_rate
     assert found.size == SPREAD
     assert (ahead <= 30.0).all()
+
+
+def test_a_face_that_glints_into_few_pings_is_among_them(tmp_path):
+    # A bank square to the sound that comes 45° down, over 6 m of a track of 200 m, of a material with a narrow lobe.
+    heights = np.full((201, 401), -20.0)
+    away, along = 0.5 * np.arange(201)[:, None], 0.5 * np.arange(401)[None, :]
+    bank = np.clip(away - 70.0, 0.0, 3.0) * ((along > 120.0) & (along < 126.0))
+    np.save(tmp_path / "bank.npy", heights + bank)
+    spec = {
+        "seabed.relief": {"kind": "dem", "path": str(tmp_path / "bank.npy")},
+        "seabed.spacing": 0.5,
+        "seabed.material": {"name": "rock", "diffuse": 0.1, "specular": 0.9, "shininess": 400.0},
+        "track": {"start": [-100.0, 0.0], "pings": 1000, "speed": 2.0, "altitude": 20.0},
+        "sonar": {"range": 50.0, "bins": 500, "ping_rate": 10.0, "beam": {"kind": "knife"}},
+    }
+    packed = pack(edit(BARE, spec))
+    plain = chosen(packed.scene)
+    found = add_loud_pings(packed, plain).spread
+    added = packed.scene.track.start[0] + np.setdiff1d(found, plain.spread) * 0.2
+    assert 1 <= added.size <= 2
+    assert ((added > 18.0) & (added < 28.0)).all()
+
+
+def test_a_level_bed_has_no_loud_pings():
+    packed = pack(edit(BARE, {"seabed.relief": "flat"}))
+    assert (add_loud_pings(packed, chosen(packed.scene)).all == chosen(packed.scene).all).all()
