@@ -39,6 +39,24 @@ overlap = 0.2
 empty = 0.5
 """
 
+SURVEY = """
+title = "A small basin"
+base = "default"
+[area]
+corners = [[0.0, 0.0], [24.0, 0.0], [24.0, 30.0], [0.0, 30.0]]
+spacing = 12.0
+[set]
+"seabed.spacing" = 0.2
+"seabed.relief" = "flat"
+"sonar.range" = 16.0
+"sonar.bins" = 128
+"sonar.ping_rate" = 6.0
+"track.altitude" = 5.0
+"track.speed" = 2.4
+"receiver.speckle" = "rayleigh"
+targets = [{ kind = "mesh", path = "drum", position = [10.0, 10.0], scale = 2.0 }]
+"""
+
 
 def write_set(folder: Path, text: str = SET, **changes: str) -> Path:
     """Write a specification with some of its first lines changed; return its path."""

@@ -55,5 +55,8 @@ class WrittenJobs:
         (beside / f"{number}.txt").write_text(f"two {number}")
         return {"made": 2, "number": number}
 
+    def begun(self) -> WrittenJobs:
+        return self
+
     def warm_up(self) -> None:
         """Nothing needs to be compiled."""

@@ -338,7 +338,9 @@ class TracedBlock(NamedTuple):
     columns: Columns
 
 
-def trace_blocks(simulation: Simulation, truth: bool = False, block: int | None = None) -> Iterator[TracedBlock]:
+def trace_blocks(
+    simulation: Simulation, truth: bool = False, block: int | None = None, pings: range | None = None
+) -> Iterator[TracedBlock]:
     """Trace the record of a simulation block by block.
 
     Parameters
@@ -346,16 +348,19 @@ def trace_blocks(simulation: Simulation, truth: bool = False, block: int | None 
     simulation : Simulation
     truth, block
         As in `simulate_blocks`.
+    pings : range, optional
+        Successive pings; all of the track when left out.
 
     Yields
     ------
     TracedBlock
     """
     size = _block_size(simulation, truth, streamed=True) if block is None else block
-    for first in range(0, simulation.scene.track.pings, size):
-        pings = np.arange(first, min(first + size, simulation.scene.track.pings), dtype=np.int64)
-        poses = simulation.poses(pings)
-        yield TracedBlock(pings, poses, _trace_columns(simulation, pings, poses, truth))
+    wanted = range(simulation.scene.track.pings) if pings is None else pings
+    for first in range(wanted.start, wanted.stop, size):
+        some = np.arange(first, min(first + size, wanted.stop), dtype=np.int64)
+        poses = simulation.poses(some)
+        yield TracedBlock(some, poses, _trace_columns(simulation, some, poses, truth))
 
 
 def _block_size(simulation: Simulation, truth: bool, *, streamed: bool) -> int:

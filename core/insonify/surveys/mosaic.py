@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,11 +33,14 @@ class Mosaic:
         Easting and northing of the upper left corner, in metres.
     cell : float
         Side of a cell, in metres.
+    count : (rows, columns) uint16
+        Records that have a sample in the cell.
     """
 
     level: NDArray[np.float32]
     corner: tuple[float, float]
     cell: float
+    count: NDArray[np.uint16]
 
 
 @dataclass(eq=False)
@@ -49,7 +52,7 @@ class _Layer:
     count: NDArray[np.int64]
 
 
-def choose_cell(swaths: Sequence[Swath]) -> float:
+def choose_cell(swaths: Collection[Swath]) -> float:
     """Return a round cell size, 1, 2 or 5 times a power of ten, no finer than the pings and the bins of the records."""
     finest = max(max(swath.spacing, swath.bin_length) for swath in swaths) * (1.0 + ALIKE)
     power = 10.0 ** math.floor(math.log10(finest))
@@ -57,7 +60,7 @@ def choose_cell(swaths: Sequence[Swath]) -> float:
     return power * max(digit for digit in ROUND if digit * power <= finest)
 
 
-def make_mosaic(swaths: Sequence[Swath], cell: float | None = None, overlap: str = OVERLAPS[0]) -> Mosaic:
+def make_mosaic(swaths: Collection[Swath], cell: float | None = None, overlap: str = OVERLAPS[0]) -> Mosaic:
     """Put the swaths of records together.
 
     Every swath is filled between successive pings of its record, except over gaps of more than five times their usual
@@ -65,7 +68,7 @@ def make_mosaic(swaths: Sequence[Swath], cell: float | None = None, overlap: str
 
     Parameters
     ----------
-    swaths : sequence of Swath
+    swaths : collection of Swath
         At least one.
     cell : float, optional
         Side of a cell in metres; from `choose_cell` when left out.
@@ -84,13 +87,13 @@ def make_mosaic(swaths: Sequence[Swath], cell: float | None = None, overlap: str
     cell = choose_cell(swaths) if cell is None else cell
     low, shape = _extent(swaths, cell)
     layers = (_lay(swath, low, shape, cell) for swath in swaths)
-    energy = _combine(layers, overlap, shape)
+    energy, count = _combine(layers, overlap, shape)
     with np.errstate(divide="ignore"):
         level = np.maximum(10.0 * np.log10(energy), FAINTEST)  # NaN stays NaN
-    return Mosaic(level.astype(np.float32)[::-1], (low[0], low[1] + shape[0] * cell), cell)
+    return Mosaic(level.astype(np.float32)[::-1], (low[0], low[1] + shape[0] * cell), cell, count[::-1])
 
 
-def _extent(swaths: Sequence[Swath], cell: float) -> tuple[tuple[float, float], tuple[int, int]]:
+def _extent(swaths: Collection[Swath], cell: float) -> tuple[tuple[float, float], tuple[int, int]]:
     """Lower left corner and shape of the grid that holds all swaths, on whole multiples of the cell."""
     points = np.concatenate([np.concatenate([swath.nadir, swath.ends.reshape(-1, 2)]) for swath in swaths])
     low, high = np.floor(points.min(axis=0) / cell), np.floor(points.max(axis=0) / cell) + 1.0
@@ -157,22 +160,25 @@ def _add(
     np.add.at(layer.count.reshape(-1), at, 1)
 
 
-def _combine(layers: Iterable[_Layer], overlap: str, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Energy of every cell by the rule of overlaps; NaN where no record has a sample."""
-    energy, weight, nearest = np.full(shape, np.nan), np.zeros(shape), np.full(shape, np.inf)
+def _combine(
+    layers: Iterable[_Layer], overlap: str, shape: tuple[int, int]
+) -> tuple[NDArray[np.float64], NDArray[np.uint16]]:
+    """Energy of every cell by the rule of overlaps, NaN where no record has a sample; number of records that have."""
+    energy, count, nearest = np.full(shape, np.nan), np.zeros(shape, np.uint16), np.full(shape, np.inf)
     for layer in layers:
         filled = layer.count > 0
         counts = np.maximum(layer.count, 1)
         mean, distance = layer.energy / counts, layer.ground_range / counts
         if overlap == "mean":
-            total = np.where(weight > 0.0, energy, 0.0) * weight + mean
-            weight += filled
-            energy = np.where(filled, total / np.maximum(weight, 1.0), energy)
+            total = np.where(count > 0, energy, 0.0) * count + mean
+            count += filled
+            energy = np.where(filled, total / np.maximum(count, 1), energy)
             continue
+        count += filled
         better = {
             "last": filled,
             "strongest": filled & ~(mean <= energy),
             "nearest": filled & (distance < nearest),
         }[overlap]
         energy, nearest = np.where(better, mean, energy), np.where(better, distance, nearest)
-    return energy
+    return energy, count

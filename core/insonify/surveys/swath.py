@@ -131,7 +131,7 @@ def lay_swath(name: str, record: xr.Dataset, crs: str, altitude: str = ALTITUDES
     amplitude = normalise(
         record["intensity"].transpose("ping_time", "channel", "range_sample").values, compute_median_curve(record)
     )
-    mapped = [_on_map(name, find_georeference(record.attrs), crs, *place) for place in ((x, y), *ends)]
+    mapped = [put_on_map(name, find_georeference(record.attrs), crs, *place) for place in ((x, y), *ends)]
     return Swath(mapped[0], np.stack(mapped[1:], axis=1), reach, heights, amplitude, bin_length)
 
 
@@ -157,10 +157,27 @@ def _headings(record: xr.Dataset) -> NDArray[np.float64]:
     return np.where(np.isfinite(heading), heading, np.degrees(np.arctan2(steps[1], steps[0])))
 
 
-def _on_map(
+def put_on_map(
     name: str, place: Georeference | None, crs: str, x: NDArray[np.float64], y: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Transform positions of a record to the map, (n, 2)."""
+    """Transform positions of a record to the map.
+
+    Parameters
+    ----------
+    name : str
+        Of the record, for errors.
+    place : Georeference, optional
+        Where the record lies on Earth.
+    crs : str
+        Of the map, from `choose_map`.
+    x, y : (n,) float64
+        In metres.
+
+    Returns
+    -------
+    (n, 2) float64
+        Easting and northing.
+    """
     if place is None:
         if crs:
             raise SceneError(f"{name}: has no place on Earth, and other records have; make a mosaic of its own of it")

@@ -62,6 +62,10 @@ class DatasetWork:
         self.specification.storage.write(beside, f"{job:07d}", shelf_of(job), tiles)
         return {"made": len(tiles), "scenes": scenes, "tiles": [tile.told for tile in tiles]}
 
+    def begun(self) -> DatasetWork:
+        """Return the work as it is: scenes have nothing to share."""
+        return self
+
     def warm_up(self) -> None:
         """Simulate a few pings of the first scene."""
         scene = draw_scene(self.specification, self.base, 0).scene

@@ -61,7 +61,7 @@ def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended |
         return Ended(names, ())
     progress = _Progress(len(names), len(names) - len(missing), unit)
     try:
-        tally = run_jobs(work, missing, scheduler, progress)
+        tally = run_jobs(work.begun(), missing, scheduler, progress)
     except KeyboardInterrupt:
         progress.close()
         told = f"interrupted; {progress.done} of {len(names)} {unit}s are done and stay; the same command goes on"

@@ -43,6 +43,9 @@ class Work(Protocol):
         back to the driver.
         """
 
+    def begun(self) -> Work:
+        """Return the work with what its jobs share, made once before any of them is done."""
+
     def warm_up(self) -> None:
         """Compile the kernels that the jobs need."""
 
@@ -134,7 +137,7 @@ def _put_below(beside: Path, folder: Path) -> None:
 
 def clear_unfinished(folder: Path) -> None:
     """Remove what workers that have ended left of jobs that they did not finish."""
-    for shelf in (folder / FLAGS).glob("*"):
+    for shelf in (folder / FLAGS).glob("*/"):
         clear_ended(shelf)
 
 

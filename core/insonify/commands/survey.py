@@ -1,0 +1,53 @@
+"""``insonify survey``: a scene along many lines, by its specification."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from insonify.commands.options import add_scheduler, say
+from insonify.files import bundled_specifications
+
+EXAMPLES = "examples: insonify survey harbour -o harbour; insonify survey my-survey.toml -o survey --scheduler local:4"
+
+
+def register(subparsers: Any) -> None:
+    """Add ``survey``."""
+    parser = subparsers.add_parser(
+        "survey",
+        help="simulate a survey of many lines by its specification",
+        description="Tow over one scene along parallel lines that cover an area, or along given lines, and write a "
+        "record for each line, their mosaic (.tif), the coverage (.tif) and a page that sums it up. What is done "
+        "already is not done again: the same command goes on after an interruption.",
+        epilog=EXAMPLES,
+    )
+    names = ", ".join(bundled_specifications("surveys"))
+    parser.add_argument("specification", metavar="SPEC", help=f"a TOML file, or a bundled specification: {names}")
+    parser.add_argument("-o", "--output", required=True, metavar="DIR", help="folder of the survey")
+    add_scheduler(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Simulate the lines that are missing, then write what concerns the whole survey."""
+    # lazy: the other commands need none of it
+    from insonify.scene import load_scene
+    from insonify.surveys.engine.console import INTERRUPTED, work_on
+    from insonify.surveys.lines.specification import SurveySpecification
+    from insonify.surveys.lines.summary import PAGE, summarise
+    from insonify.surveys.lines.work import SurveyWork
+    from insonify.surveys.specification import read_specification
+
+    bundled = bundled_specifications("surveys")
+    specification = read_specification(arguments.specification, SurveySpecification, bundled, {})
+    work = SurveyWork(specification, load_scene(specification.base), Path(arguments.output).absolute())
+    ended = work_on(work, "survey", arguments.scheduler, "line")
+    if ended is None:
+        return INTERRUPTED
+    if ended.done:
+        coverage = summarise(work, ended.done)
+        share = f"{100.0 * coverage.once:.1f} % of {coverage.area:.4g} m² shown"
+        say(f"{arguments.output}: {len(ended.done)} lines, {share}; see {Path(arguments.output) / PAGE}")
+    ended.refuse_failures()
+    return 0

@@ -1,0 +1,77 @@
+"""Specification of a survey: a scene, and the lines along which it is towed over."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from insonify.io.records import RECORDS
+from insonify.scene import DEFAULT_SCENE
+from insonify.scene.base import Declaration, FilePath, Place, parameter
+from insonify.surveys.choices import OVERLAPS
+
+Point = tuple[Place, Place]
+SHORTEST = 0.01  # m, of a line
+
+
+class Area(Declaration):
+    """An area that parallel lines cover, to and fro."""
+
+    corners: tuple[Point, ...] = parameter(unit="m", description="corners of the area, in order", min_length=3)
+    spacing: float = parameter(unit="m", description="distance between lines", gt=0.0, le=1e5)
+    heading: float = parameter(
+        0.0, unit="°", description="direction of the first line, counter-clockwise from +x", ge=-360.0, le=360.0
+    )
+    turns: Literal["out", "in"] = parameter("out", description="whether the turns between lines are recorded")
+
+
+class GivenLine(Declaration):
+    """A line from one point to another."""
+
+    start: Point = parameter(unit="m", description="position of the first ping")
+    end: Point = parameter(unit="m", description="where the line ends")
+
+    @model_validator(mode="after")
+    def _has_a_length(self) -> GivenLine:
+        if math.dist(self.start, self.end) < SHORTEST:
+            raise ValueError(f"start and end {list(self.start)} are the same place; move one of them")
+        return self
+
+
+class MosaicOptions(Declaration):
+    """How the records are put on the map."""
+
+    cell: float | None = parameter(
+        None, unit="m", description="side of a cell; about the distance between pings when left out", gt=0.0, le=1e4
+    )
+    overlap: Annotated[str, Field(pattern="|".join(OVERLAPS))] = parameter(
+        OVERLAPS[0], description=f"what counts where records overlap: {', '.join(OVERLAPS)}"
+    )
+
+
+class SurveySpecification(Declaration):
+    """Everything that a survey depends on."""
+
+    title: str = parameter("Untitled", description="what is surveyed", max_length=200)
+    description: str = parameter("", description="a paragraph about it", max_length=5000)
+    base: FilePath = parameter(DEFAULT_SCENE, description="bundled scene, or TOML file; its track is replaced")
+    set: dict[str, Any] = parameter({}, description="fields of the scene by their paths")
+    area: Area | None = parameter(None, description="area that lines cover")
+    lines: tuple[GivenLine, ...] = parameter((), description="lines, instead of an area")
+    suffix: str = parameter(".nc", description="format of the records")
+    mosaic: MosaicOptions = parameter(MosaicOptions(), description="how the records are put on the map")
+
+    @model_validator(mode="after")
+    def _lines_or_an_area(self) -> SurveySpecification:
+        if (self.area is None) == (not self.lines):
+            raise ValueError("area, lines: give one of the two, an area to cover or a list of lines")
+        return self
+
+    @model_validator(mode="after")
+    def _known_format(self) -> SurveySpecification:
+        known = [suffix for suffix in RECORDS.writable() if suffix in RECORDS.readable()]
+        if self.suffix not in known:
+            raise ValueError(f"suffix: {self.suffix!r} is no format of records; give one of {', '.join(known)}")
+        return self

@@ -1,0 +1,158 @@
+"""Summary of a survey: mosaic and coverage as files and pictures, and one page that holds all of it."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.display.picture import load_palette
+from insonify.io.atomic import replacing
+from insonify.io.geotiff import write_geotiff
+from insonify.surveys.engine.jobs import read_flag
+from insonify.surveys.lines.coverage import Coverage, StoredSwaths, measure_coverage
+from insonify.surveys.lines.work import SurveyWork
+from insonify.surveys.mosaic import Mosaic, make_mosaic
+
+PAGE = "index.html"
+DARKEST, BRIGHTEST = 1.0, 99.0  # percentiles of levels in the mosaic's picture
+WIDTH, HIGHEST = 11.0, 9.0  # inches
+DPI = 110
+COUNTS = ("#ffffff", "#8fc1c9", "#1f7a8c", "#0d3b46")  # none, one, two, more lines
+STYLE = """body { font: 15px/1.5 system-ui, sans-serif; max-width: 1100px; margin: 2em auto; padding: 0 1em }
+img { max-width: 100% } table { border-collapse: collapse; font-size: 13px } h1 { font-weight: 600 }
+td, th { padding: .2em .8em; text-align: right; border-bottom: 1px solid #e8ecf0 } td:first-child { text-align: left }
+pre { background: #f4f6f8; padding: 1em; overflow-x: auto; font-size: 12px }"""
+
+
+def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:
+    """Write the mosaic, the coverage and the page of a survey.
+
+    Parameters
+    ----------
+    work : SurveyWork
+    names : iterable of str
+        Its jobs that are done; one record is held at a time.
+
+    Returns
+    -------
+    Coverage
+    """
+    told = [read_flag(work.folder, name) for name in names]
+    swaths = StoredSwaths(work.folder, [line["file"] for line in told])
+    wanted, area = work.specification.mosaic, work.specification.area
+    mosaic = make_mosaic(swaths, wanted.cell, wanted.overlap)
+    corners = None if area is None else swaths.on_map(area.corners)
+    coverage = measure_coverage(mosaic, corners)
+    _write_maps(work.folder, mosaic, swaths.crs)
+    tracks = [swaths.on_map([line["start"], line["end"]]) for line in told]
+    pictures = [_draw(mosaic, tracks, corners, picture) for picture in ("mosaic", "coverage")]
+    with replacing(work.folder / PAGE) as beside:
+        beside.write_text(_page(work, told, coverage, mosaic, pictures), encoding="utf-8")
+    return coverage
+
+
+def _write_maps(folder: Path, mosaic: Mosaic, crs: str) -> None:
+    """Write the mosaic and the number of lines of each cell as GeoTIFF."""
+    place = (mosaic.corner, mosaic.cell, crs)
+    band = "echo relative to the median of the record at its range"
+    write_geotiff(folder / "mosaic.tif", mosaic.level, *place, band=band, unit="dB")
+    count = mosaic.count.astype(np.float32)
+    write_geotiff(folder / "coverage.tif", count, *place, band="lines that show the cell", unit="1")
+
+
+def _draw(
+    mosaic: Mosaic, tracks: Sequence[NDArray[np.float64]], corners: NDArray[np.float64] | None, picture: str
+) -> bytes:
+    """Draw the mosaic or the coverage, with the lines and the area, as PNG."""
+    # lazy: slow to import
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.colors import ListedColormap
+    from matplotlib.figure import Figure
+
+    rows, columns = mosaic.level.shape
+    left, top = mosaic.corner
+    extent = (left, left + columns * mosaic.cell, top - rows * mosaic.cell, top)
+    figure = Figure(figsize=(WIDTH, min(max(WIDTH * rows / columns, 3.0), HIGHEST)), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    if picture == "mosaic":
+        palette = ListedColormap(load_palette("copper") / 255.0).with_extremes(bad="white")
+        low, high = np.nanpercentile(mosaic.level, [DARKEST, BRIGHTEST])
+        shown = axes.imshow(mosaic.level, cmap=palette, vmin=low, vmax=high, extent=extent, interpolation="antialiased")
+        figure.colorbar(shown, label="dB about the median at that range", shrink=0.8)
+    else:
+        counts = np.minimum(mosaic.count, len(COUNTS) - 1)
+        palette = ListedColormap(COUNTS)
+        shown = axes.imshow(counts, cmap=palette, vmin=-0.5, vmax=3.5, extent=extent, interpolation="nearest")
+        figure.colorbar(shown, ticks=range(4), label="lines that show the cell", shrink=0.8).ax.set_yticklabels(
+            ["0", "1", "2", "3 or more"]
+        )
+    for track in tracks:
+        axes.annotate("", track[1], track[0], arrowprops={"arrowstyle": "-|>", "color": "#d1495b", "lw": 0.8})
+    if corners is not None:
+        axes.plot(*np.concatenate([corners, corners[:1]]).T, color="#1f7a8c", lw=1.2, ls="--")
+    axes.set(xlabel="x (m)", ylabel="y (m)", aspect="equal")
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=DPI)
+    return buffer.getvalue()
+
+
+def _page(
+    work: SurveyWork,
+    told: Sequence[Mapping[str, Any]],
+    coverage: Coverage,
+    mosaic: Mosaic,
+    pictures: Sequence[bytes],
+) -> str:
+    """Return a page that needs no other file."""
+    images = [f'<img alt="" src="data:image/png;base64,{base64.b64encode(picture).decode()}">' for picture in pictures]
+    title, about = (html.escape(text) for text in (work.specification.title, work.specification.description))
+    rate, speed = work.scene.sonar.ping_rate, work.scene.track.speed
+    pings = sum(line["pings"] for line in told)
+    track = sum(line["length"] + math.pi * abs(line["turn"]) for line in told)
+    facts = (
+        f"{len(told)} of {len(work.lines)} lines, {track / 1000.0:.3g} km, {pings} pings, {pings / rate / 60.0:.3g} "
+        f"minutes at {speed:g} m/s. {100.0 * coverage.once:.1f} % of {coverage.area:.6g} m² are shown at least once, "
+        f"{100.0 * coverage.twice:.1f} % at least twice, in cells of {mosaic.cell:g} m."
+    )
+    head = f"<!doctype html>\n<html lang='en'><head><meta charset='utf-8'><title>{title}</title><style>{STYLE}</style>"
+    return "\n".join(
+        [
+            f"{head}</head><body>\n<h1>{title}</h1>\n<p>{about}</p>\n<p>{facts}</p>",
+            f"<h2>Mosaic</h2>\n{images[0]}\n<h2>Coverage</h2>\n{images[1]}",
+            f"<h2>Lines</h2>\n{_table(told)}",
+            f"<h2>Scene</h2>\n<pre>{html.escape(_declared(work))}</pre>\n</body></html>\n",
+        ]
+    )
+
+
+def _table(told: Sequence[Mapping[str, Any]]) -> str:
+    """Return a table with a row for each line."""
+    heads = ("record", "start (m)", "end (m)", "heading (°)", "length (m)", "pings")
+    rows = [
+        (
+            f"<a href='{line['file']}'>{line['file']}</a>",
+            *(", ".join(f"{number:.6g}" for number in line[point]) for point in ("start", "end")),
+            f"{line['heading']:.1f}",
+            f"{line['length']:.6g}",
+            f"{line['pings']}",
+        )
+        for line in told
+    ]
+    body = [f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows]
+    return "\n".join(["<table>", f"<tr>{''.join(f'<th>{head}</th>' for head in heads)}</tr>", *body, "</table>"])
+
+
+def _declared(work: SurveyWork) -> str:
+    """Return the specification of the survey as TOML."""
+    import tomli_w
+
+    return tomli_w.dumps(work.specification.model_dump(mode="json", exclude_none=True))

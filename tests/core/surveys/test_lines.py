@@ -1,0 +1,192 @@
+"""Surveys: lines over an area, their records, mosaic, coverage and page."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+
+import numpy as np
+import pytest
+import rasterio
+
+import insonify
+from insonify import cli
+from insonify.files import bundled_specifications
+from insonify.io.records import read_record
+from insonify.scene import load_scene
+from insonify.simulation import prepare
+from insonify.surveys.engine.jobs import done_jobs, finish
+from insonify.surveys.lines.coverage import measure_coverage
+from insonify.surveys.lines.specification import Area, SurveySpecification
+from insonify.surveys.lines.track import SurveyLine, join_lines, lay_lawnmower
+from insonify.surveys.lines.work import SurveyWork
+from insonify.surveys.mosaic import Mosaic
+from insonify.surveys.specification import read_specification
+from small_sets import SURVEY, contents, write_set
+
+SQUARE = [(0.0, 0.0), (100.0, 0.0), (100.0, 60.0), (0.0, 60.0)]
+BASE = load_scene("default")
+
+
+def specification(**changes) -> SurveySpecification:
+    return SurveySpecification.model_validate({**tomllib.loads(SURVEY), **changes})
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    """A survey of three lines, made by the command on two workers."""
+    folder = tmp_path_factory.mktemp("small")
+    path = write_set(folder, SURVEY)
+    assert cli.main(["survey", str(path), "-o", str(folder / "survey"), "--scheduler", "local:2"]) == 0
+    return folder / "survey"
+
+
+def test_lines_lie_in_the_middle_of_their_strips():
+    lines = lay_lawnmower(Area(corners=SQUARE, spacing=20.0))
+    assert lines == [
+        SurveyLine((0.0, 10.0), (100.0, 10.0)),
+        SurveyLine((100.0, 30.0), (0.0, 30.0)),
+        SurveyLine((0.0, 50.0), (100.0, 50.0)),
+    ]
+    assert len(lay_lawnmower(Area(corners=SQUARE, spacing=60.0))) == 1
+    assert len(lay_lawnmower(Area(corners=SQUARE, spacing=59.9))) == 2
+
+
+@pytest.mark.parametrize("heading", [0.0, 30.0, 90.0, -135.0])
+@pytest.mark.parametrize("spacing", [7.0, 13.0])
+def test_lines_of_any_heading_cover_the_area(heading, spacing):
+    lines = lay_lawnmower(Area(corners=SQUARE, spacing=spacing, heading=heading))
+    ahead = np.array([math.cos(math.radians(heading)), math.sin(math.radians(heading))])
+    aside = np.array([-ahead[1], ahead[0]])
+    offsets = np.array([aside @ line.start for line in lines])
+    np.testing.assert_allclose(np.diff(offsets), spacing)
+    across = np.array(SQUARE) @ aside
+    assert offsets[0] - across.min() <= 0.5 * spacing + 1e-9
+    assert across.max() - offsets[-1] <= 0.5 * spacing + 1e-9
+    for number, line in enumerate(lines):
+        way = (np.array(line.end) - line.start) / line.length
+        np.testing.assert_allclose(way, ahead * (-1) ** number, atol=1e-9)
+        for x, y in (line.start, line.end):
+            assert -1e-9 <= x <= 100.0 + 1e-9
+            assert -1e-9 <= y <= 60.0 + 1e-9
+
+
+def test_a_recorded_turn_leads_from_one_line_to_the_next():
+    corners = [(0.0, 0.0), (100.0, 0.0), (70.0, 40.0), (10.0, 40.0)]
+    lines = lay_lawnmower(Area(corners=corners, spacing=20.0, turns="in"))
+    track = join_lines(lines, speed=2.0, ping_rate=5.0)
+    assert [line.turn for line in lines] == [10.0, 0.0]
+    assert lines[0].end[0] == lines[1].start[0] == pytest.approx(92.5)
+    # Half a circle of 10 m radius, to port.
+    begun = lines[0].length / 2.0
+    turned = (track.time >= begun) & (track.time <= begun + math.pi * 10.0 / 2.0)
+    np.testing.assert_allclose(np.hypot(track.x[turned] - 92.5, track.y[turned] - 20.0), 10.0, atol=1e-9)
+    steps = np.hypot(np.diff(track.x), np.diff(track.y)) / np.diff(track.time)
+    np.testing.assert_allclose(steps, 2.0, rtol=1e-4)
+    assert track.pings[0].stop == track.pings[1].start
+    np.testing.assert_allclose(np.diff(track.heading)[turned[1:]].max(), 1.0, atol=0.01)
+
+
+def test_every_line_without_turns_begins_with_a_ping():
+    lines = [SurveyLine((0.0, 0.0), (10.0, 0.0)), SurveyLine((3.0, 7.0), (3.0, 27.0))]
+    track = join_lines(lines, speed=2.0, ping_rate=5.0)
+    assert [len(pings) for pings in track.pings] == [26, 51]
+    at = np.array([pings.start / 5.0 for pings in track.pings])
+    np.testing.assert_allclose(np.interp(at, track.time, track.x), [0.0, 3.0], atol=1e-9)
+    np.testing.assert_allclose(np.interp(at, track.time, track.heading), [0.0, 90.0], atol=1e-9)
+
+
+def test_records_are_those_of_one_scene(small):
+    work = SurveyWork(specification(), BASE, small).begun()
+    simulation = prepare(work.scene, plan=work.plan)
+    for number, pings in enumerate(work.track.pings):
+        record = read_record(str(small / "records" / f"line-{number + 1:04d}.nc"))
+        np.testing.assert_array_equal(record["intensity"].values.swapaxes(0, 1), simulation.intensity(np.array(pings)))
+        line = work.lines[number]
+        np.testing.assert_allclose([record["platform_x"][0], record["platform_y"][0]], line.start, atol=1e-6)
+        assert abs(float(record["platform_x"][-1]) - line.end[0]) <= 0.4
+
+
+def test_no_two_lines_have_the_same_speckle(small):
+    records = [read_record(str(path))["intensity"].values for path in sorted(small.glob("records/*.nc"))]
+    assert abs(np.corrcoef(records[0][:, :50].ravel(), records[2][:, :50].ravel())[0, 1]) < 0.9
+    assert not np.array_equal(records[0], records[2])
+
+
+def test_mosaic_and_coverage_lie_on_one_grid(small):
+    with rasterio.open(small / "mosaic.tif") as mosaic, rasterio.open(small / "coverage.tif") as coverage:
+        assert mosaic.transform == coverage.transform
+        level, count = mosaic.read(1), coverage.read(1)
+    assert ((count > 0) == np.isfinite(level)).all()
+    assert count.max() == 3
+
+
+def test_coverage_is_that_of_the_area():
+    count = np.zeros((10, 20), np.uint16)
+    count[:, :10] = 1
+    count[:5, :5] = 2
+    mosaic = Mosaic(np.zeros((10, 20), np.float32), (0.0, 10.0), 1.0, count)
+    whole = np.array([(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)])
+    assert measure_coverage(mosaic, whole) == (200.0, 0.5, 0.125)
+    assert measure_coverage(mosaic, 2.0 * whole).once == 0.125  # what lies beyond the mosaic is not shown
+    assert measure_coverage(mosaic, None) == (100.0, 1.0, 0.25)
+
+
+def test_the_page_needs_no_other_file(small):
+    page = (small / "index.html").read_text()
+    assert page.count("data:image/png;base64,") == 2
+    assert "3 of 3 lines" in page
+    assert "100.0 % of 720 m² are shown at least once" in page
+    assert set(re.findall(r"href='([^']+)'", page)) == {f"records/line-{number:04d}.nc" for number in (1, 2, 3)}
+    assert "<link" not in page
+    assert "<script" not in page
+
+
+def test_a_second_survey_is_the_same_to_the_bit(small, tmp_path):
+    assert cli.main(["survey", str(write_set(tmp_path, SURVEY)), "-o", str(small), "--scheduler", "local:1"]) == 0
+    before = contents(small)
+    (small / "records" / "line-0002.nc").unlink()
+    next((small / "jobs").glob("*/0000001-*")).unlink()
+    assert cli.main(["survey", str(write_set(tmp_path, SURVEY)), "-o", str(small), "--scheduler", "local:1"]) == 0
+    assert contents(small) == before
+    assert len(done_jobs(small)) == 3
+
+
+def test_recorded_turns_are_in_the_records(tmp_path):
+    area = {**tomllib.loads(SURVEY)["area"], "turns": "in"}
+    work = SurveyWork(specification(area=area), BASE, tmp_path / "survey").begun()
+    finish(work, work.names()[0])
+    record = read_record(str(tmp_path / "survey" / "records" / "line-0001.nc"))
+    heading = record["platform_heading"].values
+    assert heading[0] == pytest.approx(0.0, abs=1e-6)
+    assert 170.0 < heading[-1] < 180.0
+    assert insonify.simulate(work.scene.model_copy(), threads=1).sizes["ping_time"] == work.track.pings[-1].stop
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"lines": "[{ start = [0.0, 0.0], end = [5.0, 0.0] }]"}, "area, lines: give one of the two"),
+        ({"suffix": '".doc"'}, "suffix: '.doc' is no format of records; give one of .nc"),
+        ({"mosaic": '{ overlap = "best" }'}, "mosaic.overlap"),
+        ({"base": '"no-such"'}, "no such file; give a TOML file or one of"),
+        ({"spacing": "-1.0"}, "area.spacing: -1.0 is out of bounds; give a value above 0"),
+        ({"corners": "[[0.0, 0.0], [1.0, 1.0]]"}, "area.corners"),
+    ],
+)
+def test_a_mistake_in_a_specification_is_told_in_a_sentence(tmp_path, capsys, changes, told):
+    path = write_set(tmp_path, SURVEY, **changes)
+    assert cli.main(["survey", str(path), "-o", str(tmp_path / "survey")]) == 2
+    complaint = capsys.readouterr().err
+    assert told in complaint
+    assert len(complaint.splitlines()) == 1
+    assert not (tmp_path / "survey").exists()
+
+
+@pytest.mark.parametrize("name", list(bundled_specifications("surveys")))
+def test_a_bundled_survey_can_be_planned(name, tmp_path):
+    one = read_specification(name, SurveySpecification, bundled_specifications("surveys"), {})
+    work = SurveyWork(one, load_scene(one.base), tmp_path).begun()
+    assert work.plan is not None
+    assert prepare(work.scene, plan=work.plan).plan == work.plan
