@@ -4,6 +4,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,8 @@ import pytest
 from insonify.cli import build_parser
 from insonify.commands.options import chosen_scene, is_record
 from insonify.scene import scene_from_toml
+from insonify.surveys.datasets.specification import DatasetSpecification
+from insonify.surveys.lines.specification import SurveySpecification
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -18,6 +21,7 @@ README = ROOT / "README.md"
 PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in [README, *DOCS.rglob("*.md")]}
 GALLERY = re.findall(r"\]\((gallery/[\w-]+\.jpg)\)<br>[^|]*?<br>`(insonify [^`]+)`", PAGES["docs/gallery.md"])
 PARSER, COMMANDS = build_parser()
+SPECIFICATIONS = {"docs/howto/data-sets.md": DatasetSpecification, "docs/howto/survey.md": SurveySpecification}
 
 
 def blocks(language: str) -> list[tuple[str, str]]:
@@ -56,10 +60,17 @@ def test_the_gallery_is_whole_and_light():
 
 
 def test_every_scene_is_one_and_every_part_is_of_one(tmp_path, monkeypatch):
-    parts = [scene_from_toml(body) for page, body in blocks("toml") if page != "docs/architecture/extend.md"]
+    others = {"docs/architecture/extend.md", *SPECIFICATIONS}
+    parts = [scene_from_toml(body) for page, body in blocks("toml") if page not in others]
     assert any(part.targets and part.targets[0].length == 30.0 for part in parts if part.title == "A pipe with a span")
     assert ("heave", "yaw", "turn") in {part.track.kinds for part in parts}
     assert "pattern" in {part.seabed.material.kind for part in parts}
+
+
+@pytest.mark.parametrize(("page", "model"), SPECIFICATIONS.items())
+def test_every_specification_is_one(page, model):
+    shown = [model.model_validate(tomllib.loads(body)) for place, body in blocks("toml") if place == page]
+    assert shown
 
 
 def test_the_python_of_the_readme_runs():
