@@ -117,6 +117,15 @@ def test_npz_reads_back_without_pickles(tmp_path):
         assert str(read["attrs.scene"]) == record.attrs["scene"]
 
 
+def test_npz_holds_attributes_of_any_kind_without_pickles(tmp_path):
+    record = block(0, 4).assign_attrs(comment="", table={"a": [1, None]}, pair=[1.5, 2.5])
+    write_record(tmp_path / "record.npz", [record])
+    with np.load(tmp_path / "record.npz", allow_pickle=False) as read:
+        assert str(read["attrs.comment"]) == ""
+        assert str(read["attrs.table"]) == "{'a': [1, None]}"
+        assert list(read["attrs.pair"]) == [1.5, 2.5]
+
+
 @pytest.mark.parametrize("trouble", [OSError("disk full"), KeyboardInterrupt()])
 def test_a_failed_write_leaves_the_old_file(tmp_path, trouble):
     path = tmp_path / "record.nc"

@@ -42,7 +42,7 @@ def write_npz(path: str | Path, blocks: Iterable[xr.Dataset]) -> None:
             axis = variable.dims.index(ALONG) if along else 0
             _write_joined(archive, str(name), [_stored(part.variables[name].values) for part in told], axis)
         for key, value in parts[0].attrs.items():
-            _write_joined(archive, f"{ATTRIBUTE}{key}", [np.array(value)], 0)
+            _write_joined(archive, f"{ATTRIBUTE}{key}", [_stored(np.array(value))], 0)
 
 
 def _stored(values: NDArray[Any]) -> NDArray[Any]:
