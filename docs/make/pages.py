@@ -36,7 +36,12 @@ WIDTHS = {
     "rays": 1200,
     "window": 1400,
 }
-QUICK = ("plan", "scenes", "targets")  # commands that a check runs; anything else is run only to make the page
+QUICK = (
+    "lesson",
+    "plan",
+    "scenes",
+    "targets",
+)  # commands that a check runs; anything else is run only to make the page
 COLUMNS = "80"
 
 

@@ -88,7 +88,8 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
                 title = f"{item.kind.replace('_', ' ').capitalize()} {index + 1}"
                 found.append(FieldSection(path, title, _inside(scene, item, path, 0), removable=True))
         else:
-            parameters = _inside(scene, part, name, 0)
+            owner, _, field = name.rpartition(".")
+            parameters = tuple(_of_declaration(scene, part_at(scene, owner), field, name, 0))
             if name == "seabed":
                 parameters += tuple(_of_field(scene, scene, "seed", "", 0))
             found.append(FieldSection(name, name.rpartition(".")[2].capitalize(), parameters))
