@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from insonify.kernels.common.jit import inlined_uncounted
+from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
 
 HALF_OCTAVE = np.float64(math.sqrt(0.5)).view(np.int64)  # bits of 1/√2, which part exponent from mantissa
 PER_LN2 = 2.0 / math.log(2.0)
@@ -50,7 +50,7 @@ def _step(centre, extent, integral, row, s_low, s_high):
     return _integral_at(integral, row, high, last) - _integral_at(integral, row, low, last)
 
 
-@inlined_uncounted
+@kernel_uncounted
 def integrated_responses(x, z, r, axis, borders, centre, extent, integral, first_range, per_octave, out):
     """Integral of the two-way response over s between two azimuths, at many places of one plane.
 

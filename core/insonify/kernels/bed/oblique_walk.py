@@ -140,7 +140,7 @@ def _line_nodes(row, sense, cell):
     return LineNodes(np.float64(row[before]), np.float64(row[near]), np.float64(row[far]), np.float64(row[beyond]))
 
 
-@inlined_uncounted
+@kernel_uncounted
 def _between(nodes, line, following, share, sense, cell):
     """Heights on a line parallel to two neighbouring lines v: a plane may begin and end between them."""
     a, b = _line_nodes(nodes[line], sense, cell), _line_nodes(nodes[following], sense, cell)

@@ -32,9 +32,11 @@ from insonify.kernels.sweep.facets import (
 )
 from insonify.kernels.sweep.target_echoes import (
     BedHorizon,
+    cell_facet,
     count_facets,
     horizon_at,
     intersect_facet,
+    is_cell_clear,
     knot_before,
     primitive_material,
     visible_facet,
@@ -116,8 +118,10 @@ def list_target_echoes(arrays, knots, pair, plane, sectors, cells, workspace, n,
         primitive = load_primitive(solids, mesh, seen_from, body, zbuffer.line[p], source)
         surface = TargetSurface(primitive, (table[row, 0], table[row, 1], table[row, 2]), contributor)
         low, high = zbuffer.edge[cell], zbuffer.edge[cell + 1]
+        whole = facets == 1 and is_cell_clear(zbuffer, cell, bed, knot)
         for k in range(facets):
-            facet = visible_facet(primitive, low, high, k, facets, bed, knot)
+            # A cell that is whole has been met along its beginning, its middle and its end.
+            facet = cell_facet(zbuffer, cell) if whole else visible_facet(primitive, low, high, k, facets, bed, knot)
             if not is_facet_met(facet):
                 continue
             cos_other = facet.incidence

@@ -162,12 +162,48 @@ def count_facets(zbuffer, cell):
     tuple
         Facets, and ground range in metres.
     """
-    cosine, sine = zbuffer.cosine, zbuffer.sine
+    facet = cell_facet(zbuffer, cell)
+    return _facet_count(facet), facet.centre * facet.cosine
+
+
+@inlined_uncounted
+def cell_facet(zbuffer, cell):
+    """Facet that fills a cell of a z-buffer, where sound goes straight.
+
+    Parameters
+    ----------
+    zbuffer : AngularZbuffer
+    cell : int
+
+    Returns
+    -------
+    Facet
+    """
+    cosine, sine, distance = zbuffer.cosine, zbuffer.sine, zbuffer.distance[cell]
     c, s = bisect_directions(cosine[cell], sine[cell], cosine[cell + 1], sine[cell + 1])
-    low, high, distance = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.distance[cell]
-    return _facet_count(
-        Facet(low, high, c, s, zbuffer.near[cell], distance, zbuffer.far[cell], 1.0, distance)
-    ), distance * c
+    low, high, near, far = zbuffer.edge[cell], zbuffer.edge[cell + 1], zbuffer.near[cell], zbuffer.far[cell]
+    return Facet(low, high, c, s, near, distance, far, zbuffer.incidence[cell], distance)
+
+
+@inlined_uncounted
+def is_cell_clear(zbuffer, cell, bed, knot):
+    """Whether the bed hides nothing of what a cell of a z-buffer holds: its horizon lies below where the cell begins.
+
+    Parameters
+    ----------
+    zbuffer : AngularZbuffer
+    cell : int
+    bed : BedHorizon
+    knot : int
+        Knot of the bed from which the place is looked for.
+
+    Returns
+    -------
+    bool
+    """
+    cosine = zbuffer.cosine
+    farthest = max(zbuffer.near[cell] * cosine[cell], zbuffer.far[cell] * cosine[cell + 1])
+    return horizon_at(bed, knot_before(bed, farthest, knot), farthest) * cosine[cell] <= zbuffer.sine[cell]
 
 
 @inlined_uncounted
