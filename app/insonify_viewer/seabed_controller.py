@@ -106,7 +106,8 @@ class SeabedController:
             self._bed, self._bodies = bed, bodies
             self._bake(bed, bodies, at_once=at_once)
         self._view.show_sonar(ground, simulation.arrays, pose, float(line.heading[0]), tones)
-        self._cut_fan(simulation, ping)
+        if not at_once:
+            self._cut_fan(simulation, ping)  # later than the first pings, whose kernels must not wait for its own
         scene = simulation.scene
         step = scene.track.speed / scene.sonar.ping_rate
         self._view.show_path(simulation.poses(path_pings(ping, step, reach)))

@@ -181,8 +181,11 @@ def test_without_the_trace_the_record_has_its_room(viewer: Any, qtbot: Any) -> N
     viewer.window.trace.trigger()
     assert waterfall.trace_area() is None
     assert waterfall._plot().height() >= before
-    viewer.window.trace.trigger()
+    QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=waterfall.trace_caption().center())
     assert waterfall._plot().height() == before
+    QTest.mouseClick(waterfall, Qt.MouseButton.LeftButton, pos=waterfall.trace_caption().center())
+    assert waterfall.trace_area() is None
+    assert viewer.inspection.mark is None, "a click on the caption pins nothing"
 
 
 def test_a_record_at_true_scale_leaves_no_empty_room_below(open_viewer: Any, small: Scene, qtbot: Any) -> None:

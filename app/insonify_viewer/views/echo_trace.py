@@ -6,12 +6,13 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRect, QRectF, Qt
+from PySide6.QtCore import QPointF, QRect, Qt
 from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 
 from insonify_viewer.views.theme import ACCENT, EDGE, MARK, QUIET, RAISED
 
 LEAST, GAP = 84, 22  # px, height of the trace, and its distance from the ruler above it
+CAPTION, WIDE = 16, 150  # px, of the words that are clicked to show or hide it
 ROOMY = 340  # px, height of the view from which there is room for a trace
 FLOOR, STEP = -30.0, 10.0  # dB re level bed: lowest of the scale, and its lines
 
@@ -58,8 +59,13 @@ def draw_trace(painter: QPainter, area: QRect, amplitude: NDArray[np.float32], t
         painter.setPen(QPen(QColor(MARK), 1.0))
         painter.drawLine(QPointF(x, area.top()), QPointF(x, area.bottom()))
     painter.restore()
+    draw_caption(painter, QRect(area.left(), area.top() - CAPTION - 1, area.width(), CAPTION), f"▾ {title}")
+
+
+def draw_caption(painter: QPainter, area: QRect, words: str) -> None:
+    """Draw the words that are clicked to show or hide the trace."""
     painter.setPen(QColor(QUIET))
-    painter.drawText(QRectF(area.left(), area.top() - 17.0, area.width(), 16.0), Qt.AlignmentFlag.AlignLeft, title)
+    painter.drawText(area, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, words)
 
 
 def _draw_scale(painter: QPainter, area: QRect, top: float) -> None:

@@ -11,13 +11,13 @@ MARK = "#38d6ff"  # distinct from sand and from every palette
 
 STYLE = f"""
 QMainWindow, QDockWidget, QScrollArea, QWidget#panel {{ background: {GROUND}; }}
-QToolBar {{ background: {RAISED}; border: 0; border-bottom: 1px solid {EDGE}; padding: 3px 4px; spacing: 3px; }}
-QToolBar QToolButton {{ padding: 4px 5px; border-radius: 4px; color: {TEXT}; }}
+QToolBar {{ background: {RAISED}; border: 0; border-bottom: 1px solid {EDGE}; padding: 3px 3px; spacing: 1px; }}
+QToolBar QToolButton {{ padding: 4px 3px; border-radius: 4px; color: {TEXT}; }}
 QToolBar QToolButton:hover {{ background: {EDGE}; }}
 QToolBar QToolButton:checked {{ background: {ACCENT}; color: {GROUND}; }}
 QToolBar QToolButton:disabled {{ color: #566573; }}
-QToolBar QLabel {{ color: {QUIET}; padding: 0 2px 0 6px; }}
-QToolBar::separator {{ background: {EDGE}; width: 1px; margin: 4px 3px; }}
+QToolBar QLabel {{ color: {QUIET}; padding: 0 2px 0 4px; }}
+QToolBar::separator {{ background: {EDGE}; width: 1px; margin: 4px 2px; }}
 QStatusBar {{ background: {RAISED}; color: {QUIET}; border-top: 1px solid {EDGE}; }}
 QStatusBar::item {{ border: 0; }}
 QStatusBar QLabel {{ color: {TEXT}; padding: 0 6px; }}

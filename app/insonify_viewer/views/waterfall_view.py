@@ -11,11 +11,12 @@ from PySide6.QtWidgets import QWidget
 from insonify_viewer.record import Record, Rows
 from insonify_viewer.session import Mark
 from insonify_viewer.views.along_track_blur import blur_along_track
-from insonify_viewer.views.echo_trace import GAP, draw_trace, room_for_trace
+from insonify_viewer.views.echo_trace import CAPTION, GAP, WIDE, draw_caption, draw_trace, room_for_trace
 from insonify_viewer.views.pixel_marks import draw_lit, draw_pin
-from insonify_viewer.views.pixels import colour_table, colours, column_means, dimmed, round_steps, with_highlights
+from insonify_viewer.views.pixels import colour_table, colours, column_means, dimmed, with_highlights
+from insonify_viewer.views.rulers import draw_ping_ruler, draw_slant_ruler
 from insonify_viewer.views.scrub_handle import ScrubHandle
-from insonify_viewer.views.theme import EDGE, GROUND, MARK, QUIET, TEXT
+from insonify_viewer.views.theme import GROUND, MARK
 from insonify_viewer.views.true_scale import name_scale, plot_at_true_scale
 from insonify_viewer.views.waiting_bar import draw_waiting
 from insonify_viewer.waiting import Waiting
@@ -152,9 +153,9 @@ class WaterfallView(QWidget):
         self._lit = marks
         self.update()
 
-    def show_trace(self, shown: bool) -> None:
+    def toggle_trace(self) -> None:
         """Show the echo of one ping under the record, or give its room to the record."""
-        self._traced = shown
+        self._traced = not self._traced
         self._fit()
 
     @property
@@ -209,6 +210,14 @@ class WaterfallView(QWidget):
         top = plot.bottom() + self._scaled(BOTTOM) + GAP
         return QRect(plot.left(), top, plot.width(), self.height() - top - 4)
 
+    def trace_caption(self) -> QRect | None:
+        """Place of the words that are clicked to show or hide the echo trace; None where there is no room for it."""
+        if not room_for_trace(self.height()):
+            return None
+        plot, area = self._plot(), self.trace_area()
+        top = plot.bottom() + 21 if area is None else area.top() - CAPTION - 1
+        return QRect(plot.left(), top, WIDE, CAPTION)
+
     def enlarge_text(self, factor: float) -> None:
         """Draw the text of the rulers by a factor larger than usual."""
         font = self.font()
@@ -258,8 +267,8 @@ class WaterfallView(QWidget):
         painter.fillRect(self.rect(), QColor(GROUND))
         plot = self._plot()
         self._draw_ring(painter, plot)
-        self._draw_slant_ruler(painter, plot)
-        self._draw_ping_ruler(painter, plot)
+        draw_slant_ruler(painter, plot, self._range, name_scale(plot, *self._extent()))
+        draw_ping_ruler(painter, QRect(0, plot.top(), LEFT, plot.height()), self._top, self._record.pings, self._step)
         self._handle.draw(painter, self._top)
         if self._waiting is not None:
             draw_waiting(painter, plot, self._waiting)
@@ -273,7 +282,9 @@ class WaterfallView(QWidget):
 
     def _draw_trace(self, painter: QPainter) -> None:
         """Draw the echo of the pinned ping, else of the one under the mouse, else of the one on top."""
-        area, record = self.trace_area(), self._record
+        area, record, caption = self.trace_area(), self._record, self.trace_caption()
+        if area is None and caption is not None:
+            draw_caption(painter, caption, "▸ echo")
         mark = self._pin or self._mark
         ping = self._top if mark is None else mark.ping
         row = int(record.rows(np.array([ping]))[0])
@@ -294,48 +305,6 @@ class WaterfallView(QWidget):
         if first > 0:
             lower = QRect(plot.left(), seam, plot.width(), plot.bottom() + 1 - seam)
             painter.drawImage(lower, self._image, QRect(0, 0, width, first))
-
-    def _draw_slant_ruler(self, painter: QPainter, plot: QRect) -> None:
-        """Draw metres of slant range from nadir to both sides."""
-        middle, base = plot.left() + plot.width() / 2.0, plot.bottom() + 1
-        for value in round_steps(0.0, self._range, max(plot.width() // self._scaled(130), 1)):
-            for x in {
-                middle - value / self._range * plot.width() / 2.0,
-                middle + value / self._range * plot.width() / 2.0,
-            }:
-                painter.setPen(QColor(EDGE))
-                painter.drawLine(int(x), base, int(x), base + 5)
-                painter.setPen(QColor(QUIET))
-                place = QRect(int(x) - self._scaled(40), base + 6, self._scaled(80), self._scaled(14))
-                painter.drawText(place, Qt.AlignmentFlag.AlignHCenter, f"{value:g}")
-        painter.setPen(QColor(QUIET))
-        line = QRect(plot.left(), base + self._scaled(20), plot.width(), self._scaled(16))
-        scale = name_scale(plot, *self._extent())
-        painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, f"slant range (m)  ·  {scale}")
-        painter.setPen(QColor(TEXT))
-        line = QRect(plot.left(), plot.top() - self._scaled(20), plot.width(), self._scaled(16))
-        painter.drawText(line, Qt.AlignmentFlag.AlignLeft, "port")
-        painter.drawText(line, Qt.AlignmentFlag.AlignRight, "starboard")
-
-    def _draw_ping_ruler(self, painter: QPainter, plot: QRect) -> None:
-        """Draw ping numbers, each with the metres towed."""
-        pings, wide, high = self._record.pings, self._scaled(LEFT - 9), self._scaled(14)
-        steps = round_steps(0.0, pings, max(plot.height() // self._scaled(70), 1))
-        step = max(int(steps[1]), 1) if len(steps) > 1 else pings
-        for ping in range(max(self._top - pings + 1, 0) // step * step, self._top + 1, step):
-            y = plot.top() + int((self._top - ping + 0.5) / pings * plot.height())
-            if not plot.top() + 8 <= y <= plot.bottom():
-                continue
-            painter.setPen(QColor(EDGE))
-            painter.drawLine(plot.left() - 5, y, plot.left() - 1, y)
-            painter.setPen(QColor(TEXT))
-            painter.drawText(QRect(0, y - high + 1, wide, high), Qt.AlignmentFlag.AlignRight, f"{ping}")
-            painter.setPen(QColor(QUIET))
-            painter.drawText(QRect(0, y, wide, high), Qt.AlignmentFlag.AlignRight, f"{ping * self._step:.4g} m")
-        painter.setPen(QColor(QUIET))
-        painter.drawText(
-            QRect(0, plot.top() - self._scaled(20), wide, self._scaled(16)), Qt.AlignmentFlag.AlignRight, "ping"
-        )
 
     def _draw_cross(self, painter: QPainter, plot: QRect, mark: Mark) -> None:
         place = self.place_of(mark)
@@ -362,9 +331,15 @@ class WaterfallView(QWidget):
             self._handle.held = False
             self.update()
         elif pressed is not None and (place - pressed).manhattanLength() <= STILL:
-            mark = self.mark_at(place)
-            if mark is not None:
-                self.clicked.emit(mark)
+            self._click(place)
+
+    def _click(self, place: QPoint) -> None:
+        """Signal the pixel at a place, or show or hide the echo trace by its caption."""
+        mark, caption = self.mark_at(place), self.trace_caption()
+        if mark is not None:
+            self.clicked.emit(mark)
+        elif caption is not None and caption.contains(place):
+            self.toggle_trace()
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Signal the bin under the mouse, or the ping at the handle."""
