@@ -16,7 +16,7 @@ from PIL import Image
 
 import insonify
 from insonify import cli
-from insonify.files import bundled_specifications
+from insonify.files import bundled_meshes, bundled_specifications
 from insonify.scene import load_scene, scene_from_toml, scene_to_toml
 from insonify.surveys.datasets.scenes import draw_scene, split_of
 from insonify.surveys.datasets.specification import DatasetSpecification
@@ -285,6 +285,25 @@ def test_scenes_that_cannot_be_are_told_and_the_others_made(tmp_path, capsys):
     complaint = capsys.readouterr().err
     assert "7 of 8 jobs could not be done, the others are done; job 1: scene 1: targets: no ground range" in complaint
     assert {line["scene"] for line in metadata(tmp_path / "set")} == {0}
+
+
+def test_files_are_found_beside_the_specification_and_count_by_their_content(tmp_path):
+    (tmp_path / "own.ply").write_bytes(bundled_meshes()["drum"].read_bytes())
+    (tmp_path / "own.toml").write_text(scene_to_toml(BASE))
+    own = '{ kind = "mesh", path = "own.ply" }'
+    text = SET.replace('base = "default"', 'base = "own.toml"').replace('"rock-round"', own)
+    path = write_set(tmp_path, text)
+    one = read_specification(str(path), DatasetSpecification, {}, {})
+    base = load_scene(one.base)
+    assert base == BASE
+    shapes = {getattr(target, "path", "") for n in range(20) for target in draw_scene(one, base, n).scene.targets}
+    assert str(tmp_path / "own.ply") in shapes
+    digest = DatasetWork(one, base, tmp_path / "set").digest
+    (tmp_path / "own.ply").write_bytes(bundled_meshes()["tyre"].read_bytes())
+    assert DatasetWork(one, base, tmp_path / "set").digest != digest
+    more = one.model_copy(update={"scenes": 16})
+    (tmp_path / "own.ply").write_bytes(bundled_meshes()["drum"].read_bytes())
+    assert DatasetWork(more, base, tmp_path / "set").digest == digest
 
 
 @pytest.mark.parametrize("name", list(bundled_specifications("datasets")))

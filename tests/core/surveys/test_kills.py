@@ -28,14 +28,14 @@ def undisturbed(tmp_path_factory):
     return contents(folder / "set")
 
 
-def words(folder):
+def words(folder, workers=1):
     path = write_set(folder, scenes=SCENES)
-    return ["dataset", str(path), "-o", str(folder / "set"), "--scheduler", "local:2"]
+    return ["dataset", str(path), "-o", str(folder / "set"), "--scheduler", f"local:{workers}"]
 
 
 def driver(folder, **options):
-    """Start the command in a process, and a group, of its own."""
-    command = [sys.executable, "-m", "insonify", *words(folder)]
+    """Start the command on two workers in a process, and a group, of its own."""
+    command = [sys.executable, "-m", "insonify", *words(folder, 2)]
     return subprocess.Popen(
         command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True, **options
     )

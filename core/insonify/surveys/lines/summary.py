@@ -129,7 +129,7 @@ def _page(
             f"{head}</head><body>\n<h1>{title}</h1>\n<p>{about}</p>\n<p>{facts}</p>",
             f"<h2>Mosaic</h2>\n{images[0]}\n<h2>Coverage</h2>\n{images[1]}",
             f"<h2>Lines</h2>\n{_table(told)}",
-            f"<h2>Scene</h2>\n<pre>{html.escape(_declared(work))}</pre>\n</body></html>\n",
+            f"<h2>Specification</h2>\n<pre>{html.escape(_declared(work))}</pre>\n</body></html>\n",
         ]
     )
 
@@ -155,4 +155,4 @@ def _declared(work: SurveyWork) -> str:
     """Return the specification of the survey as TOML."""
     import tomli_w
 
-    return tomli_w.dumps(work.specification.model_dump(mode="json", exclude_none=True))
+    return tomli_w.dumps(work.specification.model_dump(mode="json", exclude_unset=True))
