@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 from PySide6.QtWidgets import QMessageBox
 
-from insonify.lessons import load_lessons, parse_lesson
+from insonify.lessons import load_lessons, parse_lesson, states_of
+from insonify.planning import plan
 from insonify.scene import Scene, edit
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.panels.lessons.course import Course
@@ -235,3 +236,21 @@ def test_every_field_of_every_lesson_is_in_the_window(name: str) -> None:
         for path in step.move:
             curve = path.startswith(("water.depth.", "water.sound_speed."))
             assert path in rows or curve or path.startswith(("plan.", "point.")), path
+
+
+def forced_choices() -> list[Any]:
+    """Steps that force choices of the plan, with the lesson's name."""
+    steps = [(lesson.name, *states) for lesson in load_lessons() for states in states_of(lesson)]
+    return [pytest.param(*each, id=each[0]) for each in steps if any(path.startswith("plan.") for path in each[1].move)]
+
+
+@pytest.mark.parametrize(("name", "step", "start", "end"), forced_choices())
+def test_the_plan_offers_every_choice_that_a_lesson_forces(name: str, step: Any, start: Any, end: Any) -> None:
+    del name, start
+    forced = {path.removeprefix("plan."): choice for path, choice in step.move.items()}
+    made = plan(end.scene, forced=forced)
+    for subject, choice in forced.items():
+        if subject != "tolerance":
+            entry = made.entry(subject)
+            assert entry is not None
+            assert choice in entry.options

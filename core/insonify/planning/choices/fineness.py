@@ -167,7 +167,7 @@ class Step(Number):
 
     subject, field, stage, rank, whole = "step", "step", FINENESS, 3, False
     low, high = 1e-6, 1e4
-    offered = ("0.02", "0.05", "0.1", "0.2", "0.5")
+    offered = ("0.02", "0.05", "0.1", "0.2", "0.5", "1", "2")
 
     def settings(self, case: Case, model: Model) -> tuple[float, ...]:
         """Return steps of a cell, its half, a quarter and so on."""
