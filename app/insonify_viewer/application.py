@@ -17,8 +17,10 @@ from PySide6.QtCore import QEventLoop, QTimer
 from PySide6.QtGui import QGuiApplication, QOpenGLContext
 from PySide6.QtWidgets import QApplication
 
+from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError
 from insonify_viewer.gc_policy import collected_by_hand
+from insonify_viewer.panels.lessons.controller import LessonsPanel
 from insonify_viewer.session import Mark
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.save_dialogs import save_picture
@@ -29,13 +31,23 @@ COLLECTION_INTERVAL = 200  # ms
 PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles the kernels first
 
 
-def open_window(scene: Scene, pin: Mark | None = None) -> int:
-    """Open the viewer, with a pixel pinned if one is given, run it until it is closed, and return an exit code."""
+def open_window(scene: Scene, pin: Mark | None = None, lesson: Lesson | None = None) -> int:
+    """Open the viewer, run it until it is closed, and return an exit code.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene to open; the one that a lesson starts from, if one is given.
+    pin : Mark, optional
+        Pixel to pin.
+    lesson : Lesson, optional
+        Lesson to begin.
+    """
     application = make_application()
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=has_opengl())
         viewer.window.show()
-        viewer.inspection.pin(pin)
+        _begin(viewer, pin, lesson)
         QTimer.singleShot(0, viewer.start)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         code = application.exec()
@@ -43,6 +55,16 @@ def open_window(scene: Scene, pin: Mark | None = None) -> int:
             # A thread compiles, which cannot be interrupted; Python would wait for it.
             os._exit(code)
         return code
+
+
+def _begin(viewer: Viewer, pin: Mark | None, lesson: Lesson | None) -> None:
+    """Pin a pixel and begin a lesson, if they are given."""
+    viewer.inspection.pin(pin)
+    if lesson is not None:
+        viewer.window.open_panel(LessonsPanel.name)
+        panel = viewer.panels[LessonsPanel.name]
+        assert isinstance(panel, LessonsPanel)
+        panel.begin(lesson)
 
 
 def is_working() -> bool:
@@ -56,8 +78,8 @@ def _close_on_interrupt(viewer: Viewer) -> None:
     QTimer.singleShot(0, viewer.window.close)
 
 
-def draw_window(scene: Scene, path: Path, pin: Mark | None = None) -> None:
-    """Draw the viewer's window into a PNG, with a pixel pinned if one is given, without a screen.
+def draw_window(scene: Scene, path: Path, pin: Mark | None = None, lesson: Lesson | None = None) -> None:
+    """Draw the viewer's window into a PNG, without a screen; `open_window` explains the parameters.
 
     Raises
     ------
@@ -66,16 +88,16 @@ def draw_window(scene: Scene, path: Path, pin: Mark | None = None) -> None:
     """
     application = make_application()
     with main_thread_collection():
-        _draw(application, scene, path, pin)
+        _draw(application, scene, path, pin, lesson)
 
 
-def _draw(application: QApplication, scene: Scene, path: Path, pin: Mark | None) -> None:
+def _draw(application: QApplication, scene: Scene, path: Path, pin: Mark | None, lesson: Lesson | None) -> None:
     viewer = Viewer(scene, accelerated=False)
     viewer.window.resize(*SNAPSHOT_SIZE)
     viewer.window.move(40, 40)  # away from the pointer, which would highlight a button
     viewer.window.show()
     viewer.tow.run(False)
-    viewer.inspection.pin(pin)
+    _begin(viewer, pin, lesson)
     viewer.start()
     try:
         with _slot_errors() as errors:

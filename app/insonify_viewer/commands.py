@@ -8,7 +8,8 @@ import sys
 from typing import Any
 
 from insonify.commands.options import add_scene, check_output, chosen_scene, find_pixel
-from insonify.scene import Scene, SceneError
+from insonify.lessons import Lesson, check_lesson, load_lesson, states_of
+from insonify.scene import DEFAULT_SCENE, Scene, SceneError
 from insonify_viewer.screen_check import why_no_window
 from insonify_viewer.session import Mark
 
@@ -26,6 +27,11 @@ def register(subparsers: Any) -> None:
         metavar=("PING", "SIDE", "RANGE"),
         help="explain a pixel of the record from the start, e.g. --pin 150 starboard 36.5",
     )
+    parser.add_argument(
+        "--lesson",
+        metavar="LESSON",
+        help="begin a lesson in its own scene, by name or Markdown file (see 'insonify lesson')",
+    )
     parser.set_defaults(run=run)
 
 
@@ -35,21 +41,22 @@ def run(arguments: argparse.Namespace) -> int:
     Parameters
     ----------
     arguments : Namespace
-        Scene, settings, ``snapshot`` and ``pin``.
+        Scene, settings, ``snapshot``, ``pin`` and ``lesson``.
 
     Returns
     -------
     int
         Exit code.
     """
-    scene = chosen_scene(arguments)
+    lesson = None if arguments.lesson is None else _chosen_lesson(arguments)
+    scene = chosen_scene(arguments) if lesson is None else next(states_of(lesson))[1].scene
     pin = None if arguments.pin is None else _pinned(scene, *arguments.pin)
     reason = why_no_window()
     if arguments.snapshot is None and not reason:
         # lazy: loads Qt, which no other command needs
         from insonify_viewer.application import open_window
 
-        return open_window(scene, pin)
+        return open_window(scene, pin, lesson)
     path = check_output(arguments.snapshot or FALLBACK, (".png",), "--snapshot")
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
     if reason and sys.platform.startswith("linux"):
@@ -58,10 +65,19 @@ def run(arguments: argparse.Namespace) -> int:
     # lazy: loads Qt, which no other command needs
     from insonify_viewer.application import draw_window
 
-    draw_window(scene, path, pin)
+    draw_window(scene, path, pin, lesson)
     if arguments.snapshot is None:
         sys.stdout.write(f"No window can be opened ({reason}); the window was drawn into {path}.\n")
     return 0
+
+
+def _chosen_lesson(arguments: argparse.Namespace) -> Lesson:
+    """Lesson to begin, checked; it brings its own scene."""
+    if arguments.scene != DEFAULT_SCENE or arguments.set or arguments.seed is not None:
+        raise SceneError(f"--lesson {arguments.lesson}: opens a scene of its own; leave out SCENE, --set and --seed")
+    lesson = load_lesson(arguments.lesson)
+    check_lesson(lesson)
+    return lesson
 
 
 def _pinned(scene: Scene, ping: str, side: str, slant_range: str) -> Mark:

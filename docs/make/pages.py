@@ -32,6 +32,7 @@ WIDTHS = {
     "chart-rough": 1500,
     "convergence": 1000,
     "ghosts": 1200,
+    "lesson": 1400,
     "pixel": 1400,
     "rays": 1200,
     "window": 1400,

@@ -44,6 +44,14 @@ def test_snapshot_without_a_display(tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["window.png"]
 
 
+def test_a_lesson_begins_in_the_picture(tmp_path: Path, monkeypatch: Any) -> None:
+    drawn: list[Any] = []
+    monkeypatch.setattr(application, "draw_window", lambda *given: drawn.append(given))
+    assert main(["view", "--lesson", "target-height", "--snapshot", str(tmp_path / "window.png")]) == 0
+    ((scene, _, pin, lesson),) = drawn
+    assert (scene.title, pin, lesson.name) == ("A block and its shadow", None, "target-height")
+
+
 def test_a_pinned_pixel_is_explained_in_the_picture(tmp_path: Path, qapp: Any) -> None:
     scene = edit(load_scene("pipe-on-bed"), {"track.pings": 64, "sonar.bins": 500})
     for name, pin in (("plain.png", None), ("pinned.png", Mark(40, 1, 330))):
@@ -82,6 +90,8 @@ def test_no_display_draws_the_window_and_says_so(tmp_path: Path) -> None:
         (("default", "--snapshot", "nowhere/w.png"), "no folder"),
         (("default", "--set", "sonar.range=-1"), "sonar.range"),
         (("default", "--pin", "5000", "port", "20"), "ping 5000"),
+        (("pipe-span", "--lesson", "target-height"), "leave out SCENE"),
+        (("--lesson", "nowhere"), "lesson 'nowhere': no such file"),
         (("default", "--pin", "5", "left", "20"), "side 'left'"),
         (("default", "--pin", "5", "port", "far"), "--pin 5 port far"),
     ],

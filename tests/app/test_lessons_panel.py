@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QMessageBox
 from insonify.lessons import load_lessons, parse_lesson, states_of
 from insonify.planning import plan
 from insonify.scene import Scene, edit
+from insonify_viewer.application import _begin
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.panels.lessons.course import Course
 
@@ -254,3 +255,17 @@ def test_the_plan_offers_every_choice_that_a_lesson_forces(name: str, step: Any,
             entry = made.entry(subject)
             assert entry is not None
             assert choice in entry.options
+
+
+def test_a_lesson_begins_with_the_window(open_viewer: Any, qtbot: Any) -> None:
+    """As ``insonify view --lesson`` begins one, before the worker starts."""
+    lesson = parse_lesson(LESSON, "range")
+    scene = next(states_of(lesson))[1].scene
+    viewer = open_viewer(scene)
+    _begin(viewer, None, lesson)
+    panel = viewer.panels["lessons"]
+    assert panel.view.isVisible()
+    assert panel.view.page.lesson.text() == "Range"
+    assert lit_rows(viewer) == {"sonar.range"}
+    assert viewer.session.scene is scene
+    assert not viewer.session.can_undo

@@ -82,10 +82,15 @@ class LessonsPanel(Panel):
         self.view.enlarge(large)
 
     def start(self, name: str) -> None:
-        """Start a lesson; the person is asked first what becomes of changes that are not of a lesson."""
-        course, asked = Course(next(lesson for lesson in self._lessons if lesson.name == name)), self._course is None
+        """Start a lesson of the list."""
+        self.begin(next(lesson for lesson in self._lessons if lesson.name == name))
+
+    def begin(self, lesson: Lesson) -> None:
+        """Begin a lesson; the person is asked first what becomes of changes that are not of a lesson."""
+        course, asked = Course(lesson), self._course is None
         self._course = None  # what changes on the way is not done by the person
-        if self._open(course, ask=asked):
+        if self._session.scene == course.start.scene or self._open(course, ask=asked):
+            self._model(Modelling(), course.start.window)
             self._show_step(course)
         else:
             self.leave()
@@ -133,15 +138,13 @@ class LessonsPanel(Panel):
             self._open(course, ask=False)
         elif not forward or course.step.set:
             self._session.open(course.start.scene, _file_of(course), bundled=True)
+        if course.base != base or not forward:
             self._model(Modelling(), course.start.window)
         self._show_step(course)
 
     def _open(self, course: Course, *, ask: bool) -> bool:
         """Open the scene of a step at the start of its track; return whether the person agreed."""
-        if not self._workbench.open_scene(course.start.scene, _file_of(course), ask=ask):
-            return False
-        self._model(Modelling(), course.start.window)
-        return True
+        return self._workbench.open_scene(course.start.scene, _file_of(course), ask=ask)
 
     def _model(self, modelling: Modelling, window: Mapping[str, Any]) -> None:
         """Turn to a modelling, with the choices of the plan that a state of the window names."""
