@@ -143,6 +143,23 @@ def scrub(viewer: Viewer, random: Random) -> Steps:
     _mouse(record, QEvent.Type.MouseButtonRelease, place.x(), place.y(), LEFT)
 
 
+def explain_pixel(viewer: Viewer, random: Random) -> Steps:
+    record = viewer.window.waterfall
+    for x, y in random.random((random.integers(1, 4), 2)):
+        for kind in (QEvent.Type.MouseButtonPress, QEvent.Type.MouseButtonRelease):
+            _mouse(record, kind, x * record.width(), y * record.height(), LEFT)
+        yield float(random.choice([20.0, 400.0]))
+    if random.random() < 0.3:
+        viewer.window.trace.trigger()
+
+
+def pick_place(viewer: Viewer, random: Random) -> Steps:
+    view = viewer.seabed.view
+    if view is not None:
+        view.look_at(*(random.random(2) * [view.width(), view.height()]))
+        yield float(random.choice([20.0, 400.0]))
+
+
 def look_back(viewer: Viewer, random: Random) -> Steps:
     for _ in range(random.integers(1, 8)):
         _wheel(viewer.window.waterfall, int(random.choice([-120, 120, 30])))
@@ -234,6 +251,8 @@ ACTIONS = (
     Action(change_gain, 1.0),
     Action(hover, 2.0),
     Action(scrub, 2.0),
+    Action(explain_pixel, 2.0),
+    Action(pick_place, 1.0),
     Action(look_back, 1.0),
     Action(turn_view, 3.0),
     Action(turn_tab, 1.5),
