@@ -80,7 +80,7 @@ class _Progress:
         from tqdm import tqdm
 
         self.done = done
-        self._bar = tqdm(total=total, initial=done, unit=f" {unit}", disable=None, smoothing=0.05, leave=False)
+        self._bar = tqdm(total=total, initial=done, unit=unit, disable=None, smoothing=0.05, leave=False)
 
     def __call__(self, ended: Outcome | Failure) -> None:
         self.done += isinstance(ended, Outcome)

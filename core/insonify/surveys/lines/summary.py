@@ -6,7 +6,7 @@ import base64
 import html
 import io
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +53,7 @@ def summarise(work: SurveyWork, names: Iterable[str]) -> Coverage:
     coverage = measure_coverage(mosaic, corners)
     _write_maps(work.folder, mosaic, swaths.crs)
     tracks = [swaths.on_map([line["start"], line["end"]]) for line in told]
-    pictures = [_draw(mosaic, tracks, corners, picture) for picture in ("mosaic", "coverage")]
+    pictures = [_draw(mosaic, tracks, corners, paint) for paint in (_paint_mosaic, _paint_coverage)]
     with replacing(work.folder / PAGE) as beside:
         beside.write_text(_page(work, told, coverage, mosaic, pictures), encoding="utf-8")
     return coverage
@@ -69,32 +69,22 @@ def _write_maps(folder: Path, mosaic: Mosaic, crs: str) -> None:
 
 
 def _draw(
-    mosaic: Mosaic, tracks: Sequence[NDArray[np.float64]], corners: NDArray[np.float64] | None, picture: str
+    mosaic: Mosaic,
+    tracks: Sequence[NDArray[np.float64]],
+    corners: NDArray[np.float64] | None,
+    paint: Callable[[Any, Mosaic, tuple[float, ...]], None],
 ) -> bytes:
     """Draw the mosaic or the coverage, with the lines and the area, as PNG."""
     # lazy: slow to import
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.colors import ListedColormap
     from matplotlib.figure import Figure
 
     rows, columns = mosaic.level.shape
     left, top = mosaic.corner
-    extent = (left, left + columns * mosaic.cell, top - rows * mosaic.cell, top)
     figure = Figure(figsize=(WIDTH, min(max(WIDTH * rows / columns, 3.0), HIGHEST)), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots()
-    if picture == "mosaic":
-        palette = ListedColormap(load_palette("copper") / 255.0).with_extremes(bad="white")
-        low, high = np.nanpercentile(mosaic.level, [DARKEST, BRIGHTEST])
-        shown = axes.imshow(mosaic.level, cmap=palette, vmin=low, vmax=high, extent=extent, interpolation="antialiased")
-        figure.colorbar(shown, label="dB about the median at that range", shrink=0.8)
-    else:
-        counts = np.minimum(mosaic.count, len(COUNTS) - 1)
-        palette = ListedColormap(COUNTS)
-        shown = axes.imshow(counts, cmap=palette, vmin=-0.5, vmax=3.5, extent=extent, interpolation="nearest")
-        figure.colorbar(shown, ticks=range(4), label="lines that show the cell", shrink=0.8).ax.set_yticklabels(
-            ["0", "1", "2", "3 or more"]
-        )
+    paint(axes, mosaic, (left, left + columns * mosaic.cell, top - rows * mosaic.cell, top))
     for track in tracks:
         axes.annotate("", track[1], track[0], arrowprops={"arrowstyle": "-|>", "color": "#d1495b", "lw": 0.8})
     if corners is not None:
@@ -103,6 +93,28 @@ def _draw(
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=DPI)
     return buffer.getvalue()
+
+
+def _paint_mosaic(axes: Any, mosaic: Mosaic, extent: tuple[float, ...]) -> None:
+    """Paint the levels."""
+    from matplotlib.colors import ListedColormap
+
+    palette = ListedColormap(load_palette("copper") / 255.0).with_extremes(bad="white")
+    low, high = np.nanpercentile(mosaic.level, [DARKEST, BRIGHTEST])
+    shown = axes.imshow(mosaic.level, cmap=palette, vmin=low, vmax=high, extent=extent, interpolation="antialiased")
+    axes.figure.colorbar(shown, label="dB about the median at that range", shrink=0.8)
+
+
+def _paint_coverage(axes: Any, mosaic: Mosaic, extent: tuple[float, ...]) -> None:
+    """Paint the numbers of lines."""
+    from matplotlib.colors import ListedColormap
+
+    counts = np.minimum(mosaic.count, len(COUNTS) - 1)
+    shown = axes.imshow(
+        counts, cmap=ListedColormap(COUNTS), vmin=-0.5, vmax=3.5, extent=extent, interpolation="nearest"
+    )
+    bar = axes.figure.colorbar(shown, ticks=range(len(COUNTS)), label="lines that show the cell", shrink=0.8)
+    bar.ax.set_yticklabels(["0", "1", "2", "3 or more"])
 
 
 def _page(
