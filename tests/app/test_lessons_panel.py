@@ -7,12 +7,13 @@ from typing import Any
 import pytest
 from PySide6.QtWidgets import QMessageBox
 
-from insonify.lessons import load_lessons, parse_lesson, states_of
+from insonify.lessons import LessonState, load_lessons, parse_lesson, split_move, states_of
 from insonify.planning import plan
 from insonify.scene import Scene, edit
 from insonify_viewer.application import _begin
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.panels.lessons.course import Course
+from insonify_viewer.session import Session
 
 LESSON = """+++
 title = "Range"
@@ -237,6 +238,20 @@ def test_every_field_of_every_lesson_is_in_the_window(name: str) -> None:
         for path in step.move:
             curve = path.startswith(("water.depth.", "water.sound_speed."))
             assert path in rows or curve or path.startswith(("plan.", "point.")), path
+
+
+@pytest.mark.parametrize("name", [lesson.name for lesson in load_lessons()])
+def test_every_move_of_every_lesson_is_noticed_as_the_window_makes_it(name: str) -> None:
+    """With the dependent edits that the window adds, one field after the other as by hand, and all at once."""
+    lesson = next(lesson for lesson in load_lessons() if lesson.name == name)
+    for step, start, end in states_of(lesson):
+        inside, _ = split_move(step.move)
+        for changes in ([inside], [{path: value} for path, value in inside.items()]):
+            session = Session(start.scene)
+            assert all(session.settle(change) for change in changes if change)
+            state = LessonState(session.scene, end.window)
+            assert step.condition.holds(state.value)
+            assert session.scene.title == start.scene.title
 
 
 def forced_choices() -> list[Any]:

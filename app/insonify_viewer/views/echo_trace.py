@@ -65,7 +65,8 @@ def draw_trace(painter: QPainter, area: QRect, amplitude: NDArray[np.float32], t
 def draw_caption(painter: QPainter, area: QRect, words: str) -> None:
     """Draw the words that are clicked to show or hide the trace."""
     painter.setPen(QColor(QUIET))
-    painter.drawText(area, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, words)
+    where = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextDontClip  # in large type
+    painter.drawText(area, where, words)
 
 
 def _draw_scale(painter: QPainter, area: QRect, top: float) -> None:

@@ -281,8 +281,9 @@ class MainWindow(QMainWindow):
         bar.addWidget(self.targets)
 
     def _project(self, large: bool) -> None:
-        """Fill the screen, with large type at the record, or return to the window."""
+        """Fill the screen, with large type at a wide record, or return to the window."""
         self.waterfall.enlarge_text(LARGE if large else 1.0)
+        self._splitter.setSizes([300, 700] if large else [500, 500])
         if large:
             self.showFullScreen()
         else:

@@ -9,7 +9,7 @@ from insonify_viewer.views.pixels import round_steps
 from insonify_viewer.views.theme import EDGE, QUIET, TEXT
 
 
-def draw_slant_ruler(painter: QPainter, plot: QRect, slant_range: float, scale: str) -> None:
+def draw_slant_ruler(painter: QPainter, plot: QRect, slant_range: float, scale: str, text: float) -> None:
     """Draw metres of slant range from nadir to both sides.
 
     Parameters
@@ -21,25 +21,28 @@ def draw_slant_ruler(painter: QPainter, plot: QRect, slant_range: float, scale: 
         At its ends, m.
     scale : str
         Whether the record is at true scale.
+    text : float
+        Factor on the usual size of the text.
     """
     middle, base = plot.left() + plot.width() / 2.0, plot.bottom() + 1
-    for value in round_steps(0.0, slant_range, max(plot.width() // 130, 1)):
+    for value in round_steps(0.0, slant_range, max(int(plot.width() / (130 * text)), 1)):
         away = value / slant_range * plot.width() / 2.0
         for x in {middle - away, middle + away}:
             painter.setPen(QColor(EDGE))
             painter.drawLine(int(x), base, int(x), base + 5)
             painter.setPen(QColor(QUIET))
-            painter.drawText(QRect(int(x) - 40, base + 6, 80, 14), Qt.AlignmentFlag.AlignHCenter, f"{value:g}")
+            place = _lines(int(x) - round(40 * text), base + 6, round(80 * text), text)
+            painter.drawText(place, Qt.AlignmentFlag.AlignHCenter, f"{value:g}")
     painter.setPen(QColor(QUIET))
-    line = QRect(plot.left(), base + 20, plot.width(), 16)
+    line = _lines(plot.left(), base + round(20 * text), plot.width(), text)
     painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, f"slant range (m)  ·  {scale}")
     painter.setPen(QColor(TEXT))
-    line = QRect(plot.left(), plot.top() - 20, plot.width(), 16)
+    line = _lines(plot.left(), plot.top() - round(20 * text), plot.width(), text)
     painter.drawText(line, Qt.AlignmentFlag.AlignLeft, "port")
     painter.drawText(line, Qt.AlignmentFlag.AlignRight, "starboard")
 
 
-def draw_ping_ruler(painter: QPainter, area: QRect, top: int, pings: int, step: float) -> None:
+def draw_ping_ruler(painter: QPainter, area: QRect, top: int, pings: int, step: float, text: float) -> None:
     """Draw ping numbers, each with the metres towed.
 
     Parameters
@@ -53,9 +56,11 @@ def draw_ping_ruler(painter: QPainter, area: QRect, top: int, pings: int, step: 
         Pings that the record shows.
     step : float
         Metres between pings.
+    text : float
+        Factor on the usual size of the text.
     """
     right, width = area.right() + 1, area.width() - 9
-    steps = round_steps(0.0, pings, max(area.height() // 70, 1))
+    steps = round_steps(0.0, pings, max(int(area.height() / (70 * text)), 1))
     apart = max(int(steps[1]), 1) if len(steps) > 1 else pings
     for ping in range(max(top - pings + 1, 0) // apart * apart, top + 1, apart):
         y = area.top() + int((top - ping + 0.5) / pings * area.height())
@@ -64,8 +69,14 @@ def draw_ping_ruler(painter: QPainter, area: QRect, top: int, pings: int, step: 
         painter.setPen(QColor(EDGE))
         painter.drawLine(right - 5, y, right - 1, y)
         painter.setPen(QColor(TEXT))
-        painter.drawText(QRect(area.left(), y - 13, width, 14), Qt.AlignmentFlag.AlignRight, f"{ping}")
+        painter.drawText(_lines(area.left(), y - round(13 * text), width, text), Qt.AlignmentFlag.AlignRight, f"{ping}")
         painter.setPen(QColor(QUIET))
-        painter.drawText(QRect(area.left(), y, width, 14), Qt.AlignmentFlag.AlignRight, f"{ping * step:.4g} m")
+        painter.drawText(_lines(area.left(), y, width, text), Qt.AlignmentFlag.AlignRight, f"{ping * step:.4g} m")
     painter.setPen(QColor(QUIET))
-    painter.drawText(QRect(area.left(), area.top() - 20, width, 16), Qt.AlignmentFlag.AlignRight, "ping")
+    place = _lines(area.left(), area.top() - round(20 * text), width, text)
+    painter.drawText(place, Qt.AlignmentFlag.AlignRight, "ping")
+
+
+def _lines(left: int, top: int, width: int, text: float) -> QRect:
+    """Room for one line of text by a factor larger than usual."""
+    return QRect(left, top, width, round(16 * text))

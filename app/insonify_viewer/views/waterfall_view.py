@@ -267,8 +267,9 @@ class WaterfallView(QWidget):
         painter.fillRect(self.rect(), QColor(GROUND))
         plot = self._plot()
         self._draw_ring(painter, plot)
-        draw_slant_ruler(painter, plot, self._range, name_scale(plot, *self._extent()))
-        draw_ping_ruler(painter, QRect(0, plot.top(), LEFT, plot.height()), self._top, self._record.pings, self._step)
+        draw_slant_ruler(painter, plot, self._range, name_scale(plot, *self._extent()), self._text)
+        beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
+        draw_ping_ruler(painter, beside, self._top, self._record.pings, self._step, self._text)
         self._handle.draw(painter, self._top)
         if self._waiting is not None:
             draw_waiting(painter, plot, self._waiting)

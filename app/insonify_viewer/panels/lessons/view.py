@@ -137,6 +137,7 @@ class StepPage(QWidget):
         self.next = _button("Next", "Go to the next step (Page Down)")
         for key, button in (("PgUp", self.back), ("PgDown", self.next)):  # which remote controls of projectors send
             QShortcut(QKeySequence(key), self, button.click)
+        self.tick.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._lay_out()
 
     def show_step(self, lesson: Lesson, index: int) -> None:
