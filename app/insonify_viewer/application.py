@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -31,7 +31,7 @@ COLLECTION_INTERVAL = 200  # ms
 PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles the kernels first
 
 
-def open_window(scene: Scene, pin: Mark | None = None, lesson: Lesson | None = None) -> int:
+def open_window(scene: Scene, pin: Mark | None = None, lesson: Lesson | None = None, recording: str = "") -> int:
     """Open the viewer, run it until it is closed, and return an exit code.
 
     Parameters
@@ -42,12 +42,14 @@ def open_window(scene: Scene, pin: Mark | None = None, lesson: Lesson | None = N
         Pixel to pin.
     lesson : Lesson, optional
         Lesson to begin.
+    recording : str
+        File of a record to show beside the scene; empty for none.
     """
     application = make_application()
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=has_opengl())
         viewer.window.show()
-        _begin(viewer, pin, lesson)
+        _begin(viewer, pin, lesson, recording)
         QTimer.singleShot(0, viewer.start)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         code = application.exec()
@@ -57,14 +59,16 @@ def open_window(scene: Scene, pin: Mark | None = None, lesson: Lesson | None = N
         return code
 
 
-def _begin(viewer: Viewer, pin: Mark | None, lesson: Lesson | None) -> None:
-    """Pin a pixel and begin a lesson, if they are given."""
+def _begin(viewer: Viewer, pin: Mark | None, lesson: Lesson | None, recording: str) -> None:
+    """Pin a pixel, begin a lesson and open a recording, if they are given."""
     viewer.inspection.pin(pin)
     if lesson is not None:
         viewer.window.open_panel(LessonsPanel.name)
         panel = viewer.panels[LessonsPanel.name]
         assert isinstance(panel, LessonsPanel)
         panel.begin(lesson)
+    if recording:
+        QTimer.singleShot(0, lambda: viewer.recordings.open(recording))  # once the window is laid out
 
 
 def is_working() -> bool:
@@ -78,26 +82,28 @@ def _close_on_interrupt(viewer: Viewer) -> None:
     QTimer.singleShot(0, viewer.window.close)
 
 
-def draw_window(scene: Scene, path: Path, pin: Mark | None = None, lesson: Lesson | None = None) -> None:
+def draw_window(
+    scene: Scene, path: Path, pin: Mark | None = None, lesson: Lesson | None = None, recording: str = ""
+) -> None:
     """Draw the viewer's window into a PNG, without a screen; `open_window` explains the parameters.
 
     Raises
     ------
     SceneError
-        If the scene cannot be simulated, or the picture not written.
+        If the scene cannot be simulated, the recording not read, or the picture not written.
     """
     application = make_application()
     with main_thread_collection():
-        _draw(application, scene, path, pin, lesson)
+        viewer = Viewer(scene, accelerated=False)
+        _draw(application, viewer, path, lambda: _begin(viewer, pin, lesson, recording))
 
 
-def _draw(application: QApplication, scene: Scene, path: Path, pin: Mark | None, lesson: Lesson | None) -> None:
-    viewer = Viewer(scene, accelerated=False)
+def _draw(application: QApplication, viewer: Viewer, path: Path, begin: Callable[[], None]) -> None:
     viewer.window.resize(*SNAPSHOT_SIZE)
     viewer.window.move(40, 40)  # away from the pointer, which would highlight a button
     viewer.window.show()
     viewer.tow.run(False)
-    _begin(viewer, pin, lesson)
+    begin()
     viewer.start()
     try:
         with _slot_errors() as errors:
@@ -120,7 +126,7 @@ def _wait_for_picture(application: QApplication, viewer: Viewer, errors: list[Ba
         time.sleep(0.005)
     if errors:
         return f"the window cannot be drawn ({type(errors[0]).__name__}: {errors[0]}); this is a fault of the program"
-    return viewer.failure
+    return viewer.failure or viewer.recordings.failure
 
 
 @contextmanager

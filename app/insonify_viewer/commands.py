@@ -5,21 +5,32 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from pathlib import Path
 from typing import Any
 
-from insonify.commands.options import add_scene, check_output, chosen_scene, find_pixel
+from insonify.commands.options import add_scene, check_output, chosen_scene, find_pixel, is_record
+from insonify.io.records import RECORDS
 from insonify.lessons import Lesson, check_lesson, load_lesson, states_of
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError
 from insonify_viewer.screen_check import why_no_window
 from insonify_viewer.session import Mark
 
 FALLBACK = "insonify.png"
+EXAMPLES = "examples: insonify view recording.xtf; insonify view wreck --recording recording.xtf"
 
 
 def register(subparsers: Any) -> None:
     """Add ``view`` to the sub-commands of ``insonify``."""
-    parser = subparsers.add_parser("view", help="open the viewer", description="Open the viewer on a scene.")
+    parser = subparsers.add_parser(
+        "view",
+        help="open the viewer",
+        description="Open the viewer on a scene, or on a recording beside the default scene.",
+        epilog=EXAMPLES,
+    )
     add_scene(parser, optional=True)
+    parser.add_argument(
+        "--recording", metavar="FILE", help=f"a record beside the scene: {RECORDS.describe(RECORDS.readable())}"
+    )
     parser.add_argument("--snapshot", metavar="PNG", help="draw the window into this picture instead of opening it")
     parser.add_argument(
         "--pin",
@@ -41,13 +52,15 @@ def run(arguments: argparse.Namespace) -> int:
     Parameters
     ----------
     arguments : Namespace
-        Scene, settings, ``snapshot``, ``pin`` and ``lesson``.
+        Scene, settings, ``recording``, ``snapshot``, ``pin`` and ``lesson``. The file of a record may stand for the
+        scene.
 
     Returns
     -------
     int
         Exit code.
     """
+    recording = _take_recording(arguments)
     lesson = None if arguments.lesson is None else _chosen_lesson(arguments)
     scene = chosen_scene(arguments) if lesson is None else next(states_of(lesson))[1].scene
     pin = None if arguments.pin is None else _pinned(scene, *arguments.pin)
@@ -56,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
         # lazy: loads Qt, which no other command needs
         from insonify_viewer.application import open_window
 
-        return open_window(scene, pin, lesson)
+        return open_window(scene, pin, lesson, recording)
     path = check_output(arguments.snapshot or FALLBACK, (".png",), "--snapshot")
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
     if reason and sys.platform.startswith("linux"):
@@ -65,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
     # lazy: loads Qt, which no other command needs
     from insonify_viewer.application import draw_window
 
-    draw_window(scene, path, pin, lesson)
+    draw_window(scene, path, pin, lesson, recording)
     if arguments.snapshot is None:
         sys.stdout.write(f"No window can be opened ({reason}); the window was drawn into {path}.\n")
     return 0
@@ -88,3 +101,16 @@ def _pinned(scene: Scene, ping: str, side: str, slant_range: str) -> Mark:
         given = f"{ping} {side} {slant_range}"
         raise SceneError(f"--pin {given}: write a ping, a side and a range, such as 150 starboard 36.5") from error
     return Mark(*find_pixel(scene, number, side, distance))
+
+
+def _take_recording(arguments: argparse.Namespace) -> str:
+    """Return the file of a record that is named, in place of the scene or beside it; empty if none is."""
+    if is_record(arguments.scene) and arguments.recording is None:
+        arguments.scene, arguments.recording = DEFAULT_SCENE, arguments.scene
+    name = arguments.recording or ""
+    if name and not is_record(name):
+        known = RECORDS.describe(RECORDS.readable())
+        raise RECORDS.refusal(name, "is no record by its suffix", f"give {known}")
+    if name and not Path(name).exists():
+        raise RECORDS.refusal(name, "does not exist", "give the path of a record")
+    return name

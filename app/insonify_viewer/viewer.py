@@ -27,6 +27,7 @@ from insonify_viewer.marked_point import MarkedPoint
 from insonify_viewer.panel_set import PanelSet
 from insonify_viewer.panels.panel import RecordGrowth
 from insonify_viewer.record import Record, pings_held
+from insonify_viewer.recording_player import RecordingPlayer
 from insonify_viewer.saving import Saving
 from insonify_viewer.seabed_controller import SeabedController, silence
 from insonify_viewer.session import Mark, Session
@@ -61,7 +62,7 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, inspection, tow, simulator, window, record, files, saving, targets
+    session, inspection, tow, simulator, window, record, files, saving, recordings, targets
         The parts that it connects.
     panels : PanelSet
         The panels of the window, by name.
@@ -80,6 +81,7 @@ class Viewer(QObject):
         self.record = Record(pings_held(scene), scene.sonar.bins)
         self.files = FileDialogs(self.window, self.simulator, self.open, self.window.say)
         self.saving = Saving(self.session, self.window, self.simulator)
+        self.recordings = RecordingPlayer(self.window, self.tow, self.simulator, pause=lambda: self.run(False))
         self.panels = PanelSet(make_workbench(self))
         added = partial(self.panels.tell, "part_added")
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
@@ -204,6 +206,7 @@ class Viewer(QObject):
         """Stop clock, panels and worker."""
         self._clock.stop()
         self.panels.tell("closing")
+        self.recordings.end(PATIENCE)
         self.saving.close(8.0 * PATIENCE)  # which removes what is not finished, after the block under way
         self._marks.close(PATIENCE)
         self.simulator.close(PATIENCE)
@@ -223,6 +226,8 @@ class Viewer(QObject):
         window.waterfall.scrubbed.connect(self.go_to)
         window.scenes.wanted.connect(self._leaving(self.files.open_scene))
         window.open_scene.triggered.connect(lambda: self._leaving(self.files.ask_for_scene)())
+        window.open_recording.triggered.connect(lambda: self.recordings.open(self.files.ask_for_recording()))
+        window.recording_wanted.connect(self.recordings.open)
         window.open_dem.triggered.connect(lambda: self.files.ask_for_dem(session.scene))
         window.undo.triggered.connect(session.undo)
         window.redo.triggered.connect(session.redo)
@@ -271,6 +276,7 @@ class Viewer(QObject):
     def _tick(self) -> None:
         now = time.perf_counter()
         seconds, self._ticked = min(now - self._ticked, LEAP), now
+        self.recordings.tick(seconds)
         self._show_waiting(now)
         self.window.waterfall.show_last(max(self.tow.newest, self.session.scene.track.pings - 1))
         # The tow waits while the kernels compile, and for pings that take long.

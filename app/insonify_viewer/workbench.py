@@ -28,6 +28,7 @@ def make_workbench(viewer: Viewer) -> Workbench:
         pause=lambda: viewer.run(False),
         open_panel=viewer.window.open_panel,
         inspection=viewer.inspection,
+        recordings=viewer.recordings,
         open_scene=open_scene,
         light_fields=lambda paths: viewer.panels.tell("fields_lit", paths),
         project=viewer.window.projector.setChecked,

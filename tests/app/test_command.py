@@ -48,8 +48,8 @@ def test_a_lesson_begins_in_the_picture(tmp_path: Path, monkeypatch: Any) -> Non
     drawn: list[Any] = []
     monkeypatch.setattr(application, "draw_window", lambda *given: drawn.append(given))
     assert main(["view", "--lesson", "target-height", "--snapshot", str(tmp_path / "window.png")]) == 0
-    ((scene, _, pin, lesson),) = drawn
-    assert (scene.title, pin, lesson.name) == ("A block and its shadow", None, "target-height")
+    ((scene, _, pin, lesson, recording),) = drawn
+    assert (scene.title, pin, lesson.name, recording) == ("A block and its shadow", None, "target-height", "")
 
 
 def test_a_pinned_pixel_is_explained_in_the_picture(tmp_path: Path, qapp: Any) -> None:
@@ -89,6 +89,8 @@ def test_no_display_draws_the_window_and_says_so(tmp_path: Path) -> None:
         (("default", "--snapshot", "w.jpg"), "end the name in .png"),
         (("default", "--snapshot", "nowhere/w.png"), "no folder"),
         (("default", "--set", "sonar.range=-1"), "sonar.range"),
+        (("nowhere.xtf",), "does not exist"),
+        (("default", "--recording", "pipe.toml"), "no record by its suffix"),
         (("default", "--pin", "5000", "port", "20"), "ping 5000"),
         (("pipe-span", "--lesson", "target-height"), "leave out SCENE"),
         (("--lesson", "nowhere"), "lesson 'nowhere': no such file"),
@@ -131,3 +133,21 @@ def test_registering_imports_no_window() -> None:
 def test_qt_does_not_abort_on_this_python() -> None:
     qt = tuple(int(part) for part in version("PySide6-Essentials").split(".")[:2])
     assert sys.version_info >= (3, 12) or qt < (6, 12), "PySide6 6.12 aborts on Python 3.11 and older"
+
+
+def test_a_recording_is_drawn_beside_the_scene(tmp_path: Path) -> None:
+    assert main(["render", "default", *SMALL, "-o", str(tmp_path / "record.xtf")]) == 0
+    ended = run(
+        "default", *SMALL, "--recording", "record.xtf", "--snapshot", "window.png", cwd=tmp_path,
+        QT_QPA_PLATFORM="offscreen",
+    )  # fmt: skip
+    assert (ended.returncode, ended.stderr) == (0, "")
+    picture = np.asarray(Image.open(tmp_path / "window.png").convert("RGB")).astype(int)
+    assert picture[100:700, 400:760].std() > 15.0, "the simulated record"
+    assert picture[100:700, 880:1230].std() > 15.0, "the recording"
+    (tmp_path / "broken.xtf").write_bytes(b"no recording" * 200)
+    ended = run("broken.xtf", "--snapshot", "broken.png", cwd=tmp_path, QT_QPA_PLATFORM="offscreen")
+    assert ended.returncode == 2
+    assert ended.stderr.count("\n") == 1
+    assert "not an XTF file" in ended.stderr
+    assert not (tmp_path / "broken.png").exists()

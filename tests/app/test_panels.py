@@ -88,7 +88,16 @@ def test_every_folder_holds_a_panel() -> None:
     assert folders
     found = find_panels()
     assert {folder.PANEL for folder in folders} == set(found)
-    assert [panel.name for panel in found] == ["parameters", "plan", "chart", "lessons", "pixel", "readout", "water"]
+    assert [panel.name for panel in found] == [
+        "parameters",
+        "plan",
+        "chart",
+        "lessons",
+        "pixel",
+        "readout",
+        "recording",
+        "water",
+    ]
     for panel in found:
         assert Panel in panel.__mro__
         assert panel.title
@@ -100,7 +109,18 @@ def test_names_are_unique_and_the_order_is_stable(announce: Any) -> None:
     found = find_panels()
     names = [panel.name for panel in found]
     assert len(set(names)) == len(names)
-    assert names == ["parameters", "plan", "chart", "dummy", "dummy-below", "lessons", "pixel", "readout", "water"]
+    assert names == [
+        "parameters",
+        "plan",
+        "chart",
+        "dummy",
+        "dummy-below",
+        "lessons",
+        "pixel",
+        "readout",
+        "recording",
+        "water",
+    ]
 
 
 def test_an_announced_panel_is_a_tab_and_is_told(open_viewer: Any, small: Scene, qtbot: Any, announce: Any) -> None:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from insonify_viewer.inspection import Inspection
     from insonify_viewer.marked_point import MarkedPoint
     from insonify_viewer.record import Record
+    from insonify_viewer.recording_player import RecordingPlayer
     from insonify_viewer.session import Session
     from insonify_viewer.simulator import Simulator, TracedPings
     from insonify_viewer.views.file_dialogs import FileDialogs
@@ -69,6 +70,8 @@ class Workbench:
         Opens the panel of a name.
     inspection : Inspection
         The pinned pixel, the picked place, and what is drawn of both.
+    recordings : RecordingPlayer
+        Opens a recording and plays it beside the simulated record.
     open_scene : callable
         Opens (scene, file) at the start of its track; its argument ``ask`` says whether the person is asked first what
         becomes of unsaved changes. Returns whether the scene was opened.
@@ -85,6 +88,7 @@ class Workbench:
     pause: Callable[[], None]
     open_panel: Callable[[str], None]
     inspection: Inspection
+    recordings: RecordingPlayer
     open_scene: SceneOpener
     light_fields: Callable[[tuple[str, ...]], None]
     project: Callable[[bool], None]

@@ -78,4 +78,4 @@ def _draw_scale(painter: QPainter, area: QRect, top: float) -> None:
         painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
         if level % (2.0 * STEP) == 0.0 or area.height() > 30 * len(lines):
             painter.setPen(QColor(QUIET))
-            painter.drawText(QPointF(area.left() + 4.0, y - 2.0), f"{level:+g} dB" if level else "level bed")
+            painter.drawText(QPointF(area.left() + 4.0, y - 2.0), f"{level:+g} dB" if level else "bed")

@@ -1,4 +1,4 @@
-"""File dialogs that open: scenes, measured beds, casts, navigation, meshes."""
+"""File dialogs that open: scenes, recordings, measured beds, casts, navigation, meshes."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from insonify.io.bathymetry import BATHYMETRY
 from insonify.io.formats import FormatRegistry
 from insonify.io.meshes import MESHES
 from insonify.io.navigation import NAVIGATION
+from insonify.io.records import RECORDS
 from insonify.io.sound_speed_casts import CASTS
 from insonify.scene import Scene, SceneError, bundled_meshes, bundled_scenes, load_scene
 from insonify_viewer.dem_scene import scene_over_dem
@@ -47,6 +48,10 @@ class FileDialogs:
         path, _ = QFileDialog.getOpenFileName(self._window, "Open a scene", self._folder, "Scenes (*.toml)")
         if path:
             self.open_scene(path)
+
+    def ask_for_recording(self) -> str:
+        """Let the person pick a recording, or a record written here; return its path, empty if none was picked."""
+        return self._ask("Open a recording", "Recordings and records", RECORDS)
 
     def _ask(self, title: str, kind: str, formats: FormatRegistry[Any], folder: str = "") -> str:
         """Let the person pick a file of one of the readable formats; return its path, empty if none was picked."""

@@ -23,8 +23,12 @@ from PySide6.QtWidgets import (
 )
 
 from insonify_viewer.panels.panel import Panel, Place
+from insonify_viewer.recording import is_recording
 from insonify_viewer.target_placement import target_menu
 from insonify_viewer.tow_clock import SPEEDS
+from insonify_viewer.views.file_drop import take_drops
+from insonify_viewer.views.recording_view import RecordingView
+from insonify_viewer.views.records_side_by_side import RecordsSideBySide
 from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.waterfall_view import WaterfallView
@@ -59,6 +63,7 @@ class MainWindow(QMainWindow):
     running_changed = Signal(bool)
     target_wanted = Signal(str)
     closing = Signal()
+    recording_wanted = Signal(str)  # path
 
     def __init__(self, *, native: bool, palettes: tuple[str, ...]) -> None:
         super().__init__()
@@ -76,6 +81,8 @@ class MainWindow(QMainWindow):
         self._splitter.addWidget(self.waterfall)
         self._splitter.setSizes([500, 500])
         self._splitter.setChildrenCollapsible(False)
+        self.recording = RecordingView(self.waterfall, native=native)
+        self.records = RecordsSideBySide(self._splitter, self.waterfall, self.recording)
         self.setCentralWidget(self._splitter)
         self.may_close: Callable[[], bool] = lambda: True
         self._closed = self._asking = False
@@ -84,6 +91,7 @@ class MainWindow(QMainWindow):
         self._buttons: dict[str, QAction] = {}
         self._add_tools(palettes)
         self._add_status()
+        take_drops(self, lambda path: (self.recording_wanted if is_recording(path) else self.scenes.wanted).emit(path))
         self.waterfall.setFocus()
 
     def mount(self, panels: Sequence[Panel]) -> None:
@@ -231,7 +239,10 @@ class MainWindow(QMainWindow):
         self.open_scene = QAction("Open a file…", self)
         self.open_scene.setShortcut(QKeySequence(key.Open))
         self.addAction(self.open_scene)
-        self.scenes = SceneMenu(self.open_scene)
+        self.open_recording = QAction("Open a recording…", self)
+        self.open_recording.setShortcut(QKeySequence("Ctrl+Shift+O"))
+        self.addAction(self.open_recording)
+        self.scenes = SceneMenu(self.open_scene, self.open_recording)
         bar.addWidget(self.scenes)
         self.open_dem = self._tool(bar, "DEM…", "Replace the bed by a grid of measured heights", QKeySequence("Ctrl+D"))
         self._add_targets(bar)

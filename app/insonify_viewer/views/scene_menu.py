@@ -18,21 +18,21 @@ class SceneMenu(QToolButton):
 
     Parameters
     ----------
-    from_file : QAction
-        Opens a scene file instead.
+    from_file, recording : QAction
+        Open a scene file instead, and a recording beside the scene.
     parent : QWidget, optional
         Owner.
     """
 
     wanted = Signal(str)
 
-    def __init__(self, from_file: QAction, parent: QWidget | None = None) -> None:
+    def __init__(self, from_file: QAction, recording: QAction, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self.setText("Scene ▾")
         self.setToolTip("Open a scene")
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self._from_file = from_file
+        self._files = (from_file, recording)
         menu = QMenu(self)
         menu.setToolTipsVisible(True)
         menu.aboutToShow.connect(self.fill)
@@ -44,7 +44,7 @@ class SceneMenu(QToolButton):
         menu = self.menu()
         if menu.actions():
             return
-        menu.addAction(self._from_file)
+        menu.addActions(self._files)
         menu.addSeparator()
         failures = QMenu("Where it breaks", menu)
         failures.setToolTipsVisible(True)
@@ -58,5 +58,5 @@ class SceneMenu(QToolButton):
         menu.addMenu(failures)
 
     def _picked(self, action: QAction) -> None:
-        if action is not self._from_file:
+        if action not in self._files:
             self.wanted.emit(action.data())

@@ -36,6 +36,11 @@ class WaterfallView(QWidget):
         Whether the widget owns a native window; beside an OpenGL widget others are drawn several times slower.
     parent : QWidget, optional
         Owner.
+
+    Attributes
+    ----------
+    version : int
+        Counts the changes of the picture.
     """
 
     hovered = Signal(object)  # Mark or None
@@ -65,7 +70,7 @@ class WaterfallView(QWidget):
         self._traced = True  # whether the echo of one ping is drawn below
         self._waiting: Waiting | None = None
         self._oldest = -1  # stamp; rows with an older one are dimmed
-        self._notches = 0
+        self._notches = self.version = 0
         self._text = 1.0  # factor on the size of the text, and of the margins that hold it
         self._handle = ScrubHandle()
         self._fit()
@@ -200,7 +205,7 @@ class WaterfallView(QWidget):
         left, top, right, bottom = map(self._scaled, (LEFT, TOP, RIGHT, BOTTOM))
         below = bottom + (room_for_trace(self.height()) if self._traced else 0)
         room = self.rect().adjusted(left, top, -right, -below)
-        return plot_at_true_scale(room, *self._extent())
+        return plot_at_true_scale(room, *self.extent())
 
     def trace_area(self) -> QRect | None:
         """Place of the echo trace, from below the rulers to the end of the view; None where there is none."""
@@ -230,7 +235,7 @@ class WaterfallView(QWidget):
         """Pixels at the usual size of the text, in proportion to its present size."""
         return round(pixels * self._text)
 
-    def _extent(self) -> tuple[float, float]:
+    def extent(self) -> tuple[float, float]:
         """Metres along the track and across it that the record shows."""
         return self._record.pings * max(self._step, 1e-6), 2.0 * self._range
 
@@ -254,6 +259,7 @@ class WaterfallView(QWidget):
         age = self._top - self._record.ping[rows]
         painted[(age < 0) | (age >= self._record.pings) | (self._record.ping[rows] < 0)] = EMPTY
         self._pixels[rows] = painted
+        self.version += 1
         self.update()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -267,7 +273,7 @@ class WaterfallView(QWidget):
         painter.fillRect(self.rect(), QColor(GROUND))
         plot = self._plot()
         self._draw_ring(painter, plot)
-        draw_slant_ruler(painter, plot, self._range, name_scale(plot, *self._extent()), self._text)
+        draw_slant_ruler(painter, plot, self._range, name_scale(plot, *self.extent()), self._text)
         beside = QRect(0, plot.top(), self._scaled(LEFT), plot.height())
         draw_ping_ruler(painter, beside, self._top, self._record.pings, self._step, self._text)
         self._handle.draw(painter, self._top)

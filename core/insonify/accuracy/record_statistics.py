@@ -89,6 +89,16 @@ class RecordStatistics(NamedTuple):
             f"slope of the spectrum along track {self.along.slope():.2f}, across {self.across.slope():.2f}",
         ]
 
+    def described(self) -> dict[str, str]:
+        """Describe each statistic by a short name, for a table of several records."""
+        low, middle, high = np.percentile(self.variation, [10.0, 50.0, 90.0])
+        return {
+            "variation": f"{middle:.2f} ({low:.2f}–{high:.2f})",
+            "shadows": self._shadows().removeprefix("shadows ").removesuffix(" shadows"),
+            "slope along track": f"{self.along.slope():.2f}",
+            "slope across": f"{self.across.slope():.2f}",
+        }
+
     def _shadows(self) -> str:
         """Describe the shadows."""
         if np.isnan(self.shadow_depth):

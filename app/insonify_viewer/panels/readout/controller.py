@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.readout.view import ReadoutView
+from insonify_viewer.recording import summarise_point
 
 if TYPE_CHECKING:
     from insonify_viewer.marked_point import MarkedPoint
+    from insonify_viewer.session import Mark
 
 SIDES = ("port", "starboard")
 
@@ -22,8 +24,9 @@ class ReadoutPanel(Panel):
     place = Place.STATUS
 
     def __init__(self, workbench: Workbench) -> None:
-        del workbench
         self._view = ReadoutView()
+        self._recordings = workbench.recordings
+        self._recordings.pointed.connect(self._show_recorded)
 
     @property
     def widget(self) -> Any:
@@ -33,6 +36,11 @@ class ReadoutPanel(Panel):
     def point_marked(self, point: MarkedPoint | None) -> None:
         """Describe a point, or nothing."""
         self._view.setText("" if point is None else described(point))
+
+    def _show_recorded(self, mark: Mark | None) -> None:
+        """Describe a point of the recording beside, or nothing."""
+        recording = self._recordings.recording
+        self._view.setText("" if mark is None or recording is None else summarise_point(recording, mark))
 
 
 def described(point: MarkedPoint) -> str:

@@ -1,0 +1,105 @@
+"""Opens a recording, tells where the sonar was, and measures the recording beside the simulated record."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from insonify_viewer.newest_wins import NewestWins
+from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.panels.recording.measurement import Measured, measure_record, measure_simulation
+from insonify_viewer.panels.recording.view import RecordingView
+from insonify_viewer.recording import Recording, describe_point
+from insonify_viewer.session import Mark
+
+if TYPE_CHECKING:
+    from insonify.simulation import Simulation
+
+PATIENCE = 0.25  # s, for each thread when the window closes
+
+
+class RecordingPanel(Panel):
+    """Shows navigation and statistics of a recording beside those of the simulated record."""
+
+    name = "recording"
+    title = "Recording"
+    place = Place.SIDE
+
+    def __init__(self, workbench: Workbench) -> None:
+        self._workbench, self._player = workbench, workbench.recordings
+        self._threads = {part: NewestWins(part, workbench.simulator.call_later) for part in ("recorded", "simulated")}
+        self._simulation: Simulation | None = None  # that of the whole record on screen
+        self._wanted: dict[str, Any] = {}  # what is to be measured: a recording, a simulation
+        self._measured: dict[str, Any] = {}
+        self.view = RecordingView()
+        self._player.opened.connect(self._show_recording)
+        self._player.pointed.connect(self._show_point)
+        self._connect()
+
+    @property
+    def widget(self) -> RecordingView:
+        """Buttons above navigation and statistics."""
+        return self.view
+
+    @property
+    def complete(self) -> bool:
+        """Whether no file is being read and both records are measured."""
+        return not self._player.busy and self._wanted == self._measured
+
+    def record_grown(self, growth: RecordGrowth) -> None:
+        """Measure the simulated record once it is complete on screen."""
+        if growth.current and growth.complete and growth.answer.simulation is not self._simulation:
+            self._simulation = growth.answer.simulation
+            self._measure_simulated()
+
+    def closing(self) -> None:
+        """End the threads."""
+        for thread in self._threads.values():
+            thread.close(PATIENCE)
+
+    def _connect(self) -> None:
+        self.view.open_wanted.connect(lambda: self._player.open(self._workbench.files.ask_for_recording()))
+        self.view.close_wanted.connect(self._player.close)
+        self.view.wiped.connect(self._player.wipe)
+        self.view.frequency_wanted.connect(self._open_frequency)
+
+    def _open_frequency(self, frequency: float) -> None:
+        """Read the present file anew for another frequency."""
+        if self._player.recording is not None:
+            self._player.open(str(self._player.recording.path), frequency)
+
+    def _show_recording(self, recording: Recording | None) -> None:
+        """Show a recording that was opened, or that there is none."""
+        self.view.show_recording(recording)
+        if recording is None:
+            self._wanted, self._measured = {}, {}
+            return
+        self._show_point(None)
+        if self._wanted.get("recorded") is not recording:
+            self._workbench.open_panel(self.name)
+            self._measure("recorded", recording, lambda: measure_record(recording.dataset))
+        self._measure_simulated()
+
+    def _show_point(self, mark: Mark | None) -> None:
+        """Show the navigation at a point, else at nadir of the ping on top."""
+        recording = self._player.recording
+        if recording is not None:
+            self.view.show_point(describe_point(recording, mark or Mark(self._player.top, 0, 0)), at_mouse=bool(mark))
+
+    def _measure_simulated(self) -> None:
+        simulation = self._simulation
+        if simulation is not None and self._player.recording is not None:
+            self._measure("simulated", simulation, lambda: measure_simulation(simulation))
+
+    def _measure(self, part: str, what: Any, errand: Any) -> None:
+        """Measure a record on its thread, unless that is done or under way."""
+        if self._wanted.get(part) is what:
+            return
+        self._wanted[part] = what
+        self.view.show_measuring(part)
+        self._threads[part].send(errand, lambda found: self._take(part, what, found))
+
+    def _take(self, part: str, what: Any, found: Measured | None) -> None:
+        """Show the statistics of a record, unless another one is wanted by now."""
+        if self._wanted.get(part) is what:
+            self._measured[part] = what
+            self.view.show_measured(part, found or "cannot be measured")

@@ -1,0 +1,198 @@
+"""Buttons of a recording, its navigation, and its statistics beside those of the simulated record."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QScrollArea, QVBoxLayout, QWidget
+
+from insonify_viewer.views.field_rows import Combo
+from insonify_viewer.views.folding_box import FoldingBox
+
+if TYPE_CHECKING:
+    from insonify_viewer.panels.recording.measurement import Measured
+    from insonify_viewer.recording import Recording
+
+NARROWEST = 292  # px
+HINT = (
+    "Open a recording of a real sonar (XTF, JSF) or a record written here (.nc, .npz, .zarr), or drop one on the "
+    "window. It scrolls beside the simulated record; Space plays both."
+)
+PARTS = ("recorded", "simulated")
+ARRANGEMENTS = ("side by side", "wiped")
+
+
+class RecordingView(QScrollArea):
+    """Shows what is known of a recording, and signals what the person asks for.
+
+    Parameters
+    ----------
+    parent : QWidget, optional
+        Owner.
+    """
+
+    open_wanted = Signal()
+    close_wanted = Signal()
+    wiped = Signal(bool)
+    frequency_wanted = Signal(float)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setMinimumWidth(NARROWEST)
+        self.title = _words("about")
+        self.open, self.leave = _button("Open…", "Open a recording (Ctrl+Shift+O)"), _button("Close", "Close it")
+        self.open.clicked.connect(self.open_wanted)
+        self.leave.clicked.connect(self.close_wanted)
+        self.arrangement, self.frequency = _combo("Arrangement of the two records"), _combo("Frequency of the sonar")
+        self.arrangement.addItems(ARRANGEMENTS)
+        self.arrangement.activated.connect(lambda index: self.wiped.emit(index == 1))
+        self.frequency.activated.connect(lambda: self.frequency_wanted.emit(self.frequency.currentData()))
+        self.point, self.statistics = _Table(1), _Table(len(PARTS))
+        self._point_box = FoldingBox("Point", self.point, unfolded=True)
+        self._statistics_box = FoldingBox("Statistics", self.statistics, unfolded=True)
+        self._found: dict[str, Measured] = {}
+        self.setWidget(self._body())
+        self.show_recording(None)
+
+    def show_recording(self, recording: Recording | None) -> None:
+        """Show a recording, or how to open one."""
+        there = recording is not None
+        for part in (self.leave, self.arrangement, self._point_box, self._statistics_box):
+            part.setVisible(there)
+        self.title.setText(HINT if recording is None else _about(recording))
+        self._show_frequencies([] if recording is None else _frequencies(recording), recording)
+        if not there:
+            self._found = {}
+
+    def show_point(self, point: dict[str, str], *, at_mouse: bool) -> None:
+        """Show what is known of a point; only the ping where the mouse is elsewhere."""
+        shown = {name: text for name, text in point.items() if at_mouse or name not in ("slant range", "level")}
+        self.point.show_rows({name: (text,) for name, text in shown.items()})
+
+    def show_measuring(self, part: str) -> None:
+        """Show that a record is being measured."""
+        self.show_measured(part, "measuring …")
+
+    def show_measured(self, part: str, found: Measured) -> None:
+        """Show the statistics of the recorded or the simulated record, or a sentence instead."""
+        self._found[part] = found
+        names = [name for each in self._found.values() if isinstance(each, dict) for name in each]
+        rows = {"": PARTS} | {name: tuple(self._entry(part, name) for part in PARTS) for name in names}
+        said = [f"{part}: {each}" for part, each in self._found.items() if isinstance(each, str)]
+        self.statistics.show_rows(rows, "\n".join(said))
+
+    def _entry(self, part: str, name: str) -> str:
+        found = self._found.get(part)
+        return found[name] if isinstance(found, dict) else ""
+
+    def _show_frequencies(self, frequencies: list[float], recording: Recording | None) -> None:
+        """Offer the frequencies of a recording with several."""
+        self.frequency.setVisible(len(frequencies) > 1)
+        self.frequency.clear()
+        for frequency in frequencies:
+            self.frequency.addItem(f"{frequency / 1e3:g} kHz", frequency)
+        if frequencies and recording is not None:
+            self.frequency.setCurrentIndex(self.frequency.findData(float(recording.dataset.attrs["frequency"])))
+
+    def _body(self) -> QWidget:
+        body = QWidget()
+        body.setObjectName("panel")
+        column = QVBoxLayout(body)
+        column.setContentsMargins(8, 8, 8, 8)
+        column.setSpacing(6)
+        for row in ((self.open, self.leave), (self.arrangement, self.frequency)):
+            line = QHBoxLayout()
+            for part in row:
+                line.addWidget(part)
+            column.addLayout(line)
+        for box in (self.title, self._point_box, self._statistics_box):
+            column.addWidget(box)
+        column.addStretch(1)
+        return body
+
+
+class _Table(QWidget):
+    """Rows of a name and its values, with a sentence below."""
+
+    def __init__(self, columns: int) -> None:
+        super().__init__()
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(6, 6, 2, 6)
+        self._grid.setHorizontalSpacing(10)
+        for column in range(columns + 1):
+            self._grid.setColumnStretch(column, 2 if column else 1)
+        self._columns = columns
+        self._labels: list[list[QLabel]] = []
+        self._said = _words("about")
+
+    def rows(self) -> dict[str, tuple[str, ...]]:
+        """Values as they are read, by their names."""
+        return {
+            row[0].text(): tuple(label.text() for label in row[1:]) for row in self._labels if row[0].isVisibleTo(self)
+        }
+
+    def said(self) -> str:
+        """Return the sentence below."""
+        return self._said.text()
+
+    def show_rows(self, rows: dict[str, tuple[str, ...]], said: str = "") -> None:
+        """Show rows; labels of earlier ones are used again."""
+        while len(self._labels) < len(rows):
+            self._add_row()
+        texts = [(name, *values) for name, values in rows.items()]
+        for labels, row in zip(self._labels, texts):
+            for label, text in zip(labels, row):
+                label.setText(text)
+        for number, labels in enumerate(self._labels):
+            for label in labels:
+                label.setVisible(number < len(rows))
+        self._said.setText(said)
+        self._said.setVisible(bool(said))
+        self._grid.addWidget(self._said, len(self._labels), 0, 1, self._columns + 1)
+
+    def _add_row(self) -> None:
+        row = [_words("name"), *(_words("numbers") for _ in range(self._columns))]
+        for column, label in enumerate(row):
+            if column:
+                label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+            self._grid.addWidget(label, len(self._labels), column, Qt.AlignmentFlag.AlignTop)
+        self._labels.append(row)
+
+
+def _about(recording: Recording) -> str:
+    """Describe a recording in two lines."""
+    kilohertz = float(recording.dataset.attrs.get("frequency", 0.0)) / 1e3
+    parts = [f"{recording.pings} pings of 2 × {recording.bins} bins", f"{recording.slant_range:.4g} m"]
+    parts += [f"{kilohertz:g} kHz"] if kilohertz > 0.0 else []
+    return f"{recording.path.name}\n{'  ·  '.join(parts)}"
+
+
+def _frequencies(recording: Recording) -> list[float]:
+    """Frequencies of a recording with several, in Hz."""
+    return [float(text) for text in str(recording.dataset.attrs.get("frequencies", "")).split(",") if text.strip()]
+
+
+def _words(name: str) -> QLabel:
+    label = QLabel()
+    label.setObjectName(name)
+    label.setWordWrap(True)
+    return label
+
+
+def _button(text: str, tooltip: str) -> QPushButton:
+    button = QPushButton(text)
+    button.setObjectName("tool")
+    button.setToolTip(tooltip)
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    return button
+
+
+def _combo(tooltip: str) -> Combo:
+    combo = Combo()
+    combo.setToolTip(tooltip)
+    combo.setAccessibleName(tooltip)
+    return combo

@@ -1,0 +1,219 @@
+"""Reads a recording on a thread of its own, and plays it beside the simulated record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from insonify.display.picture import PALETTES, load_palette
+from insonify_viewer.contrast import Contrast
+from insonify_viewer.job import Job
+from insonify_viewer.record import Record
+from insonify_viewer.recording import Recording, load_recording
+from insonify_viewer.session import Event, Mark
+from insonify_viewer.tow_clock import TowClock
+from insonify_viewer.waiting import Waiting
+
+if TYPE_CHECKING:
+    from insonify_viewer.simulator import Simulator
+    from insonify_viewer.views.main_window import MainWindow
+
+STAMP = 0  # of all rows: a recording does not change
+
+
+class RecordingPlayer:
+    """Plays a recording by its own ping rate, while the tow runs and as fast as the tow.
+
+    A recording is opened with the tow paused and its first screenful shown. To play one that is at its end begins it
+    anew.
+
+    Parameters
+    ----------
+    window : MainWindow
+        Shows the recording.
+    tow : TowClock
+        Says whether to play, and how fast.
+    simulator : Simulator
+        Passes results to the main thread.
+    pause : callable
+        Pauses the tow.
+
+    Attributes
+    ----------
+    opened : Event
+        Called with the `Recording` that is shown now, or None once it is closed.
+    pointed : Event
+        Called with the `Mark` under the mouse, or None.
+    recording : Recording or None
+        The one that is shown.
+    failure : str
+        Why the last file could not be read, in one sentence; empty if it could.
+    """
+
+    def __init__(self, window: MainWindow, tow: TowClock, simulator: Simulator, *, pause: Callable[[], None]) -> None:
+        self.opened, self.pointed = Event(), Event()
+        self.recording: Recording | None = None
+        self.failure = ""
+        self._window, self._tow, self._simulator, self._pause = window, tow, simulator, pause
+        self._view = window.recording
+        self._record, self._clock = Record(1, 1), TowClock(0)
+        self._contrast = Contrast(self._view)
+        self._reading: dict[int, Job] = {}  # by number; the newest is shown
+        self._asked = 0
+        self._wiped = False
+        self._connect()
+
+    @property
+    def top(self) -> int:
+        """Ping on top of the screen."""
+        return self._clock.top
+
+    @property
+    def busy(self) -> bool:
+        """Whether a file is being read."""
+        return bool(self._reading)
+
+    def open(self, path: str, frequency: float | None = None) -> None:
+        """Read a file and show it; an empty path does nothing."""
+        if not path:
+            return
+        self._pause()
+        self._asked += 1
+        job = self._reading[self._asked] = Job(
+            lambda _: load_recording(path, frequency),
+            self._simulator.call_later,
+            progressed=lambda _: None,
+            done=partial(self._take, self._asked),
+            failed=partial(self._refuse, self._asked),
+            name="recording",
+        )
+        self._window.records.show(wiped=self._wiped)
+        self.wait_for(f"reading {Path(path).name}{_size(Path(path))}")
+        job.start()
+
+    def close(self) -> None:
+        """Leave the recording, and give its room back."""
+        self.recording = None
+        self._window.records.hide()
+        self.pointed.emit(None)
+        self.opened.emit(None)
+
+    def end(self, patience: float) -> None:
+        """Wait for files that are being read, at most for a time in seconds each, because the window closes."""
+        for job in self._reading.values():
+            job.close(patience)
+
+    def wipe(self, wiped: bool) -> None:
+        """Lay the simulated record over the recording, or show both side by side."""
+        self._wiped = wiped
+        self._view.show_wipe(wiped)
+        if not self._view.isHidden():
+            self._window.records.show(wiped=wiped)
+
+    def wait_for(self, what: str) -> None:
+        """Show a bar over the recording with what it waits for; an empty text removes it."""
+        self._view.show_waiting(Waiting(what) if what else None, -1)
+
+    def go_to(self, ping: int) -> None:
+        """Pause, and put a ping of the recording on top."""
+        if self._tow.running:
+            self._pause()
+        self._clock.go_to(ping)
+        self._show_top()
+
+    def look_back(self, pings: int) -> None:
+        """Move the paused recording back by some pings, or on."""
+        if self.recording is not None and not self._tow.running:
+            self.go_to(min(max(self._clock.top - pings, 0), self.recording.pings - 1))
+
+    def tick(self, seconds: float) -> None:
+        """Play on by some seconds if the tow runs, and follow the simulated record."""
+        self._view.follow_simulated()
+        if self.recording is None:
+            return
+        if self._tow.running is not self._clock.running:
+            self._run(self._tow.running)
+        self._clock.speed = self._tow.speed
+        if self._clock.advance(seconds, self.recording.ping_rate):
+            if self._clock.newest >= self.recording.pings:
+                self._clock.restart(self.recording.pings - 1)
+            self._show_top()
+
+    def _connect(self) -> None:
+        window, view = self._window, self._view
+        view.hovered.connect(self._point_at)
+        view.scrolled.connect(self.look_back)
+        view.scrubbed.connect(self.go_to)
+        window.trace.triggered.connect(view.toggle_trace)
+        window.palette_changed.connect(self._show_palette)
+        window.gain_changed.connect(self._contrast.show_gain)
+        window.levels.triggered.connect(self._find_levels)
+        self._show_palette(PALETTES[0])
+
+    def _take(self, number: int, recording: Recording) -> None:
+        """Show a recording that was read, unless a newer one is being read."""
+        if not self._finish(number):
+            return
+        self.recording, self.failure = recording, ""
+        self._record = Record(recording.held, recording.bins)
+        self._clock = TowClock(recording.held - 1)
+        self._clock.run(False)
+        self._view.show_title(recording.path.name)
+        self._view.show_record(self._record, recording.slant_range, recording.step)
+        self._view.show_last(recording.pings - 1)
+        self._show_top()
+        self._find_levels()
+        self._window.say("")
+        self.opened.emit(recording)
+
+    def _refuse(self, number: int, sentence: str) -> None:
+        """Say why a file could not be read, and show what was shown before."""
+        if not self._finish(number):
+            return
+        self.failure = sentence
+        if self.recording is None:
+            self._window.records.hide()
+        self._window.say(sentence, lasting=True)
+        self.opened.emit(self.recording)
+
+    def _finish(self, number: int) -> bool:
+        """Note that a file was read; return whether it is the newest that was asked for."""
+        del self._reading[number]
+        if number < self._asked:
+            return False
+        self.wait_for("")
+        return True
+
+    def _run(self, running: bool) -> None:
+        """Pause, or play on from the ping on top; from the first where that is the last."""
+        self._clock.run(running)
+        if running and self.recording is not None and self._clock.top >= self.recording.pings - 1:
+            self._clock.restart(0)
+            self._show_top()
+
+    def _show_top(self) -> None:
+        """Put the pings on screen into the record, and show them."""
+        assert self.recording is not None
+        missing = self._record.missing(self.top, STAMP)
+        if missing.size:
+            self._view.show_rows(self._record.put(missing, self.recording.amplitude[missing], STAMP))
+        self._view.show_top(self.top)
+
+    def _show_palette(self, name: str) -> None:
+        self._view.show_palette(load_palette(name))
+
+    def _find_levels(self) -> None:
+        self._contrast.due = True
+        self._contrast.settle(self._record, complete=True)
+
+    def _point_at(self, mark: Mark | None) -> None:
+        known = None if self.recording is None or (mark and mark.ping >= self.recording.pings) else mark
+        self._view.show_mark(known)
+        self.pointed.emit(known)
+
+
+def _size(path: Path) -> str:
+    """Size of a file in words, empty where there is none."""
+    return f", {path.stat().st_size / 1e6:.3g} MB" if path.is_file() else ""

@@ -1,0 +1,281 @@
+"""A recording is opened beside the simulated record, scrolls, tells where the sonar was, and is measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDropEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog
+
+from insonify.accuracy.record_statistics import measure_statistics
+from insonify.cli import main
+from insonify.io.records import read_record
+from insonify.scene import Scene, edit, load_scene
+from insonify_viewer import recording_player
+from insonify_viewer.recording import MAX_PINGS, Recording, compass_heading, describe_point
+from insonify_viewer.session import Mark
+
+REAL = Path("../shared/data/xtf/scotsman-iver2.xtf")
+PINGS, BINS, RANGE, STEP = 400, 300, 60.0, 0.2
+SETTINGS = (f"track.pings={PINGS}", f"sonar.bins={BINS}", f"sonar.range={RANGE:g}")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with one record as XTF and as netCDF."""
+    made = tmp_path_factory.mktemp("records")
+    words = [word for each in SETTINGS for word in ("--set", each)]
+    for name in ("record.xtf", "record.nc"):
+        assert main(["render", "default", *words, "-o", str(made / name)]) == 0
+    return made
+
+
+@pytest.fixture
+def viewer(open_viewer: Any, small: Scene) -> Any:
+    return open_viewer(edit(small, {"track.pings": 256}))
+
+
+def open_recording(viewer: Any, path: Path, qtbot: Any) -> Recording:
+    viewer.recordings.open(str(path))
+    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+    recording: Recording = viewer.recordings.recording
+    return recording
+
+
+def drop(window: Any, path: Path) -> None:
+    """Drop a file on a window as a file manager does."""
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(path))])
+    rest = (Qt.DropAction.CopyAction, data, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
+    enter, dropped = QDragEnterEvent(QPoint(400, 300), *rest), QDropEvent(QPointF(400, 300), *rest)
+    for event in (enter, dropped):
+        event.ignore()
+        QApplication.sendEvent(window, event)
+        assert event.isAccepted()
+
+
+def test_a_recording_is_shown_beside_the_simulated_record(viewer: Any, folder: Path, qtbot: Any) -> None:
+    view = viewer.window.recording
+    assert not view.isVisible()
+    recording = open_recording(viewer, folder / "record.xtf", qtbot)
+    assert view.isVisible()
+    assert viewer.window.waterfall.isVisible()
+    assert view.picture().shape[0] == recording.pings == PINGS
+    np.testing.assert_allclose(view.extent(), (PINGS * STEP, 2.0 * RANGE), rtol=2e-3)
+    assert len(np.unique(view.picture())) > 50
+    assert viewer.panels["recording"].view.title.text().splitlines() == [
+        "record.xtf",
+        "400 pings of 2 × 300 bins  ·  60 m  ·  400 kHz",
+    ]
+    viewer.recordings.close()
+    assert not view.isVisible()
+    assert viewer.complete
+
+
+@pytest.mark.parametrize("name", ["record.xtf", "record.nc"])
+def test_a_recording_is_opened_by_a_drop_and_by_the_menu(
+    viewer: Any, folder: Path, name: str, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drop(viewer.window, folder / name)
+    qtbot.waitUntil(lambda: viewer.recordings.recording is not None, timeout=60000)
+    dropped = viewer.recordings.recording
+    assert dropped.path.name == name
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(folder / name), ""))
+    viewer.window.open_recording.trigger()
+    qtbot.waitUntil(lambda: viewer.recordings.recording is not dropped, timeout=60000)
+    assert viewer.recordings.recording.path.name == name
+    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+
+
+def test_a_dropped_scene_is_opened(viewer: Any, tmp_path: Path, qtbot: Any) -> None:
+    (tmp_path / "own.toml").write_text('title = "Dropped"\n', encoding="utf-8")
+    drop(viewer.window, tmp_path / "own.toml")
+    assert viewer.session.scene.title == "Dropped"
+
+
+def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer: Any, folder: Path, qtbot: Any) -> None:
+    viewer.run(True)
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    assert not viewer.tow.running, "a recording is opened paused"
+    assert viewer.recordings.top == PINGS - 1
+    viewer.window.speed_changed.emit(4.0)
+    viewer.run(True)
+    qtbot.waitUntil(lambda: 5 <= viewer.recordings.top < 100)
+    assert viewer.window.recording.top == viewer.recordings.top
+    viewer.run(False)
+    qtbot.wait(60)
+    at = viewer.recordings.top
+    qtbot.wait(120)
+    assert viewer.recordings.top == at
+    viewer.recordings.go_to(PINGS - 3)
+    viewer.run(True)
+    qtbot.waitUntil(lambda: viewer.recordings.top == PINGS - 1)
+
+
+def test_rows_below_its_first_ping_are_empty(viewer: Any, folder: Path, qtbot: Any) -> None:
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    viewer.window.recording.show_mark(None)
+    viewer.recordings.go_to(PINGS // 2)
+    view = viewer.window.recording
+    image = view.grab().toImage()
+    place = view.place_of(Mark(0, 1, BINS // 2))
+    below = [image.pixelColor(place.x(), place.y() + step).getRgb()[:3] for step in range(8, 80)]
+    np.testing.assert_allclose(below, [(0x0B, 0x11, 0x18)] * len(below), atol=8)  # a screen may have 16 bits
+
+
+def test_handle_and_wheel_reach_any_ping(viewer: Any, folder: Path, qtbot: Any) -> None:
+    recording = open_recording(viewer, folder / "record.xtf", qtbot)
+    viewer.run(True)
+    viewer.window.recording.scrubbed.emit(100)
+    assert not viewer.tow.running
+    assert viewer.window.recording.top == viewer.recordings.top == 100
+    viewer.window.recording.scrolled.emit(16)
+    assert viewer.window.recording.top == 84
+    viewer.window.recording.scrolled.emit(-1000)
+    assert viewer.window.recording.top == recording.pings - 1
+    for ping in (0, 57, recording.pings - 1):
+        viewer.window.recording.scrubbed.emit(ping)
+        row = viewer.window.recording.record.rows(np.array([ping]))[0]
+        expected = np.concatenate([recording.amplitude[ping, 0, ::-1], recording.amplitude[ping, 1]])
+        np.testing.assert_array_equal(viewer.window.recording.record.amplitude[row], expected)
+
+
+def test_a_point_tells_navigation(viewer: Any, folder: Path, qtbot: Any) -> None:
+    recording = open_recording(viewer, folder / "record.nc", qtbot)
+    view = viewer.window.recording
+    mark = Mark(250, 1, 200)
+    QTest.mouseMove(view, view.place_of(mark))
+    qtbot.waitUntil(lambda: "slant range" in viewer.panels["recording"].view.point.rows())
+    told = {name: values[0] for name, values in viewer.panels["recording"].view.point.rows().items()}
+    ping = int(told["ping"].split()[0])
+    assert abs(ping - mark.ping) <= 2
+    assert told["ping"].endswith("starboard")
+    assert told["position"] == f"x {ping * STEP:.1f} m, y 0.0 m"
+    assert told["heading"] == "90.0°", "along +x is east"
+    assert told["altitude"] == f"{recording.dataset['platform_altitude'].values[ping]:.2f} m"
+    assert float(told["slant range"].split()[0]) == pytest.approx(200.5 * RANGE / BINS, abs=3 * RANGE / BINS)
+    assert told["time"] == f"{ping / 10.0:.2f} s"
+    assert told["level"].endswith("dB re median")
+    line = viewer.panels["readout"].widget.text()
+    assert line.startswith(f"recorded ping {ping}  ·  starboard")
+    assert "heading 90.0°" in line
+    QTest.mouseMove(view, QPoint(2, 2))
+    qtbot.waitUntil(lambda: viewer.panels["readout"].widget.text() == "")
+
+
+@pytest.mark.parametrize(("own", "compass"), [(0.0, 90.0), (90.0, 0.0), (-45.0, 135.0), (180.0, 270.0), (113.3, 336.7)])
+def test_headings_are_those_of_the_compass(own: float, compass: float) -> None:
+    assert compass_heading(own) == pytest.approx(compass)
+
+
+def test_numbers_are_those_of_compare(open_viewer: Any, folder: Path, qtbot: Any) -> None:
+    scene = edit(load_scene("default"), {"track.pings": PINGS, "sonar.bins": BINS, "sonar.range": RANGE})
+    viewer = open_viewer(scene, prepare=None)
+    recording = open_recording(viewer, folder / "record.nc", qtbot)
+    rows = viewer.panels["recording"].view.statistics.rows()
+    expected = measure_statistics(read_record(folder / "record.nc")).described()
+    assert rows.pop("") == ("recorded", "simulated")
+    # The recording is the record of the scene.
+    assert rows == {name: (text, text) for name, text in expected.items()}
+    viewer.session.settle({"receiver.speckle": "rayleigh"})
+    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+    recorded, simulated = viewer.panels["recording"].view.statistics.rows()["variation"]
+    assert recorded == expected["variation"]
+    assert float(simulated.split()[0]) == pytest.approx(0.52, abs=0.06)
+    assert viewer.recordings.recording is recording
+
+
+def test_a_record_with_too_little_bed_says_so(viewer: Any, tmp_path: Path, qtbot: Any) -> None:
+    path = tmp_path / "short.nc"
+    assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
+    open_recording(viewer, path, qtbot)
+    assert "too little bed" in viewer.panels["recording"].view.statistics.said()
+
+
+def test_a_broken_file_is_one_sentence_and_leaves_the_recording(
+    viewer: Any, folder: Path, tmp_path: Path, qtbot: Any
+) -> None:
+    broken = tmp_path / "broken.xtf"
+    broken.write_bytes(b"no recording" * 200)
+    viewer.recordings.open(str(broken))
+    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window._sentence.text(), timeout=60000)
+    assert not viewer.window.recording.isVisible()
+    recording = open_recording(viewer, folder / "record.xtf", qtbot)
+    viewer.recordings.open(str(broken))
+    qtbot.waitUntil(lambda: "not an XTF file" in viewer.window._sentence.text(), timeout=60000)
+    assert viewer.recordings.recording is recording
+    assert viewer.window.recording.isVisible()
+    assert viewer.window.recording.waiting is None
+
+
+def test_reading_shows_a_bar_and_the_last_file_wins(
+    viewer: Any, folder: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import threading
+
+    load, go_on = recording_player.load_recording, threading.Event()
+
+    def load_slowly(path: str, frequency: float | None) -> Recording:
+        if path.endswith(".xtf"):
+            go_on.wait(30.0)
+        return load(path, frequency)
+
+    monkeypatch.setattr(recording_player, "load_recording", load_slowly)
+    viewer.recordings.open(str(folder / "record.xtf"))
+    assert viewer.window.recording.waiting.what.startswith("reading record.xtf, ")
+    assert not viewer.complete
+    viewer.recordings.open(str(folder / "record.nc"))
+    qtbot.waitUntil(lambda: viewer.recordings.recording is not None, timeout=60000)
+    assert viewer.recordings.recording.path.suffix == ".nc"
+    go_on.set()
+    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+    assert viewer.recordings.recording.path.suffix == ".nc"
+    assert viewer.window.recording.waiting is None
+
+
+def test_wiped_the_simulated_record_covers_the_left_at_the_same_scale(viewer: Any, folder: Path, qtbot: Any) -> None:
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    panel, view = viewer.panels["recording"].view, viewer.window.recording
+    alone = view.grab().toImage()
+    panel.arrangement.setCurrentIndex(1)
+    panel.arrangement.activated.emit(1)
+    qtbot.waitUntil(lambda: view.width() > alone.width())
+    assert not viewer.window.waterfall.isVisible()
+    # 256 pings of 0.2 m within ±50 m, beside 400 of 0.2 m within ±60 m.
+    plot, place = view._plot(), view.place_of_simulated(256)
+    assert place.width() / plot.width() == pytest.approx(50.0 / 60.0, rel=2e-3)
+    assert place.height() / plot.height() == pytest.approx(256.0 / PINGS, rel=2e-3)
+    assert view.mark_at(QPoint(view.split - 20, plot.center().y())) is None
+    assert view.mark_at(QPoint(view.split + 20, plot.center().y())) is not None
+    middle = QPoint(view.split, plot.center().y())
+    QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=middle)
+    QTest.mouseMove(view, QPoint(plot.left() + plot.width() // 4, middle.y()))
+    QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=middle)
+    assert view.split == pytest.approx(plot.left() + plot.width() // 4, abs=2)
+    panel.arrangement.activated.emit(0)
+    assert viewer.window.waterfall.isVisible()
+
+
+def test_a_long_recording_is_held_in_part(folder: Path) -> None:
+    recording = Recording(folder, read_record(folder / "record.nc"), np.zeros((5000, 2, 8), np.float32))
+    assert recording.held == MAX_PINGS
+
+
+@pytest.mark.skipif(not REAL.exists(), reason="needs the recording of a real sonar")
+def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer: Any, qtbot: Any) -> None:
+    recording = open_recording(viewer, REAL, qtbot)
+    assert (recording.pings, recording.bins) == (461, 1024)
+    told = describe_point(recording, Mark(460, 0, 1023))
+    assert told["position"] == "48.44586° N, 68.82834° W"
+    assert told["heading"] == "336.7°"
+    assert told["altitude"] == "2.68 m"
+    assert told["time"].startswith("2013-09-10 21:14:00")
+    assert told["slant range"] == "29.97 m"
+    rows = viewer.panels["recording"].view.statistics.rows()
+    assert rows["shadows"][0] == "24.5 dB deep"
+    assert len(np.unique(viewer.window.recording.picture())) > 100
