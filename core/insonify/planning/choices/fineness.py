@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from itertools import takewhile
 
 from insonify.planning.choices.base import (
+    FEW_PLANES,
     FEWEST_RAYS,
     FINENESS,
     GRID,
@@ -99,7 +100,8 @@ class Planes(Ladder):
         """Models of a rung and of so many planes that some meet every target, beside others that err by little."""
         plain = _finest(case, model)._replace(every=Spacing().common(case, model))
         coarse, fine = super().pair(case, plain, rung)
-        return coarse, fine._replace(planes=max(fine.planes, _planes_that_meet(case, plain)))
+        # One plane and two within the same cells of the bed are alike, which tells nothing of a wider fan.
+        return coarse, fine._replace(planes=max(fine.planes, FEW_PLANES, _planes_that_meet(case, plain)))
 
     def entries(self, case: Case, model: Model, error: float) -> Iterator[PlanEntry]:
         """Entry of the planes, with the time beyond that of one."""
