@@ -130,12 +130,12 @@ def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:
     """
     level = float(recording.amplitude[mark.ping, mark.side, mark.bin])
     return {
-        "ping": f"{mark.ping} of {recording.pings}, {SIDES[mark.side]}",
+        "ping": f"{mark.ping} of {recording.pings}",
         "time": _time(recording, mark.ping),
         "position": _position(recording, mark.ping),
         "heading": _quantity(compass_heading(recording.value("heading", mark.ping)), ".1f", "°"),
         "altitude": _quantity(recording.value("altitude", mark.ping), ".2f", " m"),
-        "slant range": f"{recording.slant_range_of(mark.bin):.2f} m",
+        "slant range": f"{recording.slant_range_of(mark.bin):.2f} m, {SIDES[mark.side]}",
         "level": f"{20.0 * math.log10(level):+.1f} dB re median".replace("-", "−") if level > 0.0 else "no echo",
     }
 
@@ -143,7 +143,7 @@ def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:
 def summarise_point(recording: Recording, mark: Mark) -> str:
     """Describe a point of a recording in one line, without what the file lacks."""
     known = {name: text for name, text in describe_point(recording, mark).items() if text != UNKNOWN}
-    parts = [f"recorded ping {mark.ping}", SIDES[mark.side], f"slant {known['slant range']}"]
+    parts = [f"recorded ping {mark.ping}", f"slant {known['slant range']}"]
     parts += [f"{name} {known[name]}" for name in ("altitude", "heading") if name in known]
     return "  ·  ".join([*parts, known["level"]])
 

@@ -46,6 +46,8 @@ class RecordingPlayer:
         Called with the `Recording` that is shown now, or None once it is closed.
     pointed : Event
         Called with the `Mark` under the mouse, or None.
+    moved : Event
+        Called with the ping that is on top now.
     recording : Recording or None
         The one that is shown.
     failure : str
@@ -53,7 +55,7 @@ class RecordingPlayer:
     """
 
     def __init__(self, window: MainWindow, tow: TowClock, simulator: Simulator, *, pause: Callable[[], None]) -> None:
-        self.opened, self.pointed = Event(), Event()
+        self.opened, self.pointed, self.moved = Event(), Event(), Event()
         self.recording: Recording | None = None
         self.failure = ""
         self._window, self._tow, self._simulator, self._pause = window, tow, simulator, pause
@@ -108,9 +110,9 @@ class RecordingPlayer:
     def wipe(self, wiped: bool) -> None:
         """Lay the simulated record over the recording, or show both side by side."""
         self._wiped = wiped
-        self._view.show_wipe(wiped)
         if not self._view.isHidden():
             self._window.records.show(wiped=wiped)
+        self._view.show_wipe(wiped)
 
     def wait_for(self, what: str) -> None:
         """Show a bar over the recording with what it waits for; an empty text removes it."""
@@ -200,6 +202,7 @@ class RecordingPlayer:
         if missing.size:
             self._view.show_rows(self._record.put(missing, self.recording.amplitude[missing], STAMP))
         self._view.show_top(self.top)
+        self.moved.emit(self.top)
 
     def _show_palette(self, name: str) -> None:
         self._view.show_palette(load_palette(name))

@@ -35,6 +35,7 @@ WIDTHS = {
     "lesson": 1400,
     "pixel": 1400,
     "rays": 1200,
+    "recording": 1400,
     "window": 1400,
 }
 QUICK = (

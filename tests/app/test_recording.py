@@ -14,6 +14,8 @@ from PySide6.QtWidgets import QApplication, QFileDialog
 
 from insonify.accuracy.record_statistics import measure_statistics
 from insonify.cli import main
+from insonify.inversion.findings import Finding
+from insonify.inversion.learning import Learned
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit, load_scene
 from insonify_viewer import recording_player
@@ -107,6 +109,8 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer: Any
     viewer.run(True)
     qtbot.waitUntil(lambda: 5 <= viewer.recordings.top < 100)
     assert viewer.window.recording.top == viewer.recordings.top
+    shown = viewer.panels["recording"].view.point.rows()["ping"][0]
+    assert shown == f"{viewer.recordings.top} of {PINGS}", "the panel follows the ping on top"
     viewer.run(False)
     qtbot.wait(60)
     at = viewer.recordings.top
@@ -154,7 +158,8 @@ def test_a_point_tells_navigation(viewer: Any, folder: Path, qtbot: Any) -> None
     told = {name: values[0] for name, values in viewer.panels["recording"].view.point.rows().items()}
     ping = int(told["ping"].split()[0])
     assert abs(ping - mark.ping) <= 2
-    assert told["ping"].endswith("starboard")
+    assert told["ping"] == f"{ping} of {PINGS}"
+    assert told["slant range"].endswith(" m, starboard")
     assert told["position"] == f"x {ping * STEP:.1f} m, y 0.0 m"
     assert told["heading"] == "90.0°", "along +x is east"
     assert told["altitude"] == f"{recording.dataset['platform_altitude'].values[ping]:.2f} m"
@@ -162,7 +167,7 @@ def test_a_point_tells_navigation(viewer: Any, folder: Path, qtbot: Any) -> None
     assert told["time"] == f"{ping / 10.0:.2f} s"
     assert told["level"].endswith("dB re median")
     line = viewer.panels["readout"].widget.text()
-    assert line.startswith(f"recorded ping {ping}  ·  starboard")
+    assert line.startswith(f"recorded ping {ping}  ·  slant {told['slant range']}")
     assert "heading 90.0°" in line
     QTest.mouseMove(view, QPoint(2, 2))
     qtbot.waitUntil(lambda: viewer.panels["readout"].widget.text() == "")
@@ -257,6 +262,7 @@ def test_wiped_the_simulated_record_covers_the_left_at_the_same_scale(viewer: An
     QTest.mouseMove(view, QPoint(plot.left() + plot.width() // 4, middle.y()))
     QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=middle)
     assert view.split == pytest.approx(plot.left() + plot.width() // 4, abs=2)
+    assert viewer.window.waterfall.picture().shape == (256, plot.width()), "as fine as the recording"
     panel.arrangement.activated.emit(0)
     assert viewer.window.waterfall.isVisible()
 
@@ -275,7 +281,65 @@ def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer: Any, q
     assert told["heading"] == "336.7°"
     assert told["altitude"] == "2.68 m"
     assert told["time"].startswith("2013-09-10 21:14:00")
-    assert told["slant range"] == "29.97 m"
+    assert told["slant range"] == "29.97 m, port"
     rows = viewer.panels["recording"].view.statistics.rows()
     assert rows["shadows"][0] == "24.5 dB deep"
     assert len(np.unique(viewer.window.recording.picture())) > 100
+
+
+def test_a_scene_is_learned_from_a_recording_and_opened(
+    viewer: Any, folder: Path, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    def learn_at_once(record: Any) -> Any:
+        asked.append(record)
+        scene = edit(load_scene("default"), {"title": "Learned", "track.pings": 64})
+        findings = (Finding("level", "1", "1", "matched"), Finding("shadows", "none", "3 dB", "differs"))
+        return Learned(scene, findings)
+
+    monkeypatch.setattr("insonify.inversion.learning.learn", learn_at_once)
+    recording = open_recording(viewer, folder / "record.nc", qtbot)
+    named = tmp_path / "learned.toml"
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(named), ""))
+    panel = viewer.panels["recording"].view
+    QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
+    assert not panel.learn.isEnabled()
+    assert viewer.window.recording.waiting.what == "learning a scene from record.nc, a minute or more"
+    qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
+    assert asked == [recording.dataset]
+    assert viewer.session.scene == load_scene(named)
+    assert viewer.session.scene.title == "Learned"
+    assert not viewer.session.unsaved
+    assert viewer.window._sentence.text().endswith("differs from the recording in: shadows")
+    assert panel.learn.isEnabled()
+    assert viewer.recordings.recording is recording
+
+
+def test_what_cannot_be_learned_is_one_sentence(
+    viewer: Any, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "short.nc"
+    assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
+    open_recording(viewer, path, qtbot)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "learned.toml"), ""))
+    scene = viewer.session.scene
+    QTest.mouseClick(viewer.panels["recording"].view.learn, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: viewer.complete, timeout=240000)
+    assert "pings" in viewer.window._sentence.text()
+    assert viewer.session.scene is scene
+    assert not (tmp_path / "learned.toml").exists()
+
+
+def test_in_a_narrow_window_the_records_take_the_room(viewer: Any, folder: Path, qtbot: Any) -> None:
+    window = viewer.window
+    window.resize(1600, 900)
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
+    window.resize(880, 600)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
+    _, simulated, recorded = window._splitter.sizes()
+    assert abs(simulated - recorded) <= 2
+    assert window.waterfall.geometry().right() < window.recording.geometry().left()
+    window.resize(1600, 900)
+    qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QPoint, QRect, QRectF, Qt
-from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.session import Mark
@@ -42,6 +42,8 @@ class RecordingView(WaterfallView):
     def show_wipe(self, wiped: bool) -> None:
         """Wipe the simulated record over the recording, or draw the recording alone."""
         self._wiped = wiped
+        if wiped:
+            self._simulated.draw_for(self.size())
         self.update()
 
     def follow_simulated(self) -> None:
@@ -61,6 +63,12 @@ class RecordingView(WaterfallView):
         if self._wiped and place.x() < self.split:
             return None
         return super().mark_at(place)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Compute both pictures for the new width."""
+        super().resizeEvent(event)
+        if self._wiped:
+            self._simulated.draw_for(self.size())
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """Draw the recording, its title, and the simulated record over its left part."""

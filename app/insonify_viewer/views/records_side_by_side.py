@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from PySide6.QtCore import QEvent, QObject
 from PySide6.QtWidgets import QSplitter, QWidget
 
 ROOMY = 1000  # px of the middle of the window, from which the 3-D view keeps a part beside two records
 
 
-class RecordsSideBySide:
+class RecordsSideBySide(QObject):
     """Shows a recording beside the simulated record, or in its place with the simulated record wiped over it.
 
     Parameters
@@ -19,8 +20,11 @@ class RecordsSideBySide:
     """
 
     def __init__(self, splitter: QSplitter, simulated: QWidget, recording: QWidget) -> None:
+        super().__init__(splitter)
         self._splitter, self._simulated, self._recording = splitter, simulated, recording
         self._before: list[int] = []
+        self._wiped = self._roomy = False
+        splitter.installEventFilter(self)
         splitter.addWidget(recording)
         recording.hide()
 
@@ -35,9 +39,18 @@ class RecordsSideBySide:
         self._recording.show()
         self._simulated.setVisible(not wiped)
         room = self._splitter.width()
-        solid = room // 4 if room >= ROOMY else 0
+        self._wiped, self._roomy = wiped, room >= ROOMY
+        solid = room // 4 if self._roomy else 0
         each = (room - solid) // (1 if wiped else 2)
         self._splitter.setSizes([solid, 0 if wiped else each, each])
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Divide the room anew when it becomes wide or narrow."""
+        if event.type() is QEvent.Type.Resize and not self._recording.isHidden():
+            roomy = self._splitter.width() >= ROOMY
+            if roomy is not self._roomy:
+                self.show(wiped=self._wiped)
+        return False
 
     def hide(self) -> None:
         """Show the 3-D view and the simulated record alone."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal
+from PySide6.QtCore import QEvent, QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen, QResizeEvent, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
@@ -261,6 +261,11 @@ class WaterfallView(QWidget):
         self._pixels[rows] = painted
         self.version += 1
         self.update()
+
+    def draw_for(self, size: QSize) -> None:
+        """Compute the picture for a size while the view is hidden."""
+        self.resize(size)
+        self._fit()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Compute the display columns for the new width."""

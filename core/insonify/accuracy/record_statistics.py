@@ -95,7 +95,7 @@ class RecordStatistics(NamedTuple):
         return {
             "variation": f"{middle:.2f} ({low:.2f}–{high:.2f})",
             "shadows": self._shadows().removeprefix("shadows ").removesuffix(" shadows"),
-            "slope along track": f"{self.along.slope():.2f}",
+            "slope along": f"{self.along.slope():.2f}",
             "slope across": f"{self.across.slope():.2f}",
         }
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from insonify_viewer.job import Job
 from insonify_viewer.newest_wins import NewestWins
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
+from insonify_viewer.panels.recording.learning import LearnedScene, learn_scene
 from insonify_viewer.panels.recording.measurement import Measured, measure_record, measure_simulation
 from insonify_viewer.panels.recording.view import RecordingView
 from insonify_viewer.recording import Recording, describe_point
@@ -27,12 +29,15 @@ class RecordingPanel(Panel):
     def __init__(self, workbench: Workbench) -> None:
         self._workbench, self._player = workbench, workbench.recordings
         self._threads = {part: NewestWins(part, workbench.simulator.call_later) for part in ("recorded", "simulated")}
+        self._mark: Mark | None = None  # under the mouse
         self._simulation: Simulation | None = None  # that of the whole record on screen
         self._wanted: dict[str, Any] = {}  # what is to be measured: a recording, a simulation
         self._measured: dict[str, Any] = {}
+        self._learning: Job | None = None
         self.view = RecordingView()
         self._player.opened.connect(self._show_recording)
         self._player.pointed.connect(self._show_point)
+        self._player.moved.connect(self._follow)
         self._connect()
 
     @property
@@ -42,8 +47,8 @@ class RecordingPanel(Panel):
 
     @property
     def complete(self) -> bool:
-        """Whether no file is being read and both records are measured."""
-        return not self._player.busy and self._wanted == self._measured
+        """Whether no file is being read, no scene learned, and both records are measured."""
+        return not self._player.busy and self._learning is None and self._wanted == self._measured
 
     def record_grown(self, growth: RecordGrowth) -> None:
         """Measure the simulated record once it is complete on screen."""
@@ -51,8 +56,27 @@ class RecordingPanel(Panel):
             self._simulation = growth.answer.simulation
             self._measure_simulated()
 
+    def learn(self, file: str) -> None:
+        """Learn a scene from the recording, write it to a file, and open it."""
+        recording = self._player.recording
+        if recording is None or self._learning is not None:
+            return
+        self._learning = Job(
+            lambda _: learn_scene(recording.dataset, file),
+            self._workbench.simulator.call_later,
+            progressed=lambda _: None,
+            done=self._open_learned,
+            failed=self._end_learning,
+            name="learning",
+        )
+        self.view.show_learning(True)
+        self._player.wait_for(f"learning a scene from {recording.path.name}, a minute or more")
+        self._learning.start()
+
     def closing(self) -> None:
         """End the threads."""
+        if self._learning is not None:
+            self._learning.close(PATIENCE)
         for thread in self._threads.values():
             thread.close(PATIENCE)
 
@@ -61,6 +85,18 @@ class RecordingPanel(Panel):
         self.view.close_wanted.connect(self._player.close)
         self.view.wiped.connect(self._player.wipe)
         self.view.frequency_wanted.connect(self._open_frequency)
+        self.view.learn_wanted.connect(self.learn)
+
+    def _open_learned(self, learned: LearnedScene) -> None:
+        """Open a learned scene, unless unsaved changes keep the present one."""
+        opened = self._workbench.open_scene(learned.scene, learned.file, ask=True)
+        self._end_learning(learned.summary() if opened else f"saved {learned.file}")
+
+    def _end_learning(self, sentence: str) -> None:
+        self._learning = None
+        self.view.show_learning(False)
+        self._player.wait_for("")
+        self._workbench.say(sentence)
 
     def _open_frequency(self, frequency: float) -> None:
         """Read the present file anew for another frequency."""
@@ -81,9 +117,14 @@ class RecordingPanel(Panel):
 
     def _show_point(self, mark: Mark | None) -> None:
         """Show the navigation at a point, else at nadir of the ping on top."""
-        recording = self._player.recording
+        recording, self._mark = self._player.recording, mark
         if recording is not None:
             self.view.show_point(describe_point(recording, mark or Mark(self._player.top, 0, 0)), at_mouse=bool(mark))
+
+    def _follow(self, _: int) -> None:
+        """Show the navigation of the ping on top while the mouse is elsewhere."""
+        if self._mark is None and self.view.isVisible():
+            self._show_point(None)
 
     def _measure_simulated(self) -> None:
         simulation = self._simulation

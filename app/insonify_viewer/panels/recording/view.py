@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushBut
 
 from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.folding_box import FoldingBox
+from insonify_viewer.views.save_dialogs import ask_where_to_save
 
 if TYPE_CHECKING:
     from insonify_viewer.panels.recording.measurement import Measured
@@ -36,6 +37,7 @@ class RecordingView(QScrollArea):
     close_wanted = Signal()
     wiped = Signal(bool)
     frequency_wanted = Signal(float)
+    learn_wanted = Signal(str)  # file of the scene
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -47,6 +49,10 @@ class RecordingView(QScrollArea):
         self.open, self.leave = _button("Open…", "Open a recording (Ctrl+Shift+O)"), _button("Close", "Close it")
         self.open.clicked.connect(self.open_wanted)
         self.leave.clicked.connect(self.close_wanted)
+        self.learn = _button(
+            "Make a scene like this…", "Learn a scene whose record resembles the recording, and open it"
+        )
+        self.learn.clicked.connect(self._ask_for_scene)
         self.arrangement, self.frequency = _combo("Arrangement of the two records"), _combo("Frequency of the sonar")
         self.arrangement.addItems(ARRANGEMENTS)
         self.arrangement.activated.connect(lambda index: self.wiped.emit(index == 1))
@@ -61,8 +67,9 @@ class RecordingView(QScrollArea):
     def show_recording(self, recording: Recording | None) -> None:
         """Show a recording, or how to open one."""
         there = recording is not None
-        for part in (self.leave, self.arrangement, self._point_box, self._statistics_box):
+        for part in (self.leave, self.arrangement, self.learn, self._point_box, self._statistics_box):
             part.setVisible(there)
+        self._name = "" if recording is None else recording.path.stem
         self.title.setText(HINT if recording is None else _about(recording))
         self._show_frequencies([] if recording is None else _frequencies(recording), recording)
         if not there:
@@ -85,6 +92,16 @@ class RecordingView(QScrollArea):
         said = [f"{part}: {each}" for part, each in self._found.items() if isinstance(each, str)]
         self.statistics.show_rows(rows, "\n".join(said))
 
+    def show_learning(self, learning: bool) -> None:
+        """Show whether a scene is being learned; one at a time is."""
+        self.learn.setEnabled(not learning)
+
+    def _ask_for_scene(self) -> None:
+        """Let the person name the file of the scene to be learned."""
+        path = ask_where_to_save(self.window(), "Save the learned scene", f"{self._name}.toml", [("Scenes", ".toml")])
+        if path is not None:
+            self.learn_wanted.emit(str(path))
+
     def _entry(self, part: str, name: str) -> str:
         found = self._found.get(part)
         return found[name] if isinstance(found, dict) else ""
@@ -104,7 +121,7 @@ class RecordingView(QScrollArea):
         column = QVBoxLayout(body)
         column.setContentsMargins(8, 8, 8, 8)
         column.setSpacing(6)
-        for row in ((self.open, self.leave), (self.arrangement, self.frequency)):
+        for row in ((self.open, self.leave), (self.arrangement, self.frequency), (self.learn,)):
             line = QHBoxLayout()
             for part in row:
                 line.addWidget(part)
