@@ -206,7 +206,17 @@ def test_unsaved_work_is_asked_for_and_moves_of_a_lesson_are_not(
     assert panel.course is not None
     panel.move()
     panel.start("range")
+    panel.move()
+    panel.leave()
+    panel.start("range")  # the scene is as the lesson left it
     assert not answers
+    panel.leave()
+    answers.append(QMessageBox.StandardButton.Cancel)
+    viewer.session.settle({"track.altitude": 7.0})
+    panel.start("range")
+    assert not answers, "the person has changed it since"
+    assert panel.course is None
+    answers.append(QMessageBox.StandardButton.Discard)  # when the window closes
 
 
 @pytest.mark.usefixtures("lessons")

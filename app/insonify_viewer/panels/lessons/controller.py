@@ -32,6 +32,7 @@ class LessonsPanel(Panel):
         self._point: MarkedPoint | None = None
         self._newest = 0  # ping
         self._open_now = False
+        self._left: Scene | None = None  # as a lesson left it, which is not the person's own work
         self.view = view = LessonsView()
         view.started.connect(self.start)
         view.left.connect(self.leave)
@@ -65,6 +66,7 @@ class LessonsPanel(Panel):
             return
         if scene.title != self._course.start.scene.title:
             self.leave()
+            self._left = None
         else:
             self._notice()
 
@@ -87,7 +89,7 @@ class LessonsPanel(Panel):
 
     def begin(self, lesson: Lesson) -> None:
         """Begin a lesson; the person is asked first what becomes of changes that are not of a lesson."""
-        course, asked = Course(lesson), self._course is None
+        course, asked = Course(lesson), self._course is None and self._session.scene is not self._left
         self._course = None  # what changes on the way is not done by the person
         if self._session.scene == course.start.scene or self._open(course, ask=asked):
             self._model(Modelling(), course.start.window)
@@ -97,6 +99,8 @@ class LessonsPanel(Panel):
 
     def leave(self) -> None:
         """Return to the list; the scene stays as it is."""
+        if self._course is not None:
+            self._left = self._session.scene
         self._course = None
         self._workbench.light_fields(())
         self._show_list()
