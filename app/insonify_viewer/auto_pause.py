@@ -26,7 +26,9 @@ class AutoPause(NamedTuple):
     why: str
 
 
-def next_pause(simulation: Simulation, before: int, newest: int, held: int) -> AutoPause | None:
+def next_pause(
+    simulation: Simulation, before: int, newest: int, held: int, *, for_targets: bool = True
+) -> AutoPause | None:
     """Find the ping between two others at which the tow pauses by itself.
 
     Parameters
@@ -37,6 +39,8 @@ def next_pause(simulation: Simulation, before: int, newest: int, held: int) -> A
         The newest ping before and after an advance of the tow.
     held : int
         Number of pings on screen.
+    for_targets : bool
+        Whether targets are a reason to pause.
 
     Returns
     -------
@@ -49,7 +53,7 @@ def next_pause(simulation: Simulation, before: int, newest: int, held: int) -> A
         pose = simulation.poses(np.array([newest - 1, newest], dtype=np.int64))
         left = leaves_grid(ground, pose)
         return AutoPause(newest, "the tow has left the measured bed and is paused") if left else None
-    first = _first_abeam(simulation)
+    first = _first_abeam(simulation) if for_targets else None
     if first is None:
         return None
     last = max(first + held - 1 - round(MARGIN * held), held - 1 + round(GLIMPSE * held))

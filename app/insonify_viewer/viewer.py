@@ -284,7 +284,9 @@ class Viewer(QObject):
             return
         before = self.tow.newest
         if self.tow.advance(seconds, self.session.scene.sonar.ping_rate):
-            if pause := next_pause(self._answer.simulation, before, self.tow.newest, self.record.pings):
+            alone = self.recordings.recording is None  # else the tow that pauses would stop the recording too
+            tow = self._answer.simulation, before, self.tow.newest, self.record.pings
+            if pause := next_pause(*tow, for_targets=alone):
                 self.tow.restart(pause.ping)
                 self.run(False)
                 self._stopped = True

@@ -343,3 +343,18 @@ def test_in_a_narrow_window_the_records_take_the_room(viewer: Any, folder: Path,
     assert window.waterfall.geometry().right() < window.recording.geometry().left()
     window.resize(1600, 900)
     qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
+
+
+def test_targets_that_leave_the_simulated_record_do_not_stop_the_recording(
+    viewer: Any, folder: Path, qtbot: Any
+) -> None:
+    viewer.tow.speed = 16.0
+    viewer.run(True)
+    qtbot.waitUntil(lambda: not viewer.tow.running, timeout=20000)
+    stopped = viewer.tow.newest
+    assert "before the targets leave" in viewer.window._sentence.text()
+    viewer.tow.restart(255)
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    viewer.run(True)
+    qtbot.waitUntil(lambda: viewer.tow.newest > stopped + 50, timeout=20000)
+    assert viewer.tow.running
