@@ -10,7 +10,6 @@ from PySide6.QtWidgets import QMessageBox
 from insonify.lessons import LessonState, load_lessons, parse_lesson, split_move, states_of
 from insonify.planning import plan
 from insonify.scene import Scene, edit
-from insonify_viewer.application import _begin
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.panels.lessons.course import Course
 from insonify_viewer.session import Session
@@ -283,12 +282,13 @@ def test_the_plan_offers_every_choice_that_a_lesson_forces(name: str, step: Any,
 
 
 def test_a_lesson_begins_with_the_window(open_viewer: Any, qtbot: Any) -> None:
-    """As ``insonify view --lesson`` begins one, before the worker starts."""
+    """As ``insonify view --lesson`` begins one: in a window that shows its scene already."""
     lesson = parse_lesson(LESSON, "range")
     scene = next(states_of(lesson))[1].scene
     viewer = open_viewer(scene)
-    _begin(viewer, None, lesson)
+    viewer.window.open_panel("lessons")
     panel = viewer.panels["lessons"]
+    panel.begin(lesson)
     assert panel.view.isVisible()
     assert panel.view.page.lesson.text() == "Range"
     assert lit_rows(viewer) == {"sonar.range"}
