@@ -281,6 +281,15 @@ def test_the_plan_offers_every_choice_that_a_lesson_forces(name: str, step: Any,
             assert choice in entry.options
 
 
+def test_the_first_field_of_a_lesson_comes_into_view_with_its_scene(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer, panel = opened(open_viewer, small, qtbot)
+    panel.start("time-varied-gain")
+    qtbot.waitUntil(lambda: viewer.complete, timeout=20000)
+    row = viewer.panels["parameters"].view.row("receiver.tvg.spreading")
+    qtbot.waitUntil(lambda: not row.label.visibleRegion().isEmpty(), timeout=5000)
+    assert row.label.property("lit")
+
+
 def test_a_lesson_begins_with_the_window(open_viewer: Any, qtbot: Any) -> None:
     """As ``insonify view --lesson`` begins one: in a window that shows its scene already."""
     lesson = parse_lesson(LESSON, "range")

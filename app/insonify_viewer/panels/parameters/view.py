@@ -118,10 +118,14 @@ class ParametersView(QScrollArea):
         boxes = [box for box in self._sections.values() if any(path in box.rows for path in paths)]
         for box in boxes:
             box.unfold(True)
-        shown = [path for path in paths if any(path in box.rows for box in boxes)]
-        if shown:
+        QTimer.singleShot(0, self, self._scroll_to_lit)  # sections of a scene just opened have no place before
+
+    def _scroll_to_lit(self) -> None:
+        """Bring the first row that is lit into view, in the order of the fields."""
+        rows = [box.rows[path] for path in self._lit for box in self._sections.values() if path in box.rows]
+        if rows:
             self._lay_out()
-            self.ensureWidgetVisible(self.row(shown[0]).label, 0, self.height() // 3)
+            self.ensureWidgetVisible(rows[0].label, 0, self.height() // 3)
 
     def row(self, path: str) -> Row:
         """Find the row of a field by its dotted path."""
