@@ -36,6 +36,8 @@ def words(folder, workers=1):
 def driver(folder, **options):
     """Start the command on two workers in a process, and a group, of its own."""
     command = [sys.executable, "-m", "insonify", *words(folder, 2)]
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell lets its background commands ignore it
+        options.setdefault("preexec_fn", lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     return subprocess.Popen(
         command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True, **options
     )
