@@ -283,10 +283,15 @@ def test_a_recording_takes_no_options_of_scenes(tmp_path, capsys, option, words)
     assert f"{option} applies to scenes" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["plan", "view"])
-def test_a_recording_is_no_scene(capsys, command):
-    assert main([command, "a.xtf"]) == 2
+@pytest.mark.parametrize("others", [["plan"], ["chart", "-o", "chart.png"]])
+def test_a_recording_is_no_scene(capsys, others):
+    assert main([*others, "a.xtf"]) == 2
     assert "a.xtf: this is a record, not a scene; draw it with 'insonify render a.xtf" in capsys.readouterr().err
+
+
+def test_a_recording_that_is_looked_at_has_to_be_there(capsys):
+    assert main(["view", "a.xtf"]) == 2
+    assert "a.xtf: does not exist; give the path of a record" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(not REAL.is_file(), reason="the recording is not here")
