@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -155,12 +156,18 @@ def find_echo_parts(
 
 def _find_refracted_parts(arrays: SceneArrays, pose: Poses, side: int, window: Window, rays: int) -> EchoParts:
     """Find the rays that echo in the window, where refraction folds."""
-    bare, room = without_targets(arrays), ROOM
+    bare = without_targets(arrays)
+    return _columns(_list_all(lambda rows: list_refracted_parts(arrays, bare, pose, 0, side, rays, window, rows)))
+
+
+def _list_all(fill: Callable[[Column], int]) -> Column:
+    """All rows of a kernel that lists as many as there is room for and returns how many there are."""
+    room = ROOM
     while True:
         rows = np.zeros((room, kernels.COLUMNS))
-        count = int(list_refracted_parts(arrays, bare, pose, 0, side, rays, window, rows))
+        count = int(fill(rows))
         if count <= room:
-            return _columns(rows[:count])
+            return rows[:count]
         room = count
 
 
@@ -191,16 +198,16 @@ def find_direct_parts(arrays: SceneArrays, pose: Poses, side: int, window: Windo
     apparent, _ = make_apparent_tables(arrays, pose)
     workspace = empty_sweep_workspace(arrays, apparent)
     knots = empty_profile(profile_capacity(apparent.stretch * arrays.bins * arrays.bin_length, arrays.bed.spacing))
-    bins, room = np.zeros(arrays.bins + 2, np.int64), ROOM
-    while True:
-        rows = np.zeros((room, kernels.COLUMNS))
+    bins = np.zeros(arrays.bins + 2, np.int64)
+
+    def fill(rows: Column) -> int:
         parts = PartList(rows, bins, knots)
         count = int(list_echo_parts(arrays, pose, 0, side, fan, apparent, workspace, window, parts))
         if count < 0:
             refuse_sonar_in_solid(arrays.solids, [count])
-        if count <= room:
-            return _columns(rows[:count])
-        room = count
+        return count
+
+    return _columns(_list_all(fill))
 
 
 def _columns(rows: Column) -> EchoParts:
