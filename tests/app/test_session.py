@@ -1,4 +1,4 @@
-"""Session, parameters, record, tow and numbers: what needs no window."""
+"""Session, parameters, record and tow: what needs no window."""
 
 from __future__ import annotations
 
@@ -7,26 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from insonify.display.normalisation import LevelBed
-from insonify.display.picture import choose_contrast
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
-from insonify.simulation import prepare
 from insonify_viewer.fields import ChoiceField, NumberField
 from insonify_viewer.panels.parameters.sections import sections_of
-from insonify_viewer.quantities import format_duration, format_quantity, parse_quantity, slider_position, slider_value
 from insonify_viewer.record import Record
 from insonify_viewer.session import Mark, Session
 from insonify_viewer.tow_clock import TowClock
-from insonify_viewer.views.pixels import (
-    HEADROOM,
-    KNEE,
-    colour_table,
-    colours,
-    column_means,
-    compress_highlights,
-    round_steps,
-    with_highlights,
-)
 
 
 @pytest.fixture(scope="module")
@@ -266,124 +252,6 @@ def test_tow_counts_pauses_and_looks_back() -> None:
     tow.restart(531)
     tow.run(True)
     assert tow.top == 531
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "text"),
-    [
-        (4e5, "Hz", "400 kHz"),
-        (1e-4, "s", "0.1 ms"),
-        (1.2e6, "Hz", "1.2 MHz"),
-        (10.0, "Hz", "10 Hz"),
-        (1.0, "°", "1°"),
-        (0.0, "s", "0 s"),
-        (48.0, "cycles/period", "48"),
-        (100000.0, "", "100000"),
-        (-0.125, "m", "-0.125 m"),
-    ],
-)
-def test_numbers_are_printed_and_read_back(value: float, unit: str, text: str) -> None:
-    assert format_quantity(value, unit) == text
-    assert parse_quantity(text, unit) == pytest.approx(value)
-
-
-@pytest.mark.parametrize(
-    ("text", "unit", "like", "value"),
-    [
-        ("0.2", "s", "0.1 ms", 2e-4),
-        ("200 µs", "s", "0.1 ms", 2e-4),
-        ("2e-4", "s", "0.1 ms", 2e-4),
-        ("500 kHz", "Hz", "400 kHz", 5e5),
-        ("500khz", "Hz", "400 kHz", 5e5),
-        ("500", "Hz", "400 kHz", 5e5),
-        ("4e5", "Hz", "400 kHz", 4e5),
-        ("1.2M", "Hz", "400 kHz", 1.2e6),
-        ("20 cm", "m", "0.1 m", 0.2),
-        ("20", "m", "0.1 m", 20.0),
-        ("1,5 m", "m", "", 1.5),
-        ("−3", "m", "2 m", -3.0),
-        ("17.45 mrad", "°", "1°", 0.99981),
-        ("4 kn", "m/s", "2 m/s", 2.05778),
-        ("0.3", "", "0.2", 0.3),
-    ],
-)
-def test_units_that_people_write_are_read(text: str, unit: str, like: str, value: float) -> None:
-    assert parse_quantity(text, unit, like) == pytest.approx(value, rel=1e-5)
-
-
-def test_times_are_printed_in_three_digits() -> None:
-    assert [format_duration(seconds) for seconds in (1.23e-5, 9.99e-4, 9.996e-4, 1.288e-3)] == [
-        "12.3 µs",
-        "999 µs",
-        "1 ms",
-        "1.29 ms",
-    ]
-
-
-def test_nonsense_is_not_a_number() -> None:
-    assert [parse_quantity(text, "m") for text in ("", "abc", "nan", "inf", "1 2", "3 kHz", "1e999")] == [None] * 7
-
-
-@pytest.mark.parametrize("log", [False, True])
-def test_slider_places_and_values_agree(log: bool) -> None:
-    ends = (0.01, 10.0)
-    for part in np.linspace(0.0, 1.0, 17):
-        value = slider_value(float(part), ends, log=log, integer=False)
-        assert slider_position(value, ends, log=log) == pytest.approx(part, abs=2e-3)
-    assert slider_value(0.0, ends, log=log, integer=False) == 0.01
-    assert slider_value(1.0, ends, log=log, integer=False) == 10.0
-    assert slider_position(1e9, ends, log=log) == 1.0
-
-
-@pytest.mark.parametrize("width", [1, 7, 100, 101, 350])
-def test_display_columns_drop_no_echo(width: int) -> None:
-    amplitude = np.zeros((1, 100), np.float32)
-    for column in range(100):
-        amplitude[:] = 0.0
-        amplitude[0, column] = 1.0
-        assert column_means(amplitude, width).max() > 0.0
-    assert column_means(np.ones((2, 100), np.float32), width).tolist() == [[1.0] * width] * 2
-
-
-def test_colours_run_from_low_to_high() -> None:
-    table = colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1))
-    painted = colours(np.array([[-1.0, 1.0, 2.0, 3.0, 9.0]], np.float32), 1.0, 3.0, table)
-    assert [hex(int(word)) for word in painted[0]] == [
-        "0xff000000",
-        "0xff000000",
-        "0xff7f7f7f",
-        "0xffffffff",
-        "0xffffffff",
-    ]
-
-
-def test_highlights_are_told_apart_and_the_bed_keeps_its_tones() -> None:
-    tones = np.linspace(0.0, KNEE, 50, dtype=np.float32)
-    np.testing.assert_allclose(compress_highlights(tones), tones, atol=1e-6)
-    targets = compress_highlights(np.array([1.0, 2.0, 5.0, 10.0, HEADROOM], np.float32))
-    assert (np.diff(targets) > 0.03).all()
-    assert targets[-1] == pytest.approx(1.0)
-    table = with_highlights(colour_table(np.repeat(np.arange(256, dtype=np.uint8)[:, None], 3, axis=1)))
-    painted = colours(np.array([[-1.0, 0.0, 0.5, 2.0, 5.0, 99.0]], np.float32), 0.0, 1.0, table)
-    grey = [int(word) & 0xFF for word in painted[0]]
-    assert grey[:3] == [0, 0, 127]
-    assert grey[2] < grey[3] < grey[4] < grey[5] == 255
-
-
-def test_the_target_of_a_scene_is_not_saturated() -> None:
-    scene = edit(load_scene("pipe-on-bed"), {"track.pings": 32})
-    simulation, pings = prepare(scene), np.arange(32)
-    amplitude = LevelBed(simulation).normalise(simulation.intensity(pings), pings)
-    labels = simulation.truth(pings)
-    low, high = choose_contrast(amplitude)
-    tones = compress_highlights((amplitude - np.float32(low)) / np.float32(high - low))
-    assert (tones[(labels.target_id == 0) & (labels.path == 0)] > 0.999).mean() < 0.05
-
-
-def test_ticks_are_round() -> None:
-    assert round_steps(0.0, 50.0, 3) == [0.0, 20.0, 40.0]
-    assert round_steps(0.0, 0.7, 3) == pytest.approx([0.0, 0.5])
-    assert round_steps(0.0, 1.0, 1) == [0.0, 1.0]
 
 
 def test_mark_is_announced_once(default: Scene) -> None:
