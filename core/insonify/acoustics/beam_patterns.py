@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, TABLE, TOP_HAT, BeamPattern, plain_pattern
 from insonify.scene import Scene
 from insonify.scene.beams import Sounding
+from insonify.scene.vertical_beams import VerticalBeamKind
 
 SHAPES = {"every_grazing": EVERY_GRAZING, "top_hat": TOP_HAT, "gaussian": GAUSSIAN, "table": TABLE}
 
@@ -65,3 +66,36 @@ def _integral(extent: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArr
     step = 2.0 * extent[:, None] / (energy.shape[1] - 1)
     sums = np.cumsum(0.5 * (energy[:, 1:] + energy[:, :-1]) * step, axis=1)
     return np.concatenate([np.zeros((extent.size, 1)), sums], axis=1)
+
+
+def vertical_energy(
+    vertical: VerticalBeamKind, wavelength: float, passes: int, depression: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Response of a vertical beam in the plane across the fish, as the tracers' `vertical_response` has it.
+
+    Parameters
+    ----------
+    vertical : VerticalBeamKind
+    wavelength : float
+        Metres.
+    passes : int
+        Of the sound through the beam.
+    depression : (n,) float64
+        Angles below the level fish, in radians.
+
+    Returns
+    -------
+    (n,) float64
+        1 on the axis; 0 behind the transducer.
+    """
+    response = vertical.response
+    if response.shape == "every_grazing":
+        return np.ones(depression.shape)
+    off = depression - math.radians(response.tilt)
+    ahead = np.cos(off) > 0.0
+    if response.shape == "table":
+        table = vertical.sensitivity(wavelength) ** passes
+        return np.where(ahead, np.interp(-np.sin(off), np.linspace(-1.0, 1.0, table.size), table), 0.0)
+    share = np.sin(off) / math.sin(math.radians(response.width) / 2.0)
+    lobe = np.abs(share) <= 1.0 if response.shape == "top_hat" else np.exp2(-passes * share * share)
+    return np.where(ahead, lobe, 0.0)

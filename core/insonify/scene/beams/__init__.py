@@ -58,7 +58,7 @@ class BeamKind(Choice):
     """Sensitivity of the sonar along the track.
 
     A kind declares the half width of its main lobe, its extent and its response. A beam that changes with range
-    overrides `tabulate`.
+    overrides `tabulate` and `at_range`.
 
     Attributes
     ----------
@@ -108,3 +108,7 @@ class BeamKind(Choice):
         extent = self.extent(sounding)
         s = np.linspace(-extent, extent, COLUMNS)
         return BeamTable(1.0, np.array([extent]), self.response(s, sounding)[None, :])
+
+    def at_range(self, sounding: Sounding) -> BeamTable:
+        """Tabulate the sensitivity at the range of the sounding alone: a single row."""
+        return self.tabulate(sounding)

@@ -71,8 +71,6 @@ class LineArray(AimedBeam):
         farthest_range : float
             Greatest slant range, in metres.
         """
-        from scipy.signal import czt  # takes longer to import than a preview takes to trace
-
         length, first_range = self.length, self.length
         # Beyond some ten times L²/λ the waves are flat.
         farthest = max(min(farthest_range, 16.0 * length * length / wavelength), 2.0 * first_range)
@@ -80,19 +78,39 @@ class LineArray(AimedBeam):
         per_octave = FEWEST_ROWS * max(math.ceil(ROWS_PER_RADIAN * turn / FEWEST_ROWS), 1)
         rows = 1 + math.ceil(per_octave * math.log2(farthest / first_range))
         ranges = first_range * 2.0 ** (np.arange(rows) / per_octave)
-        extent = np.minimum(0.5 * length / ranges + LOBES[self.two_way] * wavelength / length, 1.0)
-        weights = taper_weights(self.taper)
-        weights = weights / weights.sum()
-        place = ((np.arange(ELEMENTS) + 0.5) / ELEMENTS - 0.5) * length
-        wave_number = 2.0 * math.pi / wavelength
+        extent = self._extent_at(ranges, wavelength)
+        weights = self._weights()
         energy = np.empty((rows, COLUMNS))
         for row in range(rows):
-            curved = weights * np.exp(0.5j * wave_number * place**2 / ranges[row])
-            step = wave_number * (place[1] - place[0]) * 2.0 * extent[row] / (COLUMNS - 1)
-            start = wave_number * (place[1] - place[0]) * extent[row]
-            field = czt(curved, COLUMNS, np.exp(-1j * step), np.exp(-1j * start))
-            energy[row] = np.abs(field) ** (2.0 * self.passes)
+            energy[row] = self._energy_at(ranges[row], extent[row], wavelength, weights)
         return BeamTable(first_range, extent, energy, per_octave)
+
+    def at_range(self, sounding: Sounding) -> BeamTable:
+        """Tabulate the range alone."""
+        extent = self._extent_at(np.array([sounding.range]), sounding.wavelength)
+        energy = self._energy_at(sounding.range, extent[0], sounding.wavelength, self._weights())
+        return BeamTable(sounding.range, extent, energy[None, :])
+
+    def _extent_at(self, ranges: Values, wavelength: float) -> Values:
+        """Sine at each range beyond which less than 0.5 % arrives."""
+        return np.minimum(0.5 * self.length / ranges + LOBES[self.two_way] * wavelength / self.length, 1.0)
+
+    def _weights(self) -> Values:
+        """Weights of the elements, which sum to 1."""
+        weights = taper_weights(self.taper)
+        return weights / weights.sum()
+
+    def _energy_at(self, slant_range: float, extent: float, wavelength: float, weights: Values) -> Values:
+        """Sensitivity at one range by direction from -extent to extent."""
+        from scipy.signal import czt  # takes longer to import than a preview takes to trace
+
+        place = ((np.arange(ELEMENTS) + 0.5) / ELEMENTS - 0.5) * self.length
+        wave_number = 2.0 * math.pi / wavelength
+        curved = weights * np.exp(0.5j * wave_number * place**2 / slant_range)
+        step = wave_number * (place[1] - place[0]) * 2.0 * extent / (COLUMNS - 1)
+        start = wave_number * (place[1] - place[0]) * extent
+        field = czt(curved, COLUMNS, np.exp(-1j * step), np.exp(-1j * start))
+        return np.asarray(np.abs(field) ** (2.0 * self.passes))
 
 
 def taper_weights(name: str) -> Values:

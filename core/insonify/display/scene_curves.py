@@ -1,0 +1,192 @@
+"""Curves of a scene's beams and pulse, and the spectrum of its bed, for small pictures beside their settings."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from insonify.acoustics.beam_patterns import vertical_energy
+from insonify.acoustics.water import speed_at_sonar
+from insonify.scene import Scene
+from insonify.scene.beams import Sounding
+from insonify.scene.pulses import PulseKind
+from insonify.scene.reliefs.fractal import Fractal, power_spectrum
+
+FLOOR = -50.0  # dB, the least level of a curve
+LOBES_SHOWN = 4.0  # half widths of the main lobe on either side of a beam's axis
+PULSE_POINTS = 4096
+SIDELOBES = 8.0  # resolutions before and after the echo of a compressed pulse
+SPECTRAL_WIDTHS = 4.0  # over the pulse's resolution, the span of its spectrum
+CELLS = 129  # of a spectrum's picture, a side
+WIDEST_SPECTRUM, NARROWEST_SPECTRUM = 1.5, 8.0  # of the farthest peak; cycles a period
+
+
+class Curve(NamedTuple):
+    """A curve with its axes.
+
+    Attributes
+    ----------
+    title, note : str
+        What it shows; the figure that a reader looks for.
+    x, y : (n,) float64
+    x_unit, y_unit : str
+        The second is "dB" for levels, empty for amplitudes.
+    """
+
+    title: str
+    note: str
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    x_unit: str
+    y_unit: str
+
+
+class ReliefSpectrum(NamedTuple):
+    """Spectrum of a fractal bed over the plane of wave numbers.
+
+    Attributes
+    ----------
+    decibels : (n, n) float64
+        Power below the greatest; rows run with fy, columns with fx.
+    reach : float
+        Both wave numbers run from −reach to reach, in cycles per period.
+    peaks : tuple of (float, float)
+        The declared peaks (fx, fy), in cycles per period.
+    """
+
+    decibels: NDArray[np.float64]
+    reach: float
+    peaks: tuple[tuple[float, float], ...]
+
+
+def beam_curve(scene: Scene) -> Curve | None:
+    """Two-way level over the angle from the beam's axis along the track, at the range of the sonar.
+
+    Returns
+    -------
+    Curve or None
+        None for a beam without width.
+
+    Raises
+    ------
+    SceneError
+        If the sound speed at the sonar cannot be known.
+    """
+    beam = scene.sonar.beam
+    if not beam.has_width:
+        return None
+    sounding = Sounding(speed_at_sonar(scene), scene.sonar.frequency, scene.sonar.range)
+    table, half_width = beam.at_range(sounding), beam.half_width(sounding)
+    reach = min(LOBES_SHOWN * half_width, 0.5 * math.pi)
+    angle = np.linspace(-reach, reach, table.energy.shape[1])
+    sines = np.linspace(-table.extent[0], table.extent[0], table.energy.shape[1])
+    level = _decibels(np.interp(np.sin(angle), sines, table.energy[0], left=0.0, right=0.0))
+    width = _width_at(angle, level, -3.0)
+    across = 2.0 * scene.sonar.range * math.tan(0.5 * width)
+    note = f"−3 dB: {math.degrees(width):.3g}°, {across:.3g} m at {scene.sonar.range:g} m"
+    return Curve(_ways("Beam along the track", beam.passes), note, np.degrees(angle), level, "°", "dB")
+
+
+def vertical_beam_curve(scene: Scene) -> Curve | None:
+    """Level of the vertical beam over the angle below the horizon; None for one that is uniform.
+
+    Raises
+    ------
+    SceneError
+        If the sound speed at the sonar cannot be known.
+    """
+    vertical = scene.sonar.vertical
+    if not vertical.shades:
+        return None
+    wavelength = speed_at_sonar(scene) / scene.sonar.frequency
+    depression = np.linspace(-math.pi / 6.0, math.pi / 2.0, 721)
+    energy = vertical_energy(vertical, wavelength, scene.sonar.beam.passes, depression)
+    level = _decibels(energy)
+    peak = math.degrees(depression[int(np.argmax(level))])
+    width = math.degrees(_width_at(depression, level - level.max(), -3.0))
+    note = f"loudest {peak:.3g}° below the horizon, −3 dB: {width:.3g}°"
+    return Curve(_ways("Vertical beam", scene.sonar.beam.passes), note, np.degrees(depression), level, "°", "dB")
+
+
+def pulse_curve(scene: Scene) -> Curve | None:
+    """Amplitude of a point's echo over time; None for a pulse shorter than any bin.
+
+    Raises
+    ------
+    SceneError
+        If the sound speed at the sonar cannot be known.
+    """
+    pulse = scene.sonar.pulse
+    if pulse.length == 0.0:
+        return None
+    time = _times(pulse)
+    cell = pulse.cell(speed_at_sonar(scene))
+    note = f"tells apart {1e3 * pulse.resolution:.3g} ms, {cell:.3g} m in range"
+    return Curve("Echo of a point", note, 1e3 * time, np.abs(pulse.envelope(time)), "ms", "")
+
+
+def pulse_spectrum_curve(scene: Scene) -> Curve | None:
+    """Level of the spectrum of a point's echo over frequency; None for a pulse shorter than any bin.
+
+    The spectrum is the transform of the echo's envelope about the carrier.
+    """
+    pulse = scene.sonar.pulse
+    if pulse.length == 0.0:
+        return None
+    time = _times(pulse)
+    step = time[1] - time[0]
+    padded = 16 * time.size
+    power = np.abs(np.fft.fftshift(np.fft.fft(pulse.envelope(time), padded))) ** 2
+    away = np.fft.fftshift(np.fft.fftfreq(padded, step))
+    shown = np.abs(away) <= 0.5 * SPECTRAL_WIDTHS / pulse.resolution
+    level = _decibels(power[shown] / power.max())
+    frequency = 1e-3 * (scene.sonar.frequency + away[shown])
+    width = _width_at(frequency, level, -3.0)
+    return Curve("Spectrum of the echo", f"−3 dB: {width:.3g} kHz", frequency, level, "kHz", "dB")
+
+
+def relief_spectrum(scene: Scene) -> ReliefSpectrum | None:
+    """Spectrum of a fractal bed; None for other reliefs."""
+    relief = scene.seabed.relief
+    if not isinstance(relief, Fractal):
+        return None
+    farthest = max(max(abs(fx), abs(fy)) for fx, fy in relief.peaks)
+    reach = max(WIDEST_SPECTRUM * farthest, NARROWEST_SPECTRUM)
+    axis = np.linspace(-reach, reach, CELLS)
+    power = power_spectrum(relief, axis[None, :], axis[:, None])
+    return ReliefSpectrum(_decibels(power / power.max()), reach, relief.peaks)
+
+
+def _times(pulse: PulseKind) -> NDArray[np.float64]:
+    """Return times about the echo of a point that show all of it, or its first sidelobes."""
+    if pulse.two_sided:
+        reach = min(SIDELOBES * pulse.resolution, pulse.length)
+        return np.linspace(-reach, reach, PULSE_POINTS)
+    return np.linspace(-0.5 * pulse.length, 1.5 * pulse.length, PULSE_POINTS)
+
+
+def _ways(title: str, passes: int) -> str:
+    return f"{title}, {'two' if passes == 2 else 'one'} way"
+
+
+def _decibels(energy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Levels, the least of them `FLOOR`."""
+    return 10.0 * np.log10(np.maximum(energy, 10.0 ** (0.1 * FLOOR)))
+
+
+def _width_at(x: NDArray[np.float64], level: NDArray[np.float64], least: float) -> float:
+    """Span about the peak within which a level is not below the least, with straight lines between points."""
+    peak = int(np.argmax(level))
+    return abs(_crossing(x[peak:], level[peak:], least) - _crossing(x[peak::-1], level[peak::-1], least))
+
+
+def _crossing(x: NDArray[np.float64], level: NDArray[np.float64], least: float) -> float:
+    """Where a level, which begins above the least, first falls below it; the last place if it never does."""
+    below = np.flatnonzero(level < least)
+    if below.size == 0:
+        return float(x[-1])
+    after = int(below[0])
+    return float(np.interp(least, level[after - 1 : after + 1][::-1], x[after - 1 : after + 1][::-1]))

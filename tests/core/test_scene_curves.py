@@ -1,0 +1,130 @@
+"""Curves of beams, pulses and beds beside their settings, against closed forms and the tracers' own tables."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from insonify.acoustics.beam_patterns import make_pattern
+from insonify.display.scene_curves import (
+    FLOOR,
+    beam_curve,
+    pulse_curve,
+    pulse_spectrum_curve,
+    relief_spectrum,
+    vertical_beam_curve,
+)
+from insonify.kernels.beam.pattern import vertical_responses
+from insonify.scene import Scene, bundled_scenes, edit, load_scene
+
+SPEED = 1500.0
+FAR = {"sonar.range": 5000.0, "sonar.ping_rate": 0.1}
+VERTICALS = [
+    {"kind": "fan", "width": 40.0, "tilt": 35.0},
+    {"kind": "gaussian", "width": 30.0, "tilt": 20.0},
+    {"kind": "array", "height": 0.01, "tilt": 25.0},
+    {"kind": "table"},
+]
+
+
+@pytest.fixture(scope="module")
+def default() -> Scene:
+    return edit(load_scene("default"), {"water": {"kind": "uniform", "sound_speed": SPEED}})
+
+
+def test_width_of_a_gaussian_beam_is_that_declared(default: Scene) -> None:
+    curve = beam_curve(edit(default, {"sonar.beam": {"kind": "gaussian", "width": 2.0, "two_way": False}}))
+    assert curve is not None
+    above = curve.x[curve.y >= -3.0103]
+    assert np.ptp(above) == pytest.approx(2.0, abs=2.0 * (curve.x[1] - curve.x[0]))
+    assert curve.note == "−3 dB: 2°, 1.74 m at 50 m"
+
+
+def test_far_field_of_a_line_array(default: Scene) -> None:
+    length, frequency = 0.3, 400e3
+    spec = {"kind": "array", "length": length, "two_way": False}
+    curve = beam_curve(edit(default, {"sonar.beam": spec, "sonar.frequency": frequency, **FAR}))
+    assert curve is not None
+    expected = 20.0 * np.log10(np.abs(np.sinc(length * frequency / SPEED * np.sin(np.radians(curve.x)))))
+    loud = expected > -15.0
+    np.testing.assert_allclose(curve.y[loud], expected[loud], atol=0.05)
+
+
+@pytest.mark.parametrize("vertical", VERTICALS, ids=lambda spec: spec["kind"])
+@pytest.mark.parametrize("two_way", [True, False])
+def test_vertical_beam_is_that_of_the_tracers(default: Scene, vertical: dict[str, object], two_way: bool) -> None:
+    scene = edit(
+        default, {"sonar.beam": {"kind": "gaussian", "width": 1.0, "two_way": two_way}, "sonar.vertical": vertical}
+    )
+    curve, pattern = vertical_beam_curve(scene), make_pattern(scene, SPEED)[1]
+    assert curve is not None
+    angle = np.radians(curve.x)
+    traced = np.empty(angle.size)
+    vertical_responses(pattern, -angle, traced)
+    np.testing.assert_allclose(curve.y, np.maximum(10.0 * np.log10(np.maximum(traced, 1e-9)), FLOOR), atol=1e-6)
+
+
+def test_spectrum_of_a_tone_is_a_sinc(default: Scene) -> None:
+    duration, frequency = 2e-4, 300e3
+    scene = edit(default, {"sonar.pulse": {"kind": "tone", "duration": duration}, "sonar.frequency": frequency})
+    curve = pulse_spectrum_curve(scene)
+    assert curve is not None
+    expected = 20.0 * np.log10(np.maximum(np.abs(np.sinc(duration * (1e3 * curve.x - frequency))), 1e-9))
+    loud = expected > -25.0
+    np.testing.assert_allclose(curve.y[loud], expected[loud], atol=0.05)
+    assert float(curve.note.split()[2]) == pytest.approx(0.886e-3 / duration, rel=0.01)
+
+
+def test_spectrum_of_a_chirp_fills_its_band(default: Scene) -> None:
+    spec = {"kind": "chirp", "duration": 5e-3, "bandwidth": 40e3, "window": "uniform"}
+    curve = pulse_spectrum_curve(edit(default, {"sonar.pulse": spec, "sonar.frequency": 100e3}))
+    assert curve is not None
+    assert np.median(curve.y[np.abs(curve.x - 100.0) < 15.0]) == pytest.approx(0.0, abs=1.0)
+    assert curve.y[np.abs(curve.x - 100.0) > 25.0].max() < -20.0
+
+
+def test_echo_of_a_point_lasts_as_long_as_its_pulse(default: Scene) -> None:
+    tone = pulse_curve(edit(default, {"sonar.pulse": {"kind": "tone", "duration": 2e-4}}))
+    assert tone is not None
+    assert np.ptp(tone.x[tone.y > 0.5]) == pytest.approx(0.2, rel=2e-3)
+    assert tone.note == "tells apart 0.2 ms, 0.15 m in range"
+    chirp = pulse_curve(edit(default, {"sonar.pulse": {"kind": "chirp", "bandwidth": 30e3}}))
+    assert chirp is not None
+    assert chirp.x[np.argmax(chirp.y)] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_spectrum_of_a_bed_is_greatest_at_its_peaks_and_their_images(default: Scene) -> None:
+    relief = {"kind": "fractal", "beta": 1.6, "peaks": [[12.0, 5.0]], "clamp": "soft"}
+    spectrum = relief_spectrum(edit(default, {"seabed.relief": relief}))
+    assert spectrum is not None
+    axis = np.linspace(-spectrum.reach, spectrum.reach, len(spectrum.decibels))
+    row, column = np.unravel_index(int(np.argmax(spectrum.decibels)), spectrum.decibels.shape)
+    assert abs(abs(axis[column]) - 12.0) < 0.5
+    assert math.copysign(1.0, axis[column]) * axis[row] == pytest.approx(5.0, abs=0.5)
+    np.testing.assert_allclose(spectrum.decibels, spectrum.decibels[::-1, ::-1])
+
+
+def test_what_has_no_shape_has_no_curve(default: Scene) -> None:
+    scene = edit(
+        default,
+        {
+            "sonar.beam": {"kind": "knife"},
+            "sonar.vertical": {"kind": "uniform"},
+            "sonar.pulse": {"kind": "ideal"},
+            "seabed.relief": {"kind": "flat"},
+        },
+    )
+    assert [draw(scene) for draw in (beam_curve, vertical_beam_curve, pulse_curve, relief_spectrum)] == [None] * 4
+    assert pulse_spectrum_curve(scene) is None
+
+
+@pytest.mark.parametrize("name", sorted(bundled_scenes()))
+def test_curves_of_every_scene_are_finite(name: str) -> None:
+    scene = load_scene(name)
+    for draw in (beam_curve, vertical_beam_curve, pulse_curve, pulse_spectrum_curve):
+        curve = draw(scene)
+        assert curve is None or (np.isfinite(curve.x).all() and np.isfinite(curve.y).all() and curve.x.size > 1)
+    spectrum = relief_spectrum(scene)
+    assert spectrum is None or np.isfinite(spectrum.decibels).all()
