@@ -89,7 +89,7 @@ def test_echo_of_a_point_lasts_as_long_as_its_pulse(default: Scene) -> None:
     tone = pulse_curve(edit(default, {"sonar.pulse": {"kind": "tone", "duration": 2e-4}}))
     assert tone is not None
     assert np.ptp(tone.x[tone.y > 0.5]) == pytest.approx(0.2, rel=2e-3)
-    assert tone.note == "tells apart 0.2 ms, 0.15 m in range"
+    assert tone.note == "resolves 0.15 m"
     chirp = pulse_curve(edit(default, {"sonar.pulse": {"kind": "chirp", "bandwidth": 30e3}}))
     assert chirp is not None
     assert chirp.x[np.argmax(chirp.y)] == pytest.approx(0.0, abs=1e-3)

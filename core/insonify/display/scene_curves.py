@@ -124,7 +124,7 @@ def pulse_curve(scene: Scene) -> Curve | None:
         return None
     time = _times(pulse)
     cell = pulse.cell(speed_at_sonar(scene))
-    note = f"tells apart {1e3 * pulse.resolution:.3g} ms, {cell:.3g} m in range"
+    note = f"resolves {cell:.3g} m"
     return Curve("Echo of a point", note, 1e3 * time, np.abs(pulse.envelope(time)), "ms", "")
 
 
@@ -148,13 +148,20 @@ def pulse_spectrum_curve(scene: Scene) -> Curve | None:
     return Curve("Spectrum of the echo", f"−3 dB: {width:.3g} kHz", frequency, level, "kHz", "dB")
 
 
-def relief_spectrum(scene: Scene) -> ReliefSpectrum | None:
-    """Spectrum of a fractal bed; None for other reliefs."""
+def relief_spectrum(scene: Scene, reach: float | None = None) -> ReliefSpectrum | None:
+    """Spectrum of a fractal bed; None for other reliefs.
+
+    Parameters
+    ----------
+    scene : Scene
+    reach : float, optional
+        Greatest wave numbers, in cycles per period; such that the peaks lie within unless given.
+    """
     relief = scene.seabed.relief
     if not isinstance(relief, Fractal):
         return None
     farthest = max(max(abs(fx), abs(fy)) for fx, fy in relief.peaks)
-    reach = max(WIDEST_SPECTRUM * farthest, NARROWEST_SPECTRUM)
+    reach = max(WIDEST_SPECTRUM * farthest, NARROWEST_SPECTRUM) if reach is None else reach
     axis = np.linspace(-reach, reach, CELLS)
     power = power_spectrum(relief, axis[None, :], axis[:, None])
     return ReliefSpectrum(_decibels(power / power.max()), reach, relief.peaks)

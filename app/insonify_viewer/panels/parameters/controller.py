@@ -61,6 +61,7 @@ class ParametersPanel(Panel):
         scene = self._session.scene
         self.view.show_about(scene.description)
         self.view.show_sections(sections_of(scene))
+        self.view.show_pictures(scene)
 
     def _settle(self, path: str, value: Any) -> None:
         """Make an edit final; some choices need a file first."""

@@ -17,11 +17,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify.scene import Scene
 from insonify_viewer.fields import ChoiceField, NumberField, Parameter
 from insonify_viewer.panels.parameters.sections import FieldSection
 from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
 from insonify_viewer.views.lighting import light
+from insonify_viewer.views.setting_pictures.base import SettingPicture
+from insonify_viewer.views.setting_pictures.registry import pictures_of_settings
 
 NARROWEST = 316  # px
 DELAY = 20  # ms, by which the other numbers follow a slider that moves
@@ -102,6 +105,12 @@ class ParametersView(QScrollArea):
             self._column.insertWidget(place + 1, box)
         self._light_rows()
 
+    def show_pictures(self, scene: Scene) -> None:
+        """Show the curves of a scene, and the spectrum of its bed."""
+        for box in self._sections.values():
+            for picture in box.pictures:
+                picture.show_scene(scene)
+
     def turn_to(self, key: str) -> None:
         """Unfold the section of a target, fold those of the others, and scroll to it."""
         for name, box in self._sections.items():
@@ -177,6 +186,8 @@ class SectionBox(FoldingBox):
     ----------
     rows : dict of str to row
         By dotted path.
+    pictures : list of SettingPicture
+        Below the rows of the settings that they show.
     structure, removable : tuple, bool
         Of the section it was built from.
     """
@@ -192,8 +203,9 @@ class SectionBox(FoldingBox):
         grid.setColumnStretch(1, 1)
         for line, parameter in enumerate(section.parameters):
             row = _row(parameter, panel)
-            row.place(grid, line)
+            row.place(grid, 2 * line)
             self.rows[parameter.path] = row
+        self.pictures = _pictures(section, grid, panel)
         remover = _remover(section, panel) if section.removable else None
         super().__init__(section.title, body, unfolded=unfolded, beside=remover)
 
@@ -216,6 +228,19 @@ def _row(parameter: Parameter, panel: ParametersView) -> Row:
     if isinstance(parameter, ChoiceField):
         return ChoiceRow(parameter, panel.settled.emit)
     return FileRow(parameter, panel.file_asked.emit)
+
+
+def _pictures(section: FieldSection, grid: QGridLayout, panel: ParametersView) -> list[SettingPicture]:
+    """Place the pictures of a section, each below the last row of its setting; rows fill every other line."""
+    placed = []
+    for path, picture in pictures_of_settings().items():
+        lines = [line for line, parameter in enumerate(section.parameters) if parameter.path.startswith(f"{path}.")]
+        if lines:
+            grid.addWidget(picture, 2 * lines[-1] + 1, 0, 1, 3)
+            picture.dragged.connect(panel.dragged)
+            picture.settled.connect(panel.settled)
+            placed.append(picture)
+    return placed
 
 
 def _remover(section: FieldSection, panel: ParametersView) -> QToolButton:
