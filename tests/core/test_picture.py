@@ -9,7 +9,7 @@ from PIL import Image
 
 from insonify.display import display_options
 from insonify.display import sheet as module
-from insonify.display.display_options import DisplayOptions, find_palettes
+from insonify.display.display_options import DisplayOptions, find_palettes, side_factors
 from insonify.display.normalisation import estimate_median_curve, extend_to_water_column, normalise
 from insonify.display.page import caption_scene, place_decibel_ticks, write_page
 from insonify.display.picture import (
@@ -22,6 +22,7 @@ from insonify.display.picture import (
     map_tones,
     mirror_channels,
 )
+from insonify.display.range_axis import RangeAxis, make_range_axis
 from insonify.display.sheet import resample_rows, take_sheet_pings
 from insonify.scene import SceneError, edit, load_scene
 
@@ -141,7 +142,7 @@ def test_port_lies_left_starboard_right_newest_on_top():
     sides = np.zeros((2, 2, 4), dtype=np.float32)
     sides[0, 0, 1] = 1.0  # oldest ping, port, second bin
     sides[1, 1, 3] = 2.0  # newest ping, starboard, last bin
-    edges = compute_column_edges(np.full(2, ALTITUDE), 4, 0.1, 4)
+    edges = compute_column_edges(np.full(2, ALTITUDE), RangeAxis("slant", 4, 0.1, 0.4), 4)
     assert mirror_channels(sides, edges).tolist() == [[0, 0, 0, 0, 0, 0, 0, 2], [0, 0, 1, 0, 0, 0, 0, 0]]
     assert mirror_channels(sides, edges, "port").tolist() == [[0, 0, 0, 0], [0, 1, 0, 0]]
     assert mirror_channels(sides, edges, "starboard").tolist() == [[0, 0, 0, 2], [0, 0, 0, 0]]
@@ -149,7 +150,7 @@ def test_port_lies_left_starboard_right_newest_on_top():
 
 def test_swapped_channels_mirror_the_picture():
     sides = np.random.default_rng(1).random((5, 2, BINS), dtype=np.float32)
-    edges = compute_column_edges(np.full(5, ALTITUDE), BINS, REACH / BINS, 60)
+    edges = compute_column_edges(np.full(5, ALTITUDE), RangeAxis("slant", BINS, REACH / BINS, REACH), 60)
     np.testing.assert_array_equal(mirror_channels(sides[:, ::-1], edges), mirror_channels(sides, edges)[:, ::-1])
 
 
@@ -173,7 +174,7 @@ def test_ground_range_puts_an_echo_where_the_bed_is():
     altitudes = np.array([8.0, 10.0, 12.0])
     for ping, altitude in enumerate(altitudes):
         sides[ping, 1, int(np.hypot(30.05, altitude) / 0.01)] = 1.0
-    edges = compute_column_edges(altitudes, 5000, 0.01, 480, ground_reach=48.0)
+    edges = compute_column_edges(altitudes, RangeAxis("ground", 5000, 0.01, 48.0), 480)
     assert mirror_channels(sides, edges, "starboard").argmax(axis=1).tolist() == [300, 300, 300]
 
 
@@ -235,7 +236,7 @@ def test_a_page_shows_the_sheet_pixel_for_pixel(tmp_path, look):
     with Image.open(tmp_path / "page.png") as picture:
         pixels = np.asarray(picture.convert("RGB"))
     rows, columns = sheet.amplitude.shape
-    shown = colour_amplitudes(sheet.amplitude, look.palette, look.gain)
+    shown = colour_amplitudes(sheet.amplitude, look)
     at = (92 + 20, 86 + 20)
     np.testing.assert_array_equal(pixels[at[0] : at[0] + 40, at[1] : at[1] + 300], shown[20:60, 20:320])
     assert pixels.shape[0] > rows
@@ -276,3 +277,52 @@ def test_a_palette_is_one_new_file(tmp_path, monkeypatch):
     monkeypatch.setattr(display_options, "resources", lambda: tmp_path)
     assert set(find_palettes()) == {*PALETTES, "reds"}
     np.testing.assert_array_equal(load_palette("reds")[[0, 255]], [[0, 0, 0], [255, 0, 0]])
+
+
+@pytest.mark.parametrize("kind", ["slant", "bed", "ground"])
+def test_distances_lead_to_bins_and_back(kind: str) -> None:
+    axis = make_range_axis(kind, 500, 0.1, 8.0)
+    assert axis is not None
+    altitude = np.array([8.0, 10.0, 14.0])[:, None]
+    distance = np.array([0.5, 3.0, 20.0, 34.0])[None, :]
+    back = axis.distance_of(axis.bins_at(distance, altitude), altitude)
+    np.testing.assert_allclose(back, np.broadcast_to(distance, back.shape), rtol=1e-12)
+    assert axis.bins_at(np.array([axis.reach]), np.array([8.0])) == pytest.approx(500)
+    assert np.isnan(axis.distance_of(np.array([20.0]), np.array([10.0]))).all() == (kind != "slant")
+    assert make_range_axis(kind, 500, 0.1, 60.0) is None or kind == "slant"
+
+
+def test_without_water_a_picture_begins_at_the_first_echo_of_each_ping() -> None:
+    intensity = np.zeros((2, 3, BINS), np.float32)
+    altitudes = np.array([8.0, 10.0, 12.0])
+    for ping, altitude in enumerate(altitudes):
+        intensity[:, ping, int(altitude / (REACH / BINS)) + 1] = 1.0
+    block = record(intensity).assign(platform_altitude=("ping_time", altitudes))
+    sheet = gather_sheet([block], even(), 3, DisplayOptions(side="starboard", water_column=False))
+    assert sheet.reach == pytest.approx(REACH - 8.0)
+    loudest = sheet.amplitude.argmax(axis=1) * sheet.reach / sheet.amplitude.shape[1]
+    assert (loudest < 2.5 * REACH / BINS).all()
+    turned = gather_sheet([block], even(), 3, DisplayOptions(side="starboard", newest_on_top=False))
+    upright = gather_sheet([block], even(), 3, DisplayOptions(side="starboard"))
+    np.testing.assert_array_equal(turned.amplitude, upright.amplitude[::-1])
+
+
+def test_gains_of_a_side_and_over_range() -> None:
+    look = DisplayOptions(side_gains=(6.0, 0.0), side_slopes=(0.0, 20.0))
+    factors = side_factors(look, 1000)
+    assert factors is not None
+    np.testing.assert_allclose(factors[0], 10.0**0.3, rtol=1e-6)
+    np.testing.assert_allclose(20.0 * np.log10(factors[1, [49, 499, 999]]), [-20.0, 0.0, 6.02], atol=0.1)
+    assert side_factors(DisplayOptions(), 1000) is None
+
+
+def test_a_palette_linear_in_decibels() -> None:
+    tones = map_tones(np.array([0.0, 0.01, 0.1, 1.0, 9.0], np.float32), (0.0, 1.0), decibels=True)
+    assert tones.tolist() == [0, 0, 128, 255, 255], "40 dB below the upper end at most"
+    assert map_tones(np.array([0.1, 0.316, 1.0], np.float32), (0.1, 1.0), decibels=True).tolist() == [0, 127, 255]
+    upright, turned = (
+        colour_amplitudes(np.eye(2, dtype=np.float32), DisplayOptions(reverse=r), (0.0, 1.0)) for r in (0, 1)
+    )
+    assert (upright == turned[::-1]).all()
+    for place, text in place_decibel_ticks((0.1, 1.0), gain=0.0, decibels=True):
+        assert place == pytest.approx(1.0 + float(text.replace("−", "-")) / 20.0)

@@ -78,7 +78,7 @@ def draw_comparison(
     for number, (record, sheet, found) in enumerate(zip(records, sheets, measured)):
         left, base = MARGIN + number * (column + GAP), GRAPHS + 1.55
         axes = figure.add_axes((left / WIDTH, base / height, column / WIDTH, tall / height))
-        _picture(axes, sheet, colour_amplitudes(sheet.amplitude, look.palette, 0.0, levels))
+        _picture(axes, sheet, colour_amplitudes(sheet.amplitude, look, levels))
         _headings(figure, (left / WIDTH, (base + tall) / height, 1.0 / height), record, sheet, found, HUES[number])
     _graphs(figure, height, measured)
     return figure

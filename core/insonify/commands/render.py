@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> None:
     given = {
         name: getattr(arguments, name)
         for name in DisplayOptions._fields
-        if getattr(arguments, name) not in (None, False)
+        if getattr(arguments, name, None) not in (None, False)
     }
     if given and not _is_picture(path):
         option = f"--{next(iter(given)).replace('_', '-')}"

@@ -5,10 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from insonify.files import resources
 
 DEFAULT_PALETTE = "copper"
 SIDES = ("both", "port", "starboard")
+Levels = tuple[float, float]  # amplitudes at the two ends of a palette
 
 
 def find_palettes() -> dict[str, Path]:
@@ -21,9 +25,56 @@ PALETTES = tuple(find_palettes())
 
 
 class DisplayOptions(NamedTuple):
-    """Sides, kind of range, palette and gain of a picture of a record."""
+    """How a record is shown, in the window and as a picture.
+
+    Attributes
+    ----------
+    side : str
+        ``both``, ``port`` or ``starboard``.
+    ground_range : bool
+        Ground range in place of slant range; the water column then is left out.
+    palette : str
+        Name of a palette.
+    gain : float
+        Of both sides, dB.
+    water_column : bool
+        Whether slant range begins at the sonar; else at the first echo of the bed.
+    reverse : bool
+        Whether the palette runs from bright to dark.
+    decibels : bool
+        Whether the palette is linear in decibels; else in amplitude.
+    levels : (float, float) or None
+        Amplitudes at the ends of the palette; None to choose them from the record.
+    side_gains : (float, float)
+        Of port and starboard alone, dB.
+    side_slopes : (float, float)
+        Time-varied gain of port and starboard beyond that of the record, in dB per decade of slant range; 0 dB at half
+        the range.
+    newest_on_top : bool
+        Whether later pings stand above earlier ones.
+    bottom_line, range_lines : bool
+        Whether the first echo of the bed, and lines of equal range, are drawn.
+    """
 
     side: str = "both"
     ground_range: bool = False
     palette: str = DEFAULT_PALETTE
-    gain: float = 0.0  # dB
+    gain: float = 0.0
+    water_column: bool = True
+    reverse: bool = False
+    decibels: bool = False
+    levels: Levels | None = None
+    side_gains: tuple[float, float] = (0.0, 0.0)
+    side_slopes: tuple[float, float] = (0.0, 0.0)
+    newest_on_top: bool = True
+    bottom_line: bool = False
+    range_lines: bool = False
+
+
+def side_factors(look: DisplayOptions, bins: int) -> NDArray[np.float32] | None:
+    """Factors on the amplitudes of both sides, (2, bins), port first; None where both sides stay as they are."""
+    if not any((*look.side_gains, *look.side_slopes)):
+        return None
+    decades = np.log10((np.arange(bins) + 0.5) / (0.5 * bins))
+    decibels = np.array(look.side_gains)[:, None] + np.array(look.side_slopes)[:, None] * decades
+    return np.asarray(10.0 ** (decibels / 20.0), dtype=np.float32)

@@ -12,9 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from insonify.display.display_options import DisplayOptions
-from insonify.display.picture import choose_contrast, colour_amplitudes, load_palette
+from insonify.display.picture import choose_contrast, colour_amplitudes, shown_palette, span_decibels
+from insonify.display.range_axis import BED, GROUND, SLANT, choose_kind
 from insonify.display.sheet import RecordSheet
-from insonify.display.style import FAINT, INK, LINE_WIDTH, label_axes, make_figure, style_axes
+from insonify.display.style import AMBER, FAINT, INK, LINE_WIDTH, label_axes, make_figure, style_axes
 from insonify.io.atomic import replacing
 from insonify.scene import Scene
 
@@ -80,16 +81,17 @@ def draw_page(sheet: RecordSheet, look: DisplayOptions, caption: PageCaption) ->
     height, width = sheet.amplitude.shape
     whole = (LEFT + width + RIGHT, TOP + height + BOTTOM)
     figure = make_figure(whole[0] / DPI, whole[1] / DPI, dpi=DPI)
-    levels = choose_contrast(sheet.amplitude)
+    levels = look.levels or choose_contrast(sheet.amplitude, decibels=look.decibels)
     axes = _axes(figure, whole, LEFT, BOTTOM, width, height)
     near = -sheet.reach if look.side == "both" else 0.0
     axes.imshow(
-        colour_amplitudes(sheet.amplitude, look.palette, look.gain, levels),
-        extent=(near, sheet.reach, 0.0, sheet.along or 1.0),  # one ping has no length
+        colour_amplitudes(sheet.amplitude, look, levels),
+        extent=(near, sheet.reach, *_ends(sheet, look)),
         aspect="auto",
         interpolation="nearest",
     )
     _scales(axes, sheet, look)
+    _lines(axes, sheet, look)
     bar = _axes(figure, whole, LEFT + width + 84, BOTTOM, 18, height)
     _colour_bar(bar, look, levels, caption.level)
     _headings(figure, whole, width, look, caption)
@@ -103,12 +105,27 @@ def _axes(figure: Figure, whole: tuple[int, int], left: int, bottom: int, width:
     return axes
 
 
+def _ends(sheet: RecordSheet, look: DisplayOptions) -> tuple[float, float]:
+    """Metres along the track at the lower and the upper edge; one ping has no length."""
+    ends = (0.0, sheet.along or 1.0)
+    return ends if look.newest_on_top else ends[::-1]
+
+
+def _lines(axes: Any, sheet: RecordSheet, look: DisplayOptions) -> None:
+    """Draw lines of equal range, and the first echo of the bed at its slant range."""
+    if look.range_lines:
+        axes.grid(axis="x", color="white", alpha=0.35, linewidth=0.6)
+    if look.bottom_line and look.water_column and not look.ground_range:
+        along = (np.arange(sheet.pings) + 0.5) / sheet.pings * (sheet.along or 1.0)
+        for sign in {"both": (-1.0, 1.0)}.get(look.side, (1.0,)):
+            axes.plot(sign * sheet.altitude, along, color=AMBER, linewidth=1.0, scalex=False, scaley=False)
+
+
 def _scales(axes: Any, sheet: RecordSheet, look: DisplayOptions) -> None:
     """Set the scales: range from nadir outwards, metres along the track, ping numbers."""
     axes.xaxis.set_major_locator(MaxNLocator(10 if look.side == "both" else 8, steps=[1, 2, 2.5, 5, 10]))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{abs(x):g}"))
-    kind = "ground" if look.ground_range else "slant"
-    label_axes(axes, f"{kind} range (m)", "along track (m)", pad=6)
+    label_axes(axes, name_range(look), "along track (m)", pad=6)
     if look.side == "both":
         axes.axvline(0.0, color="white", alpha=0.25, linewidth=0.8)
     if sheet.along <= 0.0:
@@ -124,19 +141,25 @@ def _scales(axes: Any, sheet: RecordSheet, look: DisplayOptions) -> None:
     numbers.set_ylabel("ping", fontsize=10, color=FAINT, labelpad=4)
 
 
+def name_range(look: DisplayOptions) -> str:
+    """Name of the distance across a picture, for its scale."""
+    kind = choose_kind(ground_range=look.ground_range, water_column=look.water_column)
+    return {SLANT: "slant range (m)", BED: "slant range behind the first echo (m)", GROUND: "ground range (m)"}[kind]
+
+
 def _colour_bar(axes: Any, look: DisplayOptions, levels: tuple[float, float], level: str) -> None:
     """Draw the palette from low to high with ticks in decibels above a level."""
-    axes.imshow(load_palette(look.palette)[:, None, :], extent=(0, 1, 0, 1), origin="lower", aspect="auto")
+    axes.imshow(shown_palette(look)[:, None, :], extent=(0, 1, 0, 1), origin="lower", aspect="auto")
     axes.set_xticks([])
     axes.yaxis.tick_right()
     axes.yaxis.set_label_position("right")
-    places = place_decibel_ticks(levels, look.gain)
+    places = place_decibel_ticks(levels, look.gain, decibels=look.decibels)
     axes.set_yticks([place for place, _ in places], [text for _, text in places])
     label_axes(axes, y=f"echo relative to {level} (dB)", pad=6)
 
 
-def place_decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[float, str]]:
-    """Place ticks at round decibels along a bar that is linear in amplitude.
+def place_decibel_ticks(levels: tuple[float, float], gain: float, *, decibels: bool = False) -> list[tuple[float, str]]:
+    """Place ticks at round decibels along a bar that is linear in amplitude, or in decibels.
 
     Parameters
     ----------
@@ -144,6 +167,8 @@ def place_decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[
         Amplitudes of the two ends before the gain.
     gain : float
         Display gain in dB.
+    decibels : bool
+        Whether the bar is linear in decibels.
 
     Returns
     -------
@@ -153,12 +178,14 @@ def place_decibel_ticks(levels: tuple[float, float], gain: float) -> list[tuple[
     low, high = levels
     highest = math.floor(20.0 * math.log10(high) - gain)
     ticks: list[tuple[float, str]] = []
-    for decibels in range(highest, highest - 60, -1):
-        place = (10.0 ** ((decibels + gain) / 20.0) - low) / (high - low)
+    bottom, top = span_decibels(levels)
+    for level in range(highest, highest - 60, -1):
+        shown = level + gain
+        place = (shown - bottom) / (top - bottom) if decibels else (10.0 ** (shown / 20.0) - low) / (high - low)
         if place < 0.0:
             break
-        if decibels % 2 == 0 and (not ticks or ticks[-1][0] - place > 0.07):
-            ticks.append((place, f"{decibels:+d}".replace("-", "−") if decibels else "0"))
+        if level % 2 == 0 and (not ticks or ticks[-1][0] - place > 0.07):
+            ticks.append((place, f"{level:+d}".replace("-", "−") if level else "0"))
     return ticks
 
 

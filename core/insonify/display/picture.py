@@ -5,6 +5,7 @@ Pictures show amplitudes as `insonify.display.normalisation` makes them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -13,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage import exposure
 
-from insonify.display.display_options import PALETTES, find_palettes
+from insonify.display.display_options import PALETTES, DisplayOptions, Levels, find_palettes
+from insonify.display.range_axis import RangeAxis
 from insonify.kernels.display.rows import ROWS_A_THREAD, average_bins
 from insonify.parallel import in_parallel
 from insonify.scene import SceneError
@@ -27,9 +29,14 @@ __all__ = [
     "load_palette",
     "map_tones",
     "mirror_channels",
+    "place_columns",
+    "shown_palette",
+    "span_decibels",
 ]
 
 _rescale: Callable[..., Any] = exposure.rescale_intensity
+DYNAMIC = 40.0  # dB, greatest span of a palette that is linear in decibels
+HIGHLIGHTS = 10.0  # times the middle of a record, the least upper end of such a palette
 _ENOUGH = 200_000  # amplitudes that suffice for a percentile
 
 
@@ -64,7 +71,13 @@ def load_palette(name: str) -> NDArray[np.uint8]:
     return colours
 
 
-def choose_contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
+def shown_palette(look: DisplayOptions) -> NDArray[np.uint8]:
+    """Palette of display options, (256, 3), reversed if they say so."""
+    colours = load_palette(look.palette)
+    return colours[::-1] if look.reverse else colours
+
+
+def choose_contrast(amplitude: NDArray[np.float32], *, decibels: bool = False) -> Levels:
     """Choose the amplitudes that become the darkest and the brightest colour.
 
     Shadows (zeros) do not count. The span follows the texture of the bed within limits: a bed without texture stays in
@@ -75,6 +88,8 @@ def choose_contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
     ----------
     amplitude : float32 array
         From ``normalise``.
+    decibels : bool
+        Whether the palette is linear in decibels, and so has room for highlights.
 
     Returns
     -------
@@ -86,11 +101,22 @@ def choose_contrast(amplitude: NDArray[np.float32]) -> tuple[float, float]:
     if heard.size == 0:
         return 0.0, 1.0
     weak, middle, upper, strong = (float(p) for p in np.percentile(heard, [2.0, 50.0, 90.0, 99.7]))
+    if decibels:
+        return max(0.5 * weak, HIGHLIGHTS * middle * 10.0 ** (-DYNAMIC / 20.0)), max(1.5 * strong, HIGHLIGHTS * middle)
     low = min(weak, 0.6 * middle) - 0.2 * middle
     return max(low, 0.0), min(max(strong, 1.5 * middle, 1.3 * upper), max(2.4 * middle, 1.3 * upper))
 
 
-def map_tones(amplitude: NDArray[np.float32], levels: tuple[float, float], gain: float = 0.0) -> NDArray[np.uint8]:
+def span_decibels(levels: Levels) -> Levels:
+    """Return the ends in dB of a palette that is linear in decibels, at most `DYNAMIC` apart, by their amplitudes."""
+    low, high = levels
+    top = 20.0 * math.log10(max(high, 1e-30))
+    return (max(20.0 * math.log10(low), top - DYNAMIC) if low > 0.0 else top - DYNAMIC), top
+
+
+def map_tones(
+    amplitude: NDArray[np.float32], levels: Levels, gain: float = 0.0, *, decibels: bool = False
+) -> NDArray[np.uint8]:
     """Turn amplitudes into entries of a palette.
 
     Parameters
@@ -101,6 +127,8 @@ def map_tones(amplitude: NDArray[np.float32], levels: tuple[float, float], gain:
         From ``contrast``.
     gain : float
         Display gain in dB.
+    decibels : bool
+        Whether tones are linear in decibels; else in amplitude.
 
     Returns
     -------
@@ -109,6 +137,9 @@ def map_tones(amplitude: NDArray[np.float32], levels: tuple[float, float], gain:
     """
     low, high = levels
     amplified = np.nan_to_num(amplitude) * np.float32(10.0 ** (gain / 20.0))
+    if decibels:
+        low, high = span_decibels(levels)
+        amplified = np.float32(20.0) * np.log10(np.maximum(amplified, np.float32(1e-30)))
     scaled = _rescale(amplified, in_range=(low, high), out_range=(0.0, 255.0))
     return np.rint(scaled).astype(np.uint8)
 
@@ -140,37 +171,31 @@ def mirror_channels(
     return port if side == "port" else starboard
 
 
-def compute_column_edges(
-    altitude: NDArray[np.float64],
-    bins: int,
-    bin_length: float,
-    columns: int,
-    ground_reach: float | None = None,
-) -> NDArray[np.float64]:
+def compute_column_edges(altitude: NDArray[np.float64], axis: RangeAxis, columns: int) -> NDArray[np.float64]:
     """Compute the edges of equally wide columns as positions in the bins of one side.
 
     Parameters
     ----------
     altitude : (pings,) float64
         Height of the sonar above the bed, in metres.
-    bins : int
-        Range bins of a side.
-    bin_length : float
-        Slant range of a bin, in metres.
+    axis : RangeAxis
+        Distance that the columns are steps of.
     columns : int
         Columns of a side.
-    ground_reach : float, optional
-        Ground range of the outermost edge, in metres: columns are then steps of x = sqrt(r² − altitude²). Steps of
-        slant range when left out.
 
     Returns
     -------
     (pings, columns + 1) float64
     """
-    if ground_reach is None:
-        return np.broadcast_to(np.linspace(0.0, bins, columns + 1), (len(altitude), columns + 1))
-    x = np.linspace(0.0, ground_reach, columns + 1)
-    return np.minimum(np.hypot(x[None, :], altitude[:, None]) / bin_length, bins)
+    return place_columns(np.linspace(0.0, axis.reach, columns + 1), altitude, axis)
+
+
+def place_columns(distance: NDArray[np.float64], altitude: NDArray[np.float64], axis: RangeAxis) -> NDArray[np.float64]:
+    """Positions of distances in the bins of one side, (pings, distances); one row where all pings have the same."""
+    if axis.shows_water:
+        same = np.round(axis.bins_at(distance, np.zeros(1)), 9)  # so that edges of columns meet edges of bins
+        return np.broadcast_to(same, (len(altitude), distance.size))
+    return axis.bins_at(distance[None, :], altitude[:, None])
 
 
 def average_columns(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> NDArray[np.float32]:
@@ -203,10 +228,7 @@ def average_columns(rows: NDArray[np.float32], edges: NDArray[np.float64]) -> ND
 
 
 def colour_amplitudes(
-    amplitude: NDArray[np.float32],
-    name: str = "copper",
-    gain: float = 0.0,
-    levels: tuple[float, float] | None = None,
+    amplitude: NDArray[np.float32], look: DisplayOptions | None = None, levels: Levels | None = None
 ) -> NDArray[np.uint8]:
     """Colour amplitudes.
 
@@ -214,10 +236,8 @@ def colour_amplitudes(
     ----------
     amplitude : (rows, columns) float32
         From ``mirrored``.
-    name : str
-        Palette.
-    gain : float
-        Display gain in dB.
+    look : DisplayOptions, optional
+        Palette, gain and scale.
     levels : (float, float), optional
         Darkest and brightest amplitude; chosen by ``contrast`` when left out.
 
@@ -225,4 +245,6 @@ def colour_amplitudes(
     -------
     (rows, columns, 3) uint8
     """
-    return load_palette(name)[map_tones(amplitude, choose_contrast(amplitude) if levels is None else levels, gain)]
+    look = look or DisplayOptions()
+    ends = choose_contrast(amplitude) if levels is None else levels
+    return shown_palette(look)[map_tones(amplitude, ends, look.gain, decibels=look.decibels)]

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.display.display_options import DisplayOptions
+from insonify.display.display_options import DisplayOptions, side_factors
 from insonify.display.normalisation import estimate_median_curve, normalise
 from insonify.display.picture import average_columns, compute_column_edges, mirror_channels
+from insonify.display.range_axis import RangeAxis, choose_kind, make_range_axis
 from insonify.io.records.bottom_track import complete_altitude, find_altitude
 from insonify.packing.navigation import platform_columns
 from insonify.scene import SceneError
@@ -40,12 +41,15 @@ class RecordSheet(NamedTuple):
         Along-track length, in metres.
     pings : int
         Number of pings.
+    altitude : (pings,) float64
+        Above the bed, in metres.
     """
 
     amplitude: NDArray[np.float32]
     reach: float
     along: float
     pings: int
+    altitude: NDArray[np.float64]
 
 
 class SheetPings(NamedTuple):
@@ -119,28 +123,29 @@ def gather_sheet(blocks: Iterable[SheetPings], relative: Relative, pings: int, l
     Raises
     ------
     SceneError
-        If ground range is asked for and the record ends before the bed begins.
+        If the picture leaves the water column out and the record ends before the bed begins.
     """
     columns = WIDTH[look.side]
     together = math.ceil(pings / MOST_ROWS)  # pings that share a row
     rows = np.zeros((math.ceil(pings / together), columns), dtype=np.float32)
     counts = np.zeros((len(rows), 1), dtype=np.float32)
-    done, reach, ground_reach, track = 0, 0.0, None, _Length()
+    done, axis, track = 0, None, _Length()
+    altitudes: list[NDArray[np.float64]] = []
     for block in blocks:
-        if done == 0:
-            reach, ground_reach = _reaches(block, look)
+        axis = axis or _axis(block, look)
         numbers = np.arange(done, done + len(block.intensity))
-        _add_rows(
-            rows, counts, numbers // together, _columns(block, numbers, relative, columns, ground_reach, look.side)
-        )
+        _add_rows(rows, counts, numbers // together, _columns(block, numbers, relative, columns, axis, look))
         track.add(block)
+        altitudes.append(block.altitude)
         done += numbers.size
     rows /= np.maximum(counts, 1.0)
     along = track.metres * (done / max(done - 1, 1))
-    shown = reach if ground_reach is None else ground_reach
-    across = 2.0 * shown if look.side == "both" else shown
+    reach = axis.reach if axis is not None else 0.0
+    across = 2.0 * reach if look.side == "both" else reach
     height = int(np.clip(columns * along / across if across > 0.0 else 0, *HEIGHTS))
-    return RecordSheet(resample_rows(rows, height), shown, along, done)
+    sheet = resample_rows(rows, height)
+    upwards = sheet if look.newest_on_top else sheet[::-1]
+    return RecordSheet(upwards, reach, along, done, np.concatenate(altitudes or [np.empty(0)]))
 
 
 def gather_record_sheet(record: xr.Dataset, look: DisplayOptions) -> RecordSheet:
@@ -202,22 +207,19 @@ class _Length:
         self._last = float(x[-1]), float(y[-1])
 
 
-def _reaches(block: SheetPings, look: DisplayOptions) -> tuple[float, float | None]:
-    """Slant range of the outer edge, and its ground range if the picture shows that."""
-    reach = block.intensity.shape[-1] * block.bin_length
-    if not look.ground_range:
-        return reach, None
-    lowest = float(block.altitude.min())
+def _axis(block: SheetPings, look: DisplayOptions) -> RangeAxis:
+    """Distance across the picture, as far as the lowest ping of the first block hears."""
+    kind = choose_kind(ground_range=look.ground_range, water_column=look.water_column)
+    bins, lowest = block.intensity.shape[-1], float(block.altitude.min())
+    axis = make_range_axis(kind, bins, block.bin_length, lowest)
+    if axis is not None:
+        return axis
+    option, end = "--ground-range" if look.ground_range else "water column", bins * block.bin_length
     if not math.isfinite(lowest):
-        raise SceneError(
-            "--ground-range: the record tells no altitude and shows no first echo of the bed; leave it out"
-        )
-    if lowest >= reach:
-        raise SceneError(
-            f"--ground-range: the record ends at a slant range of {reach:g} m, before the bed {lowest:g} m beneath; "
-            "leave it out"
-        )
-    return reach, math.sqrt(reach**2 - lowest**2)
+        raise SceneError(f"{option}: the record tells no altitude and shows no first echo of the bed; leave it out")
+    raise SceneError(
+        f"{option}: the record ends at a slant range of {end:g} m, before the bed {lowest:g} m beneath; leave it out"
+    )
 
 
 def fill_altitude(block: xr.Dataset) -> NDArray[np.float64]:
@@ -244,10 +246,11 @@ def _columns(
     numbers: NDArray[np.int64],
     relative: Relative,
     columns: int,
-    ground_reach: float | None,
-    side: str,
+    axis: RangeAxis,
+    look: DisplayOptions,
 ) -> NDArray[np.float32]:
-    per_side = columns // 2 if side == "both" else columns
-    bins = block.intensity.shape[-1]
-    edges = compute_column_edges(np.nan_to_num(block.altitude), bins, block.bin_length, per_side, ground_reach)
-    return mirror_channels(relative(block.intensity, numbers), edges, side)
+    per_side = columns // 2 if look.side == "both" else columns
+    edges = compute_column_edges(np.nan_to_num(block.altitude), axis, per_side)
+    amplitude = relative(block.intensity, numbers)
+    factors = side_factors(look, amplitude.shape[-1])
+    return mirror_channels(amplitude if factors is None else amplitude * factors, edges, look.side)

@@ -174,7 +174,7 @@ def _own_display() -> float:
         intensity = _intensity(changes)[:, 0]
         simulation = prepare(edit(make_level_scene(), changes))
         amplitude = normalise(intensity, LevelBed(simulation).curves(np.zeros(1, dtype=np.int64))[0])
-        shown = colour_amplitudes(amplitude, "copper", 0.0, choose_contrast(amplitude))
+        shown = colour_amplitudes(amplitude, levels=choose_contrast(amplitude))
         wrong += not (np.isfinite(amplitude).all() and shown.shape[:2] == amplitude.shape)
     return float(wrong)
 

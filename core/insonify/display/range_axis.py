@@ -1,0 +1,88 @@
+"""Distances across the picture of a record: slant range, slant range behind the first echo, or ground range."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Values = NDArray[np.float64]
+SLANT, BED, GROUND = "slant", "bed", "ground"  # kinds of distance
+
+
+class RangeAxis(NamedTuple):
+    """Distance from the inner edge of one side of a picture, and the range bins that lie there.
+
+    Attributes
+    ----------
+    kind : str
+        ``slant`` for slant range r; ``bed`` for r − h, the slant range behind the first echo of a level bed at the
+        altitude h; ``ground`` for sqrt(r² − h²), its ground range.
+    bins : int
+        Range bins of a side.
+    bin_length : float
+        Slant range of a bin, in metres.
+    reach : float
+        Distance of the outer edge, in metres.
+    """
+
+    kind: str
+    bins: int
+    bin_length: float
+    reach: float
+
+    @property
+    def shows_water(self) -> bool:
+        """Whether the water column is part of the picture."""
+        return self.kind == SLANT
+
+    def bins_at(self, distance: Values, altitude: Values) -> Values:
+        """Position in bins, from 0 at the sonar, of distances under a sonar at altitudes; at most ``bins``."""
+        if self.kind == GROUND:
+            slant = np.hypot(distance, altitude)
+        else:
+            slant = distance + (altitude if self.kind == BED else 0.0)
+        return np.asarray(np.minimum(slant / self.bin_length, self.bins))
+
+    def distance_of(self, position: Values, altitude: Values) -> Values:
+        """Distance of a position in bins; NaN in the water column where the picture leaves it out."""
+        slant = np.asarray(position) * self.bin_length
+        if self.kind == SLANT:
+            return np.asarray(slant + 0.0 * altitude)
+        with np.errstate(invalid="ignore"):
+            behind = slant - altitude if self.kind == BED else np.sqrt(slant**2 - np.square(altitude))
+        return np.asarray(np.where(behind >= 0.0, behind, np.nan))
+
+
+def choose_kind(*, ground_range: bool, water_column: bool) -> str:
+    """Kind of distance of a picture in ground range, or with or without its water column."""
+    return GROUND if ground_range else SLANT if water_column else BED
+
+
+def make_range_axis(kind: str, bins: int, bin_length: float, lowest: float) -> RangeAxis | None:
+    """Make an axis that reaches as far as the ping at the lowest altitude hears.
+
+    Parameters
+    ----------
+    kind : str
+        ``slant``, ``bed`` or ``ground``.
+    bins : int
+        Range bins of a side.
+    bin_length : float
+        Slant range of a bin, in metres.
+    lowest : float
+        Least altitude of the sonar, in metres; NaN if none is known.
+
+    Returns
+    -------
+    RangeAxis or None
+        None where the bed is needed and is not within range.
+    """
+    end = bins * bin_length
+    if kind == SLANT:
+        return RangeAxis(kind, bins, bin_length, end)
+    if not lowest < end:
+        return None
+    return RangeAxis(kind, bins, bin_length, end - lowest if kind == BED else math.sqrt(end**2 - lowest**2))
