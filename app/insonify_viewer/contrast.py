@@ -1,29 +1,29 @@
-"""Contrast and gain by which the record is shown."""
+"""Contrast by which a record is shown, chosen from it while it fills."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from insonify.display.display_options import DisplayOptions
 from insonify.display.picture import choose_contrast
-from insonify_viewer.views.pixels import compress_highlights
 
 if TYPE_CHECKING:
     from insonify_viewer.record import Record
+    from insonify_viewer.session import Session
     from insonify_viewer.views.waterfall_view import WaterfallView
 
 SAMPLED = 4  # every so many rows are looked at
 
 
 class Contrast:
-    """Amplitudes at the ends of the palette, chosen from the record while it fills, and a gain on top.
+    """Shows a record by the display options, and chooses the ends of the palette where these leave them open.
 
     Parameters
     ----------
     waterfall : WaterfallView
-        Follows the choice.
+        Shows the record.
+    session : Session
+        Holds the display options.
 
     Attributes
     ----------
@@ -31,25 +31,21 @@ class Contrast:
         Whether the contrast is still to be chosen from the record.
     """
 
-    def __init__(self, waterfall: WaterfallView) -> None:
-        self._waterfall = waterfall
-        self._levels, self._gain = (0.0, 1.0), 1.0
+    def __init__(self, waterfall: WaterfallView, session: Session) -> None:
+        self._waterfall, self._decibels = waterfall, session.display.decibels
         self.due = True
-
-    def show_gain(self, decibels: float) -> None:
-        """Brighten or darken the record."""
-        self._gain = 10.0 ** (decibels / 20.0)
-        self._waterfall.show_levels(self._levels, self._gain)
+        session.displayed.connect(self._show)
+        waterfall.show_display(session.display)
 
     def settle(self, record: Record, *, complete: bool) -> None:
         """Choose the contrast anew if it is due, for the last time when the record is complete."""
         if self.due:
-            self._levels = choose_contrast(record.amplitude[record.ping >= 0][::SAMPLED])
-            self._waterfall.show_levels(self._levels, self._gain)
+            heard = record.amplitude[record.ping >= 0][::SAMPLED]
+            self._waterfall.show_levels(choose_contrast(heard, decibels=self._decibels))
             self.due = not complete
 
-    def tones(self, amplitude: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Brightness of amplitudes as shown, 0 to 1."""
-        low, high = self._levels
-        span = np.float32(max(high - low, 1e-30))
-        return compress_highlights((amplitude * np.float32(self._gain) - np.float32(low)) / span)
+    def _show(self, look: DisplayOptions) -> None:
+        self._waterfall.show_display(look)
+        if look.decibels is not self._decibels:
+            self._decibels, self.due = look.decibels, True
+            self.settle(self._waterfall.record, complete=True)

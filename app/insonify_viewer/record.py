@@ -35,12 +35,15 @@ class Record:
         Number of the ping in each row, -1 for none.
     stamp : (pings,) int64
         Stamp of the request that each row was traced for; see `missing`.
+    altitude : (pings,) float64
+        Height of the sonar above the bed in metres; NaN where it is not known.
     """
 
     def __init__(self, pings: int, bins: int) -> None:
         self.amplitude = np.zeros((pings, 2 * bins), dtype=np.float32)
         self.ping = np.full(pings, -1, dtype=np.int64)
         self.stamp = np.full(pings, -1, dtype=np.int64)
+        self.altitude = np.full(pings, np.nan)
 
     @property
     def pings(self) -> int:
@@ -56,7 +59,9 @@ class Record:
         """Rows that hold these pings, or would hold them."""
         return self.pings - 1 - pings % self.pings
 
-    def put(self, pings: Rows, amplitude: NDArray[np.float32], stamp: int) -> Rows:
+    def put(
+        self, pings: Rows, amplitude: NDArray[np.float32], stamp: int, altitude: NDArray[np.float64] | None = None
+    ) -> Rows:
         """Store traced pings.
 
         Parameters
@@ -67,6 +72,8 @@ class Record:
             Port and starboard, near to far.
         stamp : int
             Stamp of the request that they were traced for.
+        altitude : (n,) float64, optional
+            Their altitudes in metres; not known when left out.
 
         Returns
         -------
@@ -78,6 +85,7 @@ class Record:
         self.amplitude[rows, self.bins :] = amplitude[:, 1]
         self.ping[rows] = pings
         self.stamp[rows] = stamp
+        self.altitude[rows] = np.nan if altitude is None else altitude
         return rows
 
     def shown(self, newest: int) -> Rows:
@@ -94,6 +102,17 @@ class Record:
         """Count the pings on screen that the record lacks altogether."""
         pings = self.shown(newest)
         return int((self.ping[self.rows(pings)] != pings).sum())
+
+    def altitude_of(self, pings: Rows) -> NDArray[np.float64]:
+        """Altitudes of pings in metres; 0 where they are not known or not held."""
+        rows = self.rows(pings)
+        return np.where(self.ping[rows] == pings, np.nan_to_num(self.altitude[rows]), 0.0)
+
+    @property
+    def lowest(self) -> float:
+        """Least altitude of the pings held, in metres; NaN if none is known."""
+        known = self.altitude[np.isfinite(self.altitude) & (self.ping >= 0)]
+        return float(known.min()) if known.size else float("nan")
 
     def amplitude_at(self, ping: int, side: int, range_bin: int) -> float | None:
         """Amplitude of one bin (side 0 is port); None if the ping is not held."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from insonify.io.records import RECORDS
 from insonify_viewer.record import MAX_CELLS, MAX_PINGS
+from insonify_viewer.record_display.projection import compile_columns
 from insonify_viewer.session import Mark
 
 if TYPE_CHECKING:
@@ -34,11 +35,14 @@ class Recording:
         The record, from ``records.read_record``.
     amplitude : (pings, 2, bins) float32
         Amplitudes relative to the median curve of the record; port first, near to far.
+    altitude : (pings,) float64
+        Height of the sonar above the bed in metres, as recorded, else by the bottom track; NaN where neither is known.
     """
 
     path: Path
     dataset: xr.Dataset
     amplitude: NDArray[np.float32]
+    altitude: NDArray[np.float64]
 
     @property
     def pings(self) -> int:
@@ -108,10 +112,12 @@ def load_recording(path: str, frequency: float | None = None) -> Recording:
     from insonify.display.normalisation import normalise
     from insonify.display.sheet import compute_median_curve
     from insonify.io.records import read_record
+    from insonify.io.records.bottom_track import find_altitude
 
+    compile_columns()
     dataset = read_record(path, frequency)
     intensity = dataset["intensity"].transpose("ping_time", "channel", "range_sample").values
-    return Recording(Path(path), dataset, normalise(intensity, compute_median_curve(dataset)))
+    return Recording(Path(path), dataset, normalise(intensity, compute_median_curve(dataset)), find_altitude(dataset))
 
 
 def describe_point(recording: Recording, mark: Mark) -> dict[str, str]:

@@ -7,12 +7,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from insonify.display.picture import PALETTES, load_palette
 from insonify_viewer.contrast import Contrast
 from insonify_viewer.job import Job
 from insonify_viewer.record import Record
 from insonify_viewer.recording import Recording, load_recording
-from insonify_viewer.session import Event, Mark
+from insonify_viewer.session import Event, Mark, Session
 from insonify_viewer.tow_clock import TowClock
 from insonify_viewer.waiting import Waiting
 
@@ -33,6 +32,8 @@ class RecordingPlayer:
     ----------
     window : MainWindow
         Shows the recording.
+    session : Session
+        Holds the display options.
     tow : TowClock
         Says whether to play, and how fast.
     simulator : Simulator
@@ -54,14 +55,16 @@ class RecordingPlayer:
         Why the last file could not be read, in one sentence; empty if it could.
     """
 
-    def __init__(self, window: MainWindow, tow: TowClock, simulator: Simulator, *, pause: Callable[[], None]) -> None:
+    def __init__(
+        self, window: MainWindow, session: Session, tow: TowClock, simulator: Simulator, *, pause: Callable[[], None]
+    ) -> None:
         self.opened, self.pointed, self.moved = Event(), Event(), Event()
         self.recording: Recording | None = None
         self.failure = ""
         self._window, self._tow, self._simulator, self._pause = window, tow, simulator, pause
         self._view = window.recording
         self._record, self._clock = Record(1, 1), TowClock(0)
-        self._contrast = Contrast(self._view)
+        self._contrast = Contrast(self._view, session)
         self._reading: dict[int, Job] = {}  # by number; the newest is shown
         self._asked = 0
         self._wiped = False
@@ -149,10 +152,7 @@ class RecordingPlayer:
         view.scrolled.connect(self.look_back)
         view.scrubbed.connect(self.go_to)
         window.trace.triggered.connect(view.toggle_trace)
-        window.palette_changed.connect(self._show_palette)
-        window.gain_changed.connect(self._contrast.show_gain)
         window.levels.triggered.connect(self._find_levels)
-        self._show_palette(PALETTES[0])
 
     def _take(self, number: int, recording: Recording) -> None:
         """Show a recording that was read, unless a newer one is being read."""
@@ -200,12 +200,10 @@ class RecordingPlayer:
         assert self.recording is not None
         missing = self._record.missing(self.top, STAMP)
         if missing.size:
-            self._view.show_rows(self._record.put(missing, self.recording.amplitude[missing], STAMP))
+            altitude = self.recording.altitude[missing]
+            self._view.show_rows(self._record.put(missing, self.recording.amplitude[missing], STAMP, altitude))
         self._view.show_top(self.top)
         self.moved.emit(self.top)
-
-    def _show_palette(self, name: str) -> None:
-        self._view.show_palette(load_palette(name))
 
     def _find_levels(self) -> None:
         self._contrast.due = True

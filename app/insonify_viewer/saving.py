@@ -92,9 +92,9 @@ class Saving:
 
     def _write_record(self, path: Path) -> None:
         """Write a record on a thread of its own, by the modelling of the session."""
-        scene, modelling = self._session.scene, self._session.modelling
+        scene, modelling, look = self._session.scene, self._session.modelling, self._session.display
         self._job = Job(
-            lambda report: _render(scene, modelling, path, report),
+            lambda report: _render(scene, modelling, look, path, report),
             self._simulator.call_later,
             progressed=lambda share: self._window.show_job(f"writing {path.name}", share),
             done=lambda _: self._end(f"saved {path}"),
@@ -131,7 +131,7 @@ def _write_scene(scene: Scene, path: Path) -> None:
         beside.write_text(scene_to_toml(scene), encoding="utf-8")
 
 
-def _render(scene: Scene, modelling: Modelling, path: Path, report: Progress) -> None:
+def _render(scene: Scene, modelling: Modelling, look: DisplayOptions, path: Path, report: Progress) -> None:
     """Write a record as ``insonify render`` does."""
 
     def track(blocks: Iterator[Any], pings: int, count: Callable[[Any], int]) -> Iterator[Any]:
@@ -142,4 +142,4 @@ def _render(scene: Scene, modelling: Modelling, path: Path, report: Progress) ->
             report(done / pings)
 
     forced = dict(modelling.forced)
-    write(scene, path, DisplayOptions(), tolerance=modelling.tolerance, forced=forced, track=track)
+    write(scene, path, look, tolerance=modelling.tolerance, forced=forced, track=track)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.dependent_edits import add_dependent_edits
 from insonify_viewer.modelling import Modelling
@@ -73,12 +74,15 @@ class Session:
         Called with one sentence for the person.
     marked : Event
         Called with the marked point of the record, or None.
+    displayed : Event
+        Called with the display options of the records.
     file : str
         File of the person's own that the scene was last read from or written to; empty if there is none.
     """
 
     def __init__(self, scene: Scene) -> None:
-        self.changed, self.said, self.marked = Event(), Event(), Event()
+        self.changed, self.said, self.marked, self.displayed = Event(), Event(), Event(), Event()
+        self._display = DisplayOptions()
         self._scene, self._settled = scene, _State(scene, Modelling())
         self._past: list[_State] = []
         self._future: list[_State] = []
@@ -100,6 +104,18 @@ class Session:
     def mark(self) -> Mark | None:
         """The marked point of the record."""
         return self._mark
+
+    @property
+    def display(self) -> DisplayOptions:
+        """Display options of the simulated record and of recordings."""
+        return self._display
+
+    def show(self, **options: Any) -> None:
+        """Change some of the display options; they are no part of the scene, and no step of undo."""
+        display = self._display._replace(**options)
+        if display != self._display:
+            self._display = display
+            self.displayed.emit(display)
 
     @property
     def can_undo(self) -> bool:

@@ -77,6 +77,8 @@ class TracedPings:
         Time that tracing took.
     alike : int
         Number of successive pings that share the amplitudes of the first of them.
+    altitude : (n,) float64
+        Height of the sonar above the bed at each ping in metres; NaN where there is no bed.
     reach : (bins,) float64, optional
         Number of pings that the beam covers, over which the view still has to average.
     """
@@ -89,6 +91,7 @@ class TracedPings:
     simulation: Simulation
     seconds: float
     alike: int
+    altitude: NDArray[np.float64]
     reach: NDArray[np.float64] | None = None
 
 
@@ -234,7 +237,18 @@ class Simulator(QObject):
                 self._cost = seconds / len(traced)
             amplitude = traced if stride == 1 else np.repeat(traced, stride, axis=0)[: len(block)]
             reach = None if request.fine else _reach(simulation)
-            yield TracedPings(request.number, request.fine, block, amplitude, level, simulation, seconds, stride, reach)
+            yield TracedPings(
+                request.number,
+                request.fine,
+                block,
+                amplitude,
+                level,
+                simulation,
+                seconds,
+                stride,
+                _altitude(simulation, block),
+                reach,
+            )
 
     def _stride(self, pings: int) -> int:
         """Stride over the pings by which a coarse trace of them takes about `COARSE_TIME`."""
@@ -313,6 +327,12 @@ def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
         return None
     step = scene.track.speed / scene.sonar.ping_rate
     return coherence_angle(arrays) * bin_centres(arrays) / step
+
+
+def _altitude(simulation: Simulation, pings: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Height of the sonar above the bed at pings."""
+    poses = simulation.poses(pings)
+    return np.asarray(poses.z - simulation.ground.height_at(poses.x, poses.y))
 
 
 def _result(errand: Callable[[], Any]) -> Any:

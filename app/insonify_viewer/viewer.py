@@ -15,7 +15,7 @@ from PySide6.QtCore import QObject, QTimer
 from PySide6.QtGui import QGuiApplication
 
 from insonify.array_cache import ARRAYS
-from insonify.display.picture import PALETTES, load_palette
+from insonify.display.picture import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes
 from insonify_viewer.auto_pause import next_pause
 from insonify_viewer.contrast import Contrast
@@ -27,6 +27,7 @@ from insonify_viewer.marked_point import MarkedPoint
 from insonify_viewer.panel_set import PanelSet
 from insonify_viewer.panels.panel import RecordGrowth
 from insonify_viewer.record import Record, pings_held
+from insonify_viewer.record_display.projection import compile_columns
 from insonify_viewer.recording_player import RecordingPlayer
 from insonify_viewer.saving import Saving
 from insonify_viewer.seabed_controller import SeabedController, silence
@@ -81,7 +82,8 @@ class Viewer(QObject):
         self.record = Record(pings_held(scene), scene.sonar.bins)
         self.files = FileDialogs(self.window, self.simulator, self.open, self.window.say)
         self.saving = Saving(self.session, self.window, self.simulator)
-        self.recordings = RecordingPlayer(self.window, self.tow, self.simulator, pause=lambda: self.run(False))
+        pause = partial(self.run, False)
+        self.recordings = RecordingPlayer(self.window, self.session, self.tow, self.simulator, pause=pause)
         self.panels = PanelSet(make_workbench(self))
         added = partial(self.panels.tell, "part_added")
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
@@ -96,14 +98,13 @@ class Viewer(QObject):
         self._freeing = False  # whether memory of the scene before is still to be returned
         self._prepared = self._started = self._stopped = False
         self._marks = MarkController(self._show_point, self.simulator.call_later)
-        self._contrast = Contrast(self.window.waterfall)
+        self._contrast = Contrast(self.window.waterfall, self.session)
         self._clock = QTimer(self)
         self._clock.setInterval(TICK)
         self._ticked = 0.0
         self._connect()
         self._show_geometry(scene)
         self._show_scene(scene, settled=True)
-        self.show_palette(PALETTES[0])
 
     @property
     def complete(self) -> bool:
@@ -119,6 +120,7 @@ class Viewer(QObject):
     def start(self) -> None:
         """Start the worker and the clock; the window shows by now."""
         self._seabed.load(self.window.put_seabed)
+        self.simulator.send(compile_columns, lambda _: None)
         self.simulator.prepare(self.session.scene, self.session.modelling, self._show_first)
         self._ticked = time.perf_counter()
         self._clock.start()
@@ -138,18 +140,10 @@ class Viewer(QObject):
             self._laid = LaidScene(packed)
             self._show_sonar()
 
-    def show_palette(self, name: str) -> None:
-        """Colour the record by a palette."""
-        self.window.waterfall.show_palette(load_palette(name))
-
-    def show_gain(self, decibels: float) -> None:
-        """Brighten or darken the record."""
-        self._contrast.show_gain(decibels)
-        self._show_sonar()
-
     def find_levels(self) -> None:
         """Set the contrast from the record on screen, without gain."""
         self.window.gain.setValue(0)
+        self.session.show(levels=None)
         self._contrast.due = True
         self._settle_levels()
 
@@ -233,8 +227,10 @@ class Viewer(QObject):
         window.redo.triggered.connect(session.redo)
         window.levels.triggered.connect(self.find_levels)
         window.reset_view.triggered.connect(self._seabed.reset_view)
-        window.gain_changed.connect(self.show_gain)
-        window.palette_changed.connect(self.show_palette)
+        window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
+        window.palette_changed.connect(lambda name: session.show(palette=name))
+        session.displayed.connect(lambda look: window.show_display(look))
+        session.displayed.connect(lambda _: self._show_sonar())
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
         window.running_changed.connect(self.run)
         window.projector.toggled.connect(lambda large: self.panels.tell("projected", large))
@@ -331,7 +327,8 @@ class Viewer(QObject):
         age = self.tow.top - answer.pings
         on_screen = (age >= 0) & (age < self.record.pings)
         stamp = 2 * answer.number + answer.fine
-        rows = self.record.put(answer.pings[on_screen], answer.amplitude[on_screen], stamp)
+        held = answer.pings[on_screen], answer.amplitude[on_screen], stamp, answer.altitude[on_screen]
+        rows = self.record.put(*held)
         self._settle_levels()
         self.window.waterfall.show_rows(rows, answer.alike if on_screen.all() else 1, answer.reach)
         self.window.waterfall.show_top(self._newest_held())
@@ -393,5 +390,5 @@ class Viewer(QObject):
         if self._laid is not None or self._answer is None:
             return
         row = int(self.record.rows(np.array([top]))[0])
-        tones = self._contrast.tones(self.record.amplitude[row])
+        tones = self.window.waterfall.tone_map.tones(self.record.amplitude[row])
         self._seabed.show_sonar(self._answer.simulation, top, tones)

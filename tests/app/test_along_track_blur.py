@@ -25,7 +25,7 @@ def box(energy: np.ndarray, ping: int, pings: float) -> float:
 def test_energies_are_averaged_over_what_the_beam_takes_in() -> None:
     columns = np.random.default_rng(1).uniform(0.0, 3.0, (9, 12)).astype(np.float32)
     reach = np.array([0.2, 0.9, 1.0, 1.7, 2.0, 31.4])
-    found = blur_along_track(columns, reach)
+    found = blur_along_track(columns, np.concatenate([reach[::-1], reach]))
     for ping in range(9):
         for column in range(12):
             pings = max(reach[5 - column if column < 6 else column - 6], 1.0)
@@ -36,10 +36,10 @@ def test_energies_are_averaged_over_what_the_beam_takes_in() -> None:
 def test_silence_stays_silent_and_loudness_what_it_is() -> None:
     columns = np.zeros((200, 4), np.float32)
     columns[:100] = 7.0
-    found = blur_along_track(columns, np.full(2, 10.3))
+    found = blur_along_track(columns, np.full(4, 10.3))
     assert (found[110:] < 1e-2).all()
     assert found[:90] == pytest.approx(7.0, rel=1e-5)
-    assert (blur_along_track(columns[:1], np.full(2, 10.3)) == columns[:1]).all()
+    assert (blur_along_track(columns[:1], np.full(4, 10.3)) == columns[:1]).all()
 
 
 @pytest.mark.parametrize("width", [1.0, 2.5])
@@ -54,7 +54,9 @@ def test_a_drag_looks_like_what_it_leads_to(width: float) -> None:
     fine = normalise(simulation.intensity(pings), LevelBed(simulation).curves(pings))
     wanted, plane = (np.concatenate([one[:, 0, ::-1], one[:, 1]], axis=1) for one in (fine, coarse.amplitude))
     assert coarse.reach is not None
-    assert apart(blur_along_track(plane, coarse.reach), wanted) < 0.5 * apart(plane, wanted)
+    assert apart(blur_along_track(plane, np.concatenate([coarse.reach[::-1], coarse.reach])), wanted) < 0.5 * apart(
+        plane, wanted
+    )
 
 
 def apart(record: np.ndarray, wanted: np.ndarray) -> float:

@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
 from insonify.scene import Scene
-from insonify_viewer.views.waterfall_view import EMPTY
+from insonify_viewer.views.record_image import EMPTY
 
 
 def test_looking_back_traces_the_old_pings_again(open_viewer: Any, small: Scene, qtbot: Any) -> None:
@@ -57,7 +57,7 @@ def test_below_the_first_ping_the_record_is_empty(open_viewer: Any, small: Scene
     assert (waterfall._pixels[shown] == whole[shown]).all()
     hidden = waterfall.record.rows(np.arange(61, 128))
     assert (waterfall._pixels[hidden] == EMPTY).all(), "later pings would stand below the first one"
-    viewer.show_gain(3.0)
+    viewer.session.show(gain=3.0)
     assert (waterfall._pixels[hidden] == EMPTY).all()
     viewer.show_gain(0.0)
     viewer.go_to(127)

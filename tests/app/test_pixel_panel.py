@@ -15,7 +15,6 @@ from insonify.scene import Scene, edit, load_scene
 from insonify_viewer.panels.pixel.view.section_view import BED as GROUND
 from insonify_viewer.panels.pixel.view.section_view import BLOCKED, HEARD, HIDDEN, WATER
 from insonify_viewer.session import Mark
-from insonify_viewer.views.echo_trace import trace_levels
 from insonify_viewer.views.theme import MARK
 
 PIPE = Mark(40, 1, 624)  # echo of the pipe, 31.2 m from the sonar
@@ -170,7 +169,7 @@ def test_the_echo_trace_is_aligned_with_the_record(viewer: Any) -> None:
     area = waterfall.trace_area()
     assert (area.left(), area.width()) == (waterfall._plot().left(), waterfall._plot().width())
     row = waterfall.record.amplitude[waterfall.record.rows(np.array([40]))[0]]
-    loudest = int(np.argmax(trace_levels(row, area.width())))
+    loudest = int(np.argmax(waterfall.projection.loudest(row, 40, area.width())))
     assert abs(area.left() + loudest - waterfall.place_of(PIPE).x()) <= 3
 
 

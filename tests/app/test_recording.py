@@ -268,7 +268,7 @@ def test_wiped_the_simulated_record_covers_the_left_at_the_same_scale(viewer: An
 
 
 def test_a_long_recording_is_held_in_part(folder: Path) -> None:
-    recording = Recording(folder, read_record(folder / "record.nc"), np.zeros((5000, 2, 8), np.float32))
+    recording = Recording(folder, read_record(folder / "record.nc"), np.zeros((5000, 2, 8), np.float32), np.zeros(5000))
     assert recording.held == MAX_PINGS
 
 

@@ -130,6 +130,6 @@ def test_a_new_bed_is_shown_while_its_first_ping_is_awaited(open_viewer: Any, sm
     viewer.simulator.laid.emit(viewer._number, pack(other))
     qtbot.waitUntil(lambda: viewer.seabed.complete)
     assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0
-    viewer.show_gain(3.0)
+    viewer.session.show(gain=3.0)
     qtbot.wait(50)
     assert abs(viewer.seabed.view._bed.points[:, 0].mean() - shown[:, 0].mean()) > 400.0, "the old bed stays away"

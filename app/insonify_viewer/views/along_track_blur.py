@@ -15,15 +15,15 @@ def blur_along_track(columns: NDArray[np.float32], reach: NDArray[np.float64]) -
     ----------
     columns : (n, width) float32
         Amplitudes of successive pings, from far port over nadir to far starboard.
-    reach : (bins,) float64
-        Number of pings that the beam covers, by range bin; less than one counts as one.
+    reach : (width,) float64
+        Number of pings that the beam covers in every column; less than one counts as one.
 
     Returns
     -------
     (n, width) float32
         Blurred amplitudes; the first and the last ping are repeated beyond the ends.
     """
-    half = _half(reach, columns.shape[1])
+    half = 0.5 * np.maximum(reach, 1.0)
     margin = int(half.max() + 0.5) + 1
     energy = np.square(np.pad(columns, ((margin, margin), (0, 0)), mode="edge"))
     total = np.zeros((len(energy) + 1, columns.shape[1]), dtype=np.float32)
@@ -42,9 +42,3 @@ def blur_along_track(columns: NDArray[np.float32], reach: NDArray[np.float64]) -
         summed /= (2.0 * half[run]).astype(np.float32)
         out[:, run] = np.sqrt(np.maximum(summed, 0.0))  # rounding may make the difference of two sums negative
     return out
-
-
-def _half(reach: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Half of the averaging length of every column, in pings."""
-    across = np.abs(2.0 * (np.arange(width) + 0.5) / width - 1.0)
-    return 0.5 * np.maximum(reach[np.minimum((across * reach.size).astype(np.int64), reach.size - 1)], 1.0)

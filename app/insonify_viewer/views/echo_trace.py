@@ -22,15 +22,7 @@ def room_for_trace(height: int) -> int:
     return LEAST + GAP if height >= ROOMY else 0
 
 
-def trace_levels(amplitude: NDArray[np.float32], width: int) -> NDArray[np.float64]:
-    """Loudest bin of every display column in dB re level bed; minus infinity without echo."""
-    edges = np.arange(width + 1) * amplitude.size // max(width, 1)
-    loudest = np.maximum.reduceat(amplitude, np.minimum(edges[:-1], amplitude.size - 1))
-    with np.errstate(divide="ignore"):
-        return np.asarray(20.0 * np.log10(loudest.astype(np.float64)))
-
-
-def draw_trace(painter: QPainter, area: QRect, amplitude: NDArray[np.float32], title: str, at: float | None) -> None:
+def draw_trace(painter: QPainter, area: QRect, loudest: NDArray[np.float32], title: str, at: float | None) -> None:
     """Draw the trace of one ping.
 
     Parameters
@@ -38,13 +30,14 @@ def draw_trace(painter: QPainter, area: QRect, amplitude: NDArray[np.float32], t
     painter : QPainter
     area : QRect
         Below the record, as wide as it.
-    amplitude : (2 bins,) float32
-        From far port to far starboard.
+    loudest : (width,) float32
+        Loudest amplitude in every column of the record.
     title : str
     at : float, optional
         Place of the pinned bin, from 0 to 1 across the record.
     """
-    levels = trace_levels(amplitude, area.width())
+    with np.errstate(divide="ignore"):
+        levels = 20.0 * np.log10(loudest.astype(np.float64))
     top = max(STEP * math.ceil(float(levels.max(initial=0.0)) / STEP), STEP)
     painter.fillRect(area, QColor(RAISED))
     painter.save()

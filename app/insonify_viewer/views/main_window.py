@@ -22,6 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from insonify.display.display_options import DisplayOptions
 from insonify_viewer.panels.panel import Panel, Place
 from insonify_viewer.recording import is_recording
 from insonify_viewer.target_placement import target_menu
@@ -140,6 +141,11 @@ class MainWindow(QMainWindow):
         self._job.setVisible(bool(what))
         self._job.setFormat(f"{what}: %p %")
         self._job.setValue(int(100 * share))
+
+    def show_display(self, look: DisplayOptions) -> None:
+        """Set palette and gain among the tools to the display options."""
+        self.palettes.setCurrentText(look.palette)
+        self.gain.setValue(round(10 * look.gain))
 
     def show_title(self, title: str, *, unsaved: bool) -> None:
         """Show the title of the scene, with a mark for unsaved changes."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 from PySide6.QtCore import QPoint, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.session import Mark
+from insonify_viewer.views.record_image import EMPTY
 from insonify_viewer.views.theme import ACCENT, TEXT
-from insonify_viewer.views.waterfall_view import EMPTY, WaterfallView
+from insonify_viewer.views.waterfall_view import WaterfallView
 
 GRIP = 6  # px beside the split line in which it is taken hold of
 
@@ -31,7 +33,7 @@ class RecordingView(WaterfallView):
         self._simulated = simulated
         self._followed = -1  # version of the simulated record that is drawn
         self._title = ""
-        self._wiped = self._dragged = False
+        self._wiped = self._wiping = False
         self._split = 0.5  # share of the plot that the simulated record covers
 
     def show_title(self, title: str) -> None:
@@ -91,6 +93,8 @@ class RecordingView(WaterfallView):
         painter.setClipRect(covered)
         painter.fillRect(covered, QColor(EMPTY))
         pixels = self._simulated.picture()
+        if not self._look.newest_on_top:
+            pixels = np.ascontiguousarray(pixels[::-1])
         if pixels.size:
             rows, width = pixels.shape
             image = QImage(pixels.data, width, rows, 4 * width, QImage.Format.Format_RGB32)
@@ -99,13 +103,12 @@ class RecordingView(WaterfallView):
         painter.restore()
 
     def place_of_simulated(self, pings: int) -> QRectF:
-        """Where a number of simulated pings lie at the scale of the recording, the newest on top."""
-        plot = self._plot()
-        along, across = self.extent()
-        length, breadth = self._simulated.extent()
-        wide = breadth / across * plot.width()
-        high = pings / self._simulated.record.pings * length / along * plot.height()
-        return QRectF(plot.left() + 0.5 * (plot.width() - wide), plot.top(), wide, high)
+        """Where a number of simulated pings lie at the scale of the recording, from its newest ping on."""
+        plot, mine, theirs = self._plot(), self._projection, self._simulated.projection
+        along = self._simulated.extent()[0] / self._simulated.record.pings * self._record.pings / self.extent()[0]
+        left, right = mine.across(np.array(theirs.shown)) * plot.width() + plot.left()
+        ends = mine.down(np.array([mine.newest, mine.newest - pings * along])) * plot.height() + plot.top()
+        return QRectF(left, ends.min(), right - left, abs(ends[1] - ends[0]))
 
     def _draw_split(self, painter: QPainter, plot: QRect) -> None:
         x = self.split
@@ -127,13 +130,13 @@ class RecordingView(WaterfallView):
     def mousePressEvent(self, event: QMouseEvent) -> None:
         """Take hold of the split line, or of the handle."""
         if event.button() is Qt.MouseButton.LeftButton and self._on_split(event):
-            self._dragged = True
+            self._wiping = True
         else:
             super().mousePressEvent(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Drag the split line, or signal what is under the mouse."""
-        if not self._dragged:
+        if not self._wiping:
             super().mouseMoveEvent(event)
             if self._on_split(event):
                 self.setCursor(Qt.CursorShape.SplitHCursor)
@@ -144,7 +147,7 @@ class RecordingView(WaterfallView):
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Let go of the split line, or of the handle."""
-        if self._dragged:
-            self._dragged = False
+        if self._wiping:
+            self._wiping = False
         else:
             super().mouseReleaseEvent(event)

@@ -1,48 +1,60 @@
-"""Rulers of the record: slant range below it, pings beside it."""
+"""Rulers of the record: range below it, pings beside it."""
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 from PySide6.QtCore import QRect, Qt
 from PySide6.QtGui import QColor, QPainter
 
+from insonify.display.range_axis import NAMES
+from insonify_viewer.record_display.projection import Projection
 from insonify_viewer.views.pixels import round_steps
 from insonify_viewer.views.theme import EDGE, QUIET, TEXT
 
 
-def draw_slant_ruler(painter: QPainter, plot: QRect, slant_range: float, scale: str, text: float) -> None:
-    """Draw metres of slant range from nadir to both sides.
+def draw_range_ruler(painter: QPainter, plot: QRect, projection: Projection, scale: str, text: float) -> None:
+    """Draw metres of range from nadir to both sides.
 
     Parameters
     ----------
     painter : QPainter
     plot : QRect
         The record.
-    slant_range : float
-        At its ends, m.
+    projection : Projection
+        Of the record.
     scale : str
         Whether the record is at true scale.
     text : float
         Factor on the usual size of the text.
     """
-    middle, base = plot.left() + plot.width() / 2.0, plot.bottom() + 1
-    for value in round_steps(0.0, slant_range, max(int(plot.width() / (130 * text)), 1)):
-        away = value / slant_range * plot.width() / 2.0
-        for x in {middle - away, middle + away}:
-            painter.setPen(QColor(EDGE))
-            painter.drawLine(int(x), base, int(x), base + 5)
-            painter.setPen(QColor(QUIET))
-            place = _lines(int(x) - round(40 * text), base + 6, round(80 * text), text)
-            painter.drawText(place, Qt.AlignmentFlag.AlignHCenter, f"{value:g}")
+    base = plot.bottom() + 1
+    for value, x in range_ticks(plot, projection, text):
+        painter.setPen(QColor(EDGE))
+        painter.drawLine(x, base, x, base + 5)
+        painter.setPen(QColor(QUIET))
+        place = _lines(x - round(40 * text), base + 6, round(80 * text), text)
+        painter.drawText(place, Qt.AlignmentFlag.AlignHCenter, f"{abs(value):g}")
     painter.setPen(QColor(QUIET))
     line = _lines(plot.left(), base + round(20 * text), plot.width(), text)
-    painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, f"slant range (m)  ·  {scale}")
+    painter.drawText(line, Qt.AlignmentFlag.AlignHCenter, f"{NAMES[projection.axis.kind]} (m)  ·  {scale}")
     painter.setPen(QColor(TEXT))
     line = _lines(plot.left(), plot.top() - round(20 * text), plot.width(), text)
-    painter.drawText(line, Qt.AlignmentFlag.AlignLeft, "port")
-    painter.drawText(line, Qt.AlignmentFlag.AlignRight, "starboard")
+    first, last = projection.shown
+    if first < 0.0:
+        painter.drawText(line, Qt.AlignmentFlag.AlignLeft, "port")
+    if last > 0.0:
+        painter.drawText(line, Qt.AlignmentFlag.AlignRight, "starboard")
 
 
-def draw_ping_ruler(painter: QPainter, area: QRect, top: int, pings: int, step: float, text: float) -> None:
+def range_ticks(plot: QRect, projection: Projection, text: float) -> list[tuple[float, int]]:
+    """Round distances from nadir within a plot, negative to port, with their places in pixels."""
+    values = round_steps(*projection.shown, max(int(plot.width() / (65 * text)), 1))
+    return [(value, plot.left() + int(float(projection.across(np.array(value))) * plot.width())) for value in values]
+
+
+def draw_ping_ruler(painter: QPainter, area: QRect, projection: Projection, step: float, text: float) -> None:
     """Draw ping numbers, each with the metres towed.
 
     Parameters
@@ -50,20 +62,20 @@ def draw_ping_ruler(painter: QPainter, area: QRect, top: int, pings: int, step: 
     painter : QPainter
     area : QRect
         Beside the record, as high as it.
-    top : int
-        Ping on top.
-    pings : int
-        Pings that the record shows.
+    projection : Projection
+        Of the record.
     step : float
         Metres between pings.
     text : float
         Factor on the usual size of the text.
     """
     right, width = area.right() + 1, area.width() - 9
-    steps = round_steps(0.0, pings, max(int(area.height() / (70 * text)), 1))
-    apart = max(int(steps[1]), 1) if len(steps) > 1 else pings
-    for ping in range(max(top - pings + 1, 0) // apart * apart, top + 1, apart):
-        y = area.top() + int((top - ping + 0.5) / pings * area.height())
+    newest, oldest = sorted(projection.ages)
+    steps = round_steps(0.0, oldest - newest, max(int(area.height() / (70 * text)), 1))
+    apart = max(int(steps[1]), 1) if len(steps) > 1 else max(int(oldest - newest), 1)
+    first, last = math.floor(projection.newest - oldest) + 1, math.floor(projection.newest - newest)
+    for ping in range(max(first, 0) // apart * apart, last + 1, apart):
+        y = area.top() + int(float(projection.down(np.array(ping - 0.5))) * area.height())
         if not area.top() + 8 <= y <= area.bottom():
             continue
         painter.setPen(QColor(EDGE))

@@ -12,7 +12,7 @@ LABEL = 92.0  # px, of the ping beside a held handle
 
 
 class ScrubHandle:
-    """Geometry and painting of the handle: the first ping below, the last on top, as in the record.
+    """Geometry and painting of the handle, with the last ping on top or below as in the record.
 
     Attributes
     ----------
@@ -20,11 +20,14 @@ class ScrubHandle:
         Last ping that it reaches.
     held : bool
         Whether the person holds it.
+    newest_on_top : bool
+        Whether the last ping is at the upper end.
     """
 
     def __init__(self) -> None:
         self.last = 1
         self.held = False
+        self.newest_on_top = True
         self._rail = QRectF()
 
     def lay(self, left: float, top: float, height: float) -> None:
@@ -38,11 +41,13 @@ class ScrubHandle:
     def ping_at(self, place: QPointF) -> int:
         """Ping at a height of the rail."""
         share = (place.y() - self._rail.top() - HEIGHT / 2.0) / max(self._rail.height() - HEIGHT, 1.0)
-        return round((1.0 - min(max(share, 0.0), 1.0)) * self.last)
+        share = min(max(share, 0.0), 1.0)
+        return round((1.0 - share if self.newest_on_top else share) * self.last)
 
     def place_of(self, ping: int) -> QPointF:
         """Middle of the handle for a ping on top of the record."""
-        share = 1.0 - min(max(ping / max(self.last, 1), 0.0), 1.0)
+        share = min(max(ping / max(self.last, 1), 0.0), 1.0)
+        share = 1.0 - share if self.newest_on_top else share
         middle = self._rail.top() + HEIGHT / 2.0 + share * (self._rail.height() - HEIGHT)
         return QPointF(self._rail.center().x(), middle)
 

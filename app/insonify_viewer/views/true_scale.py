@@ -8,7 +8,7 @@ LEAST_FILLED = 0.55  # share of the room that a plot at true scale fills; else t
 ALIKE = 0.02  # deviation of two scales that counts as none
 
 
-def plot_at_true_scale(room: QRect, along: float, across: float) -> QRect:
+def plot_at_true_scale(room: QRect, along: float, across: float, *, always: bool = False) -> QRect:
     """Largest plot at true scale in the upper left of a room, or the whole room where too little of it would be filled.
 
     Parameters
@@ -17,11 +17,13 @@ def plot_at_true_scale(room: QRect, along: float, across: float) -> QRect:
         Space for the plot.
     along, across : float
         Metres along the track and across it that the plot shows.
+    always : bool
+        Whether the plot is at true scale however little of the room it fills.
     """
     scale = min(room.width() / across, room.height() / along)
-    plot = QRect(room.left(), room.top(), round(across * scale), round(along * scale))
+    plot = QRect(room.left(), room.top(), max(round(across * scale), 1), max(round(along * scale), 1))
     filled = plot.width() * plot.height() / max(room.width() * room.height(), 1)
-    return plot if filled >= LEAST_FILLED else room
+    return plot if always or filled >= LEAST_FILLED else room
 
 
 def name_scale(plot: QRect, along: float, across: float) -> str:

@@ -12,6 +12,7 @@ from insonify.files import resources
 
 DEFAULT_PALETTE = "copper"
 SIDES = ("both", "port", "starboard")
+SCALES = ("fit", "true", "fill")
 Levels = tuple[float, float]  # amplitudes at the two ends of a palette
 
 
@@ -54,6 +55,9 @@ class DisplayOptions(NamedTuple):
         Whether later pings stand above earlier ones.
     bottom_line, range_lines : bool
         Whether the first echo of the bed, and lines of equal range, are drawn.
+    scale : str
+        Of the window: ``fit`` for true scale where most of the room is filled, ``true`` for true scale with a part of
+        the track where the whole does not fill the room, ``fill`` for all of the room.
     """
 
     side: str = "both"
@@ -69,6 +73,7 @@ class DisplayOptions(NamedTuple):
     newest_on_top: bool = True
     bottom_line: bool = False
     range_lines: bool = False
+    scale: str = SCALES[0]
 
 
 def side_factors(look: DisplayOptions, bins: int) -> NDArray[np.float32] | None:

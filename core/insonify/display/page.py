@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from insonify.display.display_options import DisplayOptions
 from insonify.display.picture import choose_contrast, colour_amplitudes, shown_palette, span_decibels
-from insonify.display.range_axis import BED, GROUND, SLANT, choose_kind
+from insonify.display.range_axis import NAMES, choose_kind
 from insonify.display.sheet import RecordSheet
 from insonify.display.style import AMBER, FAINT, INK, LINE_WIDTH, label_axes, make_figure, style_axes
 from insonify.io.atomic import replacing
@@ -125,7 +125,8 @@ def _scales(axes: Any, sheet: RecordSheet, look: DisplayOptions) -> None:
     """Set the scales: range from nadir outwards, metres along the track, ping numbers."""
     axes.xaxis.set_major_locator(MaxNLocator(10 if look.side == "both" else 8, steps=[1, 2, 2.5, 5, 10]))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{abs(x):g}"))
-    label_axes(axes, name_range(look), "along track (m)", pad=6)
+    kind = choose_kind(ground_range=look.ground_range, water_column=look.water_column)
+    label_axes(axes, f"{NAMES[kind]} (m)", "along track (m)", pad=6)
     if look.side == "both":
         axes.axvline(0.0, color="white", alpha=0.25, linewidth=0.8)
     if sheet.along <= 0.0:
@@ -139,12 +140,6 @@ def _scales(axes: Any, sheet: RecordSheet, look: DisplayOptions) -> None:
     numbers.tick_params(labelsize=9, color=FAINT, labelcolor=FAINT, length=4, width=LINE_WIDTH)
     numbers.spines["right"].set(color=FAINT, linewidth=LINE_WIDTH)
     numbers.set_ylabel("ping", fontsize=10, color=FAINT, labelpad=4)
-
-
-def name_range(look: DisplayOptions) -> str:
-    """Name of the distance across a picture, for its scale."""
-    kind = choose_kind(ground_range=look.ground_range, water_column=look.water_column)
-    return {SLANT: "slant range (m)", BED: "slant range behind the first echo (m)", GROUND: "ground range (m)"}[kind]
 
 
 def _colour_bar(axes: Any, look: DisplayOptions, levels: tuple[float, float], level: str) -> None:

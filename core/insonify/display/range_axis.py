@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 Values = NDArray[np.float64]
 SLANT, BED, GROUND = "slant", "bed", "ground"  # kinds of distance
+NAMES = {SLANT: "slant range", BED: "slant range behind the first echo", GROUND: "ground range"}
 
 
 class RangeAxis(NamedTuple):

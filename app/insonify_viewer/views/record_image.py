@@ -1,0 +1,105 @@
+"""Picture of a record in a ring of coloured rows; a row is coloured once, when it arrives."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QRect, QRectF
+from PySide6.QtGui import QImage, QPainter
+
+from insonify_viewer.record import Record, Rows
+from insonify_viewer.record_display.projection import Projection
+from insonify_viewer.record_display.tone_map import ToneMap
+from insonify_viewer.views.along_track_blur import blur_along_track
+from insonify_viewer.views.pixels import dimmed
+
+EMPTY = 0xFF0B1118
+
+
+class RecordImage:
+    """Display columns and colours of the rows of a record.
+
+    Attributes
+    ----------
+    pixels : (pings, width) uint32
+        Colours of the rows as 0xffRRGGBB, in the order of the record's rows, or against it with the newest below.
+    version : int
+        Counts the changes of the picture.
+    oldest : int
+        Stamp; rows with an older one are dimmed.
+    """
+
+    def __init__(self) -> None:
+        self.version = 0
+        self.oldest = -1
+
+    def fit(self, record: Record, projection: Projection, tone_map: ToneMap, width: int) -> None:
+        """Compute the display columns and the colours of every row for a width."""
+        self._record, self._downwards = record, projection.newest_on_top
+        self._columns = np.zeros((record.pings, width), dtype=np.float32)
+        held = np.flatnonzero(record.ping >= 0)
+        if held.size:
+            self._columns[held] = self._averaged(held, projection)
+        self.pixels = np.full((record.pings, width), EMPTY, dtype=np.uint32)
+        # The image shares the memory of the array; both live as long as this object.
+        self._image = QImage(self.pixels.data, width, record.pings, 4 * width, QImage.Format.Format_RGB32)
+        self.paint(np.arange(record.pings), projection, tone_map)
+
+    def put(
+        self, rows: Rows, projection: Projection, tone_map: ToneMap, alike: int, reach: NDArray[np.float64] | None
+    ) -> None:
+        """Take over rows that the record has just received; `WaterfallView.show_rows` explains the parameters."""
+        means = self._averaged(rows[::alike], projection)
+        if reach is not None and rows.size:
+            bins = projection.bins_of_columns(projection.newest, means.shape[1])
+            means = blur_along_track(means, reach[bins] / alike)
+        self._columns[rows] = means if alike == 1 else np.repeat(means, alike, axis=0)[: rows.size]
+        self.paint(rows, projection, tone_map)
+
+    def paint(self, rows: Rows, projection: Projection, tone_map: ToneMap) -> None:
+        """Colour rows anew; blank those whose ping is missing or not in the picture."""
+        record, columns = self._record, self._columns[rows]
+        painted = tone_map.colours(columns)
+        stale = record.stamp[rows] < self.oldest
+        painted[stale] = dimmed(painted[stale])
+        age = projection.newest - record.ping[rows]
+        painted[(age < 0) | (age >= record.pings) | (record.ping[rows] < 0)] = EMPTY
+        if not projection.axis.shows_water:
+            painted[columns < 0.0] = EMPTY
+        self.pixels[self._places(rows)] = painted
+        self.version += 1
+
+    def blank(self, rows: Rows) -> None:
+        """Blank rows."""
+        self.pixels[self._places(rows)] = EMPTY
+
+    def picture(self, rows: Rows) -> NDArray[np.uint32]:
+        """Colours of some rows, as 0xffRRGGBB."""
+        return np.asarray(self.pixels[self._places(rows)])
+
+    def draw(self, painter: QPainter, plot: QRect, projection: Projection) -> None:
+        """Draw the part that the projection shows, in the two pieces of the ring."""
+        pings, width = self.pixels.shape
+        top, bottom = sorted(projection.ages)
+        newest = pings - 1 - projection.newest % pings  # row of the newest ping
+        first = (newest + top) % pings if self._downwards else (pings - newest - bottom) % pings
+        shown = bottom - top
+        above = min(shown, pings - first)
+        seam = plot.top() + round(above / shown * plot.height())
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, shown > plot.height())
+        upper = QRectF(plot.left(), plot.top(), plot.width(), seam - plot.top())
+        painter.drawImage(upper, self._image, QRectF(0.0, first, width, above))
+        if shown > above:
+            lower = QRectF(plot.left(), seam, plot.width(), plot.bottom() + 1 - seam)
+            painter.drawImage(lower, self._image, QRectF(0.0, 0.0, width, shown - above))
+
+    def _averaged(self, rows: Rows, projection: Projection) -> NDArray[np.float32]:
+        record = self._record
+        amplitude, altitude = record.amplitude[rows], np.nan_to_num(record.altitude[rows])
+        if projection.factors is not None:
+            amplitude = amplitude * projection.factors
+        return projection.columns(amplitude, altitude, self._columns.shape[1])
+
+    def _places(self, rows: Rows) -> Rows:
+        """Rows of the picture that show rows of the record."""
+        return rows if self._downwards else self._record.pings - 1 - rows

@@ -1,0 +1,278 @@
+"""The record is shown by its display options; places of the plot lead to bins and back in every one of them."""
+
+from __future__ import annotations
+
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QMouseEvent, QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QFileDialog
+
+from insonify.display.display_options import DisplayOptions
+from insonify.display.range_axis import make_range_axis
+from insonify.scene import Scene, edit
+from insonify_viewer.record import Record
+from insonify_viewer.record_display.layout import project_record, zoom_to_true_scale
+from insonify_viewer.record_display.projection import Projection, Zoom
+from insonify_viewer.record_display.tone_map import make_tone_map
+from insonify_viewer.session import Mark
+from insonify_viewer.views.pixels import colour_table
+from insonify_viewer.views.record_image import EMPTY
+
+PINGS, BINS, RANGE = 40, 200, 50.0
+KINDS = ("slant", "bed", "ground")
+SIDES = ("both", "port", "starboard")
+
+
+@pytest.fixture
+def record() -> Record:
+    """A record whose altitude changes from ping to ping, with one loud bin a side behind the first echo."""
+    record, pings = Record(PINGS, BINS), np.arange(PINGS)
+    altitude = 9.0 + 3.0 * np.sin(pings)
+    amplitude = np.zeros((PINGS, 2, BINS), np.float32)
+    amplitude[pings, :, (altitude / (RANGE / BINS)).astype(int) + 20] = 5.0
+    record.put(pings, amplitude, 0, altitude)
+    return record
+
+
+def project(record: Record, kind: str, look: DisplayOptions, zoom: Zoom = Zoom()) -> Projection:  # noqa: B008
+    axis = make_range_axis(kind, BINS, RANGE / BINS, record.lowest)
+    assert axis is not None
+    return project_record(look, record, axis, zoom, PINGS - 1)
+
+
+@given(
+    kind=st.sampled_from(KINDS),
+    side=st.sampled_from(SIDES),
+    newest_on_top=st.booleans(),
+    centre=st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)),
+    factor=st.floats(1.0, 30.0),
+    ping=st.integers(0, PINGS - 1),
+    bin_=st.integers(0, BINS - 1),
+    channel=st.integers(0, 1),
+)
+@settings(max_examples=400, deadline=None)
+def test_a_bin_leads_to_its_place_and_back(
+    kind: str, side: str, newest_on_top: bool, centre: Any, factor: float, ping: int, bin_: int, channel: int
+) -> None:
+    record, pings = Record(PINGS, BINS), np.arange(PINGS)
+    record.put(pings, np.zeros((PINGS, 2, BINS), np.float32), 0, 9.0 + 3.0 * np.sin(pings))
+    look = DisplayOptions(side=side, newest_on_top=newest_on_top)
+    projection = project(record, kind, look, Zoom().about(*centre, factor))
+    u, v = projection.place_of(Mark(ping, channel, bin_))
+    if 0.0 <= u < 1.0 and 0.0 <= v < 1.0:
+        assert projection.mark_at(u, v) == Mark(ping, channel, bin_)
+    elif projection.zoom.whole and side in ("both", SIDES[1 + channel]):
+        altitude = float(record.altitude_of(np.array([ping]))[0])
+        assert kind != "slant"
+        assert (bin_ + 0.5) * RANGE / BINS < altitude, "only the water column may be left out"
+
+
+@pytest.mark.parametrize(("kind", "side", "zoomed"), list(product(KINDS, SIDES, (False, True))))
+def test_what_is_drawn_stands_where_it_is_read(record: Record, kind: str, side: str, zoomed: bool) -> None:
+    zoom = Zoom().about(0.4, 0.5, 2.0) if zoomed else Zoom()
+    projection = project(record, kind, DisplayOptions(side=side), zoom)
+    columns = projection.columns(record.amplitude, record.altitude, 700)
+    for row in range(PINGS):
+        ping = int(record.ping[row])
+        v = float(projection.down(np.array(ping - 0.5)))
+        loud = np.flatnonzero(columns[row] > 2.5)
+        assert loud.size or zoomed
+        if 0.0 < v < 1.0:
+            for column in loud:
+                mark = projection.mark_at((column + 0.5) / 700.0, v)
+                assert mark is not None
+                assert record.amplitude_at(ping, mark.side, mark.bin) == 5.0
+            assert (projection.loudest(record.amplitude[row], ping, 700)[loud] == 5.0).all()
+
+
+def test_a_ground_range_is_that_of_a_level_bed(record: Record) -> None:
+    projection = project(record, "ground", DisplayOptions())
+    for ping, bin_ in ((3, 100), (17, 199)):
+        slant, altitude = (bin_ + 0.5) * RANGE / BINS, float(record.altitude_of(np.array([ping]))[0])
+        u, _ = projection.place_of(Mark(ping, 1, bin_))
+        first, last = projection.shown
+        assert first + u * (last - first) == pytest.approx(np.sqrt(slant**2 - altitude**2))
+
+
+def test_true_scale_shows_the_newest_part_of_a_long_track() -> None:
+    zoom = zoom_to_true_scale(Zoom(), (400, 800), 100.0, 1000.0, newest_on_top=True)
+    assert zoom == Zoom(lower=pytest.approx(0.2))
+    zoom = zoom_to_true_scale(Zoom(), (400, 800), 100.0, 1000.0, newest_on_top=False)
+    assert zoom == Zoom(upper=pytest.approx(0.8))
+
+
+def test_a_zoom_keeps_its_place_and_stays_within_the_picture() -> None:
+    zoom = Zoom().about(0.25, 0.75, 4.0)
+    assert zoom.left + 0.25 * (zoom.right - zoom.left) == pytest.approx(0.25)
+    assert zoom.upper + 0.75 * (zoom.lower - zoom.upper) == pytest.approx(0.75)
+    assert zoom.moved(-9.0, 9.0) == Zoom(0.0, pytest.approx(0.25), pytest.approx(0.75), pytest.approx(1.0))
+    assert zoom.about(0.5, 0.5, 0.01).whole
+
+
+def test_colours_linear_in_decibels_and_reversed() -> None:
+    amplitude = np.array([0.01, 0.1, 1.0], np.float32)
+    tones = make_tone_map(DisplayOptions(decibels=True, levels=(0.01, 1.0)), (0.0, 9.0)).tones(amplitude)
+    np.testing.assert_allclose(tones, [0.0, 0.5, 1.0], atol=1e-6)
+    brighter = make_tone_map(DisplayOptions(decibels=True, levels=(0.01, 1.0), gain=20.0), (0.0, 9.0))
+    np.testing.assert_allclose(brighter.tones(amplitude), [0.5, 1.0, 1.0], atol=1e-6)
+    plain, turned = (
+        make_tone_map(DisplayOptions(palette="grey", reverse=reverse, levels=(0.0, 1.0)), (0.0, 9.0)).colours(
+            np.array([0.0, 100.0], np.float32)
+        )
+        for reverse in (False, True)
+    )
+    assert (plain == turned[::-1]).all()
+    assert colour_table(np.zeros((256, 3), np.uint8))[0] == 0xFF000000
+
+
+# In the window
+
+
+def turn_wheel(view: Any, place: QPoint, notches: int, keys: Any = Qt.KeyboardModifier.NoModifier) -> None:
+    event = QWheelEvent(
+        QPointF(place), QPointF(view.mapToGlobal(place)), QPoint(), QPoint(0, 120 * notches), Qt.MouseButton.NoButton,
+        keys, Qt.ScrollPhase.NoScrollPhase, False,
+    )  # fmt: skip
+    QApplication.sendEvent(view, event)
+
+
+def drag(view: Any, first: QPoint, last: QPoint) -> None:
+    """Drag with the left button in small steps."""
+    QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=first)
+    for step in range(1, 9):
+        place = first + (last - first) * step / 8
+        event = QMouseEvent(
+            QEvent.Type.MouseMove, QPointF(place), QPointF(view.mapToGlobal(place)), Qt.MouseButton.NoButton,
+            Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier,
+        )  # fmt: skip
+        QApplication.sendEvent(view, event)
+    QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=last)
+
+
+@pytest.fixture
+def viewer(open_viewer: Any, small: Scene) -> Any:
+    return open_viewer(edit(small, {"sonar.bins": 400, "track.pings": 256}))
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"ground_range": True},
+        {"water_column": False, "newest_on_top": False},
+        {"side": "port", "scale": "true"},
+        {"side": "starboard", "ground_range": True, "newest_on_top": False, "scale": "fill"},
+    ],
+)
+def test_pointing_clicking_and_scrubbing_stay_right(viewer: Any, options: dict[str, Any], qtbot: Any) -> None:
+    view, pinned, marked = viewer.window.waterfall, [], []
+    viewer.session.show(**options)
+    viewer.inspection.pinned.connect(pinned.append)
+    view.hovered.connect(marked.append)
+    side = int(options.get("side") != "port")
+    for mark in (Mark(240, side, 350), Mark(230, side, 120)):
+        place = view.place_of(mark)
+        assert view._plot().contains(place)
+        QTest.mouseMove(view, place)
+        qtbot.waitUntil(lambda mark=mark: bool(marked) and marked[-1] is not None and marked[-1].side == mark.side)
+        found = marked[-1]
+        assert abs(found.ping - mark.ping) <= 1
+        assert abs(found.bin - mark.bin) <= 1
+        wanted = view.mark_at(place)
+        QTest.mouseClick(view, Qt.MouseButton.LeftButton, pos=place)  # which opens a panel, so that the view shrinks
+        assert pinned[-1] == wanted
+    handle = view._handle
+    QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=handle.place_of(view.top).toPoint())
+    QTest.mouseMove(view, handle.place_of(100).toPoint())
+    QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=handle.place_of(100).toPoint())
+    assert abs(view.top - 100) <= 1
+    newest = view.place_of(Mark(view.top, side, 350))
+    older = view.place_of(Mark(view.top - 10, side, 350))
+    assert (newest.y() < older.y()) == options.get("newest_on_top", True)
+
+
+def test_the_wheel_zooms_and_a_drag_moves_the_record(viewer: Any) -> None:
+    view = viewer.window.waterfall
+    place = view.place_of(Mark(200, 1, 300))
+    before = view.mark_at(place)
+    turn_wheel(view, place, 4, Qt.KeyboardModifier.ControlModifier)
+    assert view.projection.zoom.right - view.projection.zoom.left == pytest.approx(1.25**-4)
+    found = view.mark_at(place)
+    assert abs(found.bin - before.bin) <= 1
+    assert abs(found.ping - before.ping) <= 1
+    drag(view, place, place + QPoint(-40, 30))
+    moved = view.mark_at(place + QPoint(-40, 30))
+    assert abs(moved.bin - found.bin) <= 2
+    assert abs(moved.ping - found.ping) <= 2
+    turn_wheel(view, place, -9, Qt.KeyboardModifier.ControlModifier)
+    assert view.projection.zoom.whole
+
+
+def test_a_drag_beyond_the_record_looks_back(viewer: Any) -> None:
+    view = viewer.window.waterfall
+    top, middle = view.top, view._plot().center()
+    pings = 100 * view.record.pings / view._plot().height()
+    drag(view, middle, middle - QPoint(0, 100))
+    assert view.top == pytest.approx(top - pings, abs=2)
+    drag(view, middle, middle + QPoint(0, 50))
+    assert view.top == pytest.approx(top - pings / 2, abs=3)
+
+
+def test_the_picture_follows_the_options(viewer: Any) -> None:
+    view = viewer.window.waterfall
+    upright = view.picture().copy()
+    viewer.session.show(side="port")
+    port = view.picture()
+    assert view.projection.extent[1] == 0.0
+    viewer.session.show(side="both", reverse=True)
+    assert (view.picture() != upright).any()
+    viewer.session.show(reverse=False)
+    assert (view.picture() == upright).all()
+    assert port.shape[0] == upright.shape[0]
+    viewer.session.show(ground_range=True)
+    assert (view.picture()[:, 0] == EMPTY).all() or view.projection.axis.kind == "ground"
+    viewer.session.show(ground_range=False, side_gains=(0.0, 12.0))
+    half = upright.shape[1] // 2
+    assert (view.picture()[:, : half - 2] == upright[:, : half - 2]).all()
+    assert (view.picture()[:, half + 60 :] != upright[:, half + 60 :]).mean() > 0.5
+
+
+def test_newest_below_is_the_picture_upside_down(viewer: Any) -> None:
+    view = viewer.window.waterfall
+    viewer.session.show(scale="fill")
+    viewer.look_back(37)  # so that the ring begins in its middle
+    plot = view._plot()
+    area = plot.adjusted(8, 8, -8, -8)
+    upright = view.grab(area).toImage()
+    viewer.session.show(newest_on_top=False)
+    turned = view.grab(area).toImage().flipped(Qt.Orientation.Vertical)
+    a, b = (np.frombuffer(i.convertToFormat(i.Format.Format_RGB32).constBits(), np.uint8) for i in (upright, turned))
+    assert np.abs(a.astype(int) - b.astype(int)).mean() < 2.0
+
+
+def test_options_reach_a_recording_and_its_saved_picture(viewer: Any) -> None:
+    viewer.session.show(palette="grey", gain=6.0, ground_range=True)
+    for view in (viewer.window.waterfall, viewer.window.recording):
+        assert view._look == viewer.session.display
+    assert viewer.window.palettes.currentText() == "grey"
+    assert viewer.window.gain.value() == 60
+
+
+def test_a_saved_picture_of_the_record_is_drawn_by_the_options(
+    viewer: Any, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    monkeypatch.setattr("insonify_viewer.saving.write", lambda scene, path, look, **_: asked.append(look))
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "record.png"), ""))
+    viewer.session.show(decibels=True, side="port", levels=(0.1, 3.0))
+    viewer.window.save.record.trigger()
+    qtbot.waitUntil(lambda: not viewer.saving.busy)
+    assert asked == [viewer.session.display]
