@@ -59,7 +59,7 @@ def test_below_the_first_ping_the_record_is_empty(open_viewer: Any, small: Scene
     assert (waterfall._pixels[hidden] == EMPTY).all(), "later pings would stand below the first one"
     viewer.session.show(gain=3.0)
     assert (waterfall._pixels[hidden] == EMPTY).all()
-    viewer.show_gain(0.0)
+    viewer.session.show(gain=0.0)
     viewer.go_to(127)
     qtbot.waitUntil(lambda: viewer.complete)
     assert (waterfall._pixels == whole).all()
