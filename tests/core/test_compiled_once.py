@@ -10,6 +10,7 @@ COUNT = f"""
 import sys
 import numpy as np
 from insonify.kernels.common.dispatch import Kernel
+from insonify.kernels.common.separate import SeparateKernel
 from insonify.scene import edit, load_scene
 from insonify.simulation import prepare
 
@@ -24,6 +25,7 @@ for name, module in list(sys.modules.items()):
             kernel = isinstance(found, Kernel) and not found.options.get("forceinline")
             if kernel and found.__module__ == name:
                 signatures = {{*found.entry.signatures, *found.part.signatures}}
+                signatures |= {{*found.machine_code.signatures}} if isinstance(found, SeparateKernel) else set()
                 if len(signatures) > 1:
                     print(f"{{name}}.{{word}}", *signatures, sep="\\n  ")
 """

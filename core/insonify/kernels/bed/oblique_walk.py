@@ -14,7 +14,7 @@ import numpy as np
 
 from insonify.kernels.bed.grid import MERGED, first_line, last_line, wrap_index
 from insonify.kernels.bed.profile import padded_count
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel_separate, kernel_uncounted
 
 
 class LineNodes(NamedTuple):
@@ -26,7 +26,7 @@ class LineNodes(NamedTuple):
     beyond: float  # of the node beyond the cell
 
 
-@kernel_uncounted
+@kernel_separate(INTEGER)
 def walk_oblique(nodes, materials, mapped, periodic, spacing, v_is_y, u0, v0, z0, eu, ev, start, end, profile):
     """Fill the knots, gradients, twists and materials of a profile along an oblique plane.
 

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from insonify.kernels.bed.profile import AT_ONCE, padded_count
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel_separate
 
 MOST_PARTS = 256
 # Turn of the incidence within a part, in units of a lobe's width 1/√n, over the root of the error allowed.
@@ -96,7 +96,7 @@ def _fill_segments(segments, x, z, gradient, twist, eu, per_ev, allowed, profile
     return turned != 0
 
 
-@kernel_uncounted
+@kernel_separate(INTEGER)
 def _divide(count, eu, per_ev, mapped, limits, profile):
     """Divide the segments of a profile; return its number of knots."""
     segments = count - 1

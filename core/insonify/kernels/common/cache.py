@@ -166,8 +166,12 @@ class _CacheImpl(CompileResultCacheImpl):
     def reduce(self, cres: Any) -> tuple[Any, ...]:
         (name, kind, (code, _)), *rest = super().reduce(cres)
         # Numba adds all LLVM code, to be linked into callers: here they have the part, and the name is enough.
-        symbol = f'define void @"{cres.fndesc.llvm_cpython_wrapper_name}"() {{ ret void }}'
-        return (name, kind, (code, llvm.parse_assembly(symbol).as_bitcode())), *rest
+        return (name, kind, (code, _bitcode_of_name(cres.fndesc.llvm_cpython_wrapper_name))), *rest
+
+
+def _bitcode_of_name(name: str) -> bytes:
+    """LLVM code that defines a function of a name and nothing else."""
+    return bytes(llvm.parse_assembly(f'define void @"{name}"() {{ ret void }}').as_bitcode())
 
 
 class _PartCacheImpl(_CacheImpl):
@@ -178,18 +182,24 @@ class _PartCacheImpl(_CacheImpl):
 
     def reduce(self, cres: Any) -> tuple[Any, ...]:
         cres.fndesc.typemap = cres.fndesc.calltypes = None  # not needed to link it, and cannot all be pickled
-        library = cres.library
-        return library.name, library.to_bitcode(), cres.fndesc, cres.environment, cres.signature, cres.reload_init
+        code = self._code_of(cres)
+        return cres.library.name, code, cres.fndesc, cres.environment, cres.signature, cres.reload_init
+
+    def _code_of(self, cres: Any) -> Any:
+        return cres.library.to_bitcode()
+
+    def _library_from(self, codegen: Any, name: str, code: Any) -> Any:
+        return PartLibrary.from_bitcode(codegen, name, code)
 
     def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
-        name, bitcode, fndesc, environment, signature, reload_init = payload
+        name, code, fndesc, environment, signature, reload_init = payload
         for again in reload_init:
             again()
         return compile_result(
             typing_context=target_context.typing_context,
             target_context=target_context,
             entry_point=object(),
-            library=PartLibrary.from_bitcode(target_context.codegen(), name, bitcode),
+            library=self._library_from(target_context.codegen(), name, code),
             fndesc=fndesc,
             environment=environment,
             signature=signature,
@@ -197,6 +207,19 @@ class _PartCacheImpl(_CacheImpl):
             lifted=(),
             reload_init=reload_init,
         )
+
+
+class _SeparateCacheImpl(_PartCacheImpl):
+    """What is written of a function that other kernels call by its address: its machine code, and the name of that."""
+
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        return f"{super().get_filename_base(fullname, abiflags)}.separate"
+
+    def _code_of(self, cres: Any) -> Any:
+        return cres.library._get_compiled_object(), _bitcode_of_name(cres.fndesc.llvm_func_name)
+
+    def _library_from(self, codegen: Any, name: str, code: Any) -> Any:
+        return codegen.unserialize_library((name, "object", code))
 
 
 class _CacheFile(IndexDataCacheFile):
@@ -255,3 +278,9 @@ class PartCache(KernelCache):
         """Keep the code of a signature, once it is linked."""
         save = super().save_overload
         data.library.save_when_linked(lambda: save(sig, data))
+
+
+class SeparateCache(KernelCache):
+    """Machine code on disk of one function that other kernels call by its address."""
+
+    _impl_class = _SeparateCacheImpl

@@ -12,6 +12,7 @@ from numba.core import event
 
 from insonify.kernels.common.compilation import Compilation, tell_watchers
 from insonify.kernels.common.part_process import end_process, start_process
+from insonify.kernels.common.separate import SeparateKernel
 
 PACKAGE = __name__.partition(".common.")[0]
 WORDS = {  # by the folder of the kernel's module
@@ -101,7 +102,7 @@ class CompilationListener(event.Listener):
 
 
 def called_functions(function: FunctionType) -> set[FunctionType]:
-    """Collect a function and all compiled functions that it calls, directly or not.
+    """Collect a function and all that are compiled into it, directly or not.
 
     Parameters
     ----------
@@ -116,7 +117,8 @@ def called_functions(function: FunctionType) -> set[FunctionType]:
     while pending:
         calling = pending.pop()
         named = (calling.__globals__.get(name) for name in calling.__code__.co_names)
-        called = (getattr(value, "py_func", None) for value in named)
+        parts = (value for value in named if not isinstance(value, SeparateKernel))
+        called = (getattr(value, "py_func", None) for value in parts)
         new = {function for function in called if function is not None} - found
         found |= new
         pending.extend(new)

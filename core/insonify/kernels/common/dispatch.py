@@ -9,15 +9,24 @@ The callers' machine code is the same, and the first call of a kernel takes half
 from __future__ import annotations
 
 import dis
+import threading
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
 from typing import Any
 
+from numba.core import types
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 
 from insonify.kernels.common.cache import KernelCache, PartCache
 from insonify.kernels.common.part_library import PartLibrary
+
+
+class NotCompiledError(RuntimeError):
+    """A kernel that another one calls could not be compiled when it was first called; `failure.error` is the reason."""
+
+
+failure = threading.local()
 
 
 class Kernel:
@@ -41,7 +50,10 @@ class Kernel:
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         """Call the machine code, which is compiled for types that it has not been called with."""
-        return self.entry(*arguments, **named)
+        try:
+            return self.entry(*arguments, **named)
+        except NotCompiledError:
+            raise failure.error from None
 
     @cached_property
     def entry(self) -> Any:
@@ -68,6 +80,11 @@ class Kernel:
 class Part(CPUDispatcher):
     """A function as other kernels call it; Python cannot."""
 
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Compile the function for a call: once for all values of a constant, which LLVM sees when it is inlined."""
+        args, kws = tuple(map(types.unliteral, args)), {name: types.unliteral(kind) for name, kind in kws.items()}
+        return super().get_call_template(args, kws)
+
     def add_overload(self, cres: Any) -> None:
         """Make a compiled signature known to those that compile its callers."""
         place = object()  # for want of an address
@@ -75,12 +92,20 @@ class Part(CPUDispatcher):
         self.overloads[tuple(cres.signature.args)] = cres._replace(entry_point=place)
 
 
-class _PartCompiler(Compiler):
+class WithoutWrapper(Compiler):
     """Numba's passes, less those that make a function callable from Python."""
 
-    def __init__(self, typing: Any, target: Any, _: Any, args: Any, returned: Any, flags: Any, names: Any) -> None:
+    def __init__(self, *context: Any) -> None:
+        *_, flags, _ = context
         flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
-        super().__init__(typing, target, PartLibrary(target.codegen(), "part"), args, returned, flags, names)
+        super().__init__(*context)
+
+
+class _PartCompiler(WithoutWrapper):
+    """Numba's passes, up to LLVM code."""
+
+    def __init__(self, typing: Any, target: Any, _: Any, *context: Any) -> None:
+        super().__init__(typing, target, PartLibrary(target.codegen(), "part"), *context)
 
     def compile_extra(self, func: Any) -> Any:
         """Compile a function."""

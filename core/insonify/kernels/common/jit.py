@@ -5,6 +5,8 @@ decorator                  called by a kernel       on disk      counts referenc
 =========================  =======================  ===========  =====================  ==================
 `kernel`                   a function of its own    yes          yes                    relaxed (`FAST`)
 `kernel_uncounted`         a function of its own    yes          no                     relaxed (`FAST`)
+`kernel_separate`          by its address           yes          no                     relaxed (`FAST`)
+`kernel_on_demand`         by its address           yes          if asked to            relaxed (`FAST`)
 `inlined`                  inlined                  no           yes                    relaxed (`FAST`)
 `inlined_uncounted`        inlined                  no           no                     relaxed (`FAST`)
 `inlined_ieee`             inlined                  no           yes                    IEEE 754, in order
@@ -14,6 +16,9 @@ decorator                  called by a kernel       on disk      counts referenc
 Reference counting costs an atomic operation of about 5 ns, twice for every array of every tuple passed to a function.
 A function that does not count references may neither create nor return arrays, nor call one that returns them: its
 callers count. Small functions are inlined because passing a tuple of arrays costs more than many of them compute.
+
+What is called by its address is compiled once for all kernels that call it (`separate`): beside the first of them, or,
+on demand, when it is first called. The latter is for what most scenes lack, such as water that bends sound.
 """
 
 from __future__ import annotations
@@ -22,14 +27,17 @@ from collections.abc import Callable
 from typing import Any
 
 from numba import njit
-from numba.core import config, event
+from numba.core import config, event, types
 
 from insonify.kernels.common.compilation_events import CompilationListener
 from insonify.kernels.common.dispatch import Kernel
+from insonify.kernels.common.separate import SeparateKernel
 
 Function = Callable[..., Any]
 # Every licence that keeps NaN and infinity meaningful: guards against them must survive.
 FAST = {"nsz", "arcp", "contract", "afn", "reassoc"}
+COMMON = {"nogil": True, "error_model": "numpy"}
+NOTHING, INTEGER, TWO_INTEGERS = types.none, types.intp, types.UniTuple(types.intp, 2)  # what separate kernels return
 
 
 def kernel(function: Function) -> Function:
@@ -40,6 +48,16 @@ def kernel(function: Function) -> Function:
 def kernel_uncounted(function: Function) -> Function:
     """Compile a function as a kernel that does not count references, and keep its machine code on disk."""
     return _kept(function, counting=False)
+
+
+def kernel_separate(returned: Any) -> Callable[[Function], Function]:
+    """Compile a function on its own, beside the kernels that call it, without counting references."""
+    return lambda function: _separate(function, returned, ahead=True)
+
+
+def kernel_on_demand(returned: Any, counting: bool = False) -> Callable[[Function], Function]:
+    """Compile a function when a kernel first calls it, by default without counting references."""
+    return lambda function: _separate(function, returned, ahead=False, counting=counting)
 
 
 def inlined(function: Function) -> Function:
@@ -75,11 +93,18 @@ def _within_callers(function: Function, counting: bool, fast: Any) -> Function:
     return _kernel(function, {"fastmath": fast, "_nrt": counting, "forceinline": True}, kept=False)
 
 
+def _separate(function: Function, returned: Any, ahead: bool, counting: bool = False) -> Function:
+    chosen: Any = config
+    if chosen.DISABLE_JIT:
+        return function
+    return SeparateKernel(function, COMMON | {"fastmath": FAST, "_nrt": counting}, returned, ahead)
+
+
 def _kernel(function: Function, options: dict[str, Any], kept: bool) -> Function:
     chosen: Any = config
     if chosen.DISABLE_JIT:
         return function
-    return Kernel(function, {"nogil": True, "error_model": "numpy"} | options, kept)
+    return Kernel(function, COMMON | options, kept)
 
 
 event.register("numba:compile", CompilationListener())

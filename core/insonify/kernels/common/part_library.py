@@ -83,8 +83,9 @@ class PartLibrary(JITCodeLibrary):
         for library in self._linking_libraries:
             self._reload_init.update(library._reload_init)
         self._finalized = True
-        self._process = running_process()
-        if self._process is not None:
+        process = running_process()
+        if process is not None and not process.compiles:
+            self._process = process
             self._process.link(self.key, self.name, tuple(self._sources), self._linking_libraries, self.optimised)
 
     def save_when_linked(self, save: Callable[[], None]) -> None:

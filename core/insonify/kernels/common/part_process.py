@@ -1,8 +1,8 @@
-"""A second process that links and optimises parts of a kernel while this one types and lowers those that follow.
+"""A second process that compiles while this one does: llvmlite admits one thread of a process at a time.
 
-Half of the time of compilation is LLVM's, and llvmlite admits one thread at a time to it: a second thread would wait.
-The second process is asked for parts in the order in which they are lowered, and answers with bitcode. If it cannot be
-started or ends early, its parts are linked here.
+While a kernel is typed and lowered here, the second process compiles the separate kernels that it calls, whole, and
+leaves their machine code on disk. Where a kernel calls none, it links and optimises parts in the order in which they
+are lowered, and answers with bitcode. If it cannot be started or ends early, all of that is done here.
 """
 
 from __future__ import annotations
@@ -16,14 +16,15 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from insonify.cores import default_threads
+from insonify.cores import VARIABLE, default_threads
 
 WORKER = "insonify.kernels.common.part_worker"
 _running: list[PartProcess] = []
+_asked: dict[bytes, PartProcess] = {}
 
 
 class PartProcess:
-    """The second process, for the time that one kernel is compiled.
+    """The second process, for the time that one kernel is compiled and the separate kernels that it calls.
 
     Attributes
     ----------
@@ -36,15 +37,31 @@ class PartProcess:
         self._asked: set[int] = set()
         self._sent: dict[Any, int] = {}  # keys of other libraries that it knows
         self._linked: dict[int, bytes] = {}
+        self._kernels: set[bytes] = set()  # that it has been asked for and not compiled yet
         self._ended = False
         self._arrived = threading.Condition()
         environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
         self._process = subprocess.Popen(
             [sys.executable, "-m", WORKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            env=environment | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
+            env=environment | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path), VARIABLE: "1"},
         )  # fmt: skip
         self._reader = threading.Thread(target=self._read, name="insonify-parts", daemon=True)
         self._reader.start()
+
+    @property
+    def compiles(self) -> bool:
+        """Whether it compiles separate kernels, and has no time for parts."""
+        return bool(self._kernels)
+
+    def compile(self, name: bytes) -> None:
+        """Ask for a separate kernel, by its name for `separate.find_address`."""
+        self._kernels.add(name)
+        self._send(name)
+
+    def wait_for(self, name: bytes) -> None:
+        """Wait until a separate kernel is compiled, or the process has ended."""
+        with self._arrived:
+            self._arrived.wait_for(lambda: name not in self._kernels or self._ended)
 
     def link(self, key: int, name: str, sources: Sequence[Any], libraries: Sequence[Any], optimised: bool) -> None:
         """Ask for a part.
@@ -79,22 +96,21 @@ class PartProcess:
             return self._linked.pop(key, None)
 
     def close(self) -> None:
-        """Save all parts, and end the process; if it has ended early, the rest is not linked for that alone."""
+        """Save all parts, and end the process, unless it still compiles; if it has ended early, no part is linked."""
         for save in self.unsaved:
             if not self._ended:
                 save()
-        with contextlib.suppress(OSError):
-            self._stdin.close()
-        self._process.kill()
-        self._process.wait()
-        self._reader.join()
+        self._send(None)  # it ends when it has done all
+        if not self._kernels:
+            self._process.kill()
+            self._reader.join()
 
     @property
     def _stdin(self) -> Any:
         return self._process.stdin
 
-    def _send(self, message: tuple[Any, ...]) -> None:
-        with contextlib.suppress(OSError):  # it has ended: `_read` notices
+    def _send(self, message: tuple[Any, ...] | bytes | None) -> None:
+        with contextlib.suppress(OSError, ValueError):  # it has ended: `_read` notices
             pickle.dump(message, self._stdin)
             self._stdin.flush()
 
@@ -103,13 +119,20 @@ class PartProcess:
         assert self._process.stdout is not None
         with self._process.stdout as answers, contextlib.suppress(Exception):
             while True:
-                key, bitcode = pickle.load(answers)
+                answer = pickle.load(answers)
                 with self._arrived:
-                    self._linked[key] = bitcode
+                    if isinstance(answer, bytes):
+                        self._kernels.remove(answer)
+                    else:
+                        self._linked.update([answer])
                     self._arrived.notify_all()
         with self._arrived:
             self._ended = True
+            self._kernels.clear()
             self._arrived.notify_all()
+        with contextlib.suppress(OSError):
+            self._stdin.close()
+        self._process.wait()
 
 
 def running_process() -> PartProcess | None:
@@ -128,3 +151,29 @@ def end_process() -> None:
     """End the second process, if one is running."""
     if _running:
         _running.pop().close()
+
+
+def ask_for_kernel(name: bytes) -> None:
+    """Let the second process compile a separate kernel, if it is running.
+
+    Parameters
+    ----------
+    name : bytes
+        For `separate.find_address`.
+    """
+    if _running and name not in _asked:
+        _asked[name] = _running[-1]
+        _running[-1].compile(name)
+
+
+def wait_for_kernel(name: bytes) -> None:
+    """Wait for a separate kernel, if the second process has been asked for it.
+
+    Parameters
+    ----------
+    name : bytes
+        For `separate.find_address`.
+    """
+    process = _asked.get(name)
+    if process is not None:
+        process.wait_for(name)

@@ -1,4 +1,4 @@
-"""The second process of a compilation: links and optimises the parts that it is asked for, see `part_process`."""
+"""The second process of a compilation: compiles kernels, and links and optimises parts, see `part_process`."""
 
 from __future__ import annotations
 
@@ -14,17 +14,22 @@ from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
 
 from insonify.kernels.common.part_library import Source, link_part
+from insonify.kernels.common.separate import find_address
 
 
 def main() -> None:
-    """Answer until the input ends."""
+    """Answer until told to leave, or until the input ends."""
     asked: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(asked,), daemon=True).start()
     modules: dict[int, Any] = {}
     codegen = cpu_target.target_context.codegen()
-    with global_compiler_lock:
-        while (message := asked.get()) is not None:
-            key, *part = message
+    while (message := asked.get()) is not None:
+        if isinstance(message, bytes):
+            find_address(message)
+            _answer(message)
+            continue
+        key, *part = message
+        with global_compiler_lock:
             if key < 0:
                 modules[key] = llvm.parse_bitcode(*part)
                 continue
@@ -32,8 +37,12 @@ def main() -> None:
             modules[key] = link_part(
                 codegen, name, [Source(*source) for source in sources], [modules[k] for k in keys], optimised
             )
-            pickle.dump((key, bytes(modules[key].as_bitcode())), sys.stdout.buffer)
-            sys.stdout.buffer.flush()
+            _answer((key, bytes(modules[key].as_bitcode())))
+
+
+def _answer(answer: bytes | tuple[int, bytes]) -> None:
+    pickle.dump(answer, sys.stdout.buffer)
+    sys.stdout.buffer.flush()
 
 
 def _read(asked: queue.SimpleQueue[Any]) -> None:

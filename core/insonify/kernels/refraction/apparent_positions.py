@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined, inlined_uncounted, kernel
+from insonify.kernels.common.jit import NOTHING, inlined, inlined_uncounted, kernel_on_demand
 
 COLUMNS = 4
 LEVEL, RISE, TUBE, TURN = 0, 1, 2, 3  # x'/x - 1; z' - z, m; N - 1; angle of arrival above that of launch, rad
@@ -64,7 +64,7 @@ def empty_table(bending: ApparentTables) -> NDArray[np.float32]:
     return np.zeros(bending.tables.shape[1:], np.float32)
 
 
-@kernel
+@kernel_on_demand(NOTHING, counting=True)
 def _interpolate_table(bending, z, table):
     """Table of a sonar between the heights of two tables.
 
@@ -158,7 +158,7 @@ def _locate_cell(grid, x, z):
     return i, j, np.float32(u - i), np.float32(v - j)
 
 
-@kernel
+@kernel_on_demand(NOTHING)
 def apply_apparent_positions(table, grid, one_wide, profile, count):
     """Put the knots of a profile at their apparent positions, in place.
 

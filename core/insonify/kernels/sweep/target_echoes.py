@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.kernels.common.jit import NOTHING, inlined_uncounted, kernel_separate, kernel_uncounted
 from insonify.kernels.geometry.cross_sections import NEVER
 from insonify.kernels.sweep.facets import Facet, deposit_facet
 from insonify.kernels.sweep.partial_segments import FINE, deposit_partial_segment
@@ -96,7 +96,7 @@ class BedHorizon(NamedTuple):
     knots: int
 
 
-@kernel_uncounted
+@kernel_separate(NOTHING)
 def deposit_targets(profile, knots, horizon, arrays, sector, plane, zbuffer, cells, bins):
     """Spread the echoes of the targets that one plane cuts over the range bins, less what the bed hides of them.
 

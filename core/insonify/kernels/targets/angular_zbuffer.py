@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
+from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel, kernel_separate, kernel_uncounted
 from insonify.kernels.common.search import last_not_above
 from insonify.kernels.common.types import Mesh, Solids
 from insonify.kernels.geometry.cross_sections import may_cut_solid, section_solid
@@ -84,7 +84,7 @@ def empty_zbuffer(solids: Solids, mesh: Mesh) -> AngularZbuffer:
     )  # fmt: skip
 
 
-@inlined_uncounted
+@kernel_separate(INTEGER)
 def fill_zbuffer(arrays, plane, sector, reach, grid, table, zbuffer):
     """Collect the primitives that a plane cuts and find the nearest for every launch angle.
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel_on_demand
 
 SAME = 1e-9  # rad; ends of primitives closer together are one
 
 
-@kernel_uncounted
+@kernel_on_demand(INTEGER)
 def cut_mesh(mesh, first_body, plane, reach, zbuffer, primitives):
     """Add the lines in which a plane cuts the triangles ahead of the sonar to the primitives of a z-buffer.
 
