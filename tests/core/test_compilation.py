@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 
 from insonify import compilation_bar
+from insonify.kernels.beam.knot_weights import weigh_knots
 from insonify.kernels.common.cache import SOURCES
 from insonify.kernels.common.compilation import Compilation
 from insonify.kernels.common.compilation_events import WORDS, called_functions
 from insonify.kernels.sweep.sweep import sweep_pings
-from insonify.kernels.sweep.visibility import weigh_knots
 
 FIRST_CALL = """
 import numpy as np

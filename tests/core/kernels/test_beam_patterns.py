@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 import pytest
 
 from beds import arrays_of, gaussian_pattern, poses_of, rough
-from insonify.kernels.beam.pattern_integrals import integrated_response, integrated_responses
+from insonify.kernels.beam.azimuth_sector import AzimuthSector, sector_weight
+from insonify.kernels.beam.knot_weights import sample_pattern, weigh_knots
+from insonify.kernels.beam.pattern_integrals import integrated_response
 from insonify.kernels.common.jit import kernel
 from insonify.kernels.common.types import EVERY_GRAZING, GAUSSIAN, LIGHT, SONAR, TABLE, TOP_HAT, BeamPattern
 from insonify.scene.beams.line_array import LineArray
@@ -185,33 +188,74 @@ def test_the_near_field_between_two_rows_is_that_of_the_array(length, distance):
 
 
 @kernel
-def integrate_along(pattern, x, z, r, axis, borders, many, single):
+def integrate_along(pattern, x, z, r, sector, many, single):
     parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
-    integrated_responses(x, z, r, axis, borders, *parts, many)
+    sample_pattern(x, z, r, sector, pattern, SONAR, many)
     for i in range(x.size):
-        level, tip = axis[0] * x[i] / r[i], axis[1] * z[i] / r[i]
-        single[i] = integrated_response(*parts, level * borders[0] + tip, level * borders[1] + tip, r[i])
+        level, tip = sector.ahead_level * x[i] / r[i], sector.ahead_up * z[i] / r[i]
+        single[i] = integrated_response(*parts, level * sector.s_low + tip, level * sector.s_high + tip, r[i])
+
+
+def sector_between(s_low, s_high, pitch, main):
+    angle = math.asin(s_high) - math.asin(s_low)
+    return AzimuthSector(
+        s_low, s_high, angle, 0.0, math.inf, main, 2.0 * main, True, False,
+        math.cos(pitch), math.sin(pitch), 1.0, 0.0, 0.0, 1.0,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("rows", [1, 2, 61])
-def test_integrals_along_a_plane_are_those_of_its_places(rows):
+def test_integrals_at_one_place_are_those_of_the_table(rows):
     rng = np.random.default_rng(rows)
     extent = np.linspace(0.9, 0.3, rows)
     energy = rng.uniform(0.0, 1.0, (rows, 129))
     integral = np.cumsum(energy, axis=1) * (2.0 * extent[:, None] / 128)
     pattern = BeamPattern(True, 0.05, extent, energy, integral, 2.0, 8.0, EVERY_GRAZING, 0.0, 1.0, True)
     x, z = np.linspace(0.0, 400.0, 501), rng.uniform(-12.0, -8.0, 501)
-    z[200] = np.nan  # a hole in the bed
     many, single = np.empty((2, 501))
-    integrate_along(pattern, x, z, np.hypot(x, z), (0.98, 0.2), (-0.3, 0.4), many, single)
-    known = np.isfinite(z)
-    np.testing.assert_allclose(many[known], single[known], rtol=1e-10, atol=1e-12)
-    place = np.clip(np.log2(np.hypot(x, z) / 2.0) * 8.0, 0.0, rows - 1.0)[known]
-    tip, level = (0.2 * z / np.hypot(x, z))[known], (0.98 * x / np.hypot(x, z))[known]
-    expected = np.zeros(known.sum())
+    sector = sector_between(-0.3, 0.4, 0.2, 0.1)
+    integrate_along(pattern, x, z, np.hypot(x, z), sector, many, single)
+    place = np.clip(np.log2(np.hypot(x, z) / 2.0) * 8.0, 0.0, rows - 1.0)
+    level, tip = sector.ahead_level * x / np.hypot(x, z), sector.ahead_up * z / np.hypot(x, z)
+    expected = np.zeros(501)
     for k in range(rows):
         columns = 0.05 + extent[k] * np.linspace(-1.0, 1.0, 129)
-        ends = (np.interp(level * border + tip, columns, integral[k]) for border in (-0.3, 0.4))
-        low, high = ends
+        low, high = (np.interp(level * border + tip, columns, integral[k]) for border in (-0.3, 0.4))
         expected += (high - low) * np.maximum(1.0 - np.abs(place - k), 0.0)
-    np.testing.assert_allclose(many[known], expected, rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(single, expected, rtol=1e-7, atol=1e-9)
+
+
+@pytest.mark.parametrize("pitch", [0.0, 0.05])
+@pytest.mark.parametrize("squint", [0.0, 0.08])
+@pytest.mark.parametrize("law", [SONAR, LIGHT])
+def test_a_pattern_between_the_knots_where_it_is_read_is_that_of_each_knot(pitch, squint, law):
+    """Over a rough bed with a hole: the weights of every sector, and their sum."""
+    rng, main = np.random.default_rng(5), 0.014
+    s = np.linspace(-0.08, 0.08, 2049)
+    energy = (np.sinc(s / (0.9 * main)) ** 4)[None]
+    integral = np.concatenate([[0.0], np.cumsum(0.5 * (energy[0, 1:] + energy[0, :-1])) * (s[1] - s[0])])[None]
+    pattern = BeamPattern(True, squint, np.array([0.08]), energy, integral, 1.0, 1.0, EVERY_GRAZING, 0.0, 1.0, True)
+    x = np.linspace(0.0, 50.0, 501)
+    z = -10.0 + np.convolve(rng.normal(0.0, 0.25, 505), np.ones(5) / 5.0, "valid")
+    z[200] = np.nan
+    r, known = np.hypot(x, z), np.isfinite(z) & (x > 0.0)
+    found, exact = np.zeros((2, 501))
+    for s_low, s_high in itertools.pairwise(math.sin(math.asin(squint) + k * main / 4.0) for k in range(-12, 13)):
+        sector = sector_between(s_low, s_high, pitch, main)
+        weights, each = np.empty(501), np.empty(501)
+        weigh(pattern, x, z, r, sector, law, weights, each)
+        # A sector of the main lobe has a fourth of half its width, and about a fifth of the beam.
+        of_axis = 0.25 * main * r if law == SONAR else 0.2
+        off = np.abs((weights - each) / of_axis)[known]
+        # Turned away from athwart, a sector's place in the beam moves with every bump of the bed.
+        assert off.max() < (0.1 if squint or pitch else 0.002)
+        assert np.sqrt(np.mean(off**2)) < (0.01 if squint or pitch else 0.0002)
+        found, exact = found + weights, exact + each
+    assert abs(found[known].sum() / exact[known].sum() - 1.0) < 2e-4
+
+
+@kernel
+def weigh(pattern, x, z, r, sector, law, weights, each):
+    weigh_knots(x, z, r, sector, pattern, law, weights)
+    for i in range(x.size):
+        each[i] = sector_weight(x[i], z[i], r[i], sector, pattern, law) if x[i] > 0.0 else 0.0

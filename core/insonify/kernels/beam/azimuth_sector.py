@@ -17,7 +17,7 @@ from insonify.kernels.beam.pattern import (
     widest_extent,
 )
 from insonify.kernels.beam.pattern_integrals import integrated_response
-from insonify.kernels.common.jit import inlined_uncounted, kernel
+from insonify.kernels.common.jit import inlined_uncounted, kernel, kernel_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT
 
 TRANSITION = 0.3  # of the near field, by which the far field takes over
@@ -175,16 +175,34 @@ def _pattern_weight(x, z, r, sector, pattern, law):
     response = in_plane_response(x / r, z / r, sector, pattern)
     if sector.angle == 0.0 or response == 0.0:
         return response
-    centre, extent, integral = pattern.centre, pattern.extent, pattern.integral
-    first_range, per_octave = pattern.first_range, pattern.per_octave
-    width = pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_octave)
-    if law != LIGHT:
-        return response * width
-    # Law `light` averages over the azimuths inside the beam there.
+    if law == LIGHT:
+        return response * pattern_share(x, z, r, sector, pattern)
+    return response * pattern_width(x, z, r, sector, pattern)
+
+
+@kernel_uncounted
+def pattern_share(x, z, r, sector, pattern):
+    """Share of a tabulated pattern's azimuths at a place that a plane stands for: law `light` averages over them.
+
+    Parameters
+    ----------
+    x, z, r : float
+        Ground range, height above the sonar and slant range of the place, m.
+    sector : AzimuthSector
+        Of a width.
+    pattern : BeamPattern
+
+    Returns
+    -------
+    float
+    """
+    width = pattern_width(x, z, r, sector, pattern)
+    if not width > 0.0:
+        return 0.0
     if is_whole_beam(sector):
-        return response if width > 0.0 else 0.0
+        return 1.0
     whole = _azimuths_in_beam(x / r, z / r, r, sector, pattern)
-    return response * width / (x * whole) if whole > 0.0 else 0.0
+    return width / (x * whole) if whole > 0.0 else 0.0
 
 
 @inlined_uncounted
@@ -301,7 +319,7 @@ def in_plane_response(c, s, sector, pattern):
 
 
 @inlined_uncounted
-def pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_octave):
+def pattern_width(x, z, r, sector, pattern):
     """Along-track width that a plane of a tabulated pattern stands for.
 
     Along the plane of azimuth φ, s = cos p cos θ sin φ + sin p sin θ is the part of the direction along the fish's
@@ -312,8 +330,7 @@ def pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_oc
     x, z, r : float
         Ground range, height above the sonar and slant range of the place, m.
     sector : AzimuthSector
-    centre, extent, integral, first_range, per_octave
-        Of the BeamPattern.
+    pattern : BeamPattern
 
     Returns
     -------
@@ -323,7 +340,8 @@ def pattern_width(x, z, r, sector, centre, extent, integral, first_range, per_oc
     level, tip = sector.ahead_level * x / r, sector.ahead_up * z / r
     span = level * (sector.s_high - sector.s_low)
     s_low, s_high = level * sector.s_low + tip, level * sector.s_high + tip
-    response = integrated_response(centre, extent, integral, first_range, per_octave, s_low, s_high, r)
+    centre, extent, integral = pattern.centre, pattern.extent, pattern.integral
+    response = integrated_response(centre, extent, integral, pattern.first_range, pattern.per_octave, s_low, s_high, r)
     return x * sector.angle * response / span if span > 0.0 else 0.0
 
 

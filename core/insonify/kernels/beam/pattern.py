@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from insonify.kernels.beam.pattern_integrals import integrated_response, row_of_range
 from insonify.kernels.common.jit import inlined_uncounted, kernel
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE, TOP_HAT
 
 SLICES = 16  # of the azimuths over which a pattern is averaged
 SHARED_SLICES = 128  # of the azimuths that two directions share, sidelobes and all
+LN2, LEAST_EXPONENT = math.log(2.0), -1000.0
 
 
 @inlined_uncounted
@@ -243,7 +246,19 @@ def lobe_response(pattern, side, up):
         return 0.0
     if pattern.vertical == TOP_HAT:
         return 1.0 if abs(off) <= 1.0 else 0.0
-    return 2.0 ** (-off * off * (2.0 if pattern.two_way else 1.0))
+    return _power_of_two(-off * off * (2.0 if pattern.two_way else 1.0))
+
+
+@inlined_uncounted
+def _power_of_two(exponent):
+    """Two to a power not above 0, to 1e-10, in a form that vectorises."""
+    limited = exponent if exponent > LEAST_EXPONENT else LEAST_EXPONENT
+    whole = math.floor(limited + 0.5)
+    t = (limited - whole) * LN2
+    # e to the power t by its series, |t| <= ln 2 / 2; then the whole part goes into the exponent's bits.
+    tail = 1.0 / 120.0 + t * (1.0 / 720.0 + t * (1.0 / 5040.0 + t * (1.0 / 40320.0)))
+    series = 1.0 + t * (1.0 + t * (0.5 + t * (1.0 / 6.0 + t * (1.0 / 24.0 + t * tail))))
+    return series * np.int64((np.int64(whole) + 1023) << np.int64(52)).view(np.float64)
 
 
 @inlined_uncounted

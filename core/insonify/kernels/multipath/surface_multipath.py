@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from insonify.kernels.beam.azimuth_sector import is_whole_beam, raise_sector, weigh_paired_knots
+from insonify.kernels.beam.knot_weights import weigh_knots
 from insonify.kernels.bed.profile import Profile, empty_profile, profile_capacity
 from insonify.kernels.bed.slice import slice_bed
 from insonify.kernels.common.jit import inlined, kernel
@@ -41,7 +42,7 @@ from insonify.kernels.multipath.target_multipath import list_target_echoes
 from insonify.kernels.refraction.apparent_positions import COLUMNS, straight_grid
 from insonify.kernels.sweep.sweep import LOWEST, aim_plane, visible_from
 from insonify.kernels.sweep.target_echoes import ground_range_at, launch_angle
-from insonify.kernels.sweep.visibility import NADIR, weigh_knots
+from insonify.kernels.sweep.visibility import NADIR
 from insonify.kernels.targets.angular_zbuffer import AngularZbuffer, empty_zbuffer, fill_zbuffer
 from insonify.kernels.targets.occlusion import next_visible, occluded_slopes, occlusion_of
 

@@ -13,19 +13,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from insonify.kernels.beam.azimuth_sector import (
-    in_plane_lobe,
-    in_plane_response,
-    sector_weight,
-    top_hat_share,
-    top_hat_width,
-)
-from insonify.kernels.beam.pattern_integrals import integrated_responses
+from insonify.kernels.beam.knot_weights import weigh_knots
 from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.common.jit import inlined_uncounted
 from insonify.kernels.common.range_bins import FIXED_POINT
 from insonify.kernels.common.scattering import scatter_segments
-from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE
+from insonify.kernels.common.types import LIGHT
 from insonify.kernels.sweep.partial_segments import FINE
 
 NADIR = -1e30  # slope of a ray straight down
@@ -186,57 +179,6 @@ def _measure_incidence(segments, facing, area, r, cos_squared):
     for i in range(segments):
         middle = real(0.5 * (r[i] + r[i + 1]))
         cos_squared[i] = facing[i] * facing[i] / (middle * middle * area[i])
-
-
-@inlined_uncounted
-def weigh_knots(x, z, r, sector, pattern, law, out):
-    """Factor by which a plane's sector multiplies the echo of each knot, as `sector_weight` for one place.
-
-    Parameters
-    ----------
-    x, z, r : ndarray of float64
-        Ground range, height above the sonar and slant range of the knots, m; as many as x has.
-    sector : AzimuthSector
-    pattern : BeamPattern
-    law : int
-    out : ndarray
-        Takes the factors.
-    """
-    if sector.angle == 0.0 and not sector.tabulated:
-        for i in range(x.size):
-            out[i] = 1.0  # a knife
-        return
-    if not sector.tabulated and law == LIGHT:
-        for i in range(x.size):
-            out[i] = top_hat_share(x[i], r[i], sector)
-        return
-    if not sector.tabulated:
-        for i in range(x.size):
-            out[i] = top_hat_width(x[i], r[i], sector)
-        return
-    if law == LIGHT or sector.angle == 0.0:
-        for i in range(x.size):
-            out[i] = sector_weight(x[i], z[i], r[i], sector, pattern, law)
-        return
-    parts = pattern.centre, pattern.extent, pattern.integral, pattern.first_range, pattern.per_octave
-    _weigh_pattern(x, z, r, sector, parts, out)
-    if pattern.vertical == TABLE:
-        for i in range(x.size):
-            out[i] *= in_plane_response(x[i] / r[i], z[i] / r[i], sector, pattern)
-    elif pattern.vertical != EVERY_GRAZING:
-        for i in range(x.size):
-            out[i] *= in_plane_lobe(x[i] / r[i], z[i] / r[i], sector, pattern)
-
-
-@inlined_uncounted
-def _weigh_pattern(x, z, r, sector, parts, out):
-    """Along-track width of a tabulated pattern at each knot, as `pattern_width` for one place."""
-    axis, borders = (sector.ahead_level, sector.ahead_up), (sector.s_low, sector.s_high)
-    integrated_responses(x, z, r, axis, borders, *parts, out)
-    span = sector.ahead_level * (sector.s_high - sector.s_low)
-    real, per_sine = out.dtype.type, sector.angle / span if span > 0.0 else 0.0
-    for i in range(x.size):
-        out[i] = out[i] * real(r[i] * per_sine) if x[i] > 0.0 else real(0.0)
 
 
 @inlined_uncounted
