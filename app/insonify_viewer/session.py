@@ -179,6 +179,10 @@ class Session:
         """Change the modelling, as one step of undo."""
         self._turn_to(_State(self._settled.scene, modelling))
 
+    def turn_to(self, scene: Scene, modelling: Modelling) -> None:
+        """Turn to a scene and its modelling as both were before, as one step of undo."""
+        self._turn_to(_State(scene, modelling))
+
     def undo(self) -> None:
         """Go back one step."""
         if self._past:

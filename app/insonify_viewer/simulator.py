@@ -16,6 +16,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 
 from insonify.kernels.common.compilation import Compilation, watch_compilation
 from insonify.scene import Scene, SceneError
+from insonify_viewer.comparison.kept_record import SimulatedScene, find_altitude
 from insonify_viewer.laid_scene import is_same_ground
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.thread_priority import yield_to_window
@@ -161,6 +162,20 @@ class Simulator(QObject):
         """Prepare a scene without tracing it, and pass its `Simulation` or a `SceneError` to the main thread."""
         self.send(lambda: self._prepared(scene, modelling, fine=True)[0], receive)
 
+    def simulate_beside(self, scene: Scene, modelling: Modelling) -> SimulatedScene:
+        """Prepare another scene on the calling thread, to be traced there.
+
+        Raises
+        ------
+        SceneError
+            If the scene cannot be simulated.
+        """
+        # lazy: loaded on the worker; the window opens before Numba is loaded
+        from insonify.display.normalisation import LevelBed
+
+        simulation = self._prepare(scene, tolerance=modelling.tolerance, forced=dict(modelling.forced))
+        return SimulatedScene(simulation, LevelBed(simulation))
+
     def send(self, errand: Callable[[], Any], receive: Callable[[Any], None]) -> None:
         """Run an errand on the worker, before any request, and pass its result to the main thread.
 
@@ -246,7 +261,7 @@ class Simulator(QObject):
                 simulation,
                 seconds,
                 stride,
-                _altitude(simulation, block),
+                find_altitude(simulation, block),
                 reach,
             )
 
@@ -327,12 +342,6 @@ def _reach(simulation: Simulation) -> NDArray[np.float64] | None:
         return None
     step = scene.track.speed / scene.sonar.ping_rate
     return coherence_angle(arrays) * bin_centres(arrays) / step
-
-
-def _altitude(simulation: Simulation, pings: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Height of the sonar above the bed at pings."""
-    poses = simulation.poses(pings)
-    return np.asarray(poses.z - simulation.ground.height_at(poses.x, poses.y))
 
 
 def _result(errand: Callable[[], Any]) -> Any:

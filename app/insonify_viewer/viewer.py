@@ -18,6 +18,8 @@ from insonify.array_cache import ARRAYS
 from insonify.display.picture import PALETTES
 from insonify.scene import Scene, SceneError, bundled_scenes
 from insonify_viewer.auto_pause import next_pause
+from insonify_viewer.comparison.comparison import Comparison
+from insonify_viewer.comparison.recording_player import RecordingPlayer
 from insonify_viewer.contrast import Contrast
 from insonify_viewer.gc_policy import return_free_memory
 from insonify_viewer.inspection import Inspection
@@ -28,7 +30,6 @@ from insonify_viewer.panel_set import PanelSet
 from insonify_viewer.panels.panel import RecordGrowth
 from insonify_viewer.record import Record, pings_held
 from insonify_viewer.record_display.projection import compile_columns
-from insonify_viewer.recording_player import RecordingPlayer
 from insonify_viewer.saving import Saving
 from insonify_viewer.seabed_controller import SeabedController, silence
 from insonify_viewer.session import Mark, Session
@@ -63,7 +64,7 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, inspection, tow, simulator, window, record, files, saving, recordings, targets
+    session, inspection, tow, simulator, window, record, files, saving, recordings, comparison, targets
         The parts that it connects.
     panels : PanelSet
         The panels of the window, by name.
@@ -84,6 +85,7 @@ class Viewer(QObject):
         self.saving = Saving(self.session, self.window, self.simulator)
         pause = partial(self.run, False)
         self.recordings = RecordingPlayer(self.window, self.session, self.tow, self.simulator, pause=pause)
+        self.comparison = Comparison(self.window, self.session, self.simulator, self.recordings)
         self.panels = PanelSet(make_workbench(self))
         added = partial(self.panels.tell, "part_added")
         self.targets = TargetEditor(self.session, self.window, self.simulator, self.files, added)
@@ -200,7 +202,7 @@ class Viewer(QObject):
         """Stop clock, panels and worker."""
         self._clock.stop()
         self.panels.tell("closing")
-        self.recordings.end(PATIENCE)
+        self.comparison.close(PATIENCE)
         self.saving.close(8.0 * PATIENCE)  # which removes what is not finished, after the block under way
         self._marks.close(PATIENCE)
         self.simulator.close(PATIENCE)
@@ -272,7 +274,7 @@ class Viewer(QObject):
     def _tick(self) -> None:
         now = time.perf_counter()
         seconds, self._ticked = min(now - self._ticked, LEAP), now
-        self.recordings.tick(seconds)
+        self.comparison.tick(seconds)
         self._show_waiting(now)
         self.window.waterfall.show_last(max(self.tow.newest, self.session.scene.track.pings - 1))
         # The tow waits while the kernels compile, and for pings that take long.

@@ -29,6 +29,7 @@ def make_workbench(viewer: Viewer) -> Workbench:
         open_panel=viewer.window.open_panel,
         inspection=viewer.inspection,
         recordings=viewer.recordings,
+        comparison=viewer.comparison,
         open_scene=open_scene,
         light_fields=lambda paths: viewer.panels.tell("fields_lit", paths),
         project=viewer.window.projector.setChecked,

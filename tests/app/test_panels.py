@@ -92,10 +92,10 @@ def test_every_folder_holds_a_panel() -> None:
         "parameters",
         "plan",
         "chart",
+        "comparison",
         "lessons",
         "pixel",
         "readout",
-        "recording",
         "water",
     ]
     for panel in found:
@@ -113,12 +113,12 @@ def test_names_are_unique_and_the_order_is_stable(announce: Any) -> None:
         "parameters",
         "plan",
         "chart",
+        "comparison",
         "dummy",
         "dummy-below",
         "lessons",
         "pixel",
         "readout",
-        "recording",
         "water",
     ]
 

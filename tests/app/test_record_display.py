@@ -260,7 +260,7 @@ def test_newest_below_is_the_picture_upside_down(viewer: Any) -> None:
 
 def test_options_reach_a_recording_and_its_saved_picture(viewer: Any) -> None:
     viewer.session.show(palette="grey", gain=6.0, ground_range=True)
-    for view in (viewer.window.waterfall, viewer.window.recording):
+    for view in (viewer.window.waterfall, viewer.window.record_a):
         assert view._look == viewer.session.display
     assert viewer.window.palettes.currentText() == "grey"
     assert viewer.window.gain.value() == 60

@@ -18,8 +18,9 @@ from insonify.inversion.findings import Finding
 from insonify.inversion.learning import Learned
 from insonify.io.records import read_record
 from insonify.scene import Scene, edit, load_scene
-from insonify_viewer import recording_player
-from insonify_viewer.recording import MAX_PINGS, Recording, compass_heading, describe_point
+from insonify_viewer.comparison import recording_player
+from insonify_viewer.comparison.arrangement import Arrangement
+from insonify_viewer.comparison.recording import MAX_PINGS, Recording, compass_heading, describe_point
 from insonify_viewer.session import Mark
 
 REAL = Path("../shared/data/xtf/scotsman-iver2.xtf")
@@ -62,7 +63,7 @@ def drop(window: Any, path: Path) -> None:
 
 
 def test_a_recording_is_shown_beside_the_simulated_record(viewer: Any, folder: Path, qtbot: Any) -> None:
-    view = viewer.window.recording
+    view = viewer.window.record_a
     assert not view.isVisible()
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     assert view.isVisible()
@@ -70,7 +71,7 @@ def test_a_recording_is_shown_beside_the_simulated_record(viewer: Any, folder: P
     assert view.picture().shape[0] == recording.pings == PINGS
     np.testing.assert_allclose(view.extent(), (PINGS * STEP, 2.0 * RANGE), rtol=2e-3)
     assert len(np.unique(view.picture())) > 50
-    assert viewer.panels["recording"].view.title.text().splitlines() == [
+    assert viewer.panels["comparison"].view.title.text().splitlines() == [
         "record.xtf",
         "400 pings of 2 × 300 bins  ·  60 m  ·  400 kHz",
     ]
@@ -108,8 +109,8 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer: Any
     viewer.window.speed_changed.emit(4.0)
     viewer.run(True)
     qtbot.waitUntil(lambda: 5 <= viewer.recordings.top < 100)
-    assert viewer.window.recording.top == viewer.recordings.top
-    shown = viewer.panels["recording"].view.point.rows()["ping"][0]
+    assert viewer.window.record_a.top == viewer.recordings.top
+    shown = viewer.panels["comparison"].view.point.rows()["ping"][0]
     assert shown == f"{viewer.recordings.top} of {PINGS}", "the panel follows the ping on top"
     viewer.run(False)
     qtbot.wait(60)
@@ -123,9 +124,9 @@ def test_it_plays_and_pauses_with_the_tow_and_begins_anew_at_its_end(viewer: Any
 
 def test_rows_below_its_first_ping_are_empty(viewer: Any, folder: Path, qtbot: Any) -> None:
     open_recording(viewer, folder / "record.xtf", qtbot)
-    viewer.window.recording.show_mark(None)
+    viewer.window.record_a.show_mark(None)
     viewer.recordings.go_to(PINGS // 2)
-    view = viewer.window.recording
+    view = viewer.window.record_a
     image = view.grab().toImage()
     place = view.place_of(Mark(0, 1, BINS // 2))
     below = [image.pixelColor(place.x(), place.y() + step).getRgb()[:3] for step in range(8, 80)]
@@ -135,27 +136,27 @@ def test_rows_below_its_first_ping_are_empty(viewer: Any, folder: Path, qtbot: A
 def test_handle_and_wheel_reach_any_ping(viewer: Any, folder: Path, qtbot: Any) -> None:
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.run(True)
-    viewer.window.recording.scrubbed.emit(100)
+    viewer.window.record_a.scrubbed.emit(100)
     assert not viewer.tow.running
-    assert viewer.window.recording.top == viewer.recordings.top == 100
-    viewer.window.recording.scrolled.emit(16)
-    assert viewer.window.recording.top == 84
-    viewer.window.recording.scrolled.emit(-1000)
-    assert viewer.window.recording.top == recording.pings - 1
+    assert viewer.window.record_a.top == viewer.recordings.top == 100
+    viewer.window.record_a.scrolled.emit(16)
+    assert viewer.window.record_a.top == 84
+    viewer.window.record_a.scrolled.emit(-1000)
+    assert viewer.window.record_a.top == recording.pings - 1
     for ping in (0, 57, recording.pings - 1):
-        viewer.window.recording.scrubbed.emit(ping)
-        row = viewer.window.recording.record.rows(np.array([ping]))[0]
+        viewer.window.record_a.scrubbed.emit(ping)
+        row = viewer.window.record_a.record.rows(np.array([ping]))[0]
         expected = np.concatenate([recording.amplitude[ping, 0, ::-1], recording.amplitude[ping, 1]])
-        np.testing.assert_array_equal(viewer.window.recording.record.amplitude[row], expected)
+        np.testing.assert_array_equal(viewer.window.record_a.record.amplitude[row], expected)
 
 
 def test_a_point_tells_navigation(viewer: Any, folder: Path, qtbot: Any) -> None:
     recording = open_recording(viewer, folder / "record.nc", qtbot)
-    view = viewer.window.recording
+    view = viewer.window.record_a
     mark = Mark(250, 1, 200)
     QTest.mouseMove(view, view.place_of(mark))
-    qtbot.waitUntil(lambda: "slant range" in viewer.panels["recording"].view.point.rows())
-    told = {name: values[0] for name, values in viewer.panels["recording"].view.point.rows().items()}
+    qtbot.waitUntil(lambda: "slant range" in viewer.panels["comparison"].view.point.rows())
+    told = {name: values[0] for name, values in viewer.panels["comparison"].view.point.rows().items()}
     ping = int(told["ping"].split()[0])
     assert abs(ping - mark.ping) <= 2
     assert told["ping"] == f"{ping} of {PINGS}"
@@ -182,14 +183,14 @@ def test_numbers_are_those_of_compare(open_viewer: Any, folder: Path, qtbot: Any
     scene = edit(load_scene("default"), {"track.pings": PINGS, "sonar.bins": BINS, "sonar.range": RANGE})
     viewer = open_viewer(scene, prepare=None)
     recording = open_recording(viewer, folder / "record.nc", qtbot)
-    rows = viewer.panels["recording"].view.statistics.rows()
+    rows = viewer.panels["comparison"].view.statistics.rows()
     expected = measure_statistics(read_record(folder / "record.nc")).described()
     assert rows.pop("") == ("recorded", "simulated")
     # The recording is the record of the scene.
     assert rows == {name: (text, text) for name, text in expected.items()}
     viewer.session.settle({"receiver.speckle": "rayleigh"})
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
-    recorded, simulated = viewer.panels["recording"].view.statistics.rows()["variation"]
+    recorded, simulated = viewer.panels["comparison"].view.statistics.rows()["variation"]
     assert recorded == expected["variation"]
     assert float(simulated.split()[0]) == pytest.approx(0.52, abs=0.06)
     assert viewer.recordings.recording is recording
@@ -199,7 +200,7 @@ def test_a_record_with_too_little_bed_says_so(viewer: Any, tmp_path: Path, qtbot
     path = tmp_path / "short.nc"
     assert main(["render", "default", "--set", "track.pings=20", "--set", "sonar.bins=60", "-o", str(path)]) == 0
     open_recording(viewer, path, qtbot)
-    assert "too little bed" in viewer.panels["recording"].view.statistics.said()
+    assert "too little bed" in viewer.panels["comparison"].view.statistics.said()
 
 
 def test_a_broken_file_is_one_sentence_and_leaves_the_recording(
@@ -209,13 +210,13 @@ def test_a_broken_file_is_one_sentence_and_leaves_the_recording(
     broken.write_bytes(b"no recording" * 200)
     viewer.recordings.open(str(broken))
     qtbot.waitUntil(lambda: "not an XTF file" in viewer.window._sentence.text(), timeout=60000)
-    assert not viewer.window.recording.isVisible()
+    assert not viewer.window.record_a.isVisible()
     recording = open_recording(viewer, folder / "record.xtf", qtbot)
     viewer.recordings.open(str(broken))
     qtbot.waitUntil(lambda: "not an XTF file" in viewer.window._sentence.text(), timeout=60000)
     assert viewer.recordings.recording is recording
-    assert viewer.window.recording.isVisible()
-    assert viewer.window.recording.waiting is None
+    assert viewer.window.record_a.isVisible()
+    assert viewer.window.record_a.waiting is None
 
 
 def test_reading_shows_a_bar_and_the_last_file_wins(
@@ -232,7 +233,7 @@ def test_reading_shows_a_bar_and_the_last_file_wins(
 
     monkeypatch.setattr(recording_player, "load_recording", load_slowly)
     viewer.recordings.open(str(folder / "record.xtf"))
-    assert viewer.window.recording.waiting.what.startswith("reading record.xtf, ")
+    assert viewer.window.record_a.waiting.what.startswith("reading record.xtf, ")
     assert not viewer.complete
     viewer.recordings.open(str(folder / "record.nc"))
     qtbot.waitUntil(lambda: viewer.recordings.recording is not None, timeout=60000)
@@ -240,31 +241,55 @@ def test_reading_shows_a_bar_and_the_last_file_wins(
     go_on.set()
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
     assert viewer.recordings.recording.path.suffix == ".nc"
-    assert viewer.window.recording.waiting is None
+    assert viewer.window.record_a.waiting is None
 
 
-def test_wiped_the_simulated_record_covers_the_left_at_the_same_scale(viewer: Any, folder: Path, qtbot: Any) -> None:
-    open_recording(viewer, folder / "record.xtf", qtbot)
-    panel, view = viewer.panels["recording"].view, viewer.window.recording
+def test_wiped_the_recording_covers_the_left_at_the_same_scale(viewer: Any, folder: Path, qtbot: Any) -> None:
+    recording = open_recording(viewer, folder / "record.xtf", qtbot)
+    panel, view, overlay = viewer.panels["comparison"].view, viewer.window.waterfall, viewer.window.overlay
     alone = view.grab().toImage()
-    panel.arrangement.setCurrentIndex(1)
-    panel.arrangement.activated.emit(1)
+    index = list(Arrangement).index(Arrangement.WIPED)
+    panel.arrangement.setCurrentIndex(index)
+    panel.arrangement.activated.emit(index)
     qtbot.waitUntil(lambda: view.width() > alone.width())
-    assert not viewer.window.waterfall.isVisible()
-    # 256 pings of 0.2 m within ±50 m, beside 400 of 0.2 m within ±60 m.
-    plot, place = view._plot(), view.place_of_simulated(256)
-    assert place.width() / plot.width() == pytest.approx(50.0 / 60.0, rel=2e-3)
-    assert place.height() / plot.height() == pytest.approx(256.0 / PINGS, rel=2e-3)
-    assert view.mark_at(QPoint(view.split - 20, plot.center().y())) is None
-    assert view.mark_at(QPoint(view.split + 20, plot.center().y())) is not None
-    middle = QPoint(view.split, plot.center().y())
-    QTest.mousePress(view, Qt.MouseButton.LeftButton, pos=middle)
-    QTest.mouseMove(view, QPoint(plot.left() + plot.width() // 4, middle.y()))
-    QTest.mouseRelease(view, Qt.MouseButton.LeftButton, pos=middle)
-    assert view.split == pytest.approx(plot.left() + plot.width() // 4, abs=2)
-    assert viewer.window.waterfall.picture().shape == (256, plot.width()), "as fine as the recording"
-    panel.arrangement.activated.emit(0)
-    assert viewer.window.waterfall.isVisible()
+    assert not viewer.window.record_a.isVisible()
+    # 400 pings of 0.2 m within ±60 m, over 256 of 0.2 m within ±50 m.
+    plot, place = view.plot_area, overlay.place_of_a()
+    assert place.width() / plot.width() == pytest.approx(60.0 / 50.0, rel=2e-3)
+    assert place.height() / plot.height() == pytest.approx(PINGS / 256.0, rel=2e-3)
+    pointed: list[Mark | None] = []
+    viewer.recordings.pointed.connect(pointed.append)
+    QTest.mouseMove(overlay, QPoint(overlay.split - 20, plot.center().y()))
+    # Ping 128 from the top, some metres to port.
+    expected = (19.5 / plot.width()) * 100.0 / (60.0 / recording.bins)
+    assert pointed[-1].side == 0
+    assert abs(pointed[-1].bin + 0.5 - expected) <= 1.5
+    assert abs(pointed[-1].ping - (viewer.recordings.top - 128)) <= 1
+    assert not overlay.covers(QPoint(overlay.split + 20, plot.center().y()))
+    middle = QPoint(overlay.split, plot.center().y())
+    QTest.mousePress(overlay, Qt.MouseButton.LeftButton, pos=middle)
+    QTest.mouseMove(overlay, QPoint(plot.left() + plot.width() // 4, middle.y()))
+    QTest.mouseRelease(overlay, Qt.MouseButton.LeftButton, pos=middle)
+    assert overlay.split == pytest.approx(plot.left() + plot.width() // 4, abs=2)
+    view.grab()
+    assert viewer.window.record_a.picture().shape[1] == view.plot_area.width(), "as fine as the live record"
+    panel.arrangement.activated.emit(list(Arrangement).index(Arrangement.BESIDE))
+    assert viewer.window.record_a.isVisible()
+
+
+def test_a_kept_record_takes_the_place_of_a_recording(viewer: Any, folder: Path, qtbot: Any) -> None:
+    open_recording(viewer, folder / "record.xtf", qtbot)
+    viewer.window.comparison.toggled.emit(Arrangement.DIFFERENCE)
+    viewer.window.waterfall.grab()
+    assert viewer.window.overlay.difference.pixels.shape[0] == 256
+    viewer.comparison.keep()
+    assert viewer.recordings.recording is None
+    assert viewer.comparison.kept is not None
+    assert viewer.panels["comparison"].view.title.text().startswith("A: ")
+    recording = open_recording(viewer, folder / "record.xtf", qtbot)
+    assert viewer.comparison.a is recording
+    viewer.comparison.leave()
+    assert viewer.comparison.a is None
 
 
 def test_a_long_recording_is_held_in_part(folder: Path) -> None:
@@ -282,9 +307,9 @@ def test_a_recording_of_a_real_sonar_is_shown_with_its_navigation(viewer: Any, q
     assert told["altitude"] == "2.68 m"
     assert told["time"].startswith("2013-09-10 21:14:00")
     assert told["slant range"] == "29.97 m, port"
-    rows = viewer.panels["recording"].view.statistics.rows()
+    rows = viewer.panels["comparison"].view.statistics.rows()
     assert rows["shadows"][0] == "24.5 dB deep"
-    assert len(np.unique(viewer.window.recording.picture())) > 100
+    assert len(np.unique(viewer.window.record_a.picture())) > 100
 
 
 def test_a_scene_is_learned_from_a_recording_and_opened(
@@ -302,10 +327,10 @@ def test_a_scene_is_learned_from_a_recording_and_opened(
     recording = open_recording(viewer, folder / "record.nc", qtbot)
     named = tmp_path / "learned.toml"
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(named), ""))
-    panel = viewer.panels["recording"].view
+    panel = viewer.panels["comparison"].view
     QTest.mouseClick(panel.learn, Qt.MouseButton.LeftButton)
     assert not panel.learn.isEnabled()
-    assert viewer.window.recording.waiting.what == "learning a scene from record.nc, a minute or more"
+    assert viewer.window.record_a.waiting.what == "learning a scene from record.nc, a minute or more"
     qtbot.waitUntil(lambda: viewer.complete, timeout=120000)
     assert asked == [recording.dataset]
     assert viewer.session.scene == load_scene(named)
@@ -324,7 +349,7 @@ def test_what_cannot_be_learned_is_one_sentence(
     open_recording(viewer, path, qtbot)
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "learned.toml"), ""))
     scene = viewer.session.scene
-    QTest.mouseClick(viewer.panels["recording"].view.learn, Qt.MouseButton.LeftButton)
+    QTest.mouseClick(viewer.panels["comparison"].view.learn, Qt.MouseButton.LeftButton)
     qtbot.waitUntil(lambda: viewer.complete, timeout=240000)
     assert "pings" in viewer.window._sentence.text()
     assert viewer.session.scene is scene
@@ -340,7 +365,7 @@ def test_in_a_narrow_window_the_records_take_the_room(viewer: Any, folder: Path,
     qtbot.waitUntil(lambda: window._splitter.sizes()[0] == 0)
     _, simulated, recorded = window._splitter.sizes()
     assert abs(simulated - recorded) <= 2
-    assert window.waterfall.geometry().right() < window.recording.geometry().left()
+    assert window.waterfall.geometry().right() < window.record_a.geometry().left()
     window.resize(1600, 900)
     qtbot.waitUntil(lambda: window._splitter.sizes()[0] > 250)
 

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol
 if TYPE_CHECKING:
     from insonify.planning import Plan
     from insonify.scene import Scene
+    from insonify_viewer.comparison.comparison import Comparison
+    from insonify_viewer.comparison.recording_player import RecordingPlayer
     from insonify_viewer.inspection import Inspection
     from insonify_viewer.marked_point import MarkedPoint
     from insonify_viewer.record import Record
-    from insonify_viewer.recording_player import RecordingPlayer
     from insonify_viewer.session import Session
     from insonify_viewer.simulator import Simulator, TracedPings
     from insonify_viewer.views.file_dialogs import FileDialogs
@@ -72,6 +73,8 @@ class Workbench:
         The pinned pixel, the picked place, and what is drawn of both.
     recordings : RecordingPlayer
         Opens a recording and plays it beside the simulated record.
+    comparison : Comparison
+        Record A beside the live record.
     open_scene : callable
         Opens (scene, file) at the start of its track; its argument ``ask`` says whether the person is asked first what
         becomes of unsaved changes. Returns whether the scene was opened.
@@ -89,6 +92,7 @@ class Workbench:
     open_panel: Callable[[str], None]
     inspection: Inspection
     recordings: RecordingPlayer
+    comparison: Comparison
     open_scene: SceneOpener
     light_fields: Callable[[tuple[str, ...]], None]
     project: Callable[[bool], None]

@@ -23,15 +23,17 @@ from PySide6.QtWidgets import (
 )
 
 from insonify.display.display_options import DisplayOptions
+from insonify_viewer.comparison.recording import is_recording
 from insonify_viewer.panels.panel import Panel, Place
-from insonify_viewer.recording import is_recording
 from insonify_viewer.target_placement import target_menu
 from insonify_viewer.tow_clock import SPEEDS
+from insonify_viewer.views.comparison_actions import ComparisonActions
+from insonify_viewer.views.comparison_overlay import ComparisonOverlay
 from insonify_viewer.views.file_drop import take_drops
-from insonify_viewer.views.recording_view import RecordingView
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide
 from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
+from insonify_viewer.views.titled_waterfall import TitledWaterfall
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
@@ -82,8 +84,10 @@ class MainWindow(QMainWindow):
         self._splitter.addWidget(self.waterfall)
         self._splitter.setSizes([500, 500])
         self._splitter.setChildrenCollapsible(False)
-        self.recording = RecordingView(self.waterfall, native=native)
-        self.records = RecordsSideBySide(self._splitter, self.waterfall, self.recording)
+        self.record_a = TitledWaterfall(native=native)
+        self.records = RecordsSideBySide(self._splitter, self.waterfall, self.record_a)
+        self.overlay = ComparisonOverlay(self.record_a, self.waterfall)
+        self.comparison = ComparisonActions(self)
         self.setCentralWidget(self._splitter)
         self.may_close: Callable[[], bool] = lambda: True
         self._closed = self._asking = False

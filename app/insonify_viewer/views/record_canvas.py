@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPoint, QRect, QSize, Qt
+from PySide6.QtCore import QPoint, QRect, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
@@ -41,6 +41,8 @@ class RecordCanvas(QWidget):
     parent : QWidget, optional
         Owner.
     """
+
+    moved = Signal(int)  # newest ping on screen
 
     def __init__(self, *, native: bool = False, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -91,6 +93,21 @@ class RecordCanvas(QWidget):
         return self._tone_map
 
     @property
+    def plot_area(self) -> QRect:
+        """Place of the record in the view."""
+        return self._area
+
+    @property
+    def levels(self) -> Levels:
+        """Amplitudes at the ends of the palette, where the display options leave them to the record."""
+        return self._levels
+
+    @property
+    def step(self) -> float:
+        """Distance between pings in metres."""
+        return max(self._step, 1e-6)
+
+    @property
     def _pixels(self) -> NDArray[np.uint32]:
         return self._image.pixels
 
@@ -137,6 +154,7 @@ class RecordCanvas(QWidget):
         self._image.blank(np.flatnonzero(blank))
         returned = held & ((pings > before) | (pings <= before - self._record.pings))
         self._paint_rows(rows[returned])
+        self.moved.emit(ping)
 
     def show_last(self, ping: int) -> None:
         """Set the last ping that the handle reaches; it does not change while the handle is held."""
@@ -216,6 +234,12 @@ class RecordCanvas(QWidget):
     def picture(self) -> NDArray[np.uint32]:
         """Colours of the rows on screen, newest first, as 0xffRRGGBB."""
         return self._image.picture(self._record.rows(self._record.shown(self._top)))
+
+    def shown_columns(self) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+        """Return the display columns of the rows on screen, newest first, and which of them are held."""
+        pings = self._record.shown(self._top)
+        rows = self._record.rows(pings)
+        return self._image.columns(rows), self._record.ping[rows] == pings
 
     def mark_at(self, place: QPoint) -> Mark | None:
         """Find the bin at a position of the widget; None outside the record."""

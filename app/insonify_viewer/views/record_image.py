@@ -77,6 +77,10 @@ class RecordImage:
         """Colours of some rows, as 0xffRRGGBB."""
         return np.asarray(self.pixels[self._places(rows)])
 
+    def columns(self, rows: Rows) -> NDArray[np.float32]:
+        """Amplitudes of some rows in display columns; negative beyond the last bin."""
+        return np.asarray(self._columns[rows])
+
     def draw(self, painter: QPainter, plot: QRect, projection: Projection) -> None:
         """Draw the part that the projection shows, in the two pieces of the ring."""
         pings, width = self.pixels.shape

@@ -5,13 +5,9 @@ from __future__ import annotations
 import statistics
 from typing import TYPE_CHECKING
 
+from insonify_viewer.comparison.record_difference import RecordSnapshot, compare_records
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.plan.comparison import (
-    RecordSnapshot,
-    changed_subject,
-    difference_in_words,
-    relative_difference,
-)
+from insonify_viewer.panels.plan.comparison import ModelledRecord, changed_subject, difference_in_words
 from insonify_viewer.panels.plan.view import PlanView
 
 if TYPE_CHECKING:
@@ -33,7 +29,7 @@ class PlanPanel(Panel):
         self._session, self._say = workbench.session, workbench.say
         self._plan: Plan | None = None
         self._seconds: list[float] = []
-        self._snapshot: RecordSnapshot | None = None
+        self._snapshot: ModelledRecord | None = None
         self.view = view = PlanView()
         session = workbench.session
         view.forced.connect(lambda subject, choice: session.model(session.modelling.forcing(subject, choice)))
@@ -71,8 +67,8 @@ class PlanPanel(Panel):
     def _is_new(self, record: Record) -> bool:
         """Whether the record shows another scene, another modelling or other pings than the snapshot."""
         last, session = self._snapshot, self._session
-        same = last is not None and (last.scene, last.modelling) == (session.scene, session.modelling)
-        return not same or last is None or abs(int(record.ping.max()) - int(last.ping.max())) >= MOVED
+        same = last is not None and (last.record.scene, last.modelling) == (session.scene, session.modelling)
+        return not same or last is None or abs(int(record.ping.max()) - int(last.record.ping.max())) >= MOVED
 
     def _compare(self, record: Record) -> None:
         """Say what another modelling of the same scene changes."""
@@ -81,10 +77,11 @@ class PlanPanel(Panel):
         seconds = statistics.median(self._seconds)
         self.view.show_measured(seconds)
         session = self._session
-        after = self._snapshot = RecordSnapshot.of(record, session.scene, session.modelling, seconds)
-        if before is None or before.scene != after.scene or before.modelling == after.modelling:
+        copied = RecordSnapshot.of(record, session.scene)
+        after = self._snapshot = ModelledRecord(copied, session.modelling, seconds)
+        if before is None or before.record.scene != copied.scene or before.modelling == after.modelling:
             return
-        words = difference_in_words(relative_difference(before, after), after.seconds / before.seconds)
+        words = difference_in_words(compare_records(before.record, copied), after.seconds / before.seconds)
         subject = changed_subject(before.modelling, after.modelling)
         self.view.show_change(subject, words)
         choice = dict(after.modelling.forced).get(subject, "automatic") if subject else ""

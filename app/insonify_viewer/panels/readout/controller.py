@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from insonify_viewer.comparison.recording import summarise_point
 from insonify_viewer.panels.panel import Panel, Place, Workbench
 from insonify_viewer.panels.readout.view import ReadoutView
-from insonify_viewer.recording import summarise_point
 
 if TYPE_CHECKING:
     from insonify_viewer.marked_point import MarkedPoint

@@ -12,6 +12,7 @@ from insonify.display.picture import PALETTES, choose_contrast, load_palette
 from insonify_viewer.panels.chart.chart_details import RowDetails
 from insonify_viewer.views.pixels import colour_table, colours, column_means, round_steps
 from insonify_viewer.views.theme import ACCENT, EDGE, GROUND, MARK, QUIET, TEXT
+from insonify_viewer.views.two_sided_palette import two_sided_table
 
 LEFT, RIGHT, TITLE, RULER = 12, 12, 18, 28  # px
 LARGE = 0.5  # of the span of the palette: the difference drawn in full colour
@@ -57,7 +58,7 @@ class StripsView(QWidget):
                         ),
                         details.record - details.reference,
                         (-largest, largest),
-                        _two_sided(),
+                        two_sided_table(),
                     ),
                 )
             ):
@@ -103,11 +104,3 @@ class StripsView(QWidget):
                 painter.drawText(
                     QRect(int(x) - 40, base + 5, 80, 15), Qt.AlignmentFlag.AlignHCenter, f"{value:g}{unit}"
                 )
-
-
-def _two_sided() -> NDArray[np.uint32]:
-    """Colour table of differences, from too dark over equal to too bright."""
-    dark, none, bright = (np.array([c.red(), c.green(), c.blue()], float) for c in map(QColor, (MARK, GROUND, ACCENT)))
-    share = np.linspace(-1.0, 1.0, 256)[:, None]
-    mixed = none + np.maximum(-share, 0.0) * (dark - none) + np.maximum(share, 0.0) * (bright - none)
-    return colour_table(np.rint(mixed).astype(np.uint8))

@@ -1,4 +1,4 @@
-"""Buttons of a recording, its navigation, and its statistics beside those of the simulated record."""
+"""Buttons of record A, what B changes, and of a recording its navigation and its statistics."""
 
 from __future__ import annotations
 
@@ -7,25 +7,26 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QScrollArea, QVBoxLayout, QWidget
 
+from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.folding_box import FoldingBox
 from insonify_viewer.views.save_dialogs import ask_where_to_save
 
 if TYPE_CHECKING:
-    from insonify_viewer.panels.recording.measurement import Measured
-    from insonify_viewer.recording import Recording
+    from insonify_viewer.comparison.recording import Recording
+    from insonify_viewer.panels.comparison.measurement import Measured
 
 NARROWEST = 292  # px
 HINT = (
-    "Open a recording of a real sonar (XTF, JSF) or a record written here (.nc, .npz, .zarr), or drop one on the "
-    "window. It scrolls beside the simulated record; Space plays both."
+    "Keep this record as A, then change the scene or its plan, or open another scene: the live record is B. Hold X to "
+    "see A in its place.\nOr open a recording as A: of a real sonar (XTF, JSF) or written here (.nc, .npz, .zarr)."
 )
 PARTS = ("recorded", "simulated")
-ARRANGEMENTS = ("side by side", "wiped")
+MOST = 8  # changes that are listed
 
 
-class RecordingView(QScrollArea):
-    """Shows what is known of a recording, and signals what the person asks for.
+class ComparisonView(QScrollArea):
+    """Shows what is known of record A and its differences, and signals what the person asks for.
 
     Parameters
     ----------
@@ -35,7 +36,9 @@ class RecordingView(QScrollArea):
 
     open_wanted = Signal()
     close_wanted = Signal()
-    wiped = Signal(bool)
+    keep_wanted = Signal()
+    back_wanted = Signal()
+    arranged = Signal(object)  # Arrangement
     frequency_wanted = Signal(float)
     learn_wanted = Signal(str)  # file of the scene
 
@@ -46,16 +49,26 @@ class RecordingView(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setMinimumWidth(NARROWEST)
         self.title = _words("about")
-        self.open, self.leave = _button("Open…", "Open a recording (Ctrl+Shift+O)"), _button("Close", "Close it")
-        self.open.clicked.connect(self.open_wanted)
-        self.leave.clicked.connect(self.close_wanted)
+        self.changes = _words("change")
+        self.keep = _button("Keep as A", "Keep this record as A, to compare others with it (K)")
+        self.open = _button("Open…", "Open a recording as A (Ctrl+Shift+O)")
+        self.back = _button("Return to A", "Return to the scene of A (Shift+K); undo comes back")
+        self.leave = _button("Close A", "Leave record A")
+        for button, wanted in (
+            (self.keep, self.keep_wanted),
+            (self.open, self.open_wanted),
+            (self.back, self.back_wanted),
+            (self.leave, self.close_wanted),
+        ):
+            button.clicked.connect(wanted)
         self.learn = _button(
             "Make a scene like this…", "Learn a scene whose record resembles the recording, and open it"
         )
         self.learn.clicked.connect(self._ask_for_scene)
         self.arrangement, self.frequency = _combo("Arrangement of the two records"), _combo("Frequency of the sonar")
-        self.arrangement.addItems(ARRANGEMENTS)
-        self.arrangement.activated.connect(lambda index: self.wiped.emit(index == 1))
+        for arrangement in Arrangement:
+            self.arrangement.addItem(arrangement.value)
+        self.arrangement.activated.connect(lambda index: self.arranged.emit(list(Arrangement)[index]))
         self.frequency.activated.connect(lambda: self.frequency_wanted.emit(self.frequency.currentData()))
         self.point, self.statistics = _Table(1), _Table(len(PARTS))
         self._point_box = FoldingBox("Point", self.point, unfolded=True)
@@ -69,11 +82,32 @@ class RecordingView(QScrollArea):
         there = recording is not None
         for part in (self.leave, self.arrangement, self.learn, self._point_box, self._statistics_box):
             part.setVisible(there)
+        self.back.hide()
+        self.changes.hide()
         self._name = "" if recording is None else recording.path.stem
         self.title.setText(HINT if recording is None else _about(recording))
         self._show_frequencies([] if recording is None else _frequencies(recording), recording)
         if not there:
             self._found = {}
+
+    def show_kept(self, title: str | None) -> None:
+        """Show the title of a kept record; None if A is none."""
+        if title is not None:
+            self.show_recording(None)
+            self.title.setText(f"A: {title}")
+            for part in (self.leave, self.arrangement, self.back, self.changes):
+                part.show()
+        elif not self.back.isHidden():
+            self.show_recording(None)
+
+    def show_arrangement(self, arrangement: Arrangement) -> None:
+        """Show how both records are arranged."""
+        self.arrangement.setCurrentIndex(list(Arrangement).index(arrangement))
+
+    def show_changes(self, changes: list[str], difference: str) -> None:
+        """List what differs in B from A, and what that changes of the record."""
+        listed = [*changes[:MOST], *([f"and {len(changes) - MOST} more"] if len(changes) > MOST else [])]
+        self.changes.setText("\n".join(["B: " + "\n     ".join(listed), difference]) if changes else "B is the same")
 
     def show_point(self, point: dict[str, str], *, at_mouse: bool) -> None:
         """Show what is known of a point; only the ping where the mouse is elsewhere."""
@@ -121,12 +155,13 @@ class RecordingView(QScrollArea):
         column = QVBoxLayout(body)
         column.setContentsMargins(8, 8, 8, 8)
         column.setSpacing(6)
-        for row in ((self.open, self.leave), (self.arrangement, self.frequency), (self.learn,)):
+        rows = ((self.keep, self.open), (self.back, self.leave), (self.arrangement, self.frequency), (self.learn,))
+        for row in rows:
             line = QHBoxLayout()
             for part in row:
                 line.addWidget(part)
             column.addLayout(line)
-        for box in (self.title, self._point_box, self._statistics_box):
+        for box in (self.title, self.changes, self._point_box, self._statistics_box):
             column.addWidget(box)
         column.addStretch(1)
         return body

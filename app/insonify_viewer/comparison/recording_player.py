@@ -7,10 +7,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from insonify_viewer.comparison.recording import Recording, load_recording
 from insonify_viewer.contrast import Contrast
 from insonify_viewer.job import Job
 from insonify_viewer.record import Record
-from insonify_viewer.recording import Recording, load_recording
 from insonify_viewer.session import Event, Mark, Session
 from insonify_viewer.tow_clock import TowClock
 from insonify_viewer.waiting import Waiting
@@ -45,6 +45,8 @@ class RecordingPlayer:
     ----------
     opened : Event
         Called with the `Recording` that is shown now, or None once it is closed.
+    reading : Event
+        Called when a file is about to be read.
     pointed : Event
         Called with the `Mark` under the mouse, or None.
     moved : Event
@@ -58,22 +60,26 @@ class RecordingPlayer:
     def __init__(
         self, window: MainWindow, session: Session, tow: TowClock, simulator: Simulator, *, pause: Callable[[], None]
     ) -> None:
-        self.opened, self.pointed, self.moved = Event(), Event(), Event()
+        self.opened, self.reading, self.pointed, self.moved = Event(), Event(), Event(), Event()
         self.recording: Recording | None = None
         self.failure = ""
         self._window, self._tow, self._simulator, self._pause = window, tow, simulator, pause
-        self._view = window.recording
+        self._view = window.record_a
         self._record, self._clock = Record(1, 1), TowClock(0)
         self._contrast = Contrast(self._view, session)
         self._reading: dict[int, Job] = {}  # by number; the newest is shown
         self._asked = 0
-        self._wiped = False
         self._connect()
 
     @property
     def top(self) -> int:
         """Ping on top of the screen."""
         return self._clock.top
+
+    @property
+    def name(self) -> str:
+        """Name of the file that is shown."""
+        return "" if self.recording is None else self.recording.path.name
 
     @property
     def busy(self) -> bool:
@@ -94,14 +100,13 @@ class RecordingPlayer:
             failed=partial(self._refuse, self._asked),
             name="recording",
         )
-        self._window.records.show(wiped=self._wiped)
+        self.reading.emit()
         self.wait_for(f"reading {Path(path).name}{_size(Path(path))}")
         job.start()
 
     def close(self) -> None:
-        """Leave the recording, and give its room back."""
+        """Leave the recording."""
         self.recording = None
-        self._window.records.hide()
         self.pointed.emit(None)
         self.opened.emit(None)
 
@@ -109,13 +114,6 @@ class RecordingPlayer:
         """Wait for files that are being read, at most for a time in seconds each, because the window closes."""
         for job in self._reading.values():
             job.close(patience)
-
-    def wipe(self, wiped: bool) -> None:
-        """Lay the simulated record over the recording, or show both side by side."""
-        self._wiped = wiped
-        if not self._view.isHidden():
-            self._window.records.show(wiped=wiped)
-        self._view.show_wipe(wiped)
 
     def wait_for(self, what: str) -> None:
         """Show a bar over the recording with what it waits for; an empty text removes it."""
@@ -134,8 +132,7 @@ class RecordingPlayer:
             self.go_to(min(max(self._clock.top - pings, 0), self.recording.pings - 1))
 
     def tick(self, seconds: float) -> None:
-        """Play on by some seconds if the tow runs, and follow the simulated record."""
-        self._view.follow_simulated()
+        """Play on by some seconds if the tow runs."""
         if self.recording is None:
             return
         if self._tow.running is not self._clock.running:
@@ -175,8 +172,6 @@ class RecordingPlayer:
         if not self._finish(number):
             return
         self.failure = sentence
-        if self.recording is None:
-            self._window.records.hide()
         self._window.say(sentence, lasting=True)
         self.opened.emit(self.recording)
 

@@ -1,57 +1,59 @@
-"""Opens a recording, tells where the sonar was, and measures the recording beside the simulated record."""
+"""Keeps and opens records as A, tells what B changes, and measures a recording beside the simulated record."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from insonify_viewer.comparison.recording import Recording, describe_point
 from insonify_viewer.job import Job
 from insonify_viewer.newest_wins import NewestWins
+from insonify_viewer.panels.comparison.learning import LearnedScene, learn_scene
+from insonify_viewer.panels.comparison.measurement import Measured, measure_record, measure_simulation
+from insonify_viewer.panels.comparison.view import ComparisonView
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.recording.learning import LearnedScene, learn_scene
-from insonify_viewer.panels.recording.measurement import Measured, measure_record, measure_simulation
-from insonify_viewer.panels.recording.view import RecordingView
-from insonify_viewer.recording import Recording, describe_point
 from insonify_viewer.session import Mark
 
 if TYPE_CHECKING:
+    from insonify.scene import Scene
     from insonify.simulation import Simulation
 
 PATIENCE = 0.25  # s, for each thread when the window closes
 
 
-class RecordingPanel(Panel):
-    """Shows navigation and statistics of a recording beside those of the simulated record."""
+class ComparisonPanel(Panel):
+    """Shows record A beside the live record B: what differs, and of a recording its navigation and statistics."""
 
-    name = "recording"
-    title = "Recording"
+    name = "comparison"
+    title = "A / B"
     place = Place.SIDE
 
     def __init__(self, workbench: Workbench) -> None:
-        self._workbench, self._player = workbench, workbench.recordings
+        self._workbench, self._player, self._comparison = workbench, workbench.recordings, workbench.comparison
         self._threads = {part: NewestWins(part, workbench.simulator.call_later) for part in ("recorded", "simulated")}
         self._mark: Mark | None = None  # under the mouse
         self._simulation: Simulation | None = None  # that of the whole record on screen
         self._wanted: dict[str, Any] = {}  # what is to be measured: a recording, a simulation
         self._measured: dict[str, Any] = {}
         self._learning: Job | None = None
-        self.view = RecordingView()
+        self.view = ComparisonView()
         self._player.opened.connect(self._show_recording)
         self._player.pointed.connect(self._show_point)
         self._player.moved.connect(self._follow)
         self._connect()
 
     @property
-    def widget(self) -> RecordingView:
-        """Buttons above navigation and statistics."""
+    def widget(self) -> ComparisonView:
+        """Buttons above what differs, navigation and statistics."""
         return self.view
 
     @property
     def complete(self) -> bool:
-        """Whether no file is being read, no scene learned, and both records are measured."""
-        return not self._player.busy and self._learning is None and self._wanted == self._measured
+        """Whether record A is there, no scene is being learned, and both records are measured."""
+        return not self._comparison.busy and self._learning is None and self._wanted == self._measured
 
     def record_grown(self, growth: RecordGrowth) -> None:
-        """Measure the simulated record once it is complete on screen."""
+        """Compare the live record with A, and measure it for itself once it is complete on screen."""
+        self._comparison.follow(growth)
         if growth.current and growth.complete and growth.answer.simulation is not self._simulation:
             self._simulation = growth.answer.simulation
             self._measure_simulated()
@@ -82,10 +84,31 @@ class RecordingPanel(Panel):
 
     def _connect(self) -> None:
         self.view.open_wanted.connect(lambda: self._player.open(self._workbench.files.ask_for_recording()))
-        self.view.close_wanted.connect(self._player.close)
-        self.view.wiped.connect(self._player.wipe)
+        self.view.keep_wanted.connect(self._comparison.keep)
+        self.view.back_wanted.connect(self._comparison.return_to_a)
+        self.view.close_wanted.connect(self._comparison.leave)
+        self.view.arranged.connect(self._comparison.arrange)
+        self._comparison.changed.connect(self._show_a)
+        self._comparison.measured.connect(self._show_changes)
         self.view.frequency_wanted.connect(self._open_frequency)
         self.view.learn_wanted.connect(self.learn)
+
+    def scene_changed(self, scene: Scene, settled: bool) -> None:
+        """Show what differs from A."""
+        if settled:
+            self._show_changes()
+
+    def _show_a(self) -> None:
+        """Show which record is A, and how both are arranged."""
+        kept = self._comparison.kept
+        self.view.show_arrangement(self._comparison.arrangement)
+        self.view.show_kept(None if kept is None else kept.scene.title)
+        self._show_changes()
+
+    def _show_changes(self) -> None:
+        """Show which fields differ from a kept record, and what that changes."""
+        if self._comparison.kept is not None:
+            self.view.show_changes(self._comparison.changes, self._comparison.difference or "measuring …")
 
     def _open_learned(self, learned: LearnedScene) -> None:
         """Open a learned scene, unless unsaved changes keep the present one."""
@@ -105,7 +128,8 @@ class RecordingPanel(Panel):
 
     def _show_recording(self, recording: Recording | None) -> None:
         """Show a recording that was opened, or that there is none."""
-        self.view.show_recording(recording)
+        if recording is not None or self._comparison.kept is None:
+            self.view.show_recording(recording)
         if recording is None:
             self._wanted, self._measured = {}, {}
             return

@@ -1,0 +1,317 @@
+"""Record A beside the live record: kept, shown by a key, wiped, subtracted, measured, returned to."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+
+from insonify.scene import Scene, edit
+from insonify_viewer.comparison.arrangement import Arrangement
+from insonify_viewer.comparison.changed_fields import list_changes
+from insonify_viewer.comparison.record_difference import (
+    RecordDifference,
+    RecordSnapshot,
+    are_comparable,
+    compare_records,
+)
+from insonify_viewer.modelling import Modelling
+from insonify_viewer.record import Record
+from insonify_viewer.views.difference_picture import SPANS, decibels_between, draw_difference
+
+DARK, LIGHT = {"seabed.material.diffuse": 0.2}, {"seabed.material.diffuse": 0.4}
+GREY = np.array([0xFF000000 | k << 16 | k << 8 | k for k in range(256)], np.uint32)
+
+
+def heard(intensity: np.ndarray, scene: Scene, *, first: int = 0) -> RecordSnapshot:
+    record = Record(len(intensity), intensity.shape[2])
+    record.put(np.arange(first, first + len(intensity)), np.sqrt(intensity).astype(np.float32), 1)
+    return RecordSnapshot.of(record, scene)
+
+
+def test_a_difference_is_the_rms_beyond_near_bins_of_pings_in_both(small: Scene) -> None:
+    random = np.random.default_rng(5)
+    one = random.uniform(0.5, 2.0, (40, 2, 100))
+    other = one * random.normal(1.0, 0.1, one.shape) ** 2
+    other[:, :, :28] = 9.0  # nearer than 1.4 altitudes of 10 m, of bins of 0.5 m
+    far = slice(28, None)
+    expected = np.linalg.norm((other - one)[:, :, far]) / np.linalg.norm(one[:, :, far])
+    before, after = heard(one, small), heard(other, small)
+    found = compare_records(before, after)
+    assert found is not None
+    assert found.share == pytest.approx(expected, rel=1e-5)
+    level = 10.0 * np.log10(other[:, :, far].sum() / one[:, :, far].sum())
+    assert found.decibels == pytest.approx(level, abs=1e-4)
+    later = compare_records(before, heard(other[20:], small, first=20))
+    assert later is not None
+    expected = np.linalg.norm((other - one)[20:, :, far]) / np.linalg.norm(one[20:, :, far])
+    assert later.share == pytest.approx(expected, rel=1e-5)
+    assert compare_records(before, heard(other, small, first=30)) is None
+    assert compare_records(before, before) == (0.0, 0.0)
+
+
+def test_a_difference_in_words(small: Scene) -> None:
+    assert RecordDifference(0.0, 0.0).in_words() == "changes nothing of the record"
+    assert RecordDifference(0.123, -0.84).in_words() == "changes the record by 12 %, its mean level by −0.84 dB"
+    assert RecordDifference(0.004, 0.001).in_words() == "changes the record by 0.4 %"
+    assert not are_comparable(small, edit(small, {"sonar.bins": 200}))
+    assert not are_comparable(small, edit(small, {"sonar.range": 40.0}))
+    assert are_comparable(small, edit(small, {"track.altitude": 7.0}))
+
+
+def test_changes_name_fields_and_choices(small: Scene) -> None:
+    auto = Modelling()
+    other = edit(small, {"sonar.beam.width": 2.5, "targets": []})
+    named = list_changes((small, auto), (other, auto))
+    assert "sonar beam width 1 → 2.5" in named
+    assert any(change.startswith("targets") for change in named)
+    assert list_changes((small, auto), (edit(small, {"title": "Other"}), auto)) == []
+    tolerant = Modelling(0.1, (("planes", "16"),))
+    assert list_changes((small, auto), (small, tolerant)) == ["tolerance 3 % → 10 %", "planes automatic → 16"]
+
+
+def test_decibels_are_paired_and_bounded() -> None:
+    a = np.array([[1.0, 1.0], [2.0, 0.0], [1.0, 1.0]], np.float32), np.array([True, True, False])
+    b = np.array([[10.0, 1.0], [2.0, 0.0], [1.0, 1.0]], np.float32), np.array([True, True, True])
+    found = decibels_between(a, b, np.arange(3))
+    np.testing.assert_allclose(found[:2], [[20.0, 0.0], [0.0, 0.0]], atol=1e-3)
+    assert np.isnan(found[2]).all(), "A lacks that ping"
+    found = decibels_between(a, b, np.array([1, -1, 9]))
+    np.testing.assert_allclose(found[0], [13.98, 40.0], atol=0.01)
+    assert np.isnan(found[1:]).all()
+    a[0][0, 1] = -1.0  # beyond the last bin of A
+    assert np.isnan(decibels_between(a, b, np.arange(3))[0, 1])
+
+
+def test_a_difference_takes_the_smallest_ends_that_hold_it() -> None:
+    decibels = np.full((40, 50), 1.4, np.float32)
+    decibels[0, 0] = np.nan
+    decibels[1, 0] = 30.0  # too few to count
+    picture = draw_difference(decibels, GREY, 0xFF123456)
+    assert picture.span == 2.0
+    assert picture.pixels[0, 0] == 0xFF123456
+    assert picture.pixels[1, 0] == GREY[255]
+    assert picture.pixels[5, 5] == GREY[int(127.5 + 127.5 * 0.7)]
+    assert draw_difference(np.full((4, 4), 99.0, np.float32), GREY, 0).span == SPANS[-1]
+    assert draw_difference(np.zeros((0, 4), np.float32), GREY, 0).span == SPANS[0]
+
+
+def press(viewer: Any, key: str) -> None:
+    """Trigger the action of a key: a virtual screen gives no window the keyboard."""
+    (action,) = (each for each in viewer.window.actions() if each.shortcut().toString() == key)
+    action.trigger()
+
+
+@pytest.fixture
+def compared(open_viewer: Any, small: Scene, qtbot: Any) -> Any:
+    """A window with a dark record as A and one twice as high as B."""
+    viewer = open_viewer(edit(small, DARK))
+    press(viewer, "K")
+    assert viewer.comparison.kept is not None
+    viewer.session.settle(LIGHT)
+    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    return viewer
+
+
+def middle(viewer: Any, share: float = 0.75) -> QPoint:
+    """Place in the record, within the bed."""
+    plot = viewer.window.waterfall.plot_area
+    return QPoint(plot.left() + int(share * plot.width()), plot.top() + plot.height() // 3)
+
+
+def colour(viewer: Any, share: float = 0.75) -> int:
+    place = middle(viewer, share)
+    return int(viewer.window.waterfall.grab().toImage().pixel(place) & 0xFF00)
+
+
+def pixels(view: Any, plot: QRect) -> np.ndarray:
+    """Colours of a part of a view."""
+    image = view.grab().toImage().convertToFormat(QImage.Format.Format_RGB32)
+    words = np.frombuffer(image.constBits(), np.uint32).reshape(image.height(), image.width())
+    return words[plot.top() : plot.bottom() + 1, plot.left() : plot.right() + 1].copy()
+
+
+def test_a_kept_record_stays_while_the_scene_changes(compared: Any) -> None:
+    kept = compared.comparison.kept
+    assert kept.scene == edit(compared.session.scene, DARK)
+    np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
+    assert compared.comparison.changes == ["seabed material diffuse 0.2 → 0.4"]
+    # Amplitudes twice as high are four times the energy.
+    assert compared.comparison.difference == "changes the record by 3e+02 %, its mean level by +6 dB"
+    said = compared.window._sentence.text()
+    assert said == f"seabed material diffuse 0.2 → 0.4: {compared.comparison.difference}"
+    shown = compared.panels["comparison"].view
+    assert "0.2 → 0.4" in shown.changes.text()
+    assert "+6 dB" in shown.changes.text()
+
+
+def test_a_is_shown_while_the_key_is_held(compared: Any, qtbot: Any) -> None:
+    bright = colour(compared)
+    QTest.keyPress(compared.window, Qt.Key.Key_X)
+    dark = colour(compared)
+    QTest.keyRelease(compared.window, Qt.Key.Key_X)
+    assert dark < bright
+    assert colour(compared) == bright
+    QTest.keyPress(compared.window.waterfall, Qt.Key.Key_X)  # as where the keyboard usually is
+    assert colour(compared) == dark
+    QTest.keyRelease(compared.window.waterfall, Qt.Key.Key_X)
+    assert colour(compared) == bright
+
+
+def test_both_records_have_one_display(compared: Any, qtbot: Any) -> None:
+    window = compared.window
+    window.gain.setValue(60)
+    qtbot.waitUntil(lambda: window.record_a.levels == window.waterfall.levels, timeout=5000)
+    window.palettes.setCurrentText("grey")
+    window.palettes.activated.emit(window.palettes.currentIndex())
+    compared.session.show(ground_range=True, side="starboard")
+    one, other = window.record_a.tone_map, window.waterfall.tone_map
+    assert one.ends == other.ends
+    np.testing.assert_array_equal(one.table, other.table)
+    window.waterfall.grab()
+    assert window.record_a.projection.axis == window.waterfall.projection.axis
+
+
+@pytest.mark.parametrize("options", [{}, {"ground_range": True}, {"newest_on_top": False}, {"side": "starboard"}])
+def test_a_lies_pixel_for_pixel_over_b(compared: Any, qtbot: Any, options: dict[str, Any]) -> None:
+    compared.session.show(**options)
+    view, overlay = compared.window.waterfall, compared.window.overlay
+    view.magnify(1.6)
+    compared.session.undo()
+    qtbot.waitUntil(lambda: compared.complete, timeout=60000)
+    compared.find_levels()
+    compared.comparison.tick(0.0)
+    overlay.hide()
+    plot = view.plot_area.adjusted(2, 2, -2, -30)  # without the caption
+    live = pixels(view, plot)
+    overlay.show()
+    QTest.keyPress(compared.window, Qt.Key.Key_X)
+    np.testing.assert_array_equal(pixels(view, plot), live)  # the record of the same scene
+    assert compared.window.record_a.mark_at(middle(compared)) == view.mark_at(middle(compared))
+    QTest.keyRelease(compared.window, Qt.Key.Key_X)
+
+
+def test_wiped_a_lies_left_of_a_line_that_is_dragged(compared: Any, qtbot: Any) -> None:
+    window, overlay = compared.window, compared.window.overlay
+    bright = colour(compared)
+    press(compared, "W")
+    assert compared.comparison.arrangement is Arrangement.WIPED
+    assert colour(compared) == bright
+    assert colour(compared, 0.25) < bright
+    plot = window.waterfall.plot_area
+    line = QPoint(overlay.split, plot.center().y())
+    QTest.mousePress(overlay, Qt.MouseButton.LeftButton, pos=line)
+    QTest.mouseMove(overlay, QPoint(plot.left() + int(0.9 * plot.width()), line.y()))
+    QTest.mouseRelease(overlay, Qt.MouseButton.LeftButton, pos=line)
+    assert overlay.split == pytest.approx(plot.left() + 0.9 * plot.width(), abs=2)
+    assert colour(compared) < bright
+    assert overlay.covers(middle(compared))
+    press(compared, "W")
+    assert compared.comparison.arrangement is Arrangement.ALONE
+    assert not overlay.covers(middle(compared))
+
+
+def test_a_click_right_of_the_line_is_one_into_b(compared: Any, qtbot: Any) -> None:
+    clicked: list[object] = []
+    compared.window.waterfall.clicked.connect(clicked.append)
+    press(compared, "W")
+    overlay = compared.window.overlay
+    QTest.mouseClick(overlay, Qt.MouseButton.LeftButton, pos=middle(compared, 0.25))
+    assert clicked == [], "a pixel of A is not one of B"
+    QTest.mouseClick(overlay, Qt.MouseButton.LeftButton, pos=middle(compared))
+    assert clicked == [compared.window.waterfall.mark_at(middle(compared))]
+
+
+def test_the_difference_is_drawn_in_decibels_with_a_scale(compared: Any, qtbot: Any) -> None:
+    press(compared, "D")
+    before = compared.window.waterfall.grab().toImage()
+    picture = compared.window.overlay.difference
+    assert picture.span == 12.0  # 6.02 dB, and a little less near the floor
+    held = picture.pixels[:, picture.pixels.shape[1] // 4]
+    assert len(set(held.tolist())) == 1, "every ping is as much louder"
+    compared.session.undo()
+    qtbot.waitUntil(lambda: compared.complete, timeout=60000)
+    assert compared.window.waterfall.grab().toImage() != before
+    assert compared.window.overlay.difference.span == SPANS[0], "both are the same"
+
+
+def test_a_follows_the_pings_of_b(compared: Any, qtbot: Any) -> None:
+    compared.go_to(400)
+    qtbot.waitUntil(lambda: compared.complete, timeout=60000)
+    assert compared.window.record_a.top == compared.window.waterfall.top == 400
+    kept = compared.comparison.kept.record
+    np.testing.assert_array_equal(np.sort(kept.ping), np.sort(compared.record.ping))
+    np.testing.assert_allclose(kept.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
+
+
+def test_a_returns_with_its_modelling(compared: Any, qtbot: Any) -> None:
+    live = compared.session.scene
+    compared.session.model(Modelling(0.1))
+    press(compared, "Shift+K")
+    assert compared.session.scene == compared.comparison.kept.scene
+    assert compared.session.modelling == Modelling()
+    compared.session.undo()
+    assert compared.session.scene == live
+    assert compared.session.modelling == Modelling(0.1)
+
+
+def test_another_scene_with_other_bins_stands_beside(compared: Any, small: Scene, qtbot: Any) -> None:
+    compared.open(edit(small, {"sonar.bins": 160, "sonar.range": 40.0, "track.pings": 64}))
+    qtbot.waitUntil(lambda: compared.complete, timeout=60000)
+    assert "not measured, because A has 100 bins of 50 m" in compared.comparison.difference
+    place, plot = compared.window.overlay.place_of_a(), compared.window.waterfall.plot_area
+    assert place.width() / plot.width() == pytest.approx(50.0 / 40.0)
+    compared.comparison.arrange(Arrangement.BESIDE)
+    assert compared.window.record_a.isVisible()
+    assert compared.window.waterfall.isVisible()
+    compared.comparison.arrange(Arrangement.DIFFERENCE)
+    assert not compared.window.record_a.isVisible()
+    compared.window.waterfall.grab()
+    assert compared.window.overlay.difference.pixels.shape[0] == 64
+
+
+def test_a_scene_is_traced_as_a(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(edit(small, LIGHT))
+    viewer.comparison.keep_scene(edit(small, DARK))
+    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    np.testing.assert_allclose(viewer.comparison.kept.record.amplitude * 2.0, viewer.record.amplitude, rtol=1e-5)
+    viewer.comparison.keep_scene(edit(small, {"seed": 666}))
+    qtbot.waitUntil(lambda: "666 is refused" in viewer.window._sentence.text(), timeout=20000)
+    assert viewer.comparison.a is None
+
+
+def test_without_a_the_keys_say_how_to_keep_one(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    for key in ("W", "D", "Shift+K"):
+        press(viewer, key)
+        assert "press K" in viewer.window._sentence.text()
+    before = viewer.window.waterfall.grab().toImage()
+    QTest.keyPress(viewer.window, Qt.Key.Key_X)
+    assert viewer.window.waterfall.grab().toImage() == before
+    QTest.keyRelease(viewer.window, Qt.Key.Key_X)
+
+
+def test_the_panel_keeps_arranges_and_leaves(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    viewer.window.open_panel("comparison")
+    panel = viewer.panels["comparison"].view
+    QTest.mouseClick(panel.keep, Qt.MouseButton.LeftButton)
+    assert panel.title.text() == f"A: {small.title}"
+    assert panel.changes.text() == "B is the same"
+    assert not panel.learn.isVisible()
+    for index, arrangement in enumerate(Arrangement):
+        panel.arrangement.setCurrentIndex(index)
+        panel.arrangement.activated.emit(index)
+        assert viewer.comparison.arrangement is arrangement
+    viewer.session.settle(LIGHT)
+    qtbot.waitUntil(lambda: viewer.complete, timeout=60000)
+    QTest.mouseClick(panel.back, Qt.MouseButton.LeftButton)
+    assert viewer.session.scene == small
+    QTest.mouseClick(panel.leave, Qt.MouseButton.LeftButton)
+    assert viewer.comparison.a is None
+    assert not viewer.window.overlay.isVisible()
+    assert panel.title.text().startswith("Keep this record as A")
