@@ -186,7 +186,7 @@ def test_a_lies_pixel_for_pixel_over_b(compared: Any, qtbot: Any, options: dict[
     compared.find_levels()
     compared.comparison.tick(0.0)
     overlay.hide()
-    plot = view.plot_area.adjusted(2, 2, -2, -30)  # without the caption
+    plot = view.plot_area.adjusted(2, 2, -12, -30)  # without bar and caption
     live = pixels(view, plot)
     overlay.show()
     QTest.keyPress(compared.window, Qt.Key.Key_X)
