@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import Any
 
 from insonify.accuracy.charts.kinds import list_chart_kinds, load_chart_kind
 from insonify.commands.options import add_output, add_scene, chosen_output, chosen_scene, say
+from insonify.progress import report_progress
 
 
 def register(subparsers: Any) -> None:
@@ -32,22 +31,9 @@ def run(arguments: argparse.Namespace) -> None:
     path = chosen_output(arguments)
     scene = chosen_scene(arguments)
     measure = load_chart_kind(arguments.of)
-    with _bar() as progress:
-        measured = measure(scene, progress=progress)
+    with report_progress("measuring", 1.0, delay=1.0) as progress:
+        measured = measure(scene, progress=progress.reach)
     measured.save(path)
     for note in measured.summarise():
         say(note)
     say(str(path))
-
-
-@contextmanager
-def _bar() -> Iterator[Callable[[float], None]]:
-    """Show the progress of a long measurement on a terminal."""
-    from tqdm import tqdm
-
-    with tqdm(total=100, unit="%", disable=None, delay=1.0, leave=False, bar_format="{l_bar}{bar}|") as bar:
-
-        def progress(share: float) -> None:
-            bar.update(max(round(100.0 * share) - bar.n, 0))
-
-        yield progress

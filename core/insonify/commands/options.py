@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from insonify.io.records import RECORDS
+from insonify.progress import report_progress
 from insonify.scene import DEFAULT_SCENE, Scene, SceneError, edit, load_scene, read_setting
 
 Block = TypeVar("Block")
@@ -253,12 +254,10 @@ def tracked(blocks: Iterator[Block], pings: int, count: Callable[[Block], int]) 
     count : callable
         Number of pings of a block.
     """
-    from tqdm import tqdm
-
-    with tqdm(total=pings, unit="ping", disable=None, delay=1.0, leave=False) as bar:
+    with report_progress("", pings, "ping", delay=1.0) as progress:
         for block in blocks:
             yield block
-            bar.update(count(block))
+            progress.advance(count(block))
 
 
 def decibels(text: str) -> float:

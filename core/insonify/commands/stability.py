@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from insonify.commands.options import add_output, chosen_output, say
+from insonify.progress import report_progress
 
 if TYPE_CHECKING:
     from insonify.accuracy.stability import StabilityCase
@@ -26,17 +27,15 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Measure the cases of numerical failure and write the page."""
     path = chosen_output(arguments)
-    from tqdm import tqdm
-
     # lazy: every method and every drawing
     from insonify.accuracy.stability import CASES
     from insonify.accuracy.stability.report import write_report
 
-    with tqdm(total=sum(map(len, CASES.values())), unit="case", disable=None, leave=False) as bar:
+    with report_progress("", sum(map(len, CASES.values())), "case") as progress:
 
         def advance(case: StabilityCase) -> None:
-            bar.set_postfix_str(case.name)
-            bar.update()
+            progress.say(case.name)
+            progress.advance(1)
 
         outcomes = write_report(path, CASES, done=advance)
     held = sum(outcome.is_held and outcome.is_shown for outcome in outcomes)

@@ -6,6 +6,7 @@ import sys
 from typing import NamedTuple
 
 from insonify.errors import SceneError
+from insonify.progress import open_progress
 from insonify.surveys.engine.jobs import Outcome, Work, prepare_folder
 from insonify.surveys.engine.run import Failure, run_jobs, tell_failures
 
@@ -74,17 +75,15 @@ def work_on(work: Work, what: str, scheduler: str, unit: str = "job") -> Ended |
 
 
 class _Progress:
-    """Number of jobs done, and a bar with the time left for a terminal."""
+    """Number of jobs done, and its report."""
 
     def __init__(self, total: int, done: int, unit: str) -> None:
-        from tqdm import tqdm
-
         self.done = done
-        self._bar = tqdm(total=total, initial=done, unit=unit, disable=None, smoothing=0.05, leave=False)
+        self._shown = open_progress("", total, unit, done=done)
 
     def __call__(self, ended: Outcome | Failure) -> None:
         self.done += isinstance(ended, Outcome)
-        self._bar.update(1)
+        self._shown.advance(1)
 
     def close(self) -> None:
-        self._bar.close()
+        self._shown.close()

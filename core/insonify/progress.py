@@ -1,0 +1,128 @@
+"""Progress of long work: a bar on a terminal, or lines for a program that started the command."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Protocol
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
+
+VARIABLE = "INSONIFY_PROGRESS"
+"""Environment variable; ``lines`` asks for one JSON object a line on standard error instead of a bar.
+
+Each holds ``doing`` (words), ``done`` and ``total`` (numbers) and ``unit``.
+"""
+APART = 0.1  # s, between two lines
+BARE = "{desc} {percentage:3.0f} % |{bar}|"  # bar of a share, which has no unit to count
+
+
+class Progress(Protocol):
+    """Where long work reports to."""
+
+    def advance(self, more: float) -> None:
+        """Report that so much more is done."""
+        ...
+
+    def reach(self, done: float) -> None:
+        """Report how much is done by now, never less than before."""
+        ...
+
+    def say(self, doing: str) -> None:
+        """Say what is being done now."""
+        ...
+
+    def close(self) -> None:
+        """End the report."""
+        ...
+
+
+class _Bar:
+    """A bar on a terminal; nothing where standard error is none."""
+
+    def __init__(self, doing: str, total: float, unit: str, done: float, delay: float) -> None:
+        # lazy: most commands end before a bar would appear
+        from tqdm import tqdm
+
+        look: dict[str, Any] = {"unit": unit} if unit else {"bar_format": BARE, "mininterval": 0.0, "miniters": 0}
+        look |= {"leave": False, "smoothing": 0.05, "disable": None if sys.stderr else True}
+        self._bar: tqdm[Any] = tqdm(desc=doing or None, total=total, initial=done, delay=delay, **look)
+
+    def advance(self, more: float) -> None:
+        self._bar.update(more)
+
+    def reach(self, done: float) -> None:
+        self._bar.update(max(done - self._bar.n, 0))
+
+    def say(self, doing: str) -> None:
+        self._bar.set_description_str(doing, refresh=False)
+
+    def close(self) -> None:
+        self._bar.close()
+
+
+class _Lines:
+    """Lines for a program."""
+
+    def __init__(self, doing: str, total: float, unit: str, done: float) -> None:
+        self._doing, self._total, self._unit, self._done = doing, total, unit, done
+        self._written = 0.0
+        self._write()
+
+    def advance(self, more: float) -> None:
+        self.reach(self._done + more)
+
+    def reach(self, done: float) -> None:
+        self._done = max(done, self._done)
+        if time.monotonic() - self._written >= APART:
+            self._write()
+
+    def say(self, doing: str) -> None:
+        self._doing = doing
+
+    def close(self) -> None:
+        self._write()
+
+    def _write(self) -> None:
+        self._written = time.monotonic()
+        line = {"doing": self._doing, "done": self._done, "total": self._total, "unit": self._unit}
+        sys.stderr.write(f"{json.dumps(line)}\n")
+        sys.stderr.flush()
+
+
+def open_progress(doing: str, total: float, unit: str = "", *, done: float = 0.0, delay: float = 0.0) -> Progress:
+    """Begin to report the progress of long work.
+
+    Parameters
+    ----------
+    doing : str
+        What is being done, in a few words; may be empty.
+    total : float
+        When all is done.
+    unit : str
+        What is counted; empty for a share.
+    done : float
+        At the start.
+    delay : float
+        Seconds before a bar appears.
+    """
+    if os.environ.get(VARIABLE) == "lines":
+        return _Lines(doing, total, unit, done)
+    return _Bar(doing, total, unit, done, delay)
+
+
+@contextmanager
+def report_progress(
+    doing: str, total: float, unit: str = "", *, done: float = 0.0, delay: float = 0.0
+) -> Iterator[Progress]:
+    """Report progress while the context lasts; arguments as of `open_progress`."""
+    progress = open_progress(doing, total, unit, done=done, delay=delay)
+    try:
+        yield progress
+    finally:
+        progress.close()
