@@ -37,6 +37,13 @@ def format_duration(seconds: float) -> str:
     return f"{1e6 * seconds:.3g} µs" if seconds < 9.995e-4 else f"{1e3 * seconds:.3g} ms"
 
 
+def format_time_left(seconds: float) -> str:
+    """Write a time to wait as one whole number: ``40 s``, ``3 min``, ``2 h``."""
+    if seconds < 100.0:
+        return f"{max(seconds, 1.0):.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.0f} h"
+
+
 def parse_quantity(text: str, unit: str, like: str = "") -> float | None:
     """Read a number with a unit that people write, or without one.
 

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from insonify.commands.render import PICTURE, write
-from insonify.display.display_options import DisplayOptions
 from insonify.io.atomic import replacing
-from insonify.io.records import RECORDS
 from insonify.scene import Scene, scene_to_toml
-from insonify_viewer.job import Job, Progress, in_one_sentence
-from insonify_viewer.modelling import Modelling
+from insonify_viewer.job import in_one_sentence
+from insonify_viewer.jobs.job_list import JobList
 from insonify_viewer.session import Session
-from insonify_viewer.views.save_dialogs import Answer, ask_about_changes, ask_where_to_save, save_picture
+from insonify_viewer.views.save_dialogs import (
+    PICTURE,
+    Answer,
+    ask_about_changes,
+    ask_about_jobs,
+    ask_where_to_save,
+    record_formats,
+    save_picture,
+)
 
 if TYPE_CHECKING:
-    from insonify_viewer.simulator import Simulator
     from insonify_viewer.views.main_window import MainWindow
 
 SCENE = ".toml"
@@ -33,22 +37,16 @@ class Saving:
         The scene and its modelling.
     window : MainWindow
         Its actions ask for saving.
-    simulator : Simulator
-        Passes results to the main thread.
+    jobs : JobList
+        Writes the record.
     """
 
-    def __init__(self, session: Session, window: MainWindow, simulator: Simulator) -> None:
-        self._session, self._window, self._simulator = session, window, simulator
-        self._job: Job | None = None
+    def __init__(self, session: Session, window: MainWindow, jobs: JobList) -> None:
+        self._session, self._window, self._jobs = session, window, jobs
         self._folder = ""
         window.save.scene.triggered.connect(self.save_scene)
         window.save.record.triggered.connect(self.save_record)
         window.save.picture.triggered.connect(self.save_window)
-
-    @property
-    def busy(self) -> bool:
-        """Whether a record is being written."""
-        return self._job is not None
 
     def may_leave(self) -> bool:
         """Ask what becomes of unsaved changes; return whether the scene may be left."""
@@ -56,6 +54,10 @@ class Saving:
             return True
         answer = ask_about_changes(self._window, self._session.scene.title)
         return answer is Answer.DISCARD or (answer is Answer.SAVE and self.save_scene())
+
+    def may_close(self) -> bool:
+        """Ask about unsaved changes and about jobs that run; return whether the window may be closed."""
+        return self.may_leave() and (not self._jobs.running or ask_about_jobs(self._window, len(self._jobs.running)))
 
     def save_scene(self) -> bool:
         """Write the scene to a file that the person names; return whether it was written."""
@@ -69,45 +71,16 @@ class Saving:
 
     def save_record(self) -> None:
         """Simulate the whole record and write it to a file that the person names."""
-        if self._job is not None:
-            self._window.say("a record is being written already; wait for it")
-            return
-        names = {suffix: each.description for each in RECORDS.formats() for suffix in each.suffixes}
-        formats = [*((names[suffix], suffix) for suffix in RECORDS.writable()), ("picture", PICTURE)]
+        formats = record_formats()
         path = ask_where_to_save(self._window, "Save the record", self._suggest(formats[0][1]), formats)
         if path is not None:
-            self._write_record(path)
+            self._jobs.write_record(self._session, path)
 
     def save_window(self) -> None:
         """Write a picture of the window to a file that the person names."""
         path = ask_where_to_save(self._window, "Save the window", self._suggest(PICTURE), [("Pictures", PICTURE)])
         if path is not None:
             self._try(lambda: save_picture(self._window, path), path)
-
-    def close(self, patience: float | None = None) -> None:
-        """Stop writing; nothing is left of an unfinished record, unless it takes longer than a time in seconds."""
-        if self._job is not None:
-            self._job.close(patience)
-            self._job = None
-
-    def _write_record(self, path: Path) -> None:
-        """Write a record on a thread of its own, by the modelling of the session."""
-        scene, modelling, look = self._session.scene, self._session.modelling, self._session.display
-        self._job = Job(
-            lambda report: _render(scene, modelling, look, path, report),
-            self._simulator.call_later,
-            progressed=lambda share: self._window.show_job(f"writing {path.name}", share),
-            done=lambda _: self._end(f"saved {path}"),
-            failed=self._end,
-            name="record",
-        )
-        self._window.show_job(f"writing {path.name}", 0.0)
-        self._job.start()
-
-    def _end(self, sentence: str) -> None:
-        self.close()
-        self._window.show_job("", 0.0)
-        self._window.say(sentence)
 
     def _try(self, save: Callable[[], None], path: Path) -> bool:
         """Write a file and say so, or why it was not written."""
@@ -129,17 +102,3 @@ class Saving:
 def _write_scene(scene: Scene, path: Path) -> None:
     with replacing(path) as beside:
         beside.write_text(scene_to_toml(scene), encoding="utf-8")
-
-
-def _render(scene: Scene, modelling: Modelling, look: DisplayOptions, path: Path, report: Progress) -> None:
-    """Write a record as ``insonify render`` does."""
-
-    def track(blocks: Iterator[Any], pings: int, count: Callable[[Any], int]) -> Iterator[Any]:
-        done = 0
-        for block in blocks:
-            yield block
-            done += count(block)
-            report(done / pings)
-
-    forced = dict(modelling.forced)
-    write(scene, path, look, tolerance=modelling.tolerance, forced=forced, track=track)

@@ -8,11 +8,11 @@ import sys
 LOWER = 5  # steps of niceness, each some 20 % of a processor's share
 
 
-def yield_to_window() -> None:
-    """Lower the priority of the calling thread, and of those that it starts, so that it does not delay the window.
+def yield_to_window(process: int = 0) -> None:
+    """Lower the priority of the calling thread, or of a process that just started, and of the threads that it starts.
 
     Tracing keeps all processors busy, on which the main thread would have to wait for its turn. Only Linux has
     priorities of single threads that go by niceness.
     """
     if sys.platform == "linux":
-        os.setpriority(os.PRIO_PROCESS, 0, os.getpriority(os.PRIO_PROCESS, 0) + LOWER)
+        os.setpriority(os.PRIO_PROCESS, process, os.getpriority(os.PRIO_PROCESS, process) + LOWER)

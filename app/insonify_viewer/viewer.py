@@ -23,6 +23,7 @@ from insonify_viewer.comparison.recording_player import RecordingPlayer
 from insonify_viewer.contrast import Contrast
 from insonify_viewer.gc_policy import return_free_memory
 from insonify_viewer.inspection import Inspection
+from insonify_viewer.jobs.job_list import JobList
 from insonify_viewer.laid_scene import LaidScene
 from insonify_viewer.mark_controller import MarkController
 from insonify_viewer.marked_point import MarkedPoint
@@ -64,7 +65,7 @@ class Viewer(QObject):
 
     Attributes
     ----------
-    session, inspection, tow, simulator, window, record, files, saving, recordings, comparison, targets
+    session, inspection, tow, simulator, window, record, files, jobs, saving, recordings, comparison, targets
         The parts that it connects.
     panels : PanelSet
         The panels of the window, by name.
@@ -82,7 +83,8 @@ class Viewer(QObject):
         self.window = MainWindow(native=native, palettes=PALETTES)
         self.record = Record(pings_held(scene), scene.sonar.bins)
         self.files = FileDialogs(self.window, self.simulator, self.open, self.window.say)
-        self.saving = Saving(self.session, self.window, self.simulator)
+        self.jobs = JobList(self.simulator.call_later)
+        self.saving = Saving(self.session, self.window, self.jobs)
         pause = partial(self.run, False)
         self.recordings = RecordingPlayer(self.window, self.session, self.tow, self.simulator, pause=pause)
         self.comparison = Comparison(self.window, self.session, self.simulator, self.recordings)
@@ -203,7 +205,7 @@ class Viewer(QObject):
         self._clock.stop()
         self.panels.tell("closing")
         self.comparison.close(PATIENCE)
-        self.saving.close(8.0 * PATIENCE)  # which removes what is not finished, after the block under way
+        self.jobs.close(PATIENCE)
         self._marks.close(PATIENCE)
         self.simulator.close(PATIENCE)
         self._seabed.close(PATIENCE)
@@ -229,6 +231,8 @@ class Viewer(QObject):
         window.redo.triggered.connect(session.redo)
         window.levels.triggered.connect(self.find_levels)
         window.reset_view.triggered.connect(self._seabed.reset_view)
+        self.jobs.watch(lambda _: window.jobs.show_jobs(self.jobs.running))
+        self.jobs.watch(lambda job: None if job.running else window.say(job.sentence))
         window.gain_changed.connect(lambda decibels: session.show(gain=decibels))
         window.palette_changed.connect(lambda name: session.show(palette=name))
         session.displayed.connect(lambda look: window.show_display(look))
@@ -236,7 +240,7 @@ class Viewer(QObject):
         window.speed_changed.connect(lambda speed: setattr(self.tow, "speed", speed))
         window.running_changed.connect(self.run)
         window.projector.toggled.connect(lambda large: self.panels.tell("projected", large))
-        window.may_close = self.saving.may_leave
+        window.may_close = self.saving.may_close
         window.closing.connect(self.close)
         self._clock.timeout.connect(self._tick)
 

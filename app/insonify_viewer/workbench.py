@@ -28,6 +28,7 @@ def make_workbench(viewer: Viewer) -> Workbench:
         pause=lambda: viewer.run(False),
         open_panel=viewer.window.open_panel,
         inspection=viewer.inspection,
+        jobs=viewer.jobs,
         recordings=viewer.recordings,
         comparison=viewer.comparison,
         open_scene=open_scene,

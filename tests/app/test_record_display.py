@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from PySide6.QtGui import QMouseEvent, QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog
 
-from insonify.display.display_options import DisplayOptions
+from insonify.display.display_options import DisplayOptions, read_display
 from insonify.display.range_axis import make_range_axis
 from insonify.scene import Scene, edit
 from insonify_viewer.record import Record
@@ -267,12 +267,12 @@ def test_options_reach_a_recording_and_its_saved_picture(viewer: Any) -> None:
 
 
 def test_a_saved_picture_of_the_record_is_drawn_by_the_options(
-    viewer: Any, tmp_path: Path, qtbot: Any, monkeypatch: pytest.MonkeyPatch
+    viewer: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = []
-    monkeypatch.setattr("insonify_viewer.saving.write", lambda scene, path, look, **_: asked.append(look))
+    begun: list[list[str]] = []
+    monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(arguments))
     monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "record.png"), ""))
     viewer.session.show(decibels=True, side="port", levels=(0.1, 3.0))
     viewer.window.save.record.trigger()
-    qtbot.waitUntil(lambda: not viewer.saving.busy)
-    assert asked == [viewer.session.display]
+    settings = [word for before, word in pairwise(begun[0]) if before == "--display"]
+    assert DisplayOptions(**read_display(settings)) == viewer.session.display

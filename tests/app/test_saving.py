@@ -76,10 +76,10 @@ def test_a_record_is_written_as_the_command_writes_it(
     path = tmp_path / f"record{suffix}"
     name(path)
     viewer.window.save.record.trigger()
-    assert viewer.window._job.isVisible()
-    qtbot.waitUntil(lambda: not viewer.saving.busy, timeout=240000)
-    assert viewer.window._sentence.text() == f"saved {path}"
-    assert not viewer.window._job.isVisible()
+    assert viewer.window.jobs.isVisible()
+    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=240000)
+    assert viewer.window._sentence.text() == f"{path}: {small.track.pings} pings of 2 x {small.sonar.bins} bins"
+    assert not viewer.window.jobs.isVisible()
     if suffix == ".png":
         assert np.ptp(np.asarray(Image.open(path).convert("L"))) > 100
         return
@@ -98,12 +98,12 @@ def test_a_name_without_a_suffix_takes_that_of_the_format(
         next(f"{each.description} (*.npz)" for each in RECORDS.formats() if ".npz" in each.suffixes),
     )
     viewer.window.save.record.trigger()
-    qtbot.waitUntil(lambda: not viewer.saving.busy, timeout=240000)
+    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=240000)
     before = (tmp_path / "record.npz").stat().st_mtime_ns
     asked = answer(Buttons.No)
     viewer.window.save.record.trigger()
     assert asked == ["record.npz exists already. Replace it?"]
-    assert not viewer.saving.busy
+    assert not viewer.jobs.running
     assert (tmp_path / "record.npz").stat().st_mtime_ns == before
 
 
@@ -114,7 +114,7 @@ def test_a_window_closed_while_a_record_is_written_leaves_nothing(
     name(tmp_path / "record.nc")
     viewer.window.save.record.trigger()
     viewer.window.close()
-    assert not viewer.saving.busy
+    assert not viewer.jobs.running
     assert list(tmp_path.iterdir()) == []
 
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from insonify_viewer.comparison.comparison import Comparison
     from insonify_viewer.comparison.recording_player import RecordingPlayer
     from insonify_viewer.inspection import Inspection
+    from insonify_viewer.jobs.job_list import JobList
     from insonify_viewer.marked_point import MarkedPoint
     from insonify_viewer.record import Record
     from insonify_viewer.session import Session
@@ -71,6 +72,8 @@ class Workbench:
         Opens the panel of a name.
     inspection : Inspection
         The pinned pixel, the picked place, and what is drawn of both.
+    jobs : JobList
+        Runs commands in processes of their own.
     recordings : RecordingPlayer
         Opens a recording and plays it beside the simulated record.
     comparison : Comparison
@@ -91,6 +94,7 @@ class Workbench:
     pause: Callable[[], None]
     open_panel: Callable[[str], None]
     inspection: Inspection
+    jobs: JobList
     recordings: RecordingPlayer
     comparison: Comparison
     open_scene: SceneOpener

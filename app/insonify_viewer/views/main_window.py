@@ -13,7 +13,6 @@ from PySide6.QtWidgets import (
     QLabel,
     QMainWindow,
     QMenu,
-    QProgressBar,
     QSlider,
     QSplitter,
     QTabWidget,
@@ -30,6 +29,7 @@ from insonify_viewer.tow_clock import SPEEDS
 from insonify_viewer.views.comparison_actions import ComparisonActions
 from insonify_viewer.views.comparison_overlay import ComparisonOverlay
 from insonify_viewer.views.file_drop import take_drops
+from insonify_viewer.views.job_bar import JobBar
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide
 from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
@@ -139,12 +139,6 @@ class MainWindow(QMainWindow):
             self._fading.start()
         self._sentence.setText(sentence)
         self._sentence.setToolTip(sentence)
-
-    def show_job(self, what: str, share: float) -> None:
-        """Show the share done of a job beside the window, with its name; an empty name hides the bar."""
-        self._job.setVisible(bool(what))
-        self._job.setFormat(f"{what}: %p %")
-        self._job.setValue(int(100 * share))
 
     def show_display(self, look: DisplayOptions) -> None:
         """Set palette and gain among the tools to the display options."""
@@ -336,12 +330,11 @@ class MainWindow(QMainWindow):
         self._fading.setInterval(READING_TIME)
         self._fading.timeout.connect(lambda: self.say(""))
         self._sentence.setMinimumWidth(1)  # so that a long sentence does not widen the window
-        self._job = QProgressBar()
-        self._job.setObjectName("job")
-        self._job.setRange(0, 100)
-        self._job.setVisible(False)
+        self.jobs = JobBar()
+        self.jobs.clicked.connect(lambda: self.open_panel("jobs"))
+        self.save.jobs.triggered.connect(lambda: self.open_panel("jobs"))
         status.addWidget(self._sentence, 1)
-        status.addPermanentWidget(self._job)
+        status.addPermanentWidget(self.jobs)
 
     def _tool(self, bar: QToolBar, text: str, tip: str, shortcut: QKeySequence) -> QAction:
         action = self._action(text, tip, shortcut)

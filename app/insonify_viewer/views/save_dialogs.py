@@ -10,7 +10,9 @@ from pathlib import Path
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from insonify.io.atomic import replacing
+from insonify.io.records import RECORDS
 
+PICTURE = ".png"
 Formats = Sequence[tuple[str, str]]  # names and suffixes
 
 
@@ -20,6 +22,12 @@ class Answer(Enum):
     SAVE = QMessageBox.StandardButton.Save
     DISCARD = QMessageBox.StandardButton.Discard
     CANCEL = QMessageBox.StandardButton.Cancel
+
+
+def record_formats() -> list[tuple[str, str]]:
+    """Names and suffixes of the formats in which a record is written, with its picture."""
+    names = {suffix: each.description for each in RECORDS.formats() for suffix in each.suffixes}
+    return [*((names[suffix], suffix) for suffix in RECORDS.writable()), ("picture", PICTURE)]
 
 
 def ask_about_changes(window: QWidget, title: str) -> Answer:
@@ -33,6 +41,16 @@ def ask_about_changes(window: QWidget, title: str) -> Answer:
         buttons.Save,
     )
     return Answer(pressed) if pressed in (buttons.Save, buttons.Discard) else Answer.CANCEL
+
+
+def ask_about_jobs(window: QWidget, running: int) -> bool:
+    """Ask whether jobs that run are to be stopped, since the window closes."""
+    what = "A job is" if running == 1 else f"{running} jobs are"
+    buttons = QMessageBox.StandardButton
+    question = f"{what} still running. Stop and close the window? What is finished stays."
+    return (
+        QMessageBox.question(window, "Jobs are running", question, buttons.Discard | buttons.Cancel) is buttons.Discard
+    )
 
 
 def ask_where_to_save(window: QWidget, title: str, suggestion: str, formats: Formats) -> Path | None:

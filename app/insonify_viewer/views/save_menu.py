@@ -19,6 +19,8 @@ class SaveMenu(QToolButton):
     ----------
     scene, record, picture : QAction
         Save the declaration, the simulated pings, the window.
+    jobs : QAction
+        Lists what runs beside the window.
     """
 
     def __init__(self, window: QWidget) -> None:
@@ -32,6 +34,8 @@ class SaveMenu(QToolButton):
         self.scene = _action(menu, "Save scene…", "The scene as a TOML file, to be opened again", "Ctrl+S")
         self.record = _action(menu, "Save record…", "Every ping of the track, as data or as a picture", "Ctrl+Shift+S")
         self.picture = _action(menu, "Save picture of the window…", "The window as it stands", "Ctrl+P")
+        menu.addSeparator()
+        self.jobs = _action(menu, "Jobs…", "Charts, data sets and records that are made beside the window", "Ctrl+J")
         window.addActions(menu.actions())
         self.setMenu(menu)
 

@@ -21,7 +21,7 @@ from insonify.commands.options import (
     say,
     tracked,
 )
-from insonify.display.display_options import PALETTES, SIDES, DisplayOptions
+from insonify.display.display_options import PALETTES, SIDES, DisplayOptions, read_display
 from insonify.io.records import RECORDS, read_record, write_record
 from insonify.scene import Scene, SceneError
 
@@ -50,6 +50,14 @@ def register(subparsers: Any) -> None:
     picture.add_argument("--side", choices=SIDES, help="channels to draw (default: both)")
     picture.add_argument("--ground-range", action="store_true", help="convert slant range to ground range")
     picture.add_argument("--gain", type=decibels, metavar="DB", help="brighten by this many decibels (default: 0)")
+    picture.add_argument(
+        "--display",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="another option of pictures, as in the viewer: water_column=false, decibels=true, reverse=true, "
+        "levels=[0.1,4], side_gains=[0,6], bottom_line=true, range_lines=true, newest_on_top=false; repeatable",
+    )
     files = parser.add_argument_group("files")
     files.add_argument(
         "--truth",
@@ -68,29 +76,32 @@ def register(subparsers: Any) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Simulate a scene or read a record, and write the record or its picture."""
     path = chosen_output(arguments)
-    given = {
-        name: getattr(arguments, name)
-        for name in DisplayOptions._fields
-        if getattr(arguments, name, None) not in (None, False)
-    }
-    if given and not _is_picture(path):
-        option = f"--{next(iter(given)).replace('_', '-')}"
-        raise SceneError(f"{option} applies to pictures, not to {path.name}; leave it out or end the name in {PICTURE}")
+    look = _display_options(arguments, path)
     if arguments.truth and path.suffix.lower() not in RECORDS.labelled():
         held = ", ".join(RECORDS.labelled())
         raise SceneError(f"--truth applies to {held}, not to {path.name}; leave it out or end the name in one of them")
     choices = _write_options(arguments, path)
     if is_record(arguments.scene):
-        pings, bins = _render_record(arguments, path, DisplayOptions(**given), choices)
+        pings, bins = _render_record(arguments, path, look, choices)
     else:
         scene = chosen_scene(arguments)
         if arguments.frequency is not None:
             raise SceneError("--frequency applies to recordings; write --set sonar.frequency=… for a scene")
         options = {"method": arguments.method, "tolerance": arguments.tolerance, "forced": chosen_model(arguments)}
         options |= {"truth": arguments.truth, "threads": arguments.threads}
-        write(scene, path, DisplayOptions(**given), choices, **options)
+        write(scene, path, look, choices, **options)
         pings, bins = scene.track.pings, scene.sonar.bins
     say(f"{path}: {pings} pings of 2 x {bins} bins")
+
+
+def _display_options(arguments: argparse.Namespace, path: Path) -> DisplayOptions:
+    """Return how a picture is drawn; refuse options of pictures for another file."""
+    flags = {name: getattr(arguments, name, None) for name in DisplayOptions._fields}
+    given = {name: value for name, value in flags.items() if value not in (None, False)}
+    if (given or arguments.display) and not _is_picture(path):
+        option = f"--{next(iter(given)).replace('_', '-')}" if given else "--display"
+        raise SceneError(f"{option} applies to pictures, not to {path.name}; leave it out or end the name in {PICTURE}")
+    return DisplayOptions(**given | read_display(arguments.display))
 
 
 def _write_options(arguments: argparse.Namespace, path: Path) -> dict[str, str]:

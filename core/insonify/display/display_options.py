@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import json
+import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.errors import SceneError
 from insonify.files import resources
+from insonify.scene.edit import read_setting
 
 DEFAULT_PALETTE = "copper"
 SIDES = ("both", "port", "starboard")
 SCALES = ("fit", "true", "fill")
+EXAMPLES = {bool: "true", float: "3", tuple: "[0, 6]"}
 Levels = tuple[float, float]  # amplitudes at the two ends of a palette
 
 
@@ -23,6 +29,7 @@ def find_palettes() -> dict[str, Path]:
 
 
 PALETTES = tuple(find_palettes())
+CHOICES = {"side": SIDES, "palette": PALETTES, "scale": SCALES}
 
 
 class DisplayOptions(NamedTuple):
@@ -74,6 +81,44 @@ class DisplayOptions(NamedTuple):
     bottom_line: bool = False
     range_lines: bool = False
     scale: str = SCALES[0]
+
+
+def read_display(settings: Sequence[str]) -> dict[str, Any]:
+    """Read options from texts of the form ``name=value``, with values as in TOML.
+
+    Raises
+    ------
+    SceneError
+        If there is no such option, or its value is of another type.
+    """
+    options = {}
+    for setting in settings:
+        name, value = read_setting(setting, "--display")
+        if name not in DisplayOptions._fields:
+            raise SceneError(
+                f"--display {name}: there is no such option; take one of {', '.join(DisplayOptions._fields)}"
+            )
+        usual: Any = (0.0, 0.0) if name == "levels" else DisplayOptions._field_defaults[name]
+        if not _fits(value, usual) or (name in CHOICES and value not in CHOICES[name]):
+            known = " or ".join(CHOICES[name]) if name in CHOICES else EXAMPLES[type(usual)]
+            raise SceneError(f"--display {name}={value!r} is no value of this option; write for example {known}")
+        options[name] = tuple(map(float, value)) if isinstance(usual, tuple) else type(usual)(value)
+    return options
+
+
+def display_settings(look: DisplayOptions) -> list[str]:
+    """Write the options that differ from the usual ones as texts that `read_display` reads."""
+    usual = DisplayOptions._field_defaults
+    return [f"{name}={json.dumps(value)}" for name, value in look._asdict().items() if value != usual[name]]
+
+
+def _fits(value: Any, usual: Any) -> bool:
+    """Whether a value is of the type of the usual one; a whole number passes for any other."""
+    if isinstance(usual, tuple):
+        return isinstance(value, list) and len(value) == len(usual) and all(_fits(one, 0.0) for one in value)
+    if isinstance(usual, bool) or not isinstance(usual, float):
+        return type(value) is type(usual)
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def side_factors(look: DisplayOptions, bins: int) -> NDArray[np.float32] | None:

@@ -62,12 +62,13 @@ def edit(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     return build(values)
 
 
-def read_setting(text: str) -> tuple[str, Any]:
+def read_setting(text: str, option: str = "--set") -> tuple[str, Any]:
     """Split ``path.to.field=value``; a value that is not TOML stands for its own text."""
     path, equals, literal = text.partition("=")
     path = path.strip()
     if not equals or not path:
-        raise SceneError(f"--set {text!r} is not of the form path.to.field=value; write for example sonar.range=75")
+        example = "path.to.field=value; write for example sonar.range=75" if option == "--set" else "name=value"
+        raise SceneError(f"{option} {text!r} is not of the form {example}")
     try:
         value = tomllib.loads(f"value = {literal}")["value"]
     except (tomllib.TOMLDecodeError, RecursionError):

@@ -1,0 +1,138 @@
+"""Window that begins jobs and lists them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QMenu, QPushButton, QScrollArea, QVBoxLayout, QWidget
+
+from insonify.accuracy.charts.kinds import list_chart_kinds
+from insonify_viewer.jobs.command_job import CommandJob
+from insonify_viewer.panels.jobs.view.dataset_question import DatasetQuestion
+from insonify_viewer.panels.jobs.view.job_row import JobRow
+from insonify_viewer.views.save_dialogs import Formats, ask_where_to_save, record_formats
+
+SIZE, SMALLEST = (620, 420), (420, 240)
+CHARTS: Formats = (("Pictures", ".png"), ("Drawings", ".svg"), ("Tables", ".csv"), ("Tables", ".json"))
+PAGES: Formats = (("Pages", ".html"),)
+HINT = "Each job is a command in a process of its own; the window stays free. What is made is the command's to the bit."
+
+
+class WantedChart(NamedTuple):
+    """A chart to be measured: its kind, and the file to write."""
+
+    kind: str
+    path: Path
+
+
+class JobsView(QWidget):
+    """Lists the jobs, the newest first.
+
+    Parameters
+    ----------
+    specifications : list of str
+        Names of the bundled specifications of data sets.
+    """
+
+    record_wanted = Signal(object)  # Path
+    chart_wanted = Signal(object)  # WantedChart
+    dataset_wanted = Signal(object)  # WantedDataset
+    stability_wanted = Signal(object)  # Path
+    forget_wanted = Signal()
+
+    def __init__(self, specifications: list[str]) -> None:
+        super().__init__()
+        self.setObjectName("panel")
+        self.setWindowTitle("Jobs · insonify")
+        self.resize(*SIZE)
+        self.setMinimumSize(*SMALLEST)
+        self._specifications = specifications
+        self.record = _button("Record…", "Every ping of the scene, as data or as a picture", self._ask_for_record)
+        self.chart = _button("Chart…", "Error, cost or convergence, measured on this machine")
+        self.chart.setMenu(self._charts())
+        self.dataset = _button("Data set…", "Labelled images of many scenes", self._ask_for_dataset)
+        self.stability = _button("Stability…", "The known numerical failures, measured, as a page", self._ask_for_page)
+        self.forget = _button("Clear", "Leave the jobs that have ended out of this list", self.forget_wanted.emit)
+        self._hint = QLabel(HINT)
+        self._hint.setObjectName("name")
+        self._hint.setWordWrap(True)
+        self._rows: dict[CommandJob, JobRow] = {}
+        self._lay_out()
+
+    @property
+    def rows(self) -> tuple[JobRow, ...]:
+        """The rows, the oldest first."""
+        return tuple(self._rows.values())
+
+    def show_jobs(self, jobs: list[CommandJob]) -> None:
+        """Show these jobs and no others."""
+        for job in [job for job in self._rows if job not in jobs]:
+            row = self._rows.pop(job)
+            self._list.removeWidget(row)
+            row.deleteLater()
+        for job in jobs:
+            self.show_job(job)
+
+    def show_job(self, job: CommandJob) -> None:
+        """Show how far a job is; a new one gets a row on top."""
+        if job not in self._rows:
+            self._rows[job] = JobRow(job)
+            self._list.insertWidget(0, self._rows[job])
+        self._rows[job].show_job(job)
+
+    def _ask_for_record(self) -> None:
+        if path := ask_where_to_save(self, "Write the record", "record.nc", record_formats()):
+            self.record_wanted.emit(path)
+
+    def _charts(self) -> QMenu:
+        """Make a menu of the kinds of charts."""
+        menu = QMenu(self)
+        for kind in list_chart_kinds():
+            menu.addAction(f"{kind.capitalize()}…", partial(self._ask_for_chart, kind))
+        return menu
+
+    def _ask_for_chart(self, kind: str) -> None:
+        if path := ask_where_to_save(self, f"Measure a chart of {kind}", f"{kind}.png", CHARTS):
+            self.chart_wanted.emit(WantedChart(kind, path))
+
+    def _ask_for_dataset(self) -> None:
+        question = DatasetQuestion(self._specifications, self)
+        if question.exec():
+            self.dataset_wanted.emit(question.answer)
+
+    def _ask_for_page(self) -> None:
+        if path := ask_where_to_save(self, "Write the page of stability", "stability.html", PAGES):
+            self.stability_wanted.emit(path)
+
+    def _lay_out(self) -> None:
+        tools = QHBoxLayout()
+        for button in (self.record, self.chart, self.dataset, self.stability):
+            tools.addWidget(button)
+        tools.addStretch(1)
+        tools.addWidget(self.forget)
+        body = QWidget()
+        body.setObjectName("panel")
+        self._list = QVBoxLayout(body)
+        self._list.addStretch(1)
+        scroll = QScrollArea()
+        scroll.setWidgetResizable(True)
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        scroll.setWidget(body)
+        column = QVBoxLayout(self)
+        column.addLayout(tools)
+        column.addWidget(self._hint)
+        column.addWidget(scroll, 1)
+
+
+def _button(text: str, tip: str, clicked: Callable[[], None] | None = None) -> QPushButton:
+    button = QPushButton(text)
+    button.setObjectName("tool")
+    button.setToolTip(tip)
+    if clicked is not None:
+        button.clicked.connect(lambda: clicked())
+    return button

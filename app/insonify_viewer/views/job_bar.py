@@ -1,0 +1,42 @@
+"""Bar in the status bar for the jobs that run beside the window."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Signal
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtWidgets import QProgressBar
+
+from insonify_viewer.jobs.command_job import CommandJob
+from insonify_viewer.quantities import format_time_left
+
+
+class JobBar(QProgressBar):
+    """Shows the newest job that runs, and how many others do; hidden while there is none."""
+
+    clicked = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("job")
+        self.setAccessibleName("Jobs")
+        self.setToolTip("What runs beside the window; click for all of it (Ctrl+J)")
+        self.setVisible(False)
+
+    def show_jobs(self, running: Sequence[CommandJob]) -> None:
+        """Show how far the newest of the running jobs is."""
+        self.setVisible(bool(running))
+        if not running:
+            return
+        newest, others = running[-1], len(running) - 1
+        share, left = newest.stage.share, newest.seconds_left
+        told = "" if left is None else f", {format_time_left(left)} left"
+        self.setRange(0, 0 if share is None else 100)
+        self.setValue(0 if share is None else int(100 * share))
+        self.setFormat(f"{newest.title}: %p %{told}" + (f" (+{others})" if others else ""))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Signal a click."""
+        del event
+        self.clicked.emit()

@@ -1,0 +1,181 @@
+"""Jobs beside the window: records, charts, data sets and pages, with progress, a stop, and nothing half-written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QMessageBox
+
+from insonify import simulate
+from insonify.commands.render import write
+from insonify.display.display_options import DisplayOptions
+from insonify.io.records import read_record
+from insonify.scene import Scene, edit
+from insonify_viewer.jobs.command_job import CommandJob, State
+from insonify_viewer.panels.jobs.view import JobsView, WantedChart, WantedDataset
+from insonify_viewer.quantities import format_time_left
+from insonify_viewer.viewer import Viewer
+
+Opener = Callable[..., Viewer]
+PATIENCE = 240_000  # ms, while kernels compile at worst
+
+
+@pytest.fixture
+def knife(small: Scene) -> Scene:
+    return edit(small, {"sonar.beam": "knife"})
+
+
+@pytest.fixture
+def endless_work(knife: Scene) -> Scene:
+    """A scene whose record takes minutes."""
+    return edit(knife, {"track.pings": 1_000_000})
+
+
+def jobs_of(viewer: Viewer) -> JobsView:
+    """Open the window of the jobs by its action."""
+    viewer.window.save.jobs.trigger()
+    panel: Any = viewer.panels["jobs"]
+    return panel.widget
+
+
+def advanced(job: CommandJob) -> bool:
+    return job.stage.unit == "ping" and job.stage.done > 0.0
+
+
+def test_a_record_is_that_of_the_library_to_the_bit(
+    open_viewer: Opener, knife: Scene, qtbot: Any, tmp_path: Path
+) -> None:
+    viewer = open_viewer(knife)
+    assert viewer.session.settle({"track.altitude": 8.0})
+    path = tmp_path / "record.nc"
+    jobs_of(viewer).record_wanted.emit(path)
+    qtbot.waitUntil(lambda: not viewer.jobs.running, timeout=PATIENCE)
+    assert viewer.jobs.jobs[0].state is State.DONE
+    np.testing.assert_array_equal(read_record(path).intensity, simulate(viewer.session.scene).intensity)
+
+
+def test_a_record_is_modelled_as_in_the_window(open_viewer: Opener, small: Scene, qtbot: Any, tmp_path: Path) -> None:
+    viewer = open_viewer(small)
+    viewer.session.model(viewer.session.modelling.forcing("planes", "2").tolerating(0.2))
+    job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
+    qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
+    expected = simulate(small, tolerance=0.2, forced={"planes": "2"})
+    np.testing.assert_array_equal(read_record(tmp_path / "record.nc").intensity, expected.intensity)
+
+
+def test_a_picture_is_displayed_as_in_the_window(open_viewer: Opener, knife: Scene, qtbot: Any, tmp_path: Path) -> None:
+    viewer = open_viewer(knife)
+    look = {"gain": 6.0, "water_column": False, "side_gains": (0.0, 6.0), "levels": (0.1, 4.0), "palette": "grey"}
+    viewer.session.show(**look)
+    job = viewer.jobs.write_record(viewer.session, tmp_path / "window.png")
+    qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
+    write(knife, tmp_path / "library.png", DisplayOptions(**look), tolerance=0.03)
+    with Image.open(tmp_path / "window.png") as one, Image.open(tmp_path / "library.png") as other:
+        np.testing.assert_array_equal(np.asarray(one), np.asarray(other))
+
+
+def test_progress_is_shown_and_a_stop_leaves_nothing(
+    open_viewer: Opener, endless_work: Scene, qtbot: Any, tmp_path: Path
+) -> None:
+    viewer = open_viewer(endless_work)
+    view = jobs_of(viewer)
+    view.record_wanted.emit(tmp_path / "record.nc")
+    job = viewer.jobs.jobs[0]
+    qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
+    assert "of 1000000 pings" in view.rows[0].words.text()
+    qtbot.waitUntil(lambda: job.seconds_left is not None, timeout=PATIENCE)
+    assert viewer.window.jobs.isVisible()
+    qtbot.mouseClick(view.rows[0].stop, Qt.MouseButton.LeftButton)
+    qtbot.waitUntil(lambda: not job.running, timeout=10_000)
+    assert job.state is State.STOPPED
+    assert list(tmp_path.iterdir()) == []
+    assert not viewer.window.jobs.isVisible()
+    qtbot.mouseClick(view.forget, Qt.MouseButton.LeftButton)
+    assert not view.rows
+    assert not viewer.jobs.jobs
+
+
+def test_the_window_stays_free_while_a_job_runs(
+    open_viewer: Opener, endless_work: Scene, qtbot: Any, tmp_path: Path
+) -> None:
+    viewer = open_viewer(endless_work)
+    job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
+    qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
+    before = viewer.session.scene
+    assert viewer.session.settle({"track.altitude": 7.0})
+    qtbot.waitUntil(lambda: viewer.complete, timeout=PATIENCE)
+    assert viewer.session.scene != before
+    assert job.running
+
+
+def test_a_mistake_is_one_sentence(open_viewer: Opener, knife: Scene, qtbot: Any, tmp_path: Path) -> None:
+    viewer = open_viewer(knife)
+    view = jobs_of(viewer)
+    view.record_wanted.emit(tmp_path / "nowhere" / "record.nc")
+    job = viewer.jobs.jobs[0]
+    qtbot.waitUntil(lambda: not job.running, timeout=PATIENCE)
+    assert job.state is State.FAILED
+    assert "there is no folder" in job.sentence
+    assert view.rows[0].words.text() == job.sentence
+    assert viewer.window._sentence.text() == job.sentence
+
+
+def test_charts_data_sets_and_pages_are_commands(
+    open_viewer: Opener, knife: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = open_viewer(knife)
+    begun: list[tuple[str, ...]] = []
+    monkeypatch.setattr(viewer.jobs, "begin", lambda title, arguments, result: begun.append(tuple(arguments)))
+    view = jobs_of(viewer)
+    view.chart_wanted.emit(WantedChart("convergence", tmp_path / "chart.png"))
+    view.dataset_wanted.emit(WantedDataset("mines", 3, tmp_path / "mines"))
+    view.stability_wanted.emit(tmp_path / "page.html")
+    (chart, scene_file, *of), dataset, page = begun
+    assert (chart, *of) == ("chart", "--of", "convergence", "-o", str(tmp_path / "chart.png"))
+    assert Path(scene_file).suffix == ".toml"
+    assert dataset == ("dataset", "mines", "-o", str(tmp_path / "mines"), "--scenes", "3")
+    assert page == ("stability", "-o", str(tmp_path / "page.html"))
+
+
+def test_a_data_set_is_stopped_with_its_workers(open_viewer: Opener, knife: Scene, qtbot: Any, tmp_path: Path) -> None:
+    viewer = open_viewer(knife)
+    arguments = ["dataset", "mines", "-o", str(tmp_path / "mines"), "--scenes", "400", "--scheduler", "local:1"]
+    job = viewer.jobs.begin("data set", arguments, tmp_path / "mines")
+    qtbot.waitUntil(lambda: job.stage.unit == "job", timeout=PATIENCE)
+    job.stop()
+    qtbot.waitUntil(lambda: not job.running, timeout=30_000)
+    assert job.state is State.STOPPED
+
+
+def test_closing_asks_about_jobs_and_ends_them_at_once(
+    open_viewer: Opener, endless_work: Scene, qtbot: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = open_viewer(endless_work)
+    asked: list[str] = []
+    answers = iter([QMessageBox.StandardButton.Cancel, QMessageBox.StandardButton.Discard])
+
+    def question(_: object, title: str, *rest: object) -> QMessageBox.StandardButton:
+        asked.append(title)
+        return next(answers)
+
+    monkeypatch.setattr(QMessageBox, "question", question)
+    job = viewer.jobs.write_record(viewer.session, tmp_path / "record.nc")
+    qtbot.waitUntil(lambda: advanced(job), timeout=PATIENCE)
+    viewer.window.close()
+    assert viewer.window.isVisible()
+    assert job.running
+    viewer.window.close()
+    assert asked == ["Jobs are running"] * 2
+    assert not viewer.window.isVisible()
+    assert not job.running
+    assert [path for path in tmp_path.iterdir() if not path.name.startswith(".")] == []
+
+
+def test_times_to_wait_are_whole_numbers() -> None:
+    assert [format_time_left(seconds) for seconds in (0.2, 40.4, 170.0, 7300.0)] == ["1 s", "40 s", "3 min", "2 h"]
