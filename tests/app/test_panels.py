@@ -175,7 +175,7 @@ def test_a_panel_below_and_a_window_open_by_their_buttons(open_viewer: Any, smal
     announce(DummyBelow, DummyWindow)
     viewer = open_viewer(small)
     below, window = viewer.panels["dummy-below"], viewer.panels["dummy-window"]
-    actions = {action.text(): action for action in viewer.window.actions() + viewer.window._bar.actions()}
+    actions = {action.text(): action for action in viewer.window.menus.view.actions()}
     assert "Ctrl+Shift+D" in actions["Dummy"].toolTip()
     assert not below.widget.isVisible()
     actions["Dummy"].trigger()

@@ -37,11 +37,23 @@ class Place(Enum):
 
 
 class Button(NamedTuple):
-    """The tool button that opens a panel."""
+    """The command that opens a panel, in a menu and, with an icon, among the tools.
+
+    Attributes
+    ----------
+    text, tooltip, shortcut : str
+        Words of the command and its key.
+    icon : str
+        Name of a file in ``resources/icons``; empty if the command stands in the menu alone.
+    menu : str
+        Title of its menu: File, Edit, View, Record, Tools or Help.
+    """
 
     text: str
     tooltip: str
     shortcut: str
+    icon: str = ""
+    menu: str = "View"
 
 
 class SceneOpener(Protocol):

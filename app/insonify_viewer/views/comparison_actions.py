@@ -22,6 +22,8 @@ class ComparisonActions(QObject):
     ----------
     keep, back : QAction
         Keep the live record as A; return to the scene of A.
+    actions : list of QAction
+        All of them.
     """
 
     toggled = Signal(object)  # Arrangement to turn to, or to leave if it is shown
@@ -29,6 +31,7 @@ class ComparisonActions(QObject):
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
+        self.actions: list[QAction] = []
         self.keep = self._action(window, "Keep as A", "Keep this record as A, to compare others with it", "K")
         self.back = self._action(window, "Return to A", "Return to the scene of A; undo comes back", "Shift+K")
         for text, tip, key, arrangement in (
@@ -44,4 +47,5 @@ class ComparisonActions(QObject):
         action.setToolTip(f"{tip} ({key})")
         action.setShortcut(QKeySequence(key))
         window.addAction(action)
+        self.actions.append(action)
         return action

@@ -8,12 +8,10 @@ from itertools import pairwise
 from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QKeySequence
 from PySide6.QtWidgets import (
-    QComboBox,
     QDockWidget,
     QLabel,
     QMainWindow,
     QMenu,
-    QSlider,
     QSplitter,
     QTabWidget,
     QToolBar,
@@ -29,11 +27,15 @@ from insonify_viewer.tow_clock import SPEEDS
 from insonify_viewer.views.comparison_actions import ComparisonActions
 from insonify_viewer.views.comparison_overlay import ComparisonOverlay
 from insonify_viewer.views.file_drop import take_drops
+from insonify_viewer.views.help_dialogs import HELD_KEYS, AboutDialog, KeysDialog
+from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.job_bar import JobBar
+from insonify_viewer.views.menus import Menus
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide
 from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
 from insonify_viewer.views.titled_waterfall import TitledWaterfall
+from insonify_viewer.views.tool_widgets import GainSlider, make_combo
 from insonify_viewer.views.waterfall_view import WaterfallView
 
 SMALLEST = (760, 420)  # px, which fits half of a screen of 1600 × 900 at twice the scale
@@ -76,7 +78,6 @@ class MainWindow(QMainWindow):
         self.waterfall = WaterfallView(native=native)
         self.trace = self._action("Echo", "Echo of one ping under the record", QKeySequence("E"))
         self.trace.triggered.connect(self.waterfall.toggle_trace)
-        self.addAction(self.trace)
         self._placeholder = QLabel("setting up the seabed …")
         self._placeholder.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._splitter = QSplitter(Qt.Orientation.Horizontal)
@@ -95,6 +96,8 @@ class MainWindow(QMainWindow):
         self._docks: dict[str, QDockWidget] = {}
         self._buttons: dict[str, QAction] = {}
         self._add_tools(palettes)
+        self.menus = Menus(self)
+        self._fill_menus()
         self._add_status()
         take_drops(self, lambda path: (self.recording_wanted if is_recording(path) else self.scenes.wanted).emit(path))
         self.waterfall.setFocus()
@@ -154,6 +157,7 @@ class MainWindow(QMainWindow):
         """Set the button that pauses or plays, which says what it would do."""
         self.pause.setChecked(not running)
         self.pause.setText("Pause" if running else "Play")
+        set_icon(self.pause, "pause" if running else "play")
         tip = "Pause the tow; the mouse wheel then looks back" if running else "Tow on from the ping on top"
         self.pause.setToolTip(_with_key(tip, self.pause.shortcut()))
 
@@ -210,15 +214,18 @@ class MainWindow(QMainWindow):
         self.resizeDocks([dock], [BELOW_HEIGHT], Qt.Orientation.Vertical)
 
     def _add_button(self, panel: Panel) -> None:
-        """Put the button of a panel among the tools, before the palettes."""
+        """Put the command of a panel into its menu and, if it has an icon, among the tools before the palettes."""
         assert panel.button is not None
         action = self._action(panel.button.text, panel.button.tooltip, QKeySequence(panel.button.shortcut))
+        self.menus.named(panel.button.menu).addAction(action)
         if panel.place is Place.WINDOW:
             action.triggered.connect(lambda: self._open_window(panel))
         else:
             action.setCheckable(True)
             action.toggled.connect(lambda shown: self._show_dock(panel, shown))
-        self._bar.insertAction(self._after_buttons, action)
+        if panel.button.icon:
+            set_icon(action, panel.button.icon)
+            self._bar.insertAction(self._after_buttons, action)
         self._buttons[panel.name] = action
 
     def _show_dock(self, panel: Panel, shown: bool) -> None:
@@ -248,7 +255,8 @@ class MainWindow(QMainWindow):
         self.addAction(self.open_recording)
         self.scenes = SceneMenu(self.open_scene, self.open_recording)
         bar.addWidget(self.scenes)
-        self.open_dem = self._tool(bar, "DEM…", "Replace the bed by a grid of measured heights", QKeySequence("Ctrl+D"))
+        tip = "Replace the bed by a grid of measured heights"
+        self.open_dem = self._action("Open a measured bed…", tip, QKeySequence("Ctrl+D"))
         self._add_targets(bar)
         self.save = SaveMenu(self)
         bar.addWidget(self.save)
@@ -258,31 +266,58 @@ class MainWindow(QMainWindow):
         bar.addSeparator()
         self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", QKeySequence("Space"))
         self.pause.setCheckable(True)
-        button = bar.widgetForAction(self.pause)
-        button.setMinimumWidth(button.sizeHint().width())  # the shorter word leaves the others in place
         self.pause.toggled.connect(lambda paused: self.running_changed.emit(not paused))
-        self.speed = _combo([(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS])
-        self.speed.setToolTip("Speed of the tow")
+        speeds = [(f"{speed:g}×" if speed >= 1 else f"1/{1 / speed:g}×", speed) for speed in SPEEDS]
+        self.speed = make_combo(speeds, "Speed of the tow")
         self.speed.setCurrentIndex(SPEEDS.index(1.0))
         self.speed.activated.connect(lambda: self.speed_changed.emit(self.speed.currentData()))
         bar.addWidget(self.speed)
         bar.addSeparator()
-        self.palettes = _combo([(name, name) for name in palettes])
-        self.palettes.setToolTip("Palette of the record")
+        self.palettes = make_combo([(name, name) for name in palettes], "Palette of the record")
         self.palettes.activated.connect(lambda: self.palette_changed.emit(self.palettes.currentData()))
         tip = "Reset view: put the camera behind and above the fish again"
-        self.reset_view = self._tool(bar, "\u2302", tip, QKeySequence("Home"))
+        self.reset_view = self._tool(bar, "Reset view", tip, QKeySequence("Home"))
         self.projector = self._action("Projector", "Full screen, in large type", QKeySequence("F11"))
         self.projector.setCheckable(True)
         self.projector.toggled.connect(self._project)
-        self.addAction(self.projector)
         self._bar, self._after_buttons = bar, bar.addWidget(self.palettes)
         self._add_gain(bar)
+
+    def _fill_menus(self) -> None:
+        """Put the tools into the menus too, where every command stands; those of panels follow."""
+        menus = self.menus
+        menus.file.addMenu(self.scenes.menu()).setText("Scenes")
+        menus.group("File", [self.open_scene, self.open_recording, self.open_dem])
+        menus.group("File", [self.save.scene, self.save.record, self.save.picture])
+        menus.file.addSeparator()
+        menus.add("File", "Quit", "Close the window", "Ctrl+Q").triggered.connect(self.close)
+        menus.group("Edit", [self.undo, self.redo])
+        menus.edit.addSeparator()
+        menus.edit.addMenu(self.targets.menu()).setText("Add a target")
+        menus.group("Record", [self.pause, self.levels, self.trace])
+        menus.group("Record", self.comparison.actions)
+        menus.group("Tools", [self.save.jobs])
+        menus.group("View", [self.projector, self.reset_view])
+        menus.view.addSeparator()
+        keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
+        keys.triggered.connect(lambda: KeysDialog(self, menus.all, HELD_KEYS).show())
+        menus.add("Help", "About insonify", "Versions, licence, citation").triggered.connect(
+            lambda: AboutDialog(self).show()
+        )
+        for owner, name in (
+            (self.scenes, "scenes"), (self.targets, "target"), (self.save, "save"), (self.undo, "undo"),
+            (self.redo, "redo"), (self.pause, "pause"), (self.reset_view, "home"), (self.levels, "levels"),
+        ):  # fmt: skip
+            set_icon(owner, name)
+        for button in self._bar.findChildren(QToolButton):
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.setAccessibleName(button.toolTip())
 
     def _add_targets(self, bar: QToolBar) -> None:
         """Add the menu with every kind of target."""
         self.targets = QToolButton()
-        self.targets.setText("Target ▾")
+        self.targets.setText("Target")
+        self.targets.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.targets.setToolTip("Add a target on the bed, abeam of the track")
         self.targets.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.targets.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -305,10 +340,10 @@ class MainWindow(QMainWindow):
             self.showNormal()
 
     def _add_gain(self, bar: QToolBar) -> None:
-        self.gain = _GainSlider(Qt.Orientation.Horizontal)
+        self.gain = GainSlider()
         self.gain.setRange(-10 * GAIN_REACH, 10 * GAIN_REACH)
-        self.gain.setMaximumWidth(130)
         self.gain.setToolTip("Display gain")
+        self.gain.setAccessibleName("Display gain")
         self._gain_text = QLabel("0 dB")
         self._gain_text.setMinimumWidth(self.fontMetrics().horizontalAdvance("-30.0 dB") + 4)
         self.gain.valueChanged.connect(self._gain_moved)
@@ -348,21 +383,6 @@ class MainWindow(QMainWindow):
         return action
 
 
-class _GainSlider(QSlider):
-    """Slider that asks for little room and takes what there is."""
-
-    def sizeHint(self) -> QSize:
-        return QSize(40, super().sizeHint().height())
-
-
 def _with_key(tip: str, shortcut: QKeySequence) -> str:
-    return f"{tip} ({shortcut.toString(QKeySequence.SequenceFormat.NativeText)})"
-
-
-def _combo(entries: list[tuple[str, object]]) -> QComboBox:
-    combo = QComboBox()
-    # The window keeps the keyboard focus: Space pauses.
-    combo.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-    for text, data in entries:
-        combo.addItem(text, data)
-    return combo
+    key = shortcut.toString(QKeySequence.SequenceFormat.NativeText)
+    return f"{tip} ({key})" if key else tip

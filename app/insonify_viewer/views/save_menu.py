@@ -25,7 +25,7 @@ class SaveMenu(QToolButton):
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
-        self.setText("Save ▾")
+        self.setText("Save")
         self.setToolTip("Save scene, record or window")
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)

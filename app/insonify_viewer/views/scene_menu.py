@@ -28,7 +28,8 @@ class SceneMenu(QToolButton):
 
     def __init__(self, from_file: QAction, recording: QAction, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.setText("Scene ▾")
+        self.setText("Scenes")
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.setToolTip("Open a scene")
         self.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)

@@ -8,7 +8,7 @@ from insonify.scene import Scene, SceneError
 from insonify_viewer.job import Job, Progress
 from insonify_viewer.panels.chart.chart_details import ChartPicture, RowDetails, draw_chart, row_details
 from insonify_viewer.panels.chart.view.chart_window import ChartWindow
-from insonify_viewer.panels.panel import Panel, Place, Workbench
+from insonify_viewer.panels.panel import Button, Panel, Place, Workbench
 
 if TYPE_CHECKING:
     from insonify.accuracy.charts.kinds.accuracy import AccuracyChart
@@ -26,6 +26,7 @@ class ChartPanel(Panel):
     name = "chart"
     title = "Chart"
     place = Place.WINDOW
+    button = Button("Chart…", "Measure every method on the scene as it stands", "", menu="Tools")
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench

@@ -22,7 +22,7 @@ class LessonsPanel(Panel):
     name = "lessons"
     title = "Lessons"
     place = Place.LEFT
-    button = Button("Lessons", "Learn step by step what a side-scan sonar shows, and why", "Ctrl+L")
+    button = Button("Lessons", "Learn step by step what a side-scan sonar shows, and why", "Ctrl+L", icon="lessons")
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench, self._session = workbench, workbench.session

@@ -39,7 +39,7 @@ class PixelPanel(Panel):
     name = "pixel"
     title = "Pixel"
     place = Place.BELOW
-    button = Button("◎", "Explain the pixel of the record that is clicked", "Ctrl+E")
+    button = Button("Explain a pixel", "Explain the pixel of the record that is clicked", "Ctrl+E", icon="explain")
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench

@@ -25,7 +25,7 @@ class WaterPanel(Panel):
     name = "water"
     title = "Water"
     place = Place.BELOW
-    button = Button("Rays", "Show how the water bends sound", "Ctrl+R")
+    button = Button("Rays", "Show how the water bends sound", "Ctrl+R", icon="rays")
 
     def __init__(self, workbench: Workbench) -> None:
         self._workbench = workbench

@@ -1,0 +1,122 @@
+"""Dialogs of the help menu: keys of the window, and what the program is."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QGuiApplication, QKeySequence
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QLabel,
+    QMenu,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+PARTS = ("insonify", "numpy", "numba", "PySide6-Essentials", "vtk", "pyvista")
+_NATIVE = QKeySequence.SequenceFormat.NativeText
+HELD_KEYS = (("show record A while held", "X"), ("look back along a paused record", "mouse wheel"))
+LICENCE = "MIT licence: free to use, change and pass on, without warranty."
+
+
+class KeysDialog(QDialog):
+    """Lists every command that has a key, by its menu.
+
+    Parameters
+    ----------
+    window : QWidget
+        Owner.
+    menus : list of QMenu
+        Menus of the window.
+    others : tuple of (str, str)
+        Keys that are no commands of menus, and what they do.
+    """
+
+    def __init__(self, window: QWidget, menus: list[QMenu], others: tuple[tuple[str, str], ...]) -> None:
+        super().__init__(window)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle("Keyboard shortcuts")
+        self.list = QTreeWidget()
+        self.list.setAccessibleName("Keyboard shortcuts")
+        self.list.setHeaderLabels(["command", "key"])
+        for menu in menus:
+            self._add(menu.title().replace("&", ""), [(a.text(), a.shortcut()) for a in _commands(menu)])
+        self._add("Mouse and held keys", list(others))
+        self.list.expandAll()
+        self.list.resizeColumnToContents(0)
+        layout = QVBoxLayout(self)
+        layout.addWidget(self.list)
+        layout.addWidget(_closing(self))
+        self.resize(460, 560)
+
+    def _add(self, title: str, keys: list[tuple[str, QKeySequence | str]]) -> None:
+        shown = [(text, key if isinstance(key, str) else key.toString(_NATIVE)) for text, key in keys]
+        if shown := [(text, key) for text, key in shown if key]:
+            group = QTreeWidgetItem(self.list, [title])
+            for pair in shown:
+                QTreeWidgetItem(group, list(pair))
+
+
+class AboutDialog(QDialog):
+    """Says what the program is, with versions, licence and citation, all to be copied."""
+
+    def __init__(self, window: QWidget) -> None:
+        super().__init__(window)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle("About insonify")
+        words = QLabel(about())
+        words.setAccessibleName("About insonify")
+        words.setTextInteractionFlags(
+            Qt.TextInteractionFlag.TextSelectableByMouse | Qt.TextInteractionFlag.TextSelectableByKeyboard
+        )
+        buttons = _closing(self)
+        self.copy = buttons.addButton("Copy", QDialogButtonBox.ButtonRole.ActionRole)
+        self.copy.clicked.connect(lambda: QGuiApplication.clipboard().setText(about()))
+        layout = QVBoxLayout(self)
+        layout.addWidget(words)
+        layout.addWidget(buttons)
+
+
+def about() -> str:
+    """Describe the program: the versions it runs with, its licence, and how to cite it."""
+    versions = [f"{part} {_version(part)}" for part in PARTS]
+    return "\n".join(
+        [
+            "insonify: a side-scan sonar simulator",
+            "",
+            *versions,
+            f"Python {platform.python_version()}, {platform.platform(terse=True)}",
+            "",
+            LICENCE,
+            "",
+            "To cite it:",
+            f"The insonify authors. insonify: a side-scan sonar simulator (version {_version('insonify')}).",
+        ]
+    )
+
+
+def _version(part: str) -> str:
+    try:
+        return version(part)
+    except PackageNotFoundError:
+        return "(version unknown)"
+
+
+def _closing(dialog: QDialog) -> QDialogButtonBox:
+    buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+    buttons.rejected.connect(dialog.reject)
+    return buttons
+
+
+def _commands(menu: QMenu) -> list[QAction]:
+    """Commands of a menu and of the menus in it."""
+    found: list[QAction] = []
+    for action in menu.actions():
+        inner = action.menu()
+        found += _commands(inner) if isinstance(inner, QMenu) else [action]
+    return found

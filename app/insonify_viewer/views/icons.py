@@ -1,0 +1,52 @@
+"""Line icons in the colours of the theme, from the SVG files in ``resources/icons``."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QByteArray, QRectF, Qt
+from PySide6.QtGui import QAction, QColor, QIcon, QImage, QPainter, QPalette, QPixmap
+from PySide6.QtSvg import QSvgRenderer
+from PySide6.QtWidgets import QApplication, QToolButton, QWidget
+
+from insonify.files import resources
+
+SIDES = (20, 40, 80)  # px, for screens at once, twice and four times the scale
+NAME = "icon_name"  # property that holds the name of the icon
+
+
+def set_icon(owner: QAction | QToolButton, name: str) -> None:
+    """Give an action or a button the icon of a name."""
+    owner.setProperty(NAME, name)
+    owner.setIcon(make_icon(name))
+
+
+def refresh_icons(window: QWidget) -> None:
+    """Draw the icons of a window again, in the colours of the palette as it is now."""
+    owners: list[QAction | QToolButton] = [*window.findChildren(QAction), *window.findChildren(QToolButton)]
+    for owner in owners:
+        if name := owner.property(NAME):
+            owner.setIcon(make_icon(name))
+
+
+def make_icon(name: str) -> QIcon:
+    """Draw an icon for every state of a button: usual, disabled, and checked on the accent colour."""
+    svg = (resources() / "icons" / f"{name}.svg").read_text(encoding="utf-8")
+    palette, role, group = QApplication.palette(), QPalette.ColorRole, QPalette.ColorGroup
+    icon = QIcon()
+    for mode, state, colour in (
+        (QIcon.Mode.Normal, QIcon.State.Off, palette.color(role.ButtonText)),
+        (QIcon.Mode.Normal, QIcon.State.On, palette.color(role.HighlightedText)),
+        (QIcon.Mode.Disabled, QIcon.State.Off, palette.color(group.Disabled, role.ButtonText)),
+    ):
+        for side in SIDES:
+            icon.addPixmap(_render(svg, colour, side), mode, state)
+    return icon
+
+
+def _render(svg: str, colour: QColor, side: int) -> QPixmap:
+    image = QImage(side, side, QImage.Format.Format_ARGB32_Premultiplied)
+    image.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(image)
+    drawing = QSvgRenderer(QByteArray(svg.replace("currentColor", colour.name()).encode()))
+    drawing.render(painter, QRectF(0, 0, side, side))
+    painter.end()
+    return QPixmap.fromImage(image)

@@ -1,0 +1,32 @@
+"""Widgets of the tool bar: a slider that gives way, and lists to choose from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import QComboBox, QSlider
+
+
+class GainSlider(QSlider):
+    """Slider that asks for little room and takes what there is."""
+
+    def __init__(self) -> None:
+        super().__init__(Qt.Orientation.Horizontal)
+        self.setMaximumWidth(130)
+
+    def sizeHint(self) -> QSize:
+        """Room for the handle and a few steps."""
+        return QSize(40, super().sizeHint().height())
+
+
+def make_combo(entries: Sequence[tuple[str, object]], name: str) -> QComboBox:
+    """Make a list of entries (text, data) with a name for screen readers, which is its tooltip too."""
+    combo = QComboBox()
+    # A click leaves the keyboard focus to the record, where Space pauses.
+    combo.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    combo.setToolTip(name)
+    combo.setAccessibleName(name)
+    for text, data in entries:
+        combo.addItem(text, data)
+    return combo

@@ -1,0 +1,85 @@
+"""Menu bar and tool bar: every command has its place, a key works once, and the tools fit narrow windows."""
+
+from __future__ import annotations
+
+from collections import Counter
+from importlib.metadata import version
+from typing import Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QGuiApplication
+from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
+
+from insonify.scene import Scene
+from insonify_viewer.views.help_dialogs import AboutDialog, KeysDialog
+
+
+def entries(menu: QMenu) -> list[QAction]:
+    """Commands of a menu and of the menus in it."""
+    found = [action for action in menu.actions() if not action.isSeparator()]
+    return [one for action in found for one in (entries(action.menu()) if action.menu() else [action])]
+
+
+def activate(window: QWidget, qtbot: Any) -> None:
+    """Give a window the keyboard, also where no window manager does."""
+    window.windowHandle().requestActivate()
+    window.activateWindow()
+    qtbot.waitUntil(window.isActiveWindow)
+
+
+def test_every_tool_stands_in_a_menu(open_viewer: Any, small: Scene) -> None:
+    window = open_viewer(small).window
+    menus = [action.menu() for action in window.menuBar().actions()]
+    assert [menu.title().replace("&", "") for menu in menus] == ["File", "Edit", "View", "Record", "Tools", "Help"]
+    listed = {action for menu in menus for action in entries(menu)}
+    tools = [action for action in window.findChild(QToolBar).actions() if action.text() and not action.isSeparator()]
+    assert len(tools) >= 8
+    assert set(tools) <= listed
+    assert all(menu.actions() for menu in menus)
+
+
+def test_no_key_stands_for_two_commands(open_viewer: Any, small: Scene) -> None:
+    window = open_viewer(small).window
+    keys = Counter(action.shortcut().toString() for action in window.findChildren(QAction) if not action.menu())
+    del keys[""]
+    assert [key for key, times in keys.items() if times > 1] == []
+
+
+def test_tools_fit_900_px(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    window = open_viewer(small).window
+    bar = window.findChild(QToolBar)
+    assert bar.sizeHint().width() <= 900
+    window.resize(900, 540)
+    qtbot.waitUntil(lambda: window.width() == 900)
+    assert not window.findChild(QToolButton, "qt_toolbar_ext_button").isVisible()
+
+
+def test_a_key_of_a_command_in_a_menu_works(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    window = open_viewer(small).window
+    activate(window, qtbot)
+    qtbot.keyClick(window, Qt.Key.Key_L, Qt.KeyboardModifier.ControlModifier)
+    qtbot.waitUntil(lambda: window._docks["lessons"].isVisible())
+
+
+def test_keys_are_listed(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    window = open_viewer(small).window
+    activate(window, qtbot)
+    qtbot.keyClick(window, "?")
+    qtbot.waitUntil(lambda: window.findChild(KeysDialog) is not None)
+    listed = window.findChild(KeysDialog).list
+    pairs = {
+        (row.text(0), row.text(1))
+        for group in (listed.topLevelItem(i) for i in range(listed.topLevelItemCount()))
+        for row in (group.child(i) for i in range(group.childCount()))
+    }
+    assert {("Save scene…", "Ctrl+S"), ("Keep as A", "K"), ("Lessons", "Ctrl+L")} <= pairs
+
+
+def test_about_is_copied(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    window = open_viewer(small).window
+    next(action for action in window.menus.help.actions() if action.text().startswith("About")).trigger()
+    qtbot.mouseClick(window.findChild(AboutDialog).copy, Qt.MouseButton.LeftButton)
+    copied = QGuiApplication.clipboard().text()
+    assert f"insonify {version('insonify')}" in copied
+    assert "MIT licence" in copied
+    assert "To cite it" in copied
