@@ -19,10 +19,11 @@ from PySide6.QtWidgets import QApplication
 
 from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError
-from insonify_viewer.gc_policy import collected_by_hand
+from insonify_viewer.gc_policy import collected_by_hand, limit_free_memory
 from insonify_viewer.panels.lessons.controller import LessonsPanel
 from insonify_viewer.session import Mark
 from insonify_viewer.viewer import Viewer
+from insonify_viewer.views.qt_modules import leave_sources_unread
 from insonify_viewer.views.save_dialogs import save_picture
 from insonify_viewer.views.theme import apply_theme
 
@@ -158,6 +159,8 @@ def make_application() -> QApplication:
     """Return the QApplication, with the colours and style of the viewer."""
     # A short switch interval lets the main thread interrupt the worker often enough to keep the window smooth.
     sys.setswitchinterval(0.001)
+    leave_sources_unread()
+    limit_free_memory()
     existing = QApplication.instance()
     application = existing if isinstance(existing, QApplication) else QApplication(sys.argv[:1])
     application.setApplicationName("insonify")

@@ -1,4 +1,4 @@
-"""Garbage collection on the main thread alone.
+"""Garbage collection on the main thread alone, and what becomes of freed memory.
 
 Widgets refer to one another in cycles. Python collects cycles on whichever thread allocates next. On a worker thread
 that would destroy widgets and their OpenGL contexts while the main thread draws, which stalls or ends the program.
@@ -13,6 +13,10 @@ from contextlib import contextmanager
 
 OLDEST = 2  # generation
 GROWTH = 1.25  # growth of the oldest generation that starts a full collection, as in CPython's own rule
+
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX = -1, -3, -8  # as in malloc.h of the GNU C library
+LARGE = 2**20  # bytes; larger arrays are returned to the system as soon as they are freed
+STORES = 4
 
 
 @contextmanager
@@ -34,6 +38,21 @@ def collected_by_hand() -> Iterator[GcPolicy]:
         gc.collect()
         gc.unfreeze()
         gc.enable()
+
+
+def limit_free_memory() -> None:
+    """Let the C library keep little of the memory that is freed.
+
+    By default it keeps a store of freed memory for up to eight threads a core, and from the first large array that is
+    freed on it takes arrays of up to 32 MB from these stores, which break up: half a gigabyte after some minutes.
+    """
+    try:
+        adjust = ctypes.CDLL(None).mallopt
+    except (AttributeError, OSError, TypeError):  # another C library
+        return
+    adjust(M_MMAP_THRESHOLD, LARGE)
+    adjust(M_TRIM_THRESHOLD, LARGE)
+    adjust(M_ARENA_MAX, STORES)
 
 
 def return_free_memory() -> None:

@@ -141,7 +141,7 @@ class _Pyramid:
             for level in range(first, last + 1)
         }
         self._last = last
-        self._tile = keep_arrays(self._made_tile)
+        self._tile = keep_arrays(lambda level, row, column: self._lattices[level].tile(row, column))
 
     @cached_property
     def variance(self) -> float:
@@ -150,20 +150,27 @@ class _Pyramid:
 
     def doubled(self, row: int, column: int) -> Field:
         """Tile of the whole pyramid, interpolated onto the finest lattice."""
-        return self._from_coarser(0, row, column)
+        return self._from_coarser(0, (row * TILE, column * TILE), (TILE, TILE))
 
-    def _made_tile(self, level: int, row: int, column: int) -> Field:
+    def _region(self, level: int, first: tuple[int, int], shape: tuple[int, int]) -> Field:
+        """Sum of the lattices from a level on, on a rectangle of nodes of that level."""
         lattice = self._lattices.get(level)
-        counts = lattice is not None and lattice.variance > FAINT * self.variance
-        own = lattice.tile(row, column) if lattice is not None and counts else np.zeros((TILE, TILE))
-        return own + self._from_coarser(level, row, column) if level < self._last else own
+        if lattice is None or lattice.variance <= FAINT * self.variance:
+            own = np.zeros(shape)
+        else:
+            own = gather_tiles(lambda row, column: self._tile(level, row, column), first, shape)
+        return own + self._from_coarser(level, first, shape) if level < self._last else own
 
-    def _from_coarser(self, level: int, row: int, column: int) -> Field:
-        """Sum of the coarser lattices, interpolated onto one tile."""
-        half = TILE // 2
-        first = row * half - HALF_BAND, column * half - HALF_BAND
-        around = gather_tiles(lambda j, i: self._tile(level + 1, j, i), first, (half + 2 * HALF_BAND,) * 2)
-        return _interpolate(np.ascontiguousarray(_interpolate(around).T)).T
+    def _from_coarser(self, level: int, first: tuple[int, int], shape: tuple[int, int]) -> Field:
+        """Sum of the lattices coarser than a level, interpolated onto a rectangle of its nodes."""
+        low = tuple(place // 2 for place in first)
+        nodes = tuple((place + count + 1) // 2 - begin for place, count, begin in zip(first, shape, low))
+        around = self._region(
+            level + 1, (low[0] - HALF_BAND, low[1] - HALF_BAND), (nodes[0] + 2 * HALF_BAND, nodes[1] + 2 * HALF_BAND)
+        )
+        fine = _interpolate(np.ascontiguousarray(_interpolate(around).T)).T
+        row, column = (place % 2 for place in first)
+        return fine[row : row + shape[0], column : column + shape[1]]
 
 
 class _Lattice:
@@ -187,7 +194,7 @@ class _Lattice:
         noise = lattice_noise(self._seed, self._stream, self._spacing, rows, columns)
         waves = np.fft.rfft2(noise)
         waves *= self._transfer
-        return np.asarray(np.fft.irfft2(waves, s=(side, side))[margin:-margin, margin:-margin])
+        return np.ascontiguousarray(np.fft.irfft2(waves, s=(side, side))[margin:-margin, margin:-margin])
 
     @cached_property
     def _transfer(self) -> Field:
