@@ -168,7 +168,7 @@ class Viewer(QObject):
         self.inspection.clear()
         self.seabed.reset_camera()
         self._freeing = True
-        self.simulator.send(ARRAYS.clear, lambda _: None)  # tiles of the bed that is left may take 640 MB
+        self.simulator.send(ARRAYS.clear, lambda _: None)  # tiles of the bed that is left may fill the store
         self.session.open(scene, file, bundled=Path(file) in bundled_scenes().values())
         self.window.say(scene.title)
 

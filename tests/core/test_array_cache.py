@@ -4,12 +4,22 @@ from __future__ import annotations
 
 import gc
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from threading import Barrier
+from time import sleep
 
 import numpy as np
+import pytest
 
 from insonify.array_cache import ArrayCache
 
 KB = 1024
+
+
+@dataclass
+class Pair:
+    values: np.ndarray
+    number: float
 
 
 def test_the_least_recently_used_arrays_are_dropped() -> None:
@@ -74,3 +84,43 @@ def test_a_cleared_store_makes_its_arrays_again() -> None:
     assert cache.bytes == 0
     assert (ones(4) == 1.0).all()
     assert (made, cache.bytes) == ([4, 4], 32)
+
+
+def test_threads_that_ask_at_once_share_one_result() -> None:
+    cache, made, begun = ArrayCache(8 * KB), [], Barrier(4)
+
+    @cache.keep
+    def slow(number: int) -> np.ndarray:
+        made.append(number)
+        sleep(0.05)
+        return np.full(KB, number, np.uint8)
+
+    def ask(_: int) -> int:
+        begun.wait()
+        return int(slow(7)[0])
+
+    with ThreadPoolExecutor(4) as threads:
+        assert list(threads.map(ask, range(4))) == [7] * 4
+    assert made == [7]
+
+
+def test_an_error_is_not_kept() -> None:
+    cache, asked = ArrayCache(KB), []
+
+    @cache.keep
+    def fails_once() -> np.ndarray:
+        asked.append(1)
+        if len(asked) == 1:
+            raise ValueError("once")
+        return np.zeros(8, np.uint8)
+
+    with pytest.raises(ValueError, match="once"):
+        fails_once()
+    assert fails_once().size == 8
+
+
+def test_arrays_inside_tuples_and_dataclasses_count() -> None:
+    cache = ArrayCache(KB)
+    parts = cache.keep(lambda: (np.zeros(2, np.uint8), [Pair(np.zeros(3, np.uint8), 1.0)], "name"))
+    parts()
+    assert cache.bytes == 5

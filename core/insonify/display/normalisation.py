@@ -7,7 +7,6 @@ uniform bed looks uniform and the rest stands out.
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, median_filter
 
 from insonify.acoustics.flat_bed import flat_bed_curve
+from insonify.array_cache import keep_arrays
 from insonify.kernels.display.rows import ROWS_A_THREAD, relate_amplitudes
 from insonify.packing.navigation import interpolate_bed_beneath
 from insonify.parallel import in_parallel
@@ -40,7 +40,7 @@ class LevelBed:
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._kept = lru_cache(maxsize=1024)(self._curve)
+        self._kept = keep_arrays(self._curve)
 
     def curves(self, pings: NDArray[np.int64]) -> NDArray[np.float64]:
         """Compute the records of level beds at the altitudes of pings, each rounded to an eighth of a bin.

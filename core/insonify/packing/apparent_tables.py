@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from insonify.array_cache import keep_arrays
 from insonify.kernels.common.types import Poses, SceneArrays, Solids
 from insonify.kernels.refraction.apparent_positions import ApparentTables, no_apparent_tables
 from insonify.kernels.refraction.apparent_tables import fill_apparent_table, is_single_valued
@@ -110,7 +110,7 @@ def _top(solids: Solids) -> float:
     return float((ends + radius).max(initial=-math.inf))
 
 
-@lru_cache(maxsize=256)
+@keep_arrays
 def _table(height: bytes, speed: bytes, extent: _Extent, k: int) -> tuple[NDArray[np.float32], bool]:
     """Table of the sonar at step k of height, and whether every place of it is reached by one ray alone."""
     nodes = np.frombuffer(height), np.frombuffer(speed)

@@ -18,7 +18,7 @@ Column = NDArray[Any]
 
 # Refracted rays may go farther in the time of a slant range than straight ones.
 MARGIN = 1.1
-KEPT_BEDS = 4
+KEPT_BEDS = 3
 
 
 class TerrainTiles:

@@ -106,7 +106,7 @@ def _flat(seabed: Seabed) -> tuple[NDArray[np.float32], Lattice]:
     return np.zeros(shape, dtype=np.float32), Lattice(shape, seabed.spacing)
 
 
-@lru_cache(maxsize=2)
+@keep_arrays
 def _kept_made(parts: tuple[RandomRelief, ...], spacing: float, seed: int) -> tuple[NDArray[np.float32], Lattice]:
     period = parts[0].period
     cells = cells_of_period(period, spacing)
@@ -157,7 +157,7 @@ def sample_heights(
     return HeightGrid(heights + detail[np.ix_(rows, columns)], step, grid.x0, grid.y0)
 
 
-@lru_cache(maxsize=2)
+@keep_arrays
 def _kept_samples(
     relief: ReliefKind,
     version: tuple[int, int] | None,
@@ -176,7 +176,7 @@ def _kept_samples(
     return (grid.heights - datum).astype(np.float32), lattice, datum
 
 
-@lru_cache(maxsize=2)
+@keep_arrays
 def _kept_materials(
     layout: MaterialMap, version: tuple[int, int] | None, lattice: Lattice, seed: int, place: Georeference | None
 ) -> Map:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,7 @@ Column = NDArray[np.float64]
 Tiles = Callable[[int, int], NDArray[Any]]
 
 TILE_BYTES = 4 * TILE**2  # of heights
-KEPT_WINDOWS = 4  # windows of heights and materials kept
+KEPT_WINDOWS = 2  # windows of heights and materials kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +149,13 @@ def _thinned(ground: EndlessGround, every: int) -> EndlessGround:
 def _torus(tiles: Tiles, first: tuple[int, int], side: int) -> NDArray[Any]:
     """Square of nodes, each stored at its indices modulo the size of the square."""
     rows, columns = (range(low // TILE, (low + side - 1) // TILE + 1) for low in first)
-    places = [(row, column) for row in rows for column in columns]
-    if len(places) * TILE_BYTES <= ARRAYS.limit:  # else the first are dropped before they are gathered
-        in_parallel(lambda first, last: [tiles(*place) for place in places[first:last]], len(places), least=1)
+    if len(rows) * len(columns) * TILE_BYTES <= ARRAYS.limit:  # else the first are dropped before they are gathered
+        for row in rows:  # neighbours together: they share tiles of coarser lattices
+            in_parallel(partial(_make_tiles, tiles, row, columns), len(columns), least=1)
     return np.roll(gather_tiles(tiles, first, (side, side)), (first[0] % side, first[1] % side), axis=(0, 1))
+
+
+def _make_tiles(tiles: Tiles, row: int, columns: range, first: int, last: int) -> None:
+    """Make some tiles of a row, which are kept."""
+    for column in columns[first:last]:
+        tiles(row, column)

@@ -9,10 +9,9 @@ SciPy takes longer than tracing a preview.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
+from insonify.array_cache import keep_arrays
 from insonify.kernels.common.hashing import wave_noise
 from insonify.parallel import in_parallel
 from insonify.scene.reliefs.spectrum import Density, Field, Waves
@@ -97,10 +96,8 @@ def frequencies(shape: Shape) -> tuple[Field, Field]:
 
 def wave_coefficients(seed: int, stream: int, shape: Shape, *, gaussian: bool) -> Waves:
     """Coefficients before the filter, kept so that a new spectrum costs only the filter."""
-    make = _kept_noise if shape[0] * shape[1] <= KEPT_CELLS else _kept_noise.__wrapped__
-    return make(seed, stream, shape, gaussian)
+    make = _kept_noise if shape[0] * shape[1] <= KEPT_CELLS else wave_noise
+    return make(seed, stream, *shape, gaussian)
 
 
-@lru_cache(maxsize=4)
-def _kept_noise(seed: int, stream: int, shape: Shape, gaussian: bool) -> Waves:
-    return wave_noise(seed, stream, *shape, gaussian)
+_kept_noise = keep_arrays(wave_noise)
