@@ -339,6 +339,7 @@ WHY_NOT = {
     "schema_version": "says how the file is to be read",
     "title": "is for people; it stands in the record's attributes",
     "description": "is for people; it stands in the record's attributes",
+    "controls": "is for the viewer, which pins these fields on top",
     "world.crs": "names the map that the origin belongs to; nothing is converted",
     "world": PART,
     "seabed": PART,

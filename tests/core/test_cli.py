@@ -98,7 +98,7 @@ def test_scenes_says_what_some_of_them_show(capsys):
     assert max(map(len, said.splitlines())) <= 96
     for scene in map(load_scene, ("figure-2a", "wreck")):
         assert scene.title in said.splitlines()
-        assert " ".join(scene.description.split()) in " ".join(said.split())
+        assert scene.about in " ".join(said.split())
 
 
 def test_scenes_knows_no_others(capsys):

@@ -58,6 +58,9 @@ WHY_NOT |= {
     if ".surface" in path and path.startswith("water[") and not path.startswith("water[uniform]")
 }
 WHY_NOT |= {
+    path: "is for the viewer, which leaves a locked target as it is" for path in EVERY if path.endswith(".locked")
+}
+WHY_NOT |= {
     path: WHY_NOT_OF_MATERIALS[path.rpartition(".")[2]]
     for path in EVERY - CHANGES.keys()
     if path.rpartition(".")[2] in WHY_NOT_OF_MATERIALS and path.rpartition(".")[0].endswith("[uniform]")

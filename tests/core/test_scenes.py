@@ -22,7 +22,7 @@ def test_every_bundled_scene_survives_a_round_trip(name):
     scene = load_scene(name)
     assert scene_from_toml(scene_to_toml(scene)) == scene
     assert scene.title != "Untitled"
-    assert len(scene.description.split()) >= 40, "a paragraph: what it shows, what to move"
+    assert len(scene.about.split()) >= 40, "a paragraph: what it shows, what to move"
 
 
 @pytest.mark.parametrize("name", bundled_scenes())

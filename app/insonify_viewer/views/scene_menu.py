@@ -53,7 +53,7 @@ class SceneMenu(QToolButton):
             scene = load_scene(path)
             action = QAction(f"{name}\t{scene.title}", menu)
             action.setData(str(path))
-            action.setToolTip(f"<p>{html.escape(scene.description)}</p>")  # Qt wraps a paragraph
+            action.setToolTip(f"<p>{html.escape(scene.about)}</p>")  # Qt wraps a paragraph
             (failures if name.startswith(FAILURE) else menu).addAction(action)
         menu.addSeparator()
         menu.addMenu(failures)

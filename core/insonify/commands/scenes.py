@@ -25,8 +25,7 @@ def register(subparsers: Any) -> None:
 
 def about(scene: Scene) -> str:
     """Title and description of a scene, wrapped to a terminal."""
-    paragraph = " ".join(scene.description.split())
-    return "\n".join([scene.title, *textwrap.wrap(paragraph, LINE, initial_indent="  ", subsequent_indent="  ")])
+    return "\n".join([scene.title, *textwrap.wrap(scene.about, LINE, initial_indent="  ", subsequent_indent="  ")])
 
 
 def run(arguments: argparse.Namespace) -> None:

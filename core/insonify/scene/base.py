@@ -78,6 +78,7 @@ def parameter(
     description: str,
     slider: tuple[float, float] | None = None,
     log: bool = False,
+    rare: bool = False,
     **bounds: Any,
 ) -> Any:
     """Declare one scene parameter.
@@ -94,10 +95,14 @@ def parameter(
         Useful range of a slider; the bounds may be wider.
     log : bool
         Whether a slider moves in equal ratios.
+    rare : bool
+        Whether few people change it: the viewer folds it away.
     **bounds
         Pydantic constraints (``gt``, ``ge``, ``lt``, ``le``, ``min_length`` ...).
     """
     extra: dict[str, Any] = {"unit": unit, "log": log}
+    if rare:
+        extra["rare"] = True
     if slider is not None:
         extra["slider"] = list(slider)
     return Field(default, description=description, json_schema_extra=extra, **bounds)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,6 +11,7 @@ from insonify.errors import SceneError
 from insonify.scene.base import Choice
 from insonify.scene.faults import describe_fault
 from insonify.scene.kinds import kind_name, models_of
+from insonify.scene.links import read_literal
 from insonify.scene.scene import Scene
 
 
@@ -69,11 +69,7 @@ def read_setting(text: str, option: str = "--set") -> tuple[str, Any]:
     if not equals or not path:
         example = "path.to.field=value; write for example sonar.range=75" if option == "--set" else "name=value"
         raise SceneError(f"{option} {text!r} is not of the form {example}")
-    try:
-        value = tomllib.loads(f"value = {literal}")["value"]
-    except (tomllib.TOMLDecodeError, RecursionError):
-        value = literal.strip()
-    return path, value
+    return path, read_literal(literal)
 
 
 def _put(values: dict[str, Any], path: str, value: Any) -> None:

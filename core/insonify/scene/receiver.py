@@ -30,7 +30,7 @@ class Receiver(Declaration):
         NoSpeckle(), description="interference of scatterers within a cell"
     )
     fluctuation: Annotated[FluctuationKind, KindOf(FLUCTUATIONS, default="none")] = parameter(
-        NoFluctuation(), description="variation of the level from ping to ping"
+        NoFluctuation(), description="variation of the level from ping to ping", rare=True
     )
     reverberation: Annotated[ReverberationKind, KindOf(REVERBERATIONS, default="none")] = parameter(
         NoReverberation(), description="echoes of the water and its surface"
@@ -39,10 +39,10 @@ class Receiver(Declaration):
         NoNoise(), description="noise received besides the echoes"
     )
     interference: Annotated[InterferenceKind, KindOf(INTERFERENCES, default="none")] = parameter(
-        NoInterference(), description="pings of another sonar"
+        NoInterference(), description="pings of another sonar", rare=True
     )
     ringing: Annotated[RingingKind, KindOf(RINGINGS, default="none")] = parameter(
-        NoRinging(), description="ringing of the transducer after transmission"
+        NoRinging(), description="ringing of the transducer after transmission", rare=True
     )
     source_level: float = parameter(
         0.0,
@@ -60,6 +60,7 @@ class Receiver(Declaration):
         ge=-200.0,
         le=0.0,
         slider=(-80.0, 0.0),
+        rare=True,
     )
     recorder: Recorder = parameter(Recorder(), description="amplifier and converter")
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import model_validator
+from pydantic import field_validator, model_validator
 
 from insonify.errors import SceneError
 from insonify.io.georeference import Georeference
 from insonify.scene.base import Declaration, Place, parameter
+from insonify.scene.field_paths import is_field
+from insonify.scene.links import Link, plain_words, split_description
 from insonify.scene.receiver import Receiver
 from insonify.scene.seabed import Seabed
 from insonify.scene.sonar import Sonar
@@ -38,7 +40,14 @@ class Scene(Declaration):
 
     schema_version: Literal[1] = parameter(SCHEMA, description="version of the scene format")
     title: str = parameter("Untitled", description="what the scene shows", max_length=200)
-    description: str = parameter("", description="a paragraph: what it shows, what to move", max_length=5000)
+    description: str = parameter(
+        "",
+        description="a paragraph: what it shows, what to move; [words](path.to.field=value) link to a value to try",
+        max_length=5000,
+    )
+    controls: tuple[str, ...] = parameter(
+        (), description="fields that the scene is about, by dotted path; the viewer pins them on top", max_length=6
+    )
     seed: int = parameter(1, description="seed of all random numbers", ge=0, le=2**63 - 1)
     world: World = parameter(World(), description="place on Earth")
     seabed: Seabed = parameter(Seabed(), description="the bed")
@@ -48,6 +57,22 @@ class Scene(Declaration):
     sonar: Sonar = parameter(Sonar(), description="the sonar")
     track: Track = parameter(Track(), description="the tow")
     receiver: Receiver = parameter(Receiver(), description="the receiver")
+
+    @field_validator("controls")
+    @classmethod
+    def _controls_are_fields(cls, controls: tuple[str, ...]) -> tuple[str, ...]:
+        for path in controls:
+            if not is_field(cls, path):
+                raise ValueError(f"{path!r} is no field of a scene; write its dotted path, such as 'track.altitude'")
+        return controls
+
+    @field_validator("description")
+    @classmethod
+    def _links_lead_to_fields(cls, description: str) -> str:
+        for part in split_description(description):
+            if isinstance(part, Link) and not is_field(cls, part.path):
+                raise ValueError(f"links to {part.path!r}, which is no field of a scene; write its dotted path")
+        return description
 
     @model_validator(mode="after")
     def _ping_rate_fits_the_range(self) -> Scene:
@@ -145,6 +170,11 @@ class Scene(Declaration):
                 f"{spacing:g} m, and at most {most} cells of {of_what} are held; shorten the range to "
                 f"{most * spacing:.4g} m or widen the spacing"
             )
+
+    @property
+    def about(self) -> str:
+        """The description as plain words, without its links."""
+        return plain_words(self.description)
 
     @property
     def georeference(self) -> Georeference | None:

@@ -45,7 +45,12 @@ class Sonar(Declaration):
         "sonar", description="energy of the insonified area, or the paper's radiance per ray"
     )
     bounces: int = parameter(
-        0, description="specular reflections and refractions followed after the first echo", ge=0, le=16, slider=(0, 8)
+        0,
+        description="specular reflections and refractions followed after the first echo",
+        ge=0,
+        le=16,
+        slider=(0, 8),
+        rare=True,
     )
 
     def refuse_haste(self, sound_speed: float) -> None:

@@ -15,7 +15,7 @@ from insonify.scene.motions.straight import Straight
 class Track(Declaration):
     """Straight track at constant speed, and the motion of the towfish about it."""
 
-    start: tuple[Place, Place] = parameter((0.0, 0.0), unit="m", description="position of the first ping")
+    start: tuple[Place, Place] = parameter((0.0, 0.0), unit="m", description="position of the first ping", rare=True)
     heading: float = parameter(
         0.0,
         unit="°",
@@ -41,9 +41,13 @@ class Track(Declaration):
         slider=(0.0, 200.0),
     )
     speed: float = parameter(2.0, unit="m/s", description="speed over ground", ge=1e-3, le=50.0, slider=(0.1, 5.0))
-    pings: int = parameter(512, description="number of pings", ge=1, le=100_000_000, slider=(64, 2048), log=True)
+    pings: int = parameter(
+        512, description="number of pings", ge=1, le=100_000_000, slider=(64, 2048), log=True, rare=True
+    )
     terrain_following: bool = parameter(
-        False, description="count the altitude from the bed beneath, smoothed over one altitude to either side"
+        False,
+        description="count the altitude from the bed beneath, smoothed over one altitude to either side",
+        rare=True,
     )
     motion: Annotated[MotionKind, KindOf(MOTIONS, default="straight")] = parameter(
         Straight(), description="motion of the towfish about its line"

@@ -16,6 +16,7 @@ class AimedBeam(BeamKind):
         ge=-45.0,
         le=45.0,
         slider=(-10.0, 10.0),
+        rare=True,
     )
 
     @property

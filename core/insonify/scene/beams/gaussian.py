@@ -23,7 +23,9 @@ class GaussianBeam(AimedBeam):
     width: float = parameter(
         1.0, unit="°", description="one-way full beamwidth to -3 dB", ge=1e-3, le=60.0, slider=(0.1, 10.0), log=True
     )
-    two_way: bool = parameter(True, description="whether the pattern applies to transmission and reception, or once")
+    two_way: bool = parameter(
+        True, description="whether the pattern applies to transmission and reception, or once", rare=True
+    )
 
     @property
     def words(self) -> str:

@@ -36,7 +36,9 @@ class LineArray(AimedBeam):
     taper: Literal["uniform", "cosine", "hamming", "taylor"] = parameter(
         "uniform", description="weight of the elements; a tapered array has lower sidelobes and a wider beam"
     )
-    two_way: bool = parameter(True, description="whether the pattern applies to transmission and reception, or once")
+    two_way: bool = parameter(
+        True, description="whether the pattern applies to transmission and reception, or once", rare=True
+    )
 
     @property
     def words(self) -> str:

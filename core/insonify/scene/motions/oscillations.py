@@ -28,6 +28,7 @@ class Oscillation(SingleMotion):
         ge=-360.0,
         le=360.0,
         slider=(-180.0, 180.0),
+        rare=True,
     )
 
     def displacement(self, time: NDArray[np.float64]) -> dict[Axis, NDArray[np.float64]]:

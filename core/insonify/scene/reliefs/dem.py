@@ -29,7 +29,9 @@ class Dem(AddableRelief):
     kind: Literal["dem"] = "dem"
     path: FilePath = parameter(description="GeoTIFF, BAG, .asc, .npy or .npz grid of heights or depths", min_length=1)
     positive: Literal["auto", "up", "down"] = parameter(
-        "auto", description="whether the numbers of the file are heights (up), depths (down), or what it says itself"
+        "auto",
+        description="whether the numbers of the file are heights (up), depths (down), or what it says itself",
+        rare=True,
     )
     datum: float = parameter(0.0, unit="m", description="added to every height of the file", ge=-2e4, le=2e4)
     scale: float = parameter(1.0, description="multiplies every height, before the datum is added", gt=0.0, le=1e3)

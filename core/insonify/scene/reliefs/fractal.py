@@ -49,14 +49,20 @@ class Fractal(ExtendableRelief):
         slider=(-64.0, 64.0),
     )
     rms: float = rms_height()
-    quadrants: Literal[1, 4] = parameter(1, description="put each peak in one quadrant, or mirror it into all four")
-    combine: Literal["rms", "max"] = parameter("rms", description="how overlapping peaks combine")
-    decay: Literal["isotropic", "separable", "rotated", "elliptic"] = parameter(
-        "isotropic", description="shape of the decay away from a peak (the last three need beta_x and beta_y)"
+    quadrants: Literal[1, 4] = parameter(
+        1, description="put each peak in one quadrant, or mirror it into all four", rare=True
     )
-    clamp: Literal["hard", "soft"] = parameter("hard", description="how the spectrum levels off at its peaks")
+    combine: Literal["rms", "max"] = parameter("rms", description="how overlapping peaks combine", rare=True)
+    decay: Literal["isotropic", "separable", "rotated", "elliptic"] = parameter(
+        "isotropic",
+        description="shape of the decay away from a peak (the last three need beta_x and beta_y)",
+        rare=True,
+    )
+    clamp: Literal["hard", "soft"] = parameter(
+        "hard", description="how the spectrum levels off at its peaks", rare=True
+    )
     coefficients: Literal["phase", "gaussian"] = parameter(
-        "phase", description="random phases alone (exact spectrum), or Gaussian coefficients"
+        "phase", description="random phases alone (exact spectrum), or Gaussian coefficients", rare=True
     )
 
     @field_validator("peaks", mode="before")

@@ -46,7 +46,7 @@ class RandomRelief(AddableRelief):
         log=True,
     )
     mask: Annotated[MaskKind, KindOf(MASKS, default="patches")] = parameter(
-        NoMask(), description="where the relief is, of a bed that is level elsewhere"
+        NoMask(), description="where the relief is, of a bed that is level elsewhere", rare=True
     )
 
     @property
@@ -128,6 +128,7 @@ class ExtendableRelief(RandomRelief):
     extent: Literal["periodic", "endless"] = parameter(
         "periodic",
         description="whether the bed repeats after its period, or never; it is then smooth at waves longer than that",
+        rare=True,
     )
 
     @property

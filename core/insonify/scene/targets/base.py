@@ -25,9 +25,9 @@ LEAST = 0.001  # m, greatest dimension of a target
 LOWEST_GAP, HIGHEST_GAP = -100.0, 1000.0
 
 
-def angle(description: str) -> Any:
+def angle(description: str, *, rare: bool = False) -> Any:
     """Declare an angle of a target's attitude."""
-    return parameter(0.0, unit="°", description=description, ge=-360.0, le=360.0, slider=(-180.0, 180.0))
+    return parameter(0.0, unit="°", description=description, ge=-360.0, le=360.0, slider=(-180.0, 180.0), rare=rare)
 
 
 class BedSurface(Protocol):
@@ -58,6 +58,7 @@ class Target(Declaration):
         unit="m", description="[x, y] of its centre when its height follows the bed, or [x, y, z] (z up, surface 0)"
     )
     material: Material = parameter(Material(name="steel"), description="material of the target")
+    locked: bool = parameter(False, description="whether the viewer leaves it as it is", rare=True)
 
     @model_validator(mode="after")
     def _one_height(self) -> Target:
@@ -163,8 +164,8 @@ class Posed(Body):
     """A target that can be turned: first by heading, then by pitch, then by roll, about its centre."""
 
     heading: float = angle("direction of its bow, counter-clockwise from +x")
-    pitch: float = angle("bow up")
-    roll: float = angle("port side up")
+    pitch: float = angle("bow up", rare=True)
+    roll: float = angle("port side up", rare=True)
 
     @property
     def attitude(self) -> tuple[float, float, float]:

@@ -37,6 +37,7 @@ class Pipe(Target):
         ge=-360.0,
         le=360.0,
         slider=(-90.0, 90.0),
+        rare=True,
     )
     roll: float = angle("port side up")
     gap: Gap = parameter(

@@ -58,6 +58,7 @@ class WaterKind(Choice):
         ge=1300.0,
         le=1700.0,
         slider=(1400.0, 1600.0),
+        rare=True,
     )
     absorption: Annotated[AbsorptionKind, KindOf(ABSORPTIONS, default="none", number="constant")] = parameter(
         NoAbsorption(), description="absorption of sound by the water"

@@ -28,12 +28,13 @@ class CastWater(WaterKind):
     kind: Literal["cast"] = "cast"
     path: FilePath = parameter(description="measured cast: Sea-Bird .cnv, .asvp, .svp or CSV", min_length=1)
     interpolation: Interpolation = parameter(
-        "linear", description="between the depths: straight, or a smooth curve that never overshoots"
+        "linear", description="between the depths: straight, or a smooth curve that never overshoots", rare=True
     )
     equation: Equation | None = parameter(
         None,
         description="how the speed follows from temperature and salinity (when left out, the cast's own speed if it "
         "has one, otherwise teos10)",
+        rare=True,
     )
 
     @property

@@ -35,7 +35,7 @@ class HydrographyWater(LayeredWater):
     salinity: Salinity | tuple[Salinity, ...] = parameter(
         35.0, description="practical salinity at those depths, or one number for all", slider=(0.0, 40.0)
     )
-    equation: Equation = parameter("teos10", description="how the speed of sound follows from them")
+    equation: Equation = parameter("teos10", description="how the speed of sound follows from them", rare=True)
 
     @model_validator(mode="after")
     def _one_of_each(self) -> HydrographyWater:

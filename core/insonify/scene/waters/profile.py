@@ -29,7 +29,7 @@ class ProfileWater(LayeredWater):
         SPEEDS, unit="m/s", description="speed of sound at those depths", slider=(1400.0, 1600.0)
     )
     interpolation: Interpolation = parameter(
-        "linear", description="between the depths: straight, or a smooth curve that never overshoots"
+        "linear", description="between the depths: straight, or a smooth curve that never overshoots", rare=True
     )
 
     @model_validator(mode="after")

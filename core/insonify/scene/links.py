@@ -1,0 +1,52 @@
+"""Links in descriptions, which name a field and a value to try: ``[lower the fish](track.altitude=5)``."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any, NamedTuple
+
+_LINK = re.compile(r"\[(?P<words>[^\]]+)\]\((?P<path>[a-z_][\w.]*)=(?P<literal>[^()]*)\)")
+
+
+class Link(NamedTuple):
+    """A value to try.
+
+    Attributes
+    ----------
+    words : str
+        The words that are linked.
+    path : str
+        Dotted path of the field.
+    value : object
+        Value to try.
+    """
+
+    words: str
+    path: str
+    value: Any
+
+
+def split_description(text: str) -> tuple[str | Link, ...]:
+    """Split a description into its plain words and its links, in order, with single spaces."""
+    text = " ".join(text.split())
+    parts: list[str | Link] = []
+    end = 0
+    for match in _LINK.finditer(text):
+        parts += [text[end : match.start()], Link(match["words"], match["path"], read_literal(match["literal"]))]
+        end = match.end()
+    parts.append(text[end:])
+    return tuple(part for part in parts if part)
+
+
+def plain_words(text: str) -> str:
+    """Return a description with the words of its links in place of the links, and single spaces."""
+    return "".join(part if isinstance(part, str) else part.words for part in split_description(text))
+
+
+def read_literal(literal: str) -> Any:
+    """Read a value that is written as in TOML; what is not TOML stands for its own text."""
+    try:
+        return tomllib.loads(f"value = {literal}")["value"]
+    except (tomllib.TOMLDecodeError, RecursionError):
+        return literal.strip()
