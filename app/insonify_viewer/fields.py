@@ -30,6 +30,8 @@ class NumberField:
         Whether the number is an integer.
     idle : str
         Why the number has no effect at present; empty if it has.
+    rare : bool
+        Whether few people change it, so that it is folded away.
     """
 
     path: str
@@ -42,6 +44,7 @@ class NumberField:
     log: bool
     integer: bool
     idle: str = ""
+    rare: bool = False
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,7 @@ class ChoiceField:
     indent: int
     value: str | int
     options: tuple[str | int, ...]
+    rare: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,7 @@ class FileField:
     tooltip: str
     indent: int
     value: str
+    rare: bool = False
 
 
 Parameter = NumberField | ChoiceField | FileField

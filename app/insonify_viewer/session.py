@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from insonify.display.display_options import DisplayOptions
 from insonify.scene import Scene, SceneError, edit
 from insonify_viewer.dependent_edits import add_dependent_edits
+from insonify_viewer.field_names import name_edit
 from insonify_viewer.modelling import Modelling
 
 UNDO_DEPTH = 200
@@ -53,6 +54,8 @@ class Mark:
 class _State:
     scene: Scene
     modelling: Modelling
+    opened: Scene = field(compare=False)  # as it was when it was opened
+    edit: str = field(default="", compare=False)  # name of the edit that led to it
 
 
 class Session:
@@ -83,7 +86,8 @@ class Session:
     def __init__(self, scene: Scene) -> None:
         self.changed, self.said, self.marked, self.displayed = Event(), Event(), Event(), Event()
         self._display = DisplayOptions()
-        self._scene, self._settled = scene, _State(scene, Modelling())
+        self._scene, self._settled = scene, _State(scene, Modelling(), scene)
+        self._dragged = ""
         self._past: list[_State] = []
         self._future: list[_State] = []
         self._mark: Mark | None = None
@@ -118,6 +122,11 @@ class Session:
             self.displayed.emit(display)
 
     @property
+    def opened(self) -> Scene:
+        """The scene as it was opened, to which fields are reset."""
+        return self._settled.opened
+
+    @property
     def can_undo(self) -> bool:
         """Whether there is a step to undo."""
         return bool(self._past)
@@ -127,24 +136,44 @@ class Session:
         """Whether there is a step to redo."""
         return bool(self._future)
 
+    @property
+    def undoable(self) -> tuple[str, ...]:
+        """Names of the edits that can be undone, the last first."""
+        return tuple(state.edit for state in reversed([*self._past[1:], self._settled])) if self._past else ()
+
+    @property
+    def redoable(self) -> tuple[str, ...]:
+        """Names of the edits that can be redone, the next first."""
+        return tuple(state.edit for state in reversed(self._future))
+
     def drag(self, changes: Mapping[str, Any]) -> bool:
         """Apply changes provisionally to the last settled scene; return whether they are valid."""
         scene = self._edited(changes)
         if scene is None:
             return False
         if scene != self._scene:
+            self._dragged = name_edit(scene, changes)
             self._scene = scene
             self.changed.emit(scene, False)
         return True
 
-    def settle(self, changes: Mapping[str, Any] | None = None) -> bool:
-        """Apply changes finally, or those of the drag under way; return whether they are valid."""
+    def settle(self, changes: Mapping[str, Any] | None = None, name: str = "") -> bool:
+        """Apply changes finally, or those of the drag under way; return whether they are valid.
+
+        Parameters
+        ----------
+        changes : mapping of str to object, optional
+            New values by dotted path; None for those of the drag under way.
+        name : str
+            Name of the edit for undo; by default that of the field.
+        """
         scene = self._scene if changes is None else self._edited(changes)
         if scene is None:
             # The widget that asked must return to the valid value.
             self.changed.emit(self._scene, True)
             return False
-        self._turn_to(_State(scene, self.modelling))
+        name = name or (self._dragged if changes is None else name_edit(scene, changes))
+        self._turn_to(replace(self._settled, scene=scene, edit=name))
         return True
 
     @property
@@ -173,22 +202,21 @@ class Session:
         if file:
             self._saved[file] = scene
         self.file = "" if bundled else file
-        self._turn_to(_State(scene, self.modelling.automatic))
+        self._turn_to(_State(scene, self.modelling.automatic, scene, f"open {scene.title}"))
 
     def model(self, modelling: Modelling) -> None:
         """Change the modelling, as one step of undo."""
-        self._turn_to(_State(self._settled.scene, modelling))
+        subjects = {subject for subject, _ in {*modelling.forced} ^ {*self.modelling.forced}}
+        name = ", ".join(sorted(subjects)) if subjects else "tolerance"
+        self._turn_to(replace(self._settled, modelling=modelling, edit=name))
 
-    def turn_to(self, scene: Scene, modelling: Modelling) -> None:
+    def turn_to(self, scene: Scene, modelling: Modelling, name: str = "") -> None:
         """Turn to a scene and its modelling as both were before, as one step of undo."""
-        self._turn_to(_State(scene, modelling))
+        self._turn_to(replace(self._settled, scene=scene, modelling=modelling, edit=name or f"back to {scene.title}"))
 
-    def undo(self) -> None:
-        """Go back one step."""
-        if self._past:
-            self._future.append(self._settled)
-            self.said.emit("")
-            self._show(self._past.pop())
+    def undo(self, steps: int = 1) -> None:
+        """Go back some steps."""
+        self._step(self._past, self._future, steps)
 
     def take_back(self) -> None:
         """Return from a scene that cannot be simulated, without a step to redo."""
@@ -196,18 +224,26 @@ class Session:
             self._settled = self._past.pop()
         self._show(self._settled)
 
-    def redo(self) -> None:
-        """Go forward one step."""
-        if self._future:
-            self._past.append(self._settled)
-            self.said.emit("")
-            self._show(self._future.pop())
+    def redo(self, steps: int = 1) -> None:
+        """Go forward some steps."""
+        self._step(self._future, self._past, steps)
 
     def point_at(self, mark: Mark | None) -> None:
         """Mark a point of the record."""
         if mark != self._mark:
             self._mark = mark
             self.marked.emit(mark)
+
+    def _step(self, taken: list[_State], given: list[_State], steps: int) -> None:
+        """Move through the history, from one of its lists to the other."""
+        steps = min(steps, len(taken))
+        state = self._settled
+        for _ in range(steps):
+            given.append(state)
+            state = taken.pop()
+        if steps:
+            self.said.emit("")
+            self._show(state)
 
     def _turn_to(self, state: _State) -> None:
         if state != self._settled:

@@ -193,6 +193,31 @@ class Simulator(QObject):
             self._patient = (errand, receive)
             self._changed.notify()
 
+    def trace_beside(self, scene: Scene, modelling: Modelling, pings: NDArray[np.int64]) -> NDArray[np.float32]:
+        """Trace pings of another scene on the calling thread alone, beside the worker.
+
+        Parameters
+        ----------
+        scene : Scene
+            Scene to trace; choices that are forced for another are left to its own plan.
+        modelling : Modelling
+            Its tolerance holds.
+        pings : (n,) int64
+            Their numbers.
+
+        Returns
+        -------
+        (n, 2, bins) float32
+            Amplitude relative to the level bed's.
+        """
+        # lazy: loaded beside the worker; the window opens before Numba is loaded
+        from insonify.display.normalisation import LevelBed
+        from insonify.parallel import limited_threads
+
+        with limited_threads(1):
+            simulation = self._prepare(scene, tolerance=modelling.tolerance, forced={})
+            return LevelBed(simulation).normalise(simulation.intensity(pings), pings)
+
     def call_later(self, receive: Callable[[Any], None], result: Any) -> None:
         """Pass a result from any thread to the main thread; it is dropped once the viewer closes."""
         self._called_back.emit(receive, result)

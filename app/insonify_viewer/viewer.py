@@ -227,8 +227,8 @@ class Viewer(QObject):
         window.open_recording.triggered.connect(lambda: self.recordings.open(self.files.ask_for_recording()))
         window.recording_wanted.connect(self.recordings.open)
         window.open_dem.triggered.connect(lambda: self.files.ask_for_dem(session.scene))
-        window.undo.triggered.connect(session.undo)
-        window.redo.triggered.connect(session.redo)
+        window.history.undone.connect(session.undo)
+        window.history.redone.connect(session.redo)
         window.levels.triggered.connect(self.find_levels)
         window.reset_view.triggered.connect(self._seabed.reset_view)
         self.jobs.watch(lambda _: window.jobs.show_jobs(self.jobs.running))
@@ -272,8 +272,7 @@ class Viewer(QObject):
         self.panels.tell("scene_changed", scene, settled)
         if settled:
             self.window.show_title(scene.title, unsaved=self.session.unsaved)
-            self.window.undo.setEnabled(self.session.can_undo)
-            self.window.redo.setEnabled(self.session.can_redo)
+            self.window.history.show_edits(self.session.undoable, self.session.redoable)
 
     def _tick(self) -> None:
         now = time.perf_counter()

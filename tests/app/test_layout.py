@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QWidget
 
 from insonify.scene import Scene, bundled_scenes, edit, load_scene
 from insonify_viewer.panels.parameters.sections import sections_of
-from insonify_viewer.panels.parameters.view import NARROWEST, ParametersView
+from insonify_viewer.panels.parameters.view.parameters_view import NARROWEST, ParametersView
 from insonify_viewer.session import Mark
 from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.theme import apply_theme

@@ -29,6 +29,7 @@ from insonify_viewer.views.comparison_overlay import ComparisonOverlay
 from insonify_viewer.views.file_drop import take_drops
 from insonify_viewer.views.help_dialogs import HELD_KEYS, AboutDialog, KeysDialog
 from insonify_viewer.views.icons import set_icon
+from insonify_viewer.views.history_menus import HistoryMenus
 from insonify_viewer.views.job_bar import JobBar
 from insonify_viewer.views.menus import Menus
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide
@@ -263,6 +264,9 @@ class MainWindow(QMainWindow):
         bar.addSeparator()
         self.undo = self._tool(bar, "Undo", "Undo the last edit", QKeySequence(key.Undo))
         self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", QKeySequence(key.Redo))
+        self.history = HistoryMenus(self.undo, self.redo)
+        for action in (self.undo, self.redo):
+            bar.widgetForAction(action).setPopupMode(QToolButton.ToolButtonPopupMode.DelayedPopup)
         bar.addSeparator()
         self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", QKeySequence("Space"))
         self.pause.setCheckable(True)

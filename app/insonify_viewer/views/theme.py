@@ -28,6 +28,14 @@ QToolButton#heading {{ background: {RAISED}; border: 0; border-radius: 4px; colo
 QToolButton#heading:hover {{ background: {EDGE}; }}
 QToolButton#remove {{ background: {RAISED}; border: 0; border-radius: 4px; color: {QUIET}; padding: 0; }}
 QToolButton#remove:hover {{ background: {EDGE}; color: {ACCENT}; }}
+QToolButton#more {{ background: transparent; border: 0; color: {QUIET}; padding: 1px 2px; }}
+QToolButton#more:hover {{ color: {ACCENT}; }}
+QCheckBox::indicator {{ width: 11px; height: 11px; border: 1px solid {QUIET}; border-radius: 3px;
+    background: {RAISED}; }}
+QCheckBox::indicator:hover, QCheckBox::indicator:focus {{ border-color: {ACCENT}; }}
+QCheckBox::indicator:checked {{ background: {ACCENT}; border-color: {ACCENT}; }}
+QCheckBox::indicator:disabled {{ border-color: {EDGE}; }}
+QLabel#figure {{ color: {QUIET}; }}
 QPushButton#file {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px;
     min-height: 18px; text-align: left; }}
 QPushButton#file:hover {{ border-color: {ACCENT}; }}

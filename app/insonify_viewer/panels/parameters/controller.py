@@ -5,9 +5,17 @@ from __future__ import annotations
 from typing import Any
 
 from insonify.scene import Scene, plain
+from insonify.scene.links import split_description
+from insonify_viewer.effects import EffectMeter, EffectTicks
+from insonify_viewer.effects.rows import describe_tick
+from insonify_viewer.fields import NumberField
+from insonify_viewer.modelling import Modelling
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.parameters.sections import needs_file, sections_of
-from insonify_viewer.panels.parameters.view import ParametersView
+from insonify_viewer.panels.parameters.sections import FieldSection, needs_file, pinned_section, sections_of
+from insonify_viewer.panels.parameters.trying import Trials, glide_value, row_of
+from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
+
+PATIENCE = 0.25  # s, for the thread that measures when the window closes
 
 
 class ParametersPanel(Panel):
@@ -19,31 +27,50 @@ class ParametersPanel(Panel):
     rank = 10
 
     def __init__(self, workbench: Workbench) -> None:
-        self._session, self._files = workbench.session, workbench.files
+        self._workbench, self._session, self._files = workbench, workbench.session, workbench.files
+        self._opened: Scene | None = None
+        self._trials, self._ticks = Trials(), EffectTicks()
+        self._meter = EffectMeter(workbench.simulator, self._show_effects)
+        self._followed: tuple[Scene, Modelling] | None = None  # the scene whose effects are measured
+        self._due = True  # whether that is still to begin
         self.view = view = ParametersView()
         view.setEnabled(False)
         view.dragged.connect(lambda path, value: self._session.drag({path: value}))
         view.settled.connect(self._settle)
         view.file_asked.connect(self._change_file)
         view.removed.connect(self._remove)
+        view.followed.connect(self._follow)
+        view.ticked.connect(self._tick)
 
     @property
     def widget(self) -> ParametersView:
         """The sections."""
         return self.view
 
+    @property
+    def measured(self) -> bool:
+        """Whether it is known what each effect changes."""
+        scene, modelling = self._session.scene, self._session.modelling
+        return self._ticks.variants(scene).keys() <= self._meter.shares(scene, modelling).keys()
+
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Show the values of the scene; while a slider moves, shortly after the record."""
-        del scene
+        now = scene, self._session.modelling
+        if now != self._followed:
+            self._followed, self._due = now, True
+            self._meter.stop()
         if settled:
+            self._follow_history(scene)
             self.view.show_at_once(self._show)
         else:
             self.view.show_soon(self._show)
 
     def record_grown(self, growth: RecordGrowth) -> None:
-        """Enable the panel."""
-        del growth
+        """Enable the panel; measure the effects once the whole record is on screen."""
         self.view.setEnabled(True)
+        if self._due and growth.current and growth.complete:
+            self._due = False
+            self.view.when_still(lambda: self._measure(growth))
 
     def part_added(self, path: str) -> None:
         """Unfold the section of a new part."""
@@ -54,14 +81,63 @@ class ParametersPanel(Panel):
         self.view.light(paths)
 
     def closing(self) -> None:
-        """Drop the update that waits."""
+        """Drop the update that waits, and measure no more."""
         self.view.stop_waiting()
+        self._meter.close(PATIENCE)
+
+    def _follow_history(self, scene: Scene) -> None:
+        """Forget what belongs to the scene that was open before."""
+        if self._session.opened is not self._opened:
+            self._opened = self._session.opened
+            self._trials.forget()
+            self.view.drop_glide()
+        self._ticks.follow(scene, self._session.opened)
 
     def _show(self) -> None:
         scene = self._session.scene
-        self.view.show_about(scene.description)
-        self.view.show_sections(sections_of(scene))
+        self.view.show_about(split_description(scene.description), self._trials.tried(scene))
+        self.view.show_sections(self._sections())
         self.view.show_pictures(scene)
+        self._show_effects()
+
+    def _show_effects(self) -> None:
+        scene = self._session.scene
+        self.view.show_effects(self._ticks.rows(scene, self._meter.shares(scene, self._session.modelling)))
+
+    def _sections(self) -> tuple[FieldSection, ...]:
+        """Sections of the scene, what it is about first."""
+        scene = self._session.scene
+        sections = sections_of(scene)
+        pinned = pinned_section(scene, sections)
+        return sections if pinned is None else (pinned, *sections)
+
+    def _measure(self, growth: RecordGrowth) -> None:
+        """Measure what each effect changes of the record on screen, unless the scene has changed since."""
+        scene, modelling = self._session.scene, self._session.modelling
+        if growth.answer.simulation.scene == scene:
+            self._meter.begin(growth.answer.simulation, growth.record, modelling, self._ticks.variants(scene))
+        self._show_effects()
+
+    def _tick(self, name: str, on: bool) -> None:
+        """Take an effect out, or bring it back as it was."""
+        self._session.settle(self._ticks.tick(self._session.scene, name, on), describe_tick(name, on))
+
+    def _follow(self, number: int) -> None:
+        """Move the control that a link of the description speaks of, in sight, or move it back."""
+        self.view.end_glide()
+        link, changes = self._trials.follow(self._session.scene, number)
+        rows = {row.path: row for section in sections_of(self._session.scene) for row in section.parameters}
+        path = row_of(link.path, tuple(rows))
+        self._workbench.light_fields((path,))
+        row, value = rows.get(path), changes.get(path)
+        if isinstance(row, NumberField) and isinstance(value, (int, float)):
+            start, end = row, float(value)
+            self.view.glide(
+                lambda share: self._session.drag({path: _whole(start, glide_value(start, end, share))}),
+                lambda: self._session.settle({path: _whole(start, end)}),
+            )
+        else:
+            self._session.settle(changes)
 
     def _settle(self, path: str, value: Any) -> None:
         """Make an edit final; some choices need a file first."""
@@ -86,4 +162,9 @@ class ParametersPanel(Panel):
         """Remove the target or volume at a dotted path from the scene."""
         name, _, index = path.rpartition(".")
         parts = plain(self._session.scene)[name]
-        self._session.settle({name: parts[: int(index)] + parts[int(index) + 1 :]})
+        removed = f"{parts[int(index)]['kind'].replace('_', ' ')} {int(index) + 1} removed"
+        self._session.settle({name: parts[: int(index)] + parts[int(index) + 1 :]}, removed)
+
+
+def _whole(number: NumberField, value: float) -> float | int:
+    return round(value) if number.integer else value

@@ -22,24 +22,15 @@ from insonify.scene.materials.pattern import PatternMap
 from insonify.scene.reliefs.random_relief import RandomRelief
 from insonify.scene.targets import Target
 from insonify.scene.waters import WaterKind
+from insonify_viewer.field_names import PLACES, name_field
 from insonify_viewer.fields import ChoiceField, FileField, NumberField, Parameter, part_at
 
 SECTIONS = ("sonar", "seabed", "track", "targets", "volumes", "water", "receiver", "receiver.recorder")
-PAIR_NAMES = {
-    "peaks": ("fx", "fy"),
-    "points": ("lag", "value"),
-    "gap": ("along", "height"),
-    "gain": ("from", "level"),
-    "gains": ("at", "level"),
-    "levels": ("angle", ""),
-    "position": ("x", "y", "z"),
-    "start": ("x", "y"),
-}
-SIDES = ("length", "width", "height")
 # Order of the pose fields of a target, after those of its shape.
 POSED_LAST = ("heading", "pitch", "roll", "gap", "material")
 # Order of the fields that all generated reliefs share, after their own.
 OF_ALL_RELIEF = ("period", "extent", "mask")
+PINNED = "controls"
 PLACE_REACH = 100.0
 USUAL_SPEED = 1500.0  # m/s, if a cast cannot be read
 
@@ -56,7 +47,7 @@ class FieldSection:
     @property
     def structure(self) -> tuple[Any, ...]:
         """Everything that the widgets depend on, except the values."""
-        return tuple((type(p), p.path, p.label, _widgets(p)) for p in self.parameters)
+        return tuple((type(p), p.path, p.label, p.rare, _widgets(p)) for p in self.parameters)
 
 
 def _widgets(parameter: Parameter) -> Any:
@@ -96,6 +87,17 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
     return tuple(section for section in found if section.parameters)
 
 
+def pinned_section(scene: Scene, sections: tuple[FieldSection, ...]) -> FieldSection | None:
+    """Section of the fields that a scene is about; None if it names none that it has at present."""
+    there = {parameter.path: parameter for section in sections for parameter in section.parameters}
+    pinned = tuple(
+        replace(there[path], label=name_field(scene, path), indent=0, rare=False)
+        for path in scene.controls
+        if path in there
+    )
+    return FieldSection(PINNED, "This scene", pinned) if pinned else None
+
+
 def needs_file(scene: Scene, path: str, value: Any) -> bool:
     """Whether a value of the choice at a dotted path is a kind that is read from a file."""
     owner, _, name = path.removesuffix(".kind").rpartition(".")
@@ -117,7 +119,14 @@ def _inside(scene: Scene, part: BaseModel, path: str, indent: int) -> tuple[Para
 
 
 def _of_field(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
-    """Rows of one field: itself, or the fields of the declaration that it holds."""
+    """Rows of one field: itself, or the fields of the declaration that it holds; of a rare one all are rare."""
+    extra = type(part).model_fields[name].json_schema_extra
+    rare = isinstance(extra, dict) and bool(extra.get("rare"))
+    for parameter in _rows(scene, part, name, path, indent):
+        yield replace(parameter, rare=True) if rare else parameter
+
+
+def _rows(scene: Scene, part: BaseModel, name: str, path: str, indent: int) -> Iterator[Parameter]:
     field = type(part).model_fields[name]
     value = getattr(part, name)
     path = f"{path}.{name}" if path else name
@@ -160,7 +169,7 @@ def _of_tuple(
 ) -> Iterator[Parameter]:
     """Rows of a list of declarations, of pairs, or of coordinates."""
     single = name.removesuffix("s")
-    axes = PAIR_NAMES.get(name, tuple(str(i + 1) for i in range(len(value))))
+    axes = PLACES.get(name, tuple(str(i + 1) for i in range(len(value))))
     for index, item in enumerate(value):
         place = f"{path}.{index}"
         if isinstance(item, BaseModel):
@@ -179,7 +188,7 @@ def _of_tuple(
                 yield replace(row, slider=None, unit="") if axes[k] in ("from", "at") else row
         else:
             if name == "size":
-                yield _number(field, place, SIDES[index], indent, item)
+                yield _number(field, place, PLACES["size"][index], indent, item)
                 continue
             about_origin = (min(-PLACE_REACH, item), max(PLACE_REACH, item))
             yield _number(field, place, f"{name} {axes[index]}", indent, item, ends=about_origin)
@@ -276,6 +285,8 @@ def _stands_aside(scene: Scene, part: BaseModel, name: str, path: str) -> bool:
         return scene.sonar.bounces == 0
     if isinstance(part, Material) and name == "speckle_shape":
         return scene.receiver.speckle.texture is None
+    if isinstance(part, Target) and name == "locked":
+        return True
     return isinstance(part, Declaration) and name in part.idle_fields
 
 

@@ -1,0 +1,96 @@
+"""Ticks of the effects: what is shown, and the edits that a tick makes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from insonify.scene import Scene
+from insonify_viewer.effects.catalogue import EFFECTS, Changes
+
+NOTHING_SEEN = 5e-4  # share below which a change is not told in numbers
+
+
+class EffectRow(NamedTuple):
+    """What is shown of an effect.
+
+    Attributes
+    ----------
+    name, meaning : str
+        Texts of the tick box.
+    on : bool
+        Whether the scene has it.
+    figure, explanation : str
+        What it changes, "…" while that is measured, and the same in a sentence.
+    """
+
+    name: str
+    meaning: str
+    on: bool
+    figure: str
+    explanation: str
+
+
+class EffectTicks:
+    """Remembers the settings of effects that are taken out, as long as the same scene is open."""
+
+    def __init__(self) -> None:
+        self._opened: Scene | None = None
+        self._settings: dict[str, Changes] = {}
+
+    def follow(self, scene: Scene, opened: Scene) -> None:
+        """Note the settings of the effects that a scene has; forget them when another scene is opened."""
+        if opened is not self._opened:
+            self._opened, self._settings = opened, {}
+        for effect in EFFECTS:
+            if effect.is_on(scene):
+                self._settings[effect.name] = effect.settings(scene)
+
+    def tick(self, scene: Scene, name: str, on: bool) -> Changes:
+        """Edit that brings an effect back with its last settings, or takes it out."""
+        effect = next(each for each in EFFECTS if each.name == name)
+        return effect.bring_back(scene, self._settings.get(name)) if on else effect.take_out(scene)
+
+    def variants(self, scene: Scene) -> dict[str, Changes]:
+        """Edits that take out each effect of a scene, and bring back those that were taken out."""
+        return {
+            effect.name: self.tick(scene, effect.name, not effect.is_on(scene))
+            for effect in EFFECTS
+            if effect.is_on(scene) or effect.name in self._settings
+        }
+
+    def rows(self, scene: Scene, shares: Mapping[str, float | None]) -> tuple[EffectRow, ...]:
+        """Rows to show for a scene, given what is known of the changes."""
+        return tuple(
+            EffectRow(effect.name, effect.meaning, on, *self._figure(effect.name, on, shares))
+            for effect in EFFECTS
+            for on in [effect.is_on(scene)]
+        )
+
+    def _figure(self, name: str, on: bool, shares: Mapping[str, float | None]) -> tuple[str, str]:
+        if not on and name not in self._settings:
+            return "", "This scene has had no such effect; tick it to add one with usual settings"
+        if name not in shares:
+            return "…", "what it changes is being measured"
+        share = shares[name]
+        if share is None:
+            return "–", "what it changes cannot be measured here"
+        said = say_share(share)
+        doing = "Without it the record would differ" if on else "With it the record would differ"
+        return said, f"{doing} by {_percent(share)} (rms, beyond 1.4 altitudes, relative to a level bed)"
+
+
+def say_share(share: float) -> str:
+    """Say by how much something changes the record: "changes 12 %"."""
+    return "changes nothing" if share == 0.0 else f"changes {_percent(share)}"
+
+
+def _percent(share: float) -> str:
+    if share < NOTHING_SEEN:
+        return "< 0.1 %" if share else "0 %"
+    return f"{100.0 * share:.0f} %" if share >= 0.1 else f"{100.0 * share:.2g} %"
+
+
+def describe_tick(name: str, on: bool) -> str:
+    """Name of the edit that a tick makes."""
+    return f"{name} brought back" if on else f"{name} taken out"

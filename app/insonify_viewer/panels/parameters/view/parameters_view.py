@@ -1,0 +1,213 @@
+"""Sections of sliders, combo boxes and files, one for each part of the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from PySide6.QtCore import Qt, QTimer, QVariantAnimation, Signal
+from PySide6.QtWidgets import QFrame, QScrollArea, QToolButton, QVBoxLayout, QWidget
+
+from insonify.scene import Scene
+from insonify.scene.links import Link
+from insonify_viewer.effects import EffectRow
+from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
+from insonify_viewer.panels.parameters.view.about_box import AboutBox
+from insonify_viewer.panels.parameters.view.effects_box import EffectsBox
+from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
+from insonify_viewer.views.lighting import light
+
+NARROWEST = 316  # px
+DELAY = 20  # ms, by which the other numbers follow a slider that moves
+STILL = 400  # ms without another call, before what takes longer begins
+GLIDE = 900  # ms, in which a value that is tried is reached
+OPEN_AT_FIRST = (PINNED, "sonar", "seabed", "track")
+
+
+class ParametersView(QScrollArea):
+    """Shows the fields of a scene and signals the edits of the person."""
+
+    dragged = Signal(str, object)
+    settled = Signal(str, object)
+    file_asked = Signal(str)
+    removed = Signal(str)
+    followed = Signal(int)  # number of a link of the description
+    ticked = Signal(str, bool)  # name of an effect
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setMinimumWidth(NARROWEST)
+        self._body = QWidget()
+        self._body.setObjectName("panel")
+        self._column = QVBoxLayout(self._body)
+        self._column.setContentsMargins(8, 8, 8, 8)
+        self._column.setSpacing(6)
+        self._about = AboutBox()
+        self._about.label.linkActivated.connect(lambda number: self.followed.emit(int(number)))
+        self._column.addWidget(self._about)
+        self.effects = EffectsBox(self.ticked.emit)
+        self._column.addWidget(self.effects)
+        self._glide: QVariantAnimation | None = None
+        self._still = QTimer(self)
+        self._still.setSingleShot(True)
+        self._still.setInterval(STILL)
+        self._still.timeout.connect(lambda: self._when_still())
+        self._when_still: Callable[[], None] = _nothing
+        self._column.addStretch(1)
+        self.setWidget(self._body)
+        self._sections: dict[str, SectionBox] = {}
+        self._lit: tuple[str, ...] = ()
+        self._show: Callable[[], None] = _nothing
+        self._due = QTimer(self)
+        self._due.setSingleShot(True)
+        self._due.setInterval(DELAY)
+        self._due.timeout.connect(lambda: self._show())
+
+    @property
+    def about(self) -> str:
+        """The description that is shown."""
+        return self._about.words
+
+    def show_at_once(self, show: Callable[[], None]) -> None:
+        """Run an update now, instead of one that waits."""
+        self._due.stop()
+        show()
+
+    def show_soon(self, show: Callable[[], None]) -> None:
+        """Run an update after a short delay; updates within it are merged."""
+        self._show = show
+        if not self._due.isActive():
+            self._due.start()
+
+    def stop_waiting(self) -> None:
+        """Drop what waits."""
+        self._due.stop()
+        self._still.stop()
+        self.drop_glide()
+
+    def show_about(self, parts: Sequence[str | Link], tried: Sequence[bool]) -> None:
+        """Show the description of the scene; links whose value is tried at present lead back."""
+        self._about.say(parts, tried)
+
+    def show_effects(self, rows: tuple[EffectRow, ...]) -> None:
+        """Show which effects the scene has, and what each changes."""
+        self.effects.show_rows(rows)
+
+    def glide(self, move: Callable[[float], object], arrive: Callable[[], object]) -> None:
+        """Call ``move`` with shares from 0 to 1 during a moment, then ``arrive``; a glide under way arrives first."""
+        self.end_glide()
+        self._glide = glide = QVariantAnimation(self)
+        glide.setDuration(GLIDE)
+        glide.setStartValue(0.0)
+        glide.setEndValue(1.0)
+        glide.valueChanged.connect(move)
+        glide.finished.connect(arrive)
+        glide.start(QVariantAnimation.DeletionPolicy.KeepWhenStopped)
+
+    def end_glide(self) -> None:
+        """Let a glide under way arrive now."""
+        glide, self._glide = self._glide, None
+        if glide is not None:
+            glide.setCurrentTime(GLIDE)
+            glide.deleteLater()
+
+    def drop_glide(self) -> None:
+        """Leave a glide under way where it is."""
+        glide, self._glide = self._glide, None
+        if glide is not None:
+            glide.stop()
+            glide.deleteLater()
+
+    def when_still(self, act: Callable[[], None]) -> None:
+        """Call a function once this was not asked for again during a moment."""
+        self._when_still = act
+        self._still.start()
+
+    def show_sections(self, sections: tuple[FieldSection, ...]) -> None:
+        """Show these fields; only sections whose rows change are rebuilt."""
+        keys = [section.key for section in sections]
+        for key in [key for key in self._sections if key not in keys]:
+            self._drop(key)
+        for place, section in enumerate(sections):
+            box = self._sections.get(section.key)
+            if box is not None and box.structure == section.structure:
+                box.show_values(section)
+                continue
+            unfolded = section.key in OPEN_AT_FIRST if box is None else box.unfolded
+            more = box is not None and box.shows_more
+            if box is not None:
+                self._drop(section.key)
+            box = SectionBox(section, self, unfolded=unfolded, more=more, tools=self._tools(section))
+            self._sections[section.key] = box
+            # The description stands first, and the effects between what is pinned and the rest.
+            self._column.insertWidget(place + 1 if section.key == PINNED else place + 2, box)
+        self._light_rows()
+
+    def show_pictures(self, scene: Scene) -> None:
+        """Show the curves of a scene, and the spectrum of its bed."""
+        for box in self._sections.values():
+            for picture in box.pictures:
+                picture.show_scene(scene)
+
+    def turn_to(self, key: str) -> None:
+        """Unfold the section of a target, fold those of the others, and scroll to it."""
+        for name, box in self._sections.items():
+            if box.removable:
+                box.unfold(name == key)
+        self._sections[key].show()
+        self._lay_out()
+        self.ensureWidgetVisible(self._sections[key], 0, 8)
+
+    def light(self, paths: tuple[str, ...]) -> None:
+        """Light the rows of these fields and no others; unfold their sections and scroll to the first that is there."""
+        self._lit = paths
+        self._light_rows()
+        for path in paths:
+            for box in self._boxes(path)[:1]:
+                box.reveal(path)
+        QTimer.singleShot(0, self, self._scroll_to_lit)  # sections of a scene just opened have no place before
+
+    def _scroll_to_lit(self) -> None:
+        """Bring the first row that is lit into view, in the order of the fields."""
+        rows = [box.rows[path] for path in self._lit for box in self._boxes(path)[:1]]
+        if rows:
+            self._lay_out()
+            self.ensureWidgetVisible(rows[0].label, 0, self.height() // 3)
+
+    def row(self, path: str) -> Row:
+        """Find the row of a field by its dotted path; of one that is pinned, that on top."""
+        return self._boxes(path)[0].rows[path]
+
+    def _boxes(self, path: str) -> list[SectionBox]:
+        """Sections that hold the row of a field, the pinned one first."""
+        boxes = [box for box in self._sections.values() if path in box.rows]
+        return sorted(boxes, key=lambda box: box is not self._sections.get(PINNED))
+
+    def _tools(self, section: FieldSection) -> list[QToolButton]:
+        """Buttons beside the heading of a section."""
+        key = section.key
+        if not section.removable:
+            return []
+        return [make_tool("×", "Remove this target", lambda: self.removed.emit(key))]
+
+    def _lay_out(self) -> None:
+        """Lay the sections out now: the scroll bar reaches a new one only after that."""
+        self._column.activate()
+        self._body.resize(self._body.width(), self._body.sizeHint().height())
+
+    def _light_rows(self) -> None:
+        for box in self._sections.values():
+            for path, row in box.rows.items():
+                light(row.label, path in self._lit)
+
+    def _drop(self, key: str) -> None:
+        box = self._sections.pop(key)
+        self._column.removeWidget(box)
+        box.hide()
+        box.deleteLater()
+
+
+def _nothing() -> None:
+    """Update nothing."""

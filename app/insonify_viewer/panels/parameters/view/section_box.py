@@ -1,0 +1,145 @@
+"""The rows of one section of fields, the rare ones folded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from PySide6.QtCore import SignalInstance
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+
+from insonify_viewer.fields import ChoiceField, NumberField, Parameter
+from insonify_viewer.panels.parameters.sections import FieldSection
+from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
+from insonify_viewer.views.folding_box import FoldingBox
+
+Row = NumberRow | ChoiceRow | FileRow
+TOOL = 26  # px, width of a button beside a heading
+
+
+class RowSignals(Protocol):
+    """Signals of the view that holds the rows."""
+
+    dragged: SignalInstance
+    settled: SignalInstance
+    file_asked: SignalInstance
+
+
+class SectionBox(FoldingBox):
+    """The rows of one section, under a heading that folds.
+
+    Attributes
+    ----------
+    rows : dict of str to row
+        By dotted path.
+    structure, removable : tuple, bool
+        Of the section it was built from.
+    more : QToolButton or None
+        Shows the rare fields; None if there are none.
+    """
+
+    def __init__(
+        self,
+        section: FieldSection,
+        signals: RowSignals,
+        *,
+        unfolded: bool,
+        more: bool = False,
+        tools: list[QToolButton],
+    ) -> None:
+        self.structure, self.removable = section.structure, section.removable
+        self.rows: dict[str, Row] = {}
+        self.more: QToolButton | None = None
+        self._rare: frozenset[str] = frozenset(each.path for each in section.parameters if each.rare)
+        body = QWidget()
+        column = QVBoxLayout(body)
+        column.setContentsMargins(6, 4, 2, 4)
+        column.setSpacing(4)
+        column.addLayout(self._grid([each for each in section.parameters if not each.rare], signals))
+        if self._rare:
+            self._add_more(column, [each for each in section.parameters if each.rare], signals, more)
+        super().__init__(section.title, body, unfolded=unfolded, beside=_side_by_side(tools))
+
+    def show_values(self, section: FieldSection) -> None:
+        """Show other values in the same rows."""
+        self.entitle(section.title)
+        for parameter in section.parameters:
+            row: Any = self.rows[parameter.path]
+            row.show_value(parameter)
+
+    @property
+    def shows_more(self) -> bool:
+        """Whether the rare fields are shown."""
+        return self.more is not None and self.more.isChecked()
+
+    def reveal(self, path: str) -> None:
+        """Unfold what hides the row of a field."""
+        self.unfold(True)
+        if path in self._rare and self.more is not None:
+            self.more.setChecked(True)
+
+    def _add_more(self, column: QVBoxLayout, rare: list[Parameter], signals: RowSignals, shown: bool) -> None:
+        """Add the rare fields below a button that shows and hides them."""
+        self.more = more = QToolButton()
+        more.setObjectName("more")
+        more.setCheckable(True)
+        more.setToolTip("Fields that are rarely changed")
+        below = QWidget()
+        grid = self._grid(rare, signals)
+        below.setLayout(grid)
+        more.toggled.connect(below.setVisible)
+        more.toggled.connect(lambda on: more.setText("▾ fewer" if on else f"▸ more ({len(rare)})"))
+        more.setChecked(True)
+        more.setChecked(shown)
+        column.addWidget(more)
+        column.addWidget(below)
+
+    def _grid(self, parameters: list[Parameter], signals: RowSignals) -> QGridLayout:
+        """Lay rows out in three columns."""
+        grid = QGridLayout()
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setHorizontalSpacing(8)
+        grid.setVerticalSpacing(4)
+        grid.setColumnStretch(1, 1)
+        for line, parameter in enumerate(parameters):
+            row = _row(parameter, signals)
+            row.place(grid, line)
+            self.rows[parameter.path] = row
+        return grid
+
+
+def make_tool(text: str, tip: str, act: Callable[[], None], *, checked: bool | None = None) -> QToolButton:
+    """Make a button for beside the heading of a section; one that can be checked is told whether it is."""
+    button = QToolButton()
+    button.setObjectName("remove")
+    button.setText(text)
+    button.setToolTip(tip)
+    button.setAccessibleName(tip)
+    button.setFixedWidth(TOOL)
+    button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+    if checked is not None:
+        button.setCheckable(True)
+        button.setChecked(checked)
+    button.clicked.connect(act)
+    return button
+
+
+def _side_by_side(tools: list[QToolButton]) -> QWidget | None:
+    if not tools:
+        return None
+    widget = QWidget()
+    row = QHBoxLayout(widget)
+    row.setContentsMargins(0, 0, 0, 0)
+    row.setSpacing(2)
+    for tool in tools:
+        row.addWidget(tool)
+    return widget
+
+
+def _row(parameter: Parameter, signals: RowSignals) -> Row:
+    """Make the row of a field."""
+    if isinstance(parameter, NumberField):
+        return NumberRow(parameter, signals.dragged.emit, signals.settled.emit)
+    if isinstance(parameter, ChoiceField):
+        return ChoiceRow(parameter, signals.settled.emit)
+    return FileRow(parameter, signals.file_asked.emit)

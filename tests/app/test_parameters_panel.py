@@ -1,0 +1,267 @@
+"""The panel of parameters in a real window: what is pinned, rare fields, links to try, effects, names of edits."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+
+from insonify.accuracy.record_errors import compute_errors, find_first_bin
+from insonify.display.normalisation import LevelBed
+from insonify.scene import Scene, bundled_scenes, edit, load_scene
+from insonify.simulation import prepare
+from insonify_viewer.effects import EFFECTS
+from insonify_viewer.field_names import name_edit, name_field
+from insonify_viewer.panels.parameters.sections import pinned_section, sections_of
+from insonify_viewer.session import Session
+
+
+def panel(viewer: Any) -> Any:
+    return viewer.panels["parameters"]
+
+
+def tick(viewer: Any, name: str) -> None:
+    """Click the tick box of an effect as the mouse does."""
+    box = panel(viewer).view.effects.ticks[name]
+    panel(viewer).view.ensureWidgetVisible(box)
+    QTest.mouseClick(box, Qt.MouseButton.LeftButton, pos=QPoint(8, box.height() // 2))
+
+
+def figure(viewer: Any, name: str) -> str:
+    return str(panel(viewer).view.effects.figures[name].text())
+
+
+@pytest.mark.parametrize("name", sorted(bundled_scenes()))
+def test_three_to_six_controls_are_pinned(name: str) -> None:
+    scene = load_scene(name)
+    section = pinned_section(scene, sections_of(scene))
+    assert section is not None
+    assert 3 <= len(section.parameters) <= 6
+    assert [row.path for row in section.parameters] == [
+        path for path in scene.controls if path in sections_paths(scene)
+    ]
+    labels = [row.label for row in section.parameters]
+    assert len(set(labels)) == len(labels)
+
+
+def sections_paths(scene: Scene) -> set[str]:
+    return {row.path for section in sections_of(scene) for row in section.parameters}
+
+
+def test_pinned_rows_stand_on_top_and_edit_the_scene(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    view = panel(viewer).view
+    row = view.row("track.altitude")
+    assert row is view._sections["controls"].rows["track.altitude"]
+    other = view._sections["track"].rows["track.altitude"]
+    assert row.label.mapTo(view.widget(), QPoint()).y() < other.label.mapTo(view.widget(), QPoint()).y()
+    row.slider.setSliderDown(True)
+    row.slider.setValue(100)
+    row.slider.setSliderDown(False)
+    assert viewer.session.scene.track.altitude == pytest.approx(4.8, abs=0.05)  # a tenth of 2 to 30 m
+    qtbot.waitUntil(lambda: viewer.complete)
+    assert other.slider.value() == 100
+    assert other.field.text() == row.field.text()
+
+
+def test_rare_fields_are_folded_until_asked_for(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    view = panel(viewer).view
+    box = view._sections["sonar"]
+    squint = box.rows["sonar.beam.squint"]
+    assert not squint.slider.isVisible()
+    assert box.rows["sonar.beam.width"].slider.isVisible()
+    view.ensureWidgetVisible(box.more)
+    QTest.mouseClick(box.more, Qt.MouseButton.LeftButton)
+    assert squint.slider.isVisible()
+    viewer.session.settle({"sonar.beam.kind": "gaussian"})  # another set of rows
+    qtbot.waitUntil(view._sections["sonar"].rows["sonar.beam.squint"].slider.isVisible)  # it stays open
+    view._sections["track"].more.setChecked(False)
+    view.light(("track.start.0",))
+    assert view._sections["track"].rows["track.start.0"].slider.isVisible(), "what a lesson speaks of is shown"
+
+
+def test_a_link_moves_its_control_in_sight_and_back(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(
+        edit(small, {"description": "[Lower it](track.altitude=4.0), or [no beam](sonar.beam=knife)."})
+    )
+    view, session = panel(viewer).view, viewer.session
+    seen: list[float] = []
+    session.changed.connect(lambda scene, settled: seen.append(scene.altitude))
+    view._about.label.linkActivated.emit("0")
+    assert view.row("track.altitude").label.property("lit")
+    qtbot.waitUntil(lambda: session.undoable[:1] == ("altitude",), timeout=5000)
+    assert seen[-1] == 4.0
+    assert len({round(altitude, 2) for altitude in seen}) > 3, "it is seen to move"
+    assert "↩" in view._about.label.text()
+    view._about.label.linkActivated.emit("0")
+    qtbot.waitUntil(lambda: session.scene.track.altitude == 10.0 and len(session.undoable) == 2, timeout=5000)
+    assert "↩" not in view._about.label.text()
+    view._about.label.linkActivated.emit("1")
+    assert session.scene.sonar.beam.kind == "knife"
+    assert view.row("sonar.beam.kind").label.property("lit")
+    view._about.label.linkActivated.emit("1")
+    assert session.scene.sonar.beam == small.sonar.beam
+
+
+def test_a_glide_ends_with_its_scene(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(edit(small, {"description": "[Lower it](track.altitude=4.0)."}))
+    panel(viewer).view._about.label.linkActivated.emit("0")
+    qtbot.wait(100)
+    viewer.open(edit(small, {"title": "Another", "track.altitude": 9.0}))
+    qtbot.wait(1200)
+    assert viewer.session.scene.track.altitude == 9.0
+    assert viewer.session.undoable[0] == "open Another"
+
+
+def test_an_effect_goes_and_comes_back_as_it_was(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    start = edit(small, {"sonar.beam": {"kind": "gaussian", "width": 2.5, "squint": 3.0}})
+    viewer = open_viewer(start)
+    tick(viewer, "beam")
+    assert viewer.session.scene.sonar.beam.kind == "knife"
+    assert viewer.session.undoable[0] == "beam taken out"
+    tick(viewer, "beam")
+    assert viewer.session.scene == start
+    tick(viewer, "speckle")
+    assert viewer.session.scene.receiver.speckle.kind == "rayleigh", "usual settings, for want of earlier ones"
+    viewer.session.settle({"receiver.speckle.looks": 4})
+    tick(viewer, "speckle")
+    tick(viewer, "speckle")
+    assert viewer.session.scene.receiver.speckle.looks == 4
+    viewer.open(edit(small, {"title": "Another", "seed": 9}))
+    tick(viewer, "speckle")
+    assert viewer.session.scene.receiver.speckle.looks == 1, "another scene has no earlier settings"
+
+
+def test_bent_water_goes_straight_and_bends_again() -> None:
+    scene = edit(load_scene("thermocline"), {"water.absorption": 40.0})
+    bending = next(effect for effect in EFFECTS if effect.name == "bending")
+    assert bending.is_on(scene)
+    straight = edit(scene, bending.take_out(scene))
+    assert straight.water.kind == "uniform"
+    assert straight.water.absorption == scene.water.absorption
+    changed = edit(straight, {"water.surface": "flat"})
+    again = edit(changed, bending.bring_back(changed, bending.settings(scene)))
+    assert again.water == scene.water.model_copy(update={"surface": changed.water.surface})
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
+def test_every_effect_can_be_added_and_taken_out(effect: Any) -> None:
+    scene = load_scene("default")
+    with_it = scene if effect.is_on(scene) else edit(scene, effect.bring_back(scene, None))
+    assert effect.is_on(with_it)
+    assert not effect.is_on(edit(with_it, effect.take_out(with_it)))
+
+
+def test_what_an_effect_changes_is_measured_as_errors_are(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    scene = edit(small, {"receiver.speckle": "rayleigh", "track.pings": 64})
+    viewer = open_viewer(scene, prepare=None)
+    qtbot.waitUntil(lambda: panel(viewer).measured, timeout=240000)
+    pings = np.arange(64, dtype=np.int64)
+
+    def normalised(one: Scene) -> Any:
+        simulation = prepare(one)
+        return simulation, np.square(
+            LevelBed(simulation).normalise(simulation.intensity(pings), pings), dtype=np.float64
+        )
+
+    simulation, b = normalised(scene)
+    for name, changes in (("beam", {"sonar.beam": "knife"}), ("speckle", {"receiver.speckle": "none"})):
+        _, a = normalised(edit(scene, changes))
+        first = find_first_bin(1.4, simulation.arrays, simulation.poses(pings))
+        share = compute_errors(a, b, np.ones(100), first_bin=0, beyond_bin=first).beyond
+        told = panel(viewer)._meter.shares(scene, viewer.session.modelling)[name]
+        assert told == pytest.approx(share, rel=0.05), name
+        assert figure(viewer, name) == f"changes {100 * told:.0f} %"
+    assert figure(viewer, "noise") == "", "what the scene never had is not measured"
+
+
+def test_figures_are_measured_once(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    traced: list[Scene] = []
+    beside = viewer.simulator.trace_beside
+
+    def count(scene: Scene, *others: Any) -> Any:
+        traced.append(scene)
+        return beside(scene, *others)
+
+    viewer.simulator.trace_beside = count
+    viewer.session.settle({"track.altitude": 8.0})
+    assert figure(viewer, "beam") == "…"
+    qtbot.waitUntil(lambda: panel(viewer).measured, timeout=20000)
+    assert figure(viewer, "beam").startswith("changes")
+    once = len(traced)
+    assert once == 2, "beam and pulse"
+    viewer.session.settle({"track.altitude": 7.0})
+    qtbot.waitUntil(lambda: panel(viewer).measured, timeout=20000)
+    viewer.session.undo()
+    assert figure(viewer, "beam").startswith("changes"), "known at once"
+    viewer.run(True)
+    qtbot.wait(700)
+    viewer.run(False)
+    assert len(traced) == 2 * once
+
+
+def test_undo_says_what_it_undoes(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    undo, redo = viewer.window.undo, viewer.window.redo
+    assert not undo.isEnabled()
+    row = panel(viewer).view.row("sonar.beam.width")
+    row.slider.setSliderDown(True)
+    for place in (600, 700, 800):
+        row.slider.setValue(place)
+    row.slider.setSliderDown(False)
+    viewer.session.settle({"targets.1.position.0": 61.0})
+    assert undo.text() == "Undo: sphere 2 position x"
+    assert undo.toolTip() == "Undo: sphere 2 position x (Ctrl+Z)"
+    assert [entry.text() for entry in undo.menu().actions()] == ["Undo: sphere 2 position x", "Undo: beam width"]
+    undo.menu().actions()[1].trigger()
+    assert viewer.session.scene == small
+    assert (undo.isEnabled(), redo.text()) == (False, "Redo: beam width")
+    redo.trigger()
+    redo.trigger()
+    assert viewer.session.scene.targets[1].position[0] == 61.0
+    tool = next(
+        each for each in viewer.window._bar.children() if getattr(each, "defaultAction", lambda: None)() is undo
+    )
+    assert tool.text() == "Undo", "the tool bar has no room for more"
+
+
+@pytest.mark.parametrize(
+    ("path", "name"),
+    [
+        ("sonar.beam.width", "beam width"),
+        ("sonar.beam.kind", "beam"),
+        ("track.altitude", "altitude"),
+        ("seabed.depth", "bed depth"),
+        ("seabed.relief.peaks.0.1", "relief peak 1 fy"),
+        ("seabed.material.name", "material"),
+        ("targets.0.gap.3.1", "pipe 1 gap 4 height"),
+        ("targets.1.position.0", "sphere 2 position x"),
+        ("water.kind", "water"),
+        ("water.sound_speed", "sound speed"),
+        ("receiver.tvg.kind", "TVG"),
+        ("seed", "seed"),
+    ],
+)
+def test_fields_have_names(path: str, name: str) -> None:
+    assert name_field(load_scene("default"), path) == name
+
+
+def test_edits_have_names() -> None:
+    scene = load_scene("default")
+    assert name_edit(scene, {"sonar.beam.width": 2.0}) == "beam width"
+    assert name_edit(scene, {"targets.0.position.0": 1.0, "targets.0.position.1": 1.0}) == "pipe 1 position"
+    session = Session(scene)
+    session.drag({"track.altitude": 5.0})
+    session.settle()
+    session.model(session.modelling.tolerating(0.1))
+    session.open(load_scene("wreck"))
+    assert session.undoable == ("open A wreck with a standing mast", "tolerance", "altitude")
+    assert session.opened == load_scene("wreck")
+    session.undo(2)
+    assert session.opened == scene
+    assert session.redoable == ("tolerance", "open A wreck with a standing mast")
