@@ -29,6 +29,7 @@ from insonify_viewer.views.theme import apply_theme
 
 SNAPSHOT_SIZE = (1600, 1000)
 COLLECTION_INTERVAL = 200  # ms
+REST = 20.0  # s, for what is measured in the background before a snapshot
 PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles the kernels first
 
 
@@ -119,12 +120,17 @@ def _draw(application: QApplication, viewer: Viewer, path: Path, begin: Callable
 
 def _wait_for_picture(application: QApplication, viewer: Viewer, errors: list[BaseException]) -> str:
     """Wait until the window shows its scene; return why it does not, in one sentence, or nothing."""
-    deadline = time.monotonic() + PATIENCE
-    while not viewer.complete and not viewer.failure and not errors:
-        if time.monotonic() >= deadline:
-            return f"no picture after {PATIENCE:g} s; try a smaller scene"
-        application.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, 50)
-        time.sleep(0.005)
+
+    def pend(seconds: float, until: Callable[[], bool]) -> bool:
+        deadline = time.monotonic() + seconds
+        while not until() and not viewer.failure and not errors and time.monotonic() < deadline:
+            application.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, 50)
+            time.sleep(0.005)
+        return until() or bool(viewer.failure or errors)
+
+    if not pend(PATIENCE, lambda: viewer.complete):
+        return f"no picture after {PATIENCE:g} s; try a smaller scene"
+    pend(REST, lambda: viewer.panels.at_rest)
     if errors:
         return f"the window cannot be drawn ({type(errors[0]).__name__}: {errors[0]}); this is a fault of the program"
     return viewer.failure or viewer.recordings.failure

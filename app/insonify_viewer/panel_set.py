@@ -29,6 +29,11 @@ class PanelSet(dict[str, Panel]):
         """Whether every panel shows the present state."""
         return all(panel.complete for panel in self.values())
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether no panel measures anything in the background."""
+        return all(panel.at_rest for panel in self.values())
+
     def tell(self, event: str, *values: Any) -> None:
         """Call the method of an event, such as ``scene_changed``, of every panel."""
         for panel in self.values():

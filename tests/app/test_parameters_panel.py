@@ -16,6 +16,7 @@ from insonify.simulation import prepare
 from insonify_viewer.effects import EFFECTS
 from insonify_viewer.field_names import name_edit, name_field
 from insonify_viewer.panels.parameters.sections import pinned_section, sections_of
+from insonify_viewer.panels.parameters.trying import Trials, row_of
 from insonify_viewer.session import Session
 
 
@@ -107,6 +108,19 @@ def test_a_link_moves_its_control_in_sight_and_back(open_viewer: Any, small: Sce
     assert session.scene.sonar.beam == small.sonar.beam
 
 
+@pytest.mark.parametrize("name", sorted(bundled_scenes()))
+def test_every_link_leads_there_and_back(name: str) -> None:
+    scene, trials = load_scene(name), Trials()
+    for number in range(len(trials.links(scene))):
+        session = Session(scene)
+        assert session.settle(trials.follow(session.scene, number)[1])
+        assert trials.tried(session.scene)[number]
+        there = tuple(row.path for section in sections_of(session.scene) for row in section.parameters)
+        assert row_of(trials.links(scene)[number].path, there) in there, "its row is lit"
+        assert session.settle(trials.follow(session.scene, number)[1])
+        assert edit(session.scene, {"sonar.ping_rate": scene.sonar.ping_rate}) == scene
+
+
 def test_a_glide_ends_with_its_scene(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(edit(small, {"description": "[Lower it](track.altitude=4.0)."}))
     panel(viewer).view._about.label.linkActivated.emit("0")
@@ -159,7 +173,7 @@ def test_every_effect_can_be_added_and_taken_out(effect: Any) -> None:
 def test_what_an_effect_changes_is_measured_as_errors_are(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     scene = edit(small, {"receiver.speckle": "rayleigh", "track.pings": 64})
     viewer = open_viewer(scene, prepare=None)
-    qtbot.waitUntil(lambda: panel(viewer).measured, timeout=240000)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=240000)
     pings = np.arange(64, dtype=np.int64)
 
     def normalised(one: Scene) -> Any:
@@ -191,12 +205,12 @@ def test_figures_are_measured_once(open_viewer: Any, small: Scene, qtbot: Any) -
     viewer.simulator.trace_beside = count
     viewer.session.settle({"track.altitude": 8.0})
     assert figure(viewer, "beam") == "…"
-    qtbot.waitUntil(lambda: panel(viewer).measured, timeout=20000)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=20000)
     assert figure(viewer, "beam").startswith("changes")
     once = len(traced)
     assert once == 2, "beam and pulse"
     viewer.session.settle({"track.altitude": 7.0})
-    qtbot.waitUntil(lambda: panel(viewer).measured, timeout=20000)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=20000)
     viewer.session.undo()
     assert figure(viewer, "beam").startswith("changes"), "known at once"
     viewer.run(True)

@@ -174,6 +174,11 @@ class Panel(Protocol):
         """Whether the panel shows the present state; a snapshot of the window waits for it."""
         return True
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing is measured in the background; a snapshot of the window waits some seconds for it."""
+        return True
+
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Follow an edit of the scene or of its modelling; ``settled`` is False while a slider moves."""
 

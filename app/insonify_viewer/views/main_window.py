@@ -266,7 +266,9 @@ class MainWindow(QMainWindow):
         self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", QKeySequence(key.Redo))
         self.history = HistoryMenus(self.undo, self.redo)
         for action in (self.undo, self.redo):
-            bar.widgetForAction(action).setPopupMode(QToolButton.ToolButtonPopupMode.DelayedPopup)
+            button = bar.widgetForAction(action)
+            assert isinstance(button, QToolButton)
+            button.setPopupMode(QToolButton.ToolButtonPopupMode.DelayedPopup)
         bar.addSeparator()
         self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", QKeySequence("Space"))
         self.pause.setCheckable(True)

@@ -48,7 +48,7 @@ class ParametersPanel(Panel):
         return self.view
 
     @property
-    def measured(self) -> bool:
+    def at_rest(self) -> bool:
         """Whether it is known what each effect changes."""
         scene, modelling = self._session.scene, self._session.modelling
         return self._ticks.variants(scene).keys() <= self._meter.shares(scene, modelling).keys()

@@ -14,7 +14,7 @@ class Trials:
     """Links of a scene's description, and the values that they replaced."""
 
     def __init__(self) -> None:
-        self._before: dict[Link, dict[str, Any]] = {}
+        self._before: dict[int, dict[str, Any]] = {}  # by number of the link
 
     def forget(self) -> None:
         """Forget the replaced values, when another scene is opened."""
@@ -26,14 +26,14 @@ class Trials:
 
     def tried(self, scene: Scene) -> tuple[bool, ...]:
         """Whether the value of each link was tried, and still holds."""
-        return tuple(link in self._before and _holds(scene, link) for link in self.links(scene))
+        return tuple(number in self._before and _holds(scene, link) for number, link in enumerate(self.links(scene)))
 
     def follow(self, scene: Scene, number: int) -> tuple[Link, dict[str, Any]]:
         """Return a link and the edit that it stands for: its value, or the value before if it is tried already."""
         link = self.links(scene)[number]
-        if link in self._before and _holds(scene, link):
-            return link, self._before[link]
-        self._before[link] = _part(scene, link.path.removesuffix(".kind"))
+        if number in self._before and _holds(scene, link):
+            return link, self._before[number]
+        self._before[number] = _part(scene, link.path.removesuffix(".kind"))
         return link, {link.path: link.value}
 
 

@@ -9,9 +9,11 @@ from PySide6.QtCore import SignalInstance
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
 from insonify_viewer.fields import ChoiceField, NumberField, Parameter
-from insonify_viewer.panels.parameters.sections import FieldSection
+from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
 from insonify_viewer.views.field_rows import ChoiceRow, FileRow, NumberRow
 from insonify_viewer.views.folding_box import FoldingBox
+from insonify_viewer.views.setting_pictures.base import SettingPicture
+from insonify_viewer.views.setting_pictures.registry import pictures_of_settings
 
 Row = NumberRow | ChoiceRow | FileRow
 TOOL = 26  # px, width of a button beside a heading
@@ -32,6 +34,8 @@ class SectionBox(FoldingBox):
     ----------
     rows : dict of str to row
         By dotted path.
+    pictures : list of SettingPicture
+        Below the rows of the settings that they show.
     structure, removable : tuple, bool
         Of the section it was built from.
     more : QToolButton or None
@@ -55,7 +59,10 @@ class SectionBox(FoldingBox):
         column = QVBoxLayout(body)
         column.setContentsMargins(6, 4, 2, 4)
         column.setSpacing(4)
-        column.addLayout(self._grid([each for each in section.parameters if not each.rare], signals))
+        usual = [each for each in section.parameters if not each.rare]
+        grid = self._grid(usual, signals)
+        self.pictures = [] if section.key == PINNED else _pictures(usual, grid, signals)
+        column.addLayout(grid)
         if self._rare:
             self._add_more(column, [each for each in section.parameters if each.rare], signals, more)
         super().__init__(section.title, body, unfolded=unfolded, beside=_side_by_side(tools))
@@ -87,12 +94,16 @@ class SectionBox(FoldingBox):
         below = QWidget()
         grid = self._grid(rare, signals)
         below.setLayout(grid)
-        more.toggled.connect(below.setVisible)
-        more.toggled.connect(lambda on: more.setText("▾ fewer" if on else f"▸ more ({len(rare)})"))
-        more.setChecked(True)
-        more.setChecked(shown)
         column.addWidget(more)
-        column.addWidget(below)
+        column.addWidget(below)  # without a parent it would be shown as a window
+
+        def show(on: bool) -> None:
+            below.setVisible(on)
+            more.setText("▾ fewer" if on else f"▸ more ({len(rare)})")
+
+        more.setChecked(shown)
+        show(shown)
+        more.toggled.connect(show)
 
     def _grid(self, parameters: list[Parameter], signals: RowSignals) -> QGridLayout:
         """Lay rows out in three columns."""
@@ -103,9 +114,22 @@ class SectionBox(FoldingBox):
         grid.setColumnStretch(1, 1)
         for line, parameter in enumerate(parameters):
             row = _row(parameter, signals)
-            row.place(grid, line)
+            row.place(grid, 2 * line)
             self.rows[parameter.path] = row
         return grid
+
+
+def _pictures(parameters: list[Parameter], grid: QGridLayout, signals: RowSignals) -> list[SettingPicture]:
+    """Place the pictures of a section, each below the last row of its setting; rows fill every other line."""
+    placed = []
+    for path, picture in pictures_of_settings().items():
+        lines = [line for line, parameter in enumerate(parameters) if parameter.path.startswith(f"{path}.")]
+        if lines:
+            grid.addWidget(picture, 2 * lines[-1] + 1, 0, 1, 3)
+            picture.dragged.connect(signals.dragged)
+            picture.settled.connect(signals.settled)
+            placed.append(picture)
+    return placed
 
 
 def make_tool(text: str, tip: str, act: Callable[[], None], *, checked: bool | None = None) -> QToolButton:
