@@ -195,6 +195,7 @@ def test_what_an_effect_changes_is_measured_as_errors_are(open_viewer: Any, smal
 
 def test_figures_are_measured_once(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
+    qtbot.waitUntil(lambda: panel(viewer).at_rest, timeout=20000)
     traced: list[Scene] = []
     beside = viewer.simulator.trace_beside
 
