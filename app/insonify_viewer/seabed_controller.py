@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from insonify_viewer.views.pv_meshes import BedPatch
 
     Vector = NDArray[np.float64]
+    Grip = tuple[tuple[float, float, float], str, bool]
     _Bed = tuple[AnyGround, tuple[float, float], float]
     _Bodies = tuple[Solids, Mesh, NDArray[np.uint8]]
     from insonify_viewer.views.seabed_view import SeabedView
@@ -45,6 +46,9 @@ class SeabedController:
     ----------
     picked : Event
         Called with a place of the bed or of a target that the person clicks, local coordinates in metres.
+    taken, pulled, released : Event
+        Called with the number of a handle when the mouse takes hold of it, with the place of the bed under the mouse
+        while it is held, and when it is let go.
     """
 
     def __init__(self, simulator: Simulator, *, accelerated: bool) -> None:
@@ -56,7 +60,8 @@ class SeabedController:
         self._asked = self._shown = 0  # numbers of the newest bed that is made, and of the one on screen
         self._jobs: list[Job] = []
         self._fans = NewestWins("fan", simulator.call_later)
-        self.picked = Event()
+        self.picked, self.taken, self.pulled, self.released = Event(), Event(), Event(), Event()
+        self._grips: Sequence[Grip] = ()
 
     @property
     def view(self) -> SeabedView | None:
@@ -122,6 +127,12 @@ class SeabedController:
         if self._view is not None:
             self._view.show_pick(place)
 
+    def show_handles(self, grips: Sequence[Grip]) -> None:
+        """Show handles of targets: place, what a drag does, and whether it belongs to the chosen target."""
+        self._grips = grips
+        if self._view is not None:
+            self._view.handles.show(grips)
+
     def show_sound(self, drawing: SoundDrawing | None) -> None:
         """Draw the sound of a pixel; None removes it."""
         if self._view is not None:
@@ -166,6 +177,11 @@ class SeabedController:
 
         self._view = SeabedView(accelerated=self._accelerated)
         self._view.sighted.connect(self._pick)
+        handles = self._view.handles
+        handles.taken.connect(self.taken.emit)
+        handles.pulled.connect(self._pull)
+        handles.released.connect(self.released.emit)
+        handles.show(self._grips)
         put(self._view)
         if self._latest is not None:
             simulation, ping, tones, at_once = self._latest
@@ -183,6 +199,14 @@ class SeabedController:
                 self._view.show_sheet(sheet)
 
         self._fans.send(lambda: fan_sheet(simulation, ping), show)
+
+    def _pull(self, begin: Vector, end: Vector) -> None:
+        """Tell of the place of the bed under the mouse that holds a handle."""
+        if self._latest is not None:
+            bed = self._latest[0].arrays.bed
+            place = meet_bed(self._latest[0].ground, begin, end, (bed.low, bed.high))
+            if place is not None:
+                self.pulled.emit(place)
 
     def _pick(self, begin: Vector, end: Vector, target: Vector | None) -> None:
         """Tell of the nearest place of a target or of the bed along a line of sight."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from insonify.scene import SceneError, plain
 from insonify_viewer.session import Session
+from insonify_viewer.target_handles.controller import TargetHandles
 from insonify_viewer.target_placement import needs_file, new_target
 
 if TYPE_CHECKING:
@@ -35,8 +36,8 @@ class TargetEditor:
 
     Attributes
     ----------
-    simulation : Simulation or None
-        The simulation on screen, which holds the bed.
+    handles : TargetHandles
+        Handles of the targets in the views.
     """
 
     def __init__(
@@ -49,13 +50,19 @@ class TargetEditor:
     ) -> None:
         self._session, self._window, self._simulator, self._files = session, window, simulator, files
         self._added = added
-        self.simulation: Simulation | None = None
+        self.handles = TargetHandles(session, window.waterfall)
+        self._simulation: Simulation | None = None
         window.target_wanted.connect(self.add)
+
+    def follow(self, simulation: Simulation) -> None:
+        """Take the simulation on screen, which holds the bed."""
+        self._simulation = simulation
+        self.handles.follow(simulation)
 
     def add(self, kind: str) -> None:
         """Place a target of a kind where the record shows it; a kind that is read from a file asks for it first."""
         path = self._files.ask_for_mesh() if needs_file(kind) else ""
-        simulation, top = self.simulation, self._window.waterfall.top
+        simulation, top = self._simulation, self._window.waterfall.top
         if simulation is not None and (path or not needs_file(kind)):
             if path:
                 self._window.say(f"reading {Path(path).name} …")
@@ -66,5 +73,6 @@ class TargetEditor:
             self._window.say(str(target))
             return
         targets = plain(self._session.scene)["targets"]
-        if self._session.settle({"targets": [*targets, target]}):
+        name = f"{target['kind'].replace('_', ' ')} added"
+        if self._session.settle({"targets": [*targets, target]}, name):
             self._added(f"targets.{len(targets)}")

@@ -213,6 +213,7 @@ class Viewer(QObject):
     def _connect(self) -> None:
         window, session = self.window, self.session
         self.inspection.connect(window.waterfall, self._seabed)
+        self.targets.handles.connect_seabed(self._seabed)
         session.changed.connect(self._scene_changed)
         session.said.connect(window.say)
         session.marked.connect(self._show_mark)
@@ -328,7 +329,7 @@ class Viewer(QObject):
         if self._answer is None or scene is not self._answer.simulation.scene:
             self._show_geometry(scene)
         self._answer, self._laid = answer, None
-        self.targets.simulation = answer.simulation
+        self.targets.follow(answer.simulation)
         age = self.tow.top - answer.pings
         on_screen = (age >= 0) & (age < self.record.pings)
         stamp = 2 * answer.number + answer.fine

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QToolButton
 
 from insonify.accuracy.record_errors import compute_errors, find_first_bin
 from insonify.display.normalisation import LevelBed
@@ -280,3 +281,81 @@ def test_edits_have_names() -> None:
     session.undo(2)
     assert session.opened == scene
     assert session.redoable == ("tolerance", "open A wreck with a standing mast")
+
+
+def test_a_value_is_reset_by_its_name(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    view, session = panel(viewer).view, viewer.session
+    row = view.row("track.altitude")
+    assert not row.label.property("changed")
+    session.settle({"track.altitude": 6.0})
+    session.settle({"sonar.beam.width": 2.0})
+    assert row.label.property("changed")
+    assert "was 10 m" in row.label.toolTip()
+    QTest.mouseDClick(row.label, Qt.MouseButton.LeftButton)
+    assert session.scene.track.altitude == 10.0
+    assert session.scene.sonar.beam.width == 2.0
+    assert session.undoable[0] == "altitude reset"
+    assert not row.label.property("changed")
+
+
+def test_a_section_is_reset_with_its_kinds(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    view, session = panel(viewer).view, viewer.session
+    assert not view._sections["sonar"]._reset.isVisible()
+    session.settle({"sonar.beam": {"kind": "gaussian", "width": 4.0}})
+    session.settle({"sonar.range": 40.0})
+    session.settle({"track.altitude": 8.0})
+    qtbot.waitUntil(view._sections["sonar"]._reset.isVisible)
+    view.ensureWidgetVisible(view._sections["sonar"]._reset)
+    QTest.mouseClick(view._sections["sonar"]._reset, Qt.MouseButton.LeftButton)
+    assert session.scene.sonar == small.sonar
+    assert session.scene.track.altitude == 8.0
+    session.undo()
+    assert session.scene.sonar.beam.kind == "gaussian", "one step"
+
+
+def test_a_parameter_is_found_by_words(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    view = panel(viewer).view
+    QTest.keyClick(viewer.window, Qt.Key.Key_F, Qt.KeyboardModifier.ControlModifier)
+    qtbot.waitUntil(view.search.hasFocus)
+    QTest.keyClicks(view.search, "beam wid")
+    found = view._found
+    assert [next(iter(found.rows)), found.rows["sonar.beam.width"].label.text()] == ["sonar.beam.width", "beam width"]
+    assert not view._sections["sonar"].isVisible()
+    assert not view.effects.isVisible()
+    field = found.rows["sonar.beam.width"].field
+    QTest.mouseDClick(field, Qt.MouseButton.LeftButton)
+    QTest.keyClicks(field, "3")
+    QTest.keyClick(field, Qt.Key.Key_Return)
+    assert viewer.session.scene.sonar.beam.width == 3.0
+    view.search.setFocus()
+    QTest.keyClicks(view.search, " zzz")
+    assert view._found.rows == {}
+    QTest.keyClick(view.search, Qt.Key.Key_Escape)
+    assert view._found is None
+    assert view._sections["sonar"].isVisible()
+
+
+def test_a_target_is_duplicated_and_locked(open_viewer: Any, small: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(small)
+    view, session = panel(viewer).view, viewer.session
+
+    def press(key: str, text: str) -> None:
+        button = next(b for b in view._sections[key].findChildren(QToolButton, "beside") if b.text() == text)
+        view.ensureWidgetVisible(button)
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+
+    press("targets.1", "⧉")
+    copy = session.scene.targets[3]
+    assert (copy.kind, copy.radius) == ("sphere", 0.5)
+    assert copy.position == (66.0, -18.0)
+    assert session.undoable[0] == "sphere 2 duplicated"
+    press("targets.3", "⚿")
+    assert session.scene.targets[3].locked
+    assert not view.row("targets.3.radius").slider.isEnabled()
+    press("targets.3", "⧉")
+    assert not session.scene.targets[4].locked
+    press("targets.3", "⚿")
+    assert view.row("targets.3.radius").slider.isEnabled()

@@ -125,7 +125,7 @@ def test_the_menu_opens_bundled_scenes(open_viewer: Any, small: Scene, qtbot: An
     assert wanted.description.split()[0] in action.toolTip()
     menu.menu().triggered.emit(action)
     assert viewer.session.scene == wanted
-    assert viewer.panels["parameters"].view.about == " ".join(wanted.description.split())
+    assert viewer.panels["parameters"].view.about == wanted.about
     qtbot.waitUntil(lambda: viewer.complete)
 
 

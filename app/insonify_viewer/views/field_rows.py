@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QWheelEvent
-from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QPushButton, QSizePolicy, QSlider
+from PySide6.QtGui import QContextMenuEvent, QMouseEvent, QWheelEvent
+from PySide6.QtWidgets import QComboBox, QGridLayout, QLabel, QLineEdit, QMenu, QPushButton, QSizePolicy, QSlider
 
 from insonify_viewer.fields import ChoiceField, FileField, NumberField
 from insonify_viewer.quantities import format_quantity, parse_quantity, slider_position, slider_value
+from insonify_viewer.views.lighting import set_property
 
 STEPS = 1000
 NARROWEST, WIDEST = 44, 132  # px, of a slider and of a name
@@ -53,6 +54,50 @@ class Combo(QComboBox):
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Ignore the wheel."""
         event.ignore()
+
+
+class NameLabel(QLabel):
+    """Name of a field; a double click, or its menu, resets a field that was changed.
+
+    Parameters
+    ----------
+    text, about : str
+        The name, and the tooltip.
+    """
+
+    def __init__(self, text: str, about: str) -> None:
+        super().__init__(text)
+        self.setObjectName("name")
+        self._about, self._before = about, ""
+        self.reset: Callable[[], None] = lambda: None
+        self.setToolTip(about)
+
+    def show_reset(self, before: str, reset: Callable[[], None]) -> None:
+        """Mark the field as changed from a value, or with an empty text as unchanged."""
+        self.reset = reset
+        if before != self._before:
+            self._before = before
+            set_property(self, "changed", bool(before))
+            self.explain(self._about)
+
+    def explain(self, about: str) -> None:
+        """Show another tooltip, with what a double click does."""
+        self._about = about
+        self.setToolTip(f"{about}; was {self._before}, double-click to reset" if self._before else about)
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Reset the field."""
+        if self._before and event.button() is Qt.MouseButton.LeftButton:
+            self.reset()
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Offer to reset the field."""
+        menu = QMenu(self)
+        entry = menu.addAction(f"Reset to {self._before}" if self._before else "Unchanged since the scene was opened")
+        entry.setEnabled(bool(self._before))
+        entry.triggered.connect(lambda: self.reset())
+        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        menu.popup(event.globalPos())
 
 
 class NumberRow:
@@ -106,9 +151,12 @@ class NumberRow:
 
     def _let_be(self, idle: str) -> None:
         """Disable the row while its number has no effect, with the reason as tooltip."""
+        about = f"{self._tooltip}; {idle}" if idle else self._tooltip
         for widget in (self.label, self.slider, self.field):
             widget.setEnabled(not idle)
-            widget.setToolTip(f"{self._tooltip}; {idle}" if idle else self._tooltip)
+        self.label.explain(about)
+        for widget in (self.slider, self.field):
+            widget.setToolTip(about)
 
     def _moved(self, position: int) -> None:
         if self._showing or self._number.slider is None:
@@ -203,13 +251,13 @@ class FileRow:
         self.button.setToolTip(file.value)
 
 
-def _label(text: str, indent: int, tooltip: str, unit: str) -> QLabel:
-    label = QLabel()
-    label.setObjectName("name")
+def _label(text: str, indent: int, tooltip: str, unit: str) -> NameLabel:
+    about = f"{tooltip} ({unit})" if unit else tooltip
+    label = NameLabel("", about)
     label.ensurePolished()
     shown = label.fontMetrics().elidedText(text, Qt.TextElideMode.ElideRight, WIDEST - INDENT * indent)
     label.setText(shown)
-    about = f"{tooltip} ({unit})" if unit else tooltip
-    label.setToolTip(about if shown == text else f"{text}: {about}")
+    if shown != text:
+        label.explain(f"{text}: {about}")
     label.setContentsMargins(INDENT * indent, 0, 0, 0)
     return label

@@ -18,6 +18,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 from insonify_viewer.views import pv_meshes
 from insonify_viewer.views.pixel_marks import LIT
 from insonify_viewer.views.pv_meshes import BedPatch, ScanFan
+from insonify_viewer.views.seabed_handles import SeabedHandles
 from insonify_viewer.views.sound_actors import SoundActors
 from insonify_viewer.views.theme import MARK
 
@@ -81,6 +82,7 @@ class SeabedView(QWidget):
         self._due = QTimer(self)
         self._due.setSingleShot(True)
         self._due.timeout.connect(self.draw_now)
+        self.handles = SeabedHandles(self._canvas.plotter, self._canvas.widget, self._sight, self._later)
 
     def show_bed(self, patch: BedPatch) -> None:
         """Show another bed."""
@@ -151,18 +153,23 @@ class SeabedView(QWidget):
 
     def look_at(self, x: float, y: float) -> None:
         """Signal the line of sight through a point of the view, in pixels from its lower left corner."""
-        renderer, ends = self._canvas.plotter.renderer, []
-        for depth in (0.0, 1.0):
-            renderer.SetDisplayPoint(x, y, depth)
-            renderer.DisplayToWorld()
-            *place, scale = renderer.GetWorldPoint()
-            ends.append(np.array(place) / scale)
+        renderer, ends = self._canvas.plotter.renderer, self._sight(x, y)
         picker = pv._vtk.vtkCellPicker()
         picker.PickFromListOn()
         picker.AddPickList(self._targets_actor)
         picker.SetTolerance(0.0)
         met = self._targets_actor.visibility and picker.Pick(x, y, 0.0, renderer)
         self.sighted.emit(*ends, np.array(picker.GetPickPosition()) if met else None)
+
+    def _sight(self, x: float, y: float) -> list[NDArray[np.float64]]:
+        """Return the ends of the line of sight through a point of the view."""
+        renderer, ends = self._canvas.plotter.renderer, []
+        for depth in (0.0, 1.0):
+            renderer.SetDisplayPoint(x, y, depth)
+            renderer.DisplayToWorld()
+            *place, scale = renderer.GetWorldPoint()
+            ends.append(np.array(place) / scale)
+        return ends
 
     def reset_camera(self) -> None:
         """Reset the camera to its place behind and above the fish, when the fish is shown next."""

@@ -26,8 +26,10 @@ QSplitter::handle:hover {{ background: {ACCENT}; }}
 QToolButton#heading {{ background: {RAISED}; border: 0; border-radius: 4px; color: {TEXT}; font-weight: 600;
     padding: 5px 6px; text-align: left; }}
 QToolButton#heading:hover {{ background: {EDGE}; }}
-QToolButton#remove {{ background: {RAISED}; border: 0; border-radius: 4px; color: {QUIET}; padding: 0; }}
-QToolButton#remove:hover {{ background: {EDGE}; color: {ACCENT}; }}
+QToolButton#remove, QToolButton#beside {{ background: {RAISED}; border: 0; border-radius: 4px; color: {QUIET};
+    padding: 0; }}
+QToolButton#beside:checked {{ color: {ACCENT}; }}
+QToolButton#remove:hover, QToolButton#beside:hover {{ background: {EDGE}; color: {ACCENT}; }}
 QToolButton#more {{ background: transparent; border: 0; color: {QUIET}; padding: 1px 2px; }}
 QToolButton#more:hover {{ color: {ACCENT}; }}
 QCheckBox::indicator {{ width: 11px; height: 11px; border: 1px solid {QUIET}; border-radius: 3px;
@@ -44,6 +46,7 @@ QMenu {{ background: {RAISED}; border: 1px solid {EDGE}; padding: 3px; }}
 QMenu::item {{ padding: 4px 18px; border-radius: 3px; }}
 QMenu::item:selected {{ background: {EDGE}; }}
 QLabel#name {{ color: {QUIET}; }}
+QLabel#name[changed="true"] {{ color: {TEXT}; font-style: italic; }}
 QLabel#name[lit="true"], QLabel#choice[lit="true"], QLabel#tick[lit="true"] {{ color: {GROUND}; background: {ACCENT};
     border-radius: 3px; padding: 1px 4px; }}
 QPushButton#tool[lit="true"] {{ color: {GROUND}; background: {ACCENT}; border-color: {ACCENT}; font-weight: 600; }}
@@ -59,6 +62,8 @@ QPushButton#tool {{ background: {RAISED}; border: 1px solid {EDGE}; border-radiu
 QPushButton#tool:hover {{ border-color: {ACCENT}; }}
 QPushButton:disabled {{ color: #566573; }}
 QLabel#about {{ color: {QUIET}; padding: 5px 4px 7px 6px; }}
+QLineEdit#search {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 3px 6px; }}
+QLineEdit#search:focus {{ border-color: {ACCENT}; }}
 QLineEdit#value {{ background: transparent; border: 1px solid transparent; border-radius: 3px; padding: 1px 2px; }}
 QLineEdit#value:hover, QLineEdit#value:focus {{ border-color: {EDGE}; background: {RAISED}; }}
 QComboBox {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 2px 6px; min-height: 18px; }}

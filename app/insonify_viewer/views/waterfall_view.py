@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QPoint, Qt, Signal
-from PySide6.QtGui import QMouseEvent, QWheelEvent
+from PySide6.QtCore import QEvent, QPoint, QRect, Qt, Signal
+from PySide6.QtGui import QMouseEvent, QPainter, QWheelEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.views.record_canvas import RecordCanvas
+from insonify_viewer.views.record_handles import RecordHandles
 
 PINGS_A_NOTCH = 16
 NOTCH = 120  # of the wheel, in eighths of a degree
@@ -43,6 +44,7 @@ class WaterfallView(RecordCanvas):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setCursor(Qt.CursorShape.CrossCursor)
         self.measuring = False
+        self.handles = RecordHandles(self.place_of, self.update, self)
         self._pressed: QPoint | None = None
         self._dragged: QPoint | None = None  # where a drag under way has come to
         self._notches = 0.0
@@ -60,7 +62,7 @@ class WaterfallView(RecordCanvas):
         if event.button() is Qt.MouseButton.LeftButton and self._handle.contains(event.position()):
             self._handle.held = True
             self._scrub(event)
-        elif event.button() is Qt.MouseButton.LeftButton:
+        elif event.button() is Qt.MouseButton.LeftButton and not self._take_handle(event.position().toPoint()):
             self._pressed = event.position().toPoint()
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
@@ -69,7 +71,9 @@ class WaterfallView(RecordCanvas):
             return
         place, pressed, dragged = event.position().toPoint(), self._pressed, self._dragged
         self._pressed = self._dragged = None
-        if self._handle.held:
+        if self.handles.held:
+            self.handles.release()
+        elif self._handle.held:
             self._handle.held = False
             self.update()
         elif pressed is not None and dragged is None and (place - pressed).manhattanLength() <= STILL:
@@ -89,12 +93,25 @@ class WaterfallView(RecordCanvas):
         if self._handle.held:
             self._scrub(event)
             return
+        if self.handles.held:
+            self.handles.pull(self.mark_at(place))
+            return
         if self._pressed is not None and (self._dragged or (place - self._pressed).manhattanLength() > STILL):
             self._drag(place)
         on_rail = self._handle.contains(event.position())
-        self.setCursor(Qt.CursorShape.SizeVerCursor if on_rail else Qt.CursorShape.CrossCursor)
-        self.setToolTip("Drag to any ping of the tow" if on_rail else "")
+        gripped = self.handles.hover(place)
+        cross = Qt.CursorShape.SizeAllCursor if gripped else Qt.CursorShape.CrossCursor
+        self.setCursor(Qt.CursorShape.SizeVerCursor if on_rail else cross)
+        self.setToolTip("Drag to any ping of the tow" if on_rail else gripped)
         self.hovered.emit(self.mark_at(place))
+
+    def _take_handle(self, place: QPoint) -> bool:
+        """Take hold of the handle of a target, unless a drag measures."""
+        return not self.measuring and self.handles.take(place, self.mark_at(place))
+
+    def _draw_over(self, painter: QPainter, plot: QRect) -> None:
+        super()._draw_over(painter, plot)
+        self.handles.draw(painter)
 
     def _drag(self, place: QPoint) -> None:
         """Measure from where the drag began, or move the record with the mouse."""

@@ -8,13 +8,22 @@ from insonify.scene import Scene, plain
 from insonify.scene.links import split_description
 from insonify_viewer.effects import EffectMeter, EffectTicks
 from insonify_viewer.effects.rows import describe_tick
+from insonify_viewer.field_names import name_edit, name_field
 from insonify_viewer.fields import NumberField
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.panels.panel import Panel, Place, RecordGrowth, Workbench
-from insonify_viewer.panels.parameters.sections import FieldSection, needs_file, pinned_section, sections_of
+from insonify_viewer.panels.parameters.resetting import Resets
+from insonify_viewer.panels.parameters.sections import (
+    FieldSection,
+    found_section,
+    needs_file,
+    pinned_section,
+    sections_of,
+)
 from insonify_viewer.panels.parameters.trying import Trials, glide_value, row_of
 from insonify_viewer.panels.parameters.view.parameters_view import ParametersView
 
+ASIDE = 0.08  # slant ranges by which a copy of a target lies beside it
 PATIENCE = 0.25  # s, for the thread that measures when the window closes
 
 
@@ -29,7 +38,7 @@ class ParametersPanel(Panel):
     def __init__(self, workbench: Workbench) -> None:
         self._workbench, self._session, self._files = workbench, workbench.session, workbench.files
         self._opened: Scene | None = None
-        self._trials, self._ticks = Trials(), EffectTicks()
+        self._trials, self._ticks, self._resets = Trials(), EffectTicks(), Resets()
         self._meter = EffectMeter(workbench.simulator, self._show_effects)
         self._followed: tuple[Scene, Modelling] | None = None  # the scene whose effects are measured
         self._due = True  # whether that is still to begin
@@ -41,6 +50,10 @@ class ParametersPanel(Panel):
         view.removed.connect(self._remove)
         view.followed.connect(self._follow)
         view.ticked.connect(self._tick)
+        view.reset.connect(self._reset)
+        view.duplicated.connect(self._duplicate)
+        view.locked.connect(self._lock)
+        view.searched.connect(lambda _: self._show())
 
     @property
     def widget(self) -> ParametersView:
@@ -92,11 +105,16 @@ class ParametersPanel(Panel):
             self._trials.forget()
             self.view.drop_glide()
         self._ticks.follow(scene, self._session.opened)
+        self._resets.follow(self._session.opened)
 
     def _show(self) -> None:
         scene = self._session.scene
         self.view.show_about(split_description(scene.description), self._trials.tried(scene))
-        self.view.show_sections(self._sections())
+        sections = self._sections()
+        self.view.show_sections(sections)
+        words = self.view.search.text().strip()
+        self.view.show_found(found_section(scene, sections_of(scene), words) if words else None)
+        self.view.show_changed(self._resets.changed(scene, (row for section in sections for row in section.parameters)))
         self.view.show_pictures(scene)
         self._show_effects()
 
@@ -157,6 +175,26 @@ class ParametersPanel(Panel):
             self._files.ask_for_dem(self._session.scene)
         elif file := self._files.ask_for(path):
             self._session.settle({path: file})
+
+    def _reset(self, paths: tuple[str, ...]) -> None:
+        """Reset fields to the scene as it was opened."""
+        changes = self._resets.edit(paths)
+        self._session.settle(changes, f"{name_edit(self._session.scene, changes)} reset")
+
+    def _duplicate(self, path: str) -> None:
+        """Add a copy of a target beside it, not locked."""
+        scene, index = self._session.scene, int(path.rpartition(".")[2])
+        targets = plain(scene)["targets"]
+        x, y, *height = targets[index]["position"]
+        aside = round(ASIDE * scene.sonar.range, 1)
+        copy = targets[index] | {"position": [x + aside, y, *height], "locked": False}
+        if self._session.settle({"targets": [*targets, copy]}, f"{name_field(scene, path)} duplicated"):
+            self.view.turn_to(f"targets.{len(targets)}")
+
+    def _lock(self, path: str, locked: bool) -> None:
+        """Lock a target, or unlock it."""
+        name = f"{name_field(self._session.scene, path)} {'locked' if locked else 'unlocked'}"
+        self._session.settle({f"{path}.locked": locked}, name)
 
     def _remove(self, path: str) -> None:
         """Remove the target or volume at a dotted path from the scene."""

@@ -31,23 +31,25 @@ POSED_LAST = ("heading", "pitch", "roll", "gap", "material")
 # Order of the fields that all generated reliefs share, after their own.
 OF_ALL_RELIEF = ("period", "extent", "mask")
 PINNED = "controls"
+MOST_FOUND = 16
 PLACE_REACH = 100.0
 USUAL_SPEED = 1500.0  # m/s, if a cast cannot be read
 
 
 @dataclass(frozen=True)
 class FieldSection:
-    """Fields under one heading; the section of a target or a volume can be removed."""
+    """Fields under one heading; the section of a target or a volume can be removed, that of a target locked."""
 
     key: str
     title: str
     parameters: tuple[Parameter, ...]
     removable: bool = False
+    locked: bool = False
 
     @property
     def structure(self) -> tuple[Any, ...]:
         """Everything that the widgets depend on, except the values."""
-        return tuple((type(p), p.path, p.label, p.rare, _widgets(p)) for p in self.parameters)
+        return self.locked, tuple((type(p), p.path, p.label, p.rare, _widgets(p)) for p in self.parameters)
 
 
 def _widgets(parameter: Parameter) -> Any:
@@ -77,7 +79,8 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
             for index, item in enumerate(part):
                 path = f"{name}.{index}"
                 title = f"{item.kind.replace('_', ' ').capitalize()} {index + 1}"
-                found.append(FieldSection(path, title, _inside(scene, item, path, 0), removable=True))
+                locked = getattr(item, "locked", False)
+                found.append(FieldSection(path, title, _inside(scene, item, path, 0), removable=True, locked=locked))
         else:
             owner, _, field = name.rpartition(".")
             parameters = tuple(_of_declaration(scene, part_at(scene, owner), field, name, 0))
@@ -89,13 +92,29 @@ def sections_of(scene: Scene) -> tuple[FieldSection, ...]:
 
 def pinned_section(scene: Scene, sections: tuple[FieldSection, ...]) -> FieldSection | None:
     """Section of the fields that a scene is about; None if it names none that it has at present."""
-    there = {parameter.path: parameter for section in sections for parameter in section.parameters}
-    pinned = tuple(
-        replace(there[path], label=name_field(scene, path), indent=0, rare=False)
-        for path in scene.controls
-        if path in there
-    )
+    there = {
+        parameter.path: parameter for section in sections if not section.locked for parameter in section.parameters
+    }
+    pinned = tuple(_alone(scene, there[path]) for path in scene.controls if path in there)
     return FieldSection(PINNED, "This scene", pinned) if pinned else None
+
+
+def found_section(scene: Scene, sections: tuple[FieldSection, ...], words: str) -> FieldSection:
+    """Section of the fields whose name or description holds all of some words; the words in the name come first."""
+    wanted = words.lower().split()
+    found = []
+    for parameter in (each for section in sections if not section.locked for each in section.parameters):
+        name = name_field(scene, parameter.path)
+        text = f"{name} {parameter.path} {parameter.tooltip}".lower()
+        if all(word in text for word in wanted):
+            found.append((not all(word in name.lower() for word in wanted), _alone(scene, parameter)))
+    parameters = tuple(parameter for _, parameter in sorted(found, key=lambda pair: pair[0])[:MOST_FOUND])
+    return FieldSection("found", "Found" if parameters else f"No parameter is named “{words}”", parameters)
+
+
+def _alone(scene: Scene, parameter: Parameter) -> Parameter:
+    """Field as it is shown outside of its section, by its full name."""
+    return replace(parameter, label=name_field(scene, parameter.path), indent=0, rare=False)
 
 
 def needs_file(scene: Scene, path: str, value: Any) -> bool:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from PySide6.QtCore import Qt, QTimer, QVariantAnimation, Signal
-from PySide6.QtWidgets import QFrame, QScrollArea, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import QFrame, QLineEdit, QScrollArea, QToolButton, QVBoxLayout, QWidget
 
 from insonify.scene import Scene
 from insonify.scene.links import Link
@@ -32,6 +33,10 @@ class ParametersView(QScrollArea):
     removed = Signal(str)
     followed = Signal(int)  # number of a link of the description
     ticked = Signal(str, bool)  # name of an effect
+    reset = Signal(object)  # dotted paths
+    duplicated = Signal(str)
+    locked = Signal(str, bool)
+    searched = Signal(str)  # words
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -44,6 +49,10 @@ class ParametersView(QScrollArea):
         self._column = QVBoxLayout(self._body)
         self._column.setContentsMargins(8, 8, 8, 8)
         self._column.setSpacing(6)
+        self.search = _search_line(self)
+        self.search.textChanged.connect(self.searched)
+        self._column.addWidget(self.search)
+        self._found: SectionBox | None = None
         self._about = AboutBox()
         self._about.label.linkActivated.connect(lambda number: self.followed.emit(int(number)))
         self._column.addWidget(self._about)
@@ -141,9 +150,35 @@ class ParametersView(QScrollArea):
                 self._drop(section.key)
             box = SectionBox(section, self, unfolded=unfolded, more=more, tools=self._tools(section))
             self._sections[section.key] = box
-            # The description stands first, and the effects between what is pinned and the rest.
-            self._column.insertWidget(place + 1 if section.key == PINNED else place + 2, box)
+            box.setVisible(self._found is None)
+            # Search and description stand first, and the effects between what is pinned and the rest.
+            self._column.insertWidget(place + 2 if section.key == PINNED else place + 3, box)
         self._light_rows()
+
+    def show_changed(self, changed: Mapping[str, str]) -> None:
+        """Mark the fields that differ from the scene as it was opened, given the texts of those values."""
+        for box in self._shown_boxes():
+            box.show_changed(changed)
+
+    def show_found(self, section: FieldSection | None) -> None:
+        """Show the fields that were searched for in place of all others; None ends the search."""
+        if self._found is not None and section is not None and self._found.structure == section.structure:
+            self._found.show_values(section)
+            return
+        if self._found is not None:
+            self._column.removeWidget(self._found)
+            self._found.hide()
+            self._found.deleteLater()
+        self._found = None
+        if section is not None:
+            self._found = SectionBox(section, self, unfolded=True, tools=[])
+            self._column.insertWidget(1, self._found)
+        self._about.setVisible(section is None and bool(self._about.words))
+        for box in (self.effects, *self._sections.values()):
+            box.setVisible(section is None)
+
+    def _shown_boxes(self) -> list[SectionBox]:
+        return [*self._sections.values(), *([self._found] if self._found is not None else [])]
 
     def show_pictures(self, scene: Scene) -> None:
         """Show the curves of a scene, and the spectrum of its bed."""
@@ -164,6 +199,8 @@ class ParametersView(QScrollArea):
         """Light the rows of these fields and no others; unfold their sections and scroll to the first that is there."""
         self._lit = paths
         self._light_rows()
+        if paths:
+            self.search.clear()
         for path in paths:
             for box in self._boxes(path)[:1]:
                 box.reveal(path)
@@ -178,7 +215,7 @@ class ParametersView(QScrollArea):
 
     def row(self, path: str) -> Row:
         """Find the row of a field by its dotted path; of one that is pinned, that on top."""
-        return self._boxes(path)[0].rows[path]
+        return next(box.rows[path] for box in self._boxes(path))
 
     def _boxes(self, path: str) -> list[SectionBox]:
         """Sections that hold the row of a field, the pinned one first."""
@@ -187,10 +224,16 @@ class ParametersView(QScrollArea):
 
     def _tools(self, section: FieldSection) -> list[QToolButton]:
         """Buttons beside the heading of a section."""
-        key = section.key
-        if not section.removable:
-            return []
-        return [make_tool("×", "Remove this target", lambda: self.removed.emit(key))]
+        key, tools = section.key, []
+        if key.startswith("targets."):
+            tip = "Unlock this target" if section.locked else "Lock this target: neither mouse nor slider changes it"
+            lock = make_tool(
+                "beside", "⚿", tip, lambda: self.locked.emit(key, not section.locked), checked=section.locked
+            )
+            tools = [make_tool("beside", "⧉", "Duplicate this target", lambda: self.duplicated.emit(key)), lock]
+        if section.removable:
+            tools.append(make_tool("remove", "×", "Remove this target", lambda: self.removed.emit(key)))
+        return tools
 
     def _lay_out(self) -> None:
         """Lay the sections out now: the scroll bar reaches a new one only after that."""
@@ -207,6 +250,29 @@ class ParametersView(QScrollArea):
         self._column.removeWidget(box)
         box.hide()
         box.deleteLater()
+
+
+def _search_line(view: ParametersView) -> QLineEdit:
+    """Make the line into which a name is typed; Ctrl+F goes there, Escape empties it."""
+    line = QLineEdit()
+    line.setObjectName("search")
+    line.setPlaceholderText("Search a parameter (Ctrl+F)")
+    line.setAccessibleName("Search a parameter")
+    line.setClearButtonEnabled(True)
+    line.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+
+    def begin() -> None:
+        view.verticalScrollBar().setValue(0)
+        line.setFocus()
+        line.selectAll()
+
+    def end() -> None:
+        line.clear()
+        line.clearFocus()
+
+    QShortcut(QKeySequence.StandardKey.Find, view, begin, context=Qt.ShortcutContext.WindowShortcut)
+    QShortcut(QKeySequence(Qt.Key.Key_Escape), line, end, context=Qt.ShortcutContext.WidgetShortcut)
+    return line
 
 
 def _nothing() -> None:

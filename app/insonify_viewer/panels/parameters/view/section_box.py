@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, Protocol
 
 from PySide6.QtCore import SignalInstance
@@ -25,6 +26,7 @@ class RowSignals(Protocol):
     dragged: SignalInstance
     settled: SignalInstance
     file_asked: SignalInstance
+    reset: SignalInstance
 
 
 class SectionBox(FoldingBox):
@@ -65,11 +67,27 @@ class SectionBox(FoldingBox):
         column.addLayout(grid)
         if self._rare:
             self._add_more(column, [each for each in section.parameters if each.rare], signals, more)
-        super().__init__(section.title, body, unfolded=unfolded, beside=_side_by_side(tools))
+        self._reset = make_tool("beside", "↺", "Reset this section to the scene as it was opened", self._reset_all)
+        self._reset.hide()
+        self._changed: dict[str, str] = {}
+        self._signals = signals
+        super().__init__(section.title, body, unfolded=unfolded, beside=_side_by_side([self._reset, *tools]))
+        self._body.setEnabled(not section.locked)
+
+    def show_changed(self, changed: Mapping[str, str]) -> None:
+        """Mark the fields that differ from the scene as it was opened, given the texts of those values."""
+        self._changed = {path: before for path, before in changed.items() if path in self.rows}
+        for path, row in self.rows.items():
+            row.label.show_reset(self._changed.get(path, ""), partial(self._signals.reset.emit, (path,)))
+        self._reset.setVisible(bool(self._changed))
+
+    def _reset_all(self) -> None:
+        self._signals.reset.emit(tuple(self._changed))
 
     def show_values(self, section: FieldSection) -> None:
         """Show other values in the same rows."""
         self.entitle(section.title)
+        self._body.setEnabled(not section.locked)
         for parameter in section.parameters:
             row: Any = self.rows[parameter.path]
             row.show_value(parameter)
@@ -132,10 +150,10 @@ def _pictures(parameters: list[Parameter], grid: QGridLayout, signals: RowSignal
     return placed
 
 
-def make_tool(text: str, tip: str, act: Callable[[], None], *, checked: bool | None = None) -> QToolButton:
+def make_tool(name: str, text: str, tip: str, act: Callable[[], None], *, checked: bool | None = None) -> QToolButton:
     """Make a button for beside the heading of a section; one that can be checked is told whether it is."""
     button = QToolButton()
-    button.setObjectName("remove")
+    button.setObjectName(name)
     button.setText(text)
     button.setToolTip(tip)
     button.setAccessibleName(tip)
@@ -148,9 +166,7 @@ def make_tool(text: str, tip: str, act: Callable[[], None], *, checked: bool | N
     return button
 
 
-def _side_by_side(tools: list[QToolButton]) -> QWidget | None:
-    if not tools:
-        return None
+def _side_by_side(tools: list[QToolButton]) -> QWidget:
     widget = QWidget()
     row = QHBoxLayout(widget)
     row.setContentsMargins(0, 0, 0, 0)

@@ -1,0 +1,169 @@
+"""Handles of targets: where they are in the scene and in the record, and what a drag of one changes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from insonify.scene import Scene
+from insonify.scene.targets import Target
+from insonify_viewer.session import Mark
+
+if TYPE_CHECKING:
+    from insonify.simulation import Simulation
+
+Place = tuple[float, float, float]
+Action = Literal["move", "turn", "resize"]
+SIZES = {"pipe": "length", "box": "size", "sphere": "radius", "cone": "radius", "mesh": "scale"}
+BESIDE = 0.03  # slant ranges by which the handle that turns stands beyond the end of a target
+NEAR = 0.02  # slant ranges about a target within which a place belongs to it
+AROUND = 96  # pings about the one that straight tow lines give, in which an echo is looked for
+SMALLEST, LARGEST = 0.02, 50.0  # factors by which one drag resizes
+DIGITS = 3  # of positions and sizes in metres
+
+
+@dataclass(frozen=True)
+class Handle:
+    """A place by which a target is held.
+
+    Attributes
+    ----------
+    target : int
+        Position of the target in the scene.
+    action : str
+        What a drag does: ``move``, ``turn`` or ``resize``.
+    place : (float, float, float)
+        Local coordinates, in metres.
+    """
+
+    target: int
+    action: Action
+    place: Place
+
+
+def handles_of(simulation: Simulation, chosen: int | None) -> tuple[Handle, ...]:
+    """List the handles of the targets that are not locked: all can be moved, the chosen one turned and resized too."""
+    scene, found = simulation.scene, []
+    for number, target in enumerate(scene.targets):
+        if target.locked:
+            continue
+        found.append(Handle(number, "move", _place(simulation, target, 0.0)))
+        if number == chosen:
+            half = half_length(target)
+            if "heading" in type(target).model_fields and target.kind != "sphere":
+                beyond = half + BESIDE * scene.sonar.range
+                found.append(Handle(number, "turn", _place(simulation, target, beyond)))
+            if target.kind in SIZES:
+                found.append(Handle(number, "resize", _place(simulation, target, half)))
+    return tuple(found)
+
+
+def half_length(target: Target) -> float:
+    """Half of the length of a target along its heading, in metres."""
+    return target.outline.extent((1.0, 0.0, 0.0))
+
+
+def target_at(scene: Scene, x: float, y: float) -> int | None:
+    """Find the target nearest to a place, if it is within its plan or close to it."""
+    margin = NEAR * scene.sonar.range
+    distances = [_distance(target, x, y) for target in scene.targets]
+    nearest = min(range(len(distances)), key=distances.__getitem__, default=None)
+    return nearest if nearest is not None and distances[nearest] <= margin else None
+
+
+def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[str, Any]:
+    """Edit that a drag of a handle makes.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene in which the drag began.
+    handle : Handle
+        Handle that is held.
+    begun, now : (float, float, float)
+        Places under the mouse at the beginning of the drag and now.
+
+    Returns
+    -------
+    dict
+        New values by dotted path.
+    """
+    target, path = scene.targets[handle.target], f"targets.{handle.target}"
+    x, y, *height = target.position
+    if handle.action == "move":
+        there = [round(x + now[0] - begun[0], DIGITS), round(y + now[1] - begun[1], DIGITS)]
+        return {f"{path}.position": [*there, *height]}
+    first, last = (math.hypot(place[0] - x, place[1] - y) for place in (begun, now))
+    if handle.action == "turn":
+        turned = math.degrees(math.atan2(now[1] - y, now[0] - x) - math.atan2(begun[1] - y, begun[0] - x))
+        heading = float(target.attitude[0]) + turned
+        return {f"{path}.heading": round((heading + 180.0) % 360.0 - 180.0, 1)}
+    name = SIZES[target.kind]
+    factor = min(max(last / max(first, 1e-6), SMALLEST), LARGEST)
+    size = getattr(target, name)
+    scaled = [_scaled(side, factor) for side in size] if isinstance(size, tuple) else _scaled(size, factor)
+    changes = {f"{path}.{name}": scaled}
+    return changes | ({f"{path}.height": _scaled(target.height, factor)} if hasattr(target, "height") else {})
+
+
+def echo_mark(simulation: Simulation, place: Place) -> Mark | None:
+    """Find the bin in which a place is heard abeam, by straight sound; None if it is out of range or never abeam.
+
+    Parameters
+    ----------
+    simulation : Simulation
+        Prepared scene.
+    place : (float, float, float)
+        Local coordinates, in metres.
+
+    Returns
+    -------
+    Mark or None
+    """
+    scene, arrays = simulation.scene, simulation.arrays
+    step = scene.track.speed / scene.sonar.ping_rate
+    line = simulation.line(np.zeros(1, dtype=np.int64))
+    heading = float(line.heading[0])
+    ahead = (place[0] - float(line.x[0])) * math.cos(heading) + (place[1] - float(line.y[0])) * math.sin(heading)
+    middle = round(ahead / step)
+    if middle < -AROUND:
+        return None
+    pings = np.arange(max(middle - AROUND, 0), max(middle + AROUND, 0) + 1, dtype=np.int64)
+    pose = simulation.poses(pings)
+    dx, dy, dz = place[0] - pose.x, place[1] - pose.y, place[2] - pose.z
+    along = dx * np.cos(pose.heading) + dy * np.sin(pose.heading)
+    left = dy * np.cos(pose.heading) - dx * np.sin(pose.heading)
+    slant = np.sqrt(dx**2 + dy**2 + dz**2)
+    # The beam is a cone about the axis of the fish, squinted from the plane athwart.
+    off = np.abs(along - arrays.pattern.centre * slant)
+    k = int(np.argmin(off))
+    if off[k] > 2.0 * step or slant[k] >= arrays.bins * arrays.bin_length:
+        return None
+    return Mark(int(pings[k]), int(left[k] < 0.0), int(slant[k] / arrays.bin_length))
+
+
+def _place(simulation: Simulation, target: Target, ahead: float) -> Place:
+    """Place at half the height of a target, some way ahead of its centre."""
+    angle = math.radians(float(target.attitude[0]))
+    x, y = target.position[0] + ahead * math.cos(angle), target.position[1] + ahead * math.sin(angle)
+    if len(target.position) == 3:
+        return x, y, target.position[2] - simulation.ground.datum
+    bed = float(simulation.ground.height_at(np.array([x]), np.array([y]))[0])
+    up = target.underside + target.outline.extent((0.0, 0.0, 1.0))
+    return x, y, (0.0 if math.isnan(bed) else bed) + up
+
+
+def _distance(target: Target, x: float, y: float) -> float:
+    """Horizontal distance of a place from the box about a target, 0 inside it, in metres."""
+    angle = math.radians(float(target.attitude[0]))
+    dx, dy = x - target.position[0], y - target.position[1]
+    along = abs(dx * math.cos(angle) + dy * math.sin(angle)) - half_length(target)
+    across = abs(dy * math.cos(angle) - dx * math.sin(angle)) - target.outline.extent((0.0, 1.0, 0.0))
+    return math.hypot(max(along, 0.0), max(across, 0.0))
+
+
+def _scaled(size: float, factor: float) -> float:
+    return max(round(size * factor, DIGITS), 10.0**-DIGITS)

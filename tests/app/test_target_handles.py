@@ -1,0 +1,135 @@
+"""Targets are picked, dragged, turned and resized in the record and in three dimensions."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+
+from insonify.scene import Scene, edit, load_scene
+from insonify.simulation import prepare
+from insonify_viewer.marked_point import locate_mark
+from insonify_viewer.target_handles.geometry import Handle, drag_edit, echo_mark, handles_of, target_at
+
+BOX = {"kind": "box", "position": [12.0, -20.0], "size": [4.0, 2.0, 1.5], "heading": 30.0}
+
+
+@pytest.fixture
+def one_box(small: Scene) -> Scene:
+    return edit(small, {"targets": [BOX], "sonar.bins": 400})
+
+
+def drag(widget: Any, start: QPoint, end: QPoint, steps: int = 5) -> None:
+    QTest.mouseMove(widget, start)
+    QTest.mousePress(widget, Qt.MouseButton.LeftButton, pos=start)
+    for k in range(1, steps + 1):
+        QTest.mouseMove(widget, start + (end - start) * k / steps)
+    QTest.mouseRelease(widget, Qt.MouseButton.LeftButton, pos=end)
+
+
+def number_of(viewer: Any, action: str, target: int = 0) -> int:
+    handles = viewer.targets.handles._handles
+    return next(k for k, handle in enumerate(handles) if (handle.target, handle.action) == (target, action))
+
+
+@pytest.mark.parametrize("motion", ["straight", {"kind": "yaw", "amplitude": 3.0, "period": 9.0}])
+def test_a_handle_stands_where_the_echo_is(motion: Any) -> None:
+    sphere = {"kind": "sphere", "position": [30.0, -18.0], "radius": 0.3, "gap": 1.0}
+    scene = edit(load_scene("default"), {"targets": [sphere], "track.motion": motion, "sonar.beam": "knife"})
+    scene = edit(scene, {"seabed.relief": "flat", "seabed.material": {"diffuse": 0.001, "specular": 0.0}})
+    simulation = prepare(scene)
+    mark = echo_mark(simulation, handles_of(simulation, None)[0].place)
+    record = simulation.intensity(np.arange(400))
+    ping, side, strongest = np.unravel_index(int(record.argmax()), record.shape)
+    assert mark is not None
+    assert mark.side == side == 1
+    # The sphere is 0.6 m long, three pings; its near face echoes up to a radius before its middle, and bins are 5 cm.
+    assert abs(mark.ping - ping) <= 2
+    assert 0 <= mark.bin - strongest <= 8
+
+
+def test_drags_move_turn_and_resize() -> None:
+    scene = edit(load_scene("default"), {"targets": [BOX]})
+    centre = (12.0, -20.0, 0.0)
+    assert drag_edit(scene, Handle(0, "move", centre), centre, (15.0, -22.5, 0.3)) == {
+        "targets.0.position": [15.0, -22.5]
+    }
+    east, north = (16.0, -20.0, 0.0), (12.0, -17.0, 0.0)
+    assert drag_edit(scene, Handle(0, "turn", east), east, north) == {"targets.0.heading": 120.0}
+    assert drag_edit(scene, Handle(0, "turn", north), north, east) == {"targets.0.heading": -60.0}
+    twice = drag_edit(scene, Handle(0, "resize", east), east, (20.0, -20.0, 0.0))
+    assert twice == {"targets.0.size": [8.0, 4.0, 3.0]}
+
+
+def test_a_target_is_found_by_a_place_within_it() -> None:
+    scene = load_scene("default")
+    assert target_at(scene, 40.0, 22.0) == 0
+    along = math.radians(4.0)
+    assert target_at(scene, 40.0 + 25.0 * math.cos(along), 22.0 + 25.0 * math.sin(along)) == 0, "near the pipe's end"
+    assert target_at(scene, 63.9, -18.1) == 2
+    assert target_at(scene, 10.0, -20.0) is None
+
+
+def test_a_target_is_dragged_in_the_record(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(one_box)
+    record, session = viewer.window.waterfall, viewer.session
+    start = record.handles.place(number_of(viewer, "move"))
+    near, far = start, start + QPoint(30, -25)
+    begin, end = (locate_mark(viewer._answer.simulation, record.mark_at(place))[2] for place in (near, far))
+    drag(record, near, far)
+    moved = np.array(session.scene.targets[0].position) - np.array(BOX["position"])
+    np.testing.assert_allclose(moved, np.array(end[:2]) - np.array(begin[:2]), atol=2e-3)
+    assert session.undoable == ("box 1 moved",)
+    qtbot.waitUntil(lambda: viewer.complete)
+    place = record.handles.place(number_of(viewer, "move"))
+    assert (place - far).manhattanLength() <= 4, "the handle stays under the mouse"
+    session.undo()
+    assert session.scene == one_box
+
+
+def test_a_click_into_an_echo_chooses_its_target(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(one_box)
+    record, handles = viewer.window.waterfall, viewer.targets.handles
+    assert [handle.action for handle in handles._handles] == ["move"]
+    beside = record.handles.place(0) + QPoint(12, 0)
+    QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=beside)
+    assert handles.chosen == 0
+    assert [handle.action for handle in handles._handles] == ["move", "turn", "resize"]
+    turn = record.handles.place(number_of(viewer, "turn"))
+    centre = record.handles.place(number_of(viewer, "move"))
+    drag(record, turn, turn + QPoint(0, 2 * (centre.y() - turn.y())))
+    assert viewer.session.undoable[0] == "box 1 turned"
+    assert viewer.session.scene.targets[0].heading == pytest.approx(150.0, abs=12.0)  # mirrored at the line athwart
+    qtbot.waitUntil(lambda: viewer.complete)
+    resize = record.handles.place(number_of(viewer, "resize"))
+    drag(record, resize, resize + (resize - centre))
+    assert viewer.session.undoable[0] == "box 1 resized"
+    assert viewer.session.scene.targets[0].size[0] > 5.5
+    QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0) + QPoint(-120, 60))
+    assert handles.chosen is None
+
+
+def test_locked_targets_stay(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(edit(one_box, {"targets.0.locked": True}))
+    assert viewer.targets.handles._handles == ()
+
+
+def test_a_target_is_dragged_in_three_dimensions(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(one_box, solid=True)
+    session, view = viewer.session, viewer.seabed.view
+    viewer.targets.handles.choose(0)
+    viewer.seabed.draw_now()
+    canvas, position = view._canvas.widget, tuple(view._canvas.plotter.camera.position)
+    start = view.handles.place(number_of(viewer, "move")).toPoint()
+    drag(canvas, start, start + QPoint(25, 10))
+    assert session.undoable == ("box 1 moved",)
+    moved = np.hypot(*(np.array(session.scene.targets[0].position) - np.array(BOX["position"])))
+    assert 0.5 < moved < 40.0
+    qtbot.waitUntil(lambda: viewer.complete)
+    place = view.handles.place(number_of(viewer, "move")).toPoint()
+    assert (place - start - QPoint(25, 10)).manhattanLength() <= 12, "the target follows the mouse"
+    assert tuple(view._canvas.plotter.camera.position) == position, "the view does not turn meanwhile"
