@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QShortcut
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QToolButton
 
@@ -318,8 +319,10 @@ def test_a_section_is_reset_with_its_kinds(open_viewer: Any, small: Scene, qtbot
 def test_a_parameter_is_found_by_words(open_viewer: Any, small: Scene, qtbot: Any) -> None:
     viewer = open_viewer(small)
     view = panel(viewer).view
-    QTest.keyClick(viewer.window, Qt.Key.Key_F, Qt.KeyboardModifier.ControlModifier)
-    qtbot.waitUntil(view.search.hasFocus)
+    shortcut = view.findChild(QShortcut)
+    assert shortcut.key().toString() == "Ctrl+F"
+    shortcut.activated.emit()  # without a window manager no key comes here
+    assert viewer.window.focusWidget() is view.search
     QTest.keyClicks(view.search, "beam wid")
     found = view._found
     assert [next(iter(found.rows)), found.rows["sonar.beam.width"].label.text()] == ["sonar.beam.width", "beam width"]
@@ -333,7 +336,7 @@ def test_a_parameter_is_found_by_words(open_viewer: Any, small: Scene, qtbot: An
     view.search.setFocus()
     QTest.keyClicks(view.search, " zzz")
     assert view._found.rows == {}
-    QTest.keyClick(view.search, Qt.Key.Key_Escape)
+    view.search.findChild(QShortcut).activated.emit()  # Escape
     assert view._found is None
     assert view._sections["sonar"].isVisible()
 

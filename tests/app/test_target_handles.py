@@ -95,7 +95,7 @@ def test_a_click_into_an_echo_chooses_its_target(open_viewer: Any, one_box: Scen
     viewer = open_viewer(one_box)
     record, handles = viewer.window.waterfall, viewer.targets.handles
     assert [handle.action for handle in handles._handles] == ["move"]
-    beside = record.handles.place(0) + QPoint(12, 0)
+    beside = record.handles.place(0) + QPoint(10, 0)
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=beside)
     assert handles.chosen == 0
     assert [handle.action for handle in handles._handles] == ["move", "turn", "resize"]
@@ -111,6 +111,15 @@ def test_a_click_into_an_echo_chooses_its_target(open_viewer: Any, one_box: Scen
     assert viewer.session.scene.targets[0].size[0] > 5.5
     QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0) + QPoint(-120, 60))
     assert handles.chosen is None
+
+
+def test_a_click_on_a_handle_chooses_and_pins(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:
+    viewer = open_viewer(one_box)
+    record = viewer.window.waterfall
+    QTest.mouseClick(record, Qt.MouseButton.LeftButton, pos=record.handles.place(0))
+    assert viewer.targets.handles.chosen == 0
+    assert viewer.inspection.mark is not None
+    assert viewer.session.undoable == ()
 
 
 def test_locked_targets_stay(open_viewer: Any, one_box: Scene, qtbot: Any) -> None:

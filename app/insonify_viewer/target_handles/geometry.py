@@ -19,7 +19,7 @@ Place = tuple[float, float, float]
 Action = Literal["move", "turn", "resize"]
 SIZES = {"pipe": "length", "box": "size", "sphere": "radius", "cone": "radius", "mesh": "scale"}
 BESIDE = 0.03  # slant ranges by which the handle that turns stands beyond the end of a target
-NEAR = 0.02  # slant ranges about a target within which a place belongs to it
+NEAR = 0.03  # slant ranges about a target within which a place belongs to it
 AROUND = 96  # pings about the one that straight tow lines give, in which an echo is looked for
 SMALLEST, LARGEST = 0.02, 50.0  # factors by which one drag resizes
 DIGITS = 3  # of positions and sizes in metres
@@ -96,13 +96,15 @@ def drag_edit(scene: Scene, handle: Handle, begun: Place, now: Place) -> dict[st
     if handle.action == "move":
         there = [round(x + now[0] - begun[0], DIGITS), round(y + now[1] - begun[1], DIGITS)]
         return {f"{path}.position": [*there, *height]}
-    first, last = (math.hypot(place[0] - x, place[1] - y) for place in (begun, now))
+    # What stands above the bed is heard nearer than the bed beneath it: the mouse shows how far the handle has moved.
+    first = handle.place[0] - x, handle.place[1] - y
+    last = first[0] + now[0] - begun[0], first[1] + now[1] - begun[1]
     if handle.action == "turn":
-        turned = math.degrees(math.atan2(now[1] - y, now[0] - x) - math.atan2(begun[1] - y, begun[0] - x))
+        turned = math.degrees(math.atan2(last[1], last[0]) - math.atan2(first[1], first[0]))
         heading = float(target.attitude[0]) + turned
         return {f"{path}.heading": round((heading + 180.0) % 360.0 - 180.0, 1)}
     name = SIZES[target.kind]
-    factor = min(max(last / max(first, 1e-6), SMALLEST), LARGEST)
+    factor = min(max(math.hypot(*last) / max(math.hypot(*first), 1e-6), SMALLEST), LARGEST)
     size = getattr(target, name)
     scaled = [_scaled(side, factor) for side in size] if isinstance(size, tuple) else _scaled(size, factor)
     changes = {f"{path}.{name}": scaled}

@@ -46,6 +46,7 @@ class WaterfallView(RecordCanvas):
         self.measuring = False
         self.handles = RecordHandles(self.place_of, self.update, self)
         self._pressed: QPoint | None = None
+        self._taken: QPoint | None = None  # where a handle was taken
         self._dragged: QPoint | None = None  # where a drag under way has come to
         self._notches = 0.0
 
@@ -73,6 +74,8 @@ class WaterfallView(RecordCanvas):
         self._pressed = self._dragged = None
         if self.handles.held:
             self.handles.release()
+            if self._taken is not None and (place - self._taken).manhattanLength() <= STILL:
+                self._click(place)
         elif self._handle.held:
             self._handle.held = False
             self.update()
@@ -107,6 +110,7 @@ class WaterfallView(RecordCanvas):
 
     def _take_handle(self, place: QPoint) -> bool:
         """Take hold of the handle of a target, unless a drag measures."""
+        self._taken = place
         return not self.measuring and self.handles.take(place, self.mark_at(place))
 
     def _draw_over(self, painter: QPainter, plot: QRect) -> None:
