@@ -234,8 +234,8 @@ def test_undo_says_what_it_undoes(open_viewer: Any, small: Scene, qtbot: Any) ->
     viewer.session.settle({"targets.1.position.0": 61.0})
     assert undo.text() == "Undo: sphere 2 position x"
     assert undo.toolTip() == "Undo: sphere 2 position x (Ctrl+Z)"
-    assert [entry.text() for entry in undo.menu().actions()] == ["Undo: sphere 2 position x", "Undo: beam width"]
-    undo.menu().actions()[1].trigger()
+    assert [entry.text() for entry in viewer.window.history.lists[0].actions()] == ["Undo: sphere 2 position x", "Undo: beam width"]
+    viewer.window.history.lists[0].actions()[1].trigger()
     assert viewer.session.scene == small
     assert (undo.isEnabled(), redo.text()) == (False, "Redo: beam width")
     redo.trigger()
@@ -245,6 +245,7 @@ def test_undo_says_what_it_undoes(open_viewer: Any, small: Scene, qtbot: Any) ->
         each for each in viewer.window._bar.children() if getattr(each, "defaultAction", lambda: None)() is undo
     )
     assert tool.text() == "Undo", "the tool bar has no room for more"
+    assert undo in viewer.window.menus.edit.actions()
 
 
 @pytest.mark.parametrize(

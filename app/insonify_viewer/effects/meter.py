@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from insonify.scene import Scene, SceneError, edit
+from insonify_viewer.comparison.record_difference import RecordSnapshot, compare_records
 from insonify_viewer.modelling import Modelling
 from insonify_viewer.newest_wins import NewestWins
-from insonify_viewer.comparison.record_difference import RecordSnapshot, compare_records
 
 if TYPE_CHECKING:
     from insonify.simulation import Simulation

@@ -4,53 +4,57 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QObject, QSignalBlocker, Signal
+from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QMenu
+from PySide6.QtWidgets import QMenu, QToolButton
 
 MOST = 20  # edits in a menu
 
 
 class HistoryMenus(QObject):
-    """Names what the actions for undo and redo would do; held or clicked by the right button they list all edits.
+    """Names what undo and redo would do; their tool buttons, held, list all edits.
 
     Parameters
     ----------
-    undo, redo : QAction
-        The actions.
+    undo, redo : (QAction, QToolButton)
+        The actions and their buttons.
+
+    Attributes
+    ----------
+    lists : tuple of QMenu
+        The lists of the edits that can be undone and redone.
     """
 
     undone = Signal(int)  # steps
     redone = Signal(int)
 
-    def __init__(self, undo: QAction, redo: QAction) -> None:
-        super().__init__(undo.parent())
-        self._actions = undo, redo
-        self._words = undo.text(), redo.text()
-        for action, signal in zip(self._actions, (self.undone, self.redone), strict=True):
-            action.setIconText(action.text())  # the tool bar shows this; menus show the name of the edit too
+    def __init__(self, undo: tuple[QAction, QToolButton], redo: tuple[QAction, QToolButton]) -> None:
+        super().__init__(undo[0].parent())
+        self._actions = undo[0], redo[0]
+        self._words = undo[0].text(), redo[0].text()
+        self.lists = QMenu(undo[1]), QMenu(redo[1])
+        for (action, button), menu, signal in zip((undo, redo), self.lists, (self.undone, self.redone), strict=True):
             action.triggered.connect(lambda _, signal=signal: signal.emit(1))
-            menu = QMenu()
             menu.triggered.connect(lambda chosen, signal=signal: signal.emit(chosen.data()))
-            action.setMenu(menu)
+            button.setMenu(menu)
+            button.setPopupMode(QToolButton.ToolButtonPopupMode.DelayedPopup)
 
     def show_edits(self, undoable: Sequence[str], redoable: Sequence[str]) -> None:
         """Show the names of the edits that can be undone and redone, the next first."""
-        for action, word, edits in zip(self._actions, self._words, (undoable, redoable), strict=True):
-            with QSignalBlocker(action):
-                key = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
-                name = f"{word}: {edits[0]}" if edits else f"{word}: nothing"
-                action.setText(name)
-                action.setIconText(word)
-                action.setToolTip(f"{name} ({key})")
+        for action, menu, word, edits in zip(
+            self._actions, self.lists, self._words, (undoable, redoable), strict=True
+        ):
+            key = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
+            name = f"{word}: {edits[0]}" if edits else word
+            action.setText(name)
+            action.setIconText(word)  # which the tool bar shows
+            action.setToolTip(f"{name} ({key})")
             action.setEnabled(bool(edits))
-            _fill(action, word, edits)
+            _fill(menu, word, edits)
 
 
-def _fill(action: QAction, word: str, edits: Sequence[str]) -> None:
-    """List edits in the menu of an action; an entry undoes or redoes all down to it."""
-    menu = action.menu()
-    assert isinstance(menu, QMenu)
+def _fill(menu: QMenu, word: str, edits: Sequence[str]) -> None:
+    """List edits in a menu; an entry undoes or redoes all down to it."""
     menu.clear()
     for steps, edit in enumerate(edits[:MOST], 1):
         entry = menu.addAction(f"{word}: {edit}")

@@ -264,11 +264,8 @@ class MainWindow(QMainWindow):
         bar.addSeparator()
         self.undo = self._tool(bar, "Undo", "Undo the last edit", QKeySequence(key.Undo))
         self.redo = self._tool(bar, "Redo", "Redo the edit that was undone", QKeySequence(key.Redo))
-        self.history = HistoryMenus(self.undo, self.redo)
-        for action in (self.undo, self.redo):
-            button = bar.widgetForAction(action)
-            assert isinstance(button, QToolButton)
-            button.setPopupMode(QToolButton.ToolButtonPopupMode.DelayedPopup)
+        undo, redo = ((action, _button(bar, action)) for action in (self.undo, self.redo))
+        self.history = HistoryMenus(undo, redo)
         bar.addSeparator()
         self.pause = self._tool(bar, "Pause", "Pause the tow; the mouse wheel then looks back", QKeySequence("Space"))
         self.pause.setCheckable(True)
@@ -392,3 +389,10 @@ class MainWindow(QMainWindow):
 def _with_key(tip: str, shortcut: QKeySequence) -> str:
     key = shortcut.toString(QKeySequence.SequenceFormat.NativeText)
     return f"{tip} ({key})" if key else tip
+
+
+def _button(bar: QToolBar, action: QAction) -> QToolButton:
+    """Button of an action in a tool bar."""
+    button = bar.widgetForAction(action)
+    assert isinstance(button, QToolButton)
+    return button
