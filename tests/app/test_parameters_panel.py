@@ -294,6 +294,7 @@ def test_a_value_is_reset_by_its_name(open_viewer: Any, small: Scene, qtbot: Any
     session.settle({"sonar.beam.width": 2.0})
     assert row.label.property("changed")
     assert "was 10 m" in row.label.toolTip()
+    assert not view.row("track.depth").label.property("changed"), "it follows the altitude"
     QTest.mouseDClick(row.label, Qt.MouseButton.LeftButton)
     assert session.scene.track.altitude == 10.0
     assert session.scene.sonar.beam.width == 2.0
@@ -346,20 +347,20 @@ def test_a_target_is_duplicated_and_locked(open_viewer: Any, small: Scene, qtbot
     viewer = open_viewer(small)
     view, session = panel(viewer).view, viewer.session
 
-    def press(key: str, text: str) -> None:
-        button = next(b for b in view._sections[key].findChildren(QToolButton, "beside") if b.text() == text)
+    def press(key: str, name: str) -> None:
+        button = view._sections[key].findChild(QToolButton, name)
         view.ensureWidgetVisible(button)
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
-    press("targets.1", "⧉")
+    press("targets.1", "copy")
     copy = session.scene.targets[3]
     assert (copy.kind, copy.radius) == ("sphere", 0.5)
     assert copy.position == (66.0, -18.0)
     assert session.undoable[0] == "sphere 2 duplicated"
-    press("targets.3", "⚿")
+    press("targets.3", "lock")
     assert session.scene.targets[3].locked
     assert not view.row("targets.3.radius").slider.isEnabled()
-    press("targets.3", "⧉")
+    press("targets.3", "copy")
     assert not session.scene.targets[4].locked
-    press("targets.3", "⚿")
+    press("targets.3", "lock")
     assert view.row("targets.3.radius").slider.isEnabled()

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Place = tuple[float, float, float]
 Action = Literal["move", "turn", "resize"]
 SIZES = {"pipe": "length", "box": "size", "sphere": "radius", "cone": "radius", "mesh": "scale"}
-BESIDE = 0.03  # slant ranges by which the handle that turns stands beyond the end of a target
+BESIDE = 0.06  # slant ranges by which the handle that turns stands beyond the end of a target
 NEAR = 0.03  # slant ranges about a target within which a place belongs to it
 AROUND = 96  # pings about the one that straight tow lines give, in which an echo is looked for
 SMALLEST, LARGEST = 0.02, 50.0  # factors by which one drag resizes

@@ -26,10 +26,10 @@ QSplitter::handle:hover {{ background: {ACCENT}; }}
 QToolButton#heading {{ background: {RAISED}; border: 0; border-radius: 4px; color: {TEXT}; font-weight: 600;
     padding: 5px 6px; text-align: left; }}
 QToolButton#heading:hover {{ background: {EDGE}; }}
-QToolButton#remove, QToolButton#beside {{ background: {RAISED}; border: 0; border-radius: 4px; color: {QUIET};
-    padding: 0; }}
-QToolButton#beside:checked {{ color: {ACCENT}; }}
-QToolButton#remove:hover, QToolButton#beside:hover {{ background: {EDGE}; color: {ACCENT}; }}
+QToolButton#remove, QToolButton#reset, QToolButton#copy, QToolButton#lock {{ background: {RAISED}; border: 0;
+    border-radius: 4px; color: {QUIET}; padding: 0; }}
+QToolButton#remove:hover, QToolButton#reset:hover, QToolButton#copy:hover, QToolButton#lock:hover {{ background: {EDGE};
+    color: {ACCENT}; }}
 QToolButton#more {{ background: transparent; border: 0; color: {QUIET}; padding: 1px 2px; }}
 QToolButton#more:hover {{ color: {ACCENT}; }}
 QCheckBox::indicator {{ width: 11px; height: 11px; border: 1px solid {QUIET}; border-radius: 3px;

@@ -26,12 +26,15 @@ class Resets:
 
     def changed(self, scene: Scene, parameters: Iterable[Parameter]) -> dict[str, str]:
         """Find the fields that can be reset, each with the text of the value that it had."""
+        if self._opened is None:
+            return {}
+        before, now = plain(self._opened), plain(scene)
         return {
             row.path: _text(self._first[row.path])
             for row in parameters
             if row.path in self._first
             and type(row) is type(self._first[row.path])
-            and row.value != self._first[row.path].value
+            and _value_at(now, row.path) != _value_at(before, row.path)
             and self._is_same_part(scene, row.path)
         }
 

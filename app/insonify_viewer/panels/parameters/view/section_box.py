@@ -67,7 +67,7 @@ class SectionBox(FoldingBox):
         column.addLayout(grid)
         if self._rare:
             self._add_more(column, [each for each in section.parameters if each.rare], signals, more)
-        self._reset = make_tool("beside", "↺", "Reset this section to the scene as it was opened", self._reset_all)
+        self._reset = make_tool("reset", "↺", "Reset this section to the scene as it was opened", self._reset_all)
         self._reset.hide()
         self._changed: dict[str, str] = {}
         self._signals = signals
@@ -150,8 +150,8 @@ def _pictures(parameters: list[Parameter], grid: QGridLayout, signals: RowSignal
     return placed
 
 
-def make_tool(name: str, text: str, tip: str, act: Callable[[], None], *, checked: bool | None = None) -> QToolButton:
-    """Make a button for beside the heading of a section; one that can be checked is told whether it is."""
+def make_tool(name: str, text: str, tip: str, act: Callable[[], None]) -> QToolButton:
+    """Make a button for beside the heading of a section."""
     button = QToolButton()
     button.setObjectName(name)
     button.setText(text)
@@ -159,9 +159,6 @@ def make_tool(name: str, text: str, tip: str, act: Callable[[], None], *, checke
     button.setAccessibleName(tip)
     button.setFixedWidth(TOOL)
     button.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
-    if checked is not None:
-        button.setCheckable(True)
-        button.setChecked(checked)
     button.clicked.connect(act)
     return button
 
