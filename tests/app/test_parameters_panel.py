@@ -234,7 +234,10 @@ def test_undo_says_what_it_undoes(open_viewer: Any, small: Scene, qtbot: Any) ->
     viewer.session.settle({"targets.1.position.0": 61.0})
     assert undo.text() == "Undo: sphere 2 position x"
     assert undo.toolTip() == "Undo: sphere 2 position x (Ctrl+Z)"
-    assert [entry.text() for entry in viewer.window.history.lists[0].actions()] == ["Undo: sphere 2 position x", "Undo: beam width"]
+    assert [entry.text() for entry in viewer.window.history.lists[0].actions()] == [
+        "Undo: sphere 2 position x",
+        "Undo: beam width",
+    ]
     viewer.window.history.lists[0].actions()[1].trigger()
     assert viewer.session.scene == small
     assert (undo.isEnabled(), redo.text()) == (False, "Redo: beam width")

@@ -41,9 +41,7 @@ class HistoryMenus(QObject):
 
     def show_edits(self, undoable: Sequence[str], redoable: Sequence[str]) -> None:
         """Show the names of the edits that can be undone and redone, the next first."""
-        for action, menu, word, edits in zip(
-            self._actions, self.lists, self._words, (undoable, redoable), strict=True
-        ):
+        for action, menu, word, edits in zip(self._actions, self.lists, self._words, (undoable, redoable), strict=True):
             key = action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
             name = f"{word}: {edits[0]}" if edits else word
             action.setText(name)

@@ -28,8 +28,8 @@ from insonify_viewer.views.comparison_actions import ComparisonActions
 from insonify_viewer.views.comparison_overlay import ComparisonOverlay
 from insonify_viewer.views.file_drop import take_drops
 from insonify_viewer.views.help_dialogs import HELD_KEYS, AboutDialog, KeysDialog
-from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.history_menus import HistoryMenus
+from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.job_bar import JobBar
 from insonify_viewer.views.menus import Menus
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide

@@ -15,7 +15,7 @@ from insonify_viewer.panels.parameters.sections import PINNED, FieldSection
 from insonify_viewer.panels.parameters.view.about_box import AboutBox
 from insonify_viewer.panels.parameters.view.effects_box import EffectsBox
 from insonify_viewer.panels.parameters.view.section_box import Row, SectionBox, make_tool
-from insonify_viewer.views.drawn_icons import copy_icon, lock_icon
+from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.lighting import light
 
 NARROWEST = 316  # px
@@ -230,8 +230,8 @@ class ParametersView(QScrollArea):
             tip = "Unlock this target" if section.locked else "Lock this target: neither mouse nor slider changes it"
             copy = make_tool("copy", "", "Duplicate this target", lambda: self.duplicated.emit(key))
             lock = make_tool("lock", "", tip, lambda: self.locked.emit(key, not section.locked))
-            copy.setIcon(copy_icon())
-            lock.setIcon(lock_icon(closed=section.locked))
+            set_icon(copy, "copy")
+            set_icon(lock, "lock" if section.locked else "unlock")
             tools = [copy, lock]
         if section.removable:
             tools.append(make_tool("remove", "×", "Remove this target", lambda: self.removed.emit(key)))
