@@ -18,7 +18,7 @@ from insonify.kernels.beam.azimuth_sector import (
     top_hat_width,
 )
 from insonify.kernels.beam.pattern_integrals import place_in_rows, response_between, row_below
-from insonify.kernels.common.jit import inlined_uncounted, kernel_uncounted
+from insonify.kernels.common.jit import NOTHING, inlined_uncounted, kernel_on_demand, kernel_uncounted
 from insonify.kernels.common.types import EVERY_GRAZING, LIGHT, TABLE
 
 MOST_STEPS = 32  # knots from one at which a pattern is read to the next
@@ -57,7 +57,7 @@ def weigh_knots(x, z, r, sector, pattern, law, out):
             out[i] = top_hat_width(x[i], r[i], sector)
 
 
-@inlined_uncounted
+@kernel_on_demand(NOTHING)
 def _weigh_pattern(x, z, r, sector, pattern, law, out):
     """Weights of a tabulated pattern, along the track and in the plane."""
     if sector.angle == 0.0:
