@@ -5,7 +5,7 @@ decorator                  called by a kernel       on disk      counts referenc
 =========================  =======================  ===========  =====================  ==================
 `kernel`                   a function of its own    yes          yes                    relaxed (`FAST`)
 `kernel_uncounted`         a function of its own    yes          no                     relaxed (`FAST`)
-`kernel_separate`          by its address           yes          no                     relaxed (`FAST`)
+`kernel_separate`          by its address           yes          if asked to            relaxed (`FAST`)
 `kernel_on_demand`         by its address           yes          if asked to            relaxed (`FAST`)
 `inlined`                  inlined                  no           yes                    relaxed (`FAST`)
 `inlined_uncounted`        inlined                  no           no                     relaxed (`FAST`)
@@ -50,9 +50,9 @@ def kernel_uncounted(function: Function) -> Function:
     return _kept(function, counting=False)
 
 
-def kernel_separate(returned: Any) -> Callable[[Function], Function]:
-    """Compile a function on its own, beside the kernels that call it, without counting references."""
-    return lambda function: _separate(function, returned, ahead=True)
+def kernel_separate(returned: Any, counting: bool = False) -> Callable[[Function], Function]:
+    """Compile a function on its own, beside the kernels that call it, by default without counting references."""
+    return lambda function: _separate(function, returned, ahead=True, counting=counting)
 
 
 def kernel_on_demand(returned: Any, counting: bool = False) -> Callable[[Function], Function]:
@@ -93,7 +93,7 @@ def _within_callers(function: Function, counting: bool, fast: Any) -> Function:
     return _kernel(function, {"fastmath": fast, "_nrt": counting, "forceinline": True}, kept=False)
 
 
-def _separate(function: Function, returned: Any, ahead: bool, counting: bool = False) -> Function:
+def _separate(function: Function, returned: Any, ahead: bool, counting: bool) -> Function:
     chosen: Any = config
     if chosen.DISABLE_JIT:
         return function
