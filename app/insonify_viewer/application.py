@@ -25,7 +25,8 @@ from insonify_viewer.session import Mark
 from insonify_viewer.viewer import Viewer
 from insonify_viewer.views.qt_modules import leave_sources_unread
 from insonify_viewer.views.save_dialogs import save_picture
-from insonify_viewer.views.theme import apply_theme
+from insonify_viewer.views.settings import Settings
+from insonify_viewer.views.theme import Theme, apply_theme
 
 SNAPSHOT_SIZE = (1600, 1000)
 COLLECTION_INTERVAL = 200  # ms
@@ -47,7 +48,9 @@ def open_window(scene: Scene, pin: Mark | None = None, lesson: Lesson | None = N
     recording : str
         File of a record to show beside the scene; empty for none.
     """
-    application = make_application()
+    settings = Settings()
+    scale_text(settings.size)
+    application = make_application(settings.theme)
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=has_opengl())
         viewer.window.show()
@@ -161,7 +164,14 @@ def main_thread_collection() -> Iterator[None]:
             timer.stop()
 
 
-def make_application() -> QApplication:
+def scale_text(percent: int) -> None:
+    """Draw the window larger than the system asks; to be called before the application is made."""
+    if percent != 100:
+        system = float(os.environ.get("QT_SCALE_FACTOR") or 1.0)
+        os.environ["QT_SCALE_FACTOR"] = f"{system * percent / 100.0:g}"
+
+
+def make_application(theme: Theme = Theme.DARK) -> QApplication:
     """Return the QApplication, with the colours and style of the viewer."""
     # A short switch interval lets the main thread interrupt the worker often enough to keep the window smooth.
     sys.setswitchinterval(0.001)
@@ -170,7 +180,7 @@ def make_application() -> QApplication:
     existing = QApplication.instance()
     application = existing if isinstance(existing, QApplication) else QApplication(sys.argv[:1])
     application.setApplicationName("insonify")
-    apply_theme(application)
+    apply_theme(application, theme)
     return application
 
 

@@ -11,7 +11,7 @@ import pytest
 
 os.environ.setdefault("QT_API", "pyside6")
 
-from PySide6.QtCore import QCoreApplication, QEvent, QTimer
+from PySide6.QtCore import QCoreApplication, QEvent, QSettings, QTimer
 from PySide6.QtWidgets import QApplication, QMessageBox
 from stand_in import StandIn
 
@@ -32,6 +32,14 @@ def small() -> Scene:
 def _questions_are_answered(monkeypatch: pytest.MonkeyPatch) -> None:
     """Discard unsaved changes where a test does not answer otherwise: a question would wait for ever."""
     monkeypatch.setattr(QMessageBox, "question", lambda *_: QMessageBox.StandardButton.Discard)
+
+
+@pytest.fixture(autouse=True)
+def _settings_are_apart(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Keep settings and states of windows in a folder of each test, not in the person's own."""
+    folder = tmp_path_factory.mktemp("settings")
+    QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(folder))
+    monkeypatch.setenv("XDG_STATE_HOME", str(folder))
 
 
 @pytest.fixture(autouse=True)

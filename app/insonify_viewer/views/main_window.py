@@ -31,10 +31,12 @@ from insonify_viewer.views.help_dialogs import HELD_KEYS, AboutDialog, KeysDialo
 from insonify_viewer.views.history_menus import HistoryMenus
 from insonify_viewer.views.icons import set_icon
 from insonify_viewer.views.job_bar import JobBar
+from insonify_viewer.views.looks_menu import LooksMenu
 from insonify_viewer.views.menus import Menus
 from insonify_viewer.views.records_side_by_side import RecordsSideBySide
 from insonify_viewer.views.save_menu import SaveMenu
 from insonify_viewer.views.scene_menu import SceneMenu
+from insonify_viewer.views.settings import Settings
 from insonify_viewer.views.titled_waterfall import TitledWaterfall
 from insonify_viewer.views.tool_widgets import GainSlider, make_combo
 from insonify_viewer.views.waterfall_view import WaterfallView
@@ -96,6 +98,7 @@ class MainWindow(QMainWindow):
         self._panels: dict[str, Panel] = {}
         self._docks: dict[str, QDockWidget] = {}
         self._buttons: dict[str, QAction] = {}
+        self.settings = Settings()
         self._add_tools(palettes)
         self.menus = Menus(self)
         self._fill_menus()
@@ -301,6 +304,7 @@ class MainWindow(QMainWindow):
         menus.group("Record", self.comparison.actions)
         menus.group("Tools", [self.save.jobs])
         menus.group("View", [self.projector, self.reset_view])
+        self.looks = LooksMenu(self, menus.view, self.settings, self.say)
         menus.view.addSeparator()
         keys = menus.add("Help", "Keyboard shortcuts", "Every command that has a key", "?")
         keys.triggered.connect(lambda: KeysDialog(self, menus.all, HELD_KEYS).show())

@@ -20,7 +20,7 @@ from insonify_viewer.views.pixel_marks import LIT
 from insonify_viewer.views.pv_meshes import BedPatch, ScanFan
 from insonify_viewer.views.seabed_handles import SeabedHandles
 from insonify_viewer.views.sound_actors import SoundActors
-from insonify_viewer.views.theme import MARK
+from insonify_viewer.views.theme import MARK_IN_WATER
 
 if TYPE_CHECKING:
     from insonify.kernels.common.types import Poses, SceneArrays
@@ -197,7 +197,7 @@ class SeabedView(QWidget):
         )
         self._sheet_actor = plotter.add_mesh(self._fan.sheet, color="#bfeaff", opacity=0.17, lighting=False, **add)
         self._footprint_actor = plotter.add_mesh(self._fan.footprint, scalars="colour", rgb=True, lighting=False, **add)
-        self._mark_actor = plotter.add_mesh(_pin(), color=MARK, lighting=False, **add)
+        self._mark_actor = plotter.add_mesh(_pin(), color=MARK_IN_WATER, lighting=False, **add)
         self._pick_actor = plotter.add_mesh(_pin(), color=LIT, lighting=False, **add)
         self._sound = SoundActors(plotter)
         for actor in plotter.actors.values():

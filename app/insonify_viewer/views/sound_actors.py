@@ -9,7 +9,7 @@ import numpy as np
 import pyvista
 from numpy.typing import NDArray
 
-from insonify_viewer.views.theme import MARK
+from insonify_viewer.views.theme import MARK_IN_WATER
 
 if TYPE_CHECKING:
     from insonify_viewer.inspection import SoundDrawing
@@ -33,9 +33,9 @@ class SoundActors:
     def __init__(self, plotter: Any) -> None:
         add: dict[str, Any] = {"render": False, "reset_camera": False, "lighting": False}
         styles = {
-            "rays": {"color": MARK, "line_width": 1.5, "opacity": 0.85},
+            "rays": {"color": MARK_IN_WATER, "line_width": 1.5, "opacity": 0.85},
             "blocked": {"color": BLOCKED, "line_width": 1.5, "opacity": 0.85},
-            "heard": {"color": MARK, "line_width": 6.0},
+            "heard": {"color": MARK_IN_WATER, "line_width": 6.0},
             "hidden": {"color": HIDDEN, "line_width": 6.0},
         }
         self.actors = {name: plotter.add_mesh(_line(), **add, **style) for name, style in styles.items()}

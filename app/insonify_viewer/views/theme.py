@@ -1,21 +1,46 @@
-"""Colours and style sheet of the window: dark, with one copper accent."""
+"""Colours and style sheet of the window, dark or light, with one copper accent."""
 
 from __future__ import annotations
 
-from PySide6.QtGui import QColor, QPalette
+from enum import Enum
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication
 
-GROUND, RAISED, EDGE = "#121a22", "#1b2631", "#2d3c4a"
-TEXT, QUIET, ACCENT = "#dbe3ea", "#8ea0b1", "#e2a458"
-MARK = "#38d6ff"  # distinct from sand and from every palette
 
-STYLE = f"""
+class Theme(Enum):
+    """Colours of the window."""
+
+    SYSTEM = "system"
+    DARK = "dark"
+    LIGHT = "light"
+
+
+# Of the dark and of the light theme.
+COLOURS = {
+    "GROUND": ("#121a22", "#f5f7f9"),
+    "RAISED": ("#1b2631", "#e7ecf1"),
+    "EDGE": ("#2d3c4a", "#bcc7d1"),
+    "TEXT": ("#dbe3ea", "#17212b"),
+    "QUIET": ("#8ea0b1", "#475665"),
+    "ACCENT": ("#e2a458", "#8f4f0c"),
+    "MARK": ("#38d6ff", "#00668f"),  # distinct from sand and from every palette
+    "FAINT": ("#566573", "#8794a1"),
+    "TRAIL": ("#9a7445", "#c79a63"),
+}
+# Views hold these objects; `apply_theme` changes them in place, so that the next paint shows another theme.
+GROUND, RAISED, EDGE, TEXT, QUIET, ACCENT, MARK, FAINT, TRAIL = (QColor(dark) for dark, _ in COLOURS.values())
+# Over pictures of the water, which stay dark in both themes.
+OVER_WATER, MARK_IN_WATER, ACCENT_IN_WATER = COLOURS["TEXT"][0], COLOURS["MARK"][0], COLOURS["ACCENT"][0]
+
+STYLE = """
 QMainWindow, QDockWidget, QScrollArea, QWidget#panel {{ background: {GROUND}; }}
 QToolBar {{ background: {RAISED}; border: 0; border-bottom: 1px solid {EDGE}; padding: 3px 3px; spacing: 1px; }}
 QToolBar QToolButton {{ padding: 4px 3px; border-radius: 4px; color: {TEXT}; }}
 QToolBar QToolButton:hover {{ background: {EDGE}; }}
 QToolBar QToolButton:checked {{ background: {ACCENT}; color: {GROUND}; }}
-QToolBar QToolButton:disabled {{ color: #566573; }}
+QToolBar QToolButton:disabled {{ color: {FAINT}; }}
 QToolBar QLabel {{ color: {QUIET}; padding: 0 2px 0 4px; }}
 QToolBar::separator {{ background: {EDGE}; width: 1px; margin: 4px 2px; }}
 QStatusBar {{ background: {RAISED}; color: {QUIET}; border-top: 1px solid {EDGE}; }}
@@ -60,7 +85,7 @@ QTabBar::tab:selected {{ color: {TEXT}; border-bottom-color: {ACCENT}; }}
 QTabBar::tab:hover {{ color: {TEXT}; }}
 QPushButton#tool {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 4px 12px; }}
 QPushButton#tool:hover {{ border-color: {ACCENT}; }}
-QPushButton:disabled {{ color: #566573; }}
+QPushButton:disabled {{ color: {FAINT}; }}
 QLabel#about {{ color: {QUIET}; padding: 5px 4px 7px 6px; }}
 QLineEdit#search {{ background: {RAISED}; border: 1px solid {EDGE}; border-radius: 4px; padding: 3px 6px; }}
 QLineEdit#search:focus {{ border-color: {ACCENT}; }}
@@ -73,16 +98,16 @@ QComboBox QAbstractItemView {{ background: {RAISED}; color: {TEXT}; selection-ba
 QTreeWidget#budget {{ background: {GROUND}; color: {TEXT}; border: 0; selection-background-color: {EDGE};
     selection-color: {TEXT}; outline: 0; }}
 QSlider::groove:horizontal {{ height: 3px; background: {EDGE}; border-radius: 1px; }}
-QSlider::sub-page:horizontal {{ background: #9a7445; border-radius: 1px; }}
+QSlider::sub-page:horizontal {{ background: {TRAIL}; border-radius: 1px; }}
 QSlider::sub-page:horizontal:disabled {{ background: {EDGE}; }}
-QLabel#name:disabled {{ color: #566573; }}
+QLabel#name:disabled {{ color: {FAINT}; }}
 QSlider::handle:horizontal {{ background: {TEXT}; width: 11px; height: 11px; margin: -4px 0; border-radius: 5px; }}
 QSlider::handle:horizontal:hover, QSlider::handle:horizontal:focus {{ background: {ACCENT}; }}
-QSlider::handle:horizontal:disabled {{ background: #566573; }}
+QSlider::handle:horizontal:disabled {{ background: {FAINT}; }}
 QProgressBar {{ background: {GROUND}; border: 1px solid {EDGE}; border-radius: 3px; max-height: 9px;
     max-width: 120px; }}
 QProgressBar#job {{ max-height: 16px; min-width: 220px; max-width: 320px; color: {TEXT}; text-align: center; }}
-QProgressBar#job::chunk {{ background: #9a7445; }}
+QProgressBar#job::chunk {{ background: {TRAIL}; }}
 QProgressBar::chunk {{ background: {ACCENT}; }}
 QScrollBar:vertical {{ background: {GROUND}; width: 9px; margin: 0; }}
 QScrollBar::handle:vertical {{ background: {EDGE}; border-radius: 4px; min-height: 24px; }}
@@ -91,11 +116,27 @@ QToolTip {{ background: {RAISED}; color: {TEXT}; border: 1px solid {EDGE}; paddi
 """
 
 
-def apply_theme(application: QApplication) -> None:
-    """Set style, colours and style sheet of the application."""
+def apply_theme(application: QApplication, theme: Theme = Theme.DARK) -> None:
+    """Set style, colours and style sheet of the application; widgets are painted anew."""
+    light = is_light(theme)
+    named = {"GROUND": GROUND, "RAISED": RAISED, "EDGE": EDGE, "TEXT": TEXT, "QUIET": QUIET, "ACCENT": ACCENT}
+    named |= {"MARK": MARK, "FAINT": FAINT, "TRAIL": TRAIL}
+    for name, colour in named.items():
+        colour.setRgb(QColor(COLOURS[name][light]).rgb())
     application.setStyle("Fusion")
-    palette = QPalette()
-    role = QPalette.ColorRole
+    application.setPalette(_palette())
+    application.setStyleSheet(STYLE.format(**{name: colour.name() for name, colour in named.items()}))
+
+
+def is_light(theme: Theme) -> bool:
+    """Whether a theme is light; the system's is dark where the system names none."""
+    if theme is Theme.SYSTEM:
+        return QGuiApplication.styleHints().colorScheme() == Qt.ColorScheme.Light
+    return theme is Theme.LIGHT
+
+
+def _palette() -> QPalette:
+    palette, role = QPalette(), QPalette.ColorRole
     for roles, colour in (
         ((role.Window, role.Base, role.ToolTipBase), GROUND),
         ((role.Button, role.AlternateBase), RAISED),
@@ -107,6 +148,5 @@ def apply_theme(application: QApplication) -> None:
         for one in roles:
             palette.setColor(one, QColor(colour))
     for one in (role.WindowText, role.Text, role.ButtonText):
-        palette.setColor(QPalette.ColorGroup.Disabled, one, QColor("#566573"))
-    application.setPalette(palette)
-    application.setStyleSheet(STYLE)
+        palette.setColor(QPalette.ColorGroup.Disabled, one, QColor(FAINT))
+    return palette

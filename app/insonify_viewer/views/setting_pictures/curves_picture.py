@@ -107,7 +107,7 @@ def _scale(curve: Curve) -> str:
     return f" ({STEP:g} dB from line to line)" if curve.y_unit == "dB" else ""
 
 
-def _words(painter: QPainter, colour: str, area: QRectF, words: str) -> None:
+def _words(painter: QPainter, colour: QColor, area: QRectF, words: str) -> None:
     painter.setPen(QColor(colour))
     shown = painter.fontMetrics().elidedText(words, Qt.TextElideMode.ElideRight, int(area.width()))
     painter.drawText(area, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, shown)

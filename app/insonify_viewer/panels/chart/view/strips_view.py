@@ -70,7 +70,7 @@ class StripsView(QWidget):
         self,
         painter: QPainter,
         number: int,
-        title: tuple[tuple[str, str], ...],
+        title: tuple[tuple[str, QColor], ...],
         strip: NDArray[np.float32],
         ends: tuple[float, float],
         table: NDArray[np.uint32],

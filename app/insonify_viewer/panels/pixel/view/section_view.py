@@ -6,19 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtCore import QEvent, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
 from insonify_viewer.panels.pixel.view.section_scales import SectionScales
 from insonify_viewer.views.pixels import round_steps
-from insonify_viewer.views.theme import ACCENT, GROUND, MARK, QUIET, TEXT
+from insonify_viewer.views.theme import ACCENT_IN_WATER, GROUND, MARK_IN_WATER, OVER_WATER, QUIET
 
 if TYPE_CHECKING:
     from insonify.explanation.cross_section import CrossSection
     from insonify.explanation.pixel import PixelExplanation
 
-WATER, BED, HEARD, HIDDEN = "#1c3a52", "#4b3f2d", ACCENT, "#0a0604"
+WATER, BED, HEARD, HIDDEN = "#1c3a52", "#4b3f2d", ACCENT_IN_WATER, "#0a0604"
 BLOCKED, RING, TARGET = "#ff7a5c", "#5b7d99", "#e8eef2"
 ARC = 96  # points of the ring of equal slant range
 
@@ -61,6 +61,12 @@ class SectionView(QWidget):
         painter.drawPixmap(0, 0, self._picture)
         painter.end()
 
+    def changeEvent(self, event: QEvent) -> None:
+        """Paint anew in another theme."""
+        if event.type() is QEvent.Type.PaletteChange:
+            self._picture = None
+        super().changeEvent(event)
+
     def _painted(self) -> QPixmap:
         ratio = self.devicePixelRatioF()
         picture = QPixmap(int(self.width() * ratio), int(self.height() * ratio))
@@ -85,8 +91,8 @@ def _paint(painter: QPainter, explanation: PixelExplanation, section: CrossSecti
     _paint_ring(painter, scales, section, explanation.slant_range)
     _paint_rays(painter, scales, section, explanation)
     painter.setClipping(False)
-    painter.setPen(_pen(GROUND, 1.0))
-    painter.setBrush(QColor(TEXT))
+    painter.setPen(_pen(HIDDEN, 1.0))
+    painter.setBrush(QColor(OVER_WATER))
     painter.drawEllipse(scales.at(0.0, float(section.sonar.place[2])), 5.0, 5.0)
     _paint_scales(painter, scales, section)
 
@@ -128,7 +134,7 @@ def _paint_rays(painter: QPainter, scales: SectionScales, section: CrossSection,
     drawn: list[tuple[str, tuple[Points, ...], Points]] = [
         (BLOCKED, each.rays[:1], each.places) for each in explanation.obstructions
     ]
-    drawn += [(MARK, each.rays, each.places) for each in explanation.contributions]
+    drawn += [(MARK_IN_WATER, each.rays, each.places) for each in explanation.contributions]
     for colour, rays, places in drawn:
         painter.setPen(_pen(colour, 1.6))
         for ray in rays:

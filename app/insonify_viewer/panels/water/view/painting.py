@@ -10,12 +10,23 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 from insonify.display.ray_diagram.diagram import RayDiagram, describe_eigenray, place_along_axis
 from insonify_viewer.panels.water.view.plot_scales import PlotScales
 from insonify_viewer.views.pixels import round_steps
-from insonify_viewer.views.theme import ACCENT, GROUND, MARK, QUIET, TEXT
+from insonify_viewer.views.theme import (
+    ACCENT,
+    ACCENT_IN_WATER,
+    GROUND,
+    MARK,
+    MARK_IN_WATER,
+    OVER_WATER,
+    QUIET,
+    RAISED,
+    TEXT,
+)
 
 # Colours of sound speed, from slow to fast.
 NIGHT = np.array([(28, 70, 108), (38, 62, 84), (62, 59, 56), (106, 80, 46)], dtype=np.float64)
 RAY, BED, BED_EDGE, SHADE = "#9cc3e2", "#4b3f2d", "#8a7450", (2, 4, 7, 190)
-EIGENRAYS = (ACCENT, "#7bd389", "#f26d6d", "#c792ea")
+EIGENRAYS = (ACCENT_IN_WATER, "#7bd389", "#f26d6d", "#c792ea")
+DARK, SIGN = "#121a22", QColor(18, 26, 34, 205)  # around marks, and behind words, in the water
 ROWS, COLUMNS = 128, 64  # size of the sound-speed picture
 LABEL = 34.0  # px, least distance of two angle labels
 HANDLE = 4.5  # px, radius of a point that can be dragged
@@ -53,7 +64,7 @@ def paint_water(painter: QPainter, diagram: RayDiagram, frame: PlotScales, water
     painter.setPen(_pen(RAY, 1.0, 150))
     for path in diagram.rays:
         painter.drawPolyline(_polygon(frame, path.range, path.depth))
-    painter.setPen(_pen(MARK, 2.0))
+    painter.setPen(_pen(MARK_IN_WATER, 2.0))
     painter.drawPoints(_polygon(frame, *diagram.caustics.T))
     for number, path in enumerate(diagram.eigenrays):
         painter.setPen(_pen(EIGENRAYS[number % len(EIGENRAYS)], 2.4))
@@ -63,12 +74,12 @@ def paint_water(painter: QPainter, diagram: RayDiagram, frame: PlotScales, water
     painter.setPen(_pen("#000000", 4.0))
     for begin, end in diagram.dark:
         painter.drawLine(frame.at(begin, frame.bottom), frame.at(end, frame.bottom))
-    painter.setPen(_pen(GROUND, 1.0))
-    painter.setBrush(QColor(TEXT))
+    painter.setPen(_pen(DARK, 1.0))
+    painter.setBrush(QColor(OVER_WATER))
     painter.drawEllipse(frame.at(0.0, diagram.source_depth), 5.0, 5.0)
     if diagram.target is not None:
-        painter.setPen(_pen(TEXT, 1.6))
-        painter.setBrush(QColor(GROUND))
+        painter.setPen(_pen(OVER_WATER, 1.6))
+        painter.setBrush(QColor(DARK))
         painter.drawEllipse(frame.at(*diagram.target), 4.5, 4.5)
     _label_rays(painter, diagram, frame)
     _label_scales(painter, frame)
@@ -81,7 +92,7 @@ def paint_profile(
     """Paint sound speed over depth, with the points that can be dragged."""
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     area = frame.profile
-    painter.fillRect(area, QColor("#17212b"))
+    painter.fillRect(area, RAISED)
     y = frame.height_of(diagram.source_depth)
     painter.setPen(QPen(QColor(QUIET), 1.0, Qt.PenStyle.DashLine))
     painter.drawLine(QPointF(area.left(), y), QPointF(area.right(), y))
@@ -109,7 +120,6 @@ def _paint_bed(painter: QPainter, frame: PlotScales, area: QRectF) -> None:
 
 def _label_rays(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
     """Label ray ends with launch angles, the roundest first, where there is room."""
-    painter.setPen(QColor(RAY))
     taken: list[QPointF] = []
     by_roundness = sorted(diagram.rays, key=lambda path: (path.angle % 10.0 != 0.0, path.angle % 5.0 != 0.0))
     for path in by_roundness:
@@ -118,7 +128,9 @@ def _label_rays(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> No
             continue
         taken.append(end)
         text = f"{path.angle:.3g}°".replace("-", "−")
-        if path.range[-1] >= diagram.reach * (1.0 - 1e-9):
+        leaves = path.range[-1] >= diagram.reach * (1.0 - 1e-9)
+        painter.setPen(QColor(QUIET if leaves else RAY))
+        if leaves:
             painter.drawText(QPointF(end.x() + 3.0, end.y() + 4.0), text)
         elif path.depth[-1] > 0.5 * diagram.bottom:
             painter.drawText(QRectF(end.x() - 30.0, end.y() + 2.0, 60.0, 16.0), Qt.AlignmentFlag.AlignHCenter, text)
@@ -148,15 +160,15 @@ def _say(painter: QPainter, diagram: RayDiagram, frame: PlotScales) -> None:
     """Describe the eigenrays, and where no sound reaches the bed."""
     lines = [(EIGENRAYS[k % len(EIGENRAYS)], describe_eigenray(path)) for k, path in enumerate(diagram.eigenrays)]
     if diagram.target is not None and not lines:
-        lines = [(TEXT, "no direct ray reaches this point: it lies in a shadow zone")]
+        lines = [(OVER_WATER, "no direct ray reaches this point: it lies in a shadow zone")]
     for begin, end in diagram.dark:
         place = f"beyond {begin:.1f} m" if end >= diagram.reach else f"from {begin:.1f} to {end:.1f} m"
-        lines.append((QUIET, f"no sound on the bed {place}"))
+        lines.append((OVER_WATER, f"no sound on the bed {place}"))
     metrics = painter.fontMetrics()
     for number, (colour, line) in enumerate(lines):
         width = metrics.horizontalAdvance(line) + 10.0
         box = QRectF(frame.rays.right() - width - 4.0, frame.rays.top() + 5.0 + 17.0 * number, width, 16.0)
-        painter.fillRect(box, QColor(18, 26, 34, 205))
+        painter.fillRect(box, SIGN)
         painter.setPen(QColor(colour))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, line)
 
@@ -168,7 +180,7 @@ def _polygon(frame: PlotScales, distance: NDArray[np.float64], depth: NDArray[np
     return QPolygonF([QPointF(a, b) for a, b in zip(x.tolist(), y.tolist())])
 
 
-def _pen(colour: str, width: float, alpha: int = 255) -> QPen:
+def _pen(colour: QColor | str, width: float, alpha: int = 255) -> QPen:
     mixed = QColor(colour)
     mixed.setAlpha(alpha)
     pen = QPen(mixed, width)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QImage, QMouseEvent, QPainter, QPaintEvent, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QWidget
 
@@ -117,6 +117,12 @@ class WaterView(QWidget):
     def _frame(self) -> PlotScales:
         assert self._diagram is not None
         return self._scale or PlotScales.of(self._diagram, self.width(), self.height())
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Paint anew in another theme."""
+        if event.type() is QEvent.Type.PaletteChange:
+            self._rays = None
+        super().changeEvent(event)
 
     def _painted(self, diagram: RayDiagram, frame: PlotScales) -> QPixmap:
         if self._pictures is None:

@@ -1,0 +1,58 @@
+"""Settings of the person, kept between starts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QSettings
+
+from insonify_viewer.views.theme import Theme
+
+RECENT = 10  # files
+SIZES = (100, 125, 150, 200)  # %, of the text and of all that is drawn with it
+
+
+class Settings:
+    """Theme, size of the text and recent files, in the settings file of the person.
+
+    Every value that is not understood, as of a file that was edited by hand, reads as the usual one.
+    """
+
+    def __init__(self) -> None:
+        self._store = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "insonify", "insonify")
+
+    @property
+    def theme(self) -> Theme:
+        """Theme of the window."""
+        named = self._store.value("theme")
+        return next((theme for theme in Theme if theme.value == named), Theme.SYSTEM)
+
+    @theme.setter
+    def theme(self, theme: Theme) -> None:
+        self._store.setValue("theme", theme.value)
+
+    @property
+    def size(self) -> int:
+        """Size of the text in per cent, one of `SIZES`; it counts from the next start."""
+        kept = str(self._store.value("size", "100"))
+        return int(kept) if kept in map(str, SIZES) else 100
+
+    @size.setter
+    def size(self, size: int) -> None:
+        self._store.setValue("size", size)
+
+    @property
+    def recent(self) -> list[str]:
+        """Files that were opened last, the newest first."""
+        kept = self._store.value("recent")
+        files = [kept] if isinstance(kept, str) else kept  # a list of one is read as its entry
+        return [file for file in files if isinstance(file, str) and file] if isinstance(files, list) else []
+
+    def add_recent(self, file: str) -> None:
+        """Put a file on top of the recent ones."""
+        whole = str(Path(file).resolve())
+        self._store.setValue("recent", [whole, *(other for other in self.recent if other != whole)][:RECENT])
+
+    def forget_recent(self, file: str = "") -> None:
+        """Take a file from the recent ones, or all of them."""
+        self._store.setValue("recent", [other for other in self.recent if file and other != file])

@@ -1,0 +1,75 @@
+"""Both themes can be read, change while the window is open, and are kept."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from PySide6.QtGui import QColor, QPalette
+from PySide6.QtWidgets import QApplication, QWidget
+
+from insonify.scene import Scene
+from insonify_viewer.views.settings import Settings
+from insonify_viewer.views.theme import COLOURS, GROUND, Theme, apply_theme
+
+
+def contrast(one: str, other: str) -> float:
+    """Contrast ratio of two colours (WCAG 2.1, section 1.4.3)."""
+
+    def luminance(name: str) -> float:
+        parts = (QColor(name).redF(), QColor(name).greenF(), QColor(name).blueF())
+        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    dark, light = sorted((luminance(one), luminance(other)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+@pytest.mark.parametrize("light", [False, True], ids=["dark", "light"])
+@pytest.mark.parametrize(
+    ("words", "ground"),
+    [
+        ("TEXT", "GROUND"), ("TEXT", "RAISED"), ("TEXT", "EDGE"), ("QUIET", "GROUND"), ("QUIET", "RAISED"),
+        ("ACCENT", "GROUND"), ("ACCENT", "RAISED"), ("MARK", "GROUND"), ("GROUND", "ACCENT"),
+    ],
+)  # fmt: skip
+def test_words_stand_out(words: str, ground: str, light: bool) -> None:
+    assert contrast(COLOURS[words][light], COLOURS[ground][light]) >= 4.5
+
+
+def test_contrast_of_black_on_white() -> None:
+    assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
+
+
+def corner(widget: QWidget) -> QColor:
+    """Colour of the corner of a widget that paints its own ground."""
+    return widget.grab().toImage().pixelColor(1, 1)
+
+
+def test_the_theme_changes_in_the_open_window(open_viewer: Any, small: Scene, qapp: QApplication) -> None:
+    viewer = open_viewer(small)
+    window = viewer.window
+    themes = {action.data(): action for action in window.looks.themes}
+    try:
+        for theme, column in ((Theme.LIGHT, 1), (Theme.DARK, 0)):
+            themes[theme].trigger()
+            ground = COLOURS["GROUND"][column]
+            assert Settings().theme is theme
+            assert GROUND.name() == ground
+            assert qapp.palette().color(QPalette.ColorRole.Window).name() == ground
+            # A native window may have 16 bits a pixel: 5 of them for red.
+            assert corner(window.waterfall).lightness() == pytest.approx(QColor(ground).lightness(), abs=8)
+        assert window.looks.themes[1].isChecked()
+    finally:
+        apply_theme(qapp)
+
+
+def test_settings_survive_nonsense() -> None:
+    settings = Settings()
+    assert (settings.theme, settings.size, settings.recent) == (Theme.SYSTEM, 100, [])
+    for name, value in (("theme", "pink"), ("size", "-3"), ("recent", 7)):
+        settings._store.setValue(name, value)
+    assert (settings.theme, settings.size) == (Theme.SYSTEM, 100)
+    assert isinstance(settings.recent, list)
+    settings.size, settings.theme = 150, Theme.LIGHT
+    assert (Settings().size, Settings().theme) == (150, Theme.LIGHT)
