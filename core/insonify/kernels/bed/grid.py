@@ -55,6 +55,8 @@ def clip_to_grid(origin, rate, highest, near, far):
 def first_line(v, step):
     """Last grid line at or behind a place of a walk; a line just ahead counts as reached.
 
+    With ``-step`` it is the first line at or beyond the place; a line just behind counts as reached.
+
     Parameters
     ----------
     v : float
@@ -67,21 +69,3 @@ def first_line(v, step):
     int
     """
     return math.floor(v + MERGED) if step > 0 else math.ceil(v - MERGED)
-
-
-@inlined_uncounted
-def last_line(v, step):
-    """First grid line at or beyond a place of a walk; a line just behind counts as not yet left.
-
-    Parameters
-    ----------
-    v : float
-        Place, in nodes.
-    step : int
-        1 or -1, the sense of the walk.
-
-    Returns
-    -------
-    int
-    """
-    return math.ceil(v - MERGED) if step > 0 else math.floor(v + MERGED)

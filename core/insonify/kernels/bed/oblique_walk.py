@@ -2,19 +2,22 @@
 
 Between two neighbouring lines v the plane crosses at most one line u, because it runs within 45° of v. Four nodes of
 each line v, from the one before the plane to the second beyond it, hold all that the cells on either hand of that line
-give to a knot or a segment. Derived in docs/theory/sweep.md.
+give to a knot or a segment. The knot on the line u is written in any case, and overwritten where the plane crosses
+none: a branch would be mispredicted. Derived in docs/theory/sweep.md.
 """
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from insonify.kernels.bed.grid import MERGED, first_line, last_line, wrap_index
+from insonify.kernels.bed.grid import MERGED, first_line, wrap_index
 from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.common.jit import INTEGER, inlined_uncounted, kernel_separate, kernel_uncounted
+
+# How a plane crosses a line u between two lines v: between them, or at the second of them.
+CROSSED, CORNER = 1, 2
 
 
 class LineNodes(NamedTuple):
@@ -24,6 +27,26 @@ class LineNodes(NamedTuple):
     near: float  # of the cell's nearer node
     far: float  # of its farther node
     beyond: float  # of the node beyond the cell
+
+
+class LineCrossings(NamedTuple):
+    """Where a plane crosses the lines v, counted from the one at or behind its beginning."""
+
+    behind: int  # that line
+    step: int  # 1 or -1, from one line to the next
+    sense: int  # 1 or -1: a cell w along u lies between the nodes sense·w and sense·(w + 1)
+    count: int  # lines up to the first one at or beyond its end
+    start: float  # ground ranges at which it begins and ends, m
+    end: float
+    from_behind: float  # how far beyond line 0 it begins, in cells
+    from_last: float  # and how far beyond the last line but one it ends
+    x_behind: float  # ground range of line 0, m
+    per_line: float  # and between neighbours
+    w0: float  # w grows by rate per metre of ground range, from w0
+    rate: float
+    lowest: int  # first cell of the bed
+    cells: int  # how many it has
+    periodic: bool  # whether it repeats
 
 
 @kernel_separate(INTEGER)
@@ -58,70 +81,137 @@ def walk_oblique(nodes, materials, mapped, periodic, spacing, v_is_y, u0, v0, z0
     int
         Knots of the profile.
     """
-    x, z, gradient, twist, material = profile.x, profile.z, profile.gradient, profile.twist, profile.material
-    real, per_spacing = gradient.dtype.type, (1.0 if eu > 0.0 else -1.0) / spacing
-    nv, nu = nodes.shape
-    # w counts cells along u in the plane's own sense; a cell w lies between the nodes sense·w and sense·(w + 1).
-    sense, step = 1 if eu > 0.0 else -1, 1 if ev > 0.0 else -1
-    w0, rate = sense * u0, abs(eu) / spacing
-    lowest, highest = (0, nu - 2) if sense > 0 else (1 - nu, -1)
-    per_rate = 1.0 / rate
-    v_start, v_end = v0 + start * ev / spacing, v0 + end * ev / spacing
-    behind, beyond = first_line(v_start, step), last_line(v_end, step)
-    x_behind, per_line = (behind - v0) * spacing / ev, step * spacing / ev
-    lines = max((beyond - behind) * step, 1)
-    w = w0 + start * rate
-    cell = _cell_at(w, lowest, highest, periodic)
-    line = wrap_index(behind, nv)
-    following = wrap_index(behind + step, nv)
-    here = _between(nodes, line, following, (v_start - behind) * step, sense, cell)
-    x_here = start
-    x[0], z[0] = start, here.near + (here.far - here.near) * (w - cell) - z0
-    place = 0
-    for k in range(1, lines + 1):
-        final = k == lines
-        x_next = end if final else x_behind + k * per_line
-        w = w0 + x_next * rate
-        next_cell = _cell_at(w, lowest, highest, periodic)
-        if final:
-            share = (v_end - (behind + (k - 1) * step)) * step
-            there = _between(nodes, line, following, share, sense, next_cell)
-        else:
-            there = _line_nodes(nodes[following], sense, next_cell)
-        crossed = next_cell != cell
-        # Where the plane crosses the line u at the cell's far end, and how far that is on the way between the lines v.
-        x_across = (next_cell - w0) * per_rate
-        share = min(max((x_across - x_here) / (x_next - x_here), 0.0), 1.0) if crossed else 1.0
-        first, last = here.far - here.near, there.far - there.near
-        turned = share * ((there.near - there.before if crossed else last) - first)
-        gradient[place], twist[place] = real((first + 0.5 * turned) * per_spacing), real(turned * per_spacing)
-        if mapped:
-            material[place] = _material(materials, v_is_y, sense, step, cell, behind + (k - 1) * step)
-        place += 1
-        if crossed and w - next_cell > MERGED:
-            x[place], z[place] = x_across, here.far + (there.near - here.far) * share - z0
-            first = here.beyond - here.far
-            turned = (1.0 - share) * (last - first)
-            gradient[place], twist[place] = real((last - 0.5 * turned) * per_spacing), real(turned * per_spacing)
-            if mapped:
-                material[place] = _material(materials, v_is_y, sense, step, next_cell, behind + (k - 1) * step)
-            place += 1
-        x[place], z[place] = x_next, there.near + last * (w - next_cell) - z0
-        here, cell, x_here = there, next_cell, x_next
-        line = following
-        following += step
-        following = 0 if following == nv else nv - 1 if following < 0 else following
-    # Vectorised passes run on past the last segment.
-    for i in range(place, padded_count(place)):
-        gradient[i] = twist[i] = real(0.0)
-    return place + 1
+    crossings = _find_crossings(nodes.shape[1], periodic, spacing, u0, v0, eu, ev, start, end)
+    cells, into, before, after = profile.parts, profile.low, profile.across, profile.high
+    _locate_cells(crossings, cells, into)
+    _mark_crossed(padded_count(crossings.count), cells, into, profile.crossed)
+    count = _place_knots(nodes, crossings, z0, cells, into, profile.crossed, profile.x, profile.z, before, after)
+    per_spacing = before.dtype.type(crossings.sense / spacing)
+    _fill_gradients(padded_count(count - 1), before, after, per_spacing, profile.gradient, profile.twist)
+    if mapped:
+        _fill_materials(materials, v_is_y, crossings, cells, profile.crossed, profile.material)
+    return count
 
 
 @inlined_uncounted
-def _cell_at(w, lowest, highest, periodic):
-    """Cell along u that holds a place; a line just ahead counts as crossed."""
-    cell = math.floor(w + MERGED)
-    return cell if periodic else min(max(cell, lowest), highest)
+def _find_crossings(nu, periodic, spacing, u0, v0, eu, ev, start, end):
+    """Find the lines v that a plane crosses."""
+    sense, step = 1 if eu > 0.0 else -1, 1 if ev > 0.0 else -1
+    v_start, v_end = v0 + start * ev / spacing, v0 + end * ev / spacing
+    behind, beyond = first_line(v_start, step), first_line(v_end, -step)
+    count, cells = max((beyond - behind) * step, 1), nu if periodic else nu - 1
+    x_behind, per_line = (behind - v0) * spacing / ev, step * spacing / ev
+    from_behind, from_last = (v_start - behind) * step, (v_end - behind) * step - (count - 1)
+    low, w0, rate = 0 if sense > 0 else -cells, sense * u0, abs(eu) / spacing
+    return LineCrossings(
+        behind,
+        step,
+        sense,
+        count,
+        start,
+        end,
+        from_behind,
+        from_last,
+        x_behind,
+        per_line,
+        w0,
+        rate,
+        low,
+        cells,
+        periodic,
+    )
+
+
+@inlined_uncounted
+def _locate_cells(crossings, cells, into):
+    """Cell along u at each line v, and how far into it the plane lies; a line u just ahead counts as crossed.
+
+    Cells of a bed that repeats are counted from the first one. The first and the last entry are of the places where
+    the plane begins and ends.
+    """
+    x_behind, per_line, w0, rate = crossings.x_behind, crossings.per_line, crossings.w0, crossings.rate
+    real, low, period = into.dtype.type, float(crossings.lowest), float(crossings.cells)
+    start, end, wraps = crossings.start, crossings.end, crossings.periodic
+    per_period, highest = 1.0 / period, low + period - 1.0
+    for k in range(padded_count(crossings.count + 1)):
+        x = x_behind + k * per_line
+        x = x if x > start else start
+        x = x if x < end else end
+        w = w0 + x * rate
+        cell = np.floor(w + MERGED)
+        clipped = cell if cell > low else low
+        clipped = clipped if clipped < highest else highest
+        cell = cell if wraps else clipped
+        into[k] = real(w - cell)
+        wrapped = (cell - low) - period * np.floor((cell - low) * per_period)
+        wrapped = wrapped if wrapped < period else wrapped - period
+        cells[k] = np.int32(low + (wrapped if wrapped >= 0.0 else wrapped + period))
+
+
+@inlined_uncounted
+def _mark_crossed(intervals, cells, into, crossed):
+    """Mark how a plane crosses a line u between every two lines v: not at all (0), CROSSED or CORNER."""
+    merged, between, corner, nothing = into.dtype.type(MERGED), np.int64(CROSSED), np.int64(CORNER), np.int64(0)
+    for k in range(intervals):
+        crossed[k] = nothing if cells[k + 1] == cells[k] else between if into[k + 1] > merged else corner
+
+
+@inlined_uncounted
+def _place_knots(nodes, crossings, z0, cells, into, crossed, x, z, before, after):
+    """Place the knots on lines of both families, with the differences across on either hand; return their number.
+
+    A difference is that of the heights of two neighbouring nodes of a line v, interpolated between two lines.
+    """
+    real, nv, sense, step, last = before.dtype.type, nodes.shape[0], crossings.sense, crossings.step, crossings.count
+    x_behind, per_line, rate = crossings.x_behind, crossings.per_line, crossings.rate
+    line = wrap_index(crossings.behind, nv)
+    following = wrap_index(crossings.behind + step, nv)
+    here = _between(nodes, line, following, crossings.from_behind, sense, np.int64(cells[0]))
+    difference = here.far - here.near
+    x[0], z[0], after[0] = crossings.start, here.near + difference * np.float64(into[0]) - z0, real(difference)
+    # Unsigned places: an index that might be negative takes three more instructions.
+    place, one = np.uint64(1), np.uint64(1)
+    per_cell, x_next = 1.0 / rate, x_behind + per_line
+    per_run = 1.0 / (rate * (x_next - crossings.start))
+    for k in range(1, last):
+        k = np.uint64(k)
+        there = _line_nodes(nodes[np.uint64(following)], sense, np.int64(cells[k]))
+        knots = (x_next, np.float64(into[k]), crossed[k - one], per_run, per_cell, z0)
+        place = _add_knots(here, there, knots, place, x, z, before, after)
+        here, per_run, x_next = there, 1.0 / (rate * per_line), x_behind + (np.int64(k) + 1) * per_line
+        line = following
+        following += step
+        following = 0 if following == nv else nv - 1 if following < 0 else following
+    there = _between(nodes, line, following, crossings.from_last, sense, np.int64(cells[last]))
+    per_run = 1.0 / (rate * (crossings.end - max(x_next - per_line, crossings.start)))
+    knots = (crossings.end, np.float64(into[last]), crossed[last - 1], per_run, per_cell, z0)
+    return np.int64(_add_knots(here, there, knots, place, x, z, before, after))
+
+
+@inlined_uncounted
+def _add_knots(here, there, knots, place, x, z, before, after):
+    """Add the knot on the line u between two lines v, if the plane crosses one, and the one on the second line v."""
+    x_next, beyond, crossed, per_run, per_cell, z0 = knots
+    real, one = before.dtype.type, np.uint64(1)
+    first, last = here.far - here.near, there.far - there.near
+    left, right = there.near - there.before, here.beyond - here.far
+    # How far on the way between the lines v the plane crosses the line u.
+    share = 1.0 - beyond * per_run
+    x[place], z[place] = x_next - beyond * per_cell, here.far + (there.near - here.far) * share - z0
+    before[place], after[place] = real(first + share * (left - first)), real(right + share * (last - right))
+    place += np.uint64(crossed) & one
+    x[place], z[place] = x_next, there.near + last * beyond - z0
+    before[place], after[place] = real(left if crossed == CORNER else last), real(last)
+    return place + one
+
+
+@inlined_uncounted
+def _fill_gradients(segments, before, after, per_spacing, gradient, twist):
+    """Gradient across the strip at the middle of segments, and its change along them."""
+    half = gradient.dtype.type(0.5) * per_spacing
+    for i in range(segments):
+        gradient[i] = half * (after[i] + before[i + 1])
+        twist[i] = per_spacing * (before[i + 1] - after[i])
 
 
 @inlined_uncounted
@@ -137,7 +227,12 @@ def _line_nodes(row, sense, cell):
             wrap_index(far, nu),
             wrap_index(beyond, nu),
         )
-    return LineNodes(np.float64(row[before]), np.float64(row[near]), np.float64(row[far]), np.float64(row[beyond]))
+    return LineNodes(
+        np.float64(row[np.uint64(before)]),
+        np.float64(row[np.uint64(near)]),
+        np.float64(row[np.uint64(far)]),
+        np.float64(row[np.uint64(beyond)]),
+    )
 
 
 @kernel_uncounted
@@ -150,6 +245,19 @@ def _between(nodes, line, following, share, sense, cell):
         a.far + (b.far - a.far) * share,
         a.beyond + (b.beyond - a.beyond) * share,
     )
+
+
+@inlined_uncounted
+def _fill_materials(materials, v_is_y, crossings, cells, crossed, out):
+    """Material of each segment's cell."""
+    place, step, sense = 0, crossings.step, crossings.sense
+    for k in range(crossings.count):
+        line = crossings.behind + k * step
+        out[place] = _material(materials, v_is_y, sense, step, np.int64(cells[k]), line)
+        place += 1
+        if crossed[k] == CROSSED:
+            out[place] = _material(materials, v_is_y, sense, step, np.int64(cells[k + 1]), line)
+            place += 1
 
 
 @inlined_uncounted

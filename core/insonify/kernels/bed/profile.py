@@ -28,9 +28,12 @@ class Profile(NamedTuple):
     gradient: NDArray[np.float32]  # ∂z across the strip of grid cells that a segment lies in, at its middle
     twist: NDArray[np.float32]  # change of that gradient along the segment
     parts: NDArray[np.int32]  # work space: parts into which each segment is divided
-    across: NDArray[np.float32]  # work space: gradient across the strip, at its knots
-    low: NDArray[np.float32]  # work space: heights on the strip's lower border
-    high: NDArray[np.float32]  # work space: heights on its upper border
+    across: NDArray[np.float32]  # work space: gradient across the strip, at its knots; of an oblique plane, before them
+    low: NDArray[np.float32]  # work space: heights on the strip's lower border; of an oblique plane, places in cells
+    high: NDArray[
+        np.float32
+    ]  # work space: heights on its upper border; of an oblique plane, gradients beyond its knots
+    crossed: NDArray[np.int64]  # work space: how an oblique plane crosses lines
     range_ratio: NDArray[np.float32]  # in water that refracts: apparent ground range of the knots over the true one
     gain: NDArray[np.float32]  # and what their energy must be multiplied by
     facing: NDArray[np.float32]  # and of segments, -r√area cosα of the true incidence α, r the apparent slant range, m
@@ -53,7 +56,23 @@ def empty_profile(capacity: int, dtype: DTypeLike = np.float32) -> Profile:
     x, z = np.zeros(capacity), np.zeros(capacity)
     slope, area, gradient, twist, across, low, high, range_ratio, gain, facing = np.zeros((10, capacity), dtype)
     material, parts = np.zeros(capacity, np.int64), np.zeros(capacity, np.int32)
-    return Profile(x, z, slope, area, material, gradient, twist, parts, across, low, high, range_ratio, gain, facing)
+    return Profile(
+        x,
+        z,
+        slope,
+        area,
+        material,
+        gradient,
+        twist,
+        parts,
+        across,
+        low,
+        high,
+        np.zeros(capacity, np.int64),
+        range_ratio,
+        gain,
+        facing,
+    )
 
 
 def profile_capacity(reach: float, spacing: float) -> int:

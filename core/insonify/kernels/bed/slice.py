@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.kernels.bed.grid import MERGED, clip_to_grid, first_line, last_line, wrap_index
+from insonify.kernels.bed.grid import MERGED, clip_to_grid, first_line, wrap_index
 from insonify.kernels.bed.oblique_walk import walk_oblique
 from insonify.kernels.bed.profile import padded_count
 from insonify.kernels.bed.subdivision import measure_segments
@@ -124,7 +124,7 @@ def _add_strip(bed, walk, column, start, end, count, profile):
     step = 1 if ev > 0.0 else -1
     v_start, v_end = v0 + start * ev / spacing, v0 + end * ev / spacing
     # Nodes from the one behind the first knot to the one beyond the last: all that the strip depends on.
-    behind, beyond = first_line(v_start, step), last_line(v_end, step)
+    behind, beyond = first_line(v_start, step), first_line(v_end, -step)
     inner = max((beyond - behind) * step - 1, 0)
     nodes_read = padded_count(inner + 2)
     low, high = profile.low[:nodes_read], profile.high[:nodes_read]
