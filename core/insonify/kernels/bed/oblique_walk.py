@@ -35,7 +35,7 @@ class LineCrossings(NamedTuple):
     behind: int  # that line
     step: int  # 1 or -1, from one line to the next
     sense: int  # 1 or -1: a cell w along u lies between the nodes sense·w and sense·(w + 1)
-    count: int  # lines up to the first one at or beyond its end
+    lines: int  # how many lie between it and the first one at or beyond the end, the latter counted
     start: float  # ground ranges at which it begins and ends, m
     end: float
     from_behind: float  # how far beyond line 0 it begins, in cells
@@ -84,7 +84,7 @@ def walk_oblique(nodes, materials, mapped, periodic, spacing, v_is_y, u0, v0, z0
     crossings = _find_crossings(nodes.shape[1], periodic, spacing, u0, v0, eu, ev, start, end)
     cells, into, before, after = profile.parts, profile.low, profile.across, profile.high
     _locate_cells(crossings, cells, into)
-    _mark_crossed(padded_count(crossings.count), cells, into, profile.crossed)
+    _mark_crossed(padded_count(crossings.lines), cells, into, profile.crossed)
     count = _place_knots(nodes, crossings, z0, cells, into, profile.crossed, profile.x, profile.z, before, after)
     per_spacing = before.dtype.type(crossings.sense / spacing)
     _fill_gradients(padded_count(count - 1), before, after, per_spacing, profile.gradient, profile.twist)
@@ -133,7 +133,7 @@ def _locate_cells(crossings, cells, into):
     real, low, period = into.dtype.type, float(crossings.lowest), float(crossings.cells)
     start, end, wraps = crossings.start, crossings.end, crossings.periodic
     per_period, highest = 1.0 / period, low + period - 1.0
-    for k in range(padded_count(crossings.count + 1)):
+    for k in range(padded_count(crossings.lines + 1)):
         x = x_behind + k * per_line
         x = x if x > start else start
         x = x if x < end else end
@@ -162,7 +162,7 @@ def _place_knots(nodes, crossings, z0, cells, into, crossed, x, z, before, after
 
     A difference is that of the heights of two neighbouring nodes of a line v, interpolated between two lines.
     """
-    real, nv, sense, step, last = before.dtype.type, nodes.shape[0], crossings.sense, crossings.step, crossings.count
+    real, nv, sense, step, last = before.dtype.type, nodes.shape[0], crossings.sense, crossings.step, crossings.lines
     x_behind, per_line, rate = crossings.x_behind, crossings.per_line, crossings.rate
     line = wrap_index(crossings.behind, nv)
     following = wrap_index(crossings.behind + step, nv)
@@ -173,12 +173,12 @@ def _place_knots(nodes, crossings, z0, cells, into, crossed, x, z, before, after
     place, one = np.uint64(1), np.uint64(1)
     per_cell, x_next = 1.0 / rate, x_behind + per_line
     per_run = 1.0 / (rate * (x_next - crossings.start))
-    for k in range(1, last):
-        k = np.uint64(k)
+    for number in range(1, last):
+        k = np.uint64(number)
         there = _line_nodes(nodes[np.uint64(following)], sense, np.int64(cells[k]))
         knots = (x_next, np.float64(into[k]), crossed[k - one], per_run, per_cell, z0)
         place = _add_knots(here, there, knots, place, x, z, before, after)
-        here, per_run, x_next = there, 1.0 / (rate * per_line), x_behind + (np.int64(k) + 1) * per_line
+        here, per_run, x_next = there, 1.0 / (rate * per_line), x_behind + (number + 1) * per_line
         line = following
         following += step
         following = 0 if following == nv else nv - 1 if following < 0 else following
@@ -251,7 +251,7 @@ def _between(nodes, line, following, share, sense, cell):
 def _fill_materials(materials, v_is_y, crossings, cells, crossed, out):
     """Material of each segment's cell."""
     place, step, sense = 0, crossings.step, crossings.sense
-    for k in range(crossings.count):
+    for k in range(crossings.lines):
         line = crossings.behind + k * step
         out[place] = _material(materials, v_is_y, sense, step, np.int64(cells[k]), line)
         place += 1
