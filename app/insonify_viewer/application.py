@@ -19,7 +19,9 @@ from PySide6.QtWidgets import QApplication
 
 from insonify.lessons import Lesson
 from insonify.scene import Scene, SceneError
+from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.gc_policy import collected_by_hand, limit_free_memory
+from insonify_viewer.panels.comparison.controller import ComparisonPanel
 from insonify_viewer.panels.lessons.controller import LessonsPanel
 from insonify_viewer.session import Mark
 from insonify_viewer.viewer import Viewer
@@ -34,7 +36,13 @@ REST = 20.0  # s, for what is measured in the background before a snapshot
 PATIENCE = 240.0  # s, for a snapshot on a slow machine that compiles the kernels first
 
 
-def open_window(scene: Scene, pin: Mark | None = None, lesson: Lesson | None = None, recording: str = "") -> int:
+def open_window(
+    scene: Scene,
+    pin: Mark | None = None,
+    lesson: Lesson | None = None,
+    recording: str = "",
+    pair: Arrangement | None = None,
+) -> int:
     """Open the viewer, run it until it is closed, and return an exit code.
 
     Parameters
@@ -47,6 +55,8 @@ def open_window(scene: Scene, pin: Mark | None = None, lesson: Lesson | None = N
         Lesson to begin.
     recording : str
         File of a record to show beside the scene; empty for none.
+    pair : Arrangement, optional
+        How the partner that the scene names is shown; it is not shown when left out.
     """
     settings = Settings()
     scale_text(settings.size)
@@ -54,7 +64,7 @@ def open_window(scene: Scene, pin: Mark | None = None, lesson: Lesson | None = N
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=has_opengl())
         viewer.window.show()
-        _begin(viewer, pin, lesson, recording)
+        _begin(viewer, pin, lesson, recording, pair)
         QTimer.singleShot(0, viewer.start)
         signal.signal(signal.SIGINT, lambda *_: _close_on_interrupt(viewer))
         code = application.exec()
@@ -64,8 +74,8 @@ def open_window(scene: Scene, pin: Mark | None = None, lesson: Lesson | None = N
         return code
 
 
-def _begin(viewer: Viewer, pin: Mark | None, lesson: Lesson | None, recording: str) -> None:
-    """Pin a pixel, begin a lesson and open a recording, if they are given."""
+def _begin(viewer: Viewer, pin: Mark | None, lesson: Lesson | None, recording: str, pair: Arrangement | None) -> None:
+    """Pin a pixel, begin a lesson, open a recording and show the partner of the scene, if they are given."""
     viewer.inspection.pin(pin)
     if lesson is not None:
         viewer.window.open_panel(LessonsPanel.name)
@@ -74,6 +84,10 @@ def _begin(viewer: Viewer, pin: Mark | None, lesson: Lesson | None, recording: s
         panel.begin(lesson)
     if recording:
         QTimer.singleShot(0, lambda: viewer.recordings.open(recording))  # once the window is laid out
+    if pair is not None:
+        viewer.window.open_panel(ComparisonPanel.name)
+        viewer.comparison.open_partner()
+        viewer.comparison.arrange(pair)
 
 
 def is_working() -> bool:
@@ -88,7 +102,12 @@ def _close_on_interrupt(viewer: Viewer) -> None:
 
 
 def draw_window(
-    scene: Scene, path: Path, pin: Mark | None = None, lesson: Lesson | None = None, recording: str = ""
+    scene: Scene,
+    path: Path,
+    pin: Mark | None = None,
+    lesson: Lesson | None = None,
+    recording: str = "",
+    pair: Arrangement | None = None,
 ) -> None:
     """Draw the viewer's window into a PNG, without a screen; `open_window` explains the parameters.
 
@@ -100,7 +119,7 @@ def draw_window(
     application = make_application()
     with main_thread_collection():
         viewer = Viewer(scene, accelerated=False)
-        _draw(application, viewer, path, lambda: _begin(viewer, pin, lesson, recording))
+        _draw(application, viewer, path, lambda: _begin(viewer, pin, lesson, recording, pair))
 
 
 def _draw(application: QApplication, viewer: Viewer, path: Path, begin: Callable[[], None]) -> None:

@@ -11,12 +11,16 @@ from typing import Any
 from insonify.commands.options import add_scene, check_output, chosen_scene, find_pixel, is_record
 from insonify.io.records import RECORDS
 from insonify.lessons import Lesson, check_lesson, load_lesson, states_of
-from insonify.scene import DEFAULT_SCENE, Scene, SceneError
+from insonify.scene import DEFAULT_SCENE, Scene, SceneError, load_partner
+from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.screen_check import why_no_window
 from insonify_viewer.session import Mark
 
 FALLBACK = "insonify.png"
-EXAMPLES = "examples: insonify view recording.xtf; insonify view wreck --recording recording.xtf"
+EXAMPLES = (
+    "examples: insonify view recording.xtf; insonify view wreck --recording recording.xtf; "
+    "insonify view figure-4b --pair difference"
+)
 
 
 def register(subparsers: Any) -> None:
@@ -30,6 +34,15 @@ def register(subparsers: Any) -> None:
     add_scene(parser, optional=True)
     parser.add_argument(
         "--recording", metavar="FILE", help=f"a record beside the scene: {RECORDS.describe(RECORDS.readable())}"
+    )
+    parser.add_argument(
+        "--pair",
+        nargs="?",
+        const=Arrangement.WIPED.value,
+        choices=[way.value for way in Arrangement],
+        metavar="HOW",
+        help="show the partner that the scene names as record A: "
+        f"{', '.join(way.value for way in Arrangement)} (default: {Arrangement.WIPED.value})",
     )
     parser.add_argument("--snapshot", metavar="PNG", help="draw the window into this picture instead of opening it")
     parser.add_argument(
@@ -52,8 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
     Parameters
     ----------
     arguments : Namespace
-        Scene, settings, ``recording``, ``snapshot``, ``pin`` and ``lesson``. The file of a record may stand for the
-        scene.
+        Scene, settings, ``recording``, ``snapshot``, ``pin``, ``pair`` and ``lesson``. The file of a record may stand
+        for the scene.
 
     Returns
     -------
@@ -64,12 +77,13 @@ def run(arguments: argparse.Namespace) -> int:
     lesson = None if arguments.lesson is None else _chosen_lesson(arguments)
     scene = chosen_scene(arguments) if lesson is None else next(states_of(lesson))[1].scene
     pin = None if arguments.pin is None else _pinned(scene, *arguments.pin)
+    pair = _pairing(scene, arguments)
     reason = why_no_window()
     if arguments.snapshot is None and not reason:
         # lazy: loads Qt, which no other command needs
         from insonify_viewer.application import open_window
 
-        return open_window(scene, pin, lesson, recording)
+        return open_window(scene, pin, lesson, recording, pair)
     path = check_output(arguments.snapshot or FALLBACK, (".png",), "--snapshot")
     os.environ["QT_QPA_PLATFORM"] = "offscreen"
     if reason and sys.platform.startswith("linux"):
@@ -78,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
     # lazy: loads Qt, which no other command needs
     from insonify_viewer.application import draw_window
 
-    draw_window(scene, path, pin, lesson, recording)
+    draw_window(scene, path, pin, lesson, recording, pair)
     if arguments.snapshot is None:
         sys.stdout.write(f"No window can be opened ({reason}); the window was drawn into {path}.\n")
     return 0
@@ -91,6 +105,15 @@ def _chosen_lesson(arguments: argparse.Namespace) -> Lesson:
     lesson = load_lesson(arguments.lesson)
     check_lesson(lesson)
     return lesson
+
+
+def _pairing(scene: Scene, arguments: argparse.Namespace) -> Arrangement | None:
+    """Way in which a scene and its partner are shown from the start; None without ``--pair``."""
+    if arguments.pair is None:
+        return None
+    if load_partner(scene) is None:
+        raise SceneError("--pair: the scene names no partner; give it one, such as partner = ['water.surface=none']")
+    return Arrangement(arguments.pair)
 
 
 def _pinned(scene: Scene, ping: str, side: str, slant_range: str) -> Mark:

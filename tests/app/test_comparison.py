@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
 
-from insonify.scene import Scene, edit
+from insonify.cli import main
+from insonify.scene import Scene, edit, load_partner, load_scene
 from insonify_viewer.comparison.arrangement import Arrangement
 from insonify_viewer.comparison.changed_fields import list_changes
 from insonify_viewer.comparison.record_difference import (
@@ -66,12 +68,15 @@ def test_a_difference_in_words(small: Scene) -> None:
 def test_changes_name_fields_and_choices(small: Scene) -> None:
     auto = Modelling()
     other = edit(small, {"sonar.beam.width": 2.5, "targets": []})
-    named = list_changes((small, auto), (other, auto))
+    named = [change.in_words() for change in list_changes((small, auto), (other, auto))]
     assert "sonar beam width 1 → 2.5" in named
     assert any(change.startswith("targets") for change in named)
+    knife = edit(small, {"sonar.beam": "knife"})
+    assert list_changes((small, auto), (knife, auto)) == [("sonar beam", "fan", "knife")]
     assert list_changes((small, auto), (edit(small, {"title": "Other"}), auto)) == []
     tolerant = Modelling(0.1, (("planes", "16"),))
-    assert list_changes((small, auto), (small, tolerant)) == ["tolerance 3 % → 10 %", "planes automatic → 16"]
+    changes = [("tolerance", "3 %", "10 %"), ("planes", "automatic", "16")]
+    assert list_changes((small, auto), (small, tolerant)) == changes
 
 
 def test_decibels_are_paired_and_bounded() -> None:
@@ -139,9 +144,10 @@ def test_a_kept_record_stays_while_the_scene_changes(compared: Any) -> None:
     kept = compared.comparison.kept
     assert kept.scene == edit(compared.session.scene, DARK)
     np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
-    assert compared.comparison.changes == ["seabed material diffuse 0.2 → 0.4"]
+    assert compared.comparison.changes == [("seabed material diffuse", "0.2", "0.4")]
+    assert compared.comparison.titles == ("seabed material diffuse 0.2", "seabed material diffuse 0.4")
     # Amplitudes twice as high are four times the energy.
-    assert compared.comparison.difference == "changes the record by 3e+02 %, its mean level by +6 dB"
+    assert compared.comparison.difference == "changes the record by 300 %, its mean level by +6 dB"
     said = compared.window._sentence.text()
     assert said == f"seabed material diffuse 0.2 → 0.4: {compared.comparison.difference}"
     shown = compared.panels["comparison"].view
@@ -315,3 +321,39 @@ def test_the_panel_keeps_arranges_and_leaves(open_viewer: Any, small: Scene, qtb
     assert viewer.comparison.a is None
     assert not viewer.window.overlay.isVisible()
     assert panel.title.text().startswith("Keep this record as A")
+
+
+@pytest.mark.parametrize("name", ["figure-2b", "figure-4b", "figure-5-relief", "ghosts"])
+def test_one_action_opens_a_pair(open_viewer: Any, small: Scene, qtbot: Any, name: str) -> None:
+    viewer = open_viewer(small)
+    panel = viewer.panels["comparison"].view
+    assert not panel.partner.isEnabled()
+    panel._pairs_menu.aboutToShow.emit()
+    actions = {action.data(): action for action in panel._pairs_menu.actions()}
+    assert sorted(actions) == ["figure-2b", "figure-4b", "figure-5-relief", "ghosts"]
+    actions[name].trigger()
+    qtbot.waitUntil(lambda: viewer.complete and bool(viewer.comparison.difference), timeout=120000)
+    assert viewer.session.scene == load_scene(name)
+    assert viewer.comparison.kept.scene == load_partner(load_scene(name))
+    assert not viewer.comparison.kept.record.missing(viewer.window.waterfall.top, 0).size
+    assert viewer.comparison.changes
+    assert panel.partner.isEnabled()
+
+
+def test_a_scene_without_partner_says_so(open_viewer: Any, small: Scene) -> None:
+    viewer = open_viewer(small)
+    press(viewer, "P")
+    assert "names no partner" in viewer.window._sentence.text()
+    viewer.session.open(edit(small, {"partner": ["no-such-scene"]}))
+    press(viewer, "P")
+    assert "no-such-scene" in viewer.window._sentence.text()
+    assert viewer.comparison.a is None
+
+
+def test_a_pair_is_drawn_by_a_command(tmp_path: Any) -> None:
+    path = tmp_path / "pair.png"
+    small = ["--set", "track.pings=64", "--set", "sonar.bins=80"]
+    assert main(["view", "figure-4b", *small, "--pair", "difference", "--snapshot", str(path)]) == 0
+    with Image.open(path) as picture:
+        assert picture.width > 800
+    assert main(["view", "default", "--pair", "--snapshot", str(path)]) == 2

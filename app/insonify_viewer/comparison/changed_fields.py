@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from insonify.scene import plain
 from insonify_viewer.modelling import Modelling
@@ -15,28 +15,53 @@ UNHEARD = ("title", "description", "partner")  # fields that do not concern the 
 AUTOMATIC = "automatic"
 
 
-def list_changes(before: tuple[Scene, Modelling], after: tuple[Scene, Modelling]) -> list[str]:
-    """List what differs, as "sonar beam width 1 → 2.5" or "planes automatic → 16".
+class Change(NamedTuple):
+    """A field or a choice that differs, with its values in words."""
+
+    name: str
+    before: str
+    after: str
+
+    def in_words(self) -> str:
+        """Write the change, as "sonar beam width 1 → 2.5"."""
+        return f"{self.name} {self.before} → {self.after}"
+
+
+def list_changes(before: tuple[Scene, Modelling], after: tuple[Scene, Modelling]) -> list[Change]:
+    """List what differs between two scenes and their modellings; of a part of another kind the kind alone.
 
     Parameters
     ----------
     before, after : tuple of Scene and Modelling
     """
     old, new = (dict(_values(plain(scene))) for scene, _ in (before, after))
-    changes = [
-        f"{path.replace('.', ' ').replace('_', ' ')} {_word(old.get(path))} → {_word(new.get(path))}"
-        for path in dict.fromkeys([*old, *new])
-        if old.get(path) != new.get(path) and path not in UNHEARD
-    ]
-    one, other = before[1], after[1]
-    if one.tolerance != other.tolerance:
-        changes.append(f"tolerance {100.0 * one.tolerance:g} % → {100.0 * other.tolerance:g} %")
-    choices, others = dict(one.forced), dict(other.forced)
+    differing = [path for path in dict.fromkeys([*old, *new]) if old.get(path) != new.get(path)]
+    return [
+        Change(path.replace(".", " ").replace("_", " "), _word(old.get(path)), _word(new.get(path)))
+        for path in differing
+        if path not in UNHEARD and not (_is_one_sided(path, old, new) and _owners(path).intersection(differing))
+    ] + list(_choices(before[1], after[1]))
+
+
+def _choices(before: Modelling, after: Modelling) -> Iterator[Change]:
+    """List what differs between two modellings."""
+    if before.tolerance != after.tolerance:
+        yield Change("tolerance", f"{100.0 * before.tolerance:g} %", f"{100.0 * after.tolerance:g} %")
+    choices, others = dict(before.forced), dict(after.forced)
     for subject in dict.fromkeys([*choices, *others]):
         chosen, instead = choices.get(subject, AUTOMATIC), others.get(subject, AUTOMATIC)
         if chosen != instead:
-            changes.append(f"{subject} {chosen} → {instead}")
-    return changes
+            yield Change(subject, chosen, instead)
+
+
+def _is_one_sided(path: str, old: dict[str, Any], new: dict[str, Any]) -> bool:
+    return (path in old) is not (path in new)
+
+
+def _owners(path: str) -> set[str]:
+    """Paths of the parts that hold a field."""
+    steps = path.split(".")
+    return {".".join(steps[:k]) for k in range(1, len(steps))}
 
 
 def _values(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from insonify.scene import Scene, SceneError
+from insonify.scene import Scene, SceneError, load_partner
 from insonify_viewer.comparison.arrangement import Arrangement
-from insonify_viewer.comparison.changed_fields import list_changes
+from insonify_viewer.comparison.changed_fields import Change, list_changes
 from insonify_viewer.comparison.kept_record import KeptRecord, SimulatedScene, Traced
 from insonify_viewer.comparison.record_difference import RecordSnapshot, are_comparable, compare_records
 from insonify_viewer.comparison.recording import Recording
@@ -83,8 +83,18 @@ class Comparison:
         return self.a if isinstance(self.a, KeptRecord) else None
 
     @property
-    def changes(self) -> list[str]:
-        """What differs between a kept record A and the scene of B, as "sonar beam width 1 → 2.5"."""
+    def titles(self) -> tuple[str, str]:
+        """What stands at the two records: their titles, or where these are alike what differs first."""
+        kept, title = self.kept, self._session.scene.title
+        if kept is None:
+            return self._recordings.name, title
+        if kept.scene.title == title and (changes := self.changes):
+            return f"{changes[0].name} {changes[0].before}", f"{changes[0].name} {changes[0].after}"
+        return kept.scene.title, title
+
+    @property
+    def changes(self) -> list[Change]:
+        """What differs between a kept record A and the scene of B."""
         kept, session = self.kept, self._session
         if kept is None:
             return []
@@ -109,6 +119,18 @@ class Comparison:
     def keep_scene(self, scene: Scene) -> None:
         """Trace another scene as A."""
         self._show_kept(KeptRecord(scene, Modelling(self._session.modelling.tolerance)))
+
+    def open_partner(self) -> None:
+        """Trace the partner that the scene names as A."""
+        try:
+            partner = load_partner(self._session.scene)
+        except SceneError as error:
+            self._window.say(str(error))
+            return
+        if partner is None:
+            self._window.say("this scene names no partner; press K to keep its record as A")
+        else:
+            self.keep_scene(partner)
 
     def return_to_a(self) -> None:
         """Return to the scene and the modelling of A, as one step of undo."""
@@ -164,6 +186,7 @@ class Comparison:
     def _connect(self) -> None:
         actions = self._window.comparison
         actions.keep.triggered.connect(self.keep)
+        actions.partner.triggered.connect(self.open_partner)
         actions.back.triggered.connect(self.return_to_a)
         actions.toggled.connect(self.toggle)
         actions.held.connect(self._window.overlay.hold)
@@ -212,9 +235,7 @@ class Comparison:
         if self.a is None:
             self._window.overlay.leave()
         else:
-            kept = self.kept
-            title = kept.scene.title if kept is not None else self._recordings.name
-            self._window.overlay.show_records((title, self._session.scene.title), by_ping=kept is not None)
+            self._window.overlay.show_records(self.titles, by_ping=self.kept is not None)
             self._window.overlay.arrange(self.arrangement)
 
     def _move(self, top: int) -> None:
@@ -290,9 +311,11 @@ class Comparison:
         if compared is not self._compared or self.kept is None:
             return
         self.difference = found or "cannot be compared"
+        self._window.overlay.show_records(self.titles, by_ping=True)
         changes = self.changes
         if is_edit and changes:
-            what = ", ".join(changes) if len(changes) <= TOLD else f"B differs from A in {len(changes)} fields"
+            named = ", ".join(change.in_words() for change in changes)
+            what = named if len(changes) <= TOLD else f"A → B, {len(changes)} fields"
             self._window.say(f"{what}: {self.difference}")
         self.measured.emit()
 

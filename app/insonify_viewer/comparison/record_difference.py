@@ -61,7 +61,8 @@ class RecordDifference(NamedTuple):
         """Write the difference: "changes the record by 12 %, its mean level by +0.8 dB"."""
         if self.share == 0.0:
             return "changes nothing of the record"
-        words = f"changes the record by {100.0 * self.share:.2g} %"
+        percent = 100.0 * self.share
+        words = f"changes the record by {percent:.2g} %" if percent < 99.5 else f"changes the record by {percent:.0f} %"
         if math.isfinite(self.decibels) and abs(self.decibels) >= 0.005:
             words += f", its mean level by {self.decibels:+.2g} dB".replace("-", "−")
         return words

@@ -20,8 +20,8 @@ class ComparisonActions(QObject):
 
     Attributes
     ----------
-    keep, back : QAction
-        Keep the live record as A; return to the scene of A.
+    keep, partner, back : QAction
+        Keep the live record as A; trace the partner of the scene as A; return to the scene of A.
     actions : list of QAction
         All of them.
     """
@@ -33,6 +33,7 @@ class ComparisonActions(QObject):
         super().__init__(window)
         self.actions: list[QAction] = []
         self.keep = self._action(window, "Keep as A", "Keep this record as A, to compare others with it", "K")
+        self.partner = self._action(window, "Partner as A", "Trace the partner that the scene names, as A", "P")
         self.back = self._action(window, "Return to A", "Return to the scene of A; undo comes back", "Shift+K")
         for text, tip, key, arrangement in (
             ("Wipe A and B", "A left of a line that is dragged, B right of it", "W", Arrangement.WIPED),

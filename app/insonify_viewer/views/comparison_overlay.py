@@ -194,18 +194,18 @@ class ComparisonOverlay(QWidget):
     def _draw_scale(self, painter: QPainter, plot: QRect, span: float) -> None:
         """Draw the palette with its ends in dB."""
         wide = min(160, plot.width() // 2)
-        bar = QRect(plot.right() - wide - 46, plot.top() + 7, wide, 8)
+        bar = QRect(plot.right() - wide - 56, plot.top() + 7, wide, 8)
         ground = QColor(GROUND)
         ground.setAlpha(215)
-        painter.fillRect(QRect(bar.left() - 46, plot.top(), wide + 92, 40), ground)
+        painter.fillRect(QRect(bar.left() - 56, plot.top(), wide + 112, 40), ground)
         colours = QLinearGradient(bar.left(), 0, bar.right(), 0)
         for at, colour in ((0.0, MARK), (0.5, GROUND), (1.0, ACCENT)):
             colours.setColorAt(at, QColor(colour))
         painter.fillRect(bar, colours)
         painter.setPen(QColor(TEXT))
         centre = Qt.AlignmentFlag.AlignCenter
-        painter.drawText(QRect(bar.left() - 46, bar.top() - 5, 42, HIGH), centre, f"−{span:g} dB")
-        painter.drawText(QRect(bar.right() + 4, bar.top() - 5, 42, HIGH), centre, f"+{span:g} dB")
+        painter.drawText(QRect(bar.left() - 56, bar.top() - 5, 52, HIGH), centre, f"−{span:g} dB")
+        painter.drawText(QRect(bar.right() + 4, bar.top() - 5, 52, HIGH), centre, f"+{span:g} dB")
         painter.drawText(QRect(bar.left() - 40, bar.bottom() + 4, wide + 80, HIGH), centre, "level of B over A")
 
     def _caption(self, painter: QPainter, room: QRect, words: str, *, to_the_right: bool = False) -> None:

@@ -3,7 +3,7 @@
 from insonify.errors import SceneError
 from insonify.files import bundled_meshes, bundled_scenes, resources
 from insonify.scene.edit import build, edit, plain, read_setting
-from insonify.scene.files import DEFAULT_SCENE, load_scene, scene_from_toml, scene_to_toml
+from insonify.scene.files import DEFAULT_SCENE, load_partner, load_scene, scene_from_toml, scene_to_toml
 from insonify.scene.scene import Scene
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "bundled_meshes",
     "bundled_scenes",
     "edit",
+    "load_partner",
     "load_scene",
     "plain",
     "read_setting",

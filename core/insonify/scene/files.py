@@ -12,7 +12,7 @@ import tomli_w
 from insonify.errors import SceneError
 from insonify.files import bundled_meshes, bundled_scenes
 from insonify.io.file_access import MISSING, guarded, read_text
-from insonify.scene.edit import build, plain
+from insonify.scene.edit import build, edit, plain, read_setting
 from insonify.scene.scene import Scene
 
 DEFAULT_SCENE = "default"
@@ -45,6 +45,25 @@ def load_scene(name_or_path: str | Path) -> Scene:
     return scene_from_toml(text, source=path)
 
 
+def load_partner(scene: Scene) -> Scene | None:
+    """Read the scene that a scene is to be compared with; None if it names none.
+
+    Raises
+    ------
+    SceneError
+        One sentence with what is wrong and the remedy.
+    """
+    if not scene.partner:
+        return None
+    named = [word for word in scene.partner if "=" not in word]
+    if len(named) > 1:
+        found = ", ".join(named)
+        raise SceneError(f"partner: names {len(named)} scenes, {found}; name one, and settings as path=value")
+    settings = [word for word in scene.partner if "=" in word]
+    other = load_scene(named[0]) if named else scene
+    return edit(other, dict(read_setting(word, "partner") for word in settings))
+
+
 def _unreadable(name_or_path: str | Path, fault: str, remedy: str) -> SceneError:
     if fault == MISSING:
         fault, remedy = "no such file", f"give a TOML file or one of {', '.join(bundled_scenes())}"
@@ -56,7 +75,11 @@ def scene_from_toml(text: str, *, source: Path | None = None) -> Scene:
     name = "scene" if source is None else str(source)
     try:
         values = tomllib.loads(text)
-        return build(values if source is None else with_paths_beside(source, values))
+        if source is not None:
+            values = with_paths_beside(source, values)
+            if isinstance(partner := values.get("partner"), list):
+                values["partner"] = [_partner_beside(source, word) for word in partner]
+        return build(values)
     except tomllib.TOMLDecodeError as error:
         raise SceneError(f"{name}: is not valid TOML ({error}); mend that line") from None
     except RecursionError:
@@ -88,6 +111,16 @@ def with_paths_beside(source: Path, value: Any) -> Any:
         key: _beside(source, child) if key == "path" and isinstance(child, str) else with_paths_beside(source, child)
         for key, child in value.items()
     }
+
+
+def scene_beside(source: Path, name: str) -> str:
+    """Return a scene that a file names: a bundled one's name, or a path from the folder of the file."""
+    return name if name in bundled_scenes() or Path(name).is_absolute() else str((source.parent / name).resolve())
+
+
+def _partner_beside(source: Path, word: Any) -> Any:
+    """Return a word of a scene's ``partner``: a scene as `scene_beside` finds it, or a setting as it is."""
+    return scene_beside(source, word) if isinstance(word, str) and "=" not in word and "\0" not in word else word
 
 
 def _beside(source: Path, path: str) -> str:

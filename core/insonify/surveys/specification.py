@@ -14,11 +14,11 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from insonify.errors import SceneError
-from insonify.files import bundled_meshes, bundled_scenes
+from insonify.files import bundled_meshes
 from insonify.io.file_access import MISSING, guarded, read_text
 from insonify.scene import Scene, scene_to_toml
 from insonify.scene.faults import describe_fault
-from insonify.scene.files import LARGEST, with_paths_beside
+from insonify.scene.files import LARGEST, scene_beside, with_paths_beside
 
 LONGEST_PATH = 4096  # characters; a longer text is no path
 Model = TypeVar("Model", bound=BaseModel)
@@ -52,7 +52,7 @@ def read_specification(name: str, model: type[Model], bundled: Mapping[str, Path
     try:
         values = with_paths_beside(path, tomllib.loads(text))
         if isinstance(base := values.get("base"), str):
-            values["base"] = base_of(path, base)
+            values["base"] = scene_beside(path, base)
         return model.model_validate({**values, **changes})
     except tomllib.TOMLDecodeError as error:
         raise SceneError(f"{path.name}: is not valid TOML ({error}); mend that line") from None
@@ -60,11 +60,6 @@ def read_specification(name: str, model: type[Model], bundled: Mapping[str, Path
         raise SceneError(f"{path.name}: is nested too deeply to be read; write fewer tables in tables") from None
     except ValidationError as error:
         raise SceneError(f"{path.name}: {describe_fault(error, model)}") from None
-
-
-def base_of(path: Path, base: str) -> str:
-    """Return the base scene of a specification: a bundled one's name, or a path from its folder."""
-    return base if base in bundled_scenes() or Path(base).is_absolute() else str((path.parent / base).resolve())
 
 
 def _unreadable(name: str, bundled: Mapping[str, Path], fault: str, remedy: str) -> SceneError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from insonify.scene import bundled_scenes, load_scene
 from insonify_viewer.comparison.recording import Recording, describe_point
 from insonify_viewer.job import Job
 from insonify_viewer.newest_wins import NewestWins
@@ -85,6 +86,8 @@ class ComparisonPanel(Panel):
     def _connect(self) -> None:
         self.view.open_wanted.connect(lambda: self._player.open(self._workbench.files.ask_for_recording()))
         self.view.keep_wanted.connect(self._comparison.keep)
+        self.view.partner_wanted.connect(self._comparison.open_partner)
+        self.view.pair_wanted.connect(self.open_pair)
         self.view.back_wanted.connect(self._comparison.return_to_a)
         self.view.close_wanted.connect(self._comparison.leave)
         self.view.arranged.connect(self._comparison.arrange)
@@ -96,7 +99,14 @@ class ComparisonPanel(Panel):
     def scene_changed(self, scene: Scene, settled: bool) -> None:
         """Show what differs from A."""
         if settled:
+            self.view.show_partner(bool(scene.partner))
             self._show_changes()
+
+    def open_pair(self, name: str) -> None:
+        """Open a bundled scene as B and its partner as A."""
+        path = bundled_scenes()[name]
+        if self._workbench.open_scene(load_scene(path), str(path), ask=True):
+            self._comparison.open_partner()
 
     def _show_a(self) -> None:
         """Show which record is A, and how both are arranged."""

@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QPushButton, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QMenu,
+    QPushButton,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
 
 from insonify_viewer.comparison.arrangement import Arrangement
+from insonify_viewer.comparison.changed_fields import Change
+from insonify_viewer.comparison.pairs import find_pairs
 from insonify_viewer.views.field_rows import Combo
 from insonify_viewer.views.folding_box import FoldingBox
 from insonify_viewer.views.save_dialogs import ask_where_to_save
@@ -38,6 +52,8 @@ class ComparisonView(QScrollArea):
     close_wanted = Signal()
     keep_wanted = Signal()
     back_wanted = Signal()
+    partner_wanted = Signal()
+    pair_wanted = Signal(str)  # name of a scene that is opened with its partner
     arranged = Signal(object)  # Arrangement
     frequency_wanted = Signal(float)
     learn_wanted = Signal(str)  # file of the scene
@@ -54,8 +70,15 @@ class ComparisonView(QScrollArea):
         self.open = _button("Open…", "Open a recording as A (Ctrl+Shift+O)")
         self.back = _button("Return to A", "Return to the scene of A (Shift+K); undo comes back")
         self.leave = _button("Close A", "Leave record A")
+        self.partner = _button("Partner as A", "Trace the partner that this scene names, as A (P)")
+        self.pairs = _button("Pairs", "Scenes that are opened together with their partners")
+        self._pairs_menu = QMenu(self.pairs)
+        self._pairs_menu.aboutToShow.connect(self._fill_pairs)
+        self._pairs_menu.triggered.connect(lambda action: self.pair_wanted.emit(action.data()))
+        self.pairs.setMenu(self._pairs_menu)
         for button, wanted in (
             (self.keep, self.keep_wanted),
+            (self.partner, self.partner_wanted),
             (self.open, self.open_wanted),
             (self.back, self.back_wanted),
             (self.leave, self.close_wanted),
@@ -100,14 +123,21 @@ class ComparisonView(QScrollArea):
         elif not self.back.isHidden():
             self.show_recording(None)
 
+    def show_partner(self, there: bool) -> None:
+        """Offer the partner of the scene, if it names one."""
+        self.partner.setEnabled(there)
+
     def show_arrangement(self, arrangement: Arrangement) -> None:
         """Show how both records are arranged."""
         self.arrangement.setCurrentIndex(list(Arrangement).index(arrangement))
 
-    def show_changes(self, changes: list[str], difference: str) -> None:
+    def show_changes(self, changes: Sequence[Change], difference: str) -> None:
         """List what differs in B from A, and what that changes of the record."""
-        listed = [*changes[:MOST], *([f"and {len(changes) - MOST} more"] if len(changes) > MOST else [])]
-        self.changes.setText("\n".join(["B: " + "\n     ".join(listed), difference]) if changes else "B is the same")
+        listed = [change.in_words() for change in changes[:MOST]]
+        if len(changes) > MOST:
+            listed.append(f"and {len(changes) - MOST} more")
+        named = "B: " + "\n     ".join(listed)
+        self.changes.setText(f"{named}\n{difference}" if changes else "B is the same")
 
     def show_point(self, point: dict[str, str], *, at_mouse: bool) -> None:
         """Show what is known of a point; only the ping where the mouse is elsewhere."""
@@ -129,6 +159,15 @@ class ComparisonView(QScrollArea):
     def show_learning(self, learning: bool) -> None:
         """Show whether a scene is being learned; one at a time is."""
         self.learn.setEnabled(not learning)
+
+    def _fill_pairs(self) -> None:
+        """List the bundled pairs when the menu first opens, which takes a moment."""
+        if self._pairs_menu.actions():
+            return
+        for name, scene in find_pairs().items():
+            action = QAction(f"{name}\t{scene.title}", self._pairs_menu)
+            action.setData(name)
+            self._pairs_menu.addAction(action)
 
     def _ask_for_scene(self) -> None:
         """Let the person name the file of the scene to be learned."""
@@ -155,7 +194,13 @@ class ComparisonView(QScrollArea):
         column = QVBoxLayout(body)
         column.setContentsMargins(8, 8, 8, 8)
         column.setSpacing(6)
-        rows = ((self.keep, self.open), (self.back, self.leave), (self.arrangement, self.frequency), (self.learn,))
+        rows = (
+            (self.keep, self.open),
+            (self.pairs, self.partner),
+            (self.back, self.leave),
+            (self.arrangement, self.frequency),
+            (self.learn,),
+        )
         for row in rows:
             line = QHBoxLayout()
             for part in row:
