@@ -339,11 +339,8 @@ WHY_NOT = {
     "schema_version": "says how the file is to be read",
     "title": "is for people; it stands in the record's attributes",
     "description": "is for people; it stands in the record's attributes",
-<<<<<<< HEAD
     "controls": "is for the viewer, which pins these fields on top",
-=======
     "partner": "names another scene, whose record is another one",
->>>>>>> 3090249 (feat(scene): a scene names a partner; the viewer opens both as A and B, by menu, key and command)
     "world.crs": "names the map that the origin belongs to; nothing is converted",
     "world": PART,
     "seabed": PART,

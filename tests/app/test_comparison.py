@@ -69,10 +69,11 @@ def test_changes_name_fields_and_choices(small: Scene) -> None:
     auto = Modelling()
     other = edit(small, {"sonar.beam.width": 2.5, "targets": []})
     named = [change.in_words() for change in list_changes((small, auto), (other, auto))]
-    assert "sonar beam width 1 → 2.5" in named
-    assert any(change.startswith("targets") for change in named)
+    assert "beam width 1 → 2.5" in named
+    assert "pipe 1 pipe → none" in named
+    assert len(named) == 1 + len(small.targets), "of a target that is gone the kind alone"
     knife = edit(small, {"sonar.beam": "knife"})
-    assert list_changes((small, auto), (knife, auto)) == [("sonar beam", "fan", "knife")]
+    assert list_changes((small, auto), (knife, auto)) == [("beam", "fan", "knife")]
     assert list_changes((small, auto), (edit(small, {"title": "Other"}), auto)) == []
     tolerant = Modelling(0.1, (("planes", "16"),))
     changes = [("tolerance", "3 %", "10 %"), ("planes", "automatic", "16")]
@@ -144,12 +145,12 @@ def test_a_kept_record_stays_while_the_scene_changes(compared: Any) -> None:
     kept = compared.comparison.kept
     assert kept.scene == edit(compared.session.scene, DARK)
     np.testing.assert_allclose(kept.record.amplitude * 2.0, compared.record.amplitude, rtol=1e-5)
-    assert compared.comparison.changes == [("seabed material diffuse", "0.2", "0.4")]
-    assert compared.comparison.titles == ("seabed material diffuse 0.2", "seabed material diffuse 0.4")
+    assert compared.comparison.changes == [("material diffuse", "0.2", "0.4")]
+    assert compared.comparison.titles == ("material diffuse 0.2", "material diffuse 0.4")
     # Amplitudes twice as high are four times the energy.
     assert compared.comparison.difference == "changes the record by 300 %, its mean level by +6 dB"
     said = compared.window._sentence.text()
-    assert said == f"seabed material diffuse 0.2 → 0.4: {compared.comparison.difference}"
+    assert said == f"material diffuse 0.2 → 0.4: {compared.comparison.difference}"
     shown = compared.panels["comparison"].view
     assert "0.2 → 0.4" in shown.changes.text()
     assert "+6 dB" in shown.changes.text()

@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from insonify.scene import plain
+from insonify_viewer.field_names import name_field
 from insonify_viewer.modelling import Modelling
 
 if TYPE_CHECKING:
     from insonify.scene import Scene
 
-UNHEARD = ("title", "description", "partner")  # fields that do not concern the record
+UNHEARD = ("title", "description", "controls", "partner")  # fields that do not concern the record
 AUTOMATIC = "automatic"
 
 
@@ -23,7 +24,7 @@ class Change(NamedTuple):
     after: str
 
     def in_words(self) -> str:
-        """Write the change, as "sonar beam width 1 → 2.5"."""
+        """Write the change, as "beam width 1 → 2.5"."""
         return f"{self.name} {self.before} → {self.after}"
 
 
@@ -37,7 +38,7 @@ def list_changes(before: tuple[Scene, Modelling], after: tuple[Scene, Modelling]
     old, new = (dict(_values(plain(scene))) for scene, _ in (before, after))
     differing = [path for path in dict.fromkeys([*old, *new]) if old.get(path) != new.get(path)]
     return [
-        Change(path.replace(".", " ").replace("_", " "), _word(old.get(path)), _word(new.get(path)))
+        Change(name_field(after[0] if path in new else before[0], path), _word(old.get(path)), _word(new.get(path)))
         for path in differing
         if path not in UNHEARD and not (_is_one_sided(path, old, new) and _owners(path).intersection(differing))
     ] + list(_choices(before[1], after[1]))
@@ -69,8 +70,8 @@ def _values(value: Any, path: str = "") -> Iterator[tuple[str, Any]]:
     if isinstance(value, dict):
         for key, child in value.items():
             yield from _values(child, path if key == "kind" else f"{path}.{key}" if path else key)
-    elif isinstance(value, list) and any(isinstance(item, dict | list) for item in value):
-        for number, child in enumerate(value, 1):
+    elif isinstance(value, list) and (not value or any(isinstance(item, dict | list) for item in value)):
+        for number, child in enumerate(value):
             yield from _values(child, f"{path}.{number}")
     else:
         yield path, value

@@ -40,7 +40,6 @@ class Scene(Declaration):
 
     schema_version: Literal[1] = parameter(SCHEMA, description="version of the scene format")
     title: str = parameter("Untitled", description="what the scene shows", max_length=200)
-<<<<<<< HEAD
     description: str = parameter(
         "",
         description="a paragraph: what it shows, what to move; [words](path.to.field=value) link to a value to try",
@@ -48,11 +47,9 @@ class Scene(Declaration):
     )
     controls: tuple[str, ...] = parameter(
         (), description="fields that the scene is about, by dotted path; the viewer pins them on top", max_length=6
-=======
-    description: str = parameter("", description="a paragraph: what it shows, what to move", max_length=5000)
+    )
     partner: tuple[str, ...] | None = parameter(
         None, description="a scene to compare with: its name or TOML file, this scene if left out, and settings of it"
->>>>>>> 3090249 (feat(scene): a scene names a partner; the viewer opens both as A and B, by menu, key and command)
     )
     seed: int = parameter(1, description="seed of all random numbers", ge=0, le=2**63 - 1)
     world: World = parameter(World(), description="place on Earth")
