@@ -12,13 +12,13 @@ from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QWidget
 
-from insonify_viewer.views.theme import ACCENT, MARK
+from insonify_viewer.views.theme import ACCENT_IN_WATER, MARK_IN_WATER
 
 pv: Any = pyvista  # untyped
 Grip = tuple[tuple[float, float, float], str, bool]
 REACH = 11.0  # px from a handle at which the mouse takes hold of it
 POINTS = 13.0  # px, size of a handle
-COLOURS = {"move": MARK, "turn": ACCENT, "resize": "#ffffff"}
+COLOURS = {"move": MARK_IN_WATER, "turn": ACCENT_IN_WATER, "resize": "#ffffff"}
 
 
 class SeabedHandles(QObject):
