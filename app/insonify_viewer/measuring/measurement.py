@@ -1,0 +1,88 @@
+"""Distance between two bins of a record, and the height of a target whose shadow lies between them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from insonify_viewer.measuring.location import Location
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What a line across a record measures.
+
+    Attributes
+    ----------
+    slant : float
+        Difference of the slant ranges, in metres.
+    straight, along, across : float or None
+        Horizontal distances in metres: between the ends, along the heading at the first and athwart it; None where an
+        end has no known place.
+    pings : int
+        Pings between the ends.
+    height : float or None
+        Height in metres of a target whose shadow the line spans; None unless both ends lie on one side and the line
+        runs across the track.
+    """
+
+    slant: float
+    straight: float | None
+    along: float | None
+    across: float | None
+    pings: int
+    height: float | None
+
+    @property
+    def words(self) -> str:
+        """The measurement in two lines, with the kind of distance."""
+        if self.straight is None:
+            first = f"slant range {self.slant:.2f} m, {self.pings} pings"
+        else:
+            first = f"{self.straight:.2f} m on the bed: {self.along:.2f} m along, {self.across:.2f} m across"
+        second = [f"slant range {self.slant:.2f} m"] if self.straight is not None else []
+        if self.height is not None:
+            second.append(f"as a shadow: target {self.height:.2f} m high")
+        return "\n".join([first, *filter(None, ["  ·  ".join(second)])])
+
+
+def measure(first: Location, last: Location) -> Measurement:
+    """Measure between two bins of a record."""
+    slant, pings = abs(last.slant_range - first.slant_range), abs(last.mark.ping - first.mark.ping)
+    straight = along = across = None
+    if first.place is not None and last.place is not None and math.isfinite(first.heading):
+        dx, dy = (b - a for a, b in zip(first.place, last.place))
+        cos, sin = math.cos(first.heading), math.sin(first.heading)
+        straight, along, across = math.hypot(dx, dy), abs(dx * cos + dy * sin), abs(dy * cos - dx * sin)
+    return Measurement(slant, straight, along, across, pings, _height(first, last, along))
+
+
+def shadow_height(altitude: float, slant_range: float, shadow: float) -> float:
+    """Height of a target from its shadow on a level bed, h = A L / (R + L), by similar triangles.
+
+    Parameters
+    ----------
+    altitude : float
+        A of the sonar above the bed, in metres.
+    slant_range : float
+        R at which the shadow begins, in metres.
+    shadow : float
+        L of the shadow in slant range, in metres.
+
+    Returns
+    -------
+    float
+        Height in metres of the point of the target that the last ray before the shadow's end touches.
+    """
+    return altitude * shadow / (slant_range + shadow)
+
+
+def _height(first: Location, last: Location, along: float | None) -> float | None:
+    """Height of a target whose shadow the line spans."""
+    near, far = sorted((first.slant_range, last.slant_range))
+    altitude = last.altitude if last.slant_range == far else first.altitude
+    if first.mark.side != last.mark.side or not 0.0 < altitude < far or near == far:
+        return None
+    if along is not None and along > far - near:
+        return None
+    return shadow_height(altitude, near, far - near)

@@ -1,0 +1,95 @@
+"""Files of contacts are read back as they were written, and what is wrong with one is told in a sentence."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from insonify.scene import SceneError
+from insonify_viewer.contacts.contact import Contact, ContactList
+from insonify_viewer.contacts.files import read_contacts, write_contacts
+
+PLAIN = Contact("wreck, bow", 'broken; "see log"\nline 2', "A scene", 120, "port", 700, 35.02, 33.6, 24.0, 33.6)
+ON_EARTH = replace(PLAIN, name="Anker ⚓", longitude=-68.82834, latitude=48.44586, snapshot=b"\x89PNG\x00\xff")
+IN_WATER = Contact("fish", "", "line.xtf", 3, "starboard", 12, 2.5)
+
+
+def test_geojson_holds_everything(tmp_path: Path) -> None:
+    path = tmp_path / "found.geojson"
+    write_contacts(path, [PLAIN, ON_EARTH, IN_WATER])
+    assert read_contacts(path) == (PLAIN, ON_EARTH, IN_WATER)
+    collection = json.loads(path.read_text(encoding="utf-8"))
+    assert collection["type"] == "FeatureCollection"
+    assert [each["geometry"] for each in collection["features"]] == [
+        None,
+        {"type": "Point", "coordinates": [-68.82834, 48.44586]},
+        None,
+    ]
+    assert collection["features"][1]["properties"]["name"] == "Anker ⚓"
+
+
+def test_a_table_holds_everything_but_the_snapshots(tmp_path: Path) -> None:
+    path = tmp_path / "found.csv"
+    write_contacts(path, [PLAIN, ON_EARTH, IN_WATER])
+    assert read_contacts(path) == (PLAIN, replace(ON_EARTH, snapshot=b""), IN_WATER)
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["slant_range"] for row in rows] == ["35.02", "35.02", "2.5"]
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "said"),
+    [
+        ("ping", "x", "contact 2 has no valid ping"),
+        ("ping", "-1", "negative ping"),
+        ("side", "left", "side 'left'; write port or starboard"),
+        ("slant_range", "", "no slant_range"),
+        ("latitude", "48° N", "no valid latitude"),
+    ],
+)
+def test_a_mistake_is_named(tmp_path: Path, field: str, value: str, said: str) -> None:
+    path = tmp_path / "found.csv"
+    write_contacts(path, [PLAIN, ON_EARTH])
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    rows[1][field] = value
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, rows[0])
+        writer.writeheader()
+        writer.writerows(rows)
+    with pytest.raises(SceneError, match=said):
+        read_contacts(path)
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[1]", '{"features": 3}', "a,b\n1,2\n"])
+def test_what_is_no_file_of_contacts_is_refused(tmp_path: Path, text: str) -> None:
+    for name in ("found.geojson", "found.csv"):
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(SceneError, match="is no file of contacts"):
+            read_contacts(path)
+    with pytest.raises(SceneError, match="cannot be read"):
+        read_contacts(tmp_path / "missing.csv")
+
+
+def test_a_list_numbers_names_and_knows_what_is_saved() -> None:
+    contacts, told = ContactList(), []
+    contacts.changed.connect(lambda: told.append(len(contacts)))
+    contacts.add(replace(PLAIN, name=""))
+    contacts.add(replace(PLAIN, name=""))
+    contacts.remove(0)
+    contacts.add(replace(PLAIN, name=""))
+    assert [each.name for each in contacts.all] == ["contact 2", "contact 1"]
+    assert contacts.unsaved
+    contacts.mark_saved("found.geojson")
+    assert not contacts.unsaved
+    contacts.edit(0, note="a rock")
+    assert contacts.unsaved
+    assert contacts[0].note == "a rock"
+    contacts.open([PLAIN], "other.csv")
+    assert (len(contacts), contacts.unsaved, contacts.file) == (1, False, "other.csv")
+    assert told == [1, 2, 1, 2, 2, 2, 1]
